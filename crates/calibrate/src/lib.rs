@@ -1,0 +1,1 @@
+//! All geometric errors of a machine tool from a measuring campaign.

@@ -1,0 +1,3 @@
+//! Measuring campaigns of machine tools: checked reading of campaign files.
+mod model;
+pub use model::*;

@@ -1,0 +1,224 @@
+//! The checked campaign: what was measured, on which machine, with what.
+
+use std::ops::Range;
+
+use nalgebra::Point3;
+use trueaxis_kinematics::Machine;
+
+/// A measuring campaign that has been read and checked.
+///
+/// Every index in it (station, target, run, step, axis) is valid. Inside, lengths are mm, angles
+/// and rotary positions rad, times s; only fields named `_um` or `_ppm` differ.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Campaign {
+    /// Name of the campaign.
+    pub name: String,
+    /// Name of the machine.
+    pub machine_name: String,
+    /// Its axes and branches.
+    pub machine: Machine,
+    /// The instrument's declared accuracy.
+    pub instrument: Instrument,
+    /// Targets in the order of the file.
+    pub targets: Vec<Target>,
+    /// Stations of the tracker in the order of the file; empty for a points campaign.
+    pub stations: Vec<Station>,
+    /// Runs in the order of the file.
+    pub runs: Vec<Run>,
+    /// Commanded positions: one step for each different position of a run.
+    pub steps: Vec<Step>,
+    /// Lengths of a multilateration campaign.
+    pub lengths: Option<Lengths>,
+    /// Coordinates of a points campaign.
+    pub points: Option<Points>,
+    /// Measurements of other instruments, to compare with.
+    pub verification: Vec<Verification>,
+    /// What is unusual but no error, in words for the user.
+    pub notices: Vec<String>,
+}
+
+/// Declared accuracy. What is `None` was not declared.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Instrument {
+    /// Name of the instrument.
+    pub name: String,
+    /// Constant part of a length's standard deviation, µm.
+    pub length_sigma_um: Option<f64>,
+    /// Proportional part of a length's standard deviation, µm per m.
+    pub length_sigma_ppm: Option<f64>,
+    /// Standard deviation per coordinate of the position that the machine returns to, µm; common
+    /// to the targets measured at one stop.
+    pub repeatability_um: Option<f64>,
+}
+
+/// A target on a stage.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Target {
+    /// Name, as `P`.
+    pub name: String,
+    /// Nominal position at home in the reference frame, mm.
+    pub home_mm: Point3<f64>,
+    /// The outermost axis that moves it.
+    pub carrier: usize,
+}
+
+/// A station of the tracker, on the bed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Station {
+    /// Name, as `S1`.
+    pub name: String,
+    /// Rough position in the reference frame, mm; not needed to solve.
+    pub approx_mm: Option<Point3<f64>>,
+}
+
+/// One sweep of an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// Name, as `x`.
+    pub name: String,
+    /// The axis under test.
+    pub axis: usize,
+}
+
+/// A commanded position of a run. Its points are common to all stops there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Step {
+    /// Its run.
+    pub run: usize,
+    /// Commanded positions of all axes, mm or rad, in the order of the machine's axes.
+    pub positions: Vec<f64>,
+}
+
+/// From which side a position was approached.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Direction {
+    /// -1 in the files.
+    Backward,
+    /// +1 in the files.
+    Forward,
+}
+
+/// One visit of the machine to a step: the readings taken there without moving.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stop {
+    /// Station of the tracker; 0 in a points campaign.
+    pub station: usize,
+    /// Repeat, from 1.
+    pub repeat: u32,
+    /// Its step (which knows the run).
+    pub step: usize,
+    /// Side of approach.
+    pub direction: Direction,
+    /// Its readings.
+    pub readings: Range<usize>,
+}
+
+/// The rows of `lengths.csv`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Lengths {
+    /// Visits in measuring order; their ranges cover `readings` without gaps.
+    pub stops: Vec<Stop>,
+    /// Readings in measuring order.
+    pub readings: Vec<LengthReading>,
+    /// Air and machine state of each reading, where the file has any of these columns.
+    pub environment: Option<Vec<Environment>>,
+}
+
+/// One length.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LengthReading {
+    /// Time since the start of the campaign, s.
+    pub time_s: f64,
+    /// Target measured.
+    pub target: usize,
+    /// Incremental length `|p - S| - L`, mm.
+    pub length_mm: f64,
+    /// Line of the file, from 1 (the header).
+    pub line: usize,
+}
+
+/// Optional state of air and machine at a reading.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Environment {
+    /// Air temperature, °C.
+    pub air_temp_c: Option<f64>,
+    /// Air pressure, hPa.
+    pub air_pressure_hpa: Option<f64>,
+    /// Relative humidity, %.
+    pub air_humidity_pct: Option<f64>,
+    /// Machine temperature, °C.
+    pub machine_temp_c: Option<f64>,
+}
+
+/// The rows of `points.csv`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Points {
+    /// Visits in measuring order; their ranges cover `readings` without gaps.
+    pub stops: Vec<Stop>,
+    /// Readings in measuring order.
+    pub readings: Vec<PointReading>,
+}
+
+/// One measured point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointReading {
+    /// Time since the start of the campaign, s.
+    pub time_s: f64,
+    /// Target measured.
+    pub target: usize,
+    /// Position in the instrument's frame, mm.
+    pub position_mm: Point3<f64>,
+    /// Standard deviation per coordinate, µm.
+    pub sigma_um: Option<f64>,
+    /// Line of the file, from 1 (the header).
+    pub line: usize,
+}
+
+/// Measurements of another instrument.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verification {
+    /// Name, as `LI along X`.
+    pub name: String,
+    /// What was measured.
+    pub kind: VerificationKind,
+    /// Its readings in measuring order.
+    pub readings: Vec<VerificationReading>,
+}
+
+/// The two kinds of verification.
+#[derive(Debug, Clone, PartialEq)]
+pub enum VerificationKind {
+    /// Deviation of the displacement of a point along an axis (laser interferometer).
+    Positioning {
+        /// The axis measured.
+        axis: usize,
+        /// The measured point at home in the reference frame, mm.
+        target_mm: Point3<f64>,
+    },
+    /// Change of length of a ball bar (paper Eq. 24).
+    Ballbar {
+        /// The moving ball at home in the reference frame, mm.
+        ball_mm: Point3<f64>,
+        /// The outermost axis that moves the ball.
+        ball_carrier: usize,
+        /// The fixed ball in the reference frame, mm.
+        center_mm: Point3<f64>,
+    },
+}
+
+/// One row of a readings file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VerificationReading {
+    /// Time, s, where the file has it; else the order of rows is the clock.
+    pub time_s: Option<f64>,
+    /// Cycle, from 1.
+    pub cycle: u32,
+    /// Side of approach.
+    pub direction: Direction,
+    /// Commanded positions of all axes, mm or rad.
+    pub positions: Vec<f64>,
+    /// `deviation_um` or `delta_um`, µm.
+    pub value_um: f64,
+    /// Line of the file, from 1 (the header).
+    pub line: usize,
+}

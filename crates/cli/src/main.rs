@@ -1,0 +1,2 @@
+//! trueaxis
+fn main() {}

@@ -1,0 +1,1 @@
+//! Average lines, circles and axes of rotation by least squares.

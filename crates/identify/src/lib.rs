@@ -1,0 +1,1 @@
+//! Six component errors of a machine tool axis from three measured points.

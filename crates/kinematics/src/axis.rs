@@ -1,0 +1,269 @@
+//! One axis: its nominal geometry and its exact motion.
+
+use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
+
+use crate::{Error, LocationComponent, LocationError, MotionError};
+
+/// Linear or rotary.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum AxisKind {
+    /// Moves along its direction; positions in mm.
+    Linear,
+    /// Turns about its direction (right-hand rule); positions in rad.
+    Rotary,
+}
+
+/// The nominal geometry of an axis in the reference frame at home.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    name: String,
+    kind: AxisKind,
+    direction: Unit<Vector3<f64>>,
+    reference_mm: Point3<f64>,
+    travel: [f64; 2],
+}
+
+/// How far a direction's length may be from one before it is refused: a rounded unit vector of
+/// four digits passes, a wrong one does not.
+const UNIT_LENGTH_TOL: f64 = 1e-3;
+
+impl Axis {
+    /// A linear axis along `direction`; `travel` in mm. The reference point of its δ is the origin.
+    ///
+    /// # Errors
+    /// [`Error::Direction`] if `direction` is not a unit vector, [`Error::Travel`] if `travel` is
+    /// not an interval.
+    pub fn linear(name: &str, direction: Vector3<f64>, travel: [f64; 2]) -> Result<Self, Error> {
+        Self::new(name, AxisKind::Linear, direction, Point3::origin(), travel)
+    }
+
+    /// A rotary axis about the line through `point_mm` along `direction`; `travel` in rad.
+    /// `point_mm` is the reference point of its δ.
+    ///
+    /// # Errors
+    /// As [`Axis::linear`], and [`Error::Position`] if `point_mm` is not finite.
+    pub fn rotary(
+        name: &str,
+        direction: Vector3<f64>,
+        travel: [f64; 2],
+        point_mm: Point3<f64>,
+    ) -> Result<Self, Error> {
+        Self::new(name, AxisKind::Rotary, direction, point_mm, travel)
+    }
+
+    fn new(
+        name: &str,
+        kind: AxisKind,
+        direction: Vector3<f64>,
+        reference_mm: Point3<f64>,
+        travel: [f64; 2],
+    ) -> Result<Self, Error> {
+        let length = direction.norm();
+        if !length.is_finite() || (length - 1.0).abs() > UNIT_LENGTH_TOL {
+            let direction = [direction.x, direction.y, direction.z];
+            return Err(Error::Direction {
+                axis: name.to_owned(),
+                direction,
+                length,
+            });
+        }
+        if !reference_mm.iter().all(|c| c.is_finite()) {
+            return Err(Error::Position {
+                axis: name.to_owned(),
+            });
+        }
+        let [low, high] = travel;
+        if !(low <= high && low.is_finite() && high.is_finite()) {
+            return Err(Error::Travel {
+                axis: name.to_owned(),
+                low,
+                high,
+            });
+        }
+        let direction = Unit::new_normalize(direction);
+        Ok(Self {
+            name: name.to_owned(),
+            kind,
+            direction,
+            reference_mm,
+            travel,
+        })
+    }
+
+    /// The same axis with another reference point of δ (stage coordinates at home, mm).
+    ///
+    /// For a rotary axis only the height along the axis counts: the reference point stays on it.
+    #[must_use]
+    pub fn with_reference(mut self, point_mm: Point3<f64>) -> Self {
+        self.reference_mm = match self.kind {
+            AxisKind::Linear => point_mm,
+            AxisKind::Rotary => {
+                let height_mm = (point_mm - self.reference_mm).dot(&self.direction);
+                self.reference_mm + self.direction.into_inner() * height_mm
+            }
+        };
+        self
+    }
+
+    /// Name, as `X` or `C`.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Linear or rotary.
+    pub fn kind(&self) -> AxisKind {
+        self.kind
+    }
+
+    /// Nominal direction, positive motion or right-hand rotation.
+    pub fn direction(&self) -> Unit<Vector3<f64>> {
+        self.direction
+    }
+
+    /// Reference point of δ at home, mm; for a rotary axis a point on its nominal axis.
+    pub fn reference_mm(&self) -> Point3<f64> {
+        self.reference_mm
+    }
+
+    /// Lowest and highest position, mm or rad.
+    pub fn travel(&self) -> [f64; 2] {
+        self.travel
+    }
+
+    /// The reference direction (0, 1, 2 for x, y, z) that the axis follows most closely.
+    pub fn principal(&self) -> usize {
+        self.direction.iamax()
+    }
+
+    /// The location errors that this axis can have, in the order X0 Y0 Z0 A0 B0 C0: two tilts for
+    /// a linear axis (of which the reference frame may take some), three shifts and two tilts for
+    /// a rotary one.
+    pub fn location_components(&self) -> Vec<LocationComponent> {
+        let tilts = (0..3)
+            .filter(|&i| i != self.principal())
+            .map(LocationComponent::Tilt);
+        match self.kind {
+            AxisKind::Linear => tilts.collect(),
+            AxisKind::Rotary => (0..3).map(LocationComponent::Offset).chain(tilts).collect(),
+        }
+    }
+
+    /// Average direction `d' = exp(tilt) d`.
+    pub fn average_direction(&self, location: &LocationError) -> Unit<Vector3<f64>> {
+        UnitQuaternion::from_scaled_axis(location.tilt_rad) * self.direction
+    }
+
+    /// The commanded motion alone: translation by `position` mm along the average direction, or
+    /// rotation by `position` rad about the average axis, as it acts on home coordinates.
+    pub fn commanded_motion(&self, position: f64, location: &LocationError) -> Isometry3<f64> {
+        self.motion(position, location, &MotionError::default())
+    }
+
+    /// The exact motion of everything that the axis carries, as it acts on home coordinates.
+    ///
+    /// With the reference point `o` (linear) or `c' = c + offset` (rotary), the average direction
+    /// `d'`, and `l` the part of the offset along the nominal axis:
+    ///
+    /// ```text
+    /// linear  h -> o  + δ + q d' + exp(ε) (h - o)
+    /// rotary  h -> c' + δ + exp(ε) R(d', q) (h - c' + l)
+    /// ```
+    pub fn motion(
+        &self,
+        position: f64,
+        location: &LocationError,
+        error: &MotionError,
+    ) -> Isometry3<f64> {
+        let average_direction = self.average_direction(location);
+        let tilt_error = error.isometry();
+        match self.kind {
+            AxisKind::Linear => {
+                let o = self.reference_mm.coords;
+                Translation3::from(o + average_direction.into_inner() * position)
+                    * tilt_error
+                    * Translation3::from(-o)
+            }
+            AxisKind::Rotary => {
+                let axial_mm =
+                    self.direction.into_inner() * self.direction.dot(&location.offset_mm);
+                let centre = self.reference_mm.coords + location.offset_mm;
+                Translation3::from(centre)
+                    * tilt_error
+                    * UnitQuaternion::from_axis_angle(&average_direction, position)
+                    * Translation3::from(axial_mm - centre)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ARCSEC;
+
+    #[test]
+    fn squareness_turns_y_about_positive_z() {
+        let y = Axis::linear("Y", Vector3::y(), [0.0, 400.0]).unwrap();
+        let c0y = 20.0 * ARCSEC;
+        let location = LocationError {
+            tilt_rad: Vector3::new(0.0, 0.0, c0y),
+            ..Default::default()
+        };
+        let direction = y.average_direction(&location);
+        assert!((direction.into_inner() - Vector3::new(-c0y, 1.0, 0.0)).norm() < 1e-8);
+    }
+
+    #[test]
+    fn tilted_rotary_axis_leaves_its_own_points_in_place() {
+        let c = Axis::rotary("C", Vector3::z(), [0.0, 6.3], Point3::new(50.0, 60.0, 70.0)).unwrap();
+        let location = LocationError {
+            offset_mm: Vector3::new(0.1, -0.2, 0.0),
+            tilt_rad: Vector3::new(1e-3, 2e-3, 0.0),
+        };
+        let on_axis = Point3::from(
+            c.reference_mm().coords
+                + location.offset_mm
+                + c.average_direction(&location).into_inner() * 123.0,
+        );
+        let moved = c.commanded_motion(1.234, &location) * on_axis;
+        assert!((moved - on_axis).norm() < 1e-12);
+    }
+
+    #[test]
+    fn axial_location_error_lifts_the_stage() {
+        let c = Axis::rotary("C", Vector3::z(), [0.0, 6.3], Point3::new(50.0, 60.0, 70.0)).unwrap();
+        let location = LocationError {
+            offset_mm: Vector3::new(0.0, 0.0, 0.5),
+            tilt_rad: Vector3::zeros(),
+        };
+        let h = Point3::new(10.0, 20.0, 30.0);
+        let lifted = c.commanded_motion(0.0, &location) * h;
+        assert!((lifted - h - Vector3::new(0.0, 0.0, 0.5)).norm() < 1e-13);
+    }
+
+    #[test]
+    fn names_follow_iso_230_1() {
+        let names = |axis: &Axis| {
+            let components = axis.location_components();
+            components
+                .iter()
+                .map(|c| c.name(axis.name()))
+                .collect::<Vec<_>>()
+                .join(" ")
+        };
+        let c = Axis::rotary("C", Vector3::z(), [0.0, 6.3], Point3::origin()).unwrap();
+        let a = Axis::rotary("A", Vector3::x(), [0.0, 6.3], Point3::origin()).unwrap();
+        let z = Axis::linear("Z", Vector3::z(), [0.0, 400.0]).unwrap();
+        assert_eq!(names(&c), "X0C Y0C Z0C A0C B0C");
+        assert_eq!(names(&a), "X0A Y0A Z0A B0A C0A");
+        assert_eq!(names(&z), "A0Z B0Z");
+    }
+
+    #[test]
+    fn refuses_what_is_not_a_direction() {
+        let refused = Axis::linear("X", Vector3::new(1.0, 1.0, 0.0), [0.0, 1.0]);
+        assert!(matches!(refused, Err(Error::Direction { .. })));
+        let refused = Axis::linear("X", Vector3::new(f64::NAN, 0.0, 0.0), [0.0, 1.0]);
+        assert!(matches!(refused, Err(Error::Direction { .. })));
+    }
+}

@@ -1,0 +1,1 @@
+//! Rank-checked weighted least squares and block-arrowhead adjustment.

@@ -1,0 +1,1 @@
+//! Self-calibrating sequential multilateration with a laser tracker.

@@ -1,0 +1,1 @@
+//! Exact simulation of measuring campaigns on machine tools with known errors.
