@@ -1,0 +1,110 @@
+//! Covariance of all unknowns from the factors of the arrowhead system.
+//!
+//! ```text
+//! cov(x_i, x_k) = [i = k] D_i + Z_i Σ Z_kᵀ    D = R⁻¹R⁻ᵀ
+//! cov(x_i, s)   = -Z_i Σ_s                    Σ: inverse of the reduced matrix
+//! ```
+
+use faer::{Mat, MatRef};
+
+/// Covariance of all unknowns for unit variance of the whitened rows, kept as factors: its size is
+/// linear in the number of blocks.
+#[derive(Debug, Clone)]
+pub struct Covariance {
+    shared: usize,
+    starts: Vec<usize>,
+    inverse_factor_starts: Vec<usize>,
+    inverse_factors: Vec<f64>,
+    couplings: Vec<f64>,
+    reduced_inverse: Mat<f64>,
+}
+
+impl Covariance {
+    pub(crate) fn new(
+        shared: usize,
+        starts: Vec<usize>,
+        inverse_factor_starts: Vec<usize>,
+        inverse_factors: Vec<f64>,
+        couplings: Vec<f64>,
+        reduced_inverse: Mat<f64>,
+    ) -> Self {
+        Self {
+            shared,
+            starts,
+            inverse_factor_starts,
+            inverse_factors,
+            couplings,
+            reduced_inverse,
+        }
+    }
+
+    /// Number of blocks.
+    pub fn blocks(&self) -> usize {
+        self.inverse_factor_starts.len()
+    }
+
+    /// Number of shared unknowns `s`.
+    pub fn shared_unknowns(&self) -> usize {
+        self.shared
+    }
+
+    /// `Σ`: symmetric matrix of the shared unknowns and, behind them, the datum multipliers. Its
+    /// leading part is the covariance of the shared unknowns; the whole of it is indefinite and
+    /// makes sense only between couplings.
+    pub fn reduced_inverse(&self) -> MatRef<'_, f64> {
+        self.reduced_inverse.as_ref()
+    }
+
+    /// Covariance of the shared unknowns.
+    pub fn shared(&self) -> MatRef<'_, f64> {
+        self.reduced_inverse
+            .as_ref()
+            .submatrix(0, 0, self.shared, self.shared)
+    }
+
+    /// `R⁻¹` of block `i`: upper triangular; the block's covariance with all shared unknowns held
+    /// is `R⁻¹R⁻ᵀ`.
+    pub fn inverse_factor(&self, i: usize) -> MatRef<'_, f64> {
+        let n = self.size(i);
+        let start = self.inverse_factor_starts[i];
+        MatRef::from_column_major_slice(&self.inverse_factors[start..start + n * n], n, n)
+    }
+
+    /// `Z` of block `i`: one column for each shared unknown and datum multiplier.
+    pub fn coupling(&self, i: usize) -> MatRef<'_, f64> {
+        let width = self.reduced_inverse.ncols();
+        let (start, end) = (self.starts[i] * width, self.starts[i + 1] * width);
+        MatRef::from_column_major_slice(&self.couplings[start..end], self.size(i), width)
+    }
+
+    /// Covariance of block `i` with all shared unknowns held: `D = R⁻¹R⁻ᵀ`.
+    pub fn block_given_shared(&self, i: usize) -> Mat<f64> {
+        let factor = self.inverse_factor(i);
+        factor * factor.transpose()
+    }
+
+    /// Covariance of block `i`.
+    pub fn block(&self, i: usize) -> Mat<f64> {
+        self.block_given_shared(i) + self.between(i, i)
+    }
+
+    /// Covariance between block `i` (rows) and the shared unknowns (columns).
+    pub fn block_shared(&self, i: usize) -> Mat<f64> {
+        let width = self.reduced_inverse.ncols();
+        let shared_columns = self
+            .reduced_inverse
+            .as_ref()
+            .submatrix(0, 0, width, self.shared);
+        -(self.coupling(i) * shared_columns)
+    }
+
+    /// The part of the covariance between blocks `i` and `k` that comes through the shared
+    /// unknowns; for `i ≠ k` it is the whole.
+    pub fn between(&self, i: usize, k: usize) -> Mat<f64> {
+        self.coupling(i) * &self.reduced_inverse * self.coupling(k).transpose()
+    }
+
+    fn size(&self, i: usize) -> usize {
+        self.starts[i + 1] - self.starts[i]
+    }
+}

@@ -1,0 +1,159 @@
+//! The arrowhead system against the same problem written as one dense bordered system.
+
+use faer::Mat;
+use faer::linalg::solvers::{DenseSolveCore, Solve};
+use proptest::prelude::*;
+use trueaxis_leastsquares::{Arrowhead, BlockRows, Datum, Error};
+
+const SHARED: usize = 3;
+
+/// One block: `rows × (n + SHARED + 1)` numbers in row order.
+#[derive(Debug, Clone)]
+struct Block {
+    unknowns: usize,
+    rows: Vec<Vec<f64>>,
+}
+
+/// Blocks whose rows do not change when every first block unknown grows by one and every shared
+/// unknown falls by one: the free motion that the datum fixes.
+fn blocks() -> impl Strategy<Value = Vec<Block>> {
+    let block = (1_usize..4).prop_flat_map(|unknowns| {
+        let row = prop::collection::vec(-1.0..1.0, unknowns + SHARED + 1);
+        prop::collection::vec(row, unknowns + 3..unknowns + 6).prop_map(move |mut rows| {
+            for row in &mut rows {
+                let shared: f64 = row[unknowns..unknowns + SHARED].iter().sum();
+                row[0] = shared;
+            }
+            Block { unknowns, rows }
+        })
+    });
+    prop::collection::vec(block, 3..6)
+}
+
+fn solve_arrowhead(blocks: &[Block], closure: f64) -> Result<trueaxis_leastsquares::Solved, Error> {
+    let mut system = Arrowhead::new(SHARED, 1);
+    for block in blocks {
+        let mut rows = BlockRows::new(block.rows.len(), block.unknowns, SHARED);
+        for (i, row) in block.rows.iter().enumerate() {
+            for k in 0..block.unknowns {
+                rows.block_mut(k)[i] = row[k];
+            }
+            for k in 0..SHARED {
+                rows.shared_mut(k)[i] = row[block.unknowns + k];
+            }
+            rows.residual_mut()[i] = row[block.unknowns + SHARED];
+        }
+        let mut datum = vec![0.0; block.unknowns];
+        datum[0] = 1.0;
+        system.eliminate(&mut rows, &datum)?;
+    }
+    let free_motions = vec![vec![-1.0; SHARED]];
+    system.solve(&Datum {
+        free_motions,
+        closure: vec![closure],
+    })
+}
+
+/// Bordered normal matrix of all unknowns (blocks, shared, multiplier) and its right-hand side.
+fn dense(blocks: &[Block], closure: f64) -> (Mat<f64>, Mat<f64>) {
+    let own: usize = blocks.iter().map(|b| b.unknowns).sum();
+    let size = own + SHARED + 1;
+    let (mut matrix, mut right) = (Mat::<f64>::zeros(size, size), Mat::<f64>::zeros(size, 1));
+    let mut first = 0;
+    for block in blocks {
+        let column = |k: usize| {
+            if k < block.unknowns {
+                first + k
+            } else {
+                own + k - block.unknowns
+            }
+        };
+        let width = block.unknowns + SHARED;
+        for row in &block.rows {
+            for i in 0..width {
+                right[(column(i), 0)] += row[i] * row[width];
+                for j in 0..width {
+                    matrix[(column(i), column(j))] += row[i] * row[j];
+                }
+            }
+        }
+        matrix[(first, size - 1)] = 1.0;
+        matrix[(size - 1, first)] = 1.0;
+        first += block.unknowns;
+    }
+    right[(size - 1, 0)] = closure;
+    (matrix, right)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    #[test]
+    fn arrowhead_equals_the_dense_bordered_system(blocks in blocks(), closure in -1.0..1.0) {
+        let (matrix, right) = dense(&blocks, closure);
+        let lu = matrix.full_piv_lu();
+        let expected = lu.solve(&right);
+        let inverse = lu.inverse();
+        // Random geometries that are close to singular say nothing about the algorithm.
+        let size = inverse.norm_max();
+        prop_assume!(size < 1e4);
+        let tol = 1e-9 * size.max(1.0);
+
+        let solved = solve_arrowhead(&blocks, closure).unwrap();
+        let own = matrix.nrows() - SHARED - 1;
+        let mut first = 0;
+        for (i, block) in blocks.iter().enumerate() {
+            for k in 0..block.unknowns {
+                let found = solved.correction.block(i)[k];
+                prop_assert!((found - expected[(first + k, 0)]).abs() < tol);
+            }
+            let covariance = solved.covariance.block(i);
+            let with_shared = solved.covariance.block_shared(i);
+            let with_first = solved.covariance.between(i, 0);
+            for k in 0..block.unknowns {
+                for j in 0..block.unknowns {
+                    prop_assert!((covariance[(k, j)] - inverse[(first + k, first + j)]).abs() < tol);
+                }
+                for j in 0..SHARED {
+                    prop_assert!((with_shared[(k, j)] - inverse[(first + k, own + j)]).abs() < tol);
+                }
+                if i > 0 {
+                    prop_assert!((with_first[(k, 0)] - inverse[(first + k, 0)]).abs() < tol);
+                }
+            }
+            first += block.unknowns;
+        }
+        for k in 0..SHARED {
+            prop_assert!((solved.correction.shared[k] - expected[(own + k, 0)]).abs() < tol);
+            for j in 0..SHARED {
+                let found = solved.covariance.shared()[(k, j)];
+                prop_assert!((found - inverse[(own + k, own + j)]).abs() < tol);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_defect_beyond_the_datum_is_named() {
+    // Shared unknown 2 never appears; the datum takes care of the other free motion.
+    let rows = |a: f64| {
+        vec![
+            vec![1.0 + a, 1.0, a, 0.0, 0.3],
+            vec![2.0, 1.0 - a, 1.0 + a, 0.0, 0.1],
+        ]
+    };
+    let blocks: Vec<Block> = [0.1, 0.5, -0.7, 0.9]
+        .into_iter()
+        .map(|a| Block {
+            unknowns: 1,
+            rows: rows(a),
+        })
+        .collect();
+    let Err(Error::SharedRank { defect, free, .. }) = solve_arrowhead(&blocks, 0.0) else {
+        panic!("an unknown without any row must be refused");
+    };
+    assert_eq!(defect, 1);
+    assert_eq!(free[0].0, 2);
+    // Two thirds: the datum's own motion moves all three unknowns and takes the rest.
+    assert!((free[0].1 - 2.0 / 3.0).abs() < 1e-9, "{free:?}");
+}
