@@ -1,1 +1,69 @@
-//! Self-calibrating sequential multilateration with a laser tracker.
+//! Self-calibrating sequential multilateration with one laser tracker.
+//!
+//! One tracker measures incremental lengths to the same points from several stations `S_j`, each
+//! with an unknown zero, the dead path `L_j`:
+//!
+//! ```text
+//! l_ij = |p_i - S_j| - L_j + e_ij
+//! ```
+//!
+//! One least-squares adjustment finds points, stations and dead paths at once (paper section 3).
+//! Points are eliminated group by group, so time and memory are linear in the lengths. Lengths
+//! leave position, orientation and the mirror image of the whole free: position and orientation
+//! are those that fit the points best to their nominal positions (inner constraints), and the
+//! nominal positions choose the image. Stations need no approximate position.
+//!
+//! Noun in: a [`Network`]; noun out: a [`Solution`] with points, stations, residuals and the
+//! covariance of everything. [`network_from_campaign`] makes the one from a measuring campaign;
+//! [`locate`] is the plain case of known stations. Lengths are mm in any right-handed frame.
+//! The crate does not remove gross errors and does not estimate the noise.
+//!
+//! ```
+//! use nalgebra::Point3;
+//! use trueaxis_multilateration::{Network, Reading, Settings, Visit, solve};
+//!
+//! let truth = [
+//!     (Point3::new(1500.0, 200.0, 900.0), 12.0), // station, dead path
+//!     (Point3::new(-700.0, 1200.0, 300.0), 34.0),
+//!     (Point3::new(-400.0, -900.0, 1200.0), 56.0),
+//!     (Point3::new(900.0, -800.0, -100.0), 78.0),
+//! ];
+//! let mut network = Network { stations: vec![None; 4], ..Network::default() };
+//! for i in 0..27 {
+//!     let grid = |d: i32| f64::from(i / d % 3) * 200.0;
+//!     network.nominal_mm.push(Point3::new(grid(1), grid(3), grid(9)));
+//!     network.groups.push(i as usize..i as usize + 1);
+//! }
+//! for (group, point) in network.nominal_mm.clone().iter().enumerate() {
+//!     for (station, (position, dead_path)) in truth.iter().enumerate() {
+//!         let length_mm = (point - position).norm() - dead_path;
+//!         let next = network.readings.len();
+//!         network.readings.push(Reading { point: 0, length_mm });
+//!         network.visits.push(Visit { station, group, readings: next..next + 1 });
+//!     }
+//! }
+//! let solution = solve(&network, &Settings::default())?;
+//! assert!((solution.stations[2].position_mm - truth[2].0).norm() < 1e-6);
+//! assert!((solution.stations[2].dead_path_mm - 56.0).abs() < 1e-6);
+//! assert_eq!(solution.degrees_of_freedom(), 108 - (81 + 16 - 6));
+//! # Ok::<(), trueaxis_multilateration::Error>(())
+//! ```
+
+mod error;
+mod free_points;
+mod from_campaign;
+mod known_stations;
+mod network;
+mod noise;
+mod redundancy;
+mod solution;
+mod solve;
+mod start;
+
+pub use error::{Error, StationUnknown};
+pub use from_campaign::{CampaignNetwork, Group, network_from_campaign};
+pub use known_stations::{KnownStation, Located, locate};
+pub use network::{Network, Reading, Visit};
+pub use noise::Noise;
+pub use solution::{Solution, Station};
+pub use solve::{Settings, solve};

@@ -1,0 +1,101 @@
+//! What keeps lengths from becoming points.
+
+/// Lengths that cannot be adjusted. Indices refer to the [`crate::Network`].
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// Too few stations to find stations and points together.
+    #[error("self-calibration needs at least {need} stations, found {found}")]
+    TooFewStations {
+        /// Stations needed.
+        need: usize,
+        /// Stations with readings.
+        found: usize,
+    },
+    /// A station of the network has no readings.
+    #[error("station {station} has no readings")]
+    StationWithoutReadings {
+        /// The station.
+        station: usize,
+    },
+    /// A point is seen from too few stations.
+    #[error("point {point} of group {group} is seen from {seen} station(s), needs at least {need}")]
+    PointSeenTooRarely {
+        /// Group of the point.
+        group: usize,
+        /// The point within its group.
+        point: usize,
+        /// Stations that see it.
+        seen: usize,
+        /// Stations needed.
+        need: usize,
+    },
+    /// The stations that see a point lie so that one of its directions is free.
+    #[error(
+        "point {point} of group {group}: the beams that meet there lie in one plane (pivot \
+         {pivot:.1e}, limit {limit:.1e})"
+    )]
+    PointNotDetermined {
+        /// Group of the point.
+        group: usize,
+        /// The point within its group.
+        point: usize,
+        /// Relative size of what determines the free direction.
+        pivot: f64,
+        /// The least value accepted.
+        limit: f64,
+    },
+    /// Fewer readings than unknowns.
+    #[error("{readings} lengths cannot determine {unknowns} unknowns")]
+    TooFewReadings {
+        /// Lengths given.
+        readings: usize,
+        /// Unknowns less the six of the datum.
+        unknowns: usize,
+    },
+    /// No position of the station explains its lengths.
+    #[error(
+        "station {station}: no position explains its lengths (best rms {rms_mm:.3} mm over \
+         {readings} readings)"
+    )]
+    NoStart {
+        /// The station.
+        station: usize,
+        /// Its readings.
+        readings: usize,
+        /// Rms of the best attempt, mm.
+        rms_mm: f64,
+    },
+    /// Stations cannot be told from the lengths.
+    #[error(
+        "{defect} combination(s) of the stations are not determined by the lengths (relative \
+         eigenvalue {eigenvalue:.1e}, limit {limit:.1e})"
+    )]
+    StationsNotDetermined {
+        /// Free combinations beyond position and orientation of the whole.
+        defect: usize,
+        /// Size of what should determine them.
+        eigenvalue: f64,
+        /// The least value accepted.
+        limit: f64,
+        /// The unknowns that take part, largest share first.
+        free: Vec<StationUnknown>,
+    },
+    /// The network contradicts itself: an index out of range or a number that is not finite.
+    #[error("the network is malformed: {what}")]
+    Malformed {
+        /// What is wrong.
+        what: String,
+    },
+    /// The least-squares machinery failed.
+    #[error("the adjustment failed")]
+    LeastSquares(#[source] trueaxis_leastsquares::Error),
+}
+
+/// One of the four unknowns of a station.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StationUnknown {
+    /// The station.
+    pub station: usize,
+    /// 0, 1, 2 for x, y, z; 3 for the dead path.
+    pub unknown: usize,
+}

@@ -1,0 +1,77 @@
+//! The adjusted points and stations with the evidence.
+
+use faer::Mat;
+use nalgebra::{Matrix4, Point3};
+use trueaxis_leastsquares::{Covariance, Termination, chi_squared_upper_tail};
+
+use crate::free_points::PER_STATION;
+
+/// Adjusted stations and points in the datum of the nominal points.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// Stations in the order of the network.
+    pub stations: Vec<Station>,
+    /// Points in the order of the network, mm.
+    pub points_mm: Vec<Point3<f64>>,
+    /// Observed minus computed length of every reading, mm.
+    pub residuals_mm: Vec<f64>,
+    /// Sum of squares of the whitened residuals.
+    pub squares: f64,
+    /// Number of lengths.
+    pub observations: usize,
+    /// Number of unknowns less the six that the datum fixes.
+    pub unknowns: usize,
+    /// Iterations of the adjustment.
+    pub iterations: usize,
+    /// Why it stopped. Look at it: a result that is not converged is returned, not hidden.
+    pub termination: Termination,
+    /// Covariance for the noise as given (its variance factor is one): blocks are the groups
+    /// (x y z of each point), shared unknowns the stations (x y z L of each), mm². The datum is
+    /// the best fit to the nominal points.
+    pub covariance: Covariance,
+}
+
+/// An adjusted station.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Station {
+    /// Position, mm.
+    pub position_mm: Point3<f64>,
+    /// Dead path L: the distance at which the interferometer reads zero, mm.
+    pub dead_path_mm: f64,
+}
+
+impl Solution {
+    /// Redundancy of the whole: lengths minus unknowns.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.observations.saturating_sub(self.unknowns)
+    }
+
+    /// Standard deviation of unit weight, `√(Σ v² / dof)`: 1 if the noise is as declared. NaN
+    /// without redundancy.
+    pub fn sigma0(&self) -> f64 {
+        (self.squares / self.degrees_of_freedom() as f64).sqrt()
+    }
+
+    /// Probability of residuals at least as large as these if the noise is as declared (global
+    /// test, chi-squared).
+    pub fn global_p_value(&self) -> f64 {
+        chi_squared_upper_tail(self.squares, self.degrees_of_freedom() as f64)
+    }
+
+    /// Rms of the residuals, mm.
+    pub fn rms_residual_mm(&self) -> f64 {
+        let squares: f64 = self.residuals_mm.iter().map(|r| r * r).sum();
+        (squares / self.residuals_mm.len().max(1) as f64).sqrt()
+    }
+
+    /// Covariance of the points of a group, 3 rows and columns each, mm².
+    pub fn group_covariance(&self, group: usize) -> Mat<f64> {
+        self.covariance.block(group)
+    }
+
+    /// Covariance of a station and its dead path: x y z L, mm².
+    pub fn station_covariance(&self, station: usize) -> Matrix4<f64> {
+        let first = PER_STATION * station;
+        Matrix4::from_fn(|i, j| self.covariance.shared()[(first + i, first + j)])
+    }
+}

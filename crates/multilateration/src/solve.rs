@@ -1,0 +1,179 @@
+//! The headline verb: lengths to points.
+
+use trueaxis_leastsquares::{Adjusted, Error as LeastSquaresError, adjust};
+
+use crate::free_points::{DATUM, FreePoints, PER_STATION, State};
+use crate::start::start;
+use crate::{Error, Network, Solution, Station, StationUnknown};
+
+/// How to adjust.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Settings {
+    /// When the iteration stops.
+    pub iteration: trueaxis_leastsquares::Settings,
+}
+
+/// Self-calibration needs four stations: with three, every new point brings as many unknowns as
+/// lengths and the stations stay unknown.
+const MIN_STATIONS: usize = 4;
+
+/// A point needs three lengths.
+const MIN_STATIONS_PER_POINT: usize = 3;
+
+/// Weights depend on the beams, which the first adjustment moves by far less than matters; the
+/// second one confirms it.
+const MAX_WEIGHT_UPDATES: usize = 10;
+
+/// Finds all points, stations and dead paths of a network.
+///
+/// # Errors
+/// If the network is malformed, or does not determine what is sought: see [`Error`]. Not
+/// converging is no error but a [`Solution::termination`].
+pub fn solve(network: &Network, settings: &Settings) -> Result<Solution, Error> {
+    network.check()?;
+    check_counts(network)?;
+    let state = start(network)?;
+
+    let mut model = FreePoints::new(network, &state);
+    let mut adjusted = run(network, &model, state, settings)?;
+    let mut iterations = adjusted.iterations;
+    for _ in 0..MAX_WEIGHT_UPDATES {
+        model.update_weights(&adjusted.state);
+        adjusted = run(network, &model, adjusted.state, settings)?;
+        iterations += adjusted.iterations;
+        if adjusted.iterations == 1 || !adjusted.termination.is_converged() {
+            break;
+        }
+    }
+    Ok(solution(network, &model, adjusted, iterations))
+}
+
+fn check_counts(network: &Network) -> Result<(), Error> {
+    let mut used = vec![false; network.stations.len()];
+    for visit in &network.visits {
+        used[visit.station] |= !visit.readings.is_empty();
+    }
+    let found = used.iter().filter(|&&used| used).count();
+    if found < MIN_STATIONS {
+        return Err(Error::TooFewStations {
+            need: MIN_STATIONS,
+            found,
+        });
+    }
+    if let Some(station) = used.iter().position(|used| !used) {
+        return Err(Error::StationWithoutReadings { station });
+    }
+    for (group, visits) in network.visits_by_group().iter().enumerate() {
+        let mut seen = vec![Vec::new(); network.groups[group].len()];
+        for &v in visits {
+            let visit = &network.visits[v];
+            for reading in network.readings_of(visit) {
+                if !seen[reading.point].contains(&visit.station) {
+                    seen[reading.point].push(visit.station);
+                }
+            }
+        }
+        for (point, stations) in seen.iter().enumerate() {
+            let (seen, need) = (stations.len(), MIN_STATIONS_PER_POINT);
+            if seen < need {
+                return Err(Error::PointSeenTooRarely {
+                    group,
+                    point,
+                    seen,
+                    need,
+                });
+            }
+        }
+    }
+    let readings = network.readings.len();
+    let unknowns = 3 * network.nominal_mm.len() + PER_STATION * found - DATUM;
+    if readings < unknowns {
+        return Err(Error::TooFewReadings { readings, unknowns });
+    }
+    Ok(())
+}
+
+fn run(
+    network: &Network,
+    model: &FreePoints<'_>,
+    start: State,
+    settings: &Settings,
+) -> Result<Adjusted<State>, Error> {
+    adjust(model, start, &settings.iteration).map_err(|error| match error {
+        LeastSquaresError::BlockRank {
+            block,
+            unknown,
+            pivot,
+            limit,
+        } => Error::PointNotDetermined {
+            group: block,
+            point: unknown / 3,
+            pivot,
+            limit,
+        },
+        LeastSquaresError::TooFewRows {
+            block,
+            rows,
+            unknowns,
+        } => {
+            let point = network.groups[block].len().saturating_sub(1);
+            let seen = rows / unknowns.div_ceil(3).max(1);
+            Error::PointSeenTooRarely {
+                group: block,
+                point,
+                seen,
+                need: MIN_STATIONS_PER_POINT,
+            }
+        }
+        LeastSquaresError::SharedRank {
+            defect,
+            eigenvalue,
+            limit,
+            free,
+        } => {
+            let unknown = |&(k, _): &(usize, f64)| StationUnknown {
+                station: k / PER_STATION,
+                unknown: k % PER_STATION,
+            };
+            let free = free.iter().map(unknown).collect();
+            Error::StationsNotDetermined {
+                defect,
+                eigenvalue,
+                limit,
+                free,
+            }
+        }
+        other => Error::LeastSquares(other),
+    })
+}
+
+fn solution(
+    network: &Network,
+    model: &FreePoints<'_>,
+    adjusted: Adjusted<State>,
+    iterations: usize,
+) -> Solution {
+    let state = &adjusted.state;
+    let stations = state.stations.iter().zip(&state.dead_paths_mm);
+    let residuals_mm = network
+        .visits
+        .iter()
+        .flat_map(|visit| model.residuals_mm(state, visit))
+        .collect();
+    Solution {
+        stations: stations
+            .map(|(&position_mm, &dead_path_mm)| Station {
+                position_mm,
+                dead_path_mm,
+            })
+            .collect(),
+        residuals_mm,
+        squares: adjusted.squares,
+        observations: adjusted.observations,
+        unknowns: adjusted.unknowns,
+        iterations,
+        termination: adjusted.termination,
+        covariance: adjusted.covariance,
+        points_mm: adjusted.state.points,
+    }
+}

@@ -1,0 +1,384 @@
+//! Where the iteration starts: stations from the nominal points alone.
+//!
+//! For one station with centred and scaled coordinates the square of `l + L = |p - S|` is linear
+//! in `S`, `L` and `q = |S|² - L²`:
+//!
+//! ```text
+//! 2 pᵀS + 2 l L - q = |p|² - l²
+//! ```
+//!
+//! Points that are all in one plane leave the side of the plane on which the station stands open;
+//! so do, in practice, points that are nearly so. Both sides are tried.
+
+use faer::Mat;
+use nalgebra::{Matrix3, Matrix4, Point3, Unit, Vector3, Vector4};
+use trueaxis_leastsquares::{Error as LeastSquaresError, dense};
+
+use crate::free_points::State;
+use crate::{Error, Network};
+
+/// Readings used to find one station: enough for a start, and the time stays linear.
+const MAX_READINGS: usize = 2000;
+
+/// A fit as good as another within this factor does not decide between two mirror images.
+const TIE: f64 = 1.01;
+
+/// Fits of one station worse than this, relative to the size of the network, are tried again
+/// from other starts: nominal positions are never that wrong.
+const POOR_FIT: f64 = 1e-2;
+
+/// Worse than this no position of the station is credible.
+const NO_FIT: f64 = 0.1;
+
+const MAX_ITERATIONS: usize = 200;
+
+/// Points at their nominal positions and the stations that fit them best.
+pub(crate) fn start(network: &Network) -> Result<State, Error> {
+    let mut stations = Vec::new();
+    let mut dead_paths_mm = Vec::new();
+    let mut sightings: Vec<Vec<Sighting>> = vec![Vec::new(); network.stations.len()];
+    for visit in &network.visits {
+        for reading in network.readings_of(visit) {
+            let point = network.nominal_mm[network.point(visit.group, reading.point)];
+            sightings[visit.station].push(Sighting {
+                point,
+                length_mm: reading.length_mm,
+            });
+        }
+    }
+    for (j, all) in sightings.iter().enumerate() {
+        let every = all.len().div_ceil(MAX_READINGS).max(1);
+        let some: Vec<Sighting> = all.iter().step_by(every).copied().collect();
+        let cloud = Cloud::new(&some);
+        let found = find_station(&some, &cloud, network.stations[j]);
+        match found {
+            Some(fit) if fit.rms_mm <= NO_FIT * cloud.radius_mm => {
+                stations.push(fit.position);
+                dead_paths_mm.push(fit.dead_path_mm);
+            }
+            other => {
+                let rms_mm = other.map_or(f64::INFINITY, |fit| fit.rms_mm);
+                return Err(Error::NoStart {
+                    station: j,
+                    readings: all.len(),
+                    rms_mm,
+                });
+            }
+        }
+    }
+    Ok(State {
+        stations,
+        dead_paths_mm,
+        points: network.nominal_mm.clone(),
+    })
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Sighting {
+    point: Point3<f64>,
+    length_mm: f64,
+}
+
+/// Position and spread of the points that one station sees.
+struct Cloud {
+    centroid: Point3<f64>,
+    radius_mm: f64,
+    mean_length_mm: f64,
+    /// Direction in which the points spread least.
+    normal: Unit<Vector3<f64>>,
+}
+
+impl Cloud {
+    fn new(sightings: &[Sighting]) -> Self {
+        let count = sightings.len().max(1) as f64;
+        let sum: Vector3<f64> = sightings.iter().map(|s| s.point.coords).sum();
+        let centroid = Point3::from(sum / count);
+        let mut spread = Matrix3::zeros();
+        for s in sightings {
+            let d = s.point - centroid;
+            spread += d * d.transpose();
+        }
+        let eigen = spread.symmetric_eigen();
+        let normal = Unit::new_normalize(
+            eigen
+                .eigenvectors
+                .column(eigen.eigenvalues.imin())
+                .into_owned(),
+        );
+        Self {
+            centroid,
+            radius_mm: (spread.trace() / count).sqrt().max(f64::MIN_POSITIVE),
+            mean_length_mm: sightings.iter().map(|s| s.length_mm).sum::<f64>() / count,
+            normal,
+        }
+    }
+
+    fn mirrored(&self, p: Point3<f64>) -> Point3<f64> {
+        p - self.normal.into_inner() * (2.0 * (p - self.centroid).dot(&self.normal))
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct StationFit {
+    position: Point3<f64>,
+    dead_path_mm: f64,
+    rms_mm: f64,
+}
+
+fn find_station(
+    sightings: &[Sighting],
+    cloud: &Cloud,
+    approx: Option<Point3<f64>>,
+) -> Option<StationFit> {
+    let mut starts: Vec<Point3<f64>> = approx.into_iter().collect();
+    for position in linear_candidates(sightings, cloud) {
+        starts.extend([position, cloud.mirrored(position)]);
+    }
+    let mut best = best_fit(sightings, &starts, approx);
+    if best.is_none_or(|fit| fit.rms_mm > POOR_FIT * cloud.radius_mm) {
+        starts.extend(surrounding(cloud));
+        best = best_fit(sightings, &starts, approx);
+    }
+    best
+}
+
+/// The best refined start. Between mirror images that fit alike, the one nearer to `approx`, or
+/// the earlier one.
+fn best_fit(
+    sightings: &[Sighting],
+    starts: &[Point3<f64>],
+    approx: Option<Point3<f64>>,
+) -> Option<StationFit> {
+    let fits: Vec<StationFit> = starts
+        .iter()
+        .filter_map(|&start| refine(sightings, start))
+        .collect();
+    let least = fits
+        .iter()
+        .map(|fit| fit.rms_mm)
+        .fold(f64::INFINITY, f64::min);
+    let mut good = fits.into_iter().filter(|fit| fit.rms_mm <= TIE * least);
+    match approx {
+        Some(approx) => good.min_by(|a, b| {
+            (a.position - approx)
+                .norm()
+                .total_cmp(&(b.position - approx).norm())
+        }),
+        None => good.next(),
+    }
+}
+
+/// Solutions of the linear equations; two where the points leave one combination free and the
+/// definition of `q` closes it with a quadratic equation.
+fn linear_candidates(sightings: &[Sighting], cloud: &Cloud) -> Vec<Point3<f64>> {
+    let scale = cloud.radius_mm;
+    let scaled = |s: &Sighting| {
+        (
+            (s.point - cloud.centroid) / scale,
+            (s.length_mm - cloud.mean_length_mm) / scale,
+        )
+    };
+    let design = Mat::from_fn(sightings.len(), 5, |i, k| {
+        let (p, l) = scaled(&sightings[i]);
+        match k {
+            0..3 => 2.0 * p[k],
+            3 => 2.0 * l,
+            _ => -1.0,
+        }
+    });
+    let right: Vec<f64> = sightings
+        .iter()
+        .map(|s| {
+            let (p, l) = scaled(s);
+            p.norm_squared() - l * l
+        })
+        .collect();
+    let position = |s: Vector3<f64>| cloud.centroid + s * scale;
+    match dense::solve(design.as_ref(), &right) {
+        Ok(fit) => {
+            vec![position(Vector3::from_column_slice(&fit.unknowns[..3]))]
+        }
+        Err(LeastSquaresError::DenseRank { rank: 4, .. }) => {
+            // The points lie in a plane: nothing is known across it, so the foot of the station
+            // is found without it and the height follows from q = |S|² - L².
+            planar_candidates(design, &right, cloud.normal)
+                .into_iter()
+                .map(position)
+                .collect()
+        }
+        Err(_) => Vec::new(),
+    }
+}
+
+fn planar_candidates(
+    mut design: Mat<f64>,
+    right: &[f64],
+    normal: Unit<Vector3<f64>>,
+) -> Vec<Vector3<f64>> {
+    // Express S in two directions of the plane; the column across it becomes superfluous.
+    let u = Unit::new_normalize(normal.cross(&Vector3::ith(normal.iamin(), 1.0)));
+    let v = normal.cross(&u);
+    let in_plane = Mat::from_fn(design.nrows(), 4, |i, k| {
+        let p = Vector3::new(design[(i, 0)], design[(i, 1)], design[(i, 2)]);
+        match k {
+            0 => p.dot(&u),
+            1 => p.dot(&v),
+            _ => design[(i, k + 1)],
+        }
+    });
+    design.truncate(0, 0);
+    let Ok(fit) = dense::solve(in_plane.as_ref(), right) else {
+        return Vec::new();
+    };
+    let [a, b, l, q] = [
+        fit.unknowns[0],
+        fit.unknowns[1],
+        fit.unknowns[2],
+        fit.unknowns[3],
+    ];
+    let height = (q + l * l - a * a - b * b).max(0.0).sqrt();
+    let foot = u.into_inner() * a + v * b;
+    vec![
+        foot + normal.into_inner() * height,
+        foot - normal.into_inner() * height,
+    ]
+}
+
+/// Starts all around the points, for when the linear ones fail.
+fn surrounding(cloud: &Cloud) -> Vec<Point3<f64>> {
+    let mut starts = Vec::new();
+    for distance in [1.5, 3.0, 6.0, 12.0] {
+        for direction in 0..26 {
+            // The 26 neighbours of the middle of a 3 × 3 × 3 cube.
+            let cell = if direction < 13 {
+                direction
+            } else {
+                direction + 1
+            };
+            let digit = |d: i32| f64::from(cell / d % 3 - 1);
+            let towards = Vector3::new(digit(1), digit(3), digit(9)).normalize();
+            starts.push(cloud.centroid + towards * (distance * cloud.radius_mm));
+        }
+    }
+    starts
+}
+
+/// Levenberg–Marquardt on the four unknowns of one station; the points stay where they are.
+fn refine(sightings: &[Sighting], start: Point3<f64>) -> Option<StationFit> {
+    let mut position = start;
+    let mut dead_path = mean_dead_path(sightings, position);
+    let mut squares = squares_of(sightings, position, dead_path);
+    let mut damping = 1e-3;
+    for _ in 0..MAX_ITERATIONS {
+        let mut normal = Matrix4::zeros();
+        let mut right = Vector4::zeros();
+        for s in sightings {
+            let beam = s.point - position;
+            let distance = beam.norm();
+            let u = beam / distance;
+            let row = Vector4::new(-u.x, -u.y, -u.z, -1.0);
+            normal += row * row.transpose();
+            right += row * (s.length_mm - (distance - dead_path));
+        }
+        let damped = normal + Matrix4::from_diagonal(&(normal.diagonal() * damping));
+        let step = damped.cholesky()?.solve(&right);
+        let (next, next_dead_path) = (position + step.xyz(), dead_path + step.w);
+        let next_squares = squares_of(sightings, next, next_dead_path);
+        if next_squares < squares {
+            let gain = 1.0 - next_squares / squares;
+            (position, dead_path, squares) = (next, next_dead_path, next_squares);
+            damping *= 0.1;
+            if gain < 1e-6 {
+                break;
+            }
+        } else if damping > 1e6 || step.norm() < 1e-9 {
+            break;
+        } else {
+            damping *= 10.0;
+        }
+    }
+    let rms_mm = (squares / sightings.len().max(1) as f64).sqrt();
+    rms_mm.is_finite().then_some(StationFit {
+        position,
+        dead_path_mm: dead_path,
+        rms_mm,
+    })
+}
+
+fn mean_dead_path(sightings: &[Sighting], position: Point3<f64>) -> f64 {
+    let sum: f64 = sightings
+        .iter()
+        .map(|s| (s.point - position).norm() - s.length_mm)
+        .sum();
+    sum / sightings.len().max(1) as f64
+}
+
+fn squares_of(sightings: &[Sighting], position: Point3<f64>, dead_path: f64) -> f64 {
+    let residual = |s: &Sighting| s.length_mm - ((s.point - position).norm() - dead_path);
+    sightings.iter().map(|s| residual(s).powi(2)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sightings(points: &[Point3<f64>], station: Point3<f64>, dead_path: f64) -> Vec<Sighting> {
+        let see = |&point: &Point3<f64>| Sighting {
+            point,
+            length_mm: (point - station).norm() - dead_path,
+        };
+        points.iter().map(see).collect()
+    }
+
+    fn grid(z: impl Fn(usize) -> f64) -> Vec<Point3<f64>> {
+        (0..25)
+            .map(|i| Point3::new((i % 5) as f64 * 100.0, (i / 5) as f64 * 90.0, z(i)))
+            .collect()
+    }
+
+    #[test]
+    fn exact_for_exact_points() {
+        let points = grid(|i| [0.0, 150.0, 300.0][i % 3]);
+        let station = Point3::new(-900.0, 700.0, 1200.0);
+        let seen = sightings(&points, station, 321.0);
+        let fit = find_station(&seen, &Cloud::new(&seen), None).unwrap();
+        assert!((fit.position - station).norm() < 1e-6);
+        assert!((fit.dead_path_mm - 321.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn points_in_a_plane_leave_two_images() {
+        let points = grid(|_| 50.0);
+        let station = Point3::new(-900.0, 700.0, 1200.0);
+        let seen = sightings(&points, station, 321.0);
+        let cloud = Cloud::new(&seen);
+        let fit = find_station(&seen, &cloud, None).unwrap();
+        let image = cloud.mirrored(station);
+        let distance = (fit.position - station)
+            .norm()
+            .min((fit.position - image).norm());
+        assert!(distance < 1e-5, "{distance}");
+        // An approximation decides.
+        for side in [station, image] {
+            let near = side + Vector3::new(80.0, -60.0, 50.0);
+            let fit = find_station(&seen, &cloud, Some(near)).unwrap();
+            assert!((fit.position - side).norm() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn nominal_positions_may_be_millimetres_off() {
+        let points = grid(|i| [0.0, 150.0, 300.0][i % 3]);
+        let station = Point3::new(1300.0, -800.0, 700.0);
+        let mut seen = sightings(&points, station, 0.0);
+        for (i, s) in seen.iter_mut().enumerate() {
+            s.point += Vector3::new((i % 3) as f64 - 1.0, (i % 4) as f64 - 1.5, (i % 2) as f64);
+        }
+        let fit = find_station(&seen, &Cloud::new(&seen), None).unwrap();
+        assert!(
+            (fit.position - station).norm() < 100.0,
+            "{:?}",
+            fit.position
+        );
+    }
+}
