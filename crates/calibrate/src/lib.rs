@@ -1,1 +1,78 @@
 //! All geometric errors of a machine tool from a measuring campaign.
+//!
+//! From the lengths (or coordinates) of three targets on each axis' stage, every measured pose is
+//! explained by the exact machine model
+//!
+//! ```text
+//! p = T1(q1) … Tk(qk) r        T: commanded motion, location errors, component errors
+//! ```
+//!
+//! and each axis' component errors, its location errors and the home positions of the targets
+//! follow in the least-squares gauge: location errors are what the average line or axis of
+//! rotation takes, component errors are what is left.
+//!
+//! Noun in: a [`trueaxis_campaign::Campaign`]; noun out: a [`Calibration`] with standard
+//! uncertainties propagated from the lengths. The path is lengths → points
+//! (`trueaxis-multilateration`) → pose errors by the nine equations (`trueaxis-identify`) → average
+//! lines and axes (start: `trueaxis-fitting`) → gauge and reference frame, repeated until the exact
+//! model reproduces the measured poses.
+//!
+//! # The reference frame
+//!
+//! With two linear axes that are not parallel (x before y before z): the average line of the first
+//! one has its nominal direction, the average line of the second lies in the plane of the two
+//! nominal directions. The origin is where the targets on their stage are at home, in the mean, at
+//! their nominal positions. With one linear axis the rotation about it, with none the whole frame
+//! follows from the best fit of the targets' home positions to the nominal ones.
+//!
+//! An axis measured while others stand away from home is freed of their errors as far as they are
+//! known.
+//!
+//! # What it does not do
+//!
+//! It does not estimate the noise (it tests the declared one and widens the uncertainties if the
+//! residuals contradict it), does not remove gross errors, and does not say why a model fails.
+//!
+//! ```
+//! use trueaxis_calibrate::{Settings, calibrate};
+//! use trueaxis_simulate::{Scenario, simulate};
+//!
+//! let scenario = Scenario::from_json(include_str!("../../../campaigns/rotary-stage/scenario.json"))?;
+//! let simulated = simulate(&scenario, 1)?;
+//! let calibration = calibrate(&simulated.campaign, &Settings::default())?;
+//! let c = calibration.axis("C").ok_or("C was not measured")?;
+//! let tilt = c.location_error("A0C").ok_or("no A0C")?;
+//! println!("A0C = {:.2e} rad, standard uncertainty {:.1e} rad", tilt.value, tilt.u);
+//! assert!(tilt.u < 1e-5);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod axis_data;
+mod basis;
+mod calibrate;
+mod calibration;
+mod describe;
+mod error;
+mod frame;
+mod from_lengths;
+mod from_points;
+mod gauge;
+mod identify_axes;
+mod json;
+mod measured;
+mod records;
+mod rigid_fit;
+mod settings;
+mod sources;
+mod start;
+mod state;
+mod twist;
+mod uncertainty;
+
+pub use calibrate::calibrate;
+pub use calibration::{
+    AdjustmentReport, AxisResult, Calibration, LocationResult, NodeResult, StationResult,
+    StepMisfit, TargetResult, TriangleSide,
+};
+pub use error::Error;
+pub use settings::{Method, ReferencePoint, Settings};

@@ -1,1 +1,69 @@
-//! Average lines, circles and axes of rotation by least squares.
+//! Average lines, circles and axes of rotation by least squares, and the location errors of a
+//! machine tool that follow from them.
+//!
+//! ```text
+//! line         minimise Σ |d - (d·v) v|²            d = p - centroid
+//! circle       minimise Σ h² + (ρ - R)²             h from its plane, ρ from its axis
+//! common axis  minimise Σ_k Σ (h - z_k)² + (ρ - R_k)²   one axis, each target its circle
+//! ```
+//!
+//! Noun in: measured points; noun out: a [`Line`], a [`Circle`] or a [`CommonAxis`] with its
+//! covariance and residuals ([`fit_line`], [`fit_circle`], [`fit_circle_two_step`] after NIST,
+//! [`fit_common_axis`]). Average lines then give the reference frame ([`frame_from_lines`]) and
+//! [`squareness`](squareness()), average axes the location errors of a rotary axis
+//! ([`axis_location`]; section 4.2 of the paper). Lengths are mm, angles rad; signs follow the
+//! right-hand rule. The paper's own angles, of which three have the opposite sign, are
+//! [`paper_squareness`] and [`paper_c_axis_tilt`].
+//!
+//! The fits reproduce NIST's reference pairs to twelve digits.
+//!
+//! ```
+//! use nalgebra::{Point3, UnitQuaternion, Vector3};
+//! use trueaxis_fitting::{NominalAxis, axis_location, fit_common_axis};
+//!
+//! // A rotary table turns two targets by 10 degrees at a time, a fifth of a turn in all, about
+//! // an axis that stands 20 µm off along x and leans by 50 µrad about y.
+//! let targets = [Vector3::new(120.0, 10.0, 40.0), Vector3::new(-60.0, 70.0, 90.0)];
+//! let centre = Point3::new(0.020, 0.0, 0.0);
+//! let lean = UnitQuaternion::from_scaled_axis(Vector3::new(0.0, 50e-6, 0.0));
+//! let arcs = targets.map(|arm| {
+//!     let turn = |step: i32| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), f64::from(step) * 0.1745);
+//!     (0..8).map(|step| centre + lean * (turn(step) * arm)).collect::<Vec<Point3<f64>>>()
+//! });
+//!
+//! let fitted = fit_common_axis(&[&arcs[0], &arcs[1]])?;
+//! let nominal = NominalAxis { point_mm: Point3::origin(), direction: Vector3::z_axis() };
+//! let location = axis_location(&nominal, &fitted.axis)?;
+//! assert!((location.offset_mm - Vector3::new(0.020, 0.0, 0.0)).norm() < 1e-11); // X0C
+//! assert!((location.tilt_rad - Vector3::new(0.0, 50e-6, 0.0)).norm() < 1e-13); // B0C
+//! # Ok::<(), trueaxis_fitting::Error>(())
+//! ```
+//!
+//! What it does not do: weights, outliers, or noise that is correlated from point to point; the
+//! stated uncertainties are those of independent coordinates of equal variance.
+
+mod axis_location;
+mod circle;
+mod cloud;
+mod coaxial;
+mod common_axis;
+mod error;
+mod gauss_newton;
+mod line;
+mod paper_angles;
+mod planar_circle;
+mod principal_axes;
+mod reference_frame;
+mod scatter;
+mod squareness;
+
+pub use axis_location::{NominalAxis, axis_location, axis_location_covariance};
+pub use circle::{Circle, fit_circle, fit_circle_two_step};
+pub use common_axis::{AxisCircle, CommonAxis, fit_common_axis};
+pub use error::Error;
+pub use gauss_newton::{Convergence, Termination};
+pub use line::{Line, fit_line};
+pub use paper_angles::{PaperSquareness, PaperTilt, paper_c_axis_tilt, paper_squareness};
+pub use reference_frame::{Observed, frame_from_lines, frame_through_point};
+pub use scatter::Scatter;
+pub use squareness::squareness;

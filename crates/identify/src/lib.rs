@@ -1,1 +1,73 @@
 //! Six component errors of a machine tool axis from three measured points.
+//!
+//! A stage that moves as a rigid body displaces the target at `r_j` by
+//!
+//! ```text
+//! Δ_j = δ + ε × r_j        j = P, Q, K        (paper Eqs. 20 and 21)
+//! ```
+//!
+//! Three targets off one line give nine such equations ①...⑨ (Px Py Pz Qx Qy Qz Kx Ky Kz) for
+//! the six components of δ and ε. Noun in: generalised coordinates `r_j` and volumetric errors
+//! `Δ_j` (measured minus ideal position) of one step; noun out: a
+//! [`MotionError`](trueaxis_kinematics::MotionError). Between the two stands an [`Operator`],
+//! which knows the noise it lets through:
+//!
+//! - [`nine`] and [`nine_weighted`]: all equations by least squares, for three targets or more;
+//! - [`SixRows`]: any six of the nine, for comparison; [`closed_form`] is the paper's Eq. 18.
+//!
+//! Lengths are mm, angles rad, right-hand rule. δ belongs to the point that `r` is measured from,
+//! and its noise grows with the distance of the targets from there.
+//!
+//! ```
+//! use nalgebra::Vector3;
+//! use trueaxis_identify::nine;
+//! use trueaxis_kinematics::{ARCSEC, MICROMETRE, MotionError};
+//!
+//! // The targets of the paper's three-axis machine, from the origin of the stage frame, mm.
+//! let r = [
+//!     Vector3::new(16.338, 452.716, 122.416),
+//!     Vector3::new(157.086, 332.593, 324.879),
+//!     Vector3::new(248.925, 603.0552, 412.4483),
+//! ];
+//! let truth = MotionError::new(
+//!     Vector3::new(5.0, -2.0, 1.0) * MICROMETRE,
+//!     Vector3::new(0.0, 3.0, -4.0) * ARCSEC,
+//! );
+//! let delta = r.map(|r| truth.displacement_mm(r)); // measured minus ideal
+//!
+//! let operator = nine(&r)?;
+//! let found = operator.apply(&delta);
+//! assert!((found.to_vector() - truth.to_vector()).norm() < 1e-15);
+//!
+//! // 1 µm of noise on every coordinate makes 2.2 µm of δx and 0.88″ of εx.
+//! let sigma = operator.noise_gain();
+//! assert_eq!(format!("{:.2}", sigma[0]), "2.20");
+//! assert_eq!(format!("{:.2}", sigma[3] * MICROMETRE / ARCSEC), "0.88");
+//! # Ok::<(), trueaxis_identify::Error>(())
+//! ```
+//!
+//! [`rigid_misfit`] tests whether the points of a step moved as one body, [`triangle_mismatch`]
+//! whether measured targets are the nominal ones.
+//!
+//! The crate neither measures points nor turns coordinates by the commanded angle
+//! ([`trueaxis_kinematics::generalised_coordinates`] does), and it leaves squareness and other
+//! location errors in what it finds: separating them needs all steps of a run.
+
+mod closed_form;
+mod covariance;
+mod design;
+mod error;
+mod misfit;
+mod nine;
+mod operator;
+mod six_rows;
+mod triangle;
+
+pub use closed_form::closed_form;
+pub use design::equations;
+pub use error::Error;
+pub use misfit::{RigidMisfit, rigid_misfit};
+pub use nine::{nine, nine_weighted};
+pub use operator::Operator;
+pub use six_rows::{SixRows, UnseenMotion};
+pub use triangle::{SideMismatch, triangle_mismatch};

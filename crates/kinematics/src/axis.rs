@@ -159,6 +159,20 @@ impl Axis {
         self.motion(position, location, &MotionError::default())
     }
 
+    /// The stage point at home whose displacement is δ: `o` for a linear axis, `c' - l` for a
+    /// rotary one (see [`Axis::motion`]), mm.
+    pub fn reference_at_home_mm(&self, location: &LocationError) -> Point3<f64> {
+        match self.kind {
+            AxisKind::Linear => self.reference_mm,
+            AxisKind::Rotary => self.reference_mm + location.offset_mm - self.axial_mm(location),
+        }
+    }
+
+    /// The part of a shift along the nominal axis, mm.
+    fn axial_mm(&self, location: &LocationError) -> Vector3<f64> {
+        self.direction.into_inner() * self.direction.dot(&location.offset_mm)
+    }
+
     /// The exact motion of everything that the axis carries, as it acts on home coordinates.
     ///
     /// With the reference point `o` (linear) or `c' = c + offset` (rotary), the average direction
@@ -184,13 +198,11 @@ impl Axis {
                     * Translation3::from(-o)
             }
             AxisKind::Rotary => {
-                let axial_mm =
-                    self.direction.into_inner() * self.direction.dot(&location.offset_mm);
                 let centre = self.reference_mm.coords + location.offset_mm;
                 Translation3::from(centre)
                     * tilt_error
                     * UnitQuaternion::from_axis_angle(&average_direction, position)
-                    * Translation3::from(axial_mm - centre)
+                    * Translation3::from(self.axial_mm(location) - centre)
             }
         }
     }

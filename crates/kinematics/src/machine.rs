@@ -69,6 +69,17 @@ impl Machine {
         })
     }
 
+    /// The same machine with other geometry of its axes; `change` gets the index and the axis and
+    /// must keep the name.
+    #[must_use]
+    pub fn with_axes(&self, change: impl Fn(usize, Axis) -> Axis) -> Self {
+        let axes = self.axes.iter().cloned().enumerate().map(|(i, axis)| change(i, axis));
+        Self {
+            axes: axes.collect(),
+            ..self.clone()
+        }
+    }
+
     /// All axes; every index in this crate refers to this slice.
     pub fn axes(&self) -> &[Axis] {
         &self.axes

@@ -1,0 +1,89 @@
+//! Why a campaign cannot be calibrated, in the words of the campaign.
+
+/// A campaign that does not yield a calibration.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// The campaign has neither lengths nor points.
+    #[error("the campaign has neither lengths nor points: there is nothing to calibrate from")]
+    NothingMeasured,
+    /// The lengths do not determine points and stations.
+    #[error("{what}; {mend}")]
+    NotIdentifiable {
+        /// What cannot be determined, by name.
+        what: String,
+        /// What would determine it.
+        mend: String,
+    },
+    /// The adjustment did not reach a minimum.
+    #[error(
+        "the adjustment of the lengths did not converge after {iterations} iterations: {termination}"
+    )]
+    NotConverged {
+        /// Iterations used.
+        iterations: usize,
+        /// Why it stopped, with numbers.
+        termination: String,
+    },
+    /// The lengths contradict each other far beyond their noise.
+    #[error(
+        "the lengths contradict each other: rms residual {rms_um:.1} µm, {sigma0:.0} times what \
+         the noise explains; worst is {worst}; {hint}"
+    )]
+    Contradictory {
+        /// Rms of the residuals, µm.
+        rms_um: f64,
+        /// Standard deviation of unit weight.
+        sigma0: f64,
+        /// Where the misfit is largest.
+        worst: String,
+        /// What to look at.
+        hint: String,
+    },
+    /// A length that no position of its station explains.
+    #[error(
+        "no position of station {station} explains its {readings} lengths: the best leaves {rms_mm:.1} mm \
+         rms; check its name in every row, the units, and the nominal positions of the targets"
+    )]
+    StationUnexplained {
+        /// Name of the station.
+        station: String,
+        /// Number of its lengths.
+        readings: usize,
+        /// Rms of the best attempt, mm.
+        rms_mm: f64,
+    },
+    /// The component errors did not settle.
+    #[error(
+        "the component errors did not settle after {passes} passes (last change {change_mm:.1e} mm): \
+         the measured motion is far from the nominal one; check the direction and position of axis {axis}"
+    )]
+    NotSettled {
+        /// Passes made.
+        passes: usize,
+        /// Largest change of a coordinate in the last pass, mm.
+        change_mm: f64,
+        /// The axis that changed most.
+        axis: String,
+    },
+    /// What was measured is another motion than the commanded one.
+    #[error(
+        "axis {axis} does not move as commanded: the points deviate by up to {translation_mm:.1} mm and \
+         {rotation_deg:.1}° from it; check the direction, sign and unit of this axis in the campaign"
+    )]
+    NotThatMotion {
+        /// The axis.
+        axis: String,
+        /// Largest component of δ, mm.
+        translation_mm: f64,
+        /// Largest component of ε, degrees.
+        rotation_deg: f64,
+    },
+    /// A covariance or an equation system failed although all checks before it passed.
+    #[error("axis {axis}: {what}")]
+    Numerical {
+        /// The axis.
+        axis: String,
+        /// What failed, with numbers.
+        what: String,
+    },
+}

@@ -1,0 +1,287 @@
+//! Composes single axes to a machine: nine equations, gauge and reference frame, repeated until
+//! the exact model reproduces the measured poses.
+
+use nalgebra::{Point3, Vector3, Vector6};
+use trueaxis_kinematics::{AxisKind, MotionError};
+
+use crate::Error;
+use crate::axis_data::AxisData;
+use crate::basis::Basis;
+use crate::frame::FrameRule;
+use crate::gauge::{Gauge, GaugeDefect, PER_RUN};
+use crate::records::{Context, RecordFit, around};
+use crate::start::average_lines_and_axes;
+use crate::state::{AxisState, ModelErrors, State};
+
+/// The identified machine with the linear maps that its uncertainties need.
+pub(crate) struct Identified {
+    pub(crate) state: State,
+    pub(crate) gauges: Vec<Gauge>,
+    /// Fits of the last pass, for each axis and record.
+    pub(crate) fits: Vec<Vec<RecordFit>>,
+    pub(crate) frame: FrameRule,
+}
+
+/// A pass changes results by a ten-thousandth of the pass before (the size of the errors in rad);
+/// coarse machines, degrees off, need more.
+const MAX_PASSES: usize = 60;
+
+/// Settled when no coordinate changes by more, mm: a picometre of the results is rounding.
+const SETTLED_MM: f64 = 1e-9;
+
+pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<Identified, Error> {
+    let frame = FrameRule::new(context.campaign, context.machine, data);
+    let gauges = data
+        .iter()
+        .map(|axis| {
+            Gauge::new(&context.machine.axes()[axis.axis], axis)
+                .map_err(|d| defect(context, axis, &d))
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut state = average_lines_and_axes(context, data);
+    let mut worst = (0.0, 0);
+    for _ in 0..MAX_PASSES {
+        let fits = (0..data.len())
+            .map(|k| context.fit_records(data, &state, k))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut next = state.clone();
+        worst = (0.0, 0);
+        for (k, gauge) in gauges.iter().enumerate() {
+            let change_mm = improve(context, data, &state, k, gauge, &fits[k], &mut next.axes[k]);
+            // Written so that a change that is not a number counts.
+            if worst.0 >= change_mm {
+                continue;
+            }
+            worst = (change_mm, k);
+        }
+        let frame_change_mm = settle_frame(context, data, &frame, &mut next);
+        state = next;
+        if worst.0.max(frame_change_mm) <= SETTLED_MM {
+            return Ok(Identified {
+                state,
+                gauges,
+                fits,
+                frame,
+            });
+        }
+    }
+    let axis = context.machine.axes()[data[worst.1].axis].name().to_owned();
+    Err(Error::NotSettled {
+        passes: MAX_PASSES,
+        change_mm: worst.0,
+        axis,
+    })
+}
+
+/// Updates the values of one axis; returns the largest change of a coordinate, mm.
+fn improve(
+    context: &Context<'_>,
+    data: &[AxisData],
+    state: &State,
+    k: usize,
+    gauge: &Gauge,
+    fits: &[RecordFit],
+    next: &mut AxisState,
+) -> f64 {
+    let own = &data[k];
+    let axis = &context.machine.axes()[own.axis];
+    let pose_errors: Vec<Vector6<f64>> = fits.iter().map(|fit| fit.pose_error).collect();
+    let x = gauge.apply(&pose_errors);
+
+    // Component errors: the mean over the records of a node, without what the gauge takes.
+    let mut curve = vec![Vector6::zeros(); own.nodes.len()];
+    for ((record, error), effect) in own.records.iter().zip(&pose_errors).zip(&gauge.effects) {
+        curve[record.node] += (error - effect * &x) / own.nodes[record.node].records as f64;
+    }
+    let lever_mm = fits
+        .iter()
+        .flat_map(|fit| &fit.levers_mm)
+        .map(|r| r.norm())
+        .fold(0.0, f64::max);
+    let mut change_mm = 0.0_f64;
+    let mut changed = |translation: Vector3<f64>, rotation: Vector3<f64>| {
+        change_mm = change_mm.max(translation.norm() + lever_mm * rotation.norm());
+    };
+    for (value, error) in next.curve.iter_mut().zip(&curve) {
+        let new = MotionError::from_vector(error);
+        changed(
+            new.translation_mm - value.translation_mm,
+            new.rotation_rad - value.rotation_rad,
+        );
+        *value = new;
+    }
+
+    // Location errors.
+    let across = Basis::of(axis).across;
+    let combine = |first: usize| across[0] * x[first] + across[1] * x[first + 1];
+    match axis.kind() {
+        AxisKind::Linear => {
+            next.location.tilt_rad += combine(0);
+            changed(Vector3::zeros(), combine(0));
+        }
+        AxisKind::Rotary => {
+            next.location.offset_mm += combine(0);
+            next.location.tilt_rad += combine(2);
+            changed(combine(0), combine(2));
+        }
+    }
+
+    // Targets: their twist on the stage and the mean of what is not rigid.
+    let reference = axis.reference_at_home_mm(&state.axes[k].location);
+    let errors = ModelErrors { data, state };
+    for (r, run) in own.runs.iter().enumerate() {
+        let first = gauge.location_parameters + PER_RUN * r;
+        let twist = MotionError::new(
+            x.fixed_rows::<3>(first).into_owned(),
+            x.fixed_rows::<3>(first + 3).into_owned(),
+        );
+        let positions = &context.campaign.steps
+            [context.measured.groups[own.records[run.first_record].group].step]
+            .positions;
+        for (place, &target) in run.targets.iter().enumerate() {
+            let (_, inner) = around(
+                context.machine,
+                context.campaign.targets[target].carrier,
+                own.axis,
+            );
+            let inside = context.machine.chain_motion(&errors, inner, positions);
+            let on_stage = inside * state.axes[k].targets_mm[r][place];
+            let shift =
+                twist.displacement_mm(on_stage - reference) + mean_distortion(own, fits, r, target);
+            next.targets_mm[r][place] = inside.inverse() * (on_stage + shift);
+            changed(shift, Vector3::zeros());
+        }
+    }
+    change_mm
+}
+
+/// Mean over the records of a run of what no rigid motion explains of a target's position.
+fn mean_distortion(own: &AxisData, fits: &[RecordFit], run: usize, target: usize) -> Vector3<f64> {
+    let mut sum = Vector3::zeros();
+    let mut count = 0.0;
+    for (record, fit) in own
+        .records
+        .iter()
+        .zip(fits)
+        .filter(|(record, _)| record.run == run)
+    {
+        if let Some(place) = record.targets.iter().position(|&(t, _)| t == target) {
+            sum += fit.distortion_mm[place];
+            count += 1.0;
+        }
+    }
+    if count > 0.0 { sum / count } else { sum }
+}
+
+/// Moves the reference frame and the axial places of rotary axes to where the rule wants them;
+/// returns the largest change, mm.
+fn settle_frame(
+    context: &Context<'_>,
+    data: &[AxisData],
+    frame: &FrameRule,
+    next: &mut State,
+) -> f64 {
+    let tilts: Vec<Vector3<f64>> = frame
+        .lines
+        .iter()
+        .map(|&(k, _)| next.axes[k].location.tilt_rad)
+        .collect();
+    let shifts: Vec<Vector3<f64>> = frame
+        .anchors
+        .iter()
+        .map(|anchor| {
+            let target = data[anchor.data].runs[anchor.run].targets[anchor.place];
+            next.axes[anchor.data].targets_mm[anchor.run][anchor.place]
+                - context.campaign.targets[target].home_mm
+        })
+        .collect();
+    let motion = frame.motion(&tilts, &shifts);
+    next.ref_from_datum = motion.removal() * next.ref_from_datum;
+    let size_mm = context
+        .measured
+        .points_mm
+        .iter()
+        .map(|p| (p - motion.pivot).norm())
+        .fold(0.0, f64::max);
+    let mut change_mm = motion.translation.norm() + motion.rotation.norm() * size_mm;
+
+    if frame.has_lines() {
+        for (axis, values) in data.iter().zip(&mut next.axes) {
+            let geometry = &context.machine.axes()[axis.axis];
+            if geometry.kind() == AxisKind::Rotary {
+                let along = geometry.direction().into_inner();
+                let shift_mm = mean_axial_shift(context, axis, values, along);
+                values.location.offset_mm += along * shift_mm;
+                for target in values.targets_mm.iter_mut().flatten() {
+                    *target -= along * shift_mm;
+                }
+                change_mm = change_mm.max(shift_mm.abs());
+            }
+        }
+    }
+    change_mm
+}
+
+/// How far the targets of a rotary axis are from nominal along it, in the mean.
+fn mean_axial_shift(
+    context: &Context<'_>,
+    axis: &AxisData,
+    values: &AxisState,
+    along: Vector3<f64>,
+) -> f64 {
+    let mut sum = 0.0;
+    let mut count = 0.0;
+    for (run, targets_mm) in axis.runs.iter().zip(&values.targets_mm) {
+        for (&target, position) in run.targets.iter().zip(targets_mm) {
+            sum += (position - context.campaign.targets[target].home_mm).dot(&along);
+            count += 1.0;
+        }
+    }
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+fn defect(context: &Context<'_>, axis: &AxisData, defect: &GaugeDefect) -> Error {
+    let name = context.machine.axes()[axis.axis].name();
+    let runs: Vec<&str> = axis
+        .runs
+        .iter()
+        .map(|run| context.campaign.runs[run.run].name.as_str())
+        .collect();
+    match defect {
+        GaugeDefect::Positions { singular_value } => Error::NotIdentifiable {
+            what: format!(
+                "axis {name}: {} position(s) do not tell its location errors from its component \
+                 errors (relative singular value {singular_value:.1e})",
+                axis.nodes.len()
+            ),
+            mend: "measure it at more positions, over more of its travel".to_owned(),
+        },
+        GaugeDefect::Disjoint => Error::NotIdentifiable {
+            what: format!("axis {name}: runs {} share no position", runs.join(", ")),
+            mend:
+                "measure at least two common positions in every run of an axis, or calibrate the \
+                   runs one at a time"
+                    .to_owned(),
+        },
+    }
+}
+
+/// Mean position of each target over the runs that measured it, in the reference frame at home.
+pub(crate) fn mean_targets(
+    data: &[AxisData],
+    state: &State,
+    targets: usize,
+) -> Vec<Option<Point3<f64>>> {
+    let mut sums = vec![(Vector3::zeros(), 0.0); targets];
+    for (axis, values) in data.iter().zip(&state.axes) {
+        for (run, positions) in axis.runs.iter().zip(&values.targets_mm) {
+            for (&target, position) in run.targets.iter().zip(positions) {
+                sums[target].0 += position.coords;
+                sums[target].1 += 1.0;
+            }
+        }
+    }
+    sums.into_iter()
+        .map(|(sum, n)| (n > 0.0).then(|| Point3::from(sum / n)))
+        .collect()
+}

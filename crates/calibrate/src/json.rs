@@ -1,0 +1,333 @@
+//! `calibration.json`, version 1.
+//!
+//! Positions are mm or degrees, linear errors µm, angular errors arcsec; `u` is a standard
+//! uncertainty. Numbers are rounded far below anything measurable, so that the file reads well.
+
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
+use trueaxis_campaign::Direction;
+use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
+
+use crate::calibration::{AxisResult, Calibration, NodeResult, StationResult};
+use crate::settings::Method;
+
+impl Calibration {
+    /// The text of `calibration.json`, version 1.
+    ///
+    /// Optional fields beyond the fixed ones: `p_value` and `uncertainty_factor` of the
+    /// adjustment, `direction` of each position where the sides of approach are kept apart,
+    /// `noise_gain` of each axis, `misfits`, `triangle`, `notices`.
+    pub fn to_json(&self) -> String {
+        let file = File::new(self);
+        // Serialising plain structs of numbers and strings to memory has no way to fail.
+        let mut text = serde_json::to_string_pretty(&file).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+}
+
+#[derive(Serialize)]
+struct File<'a> {
+    format: &'static str,
+    version: u32,
+    campaign: &'a str,
+    method: String,
+    adjustment: AdjustmentFile<'a>,
+    stations: Vec<StationFile<'a>>,
+    targets: Vec<TargetFile<'a>>,
+    axes: Vec<AxisFile<'a>>,
+    location_errors: Ordered<QuantityFile>,
+    misfits: Vec<MisfitFile<'a>>,
+    triangle: Vec<TriangleFile<'a>>,
+    notices: &'a [String],
+}
+
+#[derive(Serialize)]
+struct AdjustmentFile<'a> {
+    observations: usize,
+    unknowns: usize,
+    degrees_of_freedom: usize,
+    sigma0: f64,
+    p_value: f64,
+    uncertainty_factor: f64,
+    rms_residual_um: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    length_sigma_um: Option<f64>,
+    repeatability_um: f64,
+    iterations: usize,
+    termination: &'a str,
+    rejected: [(); 0],
+}
+
+#[derive(Serialize)]
+struct StationFile<'a> {
+    name: &'a str,
+    position_mm: [f64; 3],
+    u_mm: [f64; 3],
+    dead_path_mm: f64,
+    u_dead_path_mm: f64,
+}
+
+#[derive(Serialize)]
+struct TargetFile<'a> {
+    name: &'a str,
+    position_mm: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct AxisFile<'a> {
+    name: &'a str,
+    kind: &'static str,
+    unit: &'static str,
+    positions: Vec<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    direction: Option<Vec<i8>>,
+    reference_point_mm: [f64; 3],
+    components: Ordered<CurveFile>,
+    noise_gain: Ordered<GainFile>,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum CurveFile {
+    Linear {
+        value_um: Vec<f64>,
+        u_um: Vec<f64>,
+    },
+    Angular {
+        value_arcsec: Vec<f64>,
+        u_arcsec: Vec<f64>,
+    },
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum QuantityFile {
+    Linear { value_mm: f64, u_mm: f64 },
+    Angular { value_arcsec: f64, u_arcsec: f64 },
+}
+
+/// µm or arcsec for 1 µm of independent noise on every coordinate, by the method used and by the
+/// nine equations.
+#[derive(Serialize)]
+struct GainFile {
+    used: f64,
+    nine: f64,
+}
+
+#[derive(Serialize)]
+struct MisfitFile<'a> {
+    step: &'a str,
+    rms_um: f64,
+    chi_squared: f64,
+    degrees_of_freedom: usize,
+    p_value: f64,
+}
+
+#[derive(Serialize)]
+struct TriangleFile<'a> {
+    targets: &'a [String; 2],
+    nominal_mm: f64,
+    measured_mm: f64,
+    difference_um: f64,
+}
+
+/// A JSON object in the order in which it was made.
+struct Ordered<T>(Vec<(String, T)>);
+
+impl<T: Serialize> Serialize for Ordered<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for (name, value) in &self.0 {
+            map.serialize_entry(name, value)?;
+        }
+        map.end()
+    }
+}
+
+impl<'a> File<'a> {
+    fn new(calibration: &'a Calibration) -> Self {
+        let adjustment = &calibration.adjustment;
+        Self {
+            format: "trueaxis-calibration",
+            version: 1,
+            campaign: &calibration.campaign,
+            method: match calibration.method {
+                Method::Nine => "nine-equation".to_owned(),
+                Method::Six(rows) => format!("six-equation {rows}"),
+            },
+            adjustment: AdjustmentFile {
+                observations: adjustment.observations,
+                unknowns: adjustment.unknowns,
+                degrees_of_freedom: adjustment.degrees_of_freedom,
+                sigma0: round(adjustment.sigma0, 6),
+                p_value: significant(adjustment.p_value),
+                uncertainty_factor: round(adjustment.uncertainty_factor, 6),
+                rms_residual_um: um(adjustment.rms_residual_mm),
+                length_sigma_um: adjustment.length_sigma_mm.map(um),
+                repeatability_um: um(adjustment.repeatability_mm),
+                iterations: adjustment.iterations,
+                termination: &adjustment.termination,
+                rejected: [],
+            },
+            stations: calibration.stations.iter().map(station).collect(),
+            targets: calibration
+                .targets
+                .iter()
+                .map(|t| TargetFile {
+                    name: &t.name,
+                    position_mm: t.position_mm.coords.map(mm).into(),
+                })
+                .collect(),
+            axes: calibration.axes.iter().map(axis).collect(),
+            location_errors: Ordered(calibration.axes.iter().flat_map(location_errors).collect()),
+            misfits: calibration
+                .misfits
+                .iter()
+                .map(|misfit| MisfitFile {
+                    step: &misfit.step,
+                    rms_um: round(misfit.rms_um, 3),
+                    chi_squared: round(misfit.chi_squared, 3),
+                    degrees_of_freedom: misfit.degrees_of_freedom,
+                    p_value: significant(misfit.p_value),
+                })
+                .collect(),
+            triangle: calibration
+                .triangle
+                .iter()
+                .map(|side| TriangleFile {
+                    targets: &side.targets,
+                    nominal_mm: mm(side.nominal_mm),
+                    measured_mm: mm(side.measured_mm),
+                    difference_um: round((side.measured_mm - side.nominal_mm) / MICROMETRE, 3),
+                })
+                .collect(),
+            notices: &calibration.notices,
+        }
+    }
+}
+
+fn station(station: &StationResult) -> StationFile<'_> {
+    StationFile {
+        name: &station.name,
+        position_mm: station.position_mm.coords.map(mm).into(),
+        u_mm: station.u_mm.map(mm),
+        dead_path_mm: mm(station.dead_path_mm),
+        u_dead_path_mm: mm(station.u_dead_path_mm),
+    }
+}
+
+fn axis(axis: &AxisResult) -> AxisFile<'_> {
+    let rotary = axis.kind == AxisKind::Rotary;
+    let position = |node: &NodeResult| {
+        if rotary {
+            round(node.position.to_degrees(), 9)
+        } else {
+            node.position
+        }
+    };
+    let directions: Vec<i8> = axis
+        .nodes
+        .iter()
+        .filter_map(|node| node.direction)
+        .map(|direction| match direction {
+            Direction::Forward => 1,
+            Direction::Backward => -1,
+        })
+        .collect();
+    AxisFile {
+        name: &axis.name,
+        kind: if rotary { "rotary" } else { "linear" },
+        unit: if rotary { "deg" } else { "mm" },
+        positions: axis.nodes.iter().map(position).collect(),
+        direction: (!directions.is_empty()).then_some(directions),
+        reference_point_mm: axis.reference_point_mm.coords.map(mm).into(),
+        components: Ordered(
+            Component::ALL
+                .map(|c| (c.name(&axis.name), curve(axis, c)))
+                .into(),
+        ),
+        noise_gain: Ordered(
+            Component::ALL
+                .map(|c| (c.name(&axis.name), gain(axis, c)))
+                .into(),
+        ),
+    }
+}
+
+fn curve(axis: &AxisResult, component: Component) -> CurveFile {
+    let c = component.index();
+    let values = axis.nodes.iter().map(|node| node.error.to_vector()[c]);
+    let uncertainties = axis.nodes.iter().map(|node| node.u[c]);
+    if component.is_angular() {
+        CurveFile::Angular {
+            value_arcsec: values.map(arcsec).collect(),
+            u_arcsec: uncertainties.map(arcsec).collect(),
+        }
+    } else {
+        CurveFile::Linear {
+            value_um: values.map(um).collect(),
+            u_um: uncertainties.map(um).collect(),
+        }
+    }
+}
+
+fn gain(axis: &AxisResult, component: Component) -> GainFile {
+    let c = component.index();
+    // mm per mm is µm per µm; rad per mm becomes arcsec per µm.
+    let unit = if component.is_angular() {
+        MICROMETRE / ARCSEC
+    } else {
+        1.0
+    };
+    let gain = |gain: &[f64; 6]| round(gain[c] * unit, 4);
+    GainFile {
+        used: gain(&axis.noise_gain),
+        nine: gain(&axis.noise_gain_nine),
+    }
+}
+
+fn location_errors(axis: &AxisResult) -> Vec<(String, QuantityFile)> {
+    axis.location_errors
+        .iter()
+        .map(|location| {
+            let quantity = if location.component.is_angular() {
+                let (value_arcsec, u_arcsec) = (arcsec(location.value), arcsec(location.u));
+                QuantityFile::Angular {
+                    value_arcsec,
+                    u_arcsec,
+                }
+            } else {
+                QuantityFile::Linear {
+                    value_mm: mm(location.value),
+                    u_mm: mm(location.u),
+                }
+            };
+            (location.component.name(&axis.name), quantity)
+        })
+        .collect()
+}
+
+/// To a nanometre's millionth.
+fn mm(value: f64) -> f64 {
+    round(value, 9)
+}
+
+fn um(value_mm: f64) -> f64 {
+    round(value_mm / MICROMETRE, 6)
+}
+
+fn arcsec(value_rad: f64) -> f64 {
+    round(value_rad / ARCSEC, 6)
+}
+
+/// Rounded to decimals; no negative zero.
+fn round(value: f64, decimals: i32) -> f64 {
+    let scale = 10_f64.powi(decimals);
+    (value * scale).round() / scale + 0.0
+}
+
+/// Three significant digits, for probabilities.
+fn significant(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}

@@ -1,0 +1,257 @@
+//! The nine equations at every record of an axis, relative to the current model.
+//!
+//! With everything outside the axis under test (`B`) and inside it (`C`) taken from the model,
+//!
+//! ```text
+//! Δ = B⁻¹ p - T(q) C r
+//! ```
+//!
+//! is what the model of the axis itself leaves. The linear error model turns it into a correction
+//! of the six component errors; as the prediction is exact, repeating this leaves no second-order
+//! error (Newton's method on the pose).
+
+use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix6xX, Point3, UnitQuaternion, Vector3, Vector6};
+use trueaxis_campaign::Campaign;
+use trueaxis_identify::{Operator, nine_weighted, rigid_misfit};
+use trueaxis_kinematics::{Machine, MotionError};
+
+use crate::axis_data::{AxisData, Record, points_of};
+use crate::measured::Measured;
+use crate::settings::Method;
+use crate::state::{ModelErrors, State};
+use crate::{Error, describe};
+
+/// The identification of one record.
+pub(crate) struct RecordFit {
+    /// Component errors of this record alone, before the gauge.
+    pub(crate) pose_error: Vector6<f64>,
+    /// How they follow from displacements of the record's points in datum coordinates.
+    pub(crate) from_points: Matrix6xX<f64>,
+    /// Generalised coordinates of the targets, mm.
+    pub(crate) levers_mm: Vec<Vector3<f64>>,
+    /// What a rigid motion leaves of the volumetric errors, turned back to the stage at home, mm.
+    pub(crate) distortion_mm: Vec<Vector3<f64>>,
+    /// Rotations: base of the axis from datum, and stage at home from base.
+    pub(crate) base_from_datum: Matrix3<f64>,
+    pub(crate) stage_from_base: Matrix3<f64>,
+    /// The rigid-body test.
+    pub(crate) misfit: Misfit,
+    /// Standard deviations of the components per unit noise of the points.
+    pub(crate) noise_gain: Vector6<f64>,
+}
+
+/// Whether the points of a record move as a rigid body.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Misfit {
+    pub(crate) rms_um: f64,
+    pub(crate) chi_squared: f64,
+    pub(crate) degrees_of_freedom: usize,
+}
+
+/// What is common to the records of an axis.
+pub(crate) struct Context<'a> {
+    pub(crate) campaign: &'a Campaign,
+    pub(crate) machine: &'a Machine,
+    pub(crate) measured: &'a Measured,
+    pub(crate) method: Method,
+}
+
+/// The axes before and after `axis` in the chain of a target.
+pub(crate) fn around(
+    machine: &Machine,
+    carrier: usize,
+    axis: usize,
+) -> (&[usize], &[usize]) {
+    let chain = machine.chain(carrier);
+    let place = chain.iter().position(|&a| a == axis).unwrap_or(0);
+    (&chain[..place], &chain[place + 1..])
+}
+
+impl Context<'_> {
+    /// Identifies every record of the axis `data[index]`.
+    pub(crate) fn fit_records(
+        &self,
+        data: &[AxisData],
+        state: &State,
+        index: usize,
+    ) -> Result<Vec<RecordFit>, Error> {
+        data[index]
+            .records
+            .iter()
+            .map(|record| self.fit(data, state, index, record))
+            .collect()
+    }
+
+    fn fit(
+        &self,
+        data: &[AxisData],
+        state: &State,
+        index: usize,
+        record: &Record,
+    ) -> Result<RecordFit, Error> {
+        let (own, values) = (&data[index], &state.axes[index]);
+        let axis = &self.machine.axes()[own.axis];
+        let errors = ModelErrors { data, state };
+        let positions = &self.campaign.steps[self.measured.groups[record.group].step].positions;
+        let node = &own.nodes[record.node];
+        let current = values.curve[record.node];
+        let motion = axis.motion(node.position, &values.location, &current);
+        let reference = motion * axis.reference_at_home_mm(&values.location);
+
+        let mut levers_mm = Vec::new();
+        let mut deltas_mm = Vec::new();
+        let mut base_from_datum = Isometry3::identity();
+        for (target, point) in points_of(self.measured, record) {
+            let carrier = self.campaign.targets[target].carrier;
+            let (outer, inner) = around(self.machine, carrier, own.axis);
+            let base = self.machine.chain_motion(&errors, outer, positions);
+            base_from_datum = base.inverse() * state.ref_from_datum;
+            let inside = self.machine.chain_motion(&errors, inner, positions);
+            let home = home_of(own, values.targets_mm.as_slice(), record.run, target);
+            let predicted = motion * (inside * home);
+            levers_mm.push(predicted - reference);
+            deltas_mm.push(base_from_datum * point - predicted);
+        }
+        let base_from_datum = base_from_datum.rotation.to_rotation_matrix().into_inner();
+        let covariance = rotated(&self.covariance_of(record), &base_from_datum);
+        let operator = self
+            .operator(&levers_mm, &covariance)
+            .map_err(|error| self.refused(own, record, &error))?;
+        let misfit = rigid_misfit(&operator, &deltas_mm, &covariance)
+            .map_err(|error| self.refused(own, record, &error))?;
+        let correction = operator.apply(&deltas_mm);
+        let stage_from_base = motion.rotation.inverse().to_rotation_matrix().into_inner();
+        Ok(RecordFit {
+            pose_error: composed(&correction, &current).to_vector(),
+            from_points: rotated_columns(&operator.matrix(), &base_from_datum),
+            noise_gain: operator.noise_gain(),
+            distortion_mm: misfit
+                .residual_mm
+                .iter()
+                .map(|v| stage_from_base * v)
+                .collect(),
+            levers_mm,
+            base_from_datum,
+            stage_from_base,
+            misfit: Misfit {
+                rms_um: misfit.rms_um,
+                chi_squared: misfit.chi_squared,
+                degrees_of_freedom: misfit.degrees_of_freedom,
+            },
+        })
+    }
+
+    /// Covariance of the record's points in datum coordinates.
+    fn covariance_of(&self, record: &Record) -> DMatrix<f64> {
+        select_targets(&self.measured.noise.total(record.group), record)
+    }
+
+    fn operator(
+        &self,
+        levers_mm: &[Vector3<f64>],
+        covariance: &DMatrix<f64>,
+    ) -> Result<Operator, trueaxis_identify::Error> {
+        match (self.method, levers_mm) {
+            (Method::Nine, _) => nine_weighted(levers_mm, covariance),
+            (Method::Six(rows), &[p, q, k]) => rows.operator(&[p, q, k]),
+            (Method::Six(_), _) => {
+                let (nominal, measured) = (3, levers_mm.len());
+                Err(trueaxis_identify::Error::TargetCount { nominal, measured })
+            }
+        }
+    }
+
+    fn refused(&self, own: &AxisData, record: &Record, error: &trueaxis_identify::Error) -> Error {
+        use trueaxis_identify::Error as Identify;
+        let step = describe::step(self.campaign, self.measured.groups[record.group].step);
+        let names: Vec<&str> = record
+            .targets
+            .iter()
+            .map(|&(t, _)| self.campaign.targets[t].name.as_str())
+            .collect();
+        let names = names.join(", ");
+        match error {
+            Identify::Collinear { .. } => Error::NotIdentifiable {
+                what: format!("{step}: targets {names}: {error}"),
+                mend: "place one target well away from the line through the others".to_owned(),
+            },
+            Identify::BlindRows { .. } | Identify::SingularRows { .. } => Error::NotIdentifiable {
+                what: format!("{step}: targets {names}: {error}"),
+                mend: "use the method nine, or move a target".to_owned(),
+            },
+            Identify::TargetCount { measured, .. } => Error::NotIdentifiable {
+                what: format!("{step}: the method six needs three targets, found {measured}"),
+                mend: "use the method nine".to_owned(),
+            },
+            _ => Error::Numerical {
+                axis: self.machine.axes()[own.axis].name().to_owned(),
+                what: format!("{step}: {error}"),
+            },
+        }
+    }
+}
+
+/// Home position of a target in a run.
+pub(crate) fn home_of(
+    data: &AxisData,
+    targets_mm: &[Vec<Point3<f64>>],
+    run: usize,
+    target: usize,
+) -> Point3<f64> {
+    let place = data.runs[run]
+        .targets
+        .iter()
+        .position(|&t| t == target)
+        .unwrap_or(0);
+    targets_mm[run][place]
+}
+
+/// The rows and columns of a group's matrix that belong to a record's targets.
+pub(crate) fn select_targets(group: &DMatrix<f64>, record: &Record) -> DMatrix<f64> {
+    let place = |i: usize| 3 * record.targets[i / 3].1 + i % 3;
+    let size = 3 * record.targets.len();
+    DMatrix::from_fn(size, size, |i, j| group[(place(i), place(j))])
+}
+
+/// The rows of a group's matrix that belong to a record's targets.
+pub(crate) fn select_rows(group: &DMatrix<f64>, record: &Record) -> DMatrix<f64> {
+    let place = |i: usize| 3 * record.targets[i / 3].1 + i % 3;
+    DMatrix::from_fn(3 * record.targets.len(), group.ncols(), |i, j| {
+        group[(place(i), j)]
+    })
+}
+
+/// `exp(ε₂) exp(ε₁)` and the sum of the translations: a correction on top of an error.
+fn composed(correction: &MotionError, current: &MotionError) -> MotionError {
+    let turn = |e: &MotionError| UnitQuaternion::from_scaled_axis(e.rotation_rad);
+    MotionError::new(
+        correction.translation_mm + current.translation_mm,
+        (turn(correction) * turn(current)).scaled_axis(),
+    )
+}
+
+/// `Q C Qᵀ` with the same rotation for every point.
+fn rotated(covariance: &DMatrix<f64>, rotation: &Matrix3<f64>) -> DMatrix<f64> {
+    let points = covariance.nrows() / 3;
+    let mut turned = covariance.clone();
+    for i in 0..points {
+        for j in 0..points {
+            let block =
+                rotation * covariance.fixed_view::<3, 3>(3 * i, 3 * j) * rotation.transpose();
+            turned
+                .fixed_view_mut::<3, 3>(3 * i, 3 * j)
+                .copy_from(&block);
+        }
+    }
+    (&turned + turned.transpose()) * 0.5
+}
+
+/// `P Q` with the same rotation for every point.
+fn rotated_columns(matrix: &Matrix6xX<f64>, rotation: &Matrix3<f64>) -> Matrix6xX<f64> {
+    let mut turned = matrix.clone();
+    for j in 0..matrix.ncols() / 3 {
+        let block = matrix.fixed_columns::<3>(3 * j) * rotation;
+        turned.fixed_columns_mut::<3>(3 * j).copy_from(&block);
+    }
+    turned
+}

@@ -1,0 +1,40 @@
+//! How to calibrate.
+
+use nalgebra::Point3;
+use trueaxis_identify::SixRows;
+
+/// Settings of [`crate::calibrate`].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Settings {
+    /// How six component errors follow from the points of a step.
+    pub method: Method,
+    /// Whether the two sides of approach get curves of their own.
+    pub by_direction: bool,
+    /// The point of the stage whose translation is δ.
+    pub reference_point: ReferencePoint,
+}
+
+/// How six component errors follow from the points of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// All equations, weighted with the covariance of the points.
+    #[default]
+    Nine,
+    /// Six of nine equations without weights; [`SixRows::PAPER`] is the paper's choice.
+    Six(SixRows),
+}
+
+/// The point of the stage whose translation is δ.
+///
+/// A rotary axis takes only its height along the axis: its reference point stays on the axis.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum ReferencePoint {
+    /// The origin of the stage frame (the paper): the reference frame's origin for a linear axis,
+    /// `position_mm` for a rotary one.
+    #[default]
+    Origin,
+    /// The centroid of the targets that the axis moves: the least noise.
+    Centroid,
+    /// A point in the reference frame at home, mm.
+    At(Point3<f64>),
+}

@@ -1,0 +1,173 @@
+//! Location errors of a rotary axis: the measured axis against the nominal one (paper 4.2.3).
+//!
+//! ```text
+//! offset = q + t n - c  with t such that  (q + t n - c)·n0 = 0
+//! tilt   = the least rotation that turns n0 onto n
+//! ```
+//!
+//! for the measured axis through `q` along `n` and the nominal one through `c` along `n0`.
+
+use nalgebra::{Matrix3, Matrix6, Point3, Unit, Vector3};
+use trueaxis_kinematics::LocationError;
+
+use crate::{Error, Line, squareness};
+
+/// The nominal axis of rotation in the reference frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NominalAxis {
+    /// A point on it, mm. The offset is taken at its height: a tilted axis is elsewhere at each.
+    pub point_mm: Point3<f64>,
+    /// Direction of positive rotation, right-hand rule.
+    pub direction: Unit<Vector3<f64>>,
+}
+
+/// Largest angle to the nominal direction. Beyond it the measured axis is another one, or runs the
+/// other way.
+const MAX_TILT_DEG: f64 = 45.0;
+
+/// Location errors of a measured axis of rotation (`X0? Y0? Z0?` in mm, `A0? B0? C0?` in rad).
+///
+/// The offset lies across the nominal axis, in the plane through `nominal.point_mm`; a line has no
+/// position along itself, so the axial part (`Z0C` for a C axis) is zero here and must come from
+/// elsewhere. The tilt is [`squareness`](crate::squareness()) of the two directions. With
+/// `nominal` from an axis of `trueaxis-kinematics` (its reference point and direction) the result
+/// moves that axis exactly onto the measured line.
+///
+/// # Errors
+/// [`Error::FarFromNominal`] beyond 45 degrees.
+pub fn axis_location(nominal: &NominalAxis, measured: &Line) -> Result<LocationError, Error> {
+    let cosine = nominal.direction.dot(&measured.direction);
+    let sine = nominal.direction.cross(&measured.direction).norm();
+    let angle_deg = sine.atan2(cosine).to_degrees();
+    if angle_deg.is_nan() || angle_deg > MAX_TILT_DEG {
+        return Err(Error::FarFromNominal {
+            angle_deg,
+            limit_deg: MAX_TILT_DEG,
+        });
+    }
+    Ok(LocationError {
+        offset_mm: slide_along(nominal, measured) * (measured.point_mm - nominal.point_mm),
+        tilt_rad: squareness(nominal.direction, measured.direction),
+    })
+}
+
+/// Covariance of [`axis_location`], in the order X0 Y0 Z0 (mm) A0 B0 C0 (rad), when each coordinate
+/// of each point has the independent standard deviation `sigma_mm`; first order in the tilt.
+///
+/// Without `sigma_mm` it is estimated from the residuals; `None` if there is none to estimate it
+/// from.
+pub fn axis_location_covariance(
+    nominal: &NominalAxis,
+    measured: &Line,
+    sigma_mm: Option<f64>,
+) -> Option<Matrix6<f64>> {
+    let slide = slide_along(nominal, measured);
+    let height_mm = (measured.point_mm - nominal.point_mm).dot(&nominal.direction);
+    let mut location_from_line = Matrix6::zeros();
+    let mut set = |row, column, block: Matrix3<f64>| {
+        location_from_line
+            .fixed_view_mut::<3, 3>(row, column)
+            .copy_from(&block);
+    };
+    // A point of the line one height above the plane: a tilt carries the intersection back by it.
+    let reach_mm = height_mm / nominal.direction.dot(&measured.direction);
+    set(0, 0, slide);
+    set(0, 3, slide * -reach_mm);
+    set(3, 3, nominal.direction.cross_matrix());
+    let covariance = measured.covariance(sigma_mm)?;
+    Some(location_from_line * covariance * location_from_line.transpose())
+}
+
+/// Projection along the measured line onto the plane across the nominal axis.
+fn slide_along(nominal: &NominalAxis, measured: &Line) -> Matrix3<f64> {
+    let (n0, n) = (&nominal.direction, &measured.direction);
+    Matrix3::identity() - n.into_inner() * n0.transpose() / n.dot(n0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scatter;
+    use trueaxis_kinematics::Axis;
+
+    fn line(point_mm: Point3<f64>, direction: Unit<Vector3<f64>>) -> Line {
+        Line {
+            point_mm,
+            direction,
+            cofactor: Matrix6::identity(),
+            scatter: Scatter::new(0.0, 3, 6),
+        }
+    }
+
+    /// Any point of the average axis of `trueaxis-kinematics` gives its location errors back.
+    #[test]
+    fn inverts_the_average_axis_of_kinematics() {
+        let travel = [0.0, 6.3];
+        let c = Axis::rotary("C", Vector3::z(), travel, Point3::new(50.0, 60.0, 70.0)).unwrap();
+        let location = LocationError {
+            offset_mm: Vector3::new(0.1, -0.2, 0.0),
+            tilt_rad: Vector3::new(1e-3, 2e-3, 0.0),
+        };
+        let nominal = NominalAxis {
+            point_mm: c.reference_mm(),
+            direction: c.direction(),
+        };
+        let direction = c.average_direction(&location);
+        for height_mm in [-300.0, 0.0, 250.0] {
+            let centre = c.reference_mm() + location.offset_mm;
+            let measured = line(centre + direction.into_inner() * height_mm, direction);
+            let found = axis_location(&nominal, &measured).unwrap();
+            assert!((found.offset_mm - location.offset_mm).norm() < 1e-13);
+            assert!((found.tilt_rad - location.tilt_rad).norm() < 1e-15);
+            assert!(
+                found.offset_mm.z.abs() < 1e-14,
+                "a line has no axial position"
+            );
+        }
+    }
+
+    /// The covariance is J C Jᵀ: its J against differences of the function itself.
+    #[test]
+    fn covariance_agrees_with_differences() {
+        let nominal = NominalAxis {
+            point_mm: Point3::new(5.0, 6.0, 7.0),
+            direction: Vector3::z_axis(),
+        };
+        let place = |change: &nalgebra::Vector6<f64>| {
+            let point = Point3::new(5.1, 5.9, 90.0) + change.fixed_rows::<3>(0);
+            // The tilt is second order in the covariance: a line along the nominal direction.
+            let direction = Vector3::z() + change.fixed_rows::<3>(3);
+            let found = axis_location(&nominal, &line(point, Unit::new_normalize(direction)));
+            let LocationError {
+                offset_mm,
+                tilt_rad,
+            } = found.unwrap();
+            nalgebra::Vector6::from_iterator(offset_mm.iter().chain(&tilt_rad).copied())
+        };
+        let step = 1e-4;
+        let columns: Vec<_> = (0..6)
+            .map(|k| nalgebra::Vector6::ith(k, step))
+            .map(|h| (place(&h) - place(&-h)) / (2.0 * step))
+            .collect();
+        // The line of the test has unit cofactor in all six, so the covariance is J Jᵀ; but a
+        // direction does not change along itself.
+        let jacobian = Matrix6::from_columns(&columns);
+        let measured = line(Point3::new(5.1, 5.9, 90.0), Vector3::z_axis());
+        let found = axis_location_covariance(&nominal, &measured, Some(1.0)).unwrap();
+        let expected = jacobian * jacobian.transpose();
+        assert!((found - expected).norm() < 1e-6 * expected.norm());
+    }
+
+    #[test]
+    fn refuses_an_axis_that_runs_the_other_way() {
+        let nominal = NominalAxis {
+            point_mm: Point3::origin(),
+            direction: Vector3::z_axis(),
+        };
+        let refused = axis_location(&nominal, &line(Point3::origin(), -Vector3::z_axis()));
+        assert!(matches!(
+            refused,
+            Err(Error::FarFromNominal { angle_deg, .. }) if (angle_deg - 180.0).abs() < 1e-12
+        ));
+    }
+}

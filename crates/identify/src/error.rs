@@ -1,0 +1,119 @@
+//! Why six component errors cannot be had from these points.
+
+use crate::{SixRows, UnseenMotion};
+
+/// Points that do not determine the six component errors, or input that is not what it should be.
+///
+/// Targets and rows of a covariance are counted from 0 in the order in which they were given.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// Fewer than three targets.
+    #[error("need at least 3 targets to see all six component errors, found {found}")]
+    TooFewTargets {
+        /// Number of targets given.
+        found: usize,
+    },
+    /// A coordinate or a volumetric error is NaN or infinite.
+    #[error("the {quantity} of target number {target} (from 0) is not finite")]
+    NotFinite {
+        /// What is not finite.
+        quantity: &'static str,
+        /// Index of the target.
+        target: usize,
+    },
+    /// All targets lie on one line, or at one point.
+    #[error(
+        "the targets lie on one line: the farthest two are {length_mm} mm apart and none is more \
+         than {off_line_mm} mm away from the line through them, so that the rotation about this \
+         line is not seen"
+    )]
+    Collinear {
+        /// Largest distance between two targets, mm.
+        length_mm: f64,
+        /// Largest distance of a target from the line through those two, mm.
+        off_line_mm: f64,
+    },
+    /// The covariance has not three rows and three columns for each target.
+    #[error("the covariance of the points is {rows} x {columns}, expected {expected} x {expected}")]
+    CovarianceShape {
+        /// Number of rows.
+        rows: usize,
+        /// Number of columns.
+        columns: usize,
+        /// Three times the number of targets.
+        expected: usize,
+    },
+    /// The covariance is not symmetric, or holds a number that is not finite.
+    #[error(
+        "the covariance of the points is not symmetric: entry ({row}, {column}) is {upper} mm² \
+         and its mirror image is {lower} mm²"
+    )]
+    CovarianceAsymmetric {
+        /// Row of the entry.
+        row: usize,
+        /// Column of the entry, at or right of the diagonal.
+        column: usize,
+        /// The entry at (row, column), mm².
+        upper: f64,
+        /// The entry at (column, row), mm².
+        lower: f64,
+    },
+    /// The covariance is not positive definite; for [`crate::rigid_misfit`] this concerns the part
+    /// of it that no rigid motion reaches.
+    #[error(
+        "the covariance of the points is not positive definite: its eigenvalues reach from \
+         {smallest_mm2} to {largest_mm2} mm²"
+    )]
+    Covariance {
+        /// Smallest eigenvalue, mm².
+        smallest_mm2: f64,
+        /// Largest eigenvalue, mm².
+        largest_mm2: f64,
+    },
+    /// Not a choice of six different rows out of nine.
+    #[error("{rows:?} is not a choice of six different rows from 0 to 8")]
+    RowChoice {
+        /// The rows as given.
+        rows: [usize; 6],
+    },
+    /// One of the six choices of rows that are singular wherever the targets are.
+    #[error("equations {rows} never suffice: they do not see {unseen}")]
+    BlindRows {
+        /// The choice.
+        rows: SixRows,
+        /// The motion that changes none of the six measured coordinates.
+        unseen: UnseenMotion,
+    },
+    /// A choice of rows that is singular for these targets.
+    #[error(
+        "equations {rows} are singular for these targets: condition number {condition:.3e}, \
+         determinant {determinant_mm3:.3e} mm³; choose other rows or all nine"
+    )]
+    SingularRows {
+        /// The choice.
+        rows: SixRows,
+        /// Condition number of the centred and scaled six equations.
+        condition: f64,
+        /// Determinant of the six equations, mm³; for [`SixRows::PAPER`] it is the paper's N.
+        determinant_mm3: f64,
+    },
+    /// The denominator N of the paper's closed form vanishes.
+    #[error(
+        "the denominator N of equation 18 is {n_mm3:.3e} mm³, nothing against {scale_mm3:.3e} mm³ \
+         (the longest distance between targets, cubed): move a target or use all nine equations"
+    )]
+    NearZeroN {
+        /// N, mm³.
+        n_mm3: f64,
+        /// The cube of the longest distance between two targets, mm³.
+        scale_mm3: f64,
+    },
+    /// Nominal and measured targets are not equally many.
+    #[error("{nominal} nominal and {measured} measured targets cannot be compared")]
+    TargetCount {
+        /// Number of nominal targets.
+        nominal: usize,
+        /// Number of measured targets.
+        measured: usize,
+    },
+}

@@ -1,0 +1,102 @@
+//! The linear map from volumetric errors to component errors.
+
+use nalgebra::{DMatrix, Dyn, Matrix6, Matrix6x3, OMatrix, U6, Vector3, Vector6};
+use trueaxis_kinematics::MotionError;
+
+use crate::Error;
+use crate::covariance::require_covariance;
+use crate::design::CentredTargets;
+
+/// The six component errors as a linear function of the volumetric errors of the targets:
+/// `E = P Δ` with `P A = I`, where `A` is the matrix of [`crate::equations`].
+///
+/// Made by [`crate::nine`], [`crate::nine_weighted`] or [`crate::SixRows::operator`]. It belongs
+/// to one geometry: one serves all steps of a linear axis, a rotary axis needs one for each angle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Operator {
+    targets: Vec<Vector3<f64>>,
+    /// The columns of P that belong to each target.
+    blocks: Vec<Matrix6x3<f64>>,
+}
+
+impl Operator {
+    /// `scaled` solves the centred and scaled equations of the targets `r`.
+    pub(crate) fn from_scaled(
+        r: &[Vector3<f64>],
+        centred: &CentredTargets,
+        scaled: &OMatrix<f64, U6, Dyn>,
+    ) -> Self {
+        let block = |j: usize| centred.unscale(scaled.fixed_columns::<3>(3 * j).into_owned());
+        Self {
+            targets: r.to_vec(),
+            blocks: (0..r.len()).map(block).collect(),
+        }
+    }
+
+    /// The component errors of a step from the volumetric errors of its targets, mm.
+    ///
+    /// `delta` holds measured minus ideal position of each target in the order of the targets.
+    /// What is not finite in it is not finite in the result. Nothing is allocated.
+    ///
+    /// # Panics
+    /// If `delta` has not one vector for each target.
+    pub fn apply(&self, delta: &[Vector3<f64>]) -> MotionError {
+        assert_eq!(
+            delta.len(),
+            self.blocks.len(),
+            "one volumetric error for each target"
+        );
+        let sum = self
+            .blocks
+            .iter()
+            .zip(delta)
+            .fold(Vector6::zeros(), |sum, (block, delta)| sum + block * delta);
+        MotionError::from_vector(&sum)
+    }
+
+    /// What the rigid motion of [`Operator::apply`] leaves of the volumetric errors:
+    /// `v_j = Δ_j - δ - ε × r_j`, mm.
+    ///
+    /// # Panics
+    /// If `delta` has not one vector for each target.
+    pub fn residual_mm(&self, delta: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let error = self.apply(delta);
+        let left = |(delta, r): (&Vector3<f64>, &Vector3<f64>)| delta - error.displacement_mm(*r);
+        delta.iter().zip(&self.targets).map(left).collect()
+    }
+
+    /// Standard deviations of δx δy δz (mm) and εx εy εz (rad) for independent noise of standard
+    /// deviation 1 mm on every coordinate of every target: `sqrt(diag(P Pᵀ))`.
+    ///
+    /// By linearity it is also µm per µm, and rad per mm.
+    pub fn noise_gain(&self) -> Vector6<f64> {
+        let squared = |block: &Matrix6x3<f64>| block.component_mul(block).column_sum();
+        let variance = self.blocks.iter().map(squared).sum::<Vector6<f64>>();
+        variance.map(f64::sqrt)
+    }
+
+    /// Covariance `P C Pᵀ` of the component errors (mm, rad) for the covariance C of the points
+    /// (3T x 3T, mm², targets in order, x y z within each).
+    ///
+    /// # Errors
+    /// [`Error::CovarianceShape`] or [`Error::CovarianceAsymmetric`]. It may be singular.
+    pub fn covariance(&self, points: &DMatrix<f64>) -> Result<Matrix6<f64>, Error> {
+        require_covariance(points, 3 * self.targets.len())?;
+        let p = self.matrix();
+        Ok(&p * points * p.transpose())
+    }
+
+    /// The matrix P: 6 rows δx δy δz (mm per mm) εx εy εz (rad per mm), three columns per target.
+    pub fn matrix(&self) -> OMatrix<f64, U6, Dyn> {
+        let mut matrix = OMatrix::<f64, U6, Dyn>::zeros(3 * self.blocks.len());
+        for (j, block) in self.blocks.iter().enumerate() {
+            matrix.fixed_columns_mut::<3>(3 * j).copy_from(block);
+        }
+        matrix
+    }
+
+    /// The generalised coordinates of the targets it was made for, mm.
+    pub fn targets_mm(&self) -> &[Vector3<f64>] {
+        &self.targets
+    }
+}

@@ -1,0 +1,251 @@
+//! Six of the nine equations: the paper's six-equation method for any choice of rows.
+
+use std::fmt;
+
+use nalgebra::{Dyn, Matrix6, OMatrix, U6, Vector3};
+
+use crate::design::{CentredTargets, GEOMETRY_TOL};
+use crate::{Error, Operator};
+
+/// A choice of six of the nine equations ①②③④⑤⑥⑦⑧⑨, that is Px Py Pz Qx Qy Qz Kx Ky Kz.
+///
+/// Of the 84 choices, 78 determine the six component errors of three targets in general position
+/// and 6 never do ([`SixRows::unseen`]). The noise of the 78 differs by orders of magnitude.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct SixRows {
+    /// Bit i stands for row i.
+    mask: u16,
+}
+
+/// A rigid motion that leaves six measured coordinates as they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum UnseenMotion {
+    /// The rotation about the line through two targets (0, 1, 2 for P, Q, K): nothing else is
+    /// measured than these two.
+    RotationAbout(usize, usize),
+    /// The displacement along x, y or z (0, 1, 2): this coordinate is measured nowhere.
+    DisplacementAlong(usize),
+}
+
+impl SixRows {
+    /// ①②④⑥⑧⑨, the choice of the paper's Eqs. 10, 11, 17 and 18.
+    pub const PAPER: Self = Self {
+        mask: 0b1_1010_1011,
+    };
+
+    const ALL_ROWS: u16 = 0b1_1111_1111;
+
+    /// The choice of the rows with these indices from 0 (①) to 8 (⑨), in any order.
+    ///
+    /// # Errors
+    /// [`Error::RowChoice`] if two are the same or one is greater than 8.
+    pub fn new(rows: [usize; 6]) -> Result<Self, Error> {
+        let mask = (0..9)
+            .filter(|row| rows.contains(row))
+            .fold(0, |mask, row| mask | 1 << row);
+        let choice = Self { mask };
+        if choice.rows().count() == 6 {
+            Ok(choice)
+        } else {
+            Err(Error::RowChoice { rows })
+        }
+    }
+
+    /// All 84 choices, the 6 that never work among them.
+    pub fn all() -> impl Iterator<Item = Self> {
+        (0..=Self::ALL_ROWS)
+            .filter(|mask| mask.count_ones() == 6)
+            .map(|mask| Self { mask })
+    }
+
+    /// The chosen rows from 0 (①) to 8 (⑨), ascending.
+    pub fn rows(self) -> impl Iterator<Item = usize> {
+        (0..9).filter(move |row| self.mask >> row & 1 == 1)
+    }
+
+    /// The motion that this choice cannot see wherever the targets are; `None` for the 78 good
+    /// choices.
+    ///
+    /// - ①②③④⑤⑥, ①②③⑦⑧⑨, ④⑤⑥⑦⑧⑨ hold all coordinates of two targets and none of the third. Turning
+    ///   the stage about the line through the two moves neither: for PQ, `ε = P - Q` and
+    ///   `δ = -ε × P` give `Δ_P = Δ_Q = 0`. (Their distance is measured twice instead.)
+    /// - ①②④⑤⑦⑧, ①③④⑥⑦⑨, ②③⑤⑥⑧⑨ hold no z, no y, no x: the column of δz, δy, δx is zero.
+    ///
+    /// The other choices have a determinant that is not zero for all targets. The paper's rule
+    /// (one row at least from each target, and not the last three) says the same.
+    pub fn unseen(self) -> Option<UnseenMotion> {
+        const TARGET: u16 = 0b111;
+        const COORDINATE: u16 = 0b1_001_001;
+        let left_out = Self::ALL_ROWS & !self.mask;
+        let target = (0..3).find(|j| left_out == TARGET << (3 * j));
+        let coordinate = (0..3).find(|&i| left_out == COORDINATE << i);
+        target
+            .map(|j| [(1, 2), (0, 2), (0, 1)][j])
+            .map(|(first, second)| UnseenMotion::RotationAbout(first, second))
+            .or(coordinate.map(UnseenMotion::DisplacementAlong))
+    }
+
+    /// Solves the six equations exactly; the other three coordinates have no influence.
+    ///
+    /// `r` holds the generalised coordinates of P, Q, K relative to the reference point of δ, mm.
+    ///
+    /// # Errors
+    /// [`Error::BlindRows`] for the six choices that never work, [`Error::SingularRows`] if this
+    /// choice does not work for these targets (condition number above 1e6: a shift of the targets
+    /// by 1e-6 of their distances could make it singular), [`Error::NotFinite`],
+    /// [`Error::Collinear`].
+    pub fn operator(self, r: &[Vector3<f64>; 3]) -> Result<Operator, Error> {
+        if let Some(unseen) = self.unseen() {
+            return Err(Error::BlindRows { rows: self, unseen });
+        }
+        let centred = CentredTargets::new(r)?;
+        let matrix = self.select(&centred);
+        let condition = condition_number(&matrix);
+        let inverse = matrix
+            .try_inverse()
+            .filter(|_| condition * GEOMETRY_TOL < 1.0)
+            .ok_or_else(|| Error::SingularRows {
+                rows: self,
+                condition,
+                // Moving δ does not change the determinant, scaling ε does.
+                determinant_mm3: matrix.determinant() * centred.gyration_mm().powi(3),
+            })?;
+        let mut solution = OMatrix::<f64, U6, Dyn>::zeros(9);
+        for (row, column) in self.rows().zip(inverse.column_iter()) {
+            solution.set_column(row, &column);
+        }
+        Ok(Operator::from_scaled(r, &centred, &solution))
+    }
+
+    /// The choice that spreads the noise of the points least for these targets.
+    ///
+    /// For independent noise of variance 1 mm² on every coordinate it has the least sum of the
+    /// variances of δ at the centroid of the targets and of ε times their radius of gyration. It
+    /// does not depend on the reference point. (Nine equations are better still.)
+    ///
+    /// # Errors
+    /// As [`SixRows::operator`].
+    pub fn best(r: &[Vector3<f64>; 3]) -> Result<(Self, Operator), Error> {
+        let centred = CentredTargets::new(r)?;
+        let mut best = (Self::PAPER, f64::INFINITY);
+        for rows in Self::all().filter(|rows| rows.unseen().is_none()) {
+            let inverse = rows.select(&centred).try_inverse();
+            let variance_mm2 = inverse.map_or(f64::INFINITY, |inverse| inverse.norm_squared());
+            if variance_mm2 < best.1 {
+                best = (rows, variance_mm2);
+            }
+        }
+        let (rows, _) = best;
+        Ok((rows, rows.operator(r)?))
+    }
+
+    fn select(self, centred: &CentredTargets) -> Matrix6<f64> {
+        let equations = centred.equations();
+        let mut matrix = Matrix6::zeros();
+        for (i, row) in self.rows().enumerate() {
+            matrix.set_row(i, &equations.row(row));
+        }
+        matrix
+    }
+}
+
+/// Largest over smallest singular value.
+fn condition_number(matrix: &Matrix6<f64>) -> f64 {
+    let singular_values = matrix.singular_values();
+    singular_values.max() / singular_values.min()
+}
+
+/// As ①②④⑥⑧⑨.
+impl fmt::Display for SixRows {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const CIRCLED: [char; 9] = ['①', '②', '③', '④', '⑤', '⑥', '⑦', '⑧', '⑨'];
+        self.rows()
+            .try_for_each(|row| write!(f, "{}", CIRCLED[row]))
+    }
+}
+
+impl fmt::Display for UnseenMotion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::RotationAbout(first, second) => {
+                let name = ['P', 'Q', 'K'];
+                let (first, second) = (name[first], name[second]);
+                write!(f, "the rotation about the line {first}{second}")
+            }
+            Self::DisplacementAlong(i) => {
+                write!(f, "the displacement along {}", ['x', 'y', 'z'][i])
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trueaxis_kinematics::MotionError;
+
+    #[test]
+    fn prints_circled_numbers() {
+        assert_eq!(SixRows::PAPER.to_string(), "①②④⑥⑧⑨");
+        assert_eq!(SixRows::new([8, 7, 5, 3, 1, 0]), Ok(SixRows::PAPER));
+    }
+
+    #[test]
+    fn refuses_what_is_no_choice() {
+        for rows in [[0, 1, 2, 3, 4, 4], [0, 1, 2, 3, 4, 9]] {
+            assert_eq!(SixRows::new(rows), Err(Error::RowChoice { rows }));
+        }
+    }
+
+    /// The six of the paper's section 4.1.1, and no more.
+    #[test]
+    fn six_choices_are_blind() {
+        let mut blind: Vec<String> = SixRows::all()
+            .filter_map(|rows| Some(format!("{rows}: {}", rows.unseen()?)))
+            .collect();
+        blind.sort();
+        assert_eq!(
+            blind,
+            [
+                "①②③④⑤⑥: the rotation about the line PQ",
+                "①②③⑦⑧⑨: the rotation about the line PK",
+                "①②④⑤⑦⑧: the displacement along z",
+                "①③④⑥⑦⑨: the displacement along y",
+                "②③⑤⑥⑧⑨: the displacement along x",
+                "④⑤⑥⑦⑧⑨: the rotation about the line QK",
+            ]
+        );
+        assert_eq!(SixRows::all().count(), 84);
+    }
+
+    /// The reason given for a refusal is true: that motion changes no chosen coordinate.
+    #[test]
+    fn the_named_motion_is_not_seen() {
+        let r = [
+            Vector3::new(16.0, 452.0, 122.0),
+            Vector3::new(157.0, 332.0, 324.0),
+            Vector3::new(248.0, 603.0, 412.0),
+        ];
+        for rows in SixRows::all() {
+            let Some(unseen) = rows.unseen() else {
+                continue;
+            };
+            let motion = match unseen {
+                UnseenMotion::RotationAbout(first, second) => {
+                    let rotation = r[second] - r[first];
+                    MotionError::new(-rotation.cross(&r[first]), rotation)
+                }
+                UnseenMotion::DisplacementAlong(i) => {
+                    MotionError::new(Vector3::ith(i, 1.0), Vector3::zeros())
+                }
+            };
+            let delta = r.map(|r| motion.displacement_mm(r));
+            // Integer coordinates: the products are exact.
+            assert!(
+                rows.rows().all(|row| delta[row / 3][row % 3] == 0.0),
+                "{rows}"
+            );
+            assert!(delta.iter().any(|d| d.norm() > 0.5), "{rows}");
+        }
+    }
+}

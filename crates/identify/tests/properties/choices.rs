@@ -1,0 +1,98 @@
+//! All 84 choices of six equations.
+
+use nalgebra::Vector6;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use trueaxis_identify::{Error, SixRows, nine};
+
+use crate::targets::{
+    ROTARY, THREE_AXIS, condition_number, displacement, random_error, random_targets, reach,
+    relative_difference,
+};
+
+/// Rounding the volumetric errors and the coordinates alone, each by half of EPSILON, changes the
+/// solution by up to `EPSILON * condition`. The solver may add as much.
+const ROUNDING_FACTOR: f64 = 2.0;
+
+#[test]
+fn seventy_eight_choices_recover_the_errors_and_six_are_refused() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    for trial in 0..200 {
+        let r = match trial {
+            0 => THREE_AXIS,
+            1 => ROTARY,
+            _ => random_targets(&mut rng),
+        };
+        let truth = random_error(&mut rng);
+        let delta = r.map(|r| displacement(&truth, &r));
+        let mut solved = 0;
+        for rows in SixRows::all() {
+            match rows.operator(&r) {
+                Ok(operator) => {
+                    solved += 1;
+                    let found = operator.apply(&delta);
+                    let error = relative_difference(&found, &truth, reach(&r));
+                    let condition = condition_number(rows, &r);
+                    let bound = ROUNDING_FACTOR * f64::EPSILON * condition;
+                    assert!(error < bound, "{rows} {error:e} {bound:e} {r:?}");
+                }
+                Err(refused) => assert!(
+                    matches!(refused, Error::BlindRows { .. }) && rows.unseen().is_some(),
+                    "{rows} {refused} {r:?}"
+                ),
+            }
+        }
+        assert_eq!(solved, 78);
+    }
+}
+
+/// On the paper's own targets every choice that works is good to 13 digits.
+#[test]
+fn paper_targets_are_recovered_to_thirteen_digits() {
+    let truth = random_error(&mut ChaCha8Rng::seed_from_u64(2));
+    for r in [THREE_AXIS, ROTARY] {
+        let delta = r.map(|r| displacement(&truth, &r));
+        for rows in SixRows::all().filter(|rows| rows.unseen().is_none()) {
+            let found = rows.operator(&r).unwrap().apply(&delta);
+            assert!(
+                relative_difference(&found, &truth, reach(&r)) < 1e-13,
+                "{rows}"
+            );
+        }
+        let found = nine(&r).unwrap().apply(&delta);
+        assert!(relative_difference(&found, &truth, reach(&r)) < 1e-14);
+    }
+}
+
+/// The best choice has the least noise by an independent sum, and does not depend on where δ is.
+#[test]
+fn best_choice_has_the_least_noise_at_the_centroid() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    for _ in 0..50 {
+        let r = random_targets(&mut rng);
+        let centroid = (r[0] + r[1] + r[2]) / 3.0;
+        let centred = r.map(|r| r - centroid);
+        let gyration2 = centred.iter().map(|s| s.norm_squared()).sum::<f64>() / 3.0;
+        let noise = |rows: SixRows| {
+            let gain = rows.operator(&centred).unwrap().noise_gain();
+            gain.fixed_rows::<3>(0).norm_squared()
+                + gyration2 * gain.fixed_rows::<3>(3).norm_squared()
+        };
+        let (best, operator) = SixRows::best(&r).unwrap();
+        let least = SixRows::all()
+            .filter(|rows| rows.unseen().is_none())
+            .map(noise)
+            .fold(f64::INFINITY, f64::min);
+        assert!(noise(best) <= least * (1.0 + 1e-12));
+        assert_eq!(operator, best.operator(&r).unwrap());
+    }
+}
+
+/// A choice of rows leaves the other three coordinates without influence.
+#[test]
+fn unchosen_coordinates_do_not_count() {
+    let p = SixRows::PAPER.operator(&THREE_AXIS).unwrap().matrix();
+    for row in (0..9).filter(|&row| SixRows::PAPER.rows().all(|chosen| chosen != row)) {
+        assert_eq!(p.column(row), Vector6::zeros());
+    }
+}

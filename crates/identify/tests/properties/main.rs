@@ -1,0 +1,9 @@
+//! Whole-crate tests: every choice of rows, the closed form, the published noise, weights and
+//! invariances.
+
+mod choices;
+mod closed_form;
+mod invariance;
+mod noise_table;
+mod targets;
+mod weighted;
