@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 use trueaxis_campaign::Campaign;
-use trueaxis_identify::{nine, triangle_mismatch};
+use trueaxis_identify::triangle_mismatch;
 use trueaxis_kinematics::{Axis, AxisKind, Component, MICROMETRE, Machine};
 use trueaxis_leastsquares::chi_squared_upper_tail;
 use trueaxis_multilateration::Solution;
@@ -339,9 +339,7 @@ fn axis_result(
         location: values.location,
         location_errors,
         noise_gain: mean_gain(&|i| fits[i].noise_gain.into()),
-        noise_gain_nine: mean_gain(&|i| {
-            nine(&fits[i].levers_mm).map_or([f64::NAN; 6], |operator| operator.noise_gain().into())
-        }),
+        noise_gain_nine: mean_gain(&|i| fits[i].noise_gain_nine.into()),
     }
 }
 

@@ -10,15 +10,18 @@ use crate::basis::Basis;
 use crate::frame::FrameRule;
 use crate::gauge::{Gauge, GaugeDefect, PER_RUN};
 use crate::records::{Context, RecordFit, around};
+use crate::sensitivity::Sensitivity;
 use crate::start::average_lines_and_axes;
 use crate::state::{AxisState, ModelErrors, State};
+use crate::weights::weights;
 
 /// The identified machine with the linear maps that its uncertainties need.
 pub(crate) struct Identified {
     pub(crate) state: State,
-    pub(crate) gauges: Vec<Gauge>,
     /// Fits of the last pass, for each axis and record.
     pub(crate) fits: Vec<Vec<RecordFit>>,
+    /// How the results of each axis follow from its points.
+    pub(crate) sensitivities: Vec<Sensitivity>,
     pub(crate) frame: FrameRule,
 }
 
@@ -38,11 +41,12 @@ pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<
                 .map_err(|d| defect(context, axis, &d))
         })
         .collect::<Result<Vec<_>, _>>()?;
+    let weights: Vec<_> = data.iter().map(|axis| weights(context, axis)).collect();
     let mut state = average_lines_and_axes(context, data);
     let mut worst = (0.0, 0);
     for _ in 0..MAX_PASSES {
         let fits = (0..data.len())
-            .map(|k| context.fit_records(data, &state, k))
+            .map(|k| context.fit_records(data, &state, k, &weights[k]))
             .collect::<Result<Vec<_>, _>>()?;
         let mut next = state.clone();
         worst = (0.0, 0);
@@ -57,10 +61,16 @@ pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<
         let frame_change_mm = settle_frame(context, data, &frame, &mut next);
         state = next;
         if worst.0.max(frame_change_mm) <= SETTLED_MM {
+            let sensitivities = data
+                .iter()
+                .zip(&gauges)
+                .zip(&fits)
+                .map(|((axis, gauge), fits)| Sensitivity::new(axis, gauge, fits))
+                .collect();
             return Ok(Identified {
                 state,
-                gauges,
                 fits,
+                sensitivities,
                 frame,
             });
         }

@@ -62,12 +62,14 @@ mod json;
 mod measured;
 mod records;
 mod rigid_fit;
+mod sensitivity;
 mod settings;
 mod sources;
 mod start;
 mod state;
 mod twist;
 mod uncertainty;
+mod weights;
 
 pub use calibrate::calibrate;
 pub use calibration::{

@@ -12,7 +12,7 @@
 
 use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix6xX, Point3, UnitQuaternion, Vector3, Vector6};
 use trueaxis_campaign::Campaign;
-use trueaxis_identify::{Operator, nine_weighted, rigid_misfit};
+use trueaxis_identify::{Operator, equations, nine, nine_weighted, rigid_misfit};
 use trueaxis_kinematics::{Machine, MotionError};
 
 use crate::axis_data::{AxisData, Record, points_of};
@@ -29,15 +29,20 @@ pub(crate) struct RecordFit {
     pub(crate) from_points: Matrix6xX<f64>,
     /// Generalised coordinates of the targets, mm.
     pub(crate) levers_mm: Vec<Vector3<f64>>,
-    /// What a rigid motion leaves of the volumetric errors, turned back to the stage at home, mm.
+    /// What an unweighted rigid fit leaves of the volumetric errors, turned back to the stage at
+    /// home, mm.
     pub(crate) distortion_mm: Vec<Vector3<f64>>,
+    /// How that follows from displacements of the record's points in datum coordinates.
+    pub(crate) distortion_from_points: DMatrix<f64>,
     /// Rotations: base of the axis from datum, and stage at home from base.
     pub(crate) base_from_datum: Matrix3<f64>,
     pub(crate) stage_from_base: Matrix3<f64>,
     /// The rigid-body test.
     pub(crate) misfit: Misfit,
-    /// Standard deviations of the components per unit noise of the points.
+    /// Standard deviations of the components per unit noise of the points, by the method used and
+    /// by nine equations without weights.
     pub(crate) noise_gain: Vector6<f64>,
+    pub(crate) noise_gain_nine: Vector6<f64>,
 }
 
 /// Whether the points of a record move as a rigid body.
@@ -57,28 +62,27 @@ pub(crate) struct Context<'a> {
 }
 
 /// The axes before and after `axis` in the chain of a target.
-pub(crate) fn around(
-    machine: &Machine,
-    carrier: usize,
-    axis: usize,
-) -> (&[usize], &[usize]) {
+pub(crate) fn around(machine: &Machine, carrier: usize, axis: usize) -> (&[usize], &[usize]) {
     let chain = machine.chain(carrier);
     let place = chain.iter().position(|&a| a == axis).unwrap_or(0);
     (&chain[..place], &chain[place + 1..])
 }
 
 impl Context<'_> {
-    /// Identifies every record of the axis `data[index]`.
+    /// Identifies every record of the axis `data[index]`; `weights` are the covariances of
+    /// [`crate::weights`].
     pub(crate) fn fit_records(
         &self,
         data: &[AxisData],
         state: &State,
         index: usize,
+        weights: &[DMatrix<f64>],
     ) -> Result<Vec<RecordFit>, Error> {
         data[index]
             .records
             .iter()
-            .map(|record| self.fit(data, state, index, record))
+            .zip(weights)
+            .map(|(record, weight)| self.fit(data, state, index, record, weight))
             .collect()
     }
 
@@ -88,6 +92,7 @@ impl Context<'_> {
         state: &State,
         index: usize,
         record: &Record,
+        weight: &DMatrix<f64>,
     ) -> Result<RecordFit, Error> {
         let (own, values) = (&data[index], &state.axes[index]);
         let axis = &self.machine.axes()[own.axis];
@@ -113,23 +118,28 @@ impl Context<'_> {
             deltas_mm.push(base_from_datum * point - predicted);
         }
         let base_from_datum = base_from_datum.rotation.to_rotation_matrix().into_inner();
-        let covariance = rotated(&self.covariance_of(record), &base_from_datum);
+        let covariance = rotated(weight, &base_from_datum);
         let operator = self
             .operator(&levers_mm, &covariance)
             .map_err(|error| self.refused(own, record, &error))?;
         let misfit = rigid_misfit(&operator, &deltas_mm, &covariance)
             .map_err(|error| self.refused(own, record, &error))?;
+        // The shape of the targets is what no rigid motion explains in the plain sense: unweighted,
+        // so that it is the same function of the points at every record.
+        let plain = nine(&levers_mm).map_err(|error| self.refused(own, record, &error))?;
         let correction = operator.apply(&deltas_mm);
         let stage_from_base = motion.rotation.inverse().to_rotation_matrix().into_inner();
         Ok(RecordFit {
             pose_error: composed(&correction, &current).to_vector(),
             from_points: rotated_columns(&operator.matrix(), &base_from_datum),
             noise_gain: operator.noise_gain(),
-            distortion_mm: misfit
-                .residual_mm
+            noise_gain_nine: plain.noise_gain(),
+            distortion_mm: plain
+                .residual_mm(&deltas_mm)
                 .iter()
                 .map(|v| stage_from_base * v)
                 .collect(),
+            distortion_from_points: distortion(&plain, &stage_from_base, &base_from_datum),
             levers_mm,
             base_from_datum,
             stage_from_base,
@@ -139,11 +149,6 @@ impl Context<'_> {
                 degrees_of_freedom: misfit.degrees_of_freedom,
             },
         })
-    }
-
-    /// Covariance of the record's points in datum coordinates.
-    fn covariance_of(&self, record: &Record) -> DMatrix<f64> {
-        select_targets(&self.measured.noise.total(record.group), record)
     }
 
     fn operator(
@@ -189,6 +194,28 @@ impl Context<'_> {
             },
         }
     }
+}
+
+/// `Q (I - A P) R`: residuals of an unweighted rigid fit, turned to the stage at home, from
+/// displacements in the datum.
+fn distortion(
+    plain: &Operator,
+    stage_from_base: &Matrix3<f64>,
+    base_from_datum: &Matrix3<f64>,
+) -> DMatrix<f64> {
+    let size = 3 * plain.targets_mm().len();
+    let residual = DMatrix::identity(size, size) - equations(plain.targets_mm()) * plain.matrix();
+    let mut turned = residual.clone();
+    for i in 0..size / 3 {
+        for j in 0..size / 3 {
+            let block =
+                stage_from_base * residual.fixed_view::<3, 3>(3 * i, 3 * j) * base_from_datum;
+            turned
+                .fixed_view_mut::<3, 3>(3 * i, 3 * j)
+                .copy_from(&block);
+        }
+    }
+    turned
 }
 
 /// Home position of a target in a run.

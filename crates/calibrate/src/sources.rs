@@ -10,13 +10,13 @@
 //! component errors where it stands while others are measured. The stations are shared sources
 //! themselves.
 
-use nalgebra::{DMatrix, Matrix3, Matrix3xX, Matrix6xX};
+use nalgebra::{DMatrix, Matrix6xX};
 
 use crate::axis_data::AxisData;
-use crate::gauge::{Gauge, PER_RUN};
+use crate::gauge::PER_RUN;
 use crate::identify_axes::Identified;
 use crate::measured::Measured;
-use crate::records::{Context, RecordFit, around, select_rows, select_targets};
+use crate::records::{Context, around, select_rows, select_targets};
 use crate::state::ModelErrors;
 use crate::twist::cross_matrix;
 
@@ -79,9 +79,9 @@ impl Sources {
             next - rows
         };
         let location = identified
-            .gauges
+            .sensitivities
             .iter()
-            .map(|g| take(g.location_parameters))
+            .map(|s| take(s.location_parameters))
             .collect();
         let targets = data
             .iter()
@@ -139,9 +139,9 @@ impl Sources {
         k: usize,
         through_shared: &mut DMatrix<f64>,
     ) {
-        let (axis, gauge, fits) = (&data[k], &identified.gauges[k], &identified.fits[k]);
+        let (axis, sensitivity) = (&data[k], &identified.sensitivities[k]);
         // The axis' own rows, in a compact order: location, targets, held.
-        let mut rows: Vec<usize> = (0..gauge.location_parameters)
+        let mut rows: Vec<usize> = (0..sensitivity.location_parameters)
             .map(|i| self.location[k] + i)
             .collect();
         rows.extend(
@@ -151,23 +151,22 @@ impl Sources {
                 .flat_map(|&first| first..first + 3),
         );
         let held: Vec<Held> = self.held.iter().copied().filter(|h| h.data == k).collect();
+        let first_held = rows.len();
         rows.extend(held.iter().flat_map(|h| h.first..h.first + 6));
 
         let from_parameters = from_parameters(context, data, identified, k, &held, rows.len());
         let mut own = DMatrix::zeros(rows.len(), rows.len());
         let mut shared = DMatrix::zeros(rows.len(), context.measured.noise.shared_sources());
-        for i in 0..axis.records.len() {
-            let mut f = &from_parameters * &gauge.shares[i] * &fits[i].from_points;
-            add_held_itself(axis, gauge, &held, i, fits, &mut f);
-            add_distortion(
-                context,
-                data,
-                identified,
-                k,
-                i,
-                gauge.location_parameters,
-                &mut f,
-            );
+        for (i, record) in axis.records.iter().enumerate() {
+            let mut f = &from_parameters * &sensitivity.parameters[i];
+            for (h, place) in held.iter().enumerate() {
+                let weight = weight_of_node(axis, place.position, record.node);
+                if weight > 0.0 {
+                    let share = weight / axis.nodes[record.node].records as f64;
+                    let mut itself = f.rows_mut(first_held + 6 * h, 6);
+                    itself += &identified.fits[k][i].from_points * share;
+                }
+            }
             let (d, z) = noise_of(context.measured, axis, i);
             own += &f * d * f.transpose();
             shared -= &f * z;
@@ -216,7 +215,7 @@ fn from_parameters(
     held: &[Held],
     rows: usize,
 ) -> DMatrix<f64> {
-    let (axis, gauge) = (&data[k], &identified.gauges[k]);
+    let (axis, sensitivity) = (&data[k], &identified.sensitivities[k]);
     let values = &identified.state.axes[k];
     let errors = ModelErrors {
         data,
@@ -224,15 +223,15 @@ fn from_parameters(
     };
     let geometry = &context.machine.axes()[axis.axis];
     let reference = geometry.reference_at_home_mm(&values.location);
-    let mut map = DMatrix::zeros(rows, gauge.parameters());
-    for i in 0..gauge.location_parameters {
+    let mut map = DMatrix::zeros(rows, sensitivity.width());
+    for i in 0..sensitivity.location_parameters {
         map[(i, i)] = 1.0;
     }
-    let mut next = gauge.location_parameters;
+    let mut next = sensitivity.location_parameters;
     for (r, run) in axis.runs.iter().enumerate() {
-        let first = gauge.location_parameters + PER_RUN * r;
+        let first = sensitivity.location_parameters + PER_RUN * r;
         for (place, &target) in run.targets.iter().enumerate() {
-            // C⁻¹ (g_δ + g_ε × (C r - o))
+            // C⁻¹ (g_δ + g_ε × (C r - o) + w)
             let carrier = context.campaign.targets[target].carrier;
             let (_, inner) = around(context.machine, carrier, axis.axis);
             let positions = positions_of(context, axis, run.first_record);
@@ -242,13 +241,15 @@ fn from_parameters(
             map.fixed_view_mut::<3, 3>(next, first).copy_from(&back);
             map.fixed_view_mut::<3, 3>(next, first + 3)
                 .copy_from(&(-back * cross_matrix(lever)));
+            map.fixed_view_mut::<3, 3>(next, sensitivity.shapes[r][place])
+                .copy_from(&back);
             next += 3;
         }
     }
     for place in held {
-        let mut effect = Matrix6xX::zeros(gauge.parameters());
+        let mut effect = Matrix6xX::zeros(sensitivity.width());
         for (node, weight) in axis.weights_at(place.position) {
-            effect += &gauge.node_effects[node] * weight;
+            effect += &sensitivity.node_effects[node] * weight;
         }
         map.rows_mut(next, 6).copy_from(&(-effect));
         next += 6;
@@ -256,75 +257,11 @@ fn from_parameters(
     map
 }
 
-/// The record's own pose error in the held component errors.
-fn add_held_itself(
-    axis: &AxisData,
-    gauge: &Gauge,
-    held: &[Held],
-    record: usize,
-    fits: &[RecordFit],
-    f: &mut DMatrix<f64>,
-) {
-    let targets: usize = axis.runs.iter().map(|run| 3 * run.targets.len()).sum();
-    let node = axis.records[record].node;
-    for (h, place) in held.iter().enumerate() {
-        let weight: f64 = axis
-            .weights_at(place.position)
-            .iter()
-            .filter(|w| w.0 == node)
-            .map(|w| w.1)
-            .sum();
-        if weight > 0.0 {
-            let share = weight / axis.nodes[node].records as f64;
-            let first = gauge.location_parameters + targets + 6 * h;
-            let mut rows = f.rows_mut(first, 6);
-            rows += &fits[record].from_points * share;
-        }
-    }
-}
-
-/// The record's part in the mean shape of the targets: what its rigid motion leaves.
-fn add_distortion(
-    context: &Context<'_>,
-    data: &[AxisData],
-    identified: &Identified,
-    k: usize,
-    record: usize,
-    first_row: usize,
-    f: &mut DMatrix<f64>,
-) {
-    let (axis, fit) = (&data[k], &identified.fits[k][record]);
-    let own = &axis.records[record];
-    let errors = ModelErrors {
-        data,
-        state: &identified.state,
-    };
-    let mut row = first_row;
-    for (r, run) in axis.runs.iter().enumerate() {
-        for (t, &target) in run.targets.iter().enumerate() {
-            let place = own.targets.iter().position(|&(t, _)| t == target);
-            if let (true, Some(place)) = (r == own.run, place) {
-                let carrier = context.campaign.targets[target].carrier;
-                let (_, inner) = around(context.machine, carrier, axis.axis);
-                let positions = positions_of(context, axis, run.first_record);
-                let inside = context.machine.chain_motion(&errors, inner, positions);
-                let home_from_base = inside.rotation.inverse().to_rotation_matrix().into_inner()
-                    * fit.stage_from_base;
-                let turned = home_from_base / run.measured[t] as f64;
-                let mut rows = f.rows_mut(row, 3);
-                rows += distortion(fit, place, &turned);
-            }
-            row += 3;
-        }
-    }
-}
-
-/// `Q (I - A P)` of one target: columns for the record's points in datum coordinates.
-fn distortion(fit: &RecordFit, place: usize, home_from_base: &Matrix3<f64>) -> Matrix3xX<f64> {
-    let translations = fit.from_points.fixed_rows::<3>(0);
-    let rotations = fit.from_points.fixed_rows::<3>(3);
-    let mut left = cross_matrix(fit.levers_mm[place]) * rotations - translations;
-    let mut own = left.fixed_columns_mut::<3>(3 * place);
-    own += fit.base_from_datum;
-    home_from_base * left
+/// Weight of a node in the component errors at a position.
+fn weight_of_node(axis: &AxisData, position: f64, node: usize) -> f64 {
+    axis.weights_at(position)
+        .iter()
+        .filter(|&&(k, _)| k == node)
+        .map(|&(_, weight)| weight)
+        .sum()
 }

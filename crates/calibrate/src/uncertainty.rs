@@ -23,11 +23,12 @@ pub(crate) fn of_components(
     identified: &Identified,
     k: usize,
 ) -> Vec<[f64; 6]> {
-    let (axis, gauge, fits) = (&data[k], &identified.gauges[k], &identified.fits[k]);
+    let (axis, fits) = (&data[k], &identified.fits[k]);
+    let sensitivity = &identified.sensitivities[k];
     let shared = context.measured.noise.shared();
-    let width = gauge.parameters();
-    // Covariance of the gauge parameters from each record's own noise, their shared part, and
-    // for each node the records' own parts.
+    let width = sensitivity.width();
+    // Covariance of the parameters from each record's own noise, their shared part, and for each
+    // node the records' own parts.
     let mut own = DMatrix::zeros(width, width);
     let mut parameters_shared = DMatrix::zeros(width, shared.nrows());
     let nodes = axis.nodes.len();
@@ -37,19 +38,18 @@ pub(crate) fn of_components(
     for (i, record) in axis.records.iter().enumerate() {
         let (d, z) = noise_of(context.measured, axis, i);
         let from_points = &fits[i].from_points;
-        let variance = from_points * d * from_points.transpose();
-        let coupling = from_points * z;
-        let share = &gauge.shares[i];
-        own += share * variance * share.transpose();
-        parameters_shared += share * &coupling;
+        let parameters = &sensitivity.parameters[i];
         let weight = 1.0 / axis.nodes[record.node].records as f64;
-        node_own[record.node] += variance * (weight * weight);
-        node_cross[record.node] += variance * share.transpose() * weight;
-        node_shared[record.node] += coupling * weight;
+        let pose_noise = from_points * &d * weight;
+        own += parameters * &d * parameters.transpose();
+        parameters_shared += parameters * &z;
+        node_own[record.node] += &pose_noise * from_points.transpose() * weight;
+        node_cross[record.node] += pose_noise * parameters.transpose();
+        node_shared[record.node] += from_points * z * weight;
     }
     (0..nodes)
         .map(|node| {
-            let effect = &gauge.node_effects[node];
+            let effect = &sensitivity.node_effects[node];
             let cross = &node_cross[node] * effect.transpose();
             let through = &node_shared[node] - effect * &parameters_shared;
             let variance =

@@ -202,9 +202,9 @@ fn stated_covariance_is_the_scatter() {
         let solution = solve(&noisy, &Settings::default()).unwrap();
         variance_factors += solution.sigma0().powi(2);
         for (squares, &g) in point_squares.iter_mut().zip(&groups) {
-            for k in 0..9 {
+            for (k, square) in squares.iter_mut().enumerate() {
                 let point = 3 * g + k / 3;
-                squares[k] += (solution.points_mm[point] - truth.points[point])[k % 3].powi(2);
+                *square += (solution.points_mm[point] - truth.points[point])[k % 3].powi(2);
             }
         }
         for (j, squares) in station_squares.iter_mut().enumerate() {
@@ -244,8 +244,9 @@ fn stated_covariance_is_the_scatter() {
     );
 }
 
-/// The analytic standard deviations of DESIGN 8 behind Table 1 of the paper: 195 points, stations
-/// as a regular tetrahedron 800 mm around their centre, σ_l = 0.269 µm, σ_m = 1 µm and 5/3 µm.
+/// The analytic standard deviations behind Table 1 of the paper: 195 points, stations
+/// as a regular tetrahedron 800 mm around their centre, `σ_l` = 0.269 µm, `σ_m` = 1 µm and 5/3 µm,
+/// every target measured in a visit of its own.
 #[test]
 fn table_1_single_measurement() {
     let nominal = truth(20.0).points;
@@ -278,7 +279,10 @@ fn table_1_single_measurement() {
             .visits
             .iter()
             .flat_map(|visit| {
-                visit.readings.clone().map(|r| Visit { readings: r..r + 1, ..visit.clone() })
+                visit.readings.clone().map(|r| Visit {
+                    readings: r..r + 1,
+                    ..visit.clone()
+                })
             })
             .collect();
         let solution = solve(&network, &Settings::default()).unwrap();
@@ -289,7 +293,6 @@ fn table_1_single_measurement() {
                 largest[k % 3] = largest[k % 3].max(covariance[(k, k)].sqrt() * 1e3);
             }
         }
-        println!("return {return_um:.3} um: {largest:.3?}, expected {expected:?}");
         for (found, expected) in largest.iter().zip(expected) {
             assert!((found - expected).abs() < 0.02, "{largest:?} {expected:?}");
         }
@@ -454,20 +457,20 @@ proptest! {
             reading.point = target[reading.point];
         }
         for group in &network.groups {
-            for k in 0..3 {
-                relabelled.nominal_mm[group.start + target[k]] = network.nominal_mm[group.start + k];
+            for (k, new) in target.into_iter().enumerate() {
+                relabelled.nominal_mm[group.start + new] = network.nominal_mm[group.start + k];
             }
         }
         let a = solve(&network, &Settings::default()).unwrap();
         let b = solve(&relabelled, &Settings::default()).unwrap();
         for group in &network.groups {
-            for k in 0..3 {
-                let (p, q) = (a.points_mm[group.start + k], b.points_mm[group.start + target[k]]);
+            for (k, new) in target.into_iter().enumerate() {
+                let (p, q) = (a.points_mm[group.start + k], b.points_mm[group.start + new]);
                 prop_assert!((p - q).norm() < SAME_MM);
             }
         }
-        for j in 0..4 {
-            let (p, q) = (a.stations[j], b.stations[station[j]]);
+        for (j, new) in station.into_iter().enumerate() {
+            let (p, q) = (a.stations[j], b.stations[new]);
             prop_assert!((p.position_mm - q.position_mm).norm() < 100.0 * SAME_MM);
         }
     }

@@ -1,1 +1,110 @@
 //! Exact simulation of measuring campaigns on machine tools with known errors.
+//!
+//! A tracker at the station S with the dead path L shows, for a target with the true home position
+//! h on a machine at the axis positions q,
+//!
+//! ```text
+//! length = |T1(q1) T2(q2) ... h + d - S| - L + e
+//! ```
+//!
+//! with the exact rigid motions T of `trueaxis-kinematics` (location errors, six component errors
+//! and lost motion in rotation matrices, never the linear form `δ + ε × r`), the random deviation
+//! `d` of the machine at a stop, common to the targets measured there, and the random error `e` of
+//! the instrument.
+//!
+//! Noun in: a [`Scenario`]; nouns out: the [`Campaign`](trueaxis_campaign::Campaign) that would be
+//! measured and the [`Truth`] about it, in the shape of a calibration so that both can be laid side
+//! by side. Nothing in this crate is shared with the estimators that are tested with it. It does
+//! not write the campaign (`trueaxis-campaign` does) and simulates no effect beyond rigid-body
+//! errors and noise: no drift, no bending, no refraction.
+//!
+//! # Example
+//!
+//! ```
+//! use trueaxis_simulate::{Scenario, simulate};
+//!
+//! let scenario = Scenario::from_json(r#"{
+//!   "format": "trueaxis-scenario", "version": 1, "name": "one slide",
+//!   "machine": {
+//!     "name": "slide", "kinematics": { "tool": ["X"] },
+//!     "axes": [ { "name": "X", "kind": "linear", "direction": [1, 0, 0], "travel": [0, 400] } ]
+//!   },
+//!   "targets": [ { "name": "P", "position_mm": [0, 0, 0], "carried_by": "X" } ],
+//!   "stations": [ { "name": "S1", "position_mm": [1000, 0, 0], "dead_path_mm": 600 } ],
+//!   "errors": { "X": { "components": {
+//!     "EXX": [ { "kind": "table", "positions": [0, 400], "values": [0, -15] } ]
+//!   } } },
+//!   "runs": [ { "name": "x", "axis": "X", "sweep": { "start": 0, "stop": 400, "step": 200 } } ]
+//! }"#)?;
+//! let simulated = simulate(&scenario, 1)?;
+//!
+//! // At X = 400 the slide is 15 µm short, so the target is 15 µm further away than 600 mm.
+//! let readings = simulated.campaign.lengths.unwrap_or_default().readings;
+//! let lengths_mm: Vec<f64> = readings.iter().map(|reading| reading.length_mm).collect();
+//! assert_eq!(lengths_mm, [400.0, 200.0075, 0.015]);
+//! # Ok::<(), trueaxis_simulate::Error>(())
+//! ```
+//!
+//! # Frame and gauge of the truth
+//!
+//! Location errors and component errors mean something only in a frame and a gauge. The truth has
+//! those of a calibration:
+//!
+//! - **Gauge** ([`Gauge::LeastSquares`]). Over the different commanded positions of all runs of
+//!   an axis, the curves lose what belongs to the average line or axis. Linear axis: across its
+//!   direction δ loses its least-squares line; along it, δ loses its value at home, and so does ε.
+//!   Rotary axis: across its direction δ and ε each lose their least-squares `a + R(θ) b` (the
+//!   mean in the fixed and in the turning frame); along it they lose their value at home. So the
+//!   location errors of the scenario are those that an ideal measurement finds. "At home" is at
+//!   position 0, between two steps on the straight line, outside the steps at the nearest one.
+//! - **Frame.** x lies along the average line of the first linear axis that runs (in the order X,
+//!   Y, Z of nearest directions), the second one lies in a plane of the frame, and the origin is
+//!   where the mounting errors of the targets that the first axis moves have zero mean. Without
+//!   two linear runs the targets also give the orientation, and without any an axial shift of a
+//!   rotary axis means nothing. A scenario that contradicts this is refused with the reason.
+//!
+//! With linear axes, too, a shift of a rotary axis along itself (`Z0C`) is only told from the
+//! mounting of its targets if their mounting errors have zero mean along it.
+//!
+//! # Noise
+//!
+//! Each stop of the machine has its own stream of the random generator: the same seed gives the same
+//! campaign, and neither later stops nor the size of the noise change the deviates of a stop.
+//! Lengths are rounded to 1e-7 mm and times to 1 ms; a scenario without noise can ask for exact
+//! lengths ([`NoiseSpec::exact`]).
+//!
+//! The file format is described in `docs/scenario.md` of the repository and field by field at
+//! [`Scenario`].
+
+mod axis_unit;
+mod build_machine;
+mod check;
+mod error;
+mod field_line;
+mod frame;
+mod gauge;
+mod mounting;
+mod nearest_name;
+mod noise;
+mod plan;
+mod plan_runs;
+mod read;
+mod read_errors;
+mod scenario;
+mod schedule;
+mod simulate;
+mod term;
+mod true_errors;
+mod truth;
+mod truth_file;
+mod unique_keys;
+
+pub use error::{Error, Place};
+pub use noise::Noise;
+pub use scenario::{
+    AxisErrors, AxisKindSpec, AxisSpec, Gauge, InstrumentSpec, KinematicsSpec, LocationValue,
+    MachineSpec, NoiseSpec, RunSpec, Scenario, StationSpec, Sweep, TargetSpec, Timing,
+};
+pub use simulate::{Simulated, simulate};
+pub use term::Term;
+pub use truth::{TrueComponents, TrueLocation, TrueStation, TrueTarget, Truth};

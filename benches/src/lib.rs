@@ -1,0 +1,71 @@
+//! Inputs of the benchmarks.
+
+use nalgebra::{Point3, Vector3};
+use trueaxis_multilateration::{Network, Noise, Reading, Visit};
+
+/// The targets of the paper's three-axis machine, mm.
+pub const TARGETS_MM: [[f64; 3]; 3] = [
+    [16.338, 452.716, 122.416],
+    [157.086, 332.593, 324.879],
+    [248.925, 603.0552, 412.4483],
+];
+
+const STATIONS: [([f64; 3], f64); 4] = [
+    ([1500.0, 300.0, 900.0], 12.0),
+    ([-600.0, 1600.0, 100.0], 345.0),
+    ([-700.0, -700.0, 700.0], 678.0),
+    ([900.0, 900.0, 1900.0], 91.0),
+];
+
+/// A network of `points` points (a multiple of three: the paper's targets at that many places of
+/// its machine) seen once from each of four stations. The points are some 20 µm off nominal. With
+/// `return_sigma_mm` above zero the three lengths of a visit correlate and the targets of a step
+/// are one block of nine unknowns; with zero every point is a block of three.
+pub fn network(points: usize, return_sigma_mm: f64) -> Network {
+    let mut network = Network {
+        stations: vec![None; STATIONS.len()],
+        noise: Noise {
+            length_sigma_mm: 0.269e-3,
+            return_sigma_mm,
+            ..Noise::default()
+        },
+        ..Network::default()
+    };
+    let mut true_points = Vec::new();
+    for step in 0..points / 3 {
+        // Places that fill the volume evenly and differ from each other (Weyl sequence).
+        let place = |irrational: f64| (step as f64 * irrational).fract() * 400.0;
+        let shift = Vector3::new(
+            place(0.754_877_666),
+            place(0.569_840_291),
+            place(0.438_579_021),
+        );
+        let deviation =
+            Vector3::new(place(0.9), place(0.8), place(0.7)).map(|d| (d - 200.0) * 1e-4);
+        for target in TARGETS_MM {
+            let nominal = Point3::from(target) + shift;
+            network.nominal_mm.push(nominal);
+            true_points.push(nominal + deviation);
+        }
+    }
+    let per_group = if return_sigma_mm > 0.0 { 3 } else { 1 };
+    for first in (0..true_points.len()).step_by(per_group) {
+        network.groups.push(first..first + per_group);
+    }
+    for (station, (position, dead_path)) in STATIONS.iter().enumerate() {
+        for (group, points) in network.groups.iter().enumerate() {
+            let first = network.readings.len();
+            for (point, p) in true_points[points.clone()].iter().enumerate() {
+                let length_mm = (p - Point3::from(*position)).norm() - dead_path;
+                network.readings.push(Reading { point, length_mm });
+            }
+            let readings = first..network.readings.len();
+            network.visits.push(Visit {
+                station,
+                group,
+                readings,
+            });
+        }
+    }
+    network
+}

@@ -1,0 +1,86 @@
+//! The random part of a length.
+
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use trueaxis_kinematics::MICROMETRE;
+
+use crate::check;
+use crate::{Error, Scenario};
+
+/// True standard deviations of the simulated noise.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Noise {
+    /// Constant part `a` of a length's standard deviation `√(a² + (b l)²)`, µm.
+    pub length_sigma_um: f64,
+    /// Proportional part `b`, µm per m of the distance from station to target.
+    pub length_sigma_ppm: f64,
+    /// Standard deviation per coordinate of the position that the machine returns to at a stop,
+    /// µm; common to the targets measured there.
+    pub repeatability_um: f64,
+}
+
+impl Noise {
+    /// The noise of a scenario: its own, else what the instrument declares, else none.
+    pub(crate) fn of(scenario: &Scenario) -> Result<Self, Error> {
+        let (noise, declared) = (&scenario.noise, &scenario.instrument);
+        let sigma = |name: &str, own: Option<f64>, declared: Option<f64>| {
+            let part = if own.is_some() { "noise" } else { "instrument" };
+            let sigma = own.or(declared).unwrap_or(0.0);
+            check::not_negative(&format!("{part}.{name}"), sigma).map(|()| sigma)
+        };
+        let (a, a_declared) = (noise.length_sigma_um, declared.length_sigma_um);
+        let (b, b_declared) = (noise.length_sigma_ppm, declared.length_sigma_ppm);
+        let (m, m_declared) = (noise.repeatability_um, declared.repeatability_um);
+        let true_noise = Self {
+            length_sigma_um: sigma("length_sigma_um", a, a_declared)?,
+            length_sigma_ppm: sigma("length_sigma_ppm", b, b_declared)?,
+            repeatability_um: sigma("repeatability_um", m, m_declared)?,
+        };
+        if noise.exact && !true_noise.is_zero() {
+            return Err(Error::ExactWithNoise { noise: true_noise });
+        }
+        Ok(true_noise)
+    }
+
+    /// Whether there is none.
+    pub fn is_zero(&self) -> bool {
+        let largest = self.length_sigma_um.max(self.length_sigma_ppm);
+        largest.max(self.repeatability_um) <= 0.0
+    }
+
+    /// Standard deviation of a length over `distance_mm`, mm.
+    pub fn length_sigma_mm(&self, distance_mm: f64) -> f64 {
+        let proportional_um = self.length_sigma_ppm * distance_mm * 1e-3;
+        self.length_sigma_um.hypot(proportional_um) * MICROMETRE
+    }
+
+    /// Standard deviation per coordinate of the machine's position, mm.
+    pub fn repeatability_mm(&self) -> f64 {
+        self.repeatability_um * MICROMETRE
+    }
+}
+
+/// The normal deviates of one stop. Each stop has its own stream, so they do not depend on the
+/// order in which stops are simulated, nor on the size of the noise.
+pub(crate) struct StopDeviates(ChaCha8Rng);
+
+impl StopDeviates {
+    /// The deviates of stop number `stop` under `seed`.
+    pub(crate) fn new(seed: u64, stop: u64) -> Self {
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        generator.set_stream(stop);
+        Self(generator)
+    }
+
+    /// The next standard normal deviate.
+    pub(crate) fn normal(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.0)
+    }
+
+    /// The next three.
+    pub(crate) fn normal_vector(&mut self) -> Vector3<f64> {
+        Vector3::from_fn(|_, _| self.normal())
+    }
+}

@@ -1,0 +1,126 @@
+//! The checked scenario: names resolved, units of the kinematics, errors in their gauge.
+
+use nalgebra::{Point3, Vector3};
+use trueaxis_kinematics::{Axis, Machine};
+
+use crate::build_machine::build_machine;
+use crate::check;
+use crate::frame::ReferenceFrame;
+use crate::mounting::check_mounting;
+use crate::plan_runs::plan_runs;
+use crate::read_errors::read_errors;
+use crate::true_errors::TrueAxis;
+use crate::{Error, Noise, Scenario};
+
+pub(crate) use crate::plan_runs::PlannedRun;
+
+/// Everything that a simulation needs beside stations and clock.
+pub(crate) struct Plan {
+    pub(crate) machine: Machine,
+    pub(crate) targets: Vec<PlannedTarget>,
+    pub(crate) runs: Vec<PlannedRun>,
+    pub(crate) frame: ReferenceFrame,
+    pub(crate) errors: Vec<TrueAxis>,
+    pub(crate) noise: Noise,
+}
+
+/// A target with its nominal and its true home position.
+pub(crate) struct PlannedTarget {
+    pub(crate) name: String,
+    pub(crate) nominal_mm: Point3<f64>,
+    pub(crate) home_mm: Point3<f64>,
+    pub(crate) carrier: usize,
+}
+
+impl PlannedTarget {
+    /// True minus nominal, mm.
+    pub(crate) fn mounting_mm(&self) -> Vector3<f64> {
+        self.home_mm - self.nominal_mm
+    }
+}
+
+impl Plan {
+    pub(crate) fn new(scenario: &Scenario) -> Result<Self, Error> {
+        check_header(scenario)?;
+        let machine = build_machine(&scenario.machine)?;
+        let targets = plan_targets(scenario, &machine)?;
+        check_stations(scenario)?;
+        let runs = plan_runs(scenario, &machine, &targets)?;
+        check_timing(scenario)?;
+        let frame = ReferenceFrame::new(&machine, |axis| runs.iter().any(|run| run.axis == axis));
+        let errors = read_errors(scenario, &machine, &runs, &frame)?;
+        check_mounting(&machine, &frame, &targets)?;
+        let noise = Noise::of(scenario)?;
+        Ok(Self {
+            machine,
+            targets,
+            runs,
+            frame,
+            errors,
+            noise,
+        })
+    }
+}
+
+fn check_header(scenario: &Scenario) -> Result<(), Error> {
+    if scenario.format != Scenario::FORMAT {
+        return Err(Error::Format {
+            found: scenario.format.clone(),
+        });
+    }
+    if scenario.version != Scenario::VERSION {
+        return Err(Error::Version {
+            found: scenario.version,
+        });
+    }
+    if scenario.repeats == 0 {
+        return Err(check::expected("repeats", "at least 1"));
+    }
+    Ok(())
+}
+
+fn plan_targets(scenario: &Scenario, machine: &Machine) -> Result<Vec<PlannedTarget>, Error> {
+    let axes: Vec<&str> = machine.axes().iter().map(Axis::name).collect();
+    let names: Vec<&str> = scenario.targets.iter().map(|t| t.name.as_str()).collect();
+    check::distinct_names("targets", "target", &names)?;
+    let targets = scenario.targets.iter().enumerate();
+    targets
+        .map(|(i, target)| {
+            let field = |name: &str| format!("targets[{i}].{name}");
+            check::finite(&field("position_mm"), &target.position_mm)?;
+            check::finite(&field("mounting_error_mm"), &target.mounting_error_mm)?;
+            let carrier = check::index_of(field("carried_by"), "axis", &target.carried_by, &axes)?;
+            let nominal_mm = Point3::from(target.position_mm);
+            Ok(PlannedTarget {
+                name: target.name.clone(),
+                nominal_mm,
+                home_mm: nominal_mm + Vector3::from(target.mounting_error_mm),
+                carrier,
+            })
+        })
+        .collect()
+}
+
+fn check_stations(scenario: &Scenario) -> Result<(), Error> {
+    let names: Vec<&str> = scenario.stations.iter().map(|s| s.name.as_str()).collect();
+    check::distinct_names("stations", "station", &names)?;
+    for (i, station) in scenario.stations.iter().enumerate() {
+        let field = |name: &str| format!("stations[{i}].{name}");
+        check::finite(&field("position_mm"), &station.position_mm)?;
+        check::finite(&field("dead_path_mm"), &[station.dead_path_mm])?;
+    }
+    Ok(())
+}
+
+fn check_timing(scenario: &Scenario) -> Result<(), Error> {
+    let timing = &scenario.timing;
+    let durations = [
+        ("timing.start_s", timing.start_s),
+        ("timing.per_reading_s", timing.per_reading_s),
+        ("timing.per_move_s", timing.per_move_s),
+        ("timing.per_station_change_s", timing.per_station_change_s),
+    ];
+    durations
+        .iter()
+        .try_for_each(|(field, seconds)| check::not_negative(field, *seconds))
+}

@@ -1,0 +1,287 @@
+//! The scenario: a machine with known errors, an instrument and a measuring plan.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::Term;
+use crate::unique_keys::unique_keys;
+
+/// What is to be simulated, as `scenario.json` says it.
+///
+/// Plain data in the units of the file: mm, degrees, µm and arc seconds by name. Read it with
+/// [`Scenario::read`] or [`Scenario::from_json`]; [`crate::simulate`] checks it.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// Always [`Scenario::FORMAT`].
+    pub format: String,
+    /// Always [`Scenario::VERSION`].
+    pub version: u32,
+    /// Name of the campaign.
+    pub name: String,
+    /// Nominal geometry, as in `campaign.json`.
+    pub machine: MachineSpec,
+    /// Declared accuracy, as in `campaign.json`; the true noise too, unless `noise` differs.
+    #[serde(default)]
+    pub instrument: InstrumentSpec,
+    /// Targets on the stages.
+    pub targets: Vec<TargetSpec>,
+    /// Stations of the tracker.
+    pub stations: Vec<StationSpec>,
+    /// True errors by name of the axis; an axis that is not named has none.
+    #[serde(default, deserialize_with = "unique_keys")]
+    pub errors: BTreeMap<String, AxisErrors>,
+    /// Whether the error curves are put into the least-squares gauge.
+    #[serde(default)]
+    pub gauge: Gauge,
+    /// Sweeps of single axes, in measuring order.
+    pub runs: Vec<RunSpec>,
+    /// How often all runs are measured from each station.
+    #[serde(default = "once")]
+    pub repeats: u32,
+    /// True noise where it differs from what the instrument declares.
+    #[serde(default)]
+    pub noise: NoiseSpec,
+    /// The clock.
+    #[serde(default)]
+    pub timing: Timing,
+}
+
+impl Scenario {
+    /// What `format` must say.
+    pub const FORMAT: &str = "trueaxis-scenario";
+    /// The version of the format that this crate reads.
+    pub const VERSION: u32 = 1;
+}
+
+/// Nominal geometry of the machine.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MachineSpec {
+    /// Name of the machine.
+    pub name: String,
+    /// Its branches.
+    pub kinematics: KinematicsSpec,
+    /// Its axes in the order of the columns of `lengths.csv`.
+    pub axes: Vec<AxisSpec>,
+}
+
+/// The two branches, each from the bed outwards.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KinematicsSpec {
+    /// Names of the axes from bed to tool.
+    #[serde(default)]
+    pub tool: Vec<String>,
+    /// Names of the axes from bed to workpiece.
+    #[serde(default)]
+    pub workpiece: Vec<String>,
+}
+
+/// Nominal geometry of an axis in the reference frame at home.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisSpec {
+    /// Name, as `X`.
+    pub name: String,
+    /// Linear or rotary.
+    pub kind: AxisKindSpec,
+    /// Unit vector of positive motion or right-hand rotation.
+    pub direction: [f64; 3],
+    /// Lowest and highest position, mm or deg.
+    pub travel: [f64; 2],
+    /// A point on a rotary axis, mm; a linear axis has none.
+    #[serde(default)]
+    pub position_mm: Option<[f64; 3]>,
+}
+
+/// `linear` or `rotary`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AxisKindSpec {
+    /// Positions in mm.
+    Linear,
+    /// Positions in degrees.
+    Rotary,
+}
+
+/// Declared accuracy; what is not declared is simulated as zero.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InstrumentSpec {
+    /// Name of the instrument.
+    #[serde(default)]
+    pub name: String,
+    /// Constant part of a length's standard deviation, µm.
+    #[serde(default)]
+    pub length_sigma_um: Option<f64>,
+    /// Proportional part of a length's standard deviation, µm per m.
+    #[serde(default)]
+    pub length_sigma_ppm: Option<f64>,
+    /// Standard deviation per coordinate of the position that the machine returns to, µm.
+    #[serde(default)]
+    pub repeatability_um: Option<f64>,
+}
+
+/// A target on a stage.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TargetSpec {
+    /// Name, as `P`.
+    pub name: String,
+    /// Nominal position at home in the reference frame, mm.
+    pub position_mm: [f64; 3],
+    /// The outermost axis that moves it.
+    pub carried_by: String,
+    /// True minus nominal position at home, mm.
+    #[serde(default)]
+    pub mounting_error_mm: [f64; 3],
+}
+
+/// A station of the tracker.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StationSpec {
+    /// Name, as `S1`.
+    pub name: String,
+    /// True position in the reference frame, mm.
+    pub position_mm: [f64; 3],
+    /// True dead path L: the tracker shows `|p - S| - L`, mm.
+    pub dead_path_mm: f64,
+    /// Whether the campaign file gives `approx_mm`: the true position rounded to 100 mm, as one
+    /// paces it off.
+    #[serde(default)]
+    pub declare_approx: bool,
+}
+
+/// The true errors of one axis.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisErrors {
+    /// Curves by ISO 230-1 name, as `EXX`: the sum of the terms, µm or arcsec.
+    #[serde(default, deserialize_with = "unique_keys")]
+    pub components: BTreeMap<String, Vec<Term>>,
+    /// Location errors by ISO 230-1 name, as `C0Y`.
+    #[serde(default, deserialize_with = "unique_keys")]
+    pub location_errors: BTreeMap<String, LocationValue>,
+    /// Lost motion b of a linear axis, µm: the stage stands at `-b/2` along the axis direction
+    /// when it arrives in positive direction, at `+b/2` when it arrives in negative direction.
+    #[serde(default)]
+    pub lost_motion_um: Option<f64>,
+    /// The same for a rotary axis, arcsec about the axis direction.
+    #[serde(default)]
+    pub lost_motion_arcsec: Option<f64>,
+}
+
+/// One location error: an angle or a shift.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LocationValue {
+    /// A tilt, arcsec (right-hand rule).
+    #[serde(default)]
+    pub value_arcsec: Option<f64>,
+    /// A shift of a rotary axis, mm.
+    #[serde(default)]
+    pub value_mm: Option<f64>,
+}
+
+/// What is done to the curves before they are simulated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Gauge {
+    /// Mean, slope and home value are taken out so that the location errors of the scenario are
+    /// those of the average lines and axes.
+    #[default]
+    LeastSquares,
+    /// The curves are simulated as they are given.
+    None,
+}
+
+/// A sweep of one axis.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunSpec {
+    /// Name, as `x`.
+    pub name: String,
+    /// The axis that moves.
+    pub axis: String,
+    /// Commanded positions, increasing, mm or deg; this or `sweep`.
+    #[serde(default)]
+    pub positions: Option<Vec<f64>>,
+    /// Evenly spaced positions; this or `positions`.
+    #[serde(default)]
+    pub sweep: Option<Sweep>,
+    /// Where other axes are parked, mm or deg; 0 where not named.
+    #[serde(default, deserialize_with = "unique_keys")]
+    pub parked: BTreeMap<String, f64>,
+    /// Targets measured at every stop, in this order; all that the axis moves if not given.
+    #[serde(default)]
+    pub targets: Option<Vec<String>>,
+    /// Sides of approach: 1 sweeps up, -1 sweeps down, in this order.
+    #[serde(default = "upwards")]
+    pub directions: Vec<i8>,
+}
+
+/// Positions `start, start + step, ..., stop`, mm or deg.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sweep {
+    /// First position.
+    pub start: f64,
+    /// Last position, reached exactly.
+    pub stop: f64,
+    /// Distance of neighbours, positive.
+    pub step: f64,
+}
+
+/// True noise; what is not given is as the instrument declares.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoiseSpec {
+    /// Constant part of a length's standard deviation, µm.
+    #[serde(default)]
+    pub length_sigma_um: Option<f64>,
+    /// Proportional part of a length's standard deviation, µm per m.
+    #[serde(default)]
+    pub length_sigma_ppm: Option<f64>,
+    /// Standard deviation per coordinate of the position that the machine returns to, µm.
+    #[serde(default)]
+    pub repeatability_um: Option<f64>,
+    /// Lengths are left unrounded; only allowed when all noise is zero.
+    #[serde(default)]
+    pub exact: bool,
+}
+
+/// When readings are taken. The clock starts at `start_s` at the first station.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Timing {
+    /// Start of the campaign, s.
+    pub start_s: f64,
+    /// From one reading to the next of the same stop, s.
+    pub per_reading_s: f64,
+    /// For a move to the next stop, before its first reading, s.
+    pub per_move_s: f64,
+    /// For carrying the tracker to the next station, s.
+    pub per_station_change_s: f64,
+}
+
+impl Default for Timing {
+    fn default() -> Self {
+        Self {
+            start_s: 0.0,
+            per_reading_s: 2.0,
+            per_move_s: 4.0,
+            per_station_change_s: 900.0,
+        }
+    }
+}
+
+fn once() -> u32 {
+    1
+}
+
+fn upwards() -> Vec<i8> {
+    vec![1]
+}

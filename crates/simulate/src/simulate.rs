@@ -1,0 +1,158 @@
+//! From a scenario to the campaign that would be measured.
+
+use nalgebra::Point3;
+use trueaxis_campaign::{Campaign, Instrument, LengthReading, Lengths, Run, Step};
+use trueaxis_campaign::{Station, Stop, Target};
+
+use crate::noise::StopDeviates;
+use crate::plan::{Plan, PlannedTarget};
+use crate::schedule::{Visit, steps, visits};
+use crate::true_errors::Sweeping;
+use crate::{Error, Scenario, StationSpec, Truth};
+
+/// A simulated campaign and what is true of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Simulated {
+    /// What was measured.
+    pub campaign: Campaign,
+    /// What an estimator should find.
+    pub truth: Truth,
+}
+
+/// Lengths are given in steps of 1e-7 mm, a thousandth of the best interferometer's resolution.
+const LENGTHS_PER_MM: f64 = 1e7;
+/// Declared station positions are paced off, mm.
+const PACE_MM: f64 = 100.0;
+
+/// Measures the scenario's machine with the scenario's instrument.
+///
+/// Each length is `|p + d - S| - L + e`: p is the exact position of the target on the erroneous
+/// machine, d the machine's random deviation at the stop (common to its targets), S and L are the
+/// station and its dead path, e is the instrument's noise. The order is stations, repeats, runs,
+/// directions, positions, targets; the same seed gives the same campaign.
+///
+/// # Errors
+/// If the scenario is inconsistent; the error names the field.
+pub fn simulate(scenario: &Scenario, seed: u64) -> Result<Simulated, Error> {
+    let plan = Plan::new(scenario)?;
+    let steps = steps(&plan);
+    let lengths = measure(scenario, &plan, &steps, seed);
+    let truth = Truth::new(scenario, &plan, seed);
+    Ok(Simulated {
+        campaign: campaign(scenario, plan, steps, lengths),
+        truth,
+    })
+}
+
+/// Reads every length at every visit.
+fn measure(scenario: &Scenario, plan: &Plan, steps: &[Step], seed: u64) -> Lengths {
+    let mut lengths = Lengths::default();
+    for (stop_number, visit) in (0_u64..).zip(visits(scenario, plan)) {
+        let mut deviates = StopDeviates::new(seed, stop_number);
+        let positions = &steps[visit.step].positions;
+        let measured_mm = measure_stop(scenario, plan, &visit, positions, &mut deviates);
+
+        let first = lengths.readings.len();
+        let readings = visit.run.targets.iter().zip(&visit.times_s);
+        for ((&target, &time_s), length_mm) in readings.zip(measured_mm) {
+            lengths.readings.push(LengthReading {
+                time_s,
+                target,
+                length_mm,
+                // Line 1 of the file is its header.
+                line: lengths.readings.len() + 2,
+            });
+        }
+        lengths.stops.push(Stop {
+            station: visit.station,
+            repeat: visit.repeat,
+            step: visit.step,
+            direction: visit.direction,
+            readings: first..lengths.readings.len(),
+        });
+    }
+    lengths
+}
+
+/// The lengths of one stop in the order of the run's targets, mm.
+fn measure_stop(
+    scenario: &Scenario,
+    plan: &Plan,
+    visit: &Visit<'_>,
+    positions: &[f64],
+    deviates: &mut StopDeviates,
+) -> Vec<f64> {
+    let errors = Sweeping {
+        axes: &plan.errors,
+        axis: visit.run.axis,
+        direction: visit.direction,
+    };
+    let station = &scenario.stations[visit.station];
+    let deviation_mm = deviates.normal_vector() * plan.noise.repeatability_mm();
+    let lengths = visit.run.targets.iter().map(|&target| {
+        let PlannedTarget {
+            carrier, home_mm, ..
+        } = &plan.targets[target];
+        let p = plan
+            .machine
+            .position(&errors, *carrier, positions, *home_mm);
+        let distance_mm = (p + deviation_mm - Point3::from(station.position_mm)).norm();
+        let noise_mm = deviates.normal() * plan.noise.length_sigma_mm(distance_mm);
+        let length_mm = distance_mm - station.dead_path_mm + noise_mm;
+        if scenario.noise.exact {
+            length_mm
+        } else {
+            (length_mm * LENGTHS_PER_MM).round() / LENGTHS_PER_MM
+        }
+    });
+    lengths.collect()
+}
+
+fn campaign(scenario: &Scenario, plan: Plan, steps: Vec<Step>, lengths: Lengths) -> Campaign {
+    let instrument = &scenario.instrument;
+    Campaign {
+        name: scenario.name.clone(),
+        machine_name: scenario.machine.name.clone(),
+        machine: plan.machine,
+        instrument: Instrument {
+            name: instrument.name.clone(),
+            length_sigma_um: instrument.length_sigma_um,
+            length_sigma_ppm: instrument.length_sigma_ppm,
+            repeatability_um: instrument.repeatability_um,
+        },
+        targets: plan
+            .targets
+            .into_iter()
+            .map(|target| Target {
+                name: target.name,
+                home_mm: target.nominal_mm,
+                carrier: target.carrier,
+            })
+            .collect(),
+        stations: scenario.stations.iter().map(declared_station).collect(),
+        runs: plan
+            .runs
+            .into_iter()
+            .map(|run| Run {
+                name: run.name,
+                axis: run.axis,
+            })
+            .collect(),
+        steps,
+        lengths: Some(lengths),
+        points: None,
+        verification: Vec::new(),
+        notices: Vec::new(),
+    }
+}
+
+/// The station as the campaign file declares it.
+fn declared_station(station: &StationSpec) -> Station {
+    let paced = |c: f64| (c / PACE_MM).round() * PACE_MM;
+    Station {
+        name: station.name.clone(),
+        approx_mm: station
+            .declare_approx
+            .then(|| Point3::from(station.position_mm.map(paced))),
+    }
+}

@@ -1,0 +1,93 @@
+//! The true errors of the simulated machine.
+
+use trueaxis_campaign::Direction;
+use trueaxis_kinematics::{Axis, AxisKind, GeometricErrors, LocationError, MotionError};
+
+use crate::Term;
+use crate::axis_unit;
+use crate::gauge::GaugePart;
+
+/// The true errors of one axis.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TrueAxis {
+    pub(crate) kind: AxisKind,
+    /// Travel in mm or deg, over which polynomials run.
+    pub(crate) travel: [f64; 2],
+    pub(crate) location: LocationError,
+    /// Curves in the order of [`trueaxis_kinematics::Component::ALL`].
+    pub(crate) curves: [Curve; 6],
+    pub(crate) gauge: GaugePart,
+    /// Error after arrival in negative direction; in positive direction it is the opposite.
+    pub(crate) half_lost_motion: MotionError,
+}
+
+/// One component error as a function of the position.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Curve {
+    pub(crate) terms: Vec<Term>,
+    /// From the unit of the terms (µm or arcsec) to mm or rad.
+    pub(crate) scale: f64,
+}
+
+impl TrueAxis {
+    /// An axis without errors.
+    pub(crate) fn faultless(axis: &Axis) -> Self {
+        Self {
+            kind: axis.kind(),
+            travel: axis.travel().map(|q| axis_unit::to_file(axis.kind(), q)),
+            location: LocationError::default(),
+            curves: Default::default(),
+            gauge: GaugePart::none(axis),
+            half_lost_motion: MotionError::default(),
+        }
+    }
+
+    /// The curves as the scenario gives them, at `position` (mm or rad).
+    pub(crate) fn as_given(&self, position: f64) -> MotionError {
+        let q = axis_unit::to_file(self.kind, position);
+        let values = self.curves.each_ref().map(|curve| {
+            let terms = curve.terms.iter();
+            curve.scale * terms.map(|term| term.value(q, self.travel)).sum::<f64>()
+        });
+        MotionError::from_vector(&values.into())
+    }
+
+    /// The curves in the gauge: the mean of both directions of approach.
+    pub(crate) fn motion(&self, position: f64) -> MotionError {
+        let given = self.as_given(position).to_vector();
+        MotionError::from_vector(&(given - self.gauge.at(position).to_vector()))
+    }
+
+    /// The error after arrival in `direction`.
+    pub(crate) fn motion_after(&self, position: f64, direction: Direction) -> MotionError {
+        let sign = match direction {
+            Direction::Backward => 1.0,
+            Direction::Forward => -1.0,
+        };
+        let mean = self.motion(position).to_vector();
+        MotionError::from_vector(&(mean + self.half_lost_motion.to_vector() * sign))
+    }
+}
+
+/// The machine's errors while one axis sweeps and the others are parked.
+///
+/// Parked axes stand at the mean of both directions of approach.
+pub(crate) struct Sweeping<'a> {
+    pub(crate) axes: &'a [TrueAxis],
+    pub(crate) axis: usize,
+    pub(crate) direction: Direction,
+}
+
+impl GeometricErrors for Sweeping<'_> {
+    fn location(&self, axis: usize) -> LocationError {
+        self.axes[axis].location
+    }
+
+    fn motion(&self, axis: usize, position: f64) -> MotionError {
+        if axis == self.axis {
+            self.axes[axis].motion_after(position, self.direction)
+        } else {
+            self.axes[axis].motion(position)
+        }
+    }
+}

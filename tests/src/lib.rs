@@ -1,0 +1,124 @@
+//! Comparison of calibrations with the truth of simulated campaigns.
+//!
+//! Not published; the tests are in `tests/`.
+
+use trueaxis_calibrate::{AxisResult, Calibration};
+use trueaxis_campaign::Direction;
+use trueaxis_kinematics::Component;
+use trueaxis_simulate::{TrueComponents, Truth};
+
+/// One number that was estimated, in mm or rad.
+#[derive(Debug, Clone)]
+pub struct Deviation {
+    /// Its name, as `EXX at 40`.
+    pub name: String,
+    /// Whether it is an angle.
+    pub angular: bool,
+    /// Estimate minus truth.
+    pub error: f64,
+    /// Stated standard uncertainty.
+    pub u: f64,
+}
+
+/// Component errors of all axes: estimate minus truth. Where the calibration does not keep the
+/// sides of approach apart, the truth is their mean.
+pub fn components(calibration: &Calibration, truth: &Truth) -> Vec<Deviation> {
+    let mut all = Vec::new();
+    for (found, true_axis) in calibration.axes.iter().zip(&truth.axes) {
+        assert_eq!(
+            found.name, true_axis.name,
+            "axes in the order of the machine"
+        );
+        all.extend(components_of(found, true_axis));
+    }
+    all
+}
+
+fn components_of(found: &AxisResult, truth: &TrueComponents) -> Vec<Deviation> {
+    let mut all = Vec::new();
+    for node in &found.nodes {
+        let at: Vec<usize> = (0..truth.positions.len())
+            .filter(|&k| (truth.positions[k] - node.position).abs() < 1e-9)
+            .filter(|&k| node.direction.is_none_or(|side| side_of(truth, k) == side))
+            .collect();
+        assert!(
+            !at.is_empty(),
+            "{} at {}: no truth",
+            found.name,
+            node.position
+        );
+        let error = node.error.to_vector();
+        for component in Component::ALL {
+            let c = component.index();
+            let sum: f64 = at.iter().map(|&k| truth.errors[k].to_vector()[c]).sum();
+            all.push(Deviation {
+                name: format!("{} at {}", component.name(&found.name), node.position),
+                angular: component.is_angular(),
+                error: error[c] - sum / at.len() as f64,
+                u: node.u[c],
+            });
+        }
+    }
+    all
+}
+
+fn side_of(truth: &TrueComponents, k: usize) -> Direction {
+    truth
+        .directions
+        .as_ref()
+        .map_or(Direction::Forward, |sides| sides[k])
+}
+
+/// Location errors of all axes: estimate minus truth. Those that are zero by definition of the
+/// reference frame are no part of the truth; the calibration must state them as exactly zero.
+pub fn locations(calibration: &Calibration, truth: &Truth) -> Vec<Deviation> {
+    let mut expected = truth.location_errors.iter().peekable();
+    let mut all = Vec::new();
+    for axis in &calibration.axes {
+        for location in &axis.location_errors {
+            let name = location.component.name(&axis.name);
+            let Some(truth) = expected.next_if(|truth| truth.name == name) else {
+                assert!(
+                    location.value.abs() + location.u < f64::MIN_POSITIVE,
+                    "{name}: no truth"
+                );
+                continue;
+            };
+            all.push(Deviation {
+                name,
+                angular: location.component.is_angular(),
+                error: location.value - truth.value,
+                u: location.u,
+            });
+        }
+    }
+    assert_eq!(
+        expected.next().map(|truth| &truth.name),
+        None,
+        "not estimated"
+    );
+    all
+}
+
+/// Stations and dead paths: estimate minus truth.
+pub fn stations(calibration: &Calibration, truth: &Truth) -> Vec<Deviation> {
+    let mut all = Vec::new();
+    for (found, truth) in calibration.stations.iter().zip(&truth.stations) {
+        let d = found.position_mm - truth.position_mm;
+        let dead_path = found.dead_path_mm - truth.dead_path_mm;
+        let u = found.u_mm.into_iter().chain([found.u_dead_path_mm]);
+        for ((what, error), u) in ["x", "y", "z", "L"]
+            .iter()
+            .zip([d.x, d.y, d.z, dead_path])
+            .zip(u)
+        {
+            all.push(Deviation {
+                name: format!("{what} of {}", found.name),
+                angular: false,
+                error,
+                u,
+            });
+        }
+    }
+    all
+}
