@@ -18,14 +18,11 @@ use crate::records::Context;
 use crate::rigid_fit::centroid;
 use crate::settings::{ReferencePoint, Settings};
 use crate::uncertainty::{FrameDependent, of_components, of_frame_dependent};
-use crate::{Error, describe, from_lengths, from_points};
+use crate::{Error, from_lengths, from_points, rigidity};
 
 /// Significance at which the declared noise is given up for the residuals' own: one clean campaign
 /// in a thousand gets larger uncertainties than it needs.
 const GLOBAL_TEST_LEVEL: f64 = 1e-3;
-
-/// Family-wise significance of the rigid-body test of all steps together.
-const RIGID_TEST_LEVEL: f64 = 0.01;
 
 /// A measured distance between targets that differs less from nominal needs no word, mm.
 const TRIANGLE_TOL_MM: f64 = 0.01;
@@ -102,7 +99,7 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
         .collect();
     let targets = mean_targets(&data, &identified.state, campaign.targets.len());
     let triangle = triangle(&context, &data, &targets);
-    let misfits = misfits(&context, &data, &identified, adjustment.uncertainty_factor);
+    let misfits = rigidity::misfits(&context, &data, &identified, adjustment.uncertainty_factor);
     notices.extend(unmeasured_axes(campaign, &data));
     Ok(Calibration {
         campaign: campaign.name.clone(),
@@ -198,7 +195,7 @@ fn report(
             instrument.length_sigma_um.is_some(),
         ),
         None => {
-            let (squares, degrees_of_freedom) = rigid_squares(data, identified);
+            let (squares, degrees_of_freedom) = rigidity::total(data, identified);
             let readings = campaign.points.iter().flat_map(|points| &points.readings);
             let declared = readings
                 .into_iter()
@@ -248,7 +245,7 @@ fn report(
         uncertainty_factor: if scaled { sigma0 } else { 1.0 },
         rms_residual_mm: match solution {
             Some(solution) => solution.rms_residual_mm(),
-            None => rigid_rms_mm(identified),
+            None => rigidity::rms_mm(identified),
         },
         length_sigma_mm: solution.map(|_| {
             instrument
@@ -262,31 +259,6 @@ fn report(
             |solution| solution.termination.to_string(),
         ),
     }
-}
-
-/// Sum of squares of the rigid-body test of all records, and its degrees of freedom: those of the
-/// records less the shape of the targets in each run, which is estimated.
-fn rigid_squares(data: &[AxisData], identified: &Identified) -> (f64, usize) {
-    let fits = identified.fits.iter().flatten();
-    let (squares, degrees) = fits.fold((0.0, 0), |(squares, degrees), fit| {
-        (
-            squares + fit.misfit.chi_squared,
-            degrees + fit.misfit.degrees_of_freedom,
-        )
-    });
-    let runs = data.iter().flat_map(|axis| &axis.runs);
-    let shapes: usize = runs.map(|run| 3 * run.targets.len() - 6).sum();
-    (squares, degrees.saturating_sub(shapes))
-}
-
-fn rigid_rms_mm(identified: &Identified) -> f64 {
-    let fits: Vec<f64> = identified
-        .fits
-        .iter()
-        .flatten()
-        .map(|fit| fit.misfit.rms_um.powi(2))
-        .collect();
-    (fits.iter().sum::<f64>() / fits.len().max(1) as f64).sqrt() * MICROMETRE
 }
 
 fn axis_result(
@@ -395,35 +367,6 @@ fn stations(
             },
         )
         .collect()
-}
-
-/// Records whose points are no rigid body, by a test with a family-wise level.
-fn misfits(
-    context: &Context<'_>,
-    data: &[AxisData],
-    identified: &Identified,
-    factor: f64,
-) -> Vec<StepMisfit> {
-    let records: usize = identified.fits.iter().map(Vec::len).sum();
-    let mut found = Vec::new();
-    for (axis, fits) in data.iter().zip(&identified.fits) {
-        for (record, fit) in axis.records.iter().zip(fits) {
-            let chi_squared = fit.misfit.chi_squared / factor.powi(2);
-            let degrees_of_freedom = fit.misfit.degrees_of_freedom;
-            let p_value = chi_squared_upper_tail(chi_squared, degrees_of_freedom as f64);
-            if p_value < RIGID_TEST_LEVEL / records as f64 {
-                let step = context.measured.groups[record.group].step;
-                found.push(StepMisfit {
-                    step: describe::step(context.campaign, step),
-                    rms_um: fit.misfit.rms_um,
-                    chi_squared,
-                    degrees_of_freedom,
-                    p_value,
-                });
-            }
-        }
-    }
-    found
 }
 
 /// Distances between the targets of each run that differ from nominal by more than measurement

@@ -62,6 +62,7 @@ mod json;
 mod measured;
 mod records;
 mod rigid_fit;
+mod rigidity;
 mod sensitivity;
 mod settings;
 mod sources;

@@ -12,7 +12,7 @@
 
 use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix6xX, Point3, UnitQuaternion, Vector3, Vector6};
 use trueaxis_campaign::Campaign;
-use trueaxis_identify::{Operator, equations, nine, nine_weighted, rigid_misfit};
+use trueaxis_identify::{Operator, RigidMisfit, equations, nine, nine_weighted, rigid_misfit};
 use trueaxis_kinematics::{Machine, MotionError};
 
 use crate::axis_data::{AxisData, Record, points_of};
@@ -27,6 +27,9 @@ pub(crate) struct RecordFit {
     pub(crate) pose_error: Vector6<f64>,
     /// How they follow from displacements of the record's points in datum coordinates.
     pub(crate) from_points: Matrix6xX<f64>,
+    /// Volumetric errors of the targets and their covariance, seen from the base of the axis.
+    pub(crate) deltas_mm: Vec<Vector3<f64>>,
+    pub(crate) covariance: DMatrix<f64>,
     /// Generalised coordinates of the targets, mm.
     pub(crate) levers_mm: Vec<Vector3<f64>>,
     /// What an unweighted rigid fit leaves of the volumetric errors, turned back to the stage at
@@ -51,6 +54,16 @@ pub(crate) struct Misfit {
     pub(crate) rms_um: f64,
     pub(crate) chi_squared: f64,
     pub(crate) degrees_of_freedom: usize,
+}
+
+impl From<&RigidMisfit> for Misfit {
+    fn from(misfit: &RigidMisfit) -> Self {
+        Self {
+            rms_um: misfit.rms_um,
+            chi_squared: misfit.chi_squared,
+            degrees_of_freedom: misfit.degrees_of_freedom,
+        }
+    }
 }
 
 /// What is common to the records of an axis.
@@ -143,11 +156,9 @@ impl Context<'_> {
             levers_mm,
             base_from_datum,
             stage_from_base,
-            misfit: Misfit {
-                rms_um: misfit.rms_um,
-                chi_squared: misfit.chi_squared,
-                degrees_of_freedom: misfit.degrees_of_freedom,
-            },
+            misfit: Misfit::from(&misfit),
+            deltas_mm,
+            covariance,
         })
     }
 

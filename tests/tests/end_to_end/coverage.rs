@@ -20,7 +20,7 @@ fn intervals_of_95_percent_hold_the_truth() {
     for (name, text) in SHIPPED {
         let scenario = Scenario::from_json(text).unwrap();
         let mut counts = [
-            ("components", 0, 0),
+            ("components", 0_u32, 0_u32),
             ("locations", 0, 0),
             ("stations", 0, 0),
         ];
@@ -44,12 +44,12 @@ fn intervals_of_95_percent_hold_the_truth() {
             for ((_, inside, all), kind) in counts.iter_mut().zip(&kinds) {
                 for d in kind.iter().filter(|d| d.u > 1e-9) {
                     *all += 1;
-                    *inside += usize::from(d.error.abs() < 1.96 * d.u);
+                    *inside += u32::from(d.error.abs() < 1.96 * d.u);
                 }
             }
         }
         for (kind, inside, all) in counts {
-            let share = f64::from(inside as u32) / f64::from(all as u32);
+            let share = f64::from(inside) / f64::from(all);
             println!(
                 "{name}: {kind}: {inside} of {all} inside, {:.1} %",
                 100.0 * share

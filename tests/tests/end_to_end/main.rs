@@ -1,4 +1,11 @@
 //! Simulated campaigns with known truth through the whole path.
 
+#![expect(
+    clippy::print_stdout,
+    reason = "statistical claims are printed with their counts"
+)]
+
 mod coverage;
+mod parked;
 mod round_trip;
+mod triangle;

@@ -24,7 +24,7 @@ fn scenario(text: &str) -> Scenario {
     Scenario::from_json(text).unwrap()
 }
 
-fn without_noise(mut scenario: Scenario) -> Scenario {
+pub(crate) fn without_noise(mut scenario: Scenario) -> Scenario {
     scenario.noise = NoiseSpec {
         length_sigma_um: Some(0.0),
         length_sigma_ppm: Some(0.0),
@@ -38,7 +38,7 @@ fn calibrated(simulated: &Simulated, settings: &Settings) -> Calibration {
     calibrate(&simulated.campaign, settings).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn largest<'a>(deviations: &'a [Deviation], angular: bool) -> (f64, &'a str) {
+pub(crate) fn largest(deviations: &[Deviation], angular: bool) -> (f64, &str) {
     deviations
         .iter()
         .filter(|d| d.angular == angular)
