@@ -10,7 +10,7 @@ use trueaxis_multilateration::Solution;
 use crate::axis_data::{AxisData, by_axis};
 use crate::calibration::{
     AdjustmentReport, AxisResult, Calibration, LocationResult, NodeResult, StationResult,
-    StepMisfit, TargetResult, TriangleSide,
+    TargetResult, TriangleSide,
 };
 use crate::identify_axes::{Identified, identify_axes, mean_targets};
 use crate::measured::Measured;
@@ -73,6 +73,7 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
     let mut notices = Vec::new();
     let adjustment = report(
         campaign,
+        settings.by_direction,
         &measured,
         &data,
         &identified,
@@ -180,6 +181,7 @@ fn check_plausible(
 /// What the residuals say about the noise.
 fn report(
     campaign: &Campaign,
+    by_direction: bool,
     measured: &Measured,
     data: &[AxisData],
     identified: &Identified,
@@ -230,6 +232,13 @@ fn report(
             "the residuals are {sigma0:.2} times what the declared noise explains (p = {p_value:.1e}): \
              the model or the declared noise is wrong; all uncertainties are multiplied by {sigma0:.2}"
         ));
+        if !by_direction && approached_from_both_sides(campaign) {
+            notices.push(
+                "positions were approached from both sides: lost motion makes such residuals; \
+                 --by-direction gives each side curves of its own"
+                    .to_owned(),
+            );
+        }
     } else if p_value > 1.0 - GLOBAL_TEST_LEVEL {
         notices.push(format!(
             "the residuals are only {sigma0:.2} times what the declared noise explains: it is declared \
@@ -259,6 +268,14 @@ fn report(
             |solution| solution.termination.to_string(),
         ),
     }
+}
+
+fn approached_from_both_sides(campaign: &Campaign) -> bool {
+    let lengths = campaign.lengths.iter().flat_map(|lengths| &lengths.stops);
+    let points = campaign.points.iter().flat_map(|points| &points.stops);
+    let mut directions = lengths.chain(points).map(|stop| stop.direction);
+    let first = directions.next();
+    directions.any(|direction| Some(direction) != first)
 }
 
 fn axis_result(

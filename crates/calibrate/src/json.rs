@@ -18,11 +18,8 @@ impl Calibration {
     /// adjustment, `direction` of each position where the sides of approach are kept apart,
     /// `noise_gain` of each axis, `misfits`, `triangle`, `notices`.
     pub fn to_json(&self) -> String {
-        let file = File::new(self);
-        // Serialising plain structs of numbers and strings to memory has no way to fail.
-        let mut text = serde_json::to_string_pretty(&file).unwrap_or_default();
-        text.push('\n');
-        text
+        // Serialising plain structs of numbers and strings has no way to fail.
+        trueaxis_files::to_json(&File::new(self)).unwrap_or_default()
     }
 }
 

@@ -1,2 +1,45 @@
-//! trueaxis
-fn main() {}
+//! `trueaxis`: from lengths to every geometric error of a machine tool.
+//!
+//! Data goes to standard output only when asked for with `--json`, talk to standard error. Exit
+//! codes are part of the interface: see [`exit`].
+
+mod args;
+mod calibrate;
+mod check;
+mod exit;
+mod output;
+mod simulate;
+mod summary;
+mod talk;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::args::{Args, Verb};
+use crate::exit::Exit;
+
+fn main() -> ExitCode {
+    // One thread, one order of additions: the same bytes on every machine.
+    faer::set_global_parallelism(faer::Par::Seq);
+    let args = Args::parse();
+    let run = || match &args.verb {
+        Verb::Check(args) => check::run(args),
+        Verb::Calibrate(args) => calibrate::run(args),
+        Verb::Simulate(args) => simulate::run(args),
+    };
+    // A panic is a bug of ours: the default hook says where, the exit code says so.
+    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
+    let exit = match outcome {
+        Ok(Ok(exit)) => exit,
+        Ok(Err(error)) => {
+            talk::error(&error);
+            Exit::of(&error)
+        }
+        Err(_) => {
+            talk::say("internal error: please report it with the campaign that causes it");
+            Exit::Internal
+        }
+    };
+    exit.into()
+}

@@ -35,11 +35,12 @@ fn solve_arrowhead(blocks: &[Block], closure: f64) -> Result<trueaxis_leastsquar
     for block in blocks {
         let mut rows = BlockRows::new(block.rows.len(), block.unknowns, SHARED);
         for (i, row) in block.rows.iter().enumerate() {
-            for k in 0..block.unknowns {
-                rows.block_mut(k)[i] = row[k];
+            let (own, shared) = row.split_at(block.unknowns);
+            for (k, value) in own.iter().enumerate() {
+                rows.block_mut(k)[i] = *value;
             }
-            for k in 0..SHARED {
-                rows.shared_mut(k)[i] = row[block.unknowns + k];
+            for (k, value) in shared[..SHARED].iter().enumerate() {
+                rows.shared_mut(k)[i] = *value;
             }
             rows.residual_mut()[i] = row[block.unknowns + SHARED];
         }

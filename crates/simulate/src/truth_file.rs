@@ -1,7 +1,5 @@
 //! `truth.json`: the truth in the shape and units of `calibration.json`.
 
-use std::fs::Permissions;
-use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use serde::{Serialize, Serializer};
@@ -23,42 +21,14 @@ impl Truth {
     /// [`Error::Write`].
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let path = path.as_ref();
-        self.write_and_rename(path).map_err(|source| Error::Write {
-            path: path.to_owned(),
-            source,
-        })
+        trueaxis_files::to_json(self)
+            .map_err(std::io::Error::from)
+            .and_then(|text| trueaxis_files::write_whole(path, text.as_bytes()))
+            .map_err(|source| Error::Write {
+                path: path.to_owned(),
+                source,
+            })
     }
-
-    fn write_and_rename(&self, path: &Path) -> std::io::Result<()> {
-        let folder = match path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        let mut builder = tempfile::Builder::new();
-        if let Some(permissions) = readable() {
-            builder.permissions(permissions);
-        }
-        let temporary = builder.tempfile_in(folder)?;
-        let mut writer = BufWriter::new(temporary);
-        serde_json::to_writer_pretty(&mut writer, self)?;
-        writer.write_all(b"\n")?;
-        let temporary = writer.into_inner().map_err(|error| error.into_error())?;
-        temporary.as_file().sync_all()?;
-        temporary.persist(path).map_err(|error| error.error)?;
-        Ok(())
-    }
-}
-
-/// A temporary file is private by default; a result is as readable as the user's other files.
-#[cfg(unix)]
-fn readable() -> Option<Permissions> {
-    use std::os::unix::fs::PermissionsExt;
-    Some(Permissions::from_mode(0o666))
-}
-
-#[cfg(not(unix))]
-fn readable() -> Option<Permissions> {
-    None
 }
 
 impl Serialize for Truth {

@@ -1,0 +1,66 @@
+//! What is unusual in a campaign but no error, in words.
+
+use crate::reading::Reading;
+use crate::{Campaign, Stop};
+
+/// The first row that is earlier than the row before it, if there is one. `rows` gives the time
+/// and the line of each row.
+pub(crate) fn clock_going_back(
+    file_name: &str,
+    rows: impl IntoIterator<Item = (f64, usize)>,
+) -> Option<String> {
+    let mut before: Option<f64> = None;
+    for (time_s, line) in rows {
+        if let Some(before_s) = before.filter(|&before_s| time_s < before_s) {
+            return Some(format!(
+                "{file_name} line {line}, column time_s: the time goes back from {before_s} s to \
+                 {time_s} s; drifts cannot be told from a clock that was reset"
+            ));
+        }
+        before = Some(time_s);
+    }
+    None
+}
+
+/// Stations, runs and targets of which the file has no row.
+pub(crate) fn without_rows<R: Reading>(
+    file_name: &str,
+    campaign: &Campaign,
+    stops: &[Stop],
+    readings: &[R],
+) -> Vec<String> {
+    let run = |stop: &Stop| campaign.steps.get(stop.step).map(|step| step.run);
+    let stations = unseen(
+        campaign.stations.iter().map(|s| s.name.as_str()),
+        stops.iter().map(|stop| stop.station),
+    );
+    let runs = unseen(
+        campaign.runs.iter().map(|r| r.name.as_str()),
+        stops.iter().filter_map(run),
+    );
+    let targets = unseen(
+        campaign.targets.iter().map(|t| t.name.as_str()),
+        readings.iter().map(Reading::target),
+    );
+    // A points campaign may list stations, but has no column for them.
+    let stations = if R::HAS_STATION { stations } else { Vec::new() };
+    [("station", stations), ("run", runs), ("target", targets)]
+        .into_iter()
+        .flat_map(|(what, names)| names.into_iter().map(move |name| (what, name)))
+        .map(|(what, name)| format!("{file_name}: {what} `{name}` of campaign.json has no row"))
+        .collect()
+}
+
+/// The names whose index is not among `seen`.
+fn unseen<'a>(
+    names: impl Iterator<Item = &'a str>,
+    seen: impl Iterator<Item = usize>,
+) -> Vec<&'a str> {
+    let mut names: Vec<Option<&str>> = names.map(Some).collect();
+    for index in seen {
+        if let Some(name) = names.get_mut(index) {
+            *name = None;
+        }
+    }
+    names.into_iter().flatten().collect()
+}

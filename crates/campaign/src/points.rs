@@ -1,0 +1,88 @@
+//! `points.csv`: one measured point per row, in the frame of any rigid 3D instrument.
+
+use std::path::Path;
+
+use nalgebra::Point3;
+
+use crate::reading::readings_of;
+use crate::rows::Rows;
+use crate::steps::Steps;
+use crate::table::{Column, Row, Table};
+use crate::visits::{Sighting, VisitRows, Visits, required_columns};
+use crate::{Campaign, Error, PointReading, Points};
+
+/// Columns before those of the axes.
+const FIRST_COLUMNS: [&str; 4] = ["time_s", "repeat", "run", "direction"];
+
+/// Columns after those of the axes.
+const LAST_COLUMNS: [&str; 4] = ["target", "x_mm", "y_mm", "z_mm"];
+
+/// The optional column.
+const SIGMA_COLUMN: &str = "sigma_um";
+
+/// Reads the points and the steps in them. `campaign` knows all names.
+pub(crate) fn read(file: &Path, text: &str, campaign: &Campaign) -> Result<(Points, Steps), Error> {
+    let required = required_columns(&FIRST_COLUMNS, &campaign.machine, &LAST_COLUMNS);
+    let mut table = Table::open(file, text, &required, &[SIGMA_COLUMN])?;
+    let mut visits = Visits::of(&table, campaign)?;
+    let coordinates = [
+        table.column("x_mm")?,
+        table.column("y_mm")?,
+        table.column("z_mm")?,
+    ];
+    let sigma = table.optional_column(SIGMA_COLUMN);
+
+    let mut readings = Vec::new();
+    while let Some(row) = table.next_row()? {
+        let sighting = visits.read(&row, readings.len())?;
+        let [x, y, z] = coordinates;
+        readings.push(PointReading {
+            time_s: sighting.time_s,
+            target: sighting.target,
+            position_mm: Point3::new(row.number(x)?, row.number(y)?, row.number(z)?),
+            sigma_um: read_sigma(&row, sigma)?,
+            line: row.line(),
+        });
+    }
+    if readings.is_empty() {
+        return Err(table.no_rows());
+    }
+    let (stops, steps) = visits.finish();
+    Ok((Points { stops, readings }, steps))
+}
+
+fn read_sigma(row: &Row<'_>, column: Option<Column>) -> Result<Option<f64>, Error> {
+    let sigma = row.optional_number(column)?;
+    match (sigma, column) {
+        (Some(sigma_um), Some(column)) if sigma_um <= 0.0 => Err(Error::Value {
+            place: row.place(column),
+            found: format!("a standard deviation of {sigma_um}"),
+            expected: "more than zero; leave the cell empty if it is not known".to_owned(),
+        }),
+        _ => Ok(sigma),
+    }
+}
+
+/// The text that [`read`] reads as `points`.
+pub(crate) fn text(campaign: &Campaign, points: &Points) -> String {
+    let has_sigma = points.readings.iter().any(|r| r.sigma_um.is_some());
+    let mut columns = required_columns(&FIRST_COLUMNS, &campaign.machine, &LAST_COLUMNS);
+    columns.extend(has_sigma.then_some(SIGMA_COLUMN));
+    let mut rows = Rows::with_header(columns);
+    let visits = VisitRows::of(campaign);
+    for stop in &points.stops {
+        for reading in readings_of(stop, &points.readings) {
+            let sighting = Sighting {
+                time_s: reading.time_s,
+                target: reading.target,
+            };
+            visits.start_row(&mut rows, stop, &sighting, false);
+            reading.position_mm.iter().for_each(|&c| rows.number(c));
+            if has_sigma {
+                rows.optional_number(reading.sigma_um);
+            }
+            rows.end_row();
+        }
+    }
+    rows.into_text()
+}

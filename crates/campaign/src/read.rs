@@ -1,0 +1,189 @@
+//! Reading: from the files of a campaign to the checked [`Campaign`].
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+use crate::document::{Document, VerificationEntry};
+use crate::names::Names;
+use crate::reading::Reading;
+use crate::steps::Steps;
+use crate::{
+    Campaign, Error, Place, Stop, duplicates, json, lengths, machine, notices, plausibility,
+    points, run_axes, setup, text_file, verification,
+};
+
+/// Reads the campaign at `path` (its `campaign.json`) with every file that it names, and checks
+/// all of it.
+///
+/// Names of files are relative to the folder of `path`. What is unusual but allowed is put into
+/// [`Campaign::notices`].
+///
+/// # Errors
+/// The first thing wrong: where it is, what was found, what is expected and how to mend it
+/// ([`Error`]). `campaign.json` is checked first, then each row of the data, then rows against
+/// each other, then the data against the motion of the machine, then the verifications.
+pub fn read(path: &Path) -> Result<Campaign, Error> {
+    read_from(path, &|file, mend| {
+        text_file::read(file, mend).map(Cow::Owned)
+    })
+}
+
+/// Gives the text of a file, or an error that ends in the advice of the second argument.
+pub(crate) type TextOf<'t> = dyn Fn(&Path, &str) -> Result<Cow<'t, str>, Error> + 't;
+
+/// [`read`] for texts from anywhere.
+pub(crate) fn read_from(path: &Path, text_of: &TextOf<'_>) -> Result<Campaign, Error> {
+    let text = text_of(path, "give the path of a campaign.json")?;
+    let mut document = json::parse(path, &text)?;
+    let sources = (document.lengths.take(), document.points.take());
+    let verification = std::mem::take(&mut document.verification);
+    let mut campaign = without_data(path, document)?;
+    let folder = Folder { path, text_of };
+    match sources {
+        (Some(_), Some(_)) => Err(Error::TwoMeasurements {
+            place: Place::field(path, "points"),
+        }),
+        (Some(name), None) => folder.read_lengths(&name, &mut campaign),
+        (None, Some(name)) => folder.read_points(&name, &mut campaign),
+        (None, None) if verification.is_empty() => Err(Error::NothingMeasured {
+            place: Place::file(path),
+        }),
+        (None, None) => Ok(()),
+    }?;
+    folder.read_verification(verification, &mut campaign)?;
+    Ok(campaign)
+}
+
+/// Everything that `campaign.json` itself says.
+fn without_data(path: &Path, document: Document) -> Result<Campaign, Error> {
+    let machine = machine::from_entry(path, &document.machine)?;
+    let instrument = document.instrument;
+    Ok(Campaign {
+        name: document.name,
+        machine_name: document.machine.name,
+        instrument: instrument
+            .map(|entry| setup::instrument(path, entry))
+            .transpose()?
+            .unwrap_or_default(),
+        targets: setup::targets(path, document.targets, &machine)?,
+        stations: setup::stations(path, document.stations)?,
+        runs: setup::runs(path, document.runs, &machine)?,
+        machine,
+        steps: Vec::new(),
+        lengths: None,
+        points: None,
+        verification: Vec::new(),
+        notices: Vec::new(),
+    })
+}
+
+/// The campaign's other files.
+struct Folder<'f, 't> {
+    /// `campaign.json`.
+    path: &'f Path,
+    text_of: &'f TextOf<'t>,
+}
+
+impl<'t> Folder<'_, 't> {
+    fn read_lengths(&self, name: &str, campaign: &mut Campaign) -> Result<(), Error> {
+        self.check_list("stations", campaign.stations.is_empty(), "lengths")?;
+        self.check_list("targets", campaign.targets.is_empty(), "lengths")?;
+        self.check_list("runs", campaign.runs.is_empty(), "lengths")?;
+        let (file, text) = self.text(name, "lengths")?;
+        let (lengths, steps) = lengths::read(&file, &text, campaign)?;
+        check_rows(
+            &file,
+            name,
+            campaign,
+            &lengths.stops,
+            &lengths.readings,
+            steps,
+        )?;
+        let notices = plausibility::check_lengths(&file, name, campaign, &lengths)?;
+        campaign.notices.extend(notices);
+        campaign.lengths = Some(lengths);
+        Ok(())
+    }
+
+    fn read_points(&self, name: &str, campaign: &mut Campaign) -> Result<(), Error> {
+        self.check_list("targets", campaign.targets.is_empty(), "points")?;
+        self.check_list("runs", campaign.runs.is_empty(), "points")?;
+        let (file, text) = self.text(name, "points")?;
+        let (points, steps) = points::read(&file, &text, campaign)?;
+        check_rows(
+            &file,
+            name,
+            campaign,
+            &points.stops,
+            &points.readings,
+            steps,
+        )?;
+        let notices = plausibility::check_points(&file, name, campaign, &points)?;
+        campaign.notices.extend(notices);
+        campaign.points = Some(points);
+        Ok(())
+    }
+
+    fn read_verification(
+        &self,
+        entries: Vec<VerificationEntry>,
+        campaign: &mut Campaign,
+    ) -> Result<(), Error> {
+        let names = entries.iter().map(|entry| entry.name.as_str());
+        Names::new("verification", names).check(self.path, "verification")?;
+        for (index, entry) in entries.into_iter().enumerate() {
+            let machine = &campaign.machine;
+            let kind = verification::kind(self.path, index, &entry, machine)?;
+            let field = format!("verification[{index}].readings");
+            let (file, text) = self.text(&entry.readings, &field)?;
+            let verification = verification::read(&file, &text, entry.name, kind, machine)?;
+            let readings = verification.readings.iter();
+            let rows = readings.filter_map(|r| Some((r.time_s?, r.line)));
+            let notice = notices::clock_going_back(&entry.readings, rows);
+            campaign.notices.extend(notice);
+            campaign.verification.push(verification);
+        }
+        Ok(())
+    }
+
+    fn check_list(&self, list: &str, is_empty: bool, needed_by: &'static str) -> Result<(), Error> {
+        if !is_empty {
+            return Ok(());
+        }
+        Err(Error::EmptyList {
+            place: Place::field(self.path, list),
+            needed_by,
+        })
+    }
+
+    /// The file that `field` of `campaign.json` names: its path and its text.
+    fn text(&self, name: &str, field: &str) -> Result<(PathBuf, Cow<'t, str>), Error> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let file = folder.join(name);
+        let mend = format!(
+            "{}, field {field}, names it; names of files are relative to that file",
+            self.path.display()
+        );
+        let text = (self.text_of)(&file, &mend)?;
+        Ok((file, text))
+    }
+}
+
+/// Checks rows against each other and puts the steps into the campaign.
+fn check_rows<R: Reading>(
+    file: &Path,
+    name: &str,
+    campaign: &mut Campaign,
+    stops: &[Stop],
+    readings: &[R],
+    steps: Steps,
+) -> Result<(), Error> {
+    duplicates::check(file, stops, readings, &campaign.targets)?;
+    run_axes::check(file, campaign, &steps)?;
+    campaign.steps = steps.steps;
+    let rows = readings.iter().map(|r| (r.time_s(), r.line()));
+    let clock = notices::clock_going_back(name, rows);
+    let unseen = notices::without_rows(name, campaign, stops, readings);
+    campaign.notices.extend(clock.into_iter().chain(unseen));
+    Ok(())
+}

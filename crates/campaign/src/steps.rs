@@ -1,0 +1,67 @@
+//! Steps: the different commanded positions of each run, numbered as they first appear.
+
+use std::collections::HashMap;
+
+use crate::Step;
+
+/// The steps found so far.
+#[derive(Default)]
+pub(crate) struct Steps {
+    /// In order of first appearance.
+    pub(crate) steps: Vec<Step>,
+    /// The line where each first appears.
+    pub(crate) lines: Vec<usize>,
+    /// Run and bits of the positions of each step.
+    index: HashMap<Box<[u64]>, usize>,
+    key: Vec<u64>,
+    last: usize,
+}
+
+impl Steps {
+    /// The step of `run` at `positions`, if it has appeared. Positions must not hold -0.
+    pub(crate) fn find(&mut self, run: usize, positions: &[f64]) -> Option<usize> {
+        let is_last = |step: &Step| step.run == run && step.positions == positions;
+        if self.steps.get(self.last).is_some_and(is_last) {
+            return Some(self.last);
+        }
+        self.key.clear();
+        self.key.push(run as u64);
+        self.key.extend(positions.iter().map(|q| q.to_bits()));
+        self.last = *self.index.get(self.key.as_slice())?;
+        Some(self.last)
+    }
+
+    /// Adds a step that [`Steps::find`] has just not found.
+    pub(crate) fn add(&mut self, run: usize, positions: &[f64], line: usize) -> usize {
+        self.last = self.steps.len();
+        self.index.insert(self.key.as_slice().into(), self.last);
+        self.steps.push(Step {
+            run,
+            positions: positions.to_owned(),
+        });
+        self.lines.push(line);
+        self.last
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_is_a_run_and_all_positions() {
+        let mut steps = Steps::default();
+        let visits = [
+            (0, [0.0, 1.0]),
+            (0, [0.0, 2.0]),
+            (0, [0.0, 1.0]),
+            (1, [0.0, 1.0]),
+        ];
+        let found = visits.map(|(run, positions)| {
+            steps
+                .find(run, &positions)
+                .unwrap_or_else(|| steps.add(run, &positions, 1))
+        });
+        assert_eq!(found, [0, 1, 0, 2]);
+    }
+}

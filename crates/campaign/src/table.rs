@@ -1,0 +1,305 @@
+//! A CSV file with a known header: columns by name in any order, rows without allocation.
+
+use std::io;
+use std::path::Path;
+
+use csv::ByteRecord;
+
+use crate::names::Names;
+use crate::text_file::newlines;
+use crate::{Alternatives, Direction, Error, Place, cell};
+
+/// Every column of any file that is not an axis.
+pub(crate) const FIXED_COLUMNS: [&str; 18] = [
+    "time_s",
+    "station",
+    "repeat",
+    "run",
+    "direction",
+    "target",
+    "length_mm",
+    "air_temp_c",
+    "air_pressure_hpa",
+    "air_humidity_pct",
+    "machine_temp_c",
+    "x_mm",
+    "y_mm",
+    "z_mm",
+    "sigma_um",
+    "cycle",
+    "deviation_um",
+    "delta_um",
+];
+
+/// A CSV file that is read row by row.
+pub(crate) struct Table<'a> {
+    file: &'a Path,
+    text: &'a [u8],
+    header: Vec<&'a str>,
+    header_line: usize,
+    reader: csv::Reader<&'a [u8]>,
+    record: ByteRecord,
+    /// Where the current record starts, and the number of line ends before it.
+    start: usize,
+    lines_before: usize,
+}
+
+/// Place of a column in every row.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Column(usize);
+
+impl<'a> Table<'a> {
+    /// Reads the header of `text`. Every column must be one of `required` or `optional`.
+    pub(crate) fn open(
+        file: &'a Path,
+        text: &'a str,
+        required: &[&str],
+        optional: &[&str],
+    ) -> Result<Self, Error> {
+        let (line, first) = (1..)
+            .zip(text.lines())
+            .find(|(_, line)| !line.is_empty())
+            .unwrap_or((1, ""));
+        let header: Vec<&str> = first.split(',').map(unquoted).collect();
+        check_header(file, line, &header, required, optional)?;
+        Ok(Self {
+            file,
+            text: text.as_bytes(),
+            header,
+            header_line: line,
+            reader: csv::ReaderBuilder::new()
+                .has_headers(true)
+                .flexible(true)
+                .from_reader(text.as_bytes()),
+            record: ByteRecord::new(),
+            start: 0,
+            lines_before: 0,
+        })
+    }
+
+    /// The column of that name, which must be there.
+    pub(crate) fn column(&self, name: &str) -> Result<Column, Error> {
+        self.optional_column(name).ok_or_else(|| {
+            missing_column(
+                Place::column(self.file, self.header_line, name),
+                &self.header,
+            )
+        })
+    }
+
+    /// The column of that name, if it is there.
+    pub(crate) fn optional_column(&self, name: &str) -> Option<Column> {
+        self.header.iter().position(|c| *c == name).map(Column)
+    }
+
+    /// The next row that is not blank.
+    pub(crate) fn next_row(&mut self) -> Result<Option<Row<'_>>, Error> {
+        loop {
+            let more = self.reader.read_byte_record(&mut self.record);
+            if !more.map_err(|error| self.unreadable(error))? {
+                return Ok(None);
+            }
+            self.advance();
+            if self.record.len() != self.header.len() {
+                if self.record.len() == 1 && self.record[0].trim_ascii().is_empty() {
+                    continue;
+                }
+                return Err(Error::FieldCount {
+                    place: Place::line(self.file, self.lines_before + 1),
+                    found: self.record.len(),
+                    expected: self.header.len(),
+                });
+            }
+            return Ok(Some(Row {
+                file: self.file,
+                header: &self.header,
+                record: &self.record,
+                line: self.lines_before + 1,
+            }));
+        }
+    }
+
+    /// Counts the lines up to the current record. The csv reader's own count is one behind where
+    /// lines end in CR LF or blank lines come before the record.
+    fn advance(&mut self) {
+        let reported = self.record.position().map_or(0, csv::Position::byte);
+        let mut start = usize::try_from(reported).unwrap_or(usize::MAX);
+        while matches!(self.text.get(start), Some(b'\r' | b'\n')) {
+            start += 1;
+        }
+        let passed = self.text.get(self.start..start).unwrap_or_default();
+        self.lines_before += newlines(passed);
+        self.start = start;
+    }
+
+    fn unreadable(&self, error: csv::Error) -> Error {
+        Error::Unreadable {
+            place: Place::file(self.file),
+            source: io::Error::from(error),
+        }
+    }
+
+    /// The error for a table without rows.
+    pub(crate) fn no_rows(&self) -> Error {
+        Error::NoRows {
+            place: Place::file(self.file),
+        }
+    }
+}
+
+/// Names of columns hold no commas, so the header needs no more of CSV than this.
+fn unquoted(name: &str) -> &str {
+    name.trim().trim_matches('"').trim()
+}
+
+fn check_header(
+    file: &Path,
+    line: usize,
+    header: &[&str],
+    required: &[&str],
+    optional: &[&str],
+) -> Result<(), Error> {
+    let place = |column: &str| Place::column(file, line, column);
+    if let [whole] = header {
+        for (separator, words) in [(';', "semicolons"), ('\t', "tabs")] {
+            if whole.contains(separator) {
+                return Err(Error::Separator {
+                    place: Place::line(file, line),
+                    separator: words,
+                });
+            }
+        }
+    }
+    let known = || required.iter().chain(optional);
+    if !header.iter().any(|column| known().any(|k| k == column)) {
+        return Err(Error::NoHeader {
+            place: Place::line(file, line),
+            found: header.join(","),
+            expected: required.join(","),
+        });
+    }
+    for (i, &column) in header.iter().enumerate() {
+        if !known().any(|k| *k == column) {
+            return Err(Error::UnknownColumn {
+                place: place(column),
+                alternatives: Alternatives::new(column, known()),
+            });
+        }
+        if header[..i].contains(&column) {
+            return Err(Error::DuplicateColumn {
+                place: place(column),
+            });
+        }
+    }
+    required
+        .iter()
+        .find(|column| !header.contains(column))
+        .map_or(Ok(()), |column| Err(missing_column(place(column), header)))
+}
+
+fn missing_column(place: Box<Place>, header: &[&str]) -> Error {
+    Error::MissingColumn {
+        place,
+        found: header.iter().map(|&column| column.to_owned()).collect(),
+    }
+}
+
+/// One row; each cell is read without the blanks around it.
+pub(crate) struct Row<'t> {
+    file: &'t Path,
+    header: &'t [&'t str],
+    record: &'t ByteRecord,
+    line: usize,
+}
+
+impl Row<'_> {
+    /// Its line in the file, from 1 (the header).
+    pub(crate) fn line(&self) -> usize {
+        self.line
+    }
+
+    /// Where the cell in `column` is.
+    pub(crate) fn place(&self, column: Column) -> Box<Place> {
+        let name = self.header.get(column.0).copied().unwrap_or_default();
+        Place::column(self.file, self.line, name)
+    }
+
+    fn cell(&self, column: Column) -> &[u8] {
+        self.record.get(column.0).unwrap_or_default().trim_ascii()
+    }
+
+    /// A finite number.
+    pub(crate) fn number(&self, column: Column) -> Result<f64, Error> {
+        let cell = self.cell(column);
+        cell::number(cell).ok_or_else(|| {
+            let (found, expected) = cell::number_problem(cell);
+            Error::Value {
+                place: self.place(column),
+                found,
+                expected,
+            }
+        })
+    }
+
+    /// A finite number or, where the column is not there or the cell is empty, none.
+    pub(crate) fn optional_number(&self, column: Option<Column>) -> Result<Option<f64>, Error> {
+        match column {
+            Some(column) if !self.cell(column).is_empty() => self.number(column).map(Some),
+            _ => Ok(None),
+        }
+    }
+
+    /// A whole number from 1.
+    pub(crate) fn counting_number(&self, column: Column) -> Result<u32, Error> {
+        cell::counting_number(self.cell(column))
+            .ok_or_else(|| self.refused(column, "a whole number from 1"))
+    }
+
+    /// +1 or -1.
+    pub(crate) fn direction(&self, column: Column) -> Result<Direction, Error> {
+        match self.cell(column) {
+            b"1" | b"+1" => Ok(Direction::Forward),
+            b"-1" => Ok(Direction::Backward),
+            _ => Err(self.refused(column, "1 or -1, the side of approach")),
+        }
+    }
+
+    /// One of `names`.
+    pub(crate) fn name(&self, column: Column, names: &mut Names<'_>) -> Result<usize, Error> {
+        let cell = self.cell(column);
+        names
+            .find(cell)
+            .ok_or_else(|| names.unknown(self.place(column), cell))
+    }
+
+    fn refused(&self, column: Column, expected: &str) -> Error {
+        Error::Value {
+            place: self.place(column),
+            found: format!("found \"{}\"", String::from_utf8_lossy(self.cell(column))),
+            expected: expected.to_owned(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(text: &str) -> Vec<usize> {
+        let mut table = Table::open(Path::new("t.csv"), text, &["a", "b"], &[]).unwrap();
+        let mut lines = Vec::new();
+        while let Some(row) = table.next_row().unwrap() {
+            lines.push(row.line());
+        }
+        lines
+    }
+
+    #[test]
+    fn lines_are_counted_whatever_ends_them() {
+        assert_eq!(lines("a,b\n1,2\n3,4"), [2, 3]);
+        assert_eq!(lines("a,b\r\n1,2\r\n3,4\r\n"), [2, 3]);
+        assert_eq!(lines("a,b\n\n1,2\n  \n\n3,4\n\n"), [3, 6]);
+        assert_eq!(lines("a,b\r\n\r\n1,2\r\n\r\n3,4\r\n\r\n"), [3, 5]);
+        assert_eq!(lines("\"a\", b\n\"1\n\",2\n3,4\n"), [2, 4]);
+    }
+}

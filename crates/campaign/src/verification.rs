@@ -1,0 +1,199 @@
+//! Verifications: measurements of other instruments, each with its own readings file.
+
+use std::path::Path;
+
+use nalgebra::Point3;
+use trueaxis_kinematics::Machine;
+
+use crate::axis_columns::AxisColumns;
+use crate::document::{VerificationEntry, VerificationKindEntry};
+use crate::rows::{Rows, position_cells};
+use crate::setup::axis_names;
+use crate::table::Table;
+use crate::visits::required_columns;
+use crate::{Error, Place, Verification, VerificationKind, VerificationReading};
+
+/// Columns before those of the axes.
+const FIRST_COLUMNS: [&str; 2] = ["cycle", "direction"];
+
+/// The optional column.
+const TIME_COLUMN: &str = "time_s";
+
+/// Entry number `index` as what was measured.
+pub(crate) fn kind(
+    file: &Path,
+    index: usize,
+    entry: &VerificationEntry,
+    machine: &Machine,
+) -> Result<VerificationKind, Error> {
+    let fields = Fields {
+        file,
+        path: format!("verification[{index}]"),
+    };
+    let axis = |name: &str, value: &Option<String>| {
+        let axis = fields.needed(name, value)?;
+        axis_names(machine).in_field(axis, file, &format!("{}.{name}", fields.path))
+    };
+    let point = |name: &str, value: &Option<[f64; 3]>| {
+        fields.needed(name, value).map(|&xyz| Point3::from(xyz))
+    };
+    match entry.kind {
+        VerificationKindEntry::Positioning => {
+            fields.foreign("ball_mm", "ballbar", entry.ball_mm.is_some())?;
+            fields.foreign(
+                "ball_carried_by",
+                "ballbar",
+                entry.ball_carried_by.is_some(),
+            )?;
+            fields.foreign("center_mm", "ballbar", entry.center_mm.is_some())?;
+            Ok(VerificationKind::Positioning {
+                axis: axis("axis", &entry.axis)?,
+                target_mm: point("target_mm", &entry.target_mm)?,
+            })
+        }
+        VerificationKindEntry::Ballbar => {
+            fields.foreign("axis", "positioning", entry.axis.is_some())?;
+            fields.foreign("target_mm", "positioning", entry.target_mm.is_some())?;
+            Ok(VerificationKind::Ballbar {
+                ball_mm: point("ball_mm", &entry.ball_mm)?,
+                ball_carrier: axis("ball_carried_by", &entry.ball_carried_by)?,
+                center_mm: point("center_mm", &entry.center_mm)?,
+            })
+        }
+    }
+}
+
+/// Which fields an entry may have depends on its kind.
+struct Fields<'a> {
+    file: &'a Path,
+    path: String,
+}
+
+impl Fields<'_> {
+    fn needed<'v, T>(&self, name: &str, value: &'v Option<T>) -> Result<&'v T, Error> {
+        value.as_ref().ok_or_else(|| Error::MissingField {
+            place: Place::field(self.file, self.path.as_str()),
+            name: name.to_owned(),
+        })
+    }
+
+    fn foreign(&self, name: &str, kind: &str, is_there: bool) -> Result<(), Error> {
+        if !is_there {
+            return Ok(());
+        }
+        Err(Error::Value {
+            place: Place::field(self.file, format!("{}.{name}", self.path)),
+            found: format!("`{name}` belongs to the kind `{kind}`"),
+            expected: "only fields of the kind given; remove it, or mend `kind`".to_owned(),
+        })
+    }
+}
+
+/// Reads the readings file of a verification.
+pub(crate) fn read(
+    file: &Path,
+    text: &str,
+    name: String,
+    kind: VerificationKind,
+    machine: &Machine,
+) -> Result<Verification, Error> {
+    let value_column = value_column(&kind);
+    let required = required_columns(&FIRST_COLUMNS, machine, &[value_column]);
+    let mut table = Table::open(file, text, &required, &[TIME_COLUMN])?;
+    let time = table.optional_column(TIME_COLUMN);
+    let cycle = table.column("cycle")?;
+    let direction = table.column("direction")?;
+    let axes = AxisColumns::of(&table, machine)?;
+    let value = table.column(value_column)?;
+
+    let mut readings = Vec::new();
+    while let Some(row) = table.next_row()? {
+        let mut positions = Vec::with_capacity(machine.axes().len());
+        axes.read(&row, &mut positions)?;
+        axes.check_travel(&row, &positions)?;
+        readings.push(VerificationReading {
+            time_s: time.map(|column| row.number(column)).transpose()?,
+            cycle: row.counting_number(cycle)?,
+            direction: row.direction(direction)?,
+            positions,
+            value_um: row.number(value)?,
+            line: row.line(),
+        });
+    }
+    if readings.is_empty() {
+        return Err(table.no_rows());
+    }
+    Ok(Verification {
+        name,
+        kind,
+        readings,
+    })
+}
+
+/// The text that [`read`] reads as `verification`.
+pub(crate) fn text(verification: &Verification, machine: &Machine) -> String {
+    let value_column = value_column(&verification.kind);
+    let has_time = verification.readings.iter().any(|r| r.time_s.is_some());
+    let time_column = has_time.then_some(TIME_COLUMN);
+    let columns = required_columns(&FIRST_COLUMNS, machine, &[value_column]);
+    let mut rows = Rows::with_header(time_column.into_iter().chain(columns));
+    for reading in &verification.readings {
+        if has_time {
+            // A time that only some readings have is an empty cell, which no reading accepts.
+            match reading.time_s {
+                Some(time_s) => rows.time_s(time_s),
+                None => rows.optional_number(None),
+            }
+        }
+        rows.counting_number(reading.cycle);
+        rows.direction(reading.direction);
+        rows.positions(&position_cells(machine, &reading.positions));
+        rows.number(reading.value_um);
+        rows.end_row();
+    }
+    rows.into_text()
+}
+
+/// The column of the measured value.
+fn value_column(kind: &VerificationKind) -> &'static str {
+    match kind {
+        VerificationKind::Positioning { .. } => "deviation_um",
+        VerificationKind::Ballbar { .. } => "delta_um",
+    }
+}
+
+/// The entry that [`kind`] reads as `verification`.
+pub(crate) fn to_entry(
+    verification: &Verification,
+    machine: &Machine,
+    readings: String,
+) -> VerificationEntry {
+    let axis_name = |axis: usize| machine.axes().get(axis).map(|a| a.name().to_owned());
+    let mut entry = VerificationEntry {
+        name: verification.name.clone(),
+        kind: VerificationKindEntry::Positioning,
+        axis: None,
+        target_mm: None,
+        ball_mm: None,
+        ball_carried_by: None,
+        center_mm: None,
+        readings,
+    };
+    match verification.kind {
+        VerificationKind::Positioning { axis, target_mm } => {
+            entry.axis = axis_name(axis);
+            entry.target_mm = Some(target_mm.into());
+        }
+        VerificationKind::Ballbar {
+            ball_mm,
+            ball_carrier,
+            center_mm,
+        } => {
+            entry.kind = VerificationKindEntry::Ballbar;
+            entry.ball_mm = Some(ball_mm.into());
+            entry.ball_carried_by = axis_name(ball_carrier);
+            entry.center_mm = Some(center_mm.into());
+        }
+    }
+    entry
+}

@@ -1,0 +1,170 @@
+//! The part of a row that `lengths.csv` and `points.csv` share: which target, when, at which stop.
+
+use trueaxis_kinematics::Machine;
+
+use crate::axis_columns::AxisColumns;
+use crate::names::Names;
+use crate::rows::{Rows, position_cells};
+use crate::steps::Steps;
+use crate::table::{Column, Row, Table};
+use crate::{Campaign, Direction, Error, Stop};
+
+/// Groups rows into stops and steps.
+///
+/// A stop is a maximal group of consecutive rows with the same station, repeat, run, direction
+/// and positions of all axes.
+pub(crate) struct Visits<'a> {
+    time: Column,
+    station: Option<(Column, Names<'a>)>,
+    repeat: Column,
+    run: (Column, Names<'a>),
+    direction: Column,
+    axes: AxisColumns<'a>,
+    target: (Column, Names<'a>),
+    positions: Vec<f64>,
+    stops: Vec<Stop>,
+    steps: Steps,
+}
+
+/// What [`Visits::read`] leaves to the reading itself.
+pub(crate) struct Sighting {
+    pub(crate) time_s: f64,
+    pub(crate) target: usize,
+}
+
+/// The columns before and after those of the axes, in the order of the format.
+pub(crate) fn required_columns<'a>(
+    first: &[&'a str],
+    machine: &'a Machine,
+    last: &[&'a str],
+) -> Vec<&'a str> {
+    let axes = machine.axes().iter().map(|axis| axis.name());
+    let first = first.iter().copied();
+    first.chain(axes).chain(last.iter().copied()).collect()
+}
+
+impl<'a> Visits<'a> {
+    /// Finds the columns in `table`. Without a column `station`, the station is number 0.
+    pub(crate) fn of(table: &Table<'_>, campaign: &'a Campaign) -> Result<Self, Error> {
+        let stations = campaign.stations.iter().map(|s| s.name.as_str());
+        let runs = campaign.runs.iter().map(|r| r.name.as_str());
+        let targets = campaign.targets.iter().map(|t| t.name.as_str());
+        Ok(Self {
+            time: table.column("time_s")?,
+            station: table
+                .optional_column("station")
+                .map(|column| (column, Names::new("station", stations))),
+            repeat: table.column("repeat")?,
+            run: (table.column("run")?, Names::new("run", runs)),
+            direction: table.column("direction")?,
+            axes: AxisColumns::of(table, &campaign.machine)?,
+            target: (table.column("target")?, Names::new("target", targets)),
+            positions: Vec::new(),
+            stops: Vec::new(),
+            steps: Steps::default(),
+        })
+    }
+
+    /// Reads the shared part of `row`, which is reading number `reading`.
+    pub(crate) fn read(&mut self, row: &Row<'_>, reading: usize) -> Result<Sighting, Error> {
+        let time_s = row.number(self.time)?;
+        let station = match &mut self.station {
+            Some((column, names)) => row.name(*column, names)?,
+            None => 0,
+        };
+        let repeat = row.counting_number(self.repeat)?;
+        let run = row.name(self.run.0, &mut self.run.1)?;
+        let direction = row.direction(self.direction)?;
+        self.axes.read(row, &mut self.positions)?;
+        let target = row.name(self.target.0, &mut self.target.1)?;
+        let step = match self.steps.find(run, &self.positions) {
+            Some(step) => step,
+            None => {
+                self.axes.check_travel(row, &self.positions)?;
+                self.steps.add(run, &self.positions, row.line())
+            }
+        };
+        self.stay_or_arrive(station, repeat, step, direction, reading);
+        Ok(Sighting { time_s, target })
+    }
+
+    fn stay_or_arrive(
+        &mut self,
+        station: usize,
+        repeat: u32,
+        step: usize,
+        direction: Direction,
+        reading: usize,
+    ) {
+        match self.stops.last_mut() {
+            Some(stop)
+                if (stop.station, stop.repeat, stop.step, stop.direction)
+                    == (station, repeat, step, direction) =>
+            {
+                stop.readings.end = reading + 1;
+            }
+            _ => self.stops.push(Stop {
+                station,
+                repeat,
+                step,
+                direction,
+                readings: reading..reading + 1,
+            }),
+        }
+    }
+
+    /// The stops, and the steps that they refer to.
+    pub(crate) fn finish(self) -> (Vec<Stop>, Steps) {
+        (self.stops, self.steps)
+    }
+}
+
+/// Writes what [`Visits`] reads.
+pub(crate) struct VisitRows<'a> {
+    campaign: &'a Campaign,
+    /// The cells of the axes at each step.
+    position_cells: Vec<String>,
+}
+
+impl<'a> VisitRows<'a> {
+    pub(crate) fn of(campaign: &'a Campaign) -> Self {
+        let machine = &campaign.machine;
+        let steps = campaign.steps.iter();
+        Self {
+            campaign,
+            position_cells: steps
+                .map(|step| position_cells(machine, &step.positions))
+                .collect(),
+        }
+    }
+
+    /// Writes the columns up to `target`. An index that points nowhere gives an empty name, which
+    /// no reading accepts.
+    pub(crate) fn start_row(
+        &self,
+        rows: &mut Rows,
+        stop: &Stop,
+        sighting: &Sighting,
+        has_station: bool,
+    ) {
+        let campaign = self.campaign;
+        let station = campaign.stations.get(stop.station).map(|s| s.name.as_str());
+        let step = campaign.steps.get(stop.step);
+        let run = step.and_then(|step| campaign.runs.get(step.run));
+        let target = campaign.targets.get(sighting.target);
+        let position_cells = self.position_cells.get(stop.step);
+        rows.time_s(sighting.time_s);
+        if has_station {
+            rows.name(station.unwrap_or_default());
+        }
+        rows.counting_number(stop.repeat);
+        rows.name(run.map(|run| run.name.as_str()).unwrap_or_default());
+        rows.direction(stop.direction);
+        rows.positions(position_cells.map(String::as_str).unwrap_or_default());
+        rows.name(
+            target
+                .map(|target| target.name.as_str())
+                .unwrap_or_default(),
+        );
+    }
+}

@@ -1,0 +1,9 @@
+//! Correct campaigns are read, damaged ones are refused with a message that says where the damage
+//! is and how to mend it.
+
+mod correct;
+mod documents;
+mod fixture;
+mod geometries;
+mod rows;
+mod units;

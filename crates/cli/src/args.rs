@@ -1,0 +1,114 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use nalgebra::Point3;
+use trueaxis_calibrate::ReferencePoint;
+
+/// Every geometric error of a machine tool from the lengths that one laser tracker measures to
+/// three targets.
+///
+/// Exit codes: 0 good; 2 usage; 3 an input file is wrong; 4 no answer fits the data; 5 the data do
+/// not determine what is sought; 6 the data reject the model (--fail-on-misfit); 70 internal error.
+#[derive(Debug, Parser)]
+#[command(name = "trueaxis", version, max_term_width = 100)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Verb {
+    /// Reads a campaign, checks it, and says what is in it.
+    Check(CheckArgs),
+    /// Finds all component and location errors; writes calibration.json.
+    Calibrate(CalibrateArgs),
+    /// Makes a campaign with known errors from a scenario; writes the campaign and truth.json.
+    Simulate(SimulateArgs),
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct CheckArgs {
+    /// The campaign file.
+    #[arg(value_name = "CAMPAIGN.json")]
+    pub(crate) campaign: PathBuf,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct CalibrateArgs {
+    /// The campaign file.
+    #[arg(value_name = "CAMPAIGN.json")]
+    pub(crate) campaign: PathBuf,
+
+    /// Folder for calibration.json [default: one in the current directory, named after the campaign].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// How component errors follow from the points of a step.
+    #[arg(long, value_enum, default_value_t = MethodArg::Nine)]
+    pub(crate) method: MethodArg,
+
+    /// Give each side of approach a curve of its own.
+    #[arg(long)]
+    pub(crate) by_direction: bool,
+
+    /// Point of the stage whose translation is reported: `origin`, `centroid` of the targets, or
+    /// its coordinates at home in mm, as `100,250,50`.
+    #[arg(long, value_name = "POINT", default_value = "origin", value_parser = reference_point, allow_hyphen_values = true)]
+    pub(crate) reference_point: ReferencePoint,
+
+    /// Also list squareness and tilts with the signs of the paper (opposite for some of them).
+    #[arg(long)]
+    pub(crate) paper_signs: bool,
+
+    /// Also print calibration.json on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+
+    /// End with exit code 6 if the residuals or the shape of the targets reject the model.
+    #[arg(long)]
+    pub(crate) fail_on_misfit: bool,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct SimulateArgs {
+    /// The scenario file.
+    #[arg(value_name = "SCENARIO.json")]
+    pub(crate) scenario: PathBuf,
+
+    /// Folder for the campaign [default: one in the current directory, named after the campaign].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Seed of the noise: the same seed gives the same files.
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum MethodArg {
+    /// All nine equations, weighted.
+    Nine,
+    /// The paper's six equations.
+    Six,
+}
+
+fn reference_point(text: &str) -> Result<ReferencePoint, String> {
+    match text {
+        "origin" => return Ok(ReferencePoint::Origin),
+        "centroid" => return Ok(ReferencePoint::Centroid),
+        _ => {}
+    }
+    let numbers: Vec<f64> = text
+        .split(',')
+        .map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite()))
+        .collect::<Option<_>>()
+        .unwrap_or_default();
+    match numbers.as_slice() {
+        &[x, y, z] => Ok(ReferencePoint::At(Point3::new(x, y, z))),
+        _ => {
+            Err("expected `origin`, `centroid` or three numbers in mm, as `100,250,50`".to_owned())
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! `trueaxis check`.
+
+use trueaxis_campaign::{Campaign, read};
+use trueaxis_kinematics::{AxisKind, Branch};
+
+use crate::args::CheckArgs;
+use crate::exit::Exit;
+use crate::talk::{notice, say};
+
+pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<Exit> {
+    let campaign = read(&args.campaign)?;
+    describe(&campaign);
+    for text in &campaign.notices {
+        notice(text);
+    }
+    say(&format!("{}: good", args.campaign.display()));
+    Ok(Exit::Good)
+}
+
+fn describe(campaign: &Campaign) {
+    let machine = &campaign.machine;
+    let branch = |branch| {
+        let names = machine.branch(branch).iter().map(|&axis| {
+            let axis = &machine.axes()[axis];
+            let kind = match axis.kind() {
+                AxisKind::Linear => "linear",
+                AxisKind::Rotary => "rotary",
+            };
+            format!("{} ({kind})", axis.name())
+        });
+        let names: Vec<String> = names.collect();
+        if names.is_empty() {
+            "none".to_owned()
+        } else {
+            names.join(", ")
+        }
+    };
+    say(&campaign.name);
+    say(&format!("  machine   {}", campaign.machine_name));
+    say(&format!(
+        "            bed to tool: {}",
+        branch(Branch::Tool)
+    ));
+    say(&format!(
+        "            bed to workpiece: {}",
+        branch(Branch::Workpiece)
+    ));
+    say(&format!(
+        "  targets   {}",
+        list(campaign.targets.iter().map(|target| {
+            format!(
+                "{} on {}",
+                target.name,
+                machine.axes()[target.carrier].name()
+            )
+        }))
+    ));
+    if let Some(lengths) = &campaign.lengths {
+        say(&format!(
+            "  stations  {}",
+            list(campaign.stations.iter().map(|s| s.name.clone()))
+        ));
+        say(&format!(
+            "  lengths   {} in {} stops",
+            lengths.readings.len(),
+            lengths.stops.len()
+        ));
+    }
+    if let Some(points) = &campaign.points {
+        say(&format!(
+            "  points    {} in {} stops",
+            points.readings.len(),
+            points.stops.len()
+        ));
+    }
+    for (number, run) in campaign.runs.iter().enumerate() {
+        let steps = campaign
+            .steps
+            .iter()
+            .filter(|step| step.run == number)
+            .count();
+        let axis = machine.axes()[run.axis].name();
+        say(&format!(
+            "  run       {}: axis {axis}, {steps} steps",
+            run.name
+        ));
+    }
+    for verification in &campaign.verification {
+        let count = verification.readings.len();
+        say(&format!(
+            "  verify    {}: {count} readings",
+            verification.name
+        ));
+    }
+}
+
+fn list(names: impl Iterator<Item = String>) -> String {
+    names.collect::<Vec<_>>().join(", ")
+}

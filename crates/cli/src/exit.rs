@@ -1,0 +1,74 @@
+//! Exit codes.
+
+use std::process::ExitCode;
+
+use crate::output::OutputError;
+
+/// How the program ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Exit {
+    /// 0.
+    Good,
+    /// 2: the command line is wrong (clap's own code), or what it names cannot be written.
+    Usage,
+    /// 3: an input file is wrong.
+    Input,
+    /// 4: the adjustment did not reach an answer that fits the data.
+    NotConverged,
+    /// 5: the data do not determine what is sought.
+    NotIdentifiable,
+    /// 6: the data reject the model, and the user asked to fail then.
+    Misfit,
+    /// 70: a bug.
+    Internal,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(match exit {
+            Exit::Good => 0,
+            Exit::Usage => 2,
+            Exit::Input => 3,
+            Exit::NotConverged => 4,
+            Exit::NotIdentifiable => 5,
+            Exit::Misfit => 6,
+            Exit::Internal => 70,
+        })
+    }
+}
+
+impl Exit {
+    /// The code for an error, by its innermost known kind.
+    pub(crate) fn of(error: &anyhow::Error) -> Self {
+        use trueaxis_calibrate::Error as Calibrate;
+        use trueaxis_campaign::Error as Campaign;
+        for cause in error.chain() {
+            if let Some(error) = cause.downcast_ref::<Campaign>() {
+                return match error {
+                    Campaign::Unwritable { .. } => Self::Usage,
+                    _ => Self::Input,
+                };
+            }
+            if cause.is::<trueaxis_simulate::Error>() {
+                return Self::Input;
+            }
+            if cause.is::<OutputError>() {
+                return Self::Usage;
+            }
+            if let Some(error) = cause.downcast_ref::<Calibrate>() {
+                return match error {
+                    Calibrate::NothingMeasured | Calibrate::NotIdentifiable { .. } => {
+                        Self::NotIdentifiable
+                    }
+                    Calibrate::NotThatMotion { .. } => Self::Input,
+                    Calibrate::NotConverged { .. }
+                    | Calibrate::Contradictory { .. }
+                    | Calibrate::StationUnexplained { .. }
+                    | Calibrate::NotSettled { .. } => Self::NotConverged,
+                    Calibrate::Numerical { .. } => Self::Internal,
+                };
+            }
+        }
+        Self::Internal
+    }
+}

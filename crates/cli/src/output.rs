@@ -1,0 +1,87 @@
+//! Result files: written whole or not at all.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// A result that cannot be written.
+#[derive(Debug)]
+pub(crate) struct OutputError {
+    path: PathBuf,
+    source: std::io::Error,
+}
+
+impl std::fmt::Display for OutputError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let path = self.path.display();
+        write!(
+            f,
+            "{path} cannot be written; choose another folder with --out"
+        )
+    }
+}
+
+impl std::error::Error for OutputError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        Some(&self.source)
+    }
+}
+
+/// The folder for results: as given, or one in the current directory named after the campaign.
+pub(crate) fn folder(given: Option<&Path>, campaign: &str) -> Result<PathBuf, OutputError> {
+    let path = given.map_or_else(|| PathBuf::from(file_name(campaign)), Path::to_path_buf);
+    match std::fs::create_dir_all(&path) {
+        Ok(()) => Ok(path),
+        Err(source) => Err(OutputError { path, source }),
+    }
+}
+
+/// Writes a result whole or not at all.
+pub(crate) fn write(path: &Path, text: &str) -> Result<(), OutputError> {
+    let failed = |source| OutputError {
+        path: path.to_path_buf(),
+        source,
+    };
+    trueaxis_files::write_whole(path, text.as_bytes()).map_err(failed)
+}
+
+/// Data on standard output. A reader that stops early (`| head`) is no error.
+pub(crate) fn print(text: &str) -> Result<(), OutputError> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        Err(source) => Err(OutputError {
+            path: PathBuf::from("standard output"),
+            source,
+        }),
+        Ok(()) => Ok(()),
+    }
+}
+
+/// A campaign's name as a folder name: lower case letters, digits and single hyphens.
+fn file_name(campaign: &str) -> String {
+    let mut name = String::new();
+    for c in campaign.chars().flat_map(char::to_lowercase) {
+        if c.is_alphanumeric() {
+            name.push(c);
+        } else if !name.is_empty() && !name.ends_with('-') {
+            name.push('-');
+        }
+    }
+    let name = name.trim_end_matches('-');
+    if name.is_empty() {
+        "calibration".to_owned()
+    } else {
+        name.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folder_names_are_plain() {
+        assert_eq!(file_name("FXYZ machine"), "fxyz-machine");
+        assert_eq!(file_name("../..//etc: *Müller*"), "etc-müller");
+        assert_eq!(file_name("/"), "calibration");
+    }
+}

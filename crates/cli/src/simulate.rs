@@ -1,0 +1,35 @@
+//! `trueaxis simulate`.
+
+use anyhow::Context;
+use trueaxis_simulate::{Scenario, simulate};
+
+use crate::args::SimulateArgs;
+use crate::exit::Exit;
+use crate::output;
+use crate::talk::say;
+
+pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Exit> {
+    let scenario = Scenario::read(&args.scenario)?;
+    let simulated =
+        simulate(&scenario, args.seed).with_context(|| args.scenario.display().to_string())?;
+    let folder = output::folder(args.out.as_deref(), &simulated.campaign.name)?;
+    let campaign = trueaxis_campaign::write(&simulated.campaign, &folder)?;
+    let truth = folder.join("truth.json");
+    simulated.truth.write(&truth)?;
+    say(&format!(
+        "{}: {} lengths, seed {}",
+        simulated.campaign.name,
+        simulated
+            .campaign
+            .lengths
+            .as_ref()
+            .map_or(0, |lengths| lengths.readings.len()),
+        args.seed
+    ));
+    say(&format!(
+        "written: {}, {}",
+        campaign.display(),
+        truth.display()
+    ));
+    Ok(Exit::Good)
+}

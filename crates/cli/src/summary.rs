@@ -1,0 +1,250 @@
+//! The table that `calibrate` ends with.
+
+use nalgebra::Vector3;
+use trueaxis_calibrate::{AxisResult, Calibration, Method};
+use trueaxis_campaign::Campaign;
+use trueaxis_fitting::{paper_c_axis_tilt, paper_squareness};
+use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
+
+/// Coverage factor of the uncertainties that people read.
+const COVERAGE: f64 = 2.0;
+
+/// Misfits and sides listed before the rest is only counted.
+const MOST_LISTED: usize = 5;
+
+/// All lines, without notices.
+pub(crate) fn lines(
+    campaign: &Campaign,
+    calibration: &Calibration,
+    paper_signs: bool,
+) -> Vec<String> {
+    let mut lines = adjustment(calibration);
+    lines.extend(location_errors(calibration));
+    if paper_signs {
+        lines.extend(with_paper_signs(campaign, calibration));
+    }
+    lines.extend(component_errors(calibration));
+    if calibration.method != Method::Nine {
+        lines.extend(noise_gains(calibration));
+    }
+    lines.extend(misfits(calibration));
+    lines
+}
+
+fn adjustment(calibration: &Calibration) -> Vec<String> {
+    let a = &calibration.adjustment;
+    let what = if calibration.stations.is_empty() {
+        "coordinates"
+    } else {
+        "lengths"
+    };
+    vec![
+        format!(
+            "{}: {} {what}, {} unknowns, redundancy {}",
+            calibration.campaign, a.observations, a.unknowns, a.degrees_of_freedom
+        ),
+        format!(
+            "sigma0 {:.3} (p = {}), rms residual {:.2} µm; U is for k = {COVERAGE}",
+            a.sigma0,
+            probability(a.p_value),
+            a.rms_residual_mm / MICROMETRE
+        ),
+    ]
+}
+
+fn location_errors(calibration: &Calibration) -> Vec<String> {
+    let mut lines = vec![
+        String::new(),
+        format!("{:<24}{:>12}{:>12}", "location errors", "value", "U"),
+    ];
+    for axis in &calibration.axes {
+        for location in &axis.location_errors {
+            let (unit, scale) = if location.component.is_angular() {
+                ("″ ", ARCSEC)
+            } else {
+                ("µm", MICROMETRE)
+            };
+            let name = location.component.name(&axis.name);
+            if location.u < f64::MIN_POSITIVE && location.value.abs() < f64::MIN_POSITIVE {
+                lines.push(format!(
+                    "  {name:<22}{:>9} {unit}   by definition of the frame",
+                    0
+                ));
+                continue;
+            }
+            lines.push(format!(
+                "  {name:<22}{:>9.2} {unit}{:>9.2} {unit}",
+                location.value / scale,
+                COVERAGE * location.u / scale
+            ));
+        }
+    }
+    if lines.len() == 2 {
+        lines.push("  none: the reference frame takes those of a single linear axis".to_owned());
+    }
+    lines
+}
+
+fn component_errors(calibration: &Calibration) -> Vec<String> {
+    let mut header = format!("{:<24}", "component errors");
+    for component in Component::ALL {
+        header.push_str(&format!("{:>8}", format!("E{}·", component.letter())));
+    }
+    let mut lines = vec![
+        String::new(),
+        header,
+        "  largest amount, µm and ″".to_owned(),
+    ];
+    for axis in &calibration.axes {
+        let mut values = format!("  {:<22}", range(axis));
+        let mut uncertainties = format!("  {:<22}", "  largest U");
+        for component in Component::ALL {
+            let c = component.index();
+            let scale = if component.is_angular() {
+                ARCSEC
+            } else {
+                MICROMETRE
+            };
+            let value = axis
+                .nodes
+                .iter()
+                .map(|n| n.error.to_vector()[c].abs())
+                .fold(0.0, f64::max);
+            let u = axis.nodes.iter().map(|n| n.u[c]).fold(0.0, f64::max);
+            values.push_str(&format!("{:>8.2}", value / scale));
+            uncertainties.push_str(&format!("{:>8.2}", COVERAGE * u / scale));
+        }
+        lines.extend([values, uncertainties]);
+    }
+    lines
+}
+
+/// `X  0 … 440 mm`.
+fn range(axis: &AxisResult) -> String {
+    let scale = |position: f64| match axis.kind {
+        AxisKind::Linear => format!("{position}"),
+        AxisKind::Rotary => format!("{:.4}", position.to_degrees())
+            .trim_end_matches('0')
+            .trim_end_matches('.')
+            .to_owned(),
+    };
+    let unit = match axis.kind {
+        AxisKind::Linear => " mm",
+        AxisKind::Rotary => "°",
+    };
+    match (axis.nodes.first(), axis.nodes.last()) {
+        (Some(first), Some(last)) => {
+            format!(
+                "{}  {} … {}{unit}",
+                axis.name,
+                scale(first.position),
+                scale(last.position)
+            )
+        }
+        _ => axis.name.clone(),
+    }
+}
+
+fn noise_gains(calibration: &Calibration) -> Vec<String> {
+    let mut lines = vec![
+        String::new(),
+        "noise of the components: this method against nine equations (ratio of standard deviations)"
+            .to_owned(),
+    ];
+    for axis in &calibration.axes {
+        let mut line = format!("  {:<22}", axis.name);
+        for (used, nine) in axis.noise_gain.iter().zip(&axis.noise_gain_nine) {
+            line.push_str(&format!("{:>8.2}", used / nine));
+        }
+        lines.push(line);
+    }
+    lines
+}
+
+fn misfits(calibration: &Calibration) -> Vec<String> {
+    let mut lines = Vec::new();
+    if !calibration.triangle.is_empty() {
+        lines.push(String::new());
+        lines.push("the measured triangle is not the nominal one:".to_owned());
+        for side in &calibration.triangle {
+            lines.push(format!(
+                "  {}{}  measured {:.4} mm, nominal {:.4} mm, difference {:+.1} µm",
+                side.targets[0],
+                side.targets[1],
+                side.measured_mm,
+                side.nominal_mm,
+                (side.measured_mm - side.nominal_mm) / MICROMETRE
+            ));
+        }
+        lines.push(
+            "  the measured one is used; check `targets` if nominal should be right".to_owned(),
+        );
+    }
+    if !calibration.misfits.is_empty() {
+        lines.push(String::new());
+        lines.push("points that do not move as a rigid triangle:".to_owned());
+        for misfit in calibration.misfits.iter().take(MOST_LISTED) {
+            lines.push(format!(
+                "  {}: rms {:.2} µm, chi-squared {:.1} with {} degrees of freedom (p = {})",
+                misfit.step,
+                misfit.rms_um,
+                misfit.chi_squared,
+                misfit.degrees_of_freedom,
+                probability(misfit.p_value)
+            ));
+        }
+        if calibration.misfits.len() > MOST_LISTED {
+            lines.push(format!(
+                "  and {} more",
+                calibration.misfits.len() - MOST_LISTED
+            ));
+        }
+    }
+    lines
+}
+
+/// The paper's Eq. 23 and its tilts of a C axis.
+fn with_paper_signs(campaign: &Campaign, calibration: &Calibration) -> Vec<String> {
+    let mut lines = vec![String::new(), "with the signs of the paper".to_owned()];
+    let direction = |name: &str, nominal: Vector3<f64>| {
+        let result = calibration.axis(name)?;
+        let axis = &campaign.machine.axes()[result.axis];
+        let along = axis.direction().dot(&nominal) > 0.5 && axis.kind() == AxisKind::Linear;
+        along.then(|| axis.average_direction(&result.location))
+    };
+    let linear = [
+        ("X", Vector3::x()),
+        ("Y", Vector3::y()),
+        ("Z", Vector3::z()),
+    ];
+    let [x, y, z] = linear.map(|(name, nominal)| direction(name, nominal));
+    if let (Some(x), Some(y), Some(z)) = (x, y, z)
+        && let Ok(paper) = paper_squareness(x, y, z)
+    {
+        for (name, value) in [
+            ("θxy (Sxy)", paper.theta_xy_rad),
+            ("θxz (Sxz)", paper.theta_xz_rad),
+            ("θyz (Syz)", paper.theta_yz_rad),
+        ] {
+            lines.push(format!("  {name:<22}{:>9.2} ″", value / ARCSEC));
+        }
+    }
+    if let Some(c) = calibration.axis("C").filter(|c| c.kind == AxisKind::Rotary) {
+        let axis = &campaign.machine.axes()[c.axis];
+        let tilt = paper_c_axis_tilt(axis.average_direction(&c.location));
+        lines.push(format!("  {:<22}{:>9.2} ″", "SxC", tilt.s_xc_rad / ARCSEC));
+        lines.push(format!("  {:<22}{:>9.2} ″", "SyC", tilt.s_yc_rad / ARCSEC));
+    }
+    if lines.len() == 2 {
+        lines.push("  nothing to list: they are defined for X, Y, Z together and for C".to_owned());
+    }
+    lines
+}
+
+fn probability(p: f64) -> String {
+    if p < 1e-3 {
+        format!("{p:.0e}")
+    } else {
+        format!("{p:.3}")
+    }
+}
