@@ -15,6 +15,8 @@ pub(crate) struct AxisData {
     pub(crate) records: Vec<Record>,
     /// The different positions, ascending, backward before forward.
     pub(crate) nodes: Vec<Node>,
+    /// The sides of approach that the nodes have.
+    pub(crate) sides: Vec<Option<Direction>>,
 }
 
 pub(crate) struct RunData {
@@ -66,6 +68,7 @@ pub(crate) fn by_axis(campaign: &Campaign, measured: &Measured) -> Result<Vec<Ax
                     runs: Vec::new(),
                     records: Vec::new(),
                     nodes: Vec::new(),
+                    sides: Vec::new(),
                 };
                 all.push(empty);
                 all.len() - 1
@@ -159,6 +162,10 @@ fn number_nodes(data: &mut AxisData, campaign: &Campaign, measured: &Measured) {
         record.node = nodes.partition_point(|node| order(node, own).is_lt());
         nodes[record.node].records += 1;
     }
+    data.sides = [None, Some(Direction::Backward), Some(Direction::Forward)]
+        .into_iter()
+        .filter(|side| nodes.iter().any(|node| node.direction == *side))
+        .collect();
     data.nodes = nodes;
 }
 
@@ -170,7 +177,7 @@ impl AxisData {
         let (low, high) = self.nodes.split_at(above);
         let mut weights = Vec::new();
         // Nodes are in order of position, so the neighbours of each side are found at once.
-        for side in [None, Some(Direction::Backward), Some(Direction::Forward)] {
+        for &side in &self.sides {
             let below = low.iter().rposition(|node| node.direction == side);
             let above = high
                 .iter()

@@ -102,6 +102,11 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
     let triangle = triangle(&context, &data, &targets);
     let misfits = rigidity::misfits(&context, &data, &identified, adjustment.uncertainty_factor);
     notices.extend(unmeasured_axes(campaign, &data));
+    notices.extend(solution.as_ref().filter(|s| s.mirror_image_open).map(|_| {
+        "all points lie in one plane, and the lengths fit as well with all stations on its other side: \
+         errors across the plane may have the wrong sign; give `approx_mm` of one station to be sure"
+            .to_owned()
+    }));
     Ok(Calibration {
         campaign: campaign.name.clone(),
         method: settings.method,

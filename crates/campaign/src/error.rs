@@ -60,7 +60,8 @@ pub enum Error {
     // campaign.json as a document.
     /// The text is not JSON.
     #[error(
-        "{place}, character {character}: not valid JSON: {problem}; expected JSON as in RFC 8259 (no comments, no trailing commas)"
+        "{place}, character {character}: not valid JSON: {problem}; expected JSON as in RFC \
+         8259 (no comments, no trailing commas)"
     )]
     Syntax {
         /// The line where the parser stopped.
@@ -72,7 +73,8 @@ pub enum Error {
     },
     /// Another document of this project.
     #[error(
-        "{place}: this is a trueaxis {kind}, not a campaign; give the path of the campaign.json instead"
+        "{place}: this is a trueaxis {kind}, not a campaign; give the path of the campaign.json \
+         instead"
     )]
     OtherDocument {
         /// The field `format`.
@@ -164,7 +166,8 @@ pub enum Error {
     // What belongs together.
     /// The campaign has no measurement.
     #[error(
-        "{place}: the campaign has no data; name its file in `lengths` or `points`, or add a `verification`"
+        "{place}: the campaign has no data; name its file in `lengths` or `points`, or add a \
+         `verification`"
     )]
     NothingMeasured {
         /// The file.
@@ -172,7 +175,8 @@ pub enum Error {
     },
     /// Lengths and points in one campaign.
     #[error(
-        "{place}: the campaign has both `lengths` and `points`; choose one: keep `lengths` for multilateration, or `points` if another instrument measured coordinates"
+        "{place}: the campaign has both `lengths` and `points`; choose one: keep `lengths` for \
+         multilateration, or `points` if another instrument measured coordinates"
     )]
     TwoMeasurements {
         /// The field `points`.
@@ -180,7 +184,8 @@ pub enum Error {
     },
     /// The data refer to a list that is empty.
     #[error(
-        "{place}: the list is empty, but `{needed_by}` refers to it; add one entry for each name in the data"
+        "{place}: the list is empty, but `{needed_by}` refers to it; add one entry for each \
+         name in the data"
     )]
     EmptyList {
         /// The list, as `stations`.
@@ -192,7 +197,8 @@ pub enum Error {
     // CSV files.
     /// The fields are not separated by commas.
     #[error(
-        "{place}: the columns are separated by {separator}; expected commas, and points as decimal marks: export the table as comma separated values"
+        "{place}: the columns are separated by {separator}; expected commas, and points as \
+         decimal marks: export the table as comma separated values"
     )]
     Separator {
         /// The header.
@@ -234,7 +240,8 @@ pub enum Error {
     },
     /// A row is longer or shorter than the header.
     #[error(
-        "{place}: found {found} fields, expected {expected} as in the header; a decimal comma would split a number in two"
+        "{place}: found {found} fields, expected {expected} as in the header; a decimal comma \
+         would split a number in two"
     )]
     FieldCount {
         /// The row.
@@ -254,7 +261,8 @@ pub enum Error {
     // What the rows say together.
     /// A commanded position beyond the end of the axis.
     #[error(
-        "{place}: position {position} {unit} is outside the travel {low} to {high} {unit} of the axis; {mend}"
+        "{place}: position {position} {unit} is outside the travel {low} to {high} {unit} of \
+         the axis; {mend}"
     )]
     OutsideTravel {
         /// The cell.
@@ -272,7 +280,8 @@ pub enum Error {
     },
     /// A target read twice without a motion in between.
     #[error(
-        "{place}: target `{target}` is read a second time in the same stop, first in line {first_line}; keep one of the two rows, or count up `repeat`"
+        "{place}: target `{target}` is read a second time in the same stop, first in line \
+         {first_line}; keep one of the two rows, or count up `repeat`"
     )]
     TargetReadTwice {
         /// The second row.
@@ -284,7 +293,8 @@ pub enum Error {
     },
     /// Rows that stand in the file twice.
     #[error(
-        "{place}: the same visit with the same time {time_s} s stands in line {first_line} already; remove the duplicated rows"
+        "{place}: the same visit with the same time {time_s} s stands in line {first_line} \
+         already; remove the duplicated rows"
     )]
     VisitRepeated {
         /// The second row.
@@ -376,7 +386,8 @@ pub enum Error {
     },
     /// Lengths fit the rough positions of the stations only in another unit.
     #[error(
-        "{place}: from the approx_mm of station `{station}` the lengths would be {misfit_mm:.1} mm different (80 % of them less); {mistake}"
+        "{place}: from the approx_mm of station `{station}` the lengths would be {misfit_mm:.1} \
+         mm different (80 % of them less); {mistake}"
     )]
     ScaleAgainstApprox {
         /// The first row of the station.
@@ -390,7 +401,9 @@ pub enum Error {
     },
     /// The lengths of a station fit the place of another.
     #[error(
-        "{place}: the lengths of station `{station}` fit the approx_mm of station `{fits}` (80 % within {fits_misfit_mm:.1} mm) and not its own (80 % within {own_misfit_mm:.1} mm); exchange the names in this column, or the approx_mm in campaign.json"
+        "{place}: the lengths of station `{station}` fit the approx_mm of station `{fits}` (80 \
+         % within {fits_misfit_mm:.1} mm) and not its own (80 % within {own_misfit_mm:.1} mm); \
+         exchange the names in this column, or the approx_mm in campaign.json"
     )]
     SwappedStations {
         /// The first row of the station.

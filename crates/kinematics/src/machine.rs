@@ -73,7 +73,12 @@ impl Machine {
     /// must keep the name.
     #[must_use]
     pub fn with_axes(&self, change: impl Fn(usize, Axis) -> Axis) -> Self {
-        let axes = self.axes.iter().cloned().enumerate().map(|(i, axis)| change(i, axis));
+        let axes = self
+            .axes
+            .iter()
+            .cloned()
+            .enumerate()
+            .map(|(i, axis)| change(i, axis));
         Self {
             axes: axes.collect(),
             ..self.clone()

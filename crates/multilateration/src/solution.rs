@@ -23,6 +23,10 @@ pub struct Solution {
     pub unknowns: usize,
     /// Iterations of the adjustment.
     pub iterations: usize,
+    /// The points lie in a plane and the lengths fit as well if all stations stand on its other
+    /// side: what is across the plane may have the wrong sign. An approximate position of one
+    /// station decides it.
+    pub mirror_image_open: bool,
     /// Why it stopped. Look at it: a result that is not converged is returned, not hidden.
     pub termination: Termination,
     /// Covariance for the noise as given (its variance factor is one): blocks are the groups

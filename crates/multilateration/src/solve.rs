@@ -3,7 +3,7 @@
 use trueaxis_leastsquares::{Adjusted, Error as LeastSquaresError, adjust};
 
 use crate::free_points::{DATUM, FreePoints, PER_STATION, State};
-use crate::start::start;
+use crate::start::{Image, Start, start};
 use crate::{Error, Network, Solution, Station, StationUnknown};
 
 /// How to adjust.
@@ -20,6 +20,13 @@ const MIN_STATIONS: usize = 4;
 /// A point needs three lengths.
 const MIN_STATIONS_PER_POINT: usize = 3;
 
+/// Sums of squares that differ by less do not tell two mirror images apart: the likelihood ratio is
+/// below e⁵.
+const SAME_SQUARES: f64 = 10.0;
+
+/// Stations whose side of a plane of points is tried; the number of attempts doubles with each.
+const MAX_OPEN_SIDES: usize = 8;
+
 /// Weights depend on the beams, which the first adjustment moves by far less than matters; the
 /// second one confirms it.
 const MAX_WEIGHT_UPDATES: usize = 10;
@@ -32,10 +39,28 @@ const MAX_WEIGHT_UPDATES: usize = 10;
 pub fn solve(network: &Network, settings: &Settings) -> Result<Solution, Error> {
     network.check()?;
     check_counts(network)?;
-    let state = start(network)?;
+    let Start { state, images } = start(network)?;
+    let best = adjust_from(network, state.clone(), settings)?;
+    if images.iter().all(Option::is_none) {
+        return Ok(solution(network, best, false));
+    }
+    choose_sides(network, settings, &state, &images, best)
+}
 
-    let mut model = FreePoints::new(network, &state);
-    let mut adjusted = run(network, &model, state, settings)?;
+/// An adjustment with the weights that belong to it.
+struct Attempt<'a> {
+    model: FreePoints<'a>,
+    adjusted: Adjusted<State>,
+    iterations: usize,
+}
+
+fn adjust_from<'a>(
+    network: &'a Network,
+    start: State,
+    settings: &Settings,
+) -> Result<Attempt<'a>, Error> {
+    let mut model = FreePoints::new(network, &start);
+    let mut adjusted = run(network, &model, start, settings)?;
     let mut iterations = adjusted.iterations;
     for _ in 0..MAX_WEIGHT_UPDATES {
         model.update_weights(&adjusted.state);
@@ -45,7 +70,51 @@ pub fn solve(network: &Network, settings: &Settings) -> Result<Solution, Error> 
             break;
         }
     }
-    Ok(solution(network, &model, adjusted, iterations))
+    Ok(Attempt {
+        model,
+        adjusted,
+        iterations,
+    })
+}
+
+/// Tries all sides of the plane of points for the stations whose side is open, and whether the
+/// mirror image of the whole fits as well as the best choice.
+///
+/// Moving one station at a time would be cheaper, but gets stuck with two on the wrong side.
+fn choose_sides<'a>(
+    network: &'a Network,
+    settings: &Settings,
+    start: &State,
+    images: &[Option<Image>],
+    first: Attempt<'a>,
+) -> Result<Solution, Error> {
+    let open: Vec<usize> = (0..images.len()).filter(|&j| images[j].is_some()).collect();
+    let tried = open.len().min(MAX_OPEN_SIDES);
+    let with_sides = |choice: usize| {
+        let mut state = start.clone();
+        for (bit, &j) in open[..tried].iter().enumerate() {
+            if let Some(image) = images[j].filter(|_| choice >> bit & 1 == 1) {
+                state.stations[j] = image.position;
+                state.dead_paths_mm[j] = image.dead_path_mm;
+            }
+        }
+        adjust_from(network, state, settings)
+    };
+    let (mut best, mut chosen) = (first, 0);
+    let all = (1 << tried) - 1;
+    for choice in 1..=all {
+        // The start may not even be solvable on the wrong side.
+        if let Ok(attempt) = with_sides(choice)
+            && attempt.adjusted.squares < best.adjusted.squares - SAME_SQUARES
+        {
+            (best, chosen) = (attempt, choice);
+        }
+    }
+    let image_open = tried == images.len()
+        && with_sides(all ^ chosen).is_ok_and(|image| {
+            (image.adjusted.squares - best.adjusted.squares).abs() < SAME_SQUARES
+        });
+    Ok(solution(network, best, image_open))
 }
 
 fn check_counts(network: &Network) -> Result<(), Error> {
@@ -147,12 +216,12 @@ fn run(
     })
 }
 
-fn solution(
-    network: &Network,
-    model: &FreePoints<'_>,
-    adjusted: Adjusted<State>,
-    iterations: usize,
-) -> Solution {
+fn solution(network: &Network, attempt: Attempt<'_>, mirror_image_open: bool) -> Solution {
+    let Attempt {
+        model,
+        adjusted,
+        iterations,
+    } = attempt;
     let state = &adjusted.state;
     let stations = state.stations.iter().zip(&state.dead_paths_mm);
     let residuals_mm = network
@@ -172,6 +241,7 @@ fn solution(
         observations: adjusted.observations,
         unknowns: adjusted.unknowns,
         iterations,
+        mirror_image_open,
         termination: adjusted.termination,
         covariance: adjusted.covariance,
         points_mm: adjusted.state.points,

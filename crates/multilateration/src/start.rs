@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Points that are all in one plane leave the side of the plane on which the station stands open;
-//! so do, in practice, points that are nearly so. Both sides are tried.
+//! so do, in practice, points that are nearly so. Both sides are tried, and a tie is handed on.
 
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix4, Point3, Unit, Vector3, Vector4};
@@ -23,6 +23,9 @@ const MAX_READINGS: usize = 2000;
 /// A fit as good as another within this factor does not decide between two mirror images.
 const TIE: f64 = 1.01;
 
+/// Nor does a difference of this, mm: nominal positions are not known to a micrometre.
+const TIE_MM: f64 = 1e-3;
+
 /// Fits of one station worse than this, relative to the size of the network, are tried again
 /// from other starts: nominal positions are never that wrong.
 const POOR_FIT: f64 = 1e-2;
@@ -32,10 +35,23 @@ const NO_FIT: f64 = 0.1;
 
 const MAX_ITERATIONS: usize = 200;
 
-/// Points at their nominal positions and the stations that fit them best.
-pub(crate) fn start(network: &Network) -> Result<State, Error> {
-    let mut stations = Vec::new();
-    let mut dead_paths_mm = Vec::new();
+/// Where to start, and what is left open.
+pub(crate) struct Start {
+    /// Points at their nominal positions and the stations that fit them best.
+    pub(crate) state: State,
+    /// For each station its mirror image, if that fits the nominal points as well and nothing is
+    /// known about where the station stands.
+    pub(crate) images: Vec<Option<Image>>,
+}
+
+/// The other place where a station may stand.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Image {
+    pub(crate) position: Point3<f64>,
+    pub(crate) dead_path_mm: f64,
+}
+
+pub(crate) fn start(network: &Network) -> Result<Start, Error> {
     let mut sightings: Vec<Vec<Sighting>> = vec![Vec::new(); network.stations.len()];
     for visit in &network.visits {
         for reading in network.readings_of(visit) {
@@ -46,31 +62,45 @@ pub(crate) fn start(network: &Network) -> Result<State, Error> {
             });
         }
     }
+    let mut start = Start {
+        state: State {
+            stations: Vec::new(),
+            dead_paths_mm: Vec::new(),
+            points: network.nominal_mm.clone(),
+        },
+        images: Vec::new(),
+    };
     for (j, all) in sightings.iter().enumerate() {
         let every = all.len().div_ceil(MAX_READINGS).max(1);
         let some: Vec<Sighting> = all.iter().step_by(every).copied().collect();
         let cloud = Cloud::new(&some);
-        let found = find_station(&some, &cloud, network.stations[j]);
-        match found {
-            Some(fit) if fit.rms_mm <= NO_FIT * cloud.radius_mm => {
-                stations.push(fit.position);
-                dead_paths_mm.push(fit.dead_path_mm);
-            }
-            other => {
-                let rms_mm = other.map_or(f64::INFINITY, |fit| fit.rms_mm);
-                return Err(Error::NoStart {
-                    station: j,
-                    readings: all.len(),
-                    rms_mm,
-                });
-            }
-        }
+        let fits = find_station(&some, &cloud, network.stations[j]);
+        let Some(&fit) = fits
+            .first()
+            .filter(|fit| fit.rms_mm <= NO_FIT * cloud.radius_mm)
+        else {
+            let rms_mm = fits.first().map_or(f64::INFINITY, |fit| fit.rms_mm);
+            return Err(Error::NoStart {
+                station: j,
+                readings: all.len(),
+                rms_mm,
+            });
+        };
+        start.state.stations.push(fit.position);
+        start.state.dead_paths_mm.push(fit.dead_path_mm);
+        let other = fits
+            .iter()
+            .find(|other| cloud.on_other_side(fit.position, other.position));
+        start.images.push(
+            other
+                .filter(|_| network.stations[j].is_none())
+                .map(|other| Image {
+                    position: other.position,
+                    dead_path_mm: other.dead_path_mm,
+                }),
+        );
     }
-    Ok(State {
-        stations,
-        dead_paths_mm,
-        points: network.nominal_mm.clone(),
-    })
+    Ok(start)
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -84,7 +114,7 @@ struct Cloud {
     centroid: Point3<f64>,
     radius_mm: f64,
     mean_length_mm: f64,
-    /// Direction in which the points spread least.
+    /// Direction in which the points spread least, its largest part positive.
     normal: Unit<Vector3<f64>>,
 }
 
@@ -99,12 +129,11 @@ impl Cloud {
             spread += d * d.transpose();
         }
         let eigen = spread.symmetric_eigen();
-        let normal = Unit::new_normalize(
-            eigen
-                .eigenvectors
-                .column(eigen.eigenvalues.imin())
-                .into_owned(),
-        );
+        let normal = eigen
+            .eigenvectors
+            .column(eigen.eigenvalues.imin())
+            .into_owned();
+        let normal = Unit::new_normalize(normal * normal[normal.iamax()].signum());
         Self {
             centroid,
             radius_mm: (spread.trace() / count).sqrt().max(f64::MIN_POSITIVE),
@@ -113,8 +142,17 @@ impl Cloud {
         }
     }
 
+    /// Height above the plane of the points.
+    fn height(&self, p: Point3<f64>) -> f64 {
+        (p - self.centroid).dot(&self.normal)
+    }
+
+    fn on_other_side(&self, p: Point3<f64>, q: Point3<f64>) -> bool {
+        self.height(p) * self.height(q) < 0.0
+    }
+
     fn mirrored(&self, p: Point3<f64>) -> Point3<f64> {
-        p - self.normal.into_inner() * (2.0 * (p - self.centroid).dot(&self.normal))
+        p - self.normal.into_inner() * (2.0 * self.height(p))
     }
 }
 
@@ -125,31 +163,36 @@ struct StationFit {
     rms_mm: f64,
 }
 
+/// All fits that are as good as the best one. The first is nearest to `approx`, or without it on
+/// the side to which the normal of the points leads.
 fn find_station(
     sightings: &[Sighting],
     cloud: &Cloud,
     approx: Option<Point3<f64>>,
-) -> Option<StationFit> {
+) -> Vec<StationFit> {
     let mut starts: Vec<Point3<f64>> = approx.into_iter().collect();
     for position in linear_candidates(sightings, cloud) {
         starts.extend([position, cloud.mirrored(position)]);
     }
-    let mut best = best_fit(sightings, &starts, approx);
-    if best.is_none_or(|fit| fit.rms_mm > POOR_FIT * cloud.radius_mm) {
+    let mut fits = best_fits(sightings, &starts);
+    if fits
+        .first()
+        .is_none_or(|fit| fit.rms_mm > POOR_FIT * cloud.radius_mm)
+    {
         starts.extend(surrounding(cloud));
-        best = best_fit(sightings, &starts, approx);
+        fits = best_fits(sightings, &starts);
     }
-    best
+    let rank = |fit: &StationFit| match approx {
+        Some(approx) => (fit.position - approx).norm(),
+        None => -cloud.height(fit.position),
+    };
+    fits.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
+    fits
 }
 
-/// The best refined start. Between mirror images that fit alike, the one nearer to `approx`, or
-/// the earlier one.
-fn best_fit(
-    sightings: &[Sighting],
-    starts: &[Point3<f64>],
-    approx: Option<Point3<f64>>,
-) -> Option<StationFit> {
-    let fits: Vec<StationFit> = starts
+/// The refined starts that fit as well as the best one.
+fn best_fits(sightings: &[Sighting], starts: &[Point3<f64>]) -> Vec<StationFit> {
+    let mut fits: Vec<StationFit> = starts
         .iter()
         .filter_map(|&start| refine(sightings, start))
         .collect();
@@ -157,15 +200,8 @@ fn best_fit(
         .iter()
         .map(|fit| fit.rms_mm)
         .fold(f64::INFINITY, f64::min);
-    let mut good = fits.into_iter().filter(|fit| fit.rms_mm <= TIE * least);
-    match approx {
-        Some(approx) => good.min_by(|a, b| {
-            (a.position - approx)
-                .norm()
-                .total_cmp(&(b.position - approx).norm())
-        }),
-        None => good.next(),
-    }
+    fits.retain(|fit| fit.rms_mm <= TIE * least + TIE_MM);
+    fits
 }
 
 /// Solutions of the linear equations; two where the points leave one combination free and the
@@ -341,7 +377,7 @@ mod tests {
         let points = grid(|i| [0.0, 150.0, 300.0][i % 3]);
         let station = Point3::new(-900.0, 700.0, 1200.0);
         let seen = sightings(&points, station, 321.0);
-        let fit = find_station(&seen, &Cloud::new(&seen), None).unwrap();
+        let fit = find_station(&seen, &Cloud::new(&seen), None)[0];
         assert!((fit.position - station).norm() < 1e-6);
         assert!((fit.dead_path_mm - 321.0).abs() < 1e-6);
     }
@@ -352,7 +388,7 @@ mod tests {
         let station = Point3::new(-900.0, 700.0, 1200.0);
         let seen = sightings(&points, station, 321.0);
         let cloud = Cloud::new(&seen);
-        let fit = find_station(&seen, &cloud, None).unwrap();
+        let fit = find_station(&seen, &cloud, None)[0];
         let image = cloud.mirrored(station);
         let distance = (fit.position - station)
             .norm()
@@ -361,7 +397,7 @@ mod tests {
         // An approximation decides.
         for side in [station, image] {
             let near = side + Vector3::new(80.0, -60.0, 50.0);
-            let fit = find_station(&seen, &cloud, Some(near)).unwrap();
+            let fit = find_station(&seen, &cloud, Some(near))[0];
             assert!((fit.position - side).norm() < 1e-5);
         }
     }
@@ -374,7 +410,7 @@ mod tests {
         for (i, s) in seen.iter_mut().enumerate() {
             s.point += Vector3::new((i % 3) as f64 - 1.0, (i % 4) as f64 - 1.5, (i % 2) as f64);
         }
-        let fit = find_station(&seen, &Cloud::new(&seen), None).unwrap();
+        let fit = find_station(&seen, &Cloud::new(&seen), None)[0];
         assert!(
             (fit.position - station).norm() < 100.0,
             "{:?}",

@@ -7,5 +7,6 @@
 
 mod coverage;
 mod parked;
+mod planar;
 mod round_trip;
 mod triangle;
