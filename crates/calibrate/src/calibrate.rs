@@ -2,33 +2,19 @@
 
 use nalgebra::Point3;
 use trueaxis_campaign::Campaign;
-use trueaxis_identify::triangle_mismatch;
-use trueaxis_kinematics::{Axis, AxisKind, Component, MICROMETRE, Machine};
-use trueaxis_leastsquares::chi_squared_upper_tail;
+use trueaxis_kinematics::{Axis, AxisKind, Component, Machine};
 use trueaxis_multilateration::Solution;
 
 use crate::axis_data::{AxisData, by_axis};
 use crate::calibration::{
-    AdjustmentReport, AxisResult, Calibration, LocationResult, NodeResult, StationResult,
-    TargetResult, TriangleSide,
+    AxisResult, Calibration, LocationResult, NodeResult, StationResult, TargetResult,
 };
 use crate::identify_axes::{Identified, identify_axes, mean_targets};
-use crate::measured::Measured;
 use crate::records::Context;
 use crate::rigid_fit::centroid;
 use crate::settings::{ReferencePoint, Settings};
 use crate::uncertainty::{FrameDependent, of_components, of_frame_dependent};
-use crate::{Error, from_lengths, from_points, rigidity};
-
-/// Significance at which the declared noise is given up for the residuals' own: one clean campaign
-/// in a thousand gets larger uncertainties than it needs.
-const GLOBAL_TEST_LEVEL: f64 = 1e-3;
-
-/// A measured distance between targets that differs less from nominal needs no word, mm.
-const TRIANGLE_TOL_MM: f64 = 0.01;
-
-/// The same in standard deviations of the distance at one step.
-const TRIANGLE_TOL_SIGMAS: f64 = 5.0;
+use crate::{Error, adjustment_report, from_lengths, from_points, rigidity, triangle};
 
 /// Component errors beyond these are no errors but another motion: wrong unit, sign or axis.
 const IMPLAUSIBLE_MM: f64 = 50.0;
@@ -71,7 +57,7 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
     check_plausible(&machine, &data, &identified)?;
 
     let mut notices = Vec::new();
-    let adjustment = report(
+    let adjustment = adjustment_report::report(
         campaign,
         settings.by_direction,
         &measured,
@@ -99,7 +85,7 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
         .map(|k| axis_result(&context, &data, &identified, k, &frame_dependent))
         .collect();
     let targets = mean_targets(&data, &identified.state, campaign.targets.len());
-    let triangle = triangle(&context, &data, &targets);
+    let triangle = triangle::triangle(&context, &data, &targets);
     let misfits = rigidity::misfits(&context, &data, &identified, adjustment.uncertainty_factor);
     notices.extend(unmeasured_axes(campaign, &data));
     notices.extend(solution.as_ref().filter(|s| s.mirror_image_open).map(|_| {
@@ -181,106 +167,6 @@ fn check_plausible(
         }
     }
     Ok(())
-}
-
-/// What the residuals say about the noise.
-fn report(
-    campaign: &Campaign,
-    by_direction: bool,
-    measured: &Measured,
-    data: &[AxisData],
-    identified: &Identified,
-    solution: Option<&Solution>,
-    notices: &mut Vec<String>,
-) -> AdjustmentReport {
-    let instrument = &campaign.instrument;
-    let (squares, observations, degrees_of_freedom, declared) = match solution {
-        Some(solution) => (
-            solution.squares,
-            solution.observations,
-            solution.degrees_of_freedom(),
-            instrument.length_sigma_um.is_some(),
-        ),
-        None => {
-            let (squares, degrees_of_freedom) = rigidity::total(data, identified);
-            let readings = campaign.points.iter().flat_map(|points| &points.readings);
-            let declared = readings
-                .into_iter()
-                .all(|reading| reading.sigma_um.is_some());
-            (
-                squares,
-                3 * measured.points_mm.len(),
-                degrees_of_freedom,
-                declared,
-            )
-        }
-    };
-    let sigma0 = if degrees_of_freedom > 0 {
-        (squares / degrees_of_freedom as f64).sqrt()
-    } else {
-        1.0
-    };
-    let p_value = chi_squared_upper_tail(squares, degrees_of_freedom as f64);
-    let scaled = !declared || p_value < GLOBAL_TEST_LEVEL;
-    if degrees_of_freedom == 0 {
-        notices.push(
-            "nothing checks the measurement: there are no more observations than unknowns"
-                .to_owned(),
-        );
-    } else if !declared {
-        notices.push(format!(
-            "the noise is not declared: uncertainties follow from the residuals ({degrees_of_freedom} \
-             degrees of freedom)"
-        ));
-    } else if p_value < GLOBAL_TEST_LEVEL {
-        notices.push(format!(
-            "the residuals are {sigma0:.2} times what the declared noise explains (p = {p_value:.1e}): \
-             the model or the declared noise is wrong; all uncertainties are multiplied by {sigma0:.2}"
-        ));
-        if !by_direction && approached_from_both_sides(campaign) {
-            notices.push(
-                "positions were approached from both sides: lost motion makes such residuals; \
-                 --by-direction gives each side curves of its own"
-                    .to_owned(),
-            );
-        }
-    } else if p_value > 1.0 - GLOBAL_TEST_LEVEL {
-        notices.push(format!(
-            "the residuals are only {sigma0:.2} times what the declared noise explains: it is declared \
-             too large, and so are the uncertainties"
-        ));
-    }
-    AdjustmentReport {
-        observations,
-        unknowns: observations - degrees_of_freedom,
-        degrees_of_freedom,
-        sigma0,
-        p_value,
-        uncertainty_factor: if scaled { sigma0 } else { 1.0 },
-        rms_residual_mm: match solution {
-            Some(solution) => solution.rms_residual_mm(),
-            None => rigidity::rms_mm(identified),
-        },
-        length_sigma_mm: solution.map(|_| {
-            instrument
-                .length_sigma_um
-                .map_or(MICROMETRE, |um| um * MICROMETRE)
-        }),
-        repeatability_mm: instrument.repeatability_um.unwrap_or(0.0) * MICROMETRE,
-        iterations: solution.map_or(0, |solution| solution.iterations),
-        termination: solution.map_or_else(
-            || "points measured directly, nothing to adjust".to_owned(),
-            |solution| solution.termination.to_string(),
-        ),
-    }
-}
-
-fn approached_from_both_sides(campaign: &Campaign) -> bool {
-    let lengths = campaign.lengths.iter().flat_map(|lengths| &lengths.stops);
-    let points = campaign.points.iter().flat_map(|points| &points.stops);
-    let mut directions = lengths.chain(points).map(|stop| stop.direction);
-    let first = directions.next();
-    directions.any(|direction| Some(direction) != first)
 }
 
 fn axis_result(
@@ -389,49 +275,6 @@ fn stations(
             },
         )
         .collect()
-}
-
-/// Distances between the targets of each run that differ from nominal by more than measurement
-/// explains.
-fn triangle(
-    context: &Context<'_>,
-    data: &[AxisData],
-    mean_mm: &[Option<Point3<f64>>],
-) -> Vec<TriangleSide> {
-    let targets = &context.campaign.targets;
-    let mut found: Vec<TriangleSide> = Vec::new();
-    for axis in data {
-        for run in &axis.runs {
-            let seen: Vec<(usize, Point3<f64>)> = run
-                .targets
-                .iter()
-                .filter_map(|&t| mean_mm[t].map(|p| (t, p)))
-                .collect();
-            let nominal: Vec<_> = seen.iter().map(|&(t, _)| targets[t].home_mm).collect();
-            let measured: Vec<_> = seen.iter().map(|&(_, p)| p).collect();
-            let Ok(sides) = triangle_mismatch(&nominal, &measured) else {
-                continue;
-            };
-            let noise = context
-                .measured
-                .noise
-                .total(axis.records[run.first_record].group);
-            let variance_mm2 = noise.diagonal().max() * 2.0;
-            let limit_mm = TRIANGLE_TOL_MM.max(TRIANGLE_TOL_SIGMAS * variance_mm2.sqrt());
-            for side in sides {
-                let names = [side.first, side.second].map(|i| targets[seen[i].0].name.clone());
-                let known = found.iter().any(|other| other.targets == names);
-                if !known && (side.measured_mm - side.nominal_mm).abs() > limit_mm {
-                    found.push(TriangleSide {
-                        targets: names,
-                        nominal_mm: side.nominal_mm,
-                        measured_mm: side.measured_mm,
-                    });
-                }
-            }
-        }
-    }
-    found
 }
 
 fn unmeasured_axes(campaign: &Campaign, data: &[AxisData]) -> Option<String> {

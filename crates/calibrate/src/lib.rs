@@ -47,6 +47,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod adjustment_report;
 mod axis_data;
 mod basis;
 mod calibrate;
@@ -68,6 +69,7 @@ mod settings;
 mod sources;
 mod start;
 mod state;
+mod triangle;
 mod twist;
 mod uncertainty;
 mod weights;

@@ -104,6 +104,36 @@ impl Covariance {
         self.coupling(i) * &self.reduced_inverse * self.coupling(k).transpose()
     }
 
+    /// Covariance of everything: the unknowns of all blocks in order, then the shared ones. Its size
+    /// is the square of the number of unknowns.
+    pub fn full(&self) -> Mat<f64> {
+        let own = self.starts.last().copied().unwrap_or(0);
+        let mut full = Mat::zeros(own + self.shared, own + self.shared);
+        for i in 0..self.blocks() {
+            let (first, n) = (self.starts[i], self.size(i));
+            for k in 0..=i {
+                let block = if i == k {
+                    self.block(i)
+                } else {
+                    self.between(i, k)
+                };
+                let other = self.starts[k];
+                full.submatrix_mut(first, other, n, block.ncols())
+                    .copy_from(&block);
+                full.submatrix_mut(other, first, block.ncols(), n)
+                    .copy_from(block.transpose());
+            }
+            let with_shared = self.block_shared(i);
+            full.submatrix_mut(first, own, n, self.shared)
+                .copy_from(&with_shared);
+            full.submatrix_mut(own, first, self.shared, n)
+                .copy_from(with_shared.transpose());
+        }
+        full.submatrix_mut(own, own, self.shared, self.shared)
+            .copy_from(self.shared());
+        full
+    }
+
     fn size(&self, i: usize) -> usize {
         self.starts[i + 1] - self.starts[i]
     }

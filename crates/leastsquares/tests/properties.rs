@@ -124,6 +124,12 @@ proptest! {
             }
             first += block.unknowns;
         }
+        let full = solved.covariance.full();
+        for i in 0..own + SHARED {
+            for j in 0..own + SHARED {
+                prop_assert!((full[(i, j)] - inverse[(i, j)]).abs() < tol);
+            }
+        }
         for k in 0..SHARED {
             prop_assert!((solved.correction.shared[k] - expected[(own + k, 0)]).abs() < tol);
             for j in 0..SHARED {
