@@ -23,6 +23,10 @@ const MOST_FAILING: usize = 3;
 
 /// Sum of squares of the test over all steps, and its degrees of freedom: those of the steps less
 /// the shape of the targets in each run, which is estimated.
+///
+/// Each step is tested with the covariance of its distance from the mean shape, so that on average
+/// its sum equals its own degrees of freedom; together they have fewer, and the sum is scaled down
+/// to follow chi-squared with these.
 pub(crate) fn total(data: &[AxisData], identified: &Identified) -> (f64, usize) {
     let fits = identified.fits.iter().flatten();
     let (squares, degrees) = fits.fold((0.0, 0), |(squares, degrees), fit| {
@@ -33,7 +37,8 @@ pub(crate) fn total(data: &[AxisData], identified: &Identified) -> (f64, usize) 
     });
     let runs = data.iter().flat_map(|axis| &axis.runs);
     let shapes: usize = runs.map(|run| 3 * run.targets.len() - 6).sum();
-    (squares, degrees.saturating_sub(shapes))
+    let left = degrees.saturating_sub(shapes);
+    (squares * left as f64 / degrees.max(1) as f64, left)
 }
 
 /// Rms of what rigid motions leave, mm.

@@ -49,8 +49,11 @@ impl Exit {
                     _ => Self::Input,
                 };
             }
-            if cause.is::<trueaxis_simulate::Error>() {
-                return Self::Input;
+            if let Some(error) = cause.downcast_ref::<trueaxis_simulate::Error>() {
+                return match error {
+                    trueaxis_simulate::Error::Write { .. } => Self::Usage,
+                    _ => Self::Input,
+                };
             }
             if cause.is::<OutputError>() {
                 return Self::Usage;
