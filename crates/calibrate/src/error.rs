@@ -42,7 +42,8 @@ pub enum Error {
     /// A length that no position of its station explains.
     #[error(
         "no position of station {station} explains its {readings} lengths: the best leaves {rms_mm:.1} mm \
-         rms; check its name in every row, the units, and the nominal positions of the targets"
+         rms; check its name in every row, the units, the \
+         directions of the axes and the nominal positions of the targets"
     )]
     StationUnexplained {
         /// Name of the station.

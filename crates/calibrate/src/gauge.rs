@@ -21,6 +21,8 @@
 //! squares: `E` at a node is the mean over the runs there, each with its own `g`. All of this is
 //! linear: `x = Σ Γ_i e_i`, `E_k = mean e - Λ x`, and `Γ` serves the uncertainties as well.
 
+use faer::Mat;
+use faer::linalg::solvers::DenseSolveCore;
 use nalgebra::{DMatrix, DVector, Matrix6xX, MatrixXx6, UnitQuaternion, Vector3, Vector6};
 use trueaxis_kinematics::{Axis, AxisKind};
 
@@ -144,51 +146,60 @@ fn bordered_inverse(
     constraint: &DMatrix<f64>,
 ) -> Result<DMatrix<f64>, GaugeDefect> {
     let (width, count) = (agreement.nrows(), constraint.nrows());
-    // Columns of unit size: rotations and translations, large and small travels alike.
-    let sizes = DVector::from_fn(width, |j, _| {
-        constraint.column(j).norm().max(f64::MIN_POSITIVE)
+    // Columns and rows of unit size: rotations and translations, large and small travels alike.
+    let unit = |size: f64| if size > 0.0 { size } else { 1.0 };
+    let columns: Vec<f64> = (0..width)
+        .map(|j| unit(constraint.column(j).norm()))
+        .collect();
+    let rows: Vec<f64> = (0..count).map(|i| unit(constraint.row(i).norm())).collect();
+    let scaled_agreement = Mat::from_fn(width, width, |i, j| {
+        agreement[(i, j)] / (columns[i] * columns[j])
     });
-    let rows = DVector::from_fn(count, |i, _| {
-        constraint.row(i).norm().max(f64::MIN_POSITIVE)
+    let weight = 1.0 / unit(scaled_agreement.norm_max());
+    let scaled_constraint = Mat::from_fn(count, width, |i, j| {
+        constraint[(i, j)] / (rows[i] * columns[j])
     });
-    let largest = agreement
-        .diagonal()
-        .component_div(&sizes.component_mul(&sizes))
-        .max();
-    let weight = if largest > 0.0 { 1.0 / largest } else { 0.0 };
-    let bordered = DMatrix::from_fn(width + count, width + count, |i, j| {
-        let constrained =
-            |row: usize, column: usize| constraint[(row, column)] / (rows[row] * sizes[column]);
+    let bordered = Mat::from_fn(width + count, width + count, |i, j| {
         match (i < width, j < width) {
-            (true, true) => weight * agreement[(i, j)] / (sizes[i] * sizes[j]),
-            (true, false) => constrained(j - width, i),
-            (false, true) => constrained(i - width, j),
+            (true, true) => weight * scaled_agreement[(i, j)],
+            (true, false) => scaled_constraint[(j - width, i)],
+            (false, true) => scaled_constraint[(i - width, j)],
             (false, false) => 0.0,
         }
     });
-    let svd = bordered.svd(true, true);
-    let singular_value = svd.singular_values.min() / svd.singular_values.max();
-    if singular_value.is_nan() || singular_value < RANK_TOL {
-        // With one run only the positions can be at fault.
-        let of_positions = constraint
-            .clone()
-            .svd(false, false)
-            .rank(RANK_TOL * constraint.norm());
-        return Err(if of_positions < count {
-            GaugeDefect::Positions { singular_value }
+    let singular_value = relative_singular_value(&bordered);
+    if singular_value < RANK_TOL {
+        // The constraints alone must be independent: with one run only positions are at fault.
+        let of_positions = relative_singular_value(&scaled_constraint);
+        return Err(if of_positions < RANK_TOL {
+            GaugeDefect::Positions {
+                singular_value: of_positions,
+            }
         } else {
             GaugeDefect::Disjoint
         });
     }
-    let inverse = svd.pseudo_inverse(0.0).map_err(|_| GaugeDefect::Disjoint)?;
+    let inverse = bordered.partial_piv_lu().inverse();
     Ok(DMatrix::from_fn(width, width + count, |i, j| {
         let right = if j < width {
-            weight / sizes[j]
+            weight / columns[j]
         } else {
             1.0 / rows[j - width]
         };
-        inverse[(i, j)] / sizes[i] * right
+        inverse[(i, j)] / columns[i] * right
     }))
+}
+
+/// Smallest singular value over the largest; zero where that has no meaning.
+fn relative_singular_value(matrix: &Mat<f64>) -> f64 {
+    let values = matrix.singular_values().unwrap_or_default();
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
+    if largest > 0.0 {
+        smallest / largest
+    } else {
+        0.0
+    }
 }
 
 /// What the axis' own parameters do to a pose error.

@@ -1,0 +1,219 @@
+//! `trueaxis calibrate` of what is right: files, options, standard output.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::program::{Outcome, contents, file_names, run, run_with_environment, shipped};
+
+const USAGE: i32 = 2;
+const MISFIT: i32 = 6;
+
+const CAMPAIGNS: [(&str, &str); 3] = [
+    ("rotary-stage", "rotary-stage/calibration.json"),
+    ("fxyz", "fxyz-machine/calibration.json"),
+    ("five-axis", "five-axis-machine/calibration.json"),
+];
+
+fn calibrate(current: &Path, campaign: &str, options: &[&str]) -> Outcome {
+    let path = shipped(campaign).join("campaign.json");
+    let args = [&["calibrate", path.to_str().unwrap()], options].concat();
+    run(current, &args)
+}
+
+/// `calibration.json` of a shipped campaign with these options.
+fn calibration(campaign: &str, options: &[&str]) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    calibrate(
+        folder.path(),
+        campaign,
+        &[&["--out", "."], options].concat(),
+    )
+    .assert_good();
+    let text = fs::read(folder.path().join("calibration.json")).unwrap();
+    serde_json::from_slice(&text).unwrap()
+}
+
+#[test]
+fn writes_to_a_folder_named_after_the_campaign() {
+    for (campaign, file) in CAMPAIGNS {
+        let folder = tempfile::tempdir().unwrap();
+        let outcome = calibrate(folder.path(), campaign, &[]);
+        outcome.assert_good();
+        assert_eq!(outcome.stdout, "");
+        assert!(outcome.stderr.contains(&format!("written: {file}\n")));
+        assert_eq!(file_names(folder.path()), [file]);
+        let text = fs::read_to_string(folder.path().join(file)).unwrap();
+        let document: Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(document["format"], "trueaxis-calibration");
+        assert_eq!(document["version"], 1);
+        assert_eq!(document["method"], "nine-equation");
+    }
+}
+
+#[test]
+fn writes_where_it_is_told_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let outcome = calibrate(folder.path(), "rotary-stage", &["--out", "a/b"]);
+    outcome.assert_good();
+    assert!(outcome.stderr.contains("written: a/b/calibration.json\n"));
+    assert_eq!(file_names(folder.path()), ["a/b/calibration.json"]);
+    // A second run replaces the file.
+    calibrate(folder.path(), "fxyz", &["--out", "a/b"]).assert_good();
+    assert_eq!(file_names(folder.path()), ["a/b/calibration.json"]);
+    let text = fs::read_to_string(folder.path().join("a/b/calibration.json")).unwrap();
+    assert!(text.contains("FXYZ machine"));
+}
+
+#[test]
+fn folder_that_cannot_be_made() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("rotary-stage"), "a file").unwrap();
+    let before = contents(folder.path());
+    for options in [
+        &[][..],
+        &["--out", "rotary-stage"],
+        &["--out", "rotary-stage/deeper"],
+    ] {
+        calibrate(folder.path(), "rotary-stage", options).assert_failed(
+            "a file in the way",
+            USAGE,
+            &["rotary-stage", "cannot be written", "--out"],
+        );
+        assert_eq!(contents(folder.path()), before);
+    }
+}
+
+#[test]
+fn file_that_cannot_be_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir_all(folder.path().join("out/calibration.json/full")).unwrap();
+    calibrate(folder.path(), "rotary-stage", &["--out", "out"]).assert_failed(
+        "a folder in the way",
+        USAGE,
+        &["out/calibration.json", "cannot be written", "--out"],
+    );
+    assert!(file_names(folder.path()).is_empty());
+}
+
+#[test]
+fn json_prints_the_bytes_of_the_file() {
+    for (campaign, file) in CAMPAIGNS {
+        let folder = tempfile::tempdir().unwrap();
+        let outcome = calibrate(folder.path(), campaign, &["--json"]);
+        outcome.assert_good();
+        let text = fs::read_to_string(folder.path().join(file)).unwrap();
+        assert!(outcome.stdout == text, "{campaign}");
+    }
+}
+
+#[test]
+fn same_bytes_on_any_number_of_threads() {
+    for (campaign, _) in CAMPAIGNS {
+        let path = shipped(campaign).join("campaign.json");
+        let args = ["calibrate", path.to_str().unwrap(), "--json"];
+        let print = |environment: &[(&str, &str)]| {
+            let folder = tempfile::tempdir().unwrap();
+            let outcome = run_with_environment(folder.path(), &args, environment);
+            outcome.assert_good();
+            outcome.stdout
+        };
+        let first = print(&[]);
+        assert!(first == print(&[]), "{campaign}: two runs differ");
+        for threads in ["1", "2"] {
+            let other = print(&[("RAYON_NUM_THREADS", threads)]);
+            assert!(first == other, "{campaign}: {threads} threads differ");
+        }
+    }
+}
+
+#[test]
+fn six_equations() {
+    let folder = tempfile::tempdir().unwrap();
+    let outcome = calibrate(folder.path(), "fxyz", &["--method", "six"]);
+    outcome.assert_good();
+    assert!(
+        outcome
+            .stderr
+            .contains("this method against nine equations")
+    );
+    let six = calibration("fxyz", &["--method", "six"]);
+    assert!(six["method"].as_str().unwrap().starts_with("six-equation"));
+    let nine = calibration("fxyz", &[]);
+    assert_ne!(six["axes"], nine["axes"]);
+    assert_eq!(six["stations"][0]["name"], nine["stations"][0]["name"]);
+}
+
+#[test]
+fn reference_points() {
+    let at = |options: &[&str]| {
+        let document = calibration("fxyz", options);
+        let point = document["axes"][0]["reference_point_mm"]
+            .as_array()
+            .unwrap();
+        let numbers: Vec<f64> = point.iter().map(|x| x.as_f64().unwrap()).collect();
+        numbers
+    };
+    let centroid_mm = [
+        (16.338 + 157.086 + 248.925) / 3.0,
+        (452.716 + 332.593 + 603.0552) / 3.0,
+        (122.416 + 324.879 + 412.4483) / 3.0,
+    ];
+    for (options, expected_mm) in [
+        (&[][..], [0.0; 3]),
+        (&["--reference-point", "origin"], [0.0; 3]),
+        (&["--reference-point", "centroid"], centroid_mm),
+        (
+            &["--reference-point", "-100,250.5, 50"],
+            [-100.0, 250.5, 50.0],
+        ),
+    ] {
+        for (found, expected) in at(options).iter().zip(expected_mm) {
+            assert!((found - expected).abs() < 1e-9, "{options:?}: {found}");
+        }
+    }
+}
+
+#[test]
+fn signs_of_the_paper_are_listed_on_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let without = calibrate(folder.path(), "fxyz", &[]);
+    let with = calibrate(folder.path(), "fxyz", &["--paper-signs"]);
+    with.assert_good();
+    assert!(with.stderr.contains("θxy (Sxy)"));
+    assert!(!without.stderr.contains("θxy (Sxy)"));
+}
+
+#[test]
+fn sides_of_approach_on_request() {
+    let positions = |options: &[&str]| {
+        let document = calibration("five-axis", options);
+        document["axes"][0]["positions"].as_array().unwrap().len()
+    };
+    assert_eq!(positions(&["--by-direction"]), 2 * positions(&[]));
+}
+
+/// The five-axis campaign has lost motion, which one curve for both sides cannot hold.
+#[test]
+fn misfit_fails_on_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let fails = |options: &[&str]| {
+        let options = [&["--out", "out", "--fail-on-misfit"], options].concat();
+        let outcome = calibrate(folder.path(), "five-axis", &options);
+        // The result is there in any case: it is what has to be looked at.
+        let file = folder.path().join("out/calibration.json");
+        assert!(file.exists());
+        fs::remove_file(file).unwrap();
+        outcome
+    };
+    fails(&[]).assert_failed(
+        "one curve for both sides",
+        MISFIT,
+        &["reject the model", "--by-direction"],
+    );
+    fails(&["--by-direction"]).assert_good();
+    for campaign in ["rotary-stage", "fxyz"] {
+        calibrate(folder.path(), campaign, &["--fail-on-misfit"]).assert_good();
+    }
+}

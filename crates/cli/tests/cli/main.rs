@@ -1,0 +1,18 @@
+//! The program as its users meet it: exit codes, what it prints, which files it leaves.
+//!
+//! Numbers are tested in the libraries; here the shipped campaigns run through the real program,
+//! as they are and damaged in all the ways that happen between a machine and a file.
+
+mod calibrate;
+mod campaign_files;
+mod check;
+mod harmless;
+mod known_defects;
+mod program;
+mod refused;
+mod refused_documents;
+mod refused_geometries;
+mod refused_measurements;
+mod refused_tables;
+mod simulate;
+mod usage;

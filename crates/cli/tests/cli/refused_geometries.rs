@@ -1,0 +1,264 @@
+//! Campaigns that are true but determine too little: what is missing is named.
+
+use serde_json::{Value, json};
+
+use crate::campaign_files::CampaignFiles;
+use crate::refused::{NOT_IDENTIFIABLE, Refusal, assert_calibration_refused};
+
+#[test]
+fn too_few_stations() {
+    assert_calibration_refused(
+        "fxyz",
+        &[
+            Refusal {
+                name: "two stations",
+                damage: |files| keep_stations(files, 2),
+                code: NOT_IDENTIFIABLE,
+                says: &["at least 4 stations, found 2", "more stations"],
+            },
+            Refusal {
+                name: "three stations",
+                damage: |files| keep_stations(files, 3),
+                code: NOT_IDENTIFIABLE,
+                says: &["at least 4 stations, found 3", "more stations"],
+            },
+            Refusal {
+                name: "three stations with rows",
+                damage: |files| files.keep(|row| !row.is(&[("station", "S4")])),
+                code: NOT_IDENTIFIABLE,
+                says: &["at least 4 stations, found 3", "more stations"],
+            },
+            Refusal {
+                name: "point seen from two stations",
+                damage: |files| {
+                    files.keep(|row| {
+                        let is_point = row.is(&[("run", "x"), ("X", "200"), ("target", "Q")]);
+                        let is_seen = ["S3", "S4"].contains(&row.text("station"));
+                        is_seen || !is_point
+                    });
+                },
+                code: NOT_IDENTIFIABLE,
+                says: &[
+                    "target Q in run x at X = 200 mm",
+                    "from 2 station(s), at least 3",
+                    "measure it from the missing stations",
+                ],
+            },
+            Refusal {
+                name: "position mistyped in one row",
+                damage: |files| files.cell(101, "Y", "201"),
+                code: NOT_IDENTIFIABLE,
+                says: &[
+                    "target P in run y at X = 0 mm, Y = 201 mm",
+                    "from 1 station",
+                ],
+            },
+        ],
+    );
+    assert_calibration_refused(
+        "rotary-stage",
+        &[Refusal {
+            name: "two stations under one name",
+            damage: |files| {
+                files.column("station", |row| match row.text("station") {
+                    "S1" => "S2".to_owned(),
+                    other => other.to_owned(),
+                });
+            },
+            code: NOT_IDENTIFIABLE,
+            says: &["at least 4 stations, found 3"],
+        }],
+    );
+}
+
+#[test]
+fn too_few_targets_and_steps() {
+    assert_calibration_refused(
+        "fxyz",
+        &[
+            Refusal {
+                name: "target missing at a step",
+                damage: |files| {
+                    files.keep(|row| !row.is(&[("run", "x"), ("X", "200"), ("target", "Q")]));
+                },
+                code: NOT_IDENTIFIABLE,
+                says: &[
+                    "run x at X = 200 mm",
+                    "2 of the targets",
+                    "three are needed",
+                ],
+            },
+            Refusal {
+                name: "target missing everywhere",
+                damage: |files| files.keep(|row| !row.is(&[("target", "K")])),
+                code: NOT_IDENTIFIABLE,
+                says: &["2 of the targets", "three are needed"],
+            },
+            Refusal {
+                name: "one step in a run",
+                damage: |files| files.keep(|row| row.text("run") != "x" || row.is(&[("X", "200")])),
+                code: NOT_IDENTIFIABLE,
+                says: &["axis X", "1 position(s)", "measure it at more positions"],
+            },
+            Refusal {
+                name: "one linear axis at one position",
+                damage: |files| files.keep(|row| row.is(&[("run", "x"), ("X", "200")])),
+                code: NOT_IDENTIFIABLE,
+                says: &["combination(s) of the stations free", "dead path of S1"],
+            },
+            Refusal {
+                name: "one linear axis at two positions",
+                damage: |files| {
+                    files.keep(|row| {
+                        row.is(&[("run", "x")]) && ["0", "440"].contains(&row.text("X"))
+                    });
+                },
+                code: NOT_IDENTIFIABLE,
+                says: &["combination(s) of the stations free", "dead path of S1"],
+            },
+        ],
+    );
+    assert_calibration_refused(
+        "rotary-stage",
+        &[
+            Refusal {
+                name: "target missing at an angle",
+                damage: |files| files.keep(|row| !row.is(&[("C", "200"), ("target", "Q")])),
+                code: NOT_IDENTIFIABLE,
+                says: &["run c at C = 200°", "2 of the targets", "three are needed"],
+            },
+            Refusal {
+                name: "one angle",
+                damage: |files| files.keep(|row| row.is(&[("C", "0")])),
+                code: NOT_IDENTIFIABLE,
+                says: &["combination(s) of the stations free"],
+            },
+            Refusal {
+                name: "two angles",
+                damage: |files| files.keep(|row| ["0", "180"].contains(&row.text("C"))),
+                code: NOT_IDENTIFIABLE,
+                says: &["combination(s) of the stations free"],
+            },
+        ],
+    );
+}
+
+/// With noise, as measured.
+#[test]
+fn bad_places() {
+    assert_calibration_refused(
+        "rotary-stage",
+        &[
+            Refusal {
+                name: "targets on a line",
+                damage: |files| {
+                    *files = CampaignFiles::simulated("rotary-stage", |scenario| {
+                        let place = [-11.9422, 116.3312, 15.9919];
+                        scenario["targets"][2]["position_mm"] = json!(place);
+                        without_mounting_errors(scenario);
+                    });
+                },
+                code: NOT_IDENTIFIABLE,
+                says: &[
+                    "targets P, Q, K",
+                    "on one line",
+                    "place one target well away",
+                ],
+            },
+            Refusal {
+                name: "stations at one place, the same lengths",
+                damage: same_lengths_from_every_station,
+                code: NOT_IDENTIFIABLE,
+                says: &["target P in run c at C = 0°", "place one station"],
+            },
+            Refusal {
+                name: "stations at one place",
+                damage: |files| {
+                    *files = CampaignFiles::simulated("rotary-stage", |scenario| {
+                        for station in 1..4 {
+                            move_station(scenario, station, [760.0, -310.0, 180.0]);
+                        }
+                    });
+                },
+                code: NOT_IDENTIFIABLE,
+                says: &["station"],
+            },
+            Refusal {
+                name: "two stations at one place",
+                damage: |files| {
+                    *files = CampaignFiles::simulated("rotary-stage", |scenario| {
+                        move_station(scenario, 1, [760.0, -310.0, 180.0]);
+                    });
+                },
+                code: NOT_IDENTIFIABLE,
+                says: &["dead path of S1", "dead path of S2", "spread the stations"],
+            },
+            Refusal {
+                name: "stations in a plane",
+                damage: |files| {
+                    *files = CampaignFiles::simulated("rotary-stage", |scenario| {
+                        for station in scenario["stations"].as_array_mut().unwrap() {
+                            station["position_mm"][2] = json!(250);
+                        }
+                    });
+                },
+                code: NOT_IDENTIFIABLE,
+                says: &["combination(s) of the stations free", "spread the stations"],
+            },
+        ],
+    );
+    assert_calibration_refused(
+        "fxyz",
+        &[
+            Refusal {
+                name: "targets on a line",
+                damage: |files| {
+                    *files = CampaignFiles::simulated("fxyz", |scenario| {
+                        let place = [86.712, 392.6545, 223.6475];
+                        scenario["targets"][2]["position_mm"] = json!(place);
+                        without_mounting_errors(scenario);
+                    });
+                },
+                code: NOT_IDENTIFIABLE,
+                says: &[
+                    "targets P, Q, K",
+                    "on one line",
+                    "place one target well away",
+                ],
+            },
+            Refusal {
+                name: "stations at one place, the same lengths",
+                damage: same_lengths_from_every_station,
+                code: NOT_IDENTIFIABLE,
+                says: &["target P in run x at X = 0 mm", "place one station"],
+            },
+        ],
+    );
+}
+
+fn keep_stations(files: &mut CampaignFiles, count: usize) {
+    let names = &["S1", "S2", "S3", "S4"][..count];
+    files.json(|json| json["stations"].as_array_mut().unwrap().truncate(count));
+    files.keep(|row| names.contains(&row.text("station")));
+}
+
+fn move_station(scenario: &mut Value, station: usize, position_mm: [f64; 3]) {
+    scenario["stations"][station]["position_mm"] = json!(position_mm);
+}
+
+fn without_mounting_errors(scenario: &mut Value) {
+    for target in scenario["targets"].as_array_mut().unwrap() {
+        target.as_object_mut().unwrap().remove("mounting_error_mm");
+    }
+}
+
+/// All stations measure in the same order, so that the rows of each are those of the first.
+fn same_lengths_from_every_station(files: &mut CampaignFiles) {
+    files.table(|table| {
+        let first = table.rows.len() / 4;
+        for i in first..table.rows.len() {
+            let length = table.rows[i % first].last().unwrap().clone();
+            *table.rows[i].last_mut().unwrap() = length;
+        }
+    });
+}

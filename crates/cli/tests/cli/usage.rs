@@ -1,0 +1,86 @@
+//! The command line itself.
+
+use crate::program::{file_names, run, shipped};
+
+const USAGE: i32 = 2;
+
+#[test]
+fn help_names_every_verb_and_exit_code() {
+    let folder = tempfile::tempdir().unwrap();
+    let outcome = run(folder.path(), &["--help"]);
+    outcome.assert_good();
+    assert_eq!(outcome.stderr, "");
+    for part in ["check", "calibrate", "simulate", "Exit codes: 0 good"] {
+        assert!(outcome.stdout.contains(part), "{part}: {}", outcome.stdout);
+    }
+    for code in ["2 ", "3 ", "4 ", "5 ", "6 ", "70 "] {
+        assert!(outcome.stdout.contains(&format!("; {code}")), "{code}");
+    }
+    for verb in ["check", "calibrate", "simulate"] {
+        let outcome = run(folder.path(), &[verb, "--help"]);
+        outcome.assert_good();
+        let usage = format!("{verb} [OPTIONS]");
+        let usage_without_options = format!("{verb} <");
+        assert!(
+            outcome.stdout.contains(&usage) || outcome.stdout.contains(&usage_without_options),
+            "{}",
+            outcome.stdout
+        );
+    }
+}
+
+#[test]
+fn version() {
+    let folder = tempfile::tempdir().unwrap();
+    let outcome = run(folder.path(), &["--version"]);
+    outcome.assert_good();
+    let expected = format!("trueaxis {}\n", env!("CARGO_PKG_VERSION"));
+    assert_eq!(outcome.stdout, expected);
+}
+
+#[test]
+fn wrong_command_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let campaign = shipped("rotary-stage").join("campaign.json");
+    let campaign = campaign.to_str().unwrap();
+    for (args, says) in [
+        (vec![], "Usage: trueaxis"),
+        (vec!["--colour"], "unexpected argument '--colour'"),
+        (vec!["calibrat"], "'calibrate'"),
+        (vec!["calibrate"], "<CAMPAIGN.json>"),
+        (vec!["check", campaign, campaign], "unexpected argument"),
+        (vec!["check", campaign, "--json"], "unexpected argument"),
+        (
+            vec!["calibrate", campaign, "--method", "seven"],
+            "possible values: nine, six",
+        ),
+        (
+            vec!["calibrate", campaign, "--reference-point", "middle"],
+            "expected `origin`, `centroid` or three numbers in mm",
+        ),
+        (
+            vec!["calibrate", campaign, "--reference-point", "1,2"],
+            "expected `origin`, `centroid` or three numbers in mm",
+        ),
+        (
+            vec!["calibrate", campaign, "--reference-point", "1,2,NaN"],
+            "expected `origin`, `centroid` or three numbers in mm",
+        ),
+        (
+            vec!["simulate", "scenario.json", "--seed", "one"],
+            "invalid value 'one'",
+        ),
+    ] {
+        let outcome = run(folder.path(), &args);
+        outcome.assert_usage(&args.join(" "), says);
+        assert!(file_names(folder.path()).is_empty());
+    }
+}
+
+impl crate::program::Outcome {
+    fn assert_usage(&self, name: &str, says: &str) {
+        assert_eq!(self.code, Some(USAGE), "{name}: {}", self.stderr);
+        assert_eq!(self.stdout, "", "{name}");
+        assert!(self.stderr.contains(says), "{name}: {}", self.stderr);
+    }
+}
