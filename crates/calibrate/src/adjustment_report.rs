@@ -9,7 +9,7 @@ use crate::axis_data::AxisData;
 use crate::calibration::AdjustmentReport;
 use crate::identify_axes::Identified;
 use crate::measured::Measured;
-use crate::rigidity;
+use crate::{from_lengths, rigidity};
 
 /// Significance at which the declared noise is given up for the residuals' own: one clean campaign
 /// in a thousand gets larger uncertainties than it needs.
@@ -54,6 +54,8 @@ pub(crate) fn report(
     };
     let p_value = chi_squared_upper_tail(squares, degrees_of_freedom as f64);
     let scaled = !declared || p_value < GLOBAL_TEST_LEVEL;
+    let uncertainty_factor = if scaled { sigma0 } else { 1.0 };
+    let uncertainty_factor = uncertainty_factor.max(repeat_factor(measured, declared, notices));
     if degrees_of_freedom == 0 {
         notices.push(
             "nothing checks the measurement: there are no more observations than unknowns"
@@ -69,6 +71,12 @@ pub(crate) fn report(
             "the residuals are {sigma0:.2} times what the declared noise explains (p = {p_value:.1e}): \
              the model or the declared noise is wrong; all uncertainties are multiplied by {sigma0:.2}"
         ));
+        if let (Some(solution), Some(lengths)) = (solution, &campaign.lengths) {
+            notices.push(format!(
+                "the largest residual is that of {}",
+                from_lengths::worst_length(campaign, lengths, solution)
+            ));
+        }
         if !by_direction && approached_from_both_sides(campaign) {
             notices.push(
                 "positions were approached from both sides: lost motion makes such residuals; \
@@ -88,15 +96,16 @@ pub(crate) fn report(
         degrees_of_freedom,
         sigma0,
         p_value,
-        uncertainty_factor: if scaled { sigma0 } else { 1.0 },
+        noise_declared: declared,
+        uncertainty_factor,
         rms_residual_mm: match solution {
             Some(solution) => solution.rms_residual_mm(),
             None => rigidity::rms_mm(identified),
         },
+        // Where none is declared the weights are those of 1 µm, and sigma0 estimates it.
         length_sigma_mm: solution.map(|_| {
-            instrument
-                .length_sigma_um
-                .map_or(MICROMETRE, |um| um * MICROMETRE)
+            let declared_mm = instrument.length_sigma_um.map(|um| um * MICROMETRE);
+            declared_mm.unwrap_or(sigma0 * MICROMETRE)
         }),
         repeatability_mm: instrument.repeatability_um.unwrap_or(0.0) * MICROMETRE,
         iterations: solution.map_or(0, |solution| solution.iterations),
@@ -105,6 +114,23 @@ pub(crate) fn report(
             |solution| solution.termination.to_string(),
         ),
     }
+}
+
+/// How much larger than declared the scatter of repeated points is, if that is significant.
+fn repeat_factor(measured: &Measured, declared: bool, notices: &mut Vec<String>) -> f64 {
+    let (squares, degrees_of_freedom) = measured.repeat_scatter;
+    let p_value = chi_squared_upper_tail(squares, degrees_of_freedom as f64);
+    if degrees_of_freedom == 0 || (declared && p_value >= GLOBAL_TEST_LEVEL) {
+        return 0.0;
+    }
+    let factor = (squares / degrees_of_freedom as f64).sqrt();
+    if declared {
+        notices.push(format!(
+            "repeated points scatter {factor:.2} times as much as declared (p = {p_value:.1e}): declare \
+             repeatability_um; until then all uncertainties are multiplied by {factor:.2} at least"
+        ));
+    }
+    factor
 }
 
 fn approached_from_both_sides(campaign: &Campaign) -> bool {

@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 use trueaxis_campaign::{Campaign, Direction};
+use trueaxis_kinematics::AxisKind;
 
 use crate::measured::Measured;
 use crate::{Error, describe};
@@ -52,6 +53,9 @@ pub(crate) struct Node {
 
 /// Targets needed to see six component errors.
 const MIN_TARGETS: usize = 3;
+
+/// A rotary axis this close to home is at home, rad.
+const HOME_TOL_RAD: f64 = 1e-9;
 
 /// Sorts the measured groups by the axis under test.
 pub(crate) fn by_axis(campaign: &Campaign, measured: &Measured) -> Result<Vec<AxisData>, Error> {
@@ -134,9 +138,104 @@ pub(crate) fn by_axis(campaign: &Campaign, measured: &Measured) -> Result<Vec<Ax
     for data in &mut all {
         number_nodes(data, campaign, measured);
     }
+    for data in &mut all {
+        keep_common_targets(data, campaign, measured)?;
+        check_other_axes(data, campaign, measured)?;
+    }
     // In the order of the machine's axes, whatever the order of measuring.
     all.sort_by_key(|data| data.axis);
     Ok(all)
+}
+
+/// Leaves out targets that were not measured at every step of a run: the shape of the targets is
+/// the same function of the points at every step only if these are the same.
+fn keep_common_targets(
+    data: &mut AxisData,
+    campaign: &Campaign,
+    measured: &Measured,
+) -> Result<(), Error> {
+    for (r, run) in data.runs.iter_mut().enumerate() {
+        let steps = data.records.iter().filter(|record| record.run == r).count();
+        let mut common: Vec<usize> = run
+            .targets
+            .iter()
+            .zip(&run.measured)
+            .filter(|&(_, &count)| count == steps)
+            .map(|(&target, _)| target)
+            .collect();
+        common.sort_unstable();
+        if common.len() < MIN_TARGETS {
+            let incomplete = data
+                .records
+                .iter()
+                .find(|record| record.run == r && record.targets.len() < run.targets.len());
+            let step = incomplete.map_or(0, |record| measured.groups[record.group].step);
+            return Err(Error::NotIdentifiable {
+                what: format!(
+                    "run {}: only {} target(s) were measured at all of its steps, three are needed \
+                     (one is missing in {})",
+                    campaign.runs[run.run].name,
+                    common.len(),
+                    describe::step(campaign, step),
+                ),
+                mend: "measure the missing targets, or leave out the rows of the steps that lack \
+                       them"
+                    .to_owned(),
+            });
+        }
+        run.targets = common;
+        run.measured = vec![steps; run.targets.len()];
+        for record in data.records.iter_mut().filter(|record| record.run == r) {
+            record
+                .targets
+                .retain(|(target, _)| run.targets.contains(target));
+        }
+    }
+    Ok(())
+}
+
+/// Other axes of the chain must stand still during a run, and rotary ones at home: their errors
+/// would enter those of the axis under test, or turn them.
+fn check_other_axes(
+    data: &AxisData,
+    campaign: &Campaign,
+    measured: &Measured,
+) -> Result<(), Error> {
+    let machine = &campaign.machine;
+    let positions_of =
+        |record: &Record| &campaign.steps[measured.groups[record.group].step].positions;
+    for record in &data.records {
+        let run = &data.runs[record.run];
+        let first = positions_of(&data.records[run.first_record]);
+        let positions = positions_of(record);
+        for &(target, _) in &record.targets {
+            for &other in machine.chain(campaign.targets[target].carrier) {
+                if other == data.axis {
+                    continue;
+                }
+                let (run, axis) = (campaign.runs[run.run].name.clone(), &machine.axes()[other]);
+                let other_name = axis.name().to_owned();
+                if positions[other].total_cmp(&first[other]).is_ne() {
+                    return Err(Error::SeveralAxesMove {
+                        run,
+                        axis: machine.axes()[data.axis].name().to_owned(),
+                        other: other_name,
+                        step: describe::step(campaign, measured.groups[record.group].step),
+                    });
+                }
+                if axis.kind() == AxisKind::Rotary && first[other].abs() > HOME_TOL_RAD {
+                    return Err(Error::NotIdentifiable {
+                        what: format!(
+                            "run {run}: rotary axis {other_name} stands at {:.4}° instead of home",
+                            first[other].to_degrees()
+                        ),
+                        mend: format!("measure this run with {other_name} at 0°"),
+                    });
+                }
+            }
+        }
+    }
+    Ok(())
 }
 
 fn number_nodes(data: &mut AxisData, campaign: &Campaign, measured: &Measured) {
@@ -170,12 +269,13 @@ fn number_nodes(data: &mut AxisData, campaign: &Campaign, measured: &Measured) {
 }
 
 impl AxisData {
-    /// Weights of the nodes whose sum is the curve at `position`: linear interpolation, or the
-    /// nearest node outside the range; the mean of both sides of approach where they are apart.
+    /// Weights of the nodes whose sum is the curve at `position`: linear interpolation; the mean of
+    /// the sides of approach that reach the position; the nearest node if none does.
     pub(crate) fn weights_at(&self, position: f64) -> Vec<(usize, f64)> {
         let above = self.nodes.partition_point(|node| node.position < position);
         let (low, high) = self.nodes.split_at(above);
-        let mut weights = Vec::new();
+        let mut inside = Vec::new();
+        let mut outside: Vec<(usize, f64)> = Vec::new();
         // Nodes are in order of position, so the neighbours of each side are found at once.
         for &side in &self.sides {
             let below = low.iter().rposition(|node| node.direction == side);
@@ -184,15 +284,26 @@ impl AxisData {
                 .position(|node| node.direction == side)
                 .map(|k| above + k);
             match (below, above) {
+                (_, Some(at)) if self.nodes[at].position <= position => inside.push((at, 1.0)),
                 (Some(below), Some(above)) => {
                     let (a, b) = (self.nodes[below].position, self.nodes[above].position);
                     let weight = (position - a) / (b - a);
-                    weights.push((below, 1.0 - weight));
-                    weights.push((above, weight));
+                    inside.extend([(below, 1.0 - weight), (above, weight)]);
                 }
-                (Some(only), None) | (None, Some(only)) => weights.push((only, 1.0)),
+                (Some(only), None) | (None, Some(only)) => outside.push((only, 1.0)),
                 (None, None) => {}
             }
+        }
+        // A side that does not reach the position says nothing about it while another one does.
+        let mut weights = inside;
+        if weights.is_empty() {
+            let distance = |k: usize| (self.nodes[k].position - position).abs();
+            let nearest = outside
+                .iter()
+                .map(|&(k, _)| distance(k))
+                .fold(f64::INFINITY, f64::min);
+            outside.retain(|&(k, _)| distance(k) <= nearest);
+            weights = outside;
         }
         let sum: f64 = weights.iter().map(|&(_, weight)| weight).sum();
         weights.iter_mut().for_each(|(_, weight)| *weight /= sum);

@@ -20,6 +20,17 @@ use crate::{Error, adjustment_report, from_lengths, from_points, rigidity, trian
 const IMPLAUSIBLE_MM: f64 = 50.0;
 const IMPLAUSIBLE_RAD: f64 = 0.1;
 
+/// A paced-off position of a station is right to this, mm.
+const APPROXIMATE_MM: f64 = 500.0;
+
+/// Part of a unit normal below which it has none in that direction.
+const NORMAL_TOL: f64 = 1e-9;
+
+/// Linear errors and tilts beyond these are worth a word: no machine in use is that bad, a mistyped
+/// position or direction is.
+const ABSURD_MM: f64 = 1.0;
+const ABSURD_RAD: f64 = 5e-3;
+
 /// Finds all component and location errors of the axes that a campaign measured.
 ///
 /// The reference frame: x-like along the average line of the first linear axis, the second linear
@@ -30,10 +41,12 @@ const IMPLAUSIBLE_RAD: f64 = 0.1;
 /// # Errors
 /// See [`Error`]; nothing is returned that is not converged or not determined.
 pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration, Error> {
+    let mut notices = Vec::new();
     let (mut measured, solution) = match (&campaign.lengths, &campaign.points) {
         (Some(lengths), _) => {
-            let (measured, solution) =
+            let (measured, solution, weak) =
                 from_lengths::measure(campaign, lengths, settings.by_direction)?;
+            notices.extend(weak);
             (measured, Some(solution))
         }
         (None, Some(points)) => (
@@ -56,7 +69,6 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
     let identified = identify_axes(&context, &data)?;
     check_plausible(&machine, &data, &identified)?;
 
-    let mut notices = Vec::new();
     let adjustment = adjustment_report::report(
         campaign,
         settings.by_direction,
@@ -81,13 +93,15 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
         .map(|station| ref_from_datum * station.position_mm)
         .collect();
     let frame_dependent = of_frame_dependent(&context, &data, &identified, &stations_in_ref);
-    let axes = (0..data.len())
+    let axes: Vec<AxisResult> = (0..data.len())
         .map(|k| axis_result(&context, &data, &identified, k, &frame_dependent))
         .collect();
     let targets = mean_targets(&data, &identified.state, campaign.targets.len());
     let triangle = triangle::triangle(&context, &data, &targets);
-    let misfits = rigidity::misfits(&context, &data, &identified, adjustment.uncertainty_factor);
+    let misfits = rigidity::misfits(&context, &data, &identified, adjustment.noise_declared);
     notices.extend(unmeasured_axes(campaign, &data));
+    notices.extend(absurd(&axes));
+    notices.extend(far_from_approximate(campaign, &stations_in_ref));
     notices.extend(solution.as_ref().filter(|s| s.mirror_image_open).map(|_| {
         "all points lie in one plane, and the lengths fit as well with all stations on its other side: \
          errors across the plane may have the wrong sign; give `approx_mm` of one station to be sure"
@@ -242,11 +256,12 @@ fn reported(
     {
         Some(0) => Vec::new(),
         Some(_) => {
-            // Only the tilt within the plane of the two lines: about the normal of the plane.
+            // Only the tilt within the plane of the two lines is left: about the normal of the
+            // plane, of which more than one part may be reported if the lines are oblique.
             let (first, second) = (identified.frame.lines[0].1, identified.frame.lines[1].1);
-            let normal = first.cross(&second).iamax();
+            let normal = first.cross(&second).normalize();
             all.into_iter()
-                .filter(|component| *component == Tilt(normal))
+                .filter(|component| matches!(component, Tilt(i) if normal[*i].abs() > NORMAL_TOL))
                 .collect()
         }
         None => all,
@@ -275,6 +290,62 @@ fn stations(
             },
         )
         .collect()
+}
+
+/// Errors that are more likely mistakes in the campaign.
+fn absurd(axes: &[AxisResult]) -> Vec<String> {
+    let mut found = Vec::new();
+    for axis in axes {
+        let position = |node: &NodeResult| match axis.kind {
+            AxisKind::Linear => format!("{} mm", node.position),
+            AxisKind::Rotary => format!("{:.4}°", node.position.to_degrees()),
+        };
+        for component in Component::ALL {
+            let c = component.index();
+            let (limit, unit, scale) = if component.is_angular() {
+                (ABSURD_RAD, "°", 1_f64.to_degrees())
+            } else {
+                (ABSURD_MM, " mm", 1.0)
+            };
+            let size = |node: &&NodeResult| node.error.to_vector()[c].abs();
+            let worst = axis.nodes.iter().max_by(|a, b| size(a).total_cmp(&size(b)));
+            if let Some(node) = worst.filter(|node| size(node) > limit) {
+                found.push(format!(
+                    "axis {}: {} reaches {:.2}{unit} at {}: check the positions in the rows, and \
+                     the direction of the axis in the campaign",
+                    axis.name,
+                    component.name(&axis.name),
+                    size(&node) * scale,
+                    position(node)
+                ));
+            }
+        }
+        let tilt_rad = axis.location.tilt_rad.norm();
+        if tilt_rad > ABSURD_RAD {
+            found.push(format!(
+                "axis {} is {:.2}° off its nominal direction: check `direction` in the campaign",
+                axis.name,
+                tilt_rad.to_degrees()
+            ));
+        }
+    }
+    found
+}
+
+/// Stations that are not where the campaign says they are, roughly.
+fn far_from_approximate(campaign: &Campaign, found: &[Point3<f64>]) -> Vec<String> {
+    let stations = campaign.stations.iter().zip(found);
+    let far = stations.filter_map(|(station, found)| {
+        let distance_mm = (found - station.approx_mm?).norm();
+        (distance_mm > APPROXIMATE_MM).then(|| {
+            format!(
+                "station {} was found {distance_mm:.0} mm from its approx_mm: check its name and \
+                 `approx_mm`",
+                station.name
+            )
+        })
+    });
+    far.collect()
 }
 
 fn unmeasured_axes(campaign: &Campaign, data: &[AxisData]) -> Option<String> {

@@ -47,6 +47,8 @@ pub struct AdjustmentReport {
     pub sigma0: f64,
     /// Probability of residuals at least as large if the noise is as declared.
     pub p_value: f64,
+    /// Whether the noise was declared.
+    pub noise_declared: bool,
     /// Factor on all standard uncertainties: 1 if the declared noise explains the residuals.
     pub uncertainty_factor: f64,
     /// Rms of the residuals, mm.
@@ -175,42 +177,40 @@ impl AxisResult {
             .find(|l| l.component.name(&self.name) == name)
     }
 
-    /// Component errors at any position: linear between the measured ones, the nearest one outside,
-    /// the mean of both sides of approach.
+    /// Component errors at any position: linear between the measured ones; the mean of the sides
+    /// of approach that reach the position; the nearest one if none does.
     pub fn error_at(&self, position: f64) -> MotionError {
-        let side = |direction: Option<Direction>| {
-            let mut nodes = self
-                .nodes
-                .iter()
-                .filter(|node| node.direction == direction)
-                .peekable();
-            nodes.peek()?;
-            let (mut low, mut high) = (None, None);
-            for node in nodes {
-                if node.position < position {
-                    low = Some(node);
-                } else {
-                    high = Some(node);
-                    break;
-                }
-            }
-            match (low, high) {
-                (Some(low), Some(high)) => {
-                    let weight = (position - low.position) / (high.position - low.position);
-                    Some(low.error.interpolate(&high.error, weight))
-                }
-                (one, other) => one.or(other).map(|node| node.error),
-            }
-        };
-        let sides: Vec<MotionError> = [None, Some(Direction::Backward), Some(Direction::Forward)]
-            .into_iter()
-            .filter_map(side)
+        let sides = [None, Some(Direction::Backward), Some(Direction::Forward)];
+        let reached: Vec<MotionError> = sides
+            .iter()
+            .filter_map(|&side| self.between_nodes(side, position))
             .collect();
-        match sides.as_slice() {
+        match reached.as_slice() {
             [one] => *one,
             [backward, forward] => backward.interpolate(forward, 0.5),
-            _ => MotionError::default(),
+            _ => {
+                let distance = |node: &&NodeResult| (node.position - position).abs();
+                let nearest = self
+                    .nodes
+                    .iter()
+                    .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+                nearest.map_or_else(MotionError::default, |node| node.error)
+            }
         }
+    }
+
+    /// Interpolation on one side of approach; `None` outside its range.
+    fn between_nodes(&self, side: Option<Direction>, position: f64) -> Option<MotionError> {
+        let nodes = || self.nodes.iter().filter(|node| node.direction == side);
+        let low = nodes().rfind(|node| node.position <= position)?;
+        let high = nodes().find(|node| node.position >= position)?;
+        let span = high.position - low.position;
+        let weight = if span > 0.0 {
+            (position - low.position) / span
+        } else {
+            0.0
+        };
+        Some(low.error.interpolate(&high.error, weight))
     }
 }
 

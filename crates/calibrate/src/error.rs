@@ -39,6 +39,18 @@ pub enum Error {
         /// What to look at.
         hint: String,
     },
+    /// The lengths contradict each other so much that the adjustment drove a station away.
+    #[error(
+        "the lengths contradict each other: the adjustment runs away; line {line} of the lengths is \
+         {residual_mm:.1} mm off what the nominal positions say, more than any other: check it, and \
+         that every row names its own station"
+    )]
+    RanAway {
+        /// Line of the lengths file with the largest misfit.
+        line: usize,
+        /// Its misfit, mm.
+        residual_mm: f64,
+    },
     /// A length that no position of its station explains.
     #[error(
         "no position of station {station} explains its {readings} lengths: the best leaves {rms_mm:.1} mm \
@@ -78,6 +90,21 @@ pub enum Error {
         translation_mm: f64,
         /// Largest component of ε, degrees.
         rotation_deg: f64,
+    },
+    /// More than one axis moves in a run.
+    #[error(
+        "run {run} is of axis {axis}, but {other} moves as well ({step}): its errors would be taken for \
+         those of {axis}; give these rows a run of {other}"
+    )]
+    SeveralAxesMove {
+        /// Name of the run.
+        run: String,
+        /// Its axis.
+        axis: String,
+        /// The other axis.
+        other: String,
+        /// The first step at which it has moved.
+        step: String,
     },
     /// A covariance or an equation system failed although all checks before it passed.
     #[error("axis {axis}: {what}")]

@@ -1,8 +1,7 @@
 //! The reference frame: which motion of the whole is taken out of the results.
 //!
 //! With two linear axes of different direction the first average line gives its nominal direction
-//! and the second one lies in the nominal plane of the two (for X and Y: DESIGN of the frame in
-//! the crate documentation). What lines leave open, the targets decide: the origin always, the
+//! and the second one lies in the nominal plane of the two. What lines leave open, the targets decide: the origin always, the
 //! rotation about the line with one linear axis, the whole rotation with none. The targets are
 //! then where a best fit to their nominal positions at home puts them.
 
@@ -19,6 +18,8 @@ pub(crate) struct FrameRule {
     pub(crate) lines: Vec<(usize, Vector3<f64>)>,
     /// The targets that decide the rest.
     pub(crate) anchors: Vec<Anchor>,
+    /// The axes that move the anchors.
+    anchored: Vec<usize>,
     pivot: Point3<f64>,
 }
 
@@ -85,17 +86,22 @@ impl FrameRule {
             }
         }
         let nominal: Vec<_> = anchors.iter().map(|anchor| anchor.nominal_mm).collect();
+        let anchored = match carrier {
+            Some(Some(carrier)) => machine.chain(carrier).to_vec(),
+            _ => Vec::new(),
+        };
         Self {
             lines,
             anchors,
+            anchored,
             pivot: centroid(&nominal),
         }
     }
 
-    /// Whether linear axes define the directions; if not, a rotary axis' place along itself is
-    /// that of its targets by definition.
-    pub(crate) fn has_lines(&self) -> bool {
-        !self.lines.is_empty()
+    /// Whether a rotary axis has a place along itself. It is where its targets are; if these are
+    /// the anchors of the frame, that is their nominal place by definition.
+    pub(crate) fn places_along_itself(&self, axis: usize) -> bool {
+        !self.lines.is_empty() && !self.anchored.contains(&axis)
     }
 
     /// The motion that is to be taken out: from the tilts of the lines (rotation vectors in the

@@ -1,6 +1,7 @@
 //! Lengths to points, with errors in the words of the campaign.
 
 use trueaxis_campaign::{Campaign, Lengths};
+use trueaxis_kinematics::MICROMETRE;
 use trueaxis_multilateration::{
     CampaignNetwork, Error as MultilaterationError, Solution, StationUnknown,
     network_from_campaign, solve,
@@ -12,12 +13,12 @@ use crate::{Error, describe};
 /// A residual this many times its noise in the mean is no noise: something in the data is wrong.
 const CONTRADICTORY_SIGMA0: f64 = 100.0;
 
-/// The adjusted points, and the solution they come from.
+/// The adjusted points, the solution they come from, and notices.
 pub(crate) fn measure(
     campaign: &Campaign,
     lengths: &Lengths,
     by_direction: bool,
-) -> Result<(Measured, Solution), Error> {
+) -> Result<(Measured, Solution, Vec<String>), Error> {
     let CampaignNetwork { network, groups } =
         network_from_campaign(campaign, lengths, by_direction);
     let target_name = |group: usize, point: usize| {
@@ -26,7 +27,8 @@ pub(crate) fn measure(
         format!("target {} in {step}", campaign.targets[target].name)
     };
     let solution = solve(&network, &trueaxis_multilateration::Settings::default())
-        .map_err(|error| in_words(campaign, error, &target_name))?;
+        .map_err(|error| in_words(campaign, lengths, error, &target_name))?;
+    let weak = weak_stations(campaign, lengths, &solution)?;
     if !solution.termination.is_converged() {
         let termination = solution.termination.to_string();
         return Err(Error::NotConverged {
@@ -53,12 +55,87 @@ pub(crate) fn measure(
             source: NoiseSource::Adjusted(solution.covariance.clone()),
             variance_factor: 1.0,
         },
+        repeat_scatter: (0.0, 0),
     };
-    Ok((measured, solution))
+    Ok((measured, solution, weak))
+}
+
+/// Second-order error of a length, in standard deviations of its noise, from which a station is
+/// worth a notice, and from which nothing that follows from it can be trusted.
+const WEAK_STATION: f64 = 1.0;
+const HOPELESS_STATION: f64 = 5.0;
+
+/// Stations that are so poorly determined that uncertainties of first order mean little: the length
+/// to a station that is off by u across the beam is off by u²/2d, which no linear propagation sees.
+fn weak_stations(
+    campaign: &Campaign,
+    lengths: &Lengths,
+    solution: &Solution,
+) -> Result<Vec<String>, Error> {
+    let noise_mm = campaign.instrument.length_sigma_um.unwrap_or(1.0) * MICROMETRE;
+    let mut nearest_mm = vec![f64::INFINITY; solution.stations.len()];
+    for stop in &lengths.stops {
+        for i in stop.readings.clone() {
+            let station = &solution.stations[stop.station];
+            let distance_mm =
+                lengths.readings[i].length_mm + station.dead_path_mm - solution.residuals_mm[i];
+            nearest_mm[stop.station] = nearest_mm[stop.station].min(distance_mm.abs());
+        }
+    }
+    let mut weak = Vec::new();
+    for (j, (station, distance_mm)) in campaign.stations.iter().zip(nearest_mm).enumerate() {
+        let covariance = solution.station_covariance(j);
+        let position = covariance.fixed_view::<3, 3>(0, 0).into_owned();
+        let variance_mm2 = position.symmetric_eigenvalues().max();
+        let second_order = variance_mm2 / (2.0 * distance_mm) / noise_mm;
+        let what = format!(
+            "station {} is known to {:.1} mm only (standard uncertainty), so poorly that first-order \
+             uncertainties",
+            station.name,
+            variance_mm2.sqrt()
+        );
+        if second_order.is_nan() || second_order > HOPELESS_STATION {
+            return Err(Error::NotIdentifiable {
+                what: format!("{what} mean nothing"),
+                mend: "spread the stations in all directions, heights included; let the targets \
+                       move through a larger volume"
+                    .to_owned(),
+            });
+        }
+        if second_order > WEAK_STATION {
+            weak.push(format!("{what} may be too small: spread the stations more"));
+        }
+    }
+    Ok(weak)
+}
+
+/// The length with the largest residual, in words.
+pub(crate) fn worst_length(campaign: &Campaign, lengths: &Lengths, solution: &Solution) -> String {
+    let residual = |i: &usize| solution.residuals_mm[*i].abs();
+    let stops = lengths.stops.iter().filter_map(|stop| {
+        let i = stop
+            .readings
+            .clone()
+            .max_by(|a, b| residual(a).total_cmp(&residual(b)))?;
+        Some((stop, i))
+    });
+    let worst = stops.max_by(|a, b| residual(&a.1).total_cmp(&residual(&b.1)));
+    worst.map_or_else(String::new, |(stop, i)| {
+        let reading = &lengths.readings[i];
+        format!(
+            "line {} (station {}, target {}, {}) with {:.1} µm",
+            reading.line,
+            campaign.stations[stop.station].name,
+            campaign.targets[reading.target].name,
+            describe::step(campaign, stop.step),
+            residual(&i) / MICROMETRE
+        )
+    })
 }
 
 fn in_words(
     campaign: &Campaign,
+    lengths: &Lengths,
     error: MultilaterationError,
     target_name: &impl Fn(usize, usize) -> String,
 ) -> Error {
@@ -124,6 +201,13 @@ fn in_words(
             station: station(j),
             readings,
             rms_mm,
+        },
+        MultilaterationError::RanAway {
+            reading,
+            residual_mm,
+        } => Error::RanAway {
+            line: lengths.readings[reading].line,
+            residual_mm,
         },
         other => Error::NotIdentifiable {
             what: chain(&other),

@@ -25,9 +25,12 @@ pub(crate) struct Identified {
     pub(crate) frame: FrameRule,
 }
 
-/// A pass changes results by a ten-thousandth of the pass before (the size of the errors in rad);
+/// Each pass leaves about a ten-thousandth of the change before it (the size of the errors in rad);
 /// coarse machines, degrees off, need more.
 const MAX_PASSES: usize = 60;
+
+/// No pass of a machine that can be identified changes a coordinate by more, mm.
+const DIVERGED_MM: f64 = 1e4;
 
 /// Settled when no coordinate changes by more, mm: a picometre of the results is rounding.
 const SETTLED_MM: f64 = 1e-9;
@@ -52,13 +55,23 @@ pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<
         worst = (0.0, 0);
         for (k, gauge) in gauges.iter().enumerate() {
             let change_mm = improve(context, data, &state, k, gauge, &fits[k], &mut next.axes[k]);
-            // Written so that a change that is not a number counts.
-            if worst.0 >= change_mm {
-                continue;
+            // A change that is not a number counts as the largest.
+            if change_mm.is_nan() || change_mm > worst.0 {
+                worst = (
+                    if change_mm.is_nan() {
+                        f64::INFINITY
+                    } else {
+                        change_mm
+                    },
+                    k,
+                );
             }
-            worst = (change_mm, k);
         }
         let frame_change_mm = settle_frame(context, data, &frame, &mut next);
+        let change_mm = worst.0.max(frame_change_mm);
+        if change_mm.is_nan() || change_mm > DIVERGED_MM {
+            break;
+        }
         state = next;
         if worst.0.max(frame_change_mm) <= SETTLED_MM {
             let sensitivities = data
@@ -110,7 +123,13 @@ fn improve(
         .fold(0.0, f64::max);
     let mut change_mm = 0.0_f64;
     let mut changed = |translation: Vector3<f64>, rotation: Vector3<f64>| {
-        change_mm = change_mm.max(translation.norm() + lever_mm * rotation.norm());
+        let size_mm = translation.norm() + lever_mm * rotation.norm();
+        // `max` would drop what is not a number.
+        change_mm = if size_mm.is_nan() {
+            f64::INFINITY
+        } else {
+            change_mm.max(size_mm)
+        };
     };
     for (value, error) in next.curve.iter_mut().zip(&curve) {
         let new = MotionError::from_vector(error);
@@ -215,18 +234,16 @@ fn settle_frame(
         .fold(0.0, f64::max);
     let mut change_mm = motion.translation.norm() + motion.rotation.norm() * size_mm;
 
-    if frame.has_lines() {
-        for (axis, values) in data.iter().zip(&mut next.axes) {
-            let geometry = &context.machine.axes()[axis.axis];
-            if geometry.kind() == AxisKind::Rotary {
-                let along = geometry.direction().into_inner();
-                let shift_mm = mean_axial_shift(context, axis, values, along);
-                values.location.offset_mm += along * shift_mm;
-                for target in values.targets_mm.iter_mut().flatten() {
-                    *target -= along * shift_mm;
-                }
-                change_mm = change_mm.max(shift_mm.abs());
+    for (axis, values) in data.iter().zip(&mut next.axes) {
+        let geometry = &context.machine.axes()[axis.axis];
+        if geometry.kind() == AxisKind::Rotary && frame.places_along_itself(axis.axis) {
+            let along = geometry.direction().into_inner();
+            let shift_mm = mean_axial_shift(context, axis, values, along);
+            values.location.offset_mm += along * shift_mm;
+            for target in values.targets_mm.iter_mut().flatten() {
+                *target -= along * shift_mm;
             }
+            change_mm = change_mm.max(shift_mm.abs());
         }
     }
     change_mm

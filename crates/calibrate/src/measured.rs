@@ -14,6 +14,9 @@ pub(crate) struct Measured {
     pub(crate) groups: Vec<MeasuredGroup>,
     pub(crate) points_mm: Vec<Point3<f64>>,
     pub(crate) noise: PointNoise,
+    /// Scatter of repeated points about their means in units of the declared variance, and its
+    /// degrees of freedom; nothing where lengths were measured, whose repeats the adjustment tests.
+    pub(crate) repeat_scatter: (f64, usize),
 }
 
 /// The targets of one step.

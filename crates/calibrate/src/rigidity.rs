@@ -1,8 +1,8 @@
 //! Whether the targets move as a rigid triangle.
 //!
-//! Each step is compared with the mean shape of its run. A step that fails would itself bend the
-//! mean, so failures are taken out one at a time, the worst first, and the rest is compared with
-//! the mean of what is left.
+//! Each step is compared with the shape of its run: first with the median over the steps, which
+//! steps that fail do not bend, then with the mean over those that passed. The noise is the declared
+//! one, or larger if most steps say so.
 
 use nalgebra::Vector3;
 use trueaxis_identify::{nine, rigid_misfit};
@@ -17,9 +17,6 @@ use crate::records::{Context, Misfit, RecordFit};
 
 /// Family-wise significance of the test of all steps together.
 const LEVEL: f64 = 0.01;
-
-/// With more than one step in so many failing, the mean shape is no reference any more.
-const MOST_FAILING: usize = 3;
 
 /// Sum of squares of the test over all steps, and its degrees of freedom: those of the steps less
 /// the shape of the targets in each run, which is estimated.
@@ -48,26 +45,27 @@ pub(crate) fn rms_mm(identified: &Identified) -> f64 {
     (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt() * MICROMETRE
 }
 
-/// The steps that fail, in measuring order. `factor` is the factor on all uncertainties.
+/// The steps that fail, in measuring order. `declared` says whether the noise is; if not, the
+/// steps themselves are the measure.
 pub(crate) fn misfits(
     context: &Context<'_>,
     data: &[AxisData],
     identified: &Identified,
-    factor: f64,
+    declared: bool,
 ) -> Vec<StepMisfit> {
     let records: usize = identified.fits.iter().map(Vec::len).sum();
     let level = LEVEL / records as f64;
     let mut found = Vec::new();
     for (axis, fits) in data.iter().zip(&identified.fits) {
         for run in 0..axis.runs.len() {
-            for (record, misfit) in failing(axis, run, fits, factor, level) {
+            for (record, misfit, p_value) in failing(axis, run, fits, declared, level) {
                 let step = context.measured.groups[axis.records[record].group].step;
                 found.push(StepMisfit {
                     step: describe::step(context.campaign, step),
                     rms_um: misfit.rms_um,
-                    chi_squared: misfit.chi_squared / factor.powi(2),
+                    chi_squared: misfit.chi_squared,
                     degrees_of_freedom: misfit.degrees_of_freedom,
-                    p_value: p_value(&misfit, factor),
+                    p_value,
                 });
             }
         }
@@ -75,71 +73,93 @@ pub(crate) fn misfits(
     found
 }
 
-fn p_value(misfit: &Misfit, factor: f64) -> f64 {
-    chi_squared_upper_tail(
-        misfit.chi_squared / factor.powi(2),
-        misfit.degrees_of_freedom as f64,
-    )
-}
-
-/// Failing records of one run with their test against the mean shape of the others.
+/// Failing records of one run with their test against the mean shape of the others. The sum of
+/// squares is in units of the noise that most steps show.
 fn failing(
     axis: &AxisData,
     run: usize,
     fits: &[RecordFit],
-    factor: f64,
+    declared: bool,
     level: f64,
-) -> Vec<(usize, Misfit)> {
+) -> Vec<(usize, Misfit, f64)> {
     let records: Vec<usize> = (0..fits.len())
         .filter(|&i| axis.records[i].run == run)
         .collect();
-    let most = records.len() / MOST_FAILING;
-    let mut failing: Vec<usize> = Vec::new();
-    loop {
-        let shape = mean_shape(axis, run, fits, &failing);
-        let tested = |&i: &usize| (i, against(axis, run, &fits[i], i, &shape));
-        let left = records.iter().filter(|i| !failing.contains(i));
-        let worst = left
-            .map(tested)
-            .min_by(|a, b| p_value(&a.1, factor).total_cmp(&p_value(&b.1, factor)));
-        match worst {
-            Some((i, misfit)) if failing.len() < most && p_value(&misfit, factor) < level => {
-                failing.push(i);
-            }
-            _ => {
-                failing.sort_unstable();
-                return failing.iter().map(tested).collect();
-            }
-        }
+    let against_shape = |shape: &[Vector3<f64>]| -> Vec<(usize, Misfit, f64)> {
+        let tested = records
+            .iter()
+            .map(|&i| (i, against(axis, run, &fits[i], i, shape)));
+        let mut tested: Vec<(usize, Misfit)> = tested.collect();
+        let variance = typical_variance(&tested, declared);
+        tested
+            .iter_mut()
+            .for_each(|(_, misfit)| misfit.chi_squared /= variance);
+        let with_p = |(i, misfit): (usize, Misfit)| {
+            let degrees_of_freedom = misfit.degrees_of_freedom as f64;
+            (
+                i,
+                misfit,
+                chi_squared_upper_tail(misfit.chi_squared, degrees_of_freedom),
+            )
+        };
+        let tested = tested.into_iter().map(with_p);
+        tested.filter(|&(_, _, p_value)| p_value < level).collect()
+    };
+    let shape_of = |combine: fn(Vec<f64>) -> f64, without: &[(usize, Misfit, f64)]| {
+        let kept = records
+            .iter()
+            .filter(|&&i| without.binary_search_by_key(&i, |bad| bad.0).is_err());
+        let kept: Vec<&RecordFit> = kept.map(|&i| &fits[i]).collect();
+        let targets = 0..axis.runs[run].targets.len();
+        let coordinate = |target: usize, c: usize| {
+            combine(
+                kept.iter()
+                    .map(|fit| fit.distortion_mm[target][c])
+                    .collect(),
+            )
+        };
+        targets
+            .map(|t| Vector3::from_fn(|c, _| coordinate(t, c)))
+            .collect::<Vec<_>>()
+    };
+    let suspects = against_shape(&shape_of(median, &[]));
+    if suspects.is_empty() {
+        return suspects;
+    }
+    against_shape(&shape_of(mean, &suspects))
+}
+
+/// The factor on the variance that makes the median sum of squares what chi-squared says; not below
+/// one if the noise is declared.
+fn typical_variance(tested: &[(usize, Misfit)], declared: bool) -> f64 {
+    // Median of chi-squared by Wilson and Hilferty.
+    let expected = |degrees: f64| degrees * (1.0 - 2.0 / (9.0 * degrees)).powi(3);
+    let ratio = |(_, misfit): &(usize, Misfit)| {
+        misfit.chi_squared / expected(misfit.degrees_of_freedom as f64)
+    };
+    let typical = median(tested.iter().map(ratio).collect());
+    if declared {
+        typical.max(1.0)
+    } else {
+        typical.max(f64::MIN_POSITIVE)
     }
 }
 
-/// Mean distortion of the run's targets over the records that do not fail, on the stage at home.
-fn mean_shape(
-    axis: &AxisData,
-    run: usize,
-    fits: &[RecordFit],
-    failing: &[usize],
-) -> Vec<Vector3<f64>> {
-    let targets = &axis.runs[run].targets;
-    let mut sums = vec![(Vector3::zeros(), 0.0); targets.len()];
-    for (i, fit) in fits.iter().enumerate() {
-        if axis.records[i].run != run || failing.contains(&i) {
-            continue;
-        }
-        for (&(target, _), distortion) in axis.records[i].targets.iter().zip(&fit.distortion_mm) {
-            if let Some(place) = targets.iter().position(|&t| t == target) {
-                sums[place].0 += distortion;
-                sums[place].1 += 1.0;
-            }
-        }
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let half = values.len() / 2;
+    match values.len() {
+        0 => 0.0,
+        n if n % 2 == 1 => values[half],
+        _ => 0.5 * (values[half - 1] + values[half]),
     }
-    sums.into_iter()
-        .map(|(sum, count)| if count > 0.0 { sum / count } else { sum })
-        .collect()
 }
 
-/// The test of a record against another mean shape.
+fn mean(values: Vec<f64>) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// The test of a record against another shape of the targets.
 fn against(
     axis: &AxisData,
     run: usize,

@@ -77,13 +77,15 @@ pub(crate) fn of_frame_dependent(
     stations_in_ref: &[Point3<f64>],
 ) -> FrameDependent {
     let sources = Sources::new(context, data, identified, stations_in_ref.len());
-    let map = FrameMap {
+    let mut map = FrameMap {
         context,
         data,
         identified,
         sources: &sources,
+        axial: vec![RowDVector::zeros(sources.count); data.len()],
     };
     let frame = map.frame();
+    map.find_axial(&frame);
     let locations = (0..data.len()).map(|k| map.location(k, &frame)).collect();
     let stations = (0..stations_in_ref.len())
         .map(|j| map.station(j, stations_in_ref[j], &frame))
@@ -100,7 +102,13 @@ struct FrameMap<'a> {
     data: &'a [AxisData],
     identified: &'a Identified,
     sources: &'a Sources,
+    /// For each axis the error of its place along itself; zero for linear axes.
+    axial: Vec<RowDVector<f64>>,
 }
+
+/// The place of an axis along itself depends on those of the axes it shares targets with; they are
+/// across it but for its errors, so the second sweep confirms the first.
+const AXIAL_SWEEPS: usize = 3;
 
 impl FrameMap<'_> {
     fn errors(&self) -> ModelErrors<'_> {
@@ -157,6 +165,7 @@ impl FrameMap<'_> {
                     .rotation;
                 let left = Matrix3::identity() - turn.to_rotation_matrix().into_inner();
                 displacement += left * self.across(k, first);
+                displacement += axis.direction().into_inner() * &self.axial[k];
                 rotation += left * self.across(k, first + 2);
             }
         }
@@ -199,8 +208,8 @@ impl FrameMap<'_> {
     }
 
     /// Error of a target's home position in the reference frame before the frame is settled, and
-    /// the rotation from home coordinates to it.
-    fn target(&self, k: usize, run: usize, place: usize) -> (Matrix3xX<f64>, Matrix3<f64>) {
+    /// where the target is.
+    fn target(&self, k: usize, run: usize, place: usize) -> (Matrix3xX<f64>, Point3<f64>) {
         let axis = &self.data[k];
         let content = &axis.runs[run];
         let positions = positions_of(self.context, axis, content.first_record);
@@ -219,7 +228,7 @@ impl FrameMap<'_> {
             - self
                 .twist_of_chain(chain, axis.axis, positions)
                 .at(motion * home);
-        (shift, turn)
+        (shift, motion * home)
     }
 
     /// The error motion of the frame.
@@ -278,9 +287,7 @@ impl FrameMap<'_> {
         let centre = base * axis.reference_at_home_mm(&self.identified.state.axes[k].location);
         let moved = carried.at(centre) + frame.at(centre);
         let mut shift = turn * self.across(k, self.sources.location[k]) - across * moved;
-        if self.identified.frame.has_lines() {
-            shift += direction * self.axial_shift(k, direction, frame);
-        }
+        shift += direction * &self.axial[k];
         let shift = turn.transpose() * shift;
         LocationError {
             offset_mm: self.standard(&shift),
@@ -288,17 +295,30 @@ impl FrameMap<'_> {
         }
     }
 
+    /// Finds the errors of the places of rotary axes along themselves.
+    fn find_axial(&mut self, frame: &Twist) {
+        for _ in 0..AXIAL_SWEEPS {
+            for k in 0..self.data.len() {
+                let index = self.data[k].axis;
+                let rotary = self.context.machine.axes()[index].kind() == AxisKind::Rotary;
+                if rotary && self.identified.frame.places_along_itself(index) {
+                    self.axial[k] = self.axial_shift(k, frame);
+                }
+            }
+        }
+    }
+
     /// Error of the mean shift of an axis' targets along it: one row.
-    fn axial_shift(&self, k: usize, direction: Vector3<f64>, frame: &Twist) -> RowDVector<f64> {
+    fn axial_shift(&self, k: usize, frame: &Twist) -> RowDVector<f64> {
         let axis = &self.data[k];
+        let (base, _) = self.base(k);
+        let along = base.rotation * self.context.machine.axes()[axis.axis].direction();
         let mut sum = RowDVector::zeros(self.sources.count);
         let mut count = 0.0;
         for (r, run) in axis.runs.iter().enumerate() {
             for place in 0..run.targets.len() {
-                let (shift, turn) = self.target(k, r, place);
-                let home = self.identified.state.axes[k].targets_mm[r][place];
-                let left = shift - frame.at(Point3::from(turn * home.coords));
-                sum += direction.transpose() * left;
+                let (shift, at) = self.target(k, r, place);
+                sum += along.transpose() * (shift - frame.at(at));
                 count += 1.0;
             }
         }

@@ -63,9 +63,12 @@ impl Exit {
                     Calibrate::NothingMeasured | Calibrate::NotIdentifiable { .. } => {
                         Self::NotIdentifiable
                     }
-                    Calibrate::NotThatMotion { .. } => Self::Input,
+                    Calibrate::NotThatMotion { .. } | Calibrate::SeveralAxesMove { .. } => {
+                        Self::Input
+                    }
                     Calibrate::NotConverged { .. }
                     | Calibrate::Contradictory { .. }
+                    | Calibrate::RanAway { .. }
                     | Calibrate::StationUnexplained { .. }
                     | Calibrate::NotSettled { .. } => Self::NotConverged,
                     Calibrate::Numerical { .. } => Self::Internal,

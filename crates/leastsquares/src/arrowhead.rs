@@ -99,10 +99,11 @@ impl Arrowhead {
     /// [`Error::TooFewRows`], [`Error::BlockRank`], [`Error::NotFinite`].
     ///
     /// # Panics
-    /// If the shape of `datum` or of the shared part does not match.
+    /// If the block has no unknowns, or the shape of `datum` does not match.
     pub fn eliminate(&mut self, rows: &mut BlockRows, datum: &[f64]) -> Result<(), Error> {
         let n = rows.block_unknowns();
         let (shared, constraints) = (self.reduced.shared(), self.reduced.datum());
+        assert!(n > 0, "a block has unknowns");
         assert_eq!(
             datum.len(),
             n * constraints,

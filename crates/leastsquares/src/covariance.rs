@@ -43,11 +43,6 @@ impl Covariance {
         self.inverse_factor_starts.len()
     }
 
-    /// Number of shared unknowns `s`.
-    pub fn shared_unknowns(&self) -> usize {
-        self.shared
-    }
-
     /// `Σ`: symmetric matrix of the shared unknowns and, behind them, the datum multipliers. Its
     /// leading part is the covariance of the shared unknowns; the whole of it is indefinite and
     /// makes sense only between couplings.

@@ -80,6 +80,17 @@ pub enum Error {
         /// The unknowns that take part, largest share first.
         free: Vec<StationUnknown>,
     },
+    /// The start determined all stations, the adjustment did not: the lengths drove a station away.
+    #[error(
+        "the adjustment ran away from its start: the lengths contradict each other (reading {reading} \
+         is {residual_mm:.3} mm off at the start)"
+    )]
+    RanAway {
+        /// The reading with the largest residual at the start.
+        reading: usize,
+        /// Its residual, mm.
+        residual_mm: f64,
+    },
     /// The network contradicts itself: an index out of range or a number that is not finite.
     #[error("the network is malformed: {what}")]
     Malformed {

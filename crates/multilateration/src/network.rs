@@ -54,7 +54,7 @@ impl Network {
         let malformed = |what: String| Err(Error::Malformed { what });
         let mut next = 0;
         for (i, group) in self.groups.iter().enumerate() {
-            if group.start != next || group.end < next || group.end > self.nominal_mm.len() {
+            if group.start != next || group.end <= next || group.end > self.nominal_mm.len() {
                 return malformed(format!(
                     "group {i} covers points {group:?}, expected from {next}"
                 ));

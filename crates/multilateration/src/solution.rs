@@ -2,7 +2,7 @@
 
 use faer::Mat;
 use nalgebra::{Matrix4, Point3};
-use trueaxis_leastsquares::{Covariance, Termination, chi_squared_upper_tail};
+use trueaxis_leastsquares::{Covariance, Termination};
 
 use crate::free_points::PER_STATION;
 
@@ -54,12 +54,6 @@ impl Solution {
     /// without redundancy.
     pub fn sigma0(&self) -> f64 {
         (self.squares / self.degrees_of_freedom() as f64).sqrt()
-    }
-
-    /// Probability of residuals at least as large as these if the noise is as declared (global
-    /// test, chi-squared).
-    pub fn global_p_value(&self) -> f64 {
-        chi_squared_upper_tail(self.squares, self.degrees_of_freedom() as f64)
     }
 
     /// Rms of the residuals, mm.

@@ -1,6 +1,6 @@
 //! The headline verb: lengths to points.
 
-use trueaxis_leastsquares::{Adjusted, Error as LeastSquaresError, adjust};
+use trueaxis_leastsquares::{Adjusted, Adjustment, Error as LeastSquaresError, adjust};
 
 use crate::free_points::{DATUM, FreePoints, PER_STATION, State};
 use crate::start::{Image, Start, start};
@@ -40,11 +40,11 @@ pub fn solve(network: &Network, settings: &Settings) -> Result<Solution, Error> 
     network.check()?;
     check_counts(network)?;
     let Start { state, images } = start(network)?;
-    let best = adjust_from(network, state.clone(), settings)?;
+    let first = adjust_from(network, state.clone(), settings);
     if images.iter().all(Option::is_none) {
-        return Ok(solution(network, best, false));
+        return Ok(solution(network, first?, false));
     }
-    choose_sides(network, settings, &state, &images, best)
+    choose_sides(network, settings, &state, &images, first)
 }
 
 /// An adjustment with the weights that belong to it.
@@ -60,7 +60,8 @@ fn adjust_from<'a>(
     settings: &Settings,
 ) -> Result<Attempt<'a>, Error> {
     let mut model = FreePoints::new(network, &start);
-    let mut adjusted = run(network, &model, start, settings)?;
+    let mut adjusted = run(network, &model, start.clone(), settings)
+        .map_err(|error| ran_away(network, &model, &start, error))?;
     let mut iterations = adjusted.iterations;
     for _ in 0..MAX_WEIGHT_UPDATES {
         model.update_weights(&adjusted.state);
@@ -77,6 +78,29 @@ fn adjust_from<'a>(
     })
 }
 
+/// Tells a station that is not determined from one that contradictory lengths drove away.
+fn ran_away(network: &Network, model: &FreePoints<'_>, start: &State, error: Error) -> Error {
+    let determined = matches!(error, Error::StationsNotDetermined { .. })
+        && model
+            .linearise(start)
+            .and_then(|(system, datum)| system.solve(&datum))
+            .is_ok();
+    let residuals = network
+        .visits
+        .iter()
+        .flat_map(|visit| model.residuals_mm(start, visit));
+    let worst = residuals
+        .enumerate()
+        .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    match worst {
+        Some((reading, residual_mm)) if determined => Error::RanAway {
+            reading,
+            residual_mm,
+        },
+        _ => error,
+    }
+}
+
 /// Tries all sides of the plane of points for the stations whose side is open, and whether the
 /// mirror image of the whole fits as well as the best choice.
 ///
@@ -86,7 +110,7 @@ fn choose_sides<'a>(
     settings: &Settings,
     start: &State,
     images: &[Option<Image>],
-    first: Attempt<'a>,
+    first: Result<Attempt<'a>, Error>,
 ) -> Result<Solution, Error> {
     let open: Vec<usize> = (0..images.len()).filter(|&j| images[j].is_some()).collect();
     let tried = open.len().min(MAX_OPEN_SIDES);
@@ -103,17 +127,23 @@ fn choose_sides<'a>(
     let (mut best, mut chosen) = (first, 0);
     let all = (1 << tried) - 1;
     for choice in 1..=all {
-        // The start may not even be solvable on the wrong side.
-        if let Ok(attempt) = with_sides(choice)
-            && attempt.adjusted.squares < best.adjusted.squares - SAME_SQUARES
-        {
-            (best, chosen) = (attempt, choice);
+        // A choice that is wrong may not even be solvable.
+        let Ok(attempt) = with_sides(choice) else {
+            continue;
+        };
+        let better =
+            |best: &Attempt<'_>| attempt.adjusted.squares < best.adjusted.squares - SAME_SQUARES;
+        if best.as_ref().map_or(true, better) {
+            (best, chosen) = (Ok(attempt), choice);
         }
     }
-    let image_open = tried == images.len()
-        && with_sides(all ^ chosen).is_ok_and(|image| {
-            (image.adjusted.squares - best.adjusted.squares).abs() < SAME_SQUARES
-        });
+    let best = best?;
+    // Sides that were not tried are open, too.
+    let image_open = tried < open.len()
+        || open.len() == images.len()
+            && with_sides(all ^ chosen).is_ok_and(|image| {
+                (image.adjusted.squares - best.adjusted.squares).abs() < SAME_SQUARES
+            });
     Ok(solution(network, best, image_open))
 }
 

@@ -93,8 +93,8 @@ fn add_noise(network: &mut Network, truth: &Truth, rng: &mut ChaCha8Rng) {
     }
 }
 
-/// The rigid motion that fits the true points best to the nominal ones, by iterated small
-/// rotations (independent of the solver's datum equations).
+/// The rigid motion that fits the true points best to the nominal ones, by a singular value
+/// decomposition (the solver has datum equations).
 fn best_fit(points: &[Point3<f64>], nominal: &[Point3<f64>]) -> Isometry3<f64> {
     let centre =
         |all: &[Point3<f64>]| all.iter().map(|p| p.coords).sum::<Vector3<f64>>() / all.len() as f64;

@@ -7,21 +7,24 @@ use trueaxis_tests::{components, locations, stations};
 
 use crate::round_trip::{SHIPPED, largest, without_noise};
 
-/// The three-axis machine with Y and Z measured away from home and a second run of X elsewhere;
-/// the five-axis machine with C measured on a tilted A.
+/// The three-axis machine with Y and Z measured away from home, and a second run of X elsewhere
+/// that does not contain home; the five-axis machine with the linear axes parked.
 fn parked_scenarios() -> [(&'static str, Scenario); 2] {
     let [(_, fxyz), (_, five_axis), _] = SHIPPED;
     let mut three = Scenario::from_json(fxyz).unwrap();
     let mut second_x = three.runs[0].clone();
     second_x.name = "x2".to_owned();
     second_x.parked = [("Y".to_owned(), 200.0), ("Z".to_owned(), 100.0)].into();
+    if let Some(sweep) = &mut second_x.sweep {
+        sweep.start = 100.0;
+    }
     three.runs[1].parked = [("X".to_owned(), 220.0), ("Z".to_owned(), 400.0)].into();
     three.runs[2].parked = [("X".to_owned(), 440.0), ("Y".to_owned(), 120.0)].into();
     three.runs.push(second_x);
 
     let mut five = Scenario::from_json(five_axis).unwrap();
-    let c = five.runs.iter_mut().find(|run| run.axis == "C").unwrap();
-    c.parked = [("A".to_owned(), 30.0)].into();
+    let y = five.runs.iter_mut().find(|run| run.axis == "Y").unwrap();
+    y.parked = [("X".to_owned(), 200.0), ("Z".to_owned(), 80.0)].into();
     [("three-axis", three), ("five-axis", five)]
 }
 

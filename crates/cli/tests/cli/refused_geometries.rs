@@ -101,6 +101,12 @@ fn too_few_targets_and_steps() {
                 says: &["axis X", "1 position(s)", "measure it at more positions"],
             },
             Refusal {
+                name: "one step in a run, at home",
+                damage: |files| files.keep(|row| row.text("run") != "x" || row.is(&[("X", "0")])),
+                code: NOT_IDENTIFIABLE,
+                says: &["axis X", "1 position(s)", "measure it at more positions"],
+            },
+            Refusal {
                 name: "one linear axis at one position",
                 damage: |files| files.keep(|row| row.is(&[("run", "x"), ("X", "200")])),
                 code: NOT_IDENTIFIABLE,

@@ -54,9 +54,9 @@ fn units() {
             Refusal {
                 name: "positions in metres",
                 damage: |files| {
-                    ["X", "Y", "Z"]
-                        .iter()
-                        .for_each(|axis| files.scale(axis, 1e-3))
+                    for axis in ["X", "Y", "Z"] {
+                        files.scale(axis, 1e-3);
+                    }
                 },
                 code: INPUT,
                 says: &["X, Y, Z look like metres", "multiply them by 1000"],
