@@ -72,6 +72,11 @@ impl<'a> FreePoints<'a> {
         model
     }
 
+    /// Rms distance of the nominal points from their centroid, mm.
+    pub(crate) fn radius_mm(&self) -> f64 {
+        self.radius_mm
+    }
+
     /// Takes the weights from the beams at `state`.
     pub(crate) fn update_weights(&mut self, state: &State) {
         self.factors.clear();

@@ -78,13 +78,19 @@ fn adjust_from<'a>(
     })
 }
 
+/// A length that is off by more at the start, relative to the size of the network, contradicts the
+/// others: nominal positions are never that wrong.
+const CONTRADICTION: f64 = 0.02;
+
 /// Tells a station that is not determined from one that contradictory lengths drove away.
 fn ran_away(network: &Network, model: &FreePoints<'_>, start: &State, error: Error) -> Error {
-    let determined = matches!(error, Error::StationsNotDetermined { .. })
-        && model
-            .linearise(start)
-            .and_then(|(system, datum)| system.solve(&datum))
-            .is_ok();
+    if !matches!(error, Error::StationsNotDetermined { .. }) {
+        return error;
+    }
+    let determined = model
+        .linearise(start)
+        .and_then(|(system, datum)| system.solve(&datum))
+        .is_ok();
     let residuals = network
         .visits
         .iter()
@@ -93,10 +99,14 @@ fn ran_away(network: &Network, model: &FreePoints<'_>, start: &State, error: Err
         .enumerate()
         .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     match worst {
-        Some((reading, residual_mm)) if determined => Error::RanAway {
-            reading,
-            residual_mm,
-        },
+        Some((reading, residual_mm))
+            if determined || residual_mm.abs() > CONTRADICTION * model.radius_mm() =>
+        {
+            Error::RanAway {
+                reading,
+                residual_mm,
+            }
+        }
         _ => error,
     }
 }

@@ -7,7 +7,7 @@ mod calibrate;
 mod campaign_files;
 mod check;
 mod harmless;
-mod known_defects;
+mod misleading;
 mod program;
 mod refused;
 mod refused_documents;
