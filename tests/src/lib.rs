@@ -48,11 +48,16 @@ fn components_of(found: &AxisResult, truth: &TrueComponents) -> Vec<Deviation> {
             node.position
         );
         let error = node.error.to_vector();
+        let side = match node.direction {
+            Some(Direction::Forward) => ", forward",
+            Some(Direction::Backward) => ", backward",
+            None => "",
+        };
         for component in Component::ALL {
             let c = component.index();
             let sum: f64 = at.iter().map(|&k| truth.errors[k].to_vector()[c]).sum();
             all.push(Deviation {
-                name: format!("{} at {}", component.name(&found.name), node.position),
+                name: format!("{} at {}{side}", component.name(&found.name), node.position),
                 angular: component.is_angular(),
                 error: error[c] - sum / at.len() as f64,
                 u: node.u[c],

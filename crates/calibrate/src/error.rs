@@ -41,13 +41,13 @@ pub enum Error {
     },
     /// The lengths contradict each other so much that the adjustment drove a station away.
     #[error(
-        "the lengths contradict each other: the adjustment runs away; line {line} of the lengths is \
+        "the lengths contradict each other: the adjustment runs away; {length} is \
          {residual_mm:.1} mm off what the nominal positions say, more than any other: check it, and \
          that every row names its own station"
     )]
     RanAway {
-        /// Line of the lengths file with the largest misfit.
-        line: usize,
+        /// The length with the largest misfit, in words.
+        length: String,
         /// Its misfit, mm.
         residual_mm: f64,
     },

@@ -111,26 +111,32 @@ fn weak_stations(
 
 /// The length with the largest residual, in words.
 pub(crate) fn worst_length(campaign: &Campaign, lengths: &Lengths, solution: &Solution) -> String {
-    let residual = |i: &usize| solution.residuals_mm[*i].abs();
-    let stops = lengths.stops.iter().filter_map(|stop| {
-        let i = stop
-            .readings
-            .clone()
-            .max_by(|a, b| residual(a).total_cmp(&residual(b)))?;
-        Some((stop, i))
-    });
-    let worst = stops.max_by(|a, b| residual(&a.1).total_cmp(&residual(&b.1)));
-    worst.map_or_else(String::new, |(stop, i)| {
-        let reading = &lengths.readings[i];
-        format!(
-            "line {} (station {}, target {}, {}) with {:.1} µm",
-            reading.line,
-            campaign.stations[stop.station].name,
-            campaign.targets[reading.target].name,
-            describe::step(campaign, stop.step),
-            residual(&i) / MICROMETRE
-        )
-    })
+    let residuals = solution.residuals_mm.iter().map(|v| v.abs()).enumerate();
+    residuals
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .map_or_else(String::new, |(i, residual_mm)| {
+            format!(
+                "{} with {:.1} µm",
+                length_in_words(campaign, lengths, i),
+                residual_mm / MICROMETRE
+            )
+        })
+}
+
+/// A length as `line 7 (station S1, target P, run x at X = 20 mm)`.
+fn length_in_words(campaign: &Campaign, lengths: &Lengths, reading: usize) -> String {
+    let stop = lengths
+        .stops
+        .partition_point(|stop| stop.readings.end <= reading);
+    let stop = &lengths.stops[stop];
+    let length = &lengths.readings[reading];
+    format!(
+        "line {} (station {}, target {}, {})",
+        length.line,
+        campaign.stations[stop.station].name,
+        campaign.targets[length.target].name,
+        describe::step(campaign, stop.step),
+    )
 }
 
 fn in_words(
@@ -206,7 +212,7 @@ fn in_words(
             reading,
             residual_mm,
         } => Error::RanAway {
-            line: lengths.readings[reading].line,
+            length: length_in_words(campaign, lengths, reading),
             residual_mm,
         },
         other => Error::NotIdentifiable {

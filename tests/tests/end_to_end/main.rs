@@ -6,6 +6,7 @@
 )]
 
 mod coverage;
+mod machines;
 mod parked;
 mod planar;
 mod round_trip;

@@ -3,8 +3,9 @@
 use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 use trueaxis_simulate::{Scenario, simulate};
-use trueaxis_tests::{components, locations, stations};
+use trueaxis_tests::{components, locations};
 
+use crate::coverage::assert_scatter_is_as_stated;
 use crate::round_trip::{SHIPPED, largest, without_noise};
 
 /// The three-axis machine with Y and Z measured away from home, and a second run of X elsewhere
@@ -51,38 +52,13 @@ fn errors_of_parked_axes_are_taken_out() {
     }
 }
 
-/// Uncertainties with parked axes: 40 campaigns, at least 120 independent location errors each;
-/// 95 % is found below 86 % with a failure probability below 1e-4.
 #[test]
 fn uncertainties_hold_with_parked_axes() {
     for (name, scenario) in parked_scenarios() {
-        let mut counts = [(0_u32, 0_u32); 3];
-        for seed in 0..40 {
-            let simulated = simulate(&scenario, seed).unwrap();
-            let settings = Settings {
-                by_direction: true,
-                ..Settings::default()
-            };
-            let calibration = calibrate(&simulated.campaign, &settings).unwrap();
-            let kinds = [
-                components(&calibration, &simulated.truth),
-                locations(&calibration, &simulated.truth),
-                stations(&calibration, &simulated.truth),
-            ];
-            for ((inside, all), kind) in counts.iter_mut().zip(&kinds) {
-                for d in kind.iter().filter(|d| d.u > 1e-9) {
-                    *all += 1;
-                    *inside += u32::from(d.error.abs() < 1.96 * d.u);
-                }
-            }
-        }
-        for (kind, (inside, all)) in ["components", "locations", "stations"].iter().zip(counts) {
-            let share = f64::from(inside) / f64::from(all);
-            println!(
-                "{name}: {kind}: {inside} of {all} inside, {:.1} %",
-                100.0 * share
-            );
-            assert!(share > 0.86, "{name}: {kind}: {share}");
-        }
+        let settings = Settings {
+            by_direction: true,
+            ..Settings::default()
+        };
+        assert_scatter_is_as_stated(&format!("{name}, parked"), &scenario, &settings);
     }
 }
