@@ -68,7 +68,7 @@ pub(crate) fn report(
         ));
     } else if p_value < GLOBAL_TEST_LEVEL {
         notices.push(format!(
-            "the residuals are {sigma0:.2} times what the declared noise explains (p = {p_value:.1e}): \
+            "the residuals are {sigma0:.2} times what the declared noise explains (p = {p_value:.0e}): \
              the model or the declared noise is wrong; all uncertainties are multiplied by {sigma0:.2}"
         ));
         if let (Some(solution), Some(lengths)) = (solution, &campaign.lengths) {
@@ -86,7 +86,7 @@ pub(crate) fn report(
         }
     } else if p_value > 1.0 - GLOBAL_TEST_LEVEL {
         notices.push(format!(
-            "the residuals are only {sigma0:.2} times what the declared noise explains: it is declared \
+            "the residuals are only {sigma0:.3} times what the declared noise explains: it is declared \
              too large, and so are the uncertainties"
         ));
     }

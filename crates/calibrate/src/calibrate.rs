@@ -78,6 +78,15 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
         solution.as_ref(),
         &mut notices,
     );
+    if adjustment.degrees_of_freedom == 0 && !adjustment.noise_declared {
+        return Err(Error::NotIdentifiable {
+            what: "the noise is not declared and nothing checks the measurement, so that no \
+                   uncertainty can be given"
+                .to_owned(),
+            mend: "declare `length_sigma_um` (or `sigma_um` of the points), or measure more"
+                .to_owned(),
+        });
+    }
     measured.noise.variance_factor = adjustment.uncertainty_factor.powi(2);
 
     let context = Context {

@@ -4,7 +4,9 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The campaign has neither lengths nor points.
-    #[error("the campaign has neither lengths nor points: there is nothing to calibrate from")]
+    #[error(
+        "the campaign has neither lengths nor points to calibrate from: add `lengths` or `points`"
+    )]
     NothingMeasured,
     /// The lengths do not determine points and stations.
     #[error("{what}; {mend}")]

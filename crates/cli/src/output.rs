@@ -6,17 +6,23 @@ use std::path::{Path, PathBuf};
 /// A result that cannot be written.
 #[derive(Debug)]
 pub(crate) struct OutputError {
-    path: PathBuf,
+    /// `None` for standard output.
+    path: Option<PathBuf>,
     source: std::io::Error,
 }
 
 impl std::fmt::Display for OutputError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let path = self.path.display();
-        write!(
-            f,
-            "{path} cannot be written; choose another folder with --out"
-        )
+        match &self.path {
+            Some(path) => {
+                let path = path.display();
+                write!(
+                    f,
+                    "{path} cannot be written; choose another folder with --out"
+                )
+            }
+            None => write!(f, "standard output cannot be written"),
+        }
     }
 }
 
@@ -31,14 +37,17 @@ pub(crate) fn folder(given: Option<&Path>, campaign: &str) -> Result<PathBuf, Ou
     let path = given.map_or_else(|| PathBuf::from(file_name(campaign)), Path::to_path_buf);
     match std::fs::create_dir_all(&path) {
         Ok(()) => Ok(path),
-        Err(source) => Err(OutputError { path, source }),
+        Err(source) => Err(OutputError {
+            path: Some(path),
+            source,
+        }),
     }
 }
 
 /// Writes a result whole or not at all.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), OutputError> {
     let failed = |source| OutputError {
-        path: path.to_path_buf(),
+        path: Some(path.to_path_buf()),
         source,
     };
     trueaxis_files::write_whole(path, text.as_bytes()).map_err(failed)
@@ -48,10 +57,7 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), OutputError> {
 pub(crate) fn print(text: &str) -> Result<(), OutputError> {
     match std::io::stdout().lock().write_all(text.as_bytes()) {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        Err(source) => Err(OutputError {
-            path: PathBuf::from("standard output"),
-            source,
-        }),
+        Err(source) => Err(OutputError { path: None, source }),
         Ok(()) => Ok(()),
     }
 }

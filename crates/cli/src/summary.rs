@@ -111,8 +111,8 @@ fn component_errors(calibration: &Calibration) -> Vec<String> {
                 .map(|n| n.error.to_vector()[c].abs())
                 .fold(0.0, f64::max);
             let u = axis.nodes.iter().map(|n| n.u[c]).fold(0.0, f64::max);
-            values.push_str(&format!("{:>8.2}", value / scale));
-            uncertainties.push_str(&format!("{:>8.2}", COVERAGE * u / scale));
+            values.push_str(&format!(" {:>7.2}", value / scale));
+            uncertainties.push_str(&format!(" {:>7.2}", COVERAGE * u / scale));
         }
         lines.extend([values, uncertainties]);
     }
@@ -242,7 +242,9 @@ fn with_paper_signs(campaign: &Campaign, calibration: &Calibration) -> Vec<Strin
 }
 
 fn probability(p: f64) -> String {
-    if p < 1e-3 {
+    if p < f64::MIN_POSITIVE {
+        "below 1e-300".to_owned()
+    } else if p < 1e-3 {
         format!("{p:.0e}")
     } else {
         format!("{p:.3}")

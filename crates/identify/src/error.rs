@@ -23,8 +23,8 @@ pub enum Error {
     },
     /// All targets lie on one line, or at one point.
     #[error(
-        "the targets lie on one line: the farthest two are {length_mm} mm apart and none is more \
-         than {off_line_mm} mm away from the line through them, so that the rotation about this \
+        "the targets lie on one line: the farthest two are {length_mm:.4} mm apart and none is more \
+         than {off_line_mm:.6} mm away from the line through them, so that the rotation about this \
          line is not seen"
     )]
     Collinear {
