@@ -22,10 +22,10 @@ pub(crate) struct AxisData {
 
 pub(crate) struct RunData {
     pub(crate) run: usize,
-    /// Targets that the axis moves in this run.
+    /// Targets that the axis moves in this run, ascending; every record of the run has these.
     pub(crate) targets: Vec<usize>,
-    /// For each target the records in which it was measured.
-    pub(crate) measured: Vec<usize>,
+    /// Number of records.
+    pub(crate) records: usize,
     /// The first record: where the other axes stand.
     pub(crate) first_record: usize,
 }
@@ -87,7 +87,7 @@ pub(crate) fn by_axis(campaign: &Campaign, measured: &Measured) -> Result<Vec<Ax
                 data.runs.push(RunData {
                     run: step.run,
                     targets: Vec::new(),
-                    measured: Vec::new(),
+                    records: 0,
                     first_record: record,
                 });
                 data.runs.len() - 1
@@ -119,13 +119,10 @@ pub(crate) fn by_axis(campaign: &Campaign, measured: &Measured) -> Result<Vec<Ax
             });
         }
         let content = &mut data.runs[run];
+        content.records += 1;
         for &(target, _) in &targets {
-            match content.targets.iter().position(|&t| t == target) {
-                Some(place) => content.measured[place] += 1,
-                None => {
-                    content.targets.push(target);
-                    content.measured.push(1);
-                }
+            if let Err(place) = content.targets.binary_search(&target) {
+                content.targets.insert(place, target);
             }
         }
         data.records.push(Record {
@@ -155,15 +152,17 @@ fn keep_common_targets(
     measured: &Measured,
 ) -> Result<(), Error> {
     for (r, run) in data.runs.iter_mut().enumerate() {
-        let steps = data.records.iter().filter(|record| record.run == r).count();
-        let mut common: Vec<usize> = run
-            .targets
-            .iter()
-            .zip(&run.measured)
-            .filter(|&(_, &count)| count == steps)
+        let mut counts = vec![0; run.targets.len()];
+        for record in data.records.iter().filter(|record| record.run == r) {
+            for (count, target) in counts.iter_mut().zip(&run.targets) {
+                *count += usize::from(record.targets.iter().any(|(t, _)| t == target));
+            }
+        }
+        let counted = run.targets.iter().zip(counts);
+        let common: Vec<usize> = counted
+            .filter(|&(_, count)| count == run.records)
             .map(|(&target, _)| target)
             .collect();
-        common.sort_unstable();
         if common.len() < MIN_TARGETS {
             let incomplete = data
                 .records
@@ -184,7 +183,6 @@ fn keep_common_targets(
             });
         }
         run.targets = common;
-        run.measured = vec![steps; run.targets.len()];
         for record in data.records.iter_mut().filter(|record| record.run == r) {
             record
                 .targets

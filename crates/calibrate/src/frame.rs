@@ -1,9 +1,9 @@
 //! The reference frame: which motion of the whole is taken out of the results.
 //!
 //! With two linear axes of different direction the first average line gives its nominal direction
-//! and the second one lies in the nominal plane of the two. What lines leave open, the targets decide: the origin always, the
-//! rotation about the line with one linear axis, the whole rotation with none. The targets are
-//! then where a best fit to their nominal positions at home puts them.
+//! and the second one lies in the nominal plane of the two. What lines leave open, the targets
+//! decide: the origin always, the rotation about the line with one linear axis, the whole rotation
+//! with none. The targets are then where a best fit to their nominal positions at home puts them.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 use trueaxis_campaign::Campaign;

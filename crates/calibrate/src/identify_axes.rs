@@ -55,16 +55,8 @@ pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<
         worst = (0.0, 0);
         for (k, gauge) in gauges.iter().enumerate() {
             let change_mm = improve(context, data, &state, k, gauge, &fits[k], &mut next.axes[k]);
-            // A change that is not a number counts as the largest.
-            if change_mm.is_nan() || change_mm > worst.0 {
-                worst = (
-                    if change_mm.is_nan() {
-                        f64::INFINITY
-                    } else {
-                        change_mm
-                    },
-                    k,
-                );
+            if change_mm > worst.0 {
+                worst = (change_mm, k);
             }
         }
         let frame_change_mm = settle_frame(context, data, &frame, &mut next);
@@ -73,7 +65,7 @@ pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<
             break;
         }
         state = next;
-        if worst.0.max(frame_change_mm) <= SETTLED_MM {
+        if change_mm <= SETTLED_MM {
             let sensitivities = data
                 .iter()
                 .zip(&gauges)
@@ -96,7 +88,8 @@ pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<
     })
 }
 
-/// Updates the values of one axis; returns the largest change of a coordinate, mm.
+/// Updates the values of one axis; returns the largest change of a coordinate, mm (infinite where
+/// it is not a number).
 fn improve(
     context: &Context<'_>,
     data: &[AxisData],
@@ -164,9 +157,7 @@ fn improve(
             x.fixed_rows::<3>(first).into_owned(),
             x.fixed_rows::<3>(first + 3).into_owned(),
         );
-        let positions = &context.campaign.steps
-            [context.measured.groups[own.records[run.first_record].group].step]
-            .positions;
+        let positions = context.positions_of(&own.records[run.first_record]);
         for (place, &target) in run.targets.iter().enumerate() {
             let (_, inner) = around(
                 context.machine,
@@ -176,7 +167,7 @@ fn improve(
             let inside = context.machine.chain_motion(&errors, inner, positions);
             let on_stage = inside * state.axes[k].targets_mm[r][place];
             let shift =
-                twist.displacement_mm(on_stage - reference) + mean_distortion(own, fits, r, target);
+                twist.displacement_mm(on_stage - reference) + mean_distortion(own, fits, r, place);
             next.targets_mm[r][place] = inside.inverse() * (on_stage + shift);
             changed(shift, Vector3::zeros());
         }
@@ -185,21 +176,14 @@ fn improve(
 }
 
 /// Mean over the records of a run of what no rigid motion explains of a target's position.
-fn mean_distortion(own: &AxisData, fits: &[RecordFit], run: usize, target: usize) -> Vector3<f64> {
-    let mut sum = Vector3::zeros();
-    let mut count = 0.0;
-    for (record, fit) in own
+fn mean_distortion(own: &AxisData, fits: &[RecordFit], run: usize, place: usize) -> Vector3<f64> {
+    let fits = own
         .records
         .iter()
         .zip(fits)
-        .filter(|(record, _)| record.run == run)
-    {
-        if let Some(place) = record.targets.iter().position(|&(t, _)| t == target) {
-            sum += fit.distortion_mm[place];
-            count += 1.0;
-        }
-    }
-    if count > 0.0 { sum / count } else { sum }
+        .filter(|(record, _)| record.run == run);
+    let sum: Vector3<f64> = fits.map(|(_, fit)| fit.distortion_mm[place]).sum();
+    sum / own.runs[run].records as f64
 }
 
 /// Moves the reference frame and the axial places of rotary axes to where the rule wants them;

@@ -10,7 +10,7 @@
 //! of the six component errors; as the prediction is exact, repeating this leaves no second-order
 //! error (Newton's method on the pose).
 
-use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix6xX, Point3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix6xX, UnitQuaternion, Vector3, Vector6};
 use trueaxis_campaign::Campaign;
 use trueaxis_identify::{Operator, RigidMisfit, equations, nine, nine_weighted, rigid_misfit};
 use trueaxis_kinematics::{Machine, MotionError};
@@ -81,7 +81,12 @@ pub(crate) fn around(machine: &Machine, carrier: usize, axis: usize) -> (&[usize
     (&chain[..place], &chain[place + 1..])
 }
 
-impl Context<'_> {
+impl<'a> Context<'a> {
+    /// Positions of all axes at a record.
+    pub(crate) fn positions_of(&self, record: &Record) -> &'a [f64] {
+        &self.campaign.steps[self.measured.groups[record.group].step].positions
+    }
+
     /// Identifies every record of the axis `data[index]`; `weights` are the covariances of
     /// [`crate::weights`].
     pub(crate) fn fit_records(
@@ -110,7 +115,7 @@ impl Context<'_> {
         let (own, values) = (&data[index], &state.axes[index]);
         let axis = &self.machine.axes()[own.axis];
         let errors = ModelErrors { data, state };
-        let positions = &self.campaign.steps[self.measured.groups[record.group].step].positions;
+        let positions = self.positions_of(record);
         let node = &own.nodes[record.node];
         let current = values.curve[record.node];
         let motion = axis.motion(node.position, &values.location, &current);
@@ -119,13 +124,13 @@ impl Context<'_> {
         let mut levers_mm = Vec::new();
         let mut deltas_mm = Vec::new();
         let mut base_from_datum = Isometry3::identity();
-        for (target, point) in points_of(self.measured, record) {
+        let homes_mm = &values.targets_mm[record.run];
+        for ((target, point), home) in points_of(self.measured, record).zip(homes_mm) {
             let carrier = self.campaign.targets[target].carrier;
             let (outer, inner) = around(self.machine, carrier, own.axis);
             let base = self.machine.chain_motion(&errors, outer, positions);
             base_from_datum = base.inverse() * state.ref_from_datum;
             let inside = self.machine.chain_motion(&errors, inner, positions);
-            let home = home_of(own, values.targets_mm.as_slice(), record.run, target);
             let predicted = motion * (inside * home);
             levers_mm.push(predicted - reference);
             deltas_mm.push(base_from_datum * point - predicted);
@@ -227,21 +232,6 @@ fn distortion(
         }
     }
     turned
-}
-
-/// Home position of a target in a run.
-pub(crate) fn home_of(
-    data: &AxisData,
-    targets_mm: &[Vec<Point3<f64>>],
-    run: usize,
-    target: usize,
-) -> Point3<f64> {
-    let place = data.runs[run]
-        .targets
-        .iter()
-        .position(|&t| t == target)
-        .unwrap_or(0);
-    targets_mm[run][place]
 }
 
 /// The rows and columns of a group's matrix that belong to a record's targets.

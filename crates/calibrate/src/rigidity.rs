@@ -86,9 +86,7 @@ fn failing(
         .filter(|&i| axis.records[i].run == run)
         .collect();
     let against_shape = |shape: &[Vector3<f64>]| -> Vec<(usize, Misfit, f64)> {
-        let tested = records
-            .iter()
-            .map(|&i| (i, against(axis, run, &fits[i], i, shape)));
+        let tested = records.iter().map(|&i| (i, against(&fits[i], shape)));
         let mut tested: Vec<(usize, Misfit)> = tested.collect();
         let variance = typical_variance(&tested, declared);
         tested
@@ -160,22 +158,11 @@ fn mean(values: Vec<f64>) -> f64 {
 }
 
 /// The test of a record against another shape of the targets.
-fn against(
-    axis: &AxisData,
-    run: usize,
-    fit: &RecordFit,
-    record: usize,
-    shape: &[Vector3<f64>],
-) -> Misfit {
-    let targets = &axis.runs[run].targets;
-    let deltas: Vec<Vector3<f64>> = axis.records[record]
-        .targets
-        .iter()
-        .zip(&fit.deltas_mm)
-        .map(|(&(target, _), delta)| {
-            let place = targets.iter().position(|&t| t == target).unwrap_or(0);
-            delta - fit.stage_from_base.transpose() * shape[place]
-        })
+fn against(fit: &RecordFit, shape: &[Vector3<f64>]) -> Misfit {
+    let base_from_stage = fit.stage_from_base.transpose();
+    let deltas = fit.deltas_mm.iter().zip(shape);
+    let deltas: Vec<Vector3<f64>> = deltas
+        .map(|(delta, w)| delta - base_from_stage * w)
         .collect();
     // Both succeeded with these targets and this covariance when the record was identified.
     nine(&fit.levers_mm)

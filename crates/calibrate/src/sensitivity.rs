@@ -66,21 +66,11 @@ impl Sensitivity {
     fn shape_effect(&self, axis: &AxisData, record: usize, fit: &RecordFit) -> Matrix6xX<f64> {
         let mut effect = Matrix6xX::zeros(self.width);
         let datum_from_stage = (fit.stage_from_base * fit.base_from_datum).transpose();
-        for (place, first) in self.places(axis, record).enumerate() {
+        for (place, &first) in self.shapes[axis.records[record].run].iter().enumerate() {
             let block = fit.from_points.fixed_columns::<3>(3 * place) * datum_from_stage;
             effect.fixed_columns_mut::<3>(first).copy_from(&block);
         }
         effect
-    }
-
-    /// For each target of a record the first of its elements of `w` in `y`.
-    fn places<'a>(&'a self, axis: &'a AxisData, record: usize) -> impl Iterator<Item = usize> + 'a {
-        let record = &axis.records[record];
-        let run = &axis.runs[record.run];
-        record.targets.iter().map(move |&(target, _)| {
-            let place = run.targets.iter().position(|&t| t == target).unwrap_or(0);
-            self.shapes[record.run][place]
-        })
     }
 
     fn add_nodes(&mut self, axis: &AxisData, gauge: &Gauge, fits: &[RecordFit]) {
@@ -104,13 +94,11 @@ impl Sensitivity {
         }
         for (i, fit) in fits.iter().enumerate() {
             let mut y = DMatrix::zeros(self.width, fit.from_points.ncols());
-            let run = &axis.runs[axis.records[i].run];
-            for (place, first) in self.places(axis, i).enumerate() {
-                let target = axis.records[i].targets[place].0;
-                let at = run.targets.iter().position(|&t| t == target).unwrap_or(0);
+            let run = axis.records[i].run;
+            for (place, &first) in self.shapes[run].iter().enumerate() {
                 let rows = fit.distortion_from_points.rows(3 * place, 3);
                 y.rows_mut(first, 3)
-                    .copy_from(&(rows / run.measured[at] as f64));
+                    .copy_from(&(rows / axis.runs[run].records as f64));
             }
             let x = &gauge.shares[i] * &fit.from_points - &by_shape * &y;
             y.rows_mut(0, self.gauge_parameters).copy_from(&x);

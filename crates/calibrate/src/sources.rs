@@ -95,7 +95,7 @@ impl Sources {
         let mut held: Vec<Held> = Vec::new();
         for axis in data {
             for run in &axis.runs {
-                let positions = positions_of(context, axis, run.first_record);
+                let positions = context.positions_of(&axis.records[run.first_record]);
                 for &target in &run.targets {
                     let carrier = context.campaign.targets[target].carrier;
                     for &other in context.machine.chain(carrier) {
@@ -195,12 +195,6 @@ pub(crate) fn noise_of(
     )
 }
 
-/// Positions of all axes at a record.
-pub(crate) fn positions_of<'a>(context: &Context<'a>, axis: &AxisData, record: usize) -> &'a [f64] {
-    let group = axis.records[record].group;
-    &context.campaign.steps[context.measured.groups[group].step].positions
-}
-
 fn find(held: &[Held], data: usize, position: f64) -> Option<usize> {
     let same = |h: &&Held| h.data == data && h.position.total_cmp(&position).is_eq();
     held.iter().find(same).map(|h| h.first)
@@ -234,7 +228,7 @@ fn from_parameters(
             // C⁻¹ (g_δ + g_ε × (C r - o) + w)
             let carrier = context.campaign.targets[target].carrier;
             let (_, inner) = around(context.machine, carrier, axis.axis);
-            let positions = positions_of(context, axis, run.first_record);
+            let positions = context.positions_of(&axis.records[run.first_record]);
             let inside = context.machine.chain_motion(&errors, inner, positions);
             let back = inside.rotation.inverse().to_rotation_matrix().into_inner();
             let lever = inside * values.targets_mm[r][place] - reference;

@@ -89,15 +89,12 @@ fn traces(context: &Context<'_>, data: &AxisData, run: &RunData) -> Vec<Vec<Poin
     records.sort_by_key(|record| record.node);
     let mut traces = vec![Vec::new(); run.targets.len()];
     for record in records {
-        let positions =
-            &context.campaign.steps[context.measured.groups[record.group].step].positions;
-        for (target, point) in points_of(context.measured, record) {
+        let positions = context.positions_of(record);
+        for ((target, point), trace) in points_of(context.measured, record).zip(&mut traces) {
             let carrier = context.campaign.targets[target].carrier;
             let (outer, _) = around(context.machine, carrier, data.axis);
             let base = context.machine.chain_motion(&Ideal, outer, positions);
-            if let Some(place) = run.targets.iter().position(|&t| t == target) {
-                traces[place].push(base.inverse() * point);
-            }
+            trace.push(base.inverse() * point);
         }
     }
     traces

@@ -12,7 +12,7 @@ use crate::basis::Basis;
 use crate::frame::SmallMotion;
 use crate::identify_axes::Identified;
 use crate::records::{Context, around};
-use crate::sources::{Sources, noise_of, positions_of};
+use crate::sources::{Sources, noise_of};
 use crate::state::ModelErrors;
 use crate::twist::Twist;
 
@@ -196,7 +196,7 @@ impl FrameMap<'_> {
         let Some(run) = axis.runs.first() else {
             return (Isometry3::identity(), Twist::zero(self.sources.count));
         };
-        let positions = positions_of(self.context, axis, run.first_record);
+        let positions = self.context.positions_of(&axis.records[run.first_record]);
         let target = run.targets.first().copied().unwrap_or(0);
         let carrier = self.context.campaign.targets[target].carrier;
         let (outer, _) = around(self.context.machine, carrier, axis.axis);
@@ -212,7 +212,9 @@ impl FrameMap<'_> {
     fn target(&self, k: usize, run: usize, place: usize) -> (Matrix3xX<f64>, Point3<f64>) {
         let axis = &self.data[k];
         let content = &axis.runs[run];
-        let positions = positions_of(self.context, axis, content.first_record);
+        let positions = self
+            .context
+            .positions_of(&axis.records[content.first_record]);
         let carrier = self.context.campaign.targets[content.targets[place]].carrier;
         let chain = self.context.machine.chain(carrier);
         let errors = self.errors();

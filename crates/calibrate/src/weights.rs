@@ -16,9 +16,8 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 use trueaxis_identify::{equations, nine};
 use trueaxis_kinematics::{Ideal, LocationError};
 
-use crate::axis_data::{AxisData, Record, RunData};
+use crate::axis_data::{AxisData, RunData};
 use crate::records::{Context, around, select_rows, select_targets};
-use crate::sources::positions_of;
 
 /// Covariances of all records of an axis in datum coordinates, mm². They serve as weights, so the
 /// nominal geometry is good enough.
@@ -31,22 +30,21 @@ pub(crate) fn weights(context: &Context<'_>, data: &AxisData) -> Vec<DMatrix<f64
         .collect();
     let shared = noise.shared();
     for (r, run) in data.runs.iter().enumerate() {
-        // Records that lack a target say little about the shape and keep the plain covariance.
-        let complete: Vec<usize> = (0..data.records.len())
-            .filter(|&i| data.records[i].run == r && is_complete(run, &data.records[i]))
+        let records: Vec<usize> = (0..data.records.len())
+            .filter(|&i| data.records[i].run == r)
             .collect();
-        let count = complete.len() as f64;
+        let count = records.len() as f64;
         let Some(projection) = shape_projection(context, run, data) else {
             continue;
         };
-        if complete.len() < 2 {
+        if records.len() < 2 {
             continue;
         }
         let size = projection.nrows();
         let mut shape_noise = DMatrix::zeros(size, size);
         let mut shape_coupling = DMatrix::zeros(size, shared.nrows());
         let mut parts = Vec::new();
-        for &i in &complete {
+        for &i in &records {
             let record = &data.records[i];
             let turn = stage_from_datum(context, data, i);
             let to_shape = &projection * repeated(&turn, size);
@@ -70,17 +68,9 @@ pub(crate) fn weights(context: &Context<'_>, data: &AxisData) -> Vec<DMatrix<f64
     all
 }
 
-fn is_complete(run: &RunData, record: &Record) -> bool {
-    record
-        .targets
-        .iter()
-        .map(|&(target, _)| target)
-        .eq(run.targets.iter().copied())
-}
-
 /// `Π`: what is left of displacements of the run's targets after an unweighted rigid fit.
 fn shape_projection(context: &Context<'_>, run: &RunData, data: &AxisData) -> Option<DMatrix<f64>> {
-    let positions = positions_of(context, data, run.first_record);
+    let positions = context.positions_of(&data.records[run.first_record]);
     let levers: Vec<Vector3<f64>> = run
         .targets
         .iter()
@@ -98,7 +88,7 @@ fn shape_projection(context: &Context<'_>, run: &RunData, data: &AxisData) -> Op
 
 /// `Q`: rotation to the stage at home from the datum, nominal.
 fn stage_from_datum(context: &Context<'_>, data: &AxisData, record: usize) -> Matrix3<f64> {
-    let positions = positions_of(context, data, record);
+    let positions = context.positions_of(&data.records[record]);
     let axis = &context.machine.axes()[data.axis];
     let carrier = data.records[record]
         .targets
