@@ -15,7 +15,11 @@ pub struct Alternatives {
 const LISTED_AT_MOST: usize = 30;
 
 impl Alternatives {
-    pub(crate) fn new<S: AsRef<str>>(found: &str, known: impl IntoIterator<Item = S>) -> Self {
+    /// The alternatives to `found` among the names in `known`.
+    ///
+    /// A name is similar if at most half of the letters differ; case and swaps of neighbours count
+    /// for little.
+    pub fn new<S: AsRef<str>>(found: &str, known: impl IntoIterator<Item = S>) -> Self {
         let known: Vec<String> = known.into_iter().map(|n| n.as_ref().to_owned()).collect();
         let found = found.to_lowercase();
         let nearest = known
@@ -66,6 +70,21 @@ mod tests {
             found.to_string(),
             "did you mean `carried_by`? known: name, position_mm, carried_by"
         );
+    }
+
+    #[test]
+    fn suggests_what_is_close() {
+        let nearest = |found: &str| {
+            Alternatives::new(found, ["targets", "stations", "runs", "repeats"]).nearest
+        };
+        assert_eq!(nearest("station").as_deref(), Some("stations"));
+        assert_eq!(nearest("repaets").as_deref(), Some("repeats"));
+    }
+
+    #[test]
+    fn suggests_nothing_where_nothing_is_known() {
+        let none: [&str; 0] = [];
+        assert_eq!(Alternatives::new("anything", none).nearest, None);
     }
 
     #[test]

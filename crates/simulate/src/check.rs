@@ -1,6 +1,8 @@
 //! Checks of scenario values that name the field.
 
-use crate::{Error, nearest_name::nearest_name};
+use trueaxis_campaign::Alternatives;
+
+use crate::Error;
 
 pub(crate) fn expected(field: impl Into<String>, expected: impl Into<String>) -> Error {
     Error::Expected {
@@ -103,7 +105,7 @@ pub(crate) fn unknown_name(
         field: field.into(),
         what,
         name: name.to_owned(),
-        nearest: nearest_name(name, known.iter().copied()).map(str::to_owned),
+        nearest: Alternatives::new(name, known).nearest,
         known: known.join(", "),
     }
 }

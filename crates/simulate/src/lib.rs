@@ -84,7 +84,6 @@ mod field_line;
 mod frame;
 mod gauge;
 mod mounting;
-mod nearest_name;
 mod noise;
 mod plan;
 mod plan_runs;

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use serde::Deserialize;
+use trueaxis_campaign::Alternatives;
 
 use crate::field_line::field_line;
-use crate::nearest_name::nearest_name;
 use crate::plan::Plan;
 use crate::{Error, Place, Scenario};
 
@@ -78,11 +78,11 @@ fn json_error(path: &str, error: &serde_json::Error) -> Error {
     let nearest = message.starts_with("unknown").then(|| {
         let mut quoted = message.split('`').skip(1).step_by(2);
         let found = quoted.next().unwrap_or_default();
-        nearest_name(found, quoted)
+        Alternatives::new(found, quoted).nearest
     });
     Error::Json {
         field: (path != ".").then(|| path.to_owned()),
         message: message.to_owned(),
-        nearest: nearest.flatten().map(str::to_owned),
+        nearest: nearest.flatten(),
     }
 }
