@@ -91,6 +91,41 @@ pub enum Error {
         /// Its residual, mm.
         residual_mm: f64,
     },
+    /// So many readings contradict the others that these prove nothing.
+    #[error(
+        "{removed} of {readings} lengths contradict the others; more than {:.0} % are no accident",
+        limit * 100.0
+    )]
+    TooManyGrossErrors {
+        /// Readings that would have to be removed.
+        removed: usize,
+        /// All readings.
+        readings: usize,
+        /// Share that may be removed.
+        limit: f64,
+    },
+    /// A station or a group would lose so many readings that the others prove nothing.
+    #[error("{part:?} would lose {removed} of {readings} lengths, more than {limit:.2} of them")]
+    PartLost {
+        /// What loses them.
+        part: Part,
+        /// Readings that would have to be removed.
+        removed: usize,
+        /// All its readings.
+        readings: usize,
+        /// Share that may be removed.
+        limit: f64,
+    },
+    /// Readings of a point contradict each other, and nothing tells which is wrong.
+    #[error(
+        "readings {reading} and {other} contradict each other, and nothing tells which is wrong"
+    )]
+    Undecidable {
+        /// One of them.
+        reading: usize,
+        /// Another one that may be wrong as well.
+        other: usize,
+    },
     /// The network contradicts itself: an index out of range or a number that is not finite.
     #[error("the network is malformed: {what}")]
     Malformed {
@@ -100,6 +135,15 @@ pub enum Error {
     /// The least-squares machinery failed.
     #[error("the adjustment failed")]
     LeastSquares(#[source] trueaxis_leastsquares::Error),
+}
+
+/// A part of a network.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// All readings of a station.
+    Station(usize),
+    /// All readings of a group: one step of the machine from all stations.
+    Group(usize),
 }
 
 /// One of the four unknowns of a station.

@@ -1,7 +1,8 @@
 //! The adjustment model: every point is free.
 //!
 //! Block unknowns are the coordinates of a group's points, shared ones the stations and dead
-//! paths, four each: `x y z L`. With the beam `u = (p - S) / |p - S|`:
+//! paths, four each: `x y z L`, and behind them the dead paths after interruptions. With the beam
+//! `u = (p - S) / |p - S|`:
 //!
 //! ```text
 //! dl = uᵀ dp - uᵀ dS - dL
@@ -13,7 +14,7 @@ use trueaxis_leastsquares::{
 };
 
 use crate::network::{Network, Visit};
-use crate::noise::{factor_len, whiten};
+use crate::noise::{Beam, factor_len, whiten};
 
 /// Position and orientation.
 pub(crate) const DATUM: usize = 6;
@@ -21,10 +22,20 @@ pub(crate) const DATUM: usize = 6;
 /// Unknowns of a station.
 pub(crate) const PER_STATION: usize = 4;
 
+/// Column of a dead path among the shared unknowns.
+pub(crate) fn zero_column(zero: usize, stations: usize) -> usize {
+    if zero < stations {
+        PER_STATION * zero + PER_STATION - 1
+    } else {
+        PER_STATION * stations + zero - stations
+    }
+}
+
 /// Values of all unknowns.
 #[derive(Debug, Clone)]
 pub(crate) struct State {
     pub(crate) stations: Vec<Point3<f64>>,
+    /// One for each station, then one for each interruption.
     pub(crate) dead_paths_mm: Vec<f64>,
     pub(crate) points: Vec<Point3<f64>>,
 }
@@ -42,6 +53,8 @@ impl State {
 pub(crate) struct FreePoints<'a> {
     network: &'a Network,
     visits_by_group: Vec<Vec<usize>>,
+    /// The dead path of every reading.
+    zeros: Vec<usize>,
     factors: Vec<f64>,
     factor_starts: Vec<usize>,
     centroid: Point3<f64>,
@@ -63,6 +76,7 @@ impl<'a> FreePoints<'a> {
         let mut model = Self {
             network,
             visits_by_group: network.visits_by_group(),
+            zeros: network.zero_of_readings(),
             factors: Vec::new(),
             factor_starts: Vec::new(),
             centroid,
@@ -84,9 +98,16 @@ impl<'a> FreePoints<'a> {
         let mut beams = Vec::new();
         for visit in &self.network.visits {
             beams.clear();
-            for reading in self.network.readings_of(visit) {
-                let point = self.network.point(visit.group, reading.point);
-                beams.push(state.beam(visit.station, point));
+            for i in visit.readings.clone() {
+                let point = self
+                    .network
+                    .point(visit.group, self.network.readings[i].point);
+                let (direction, distance_mm) = state.beam(visit.station, point);
+                beams.push(Beam {
+                    direction,
+                    distance_mm,
+                    variance_factor: self.network.variance_factor(i),
+                });
             }
             self.factor_starts.push(self.factors.len());
             self.network.noise.append_factor(&beams, &mut self.factors);
@@ -104,10 +125,11 @@ impl<'a> FreePoints<'a> {
         state: &'b State,
         visit: &'b Visit,
     ) -> impl Iterator<Item = f64> + 'b {
-        self.network.readings_of(visit).iter().map(move |reading| {
+        visit.readings.clone().map(move |i| {
+            let reading = &self.network.readings[i];
             let point = self.network.point(visit.group, reading.point);
             let (_, distance) = state.beam(visit.station, point);
-            reading.length_mm + state.dead_paths_mm[visit.station] - distance
+            reading.length_mm + state.dead_paths_mm[self.zeros[i]] - distance
         })
     }
 
@@ -119,14 +141,32 @@ impl<'a> FreePoints<'a> {
         [x, y, z, x.cross(&r), y.cross(&r), z.cross(&r)]
     }
 
-    fn fill_rows(&self, state: &State, group: usize, rows: &mut BlockRows) {
+    /// Number of shared unknowns.
+    pub(crate) fn shared(&self) -> usize {
+        PER_STATION * self.network.stations.len() + self.network.interruptions.len()
+    }
+
+    /// The visits of a group, in the order of its rows.
+    pub(crate) fn visits_of(&self, group: usize) -> &[usize] {
+        &self.visits_by_group[group]
+    }
+
+    /// The dead path of a reading.
+    pub(crate) fn zero_of(&self, reading: usize) -> usize {
+        self.zeros[reading]
+    }
+
+    /// The whitened rows of a group, visit after visit.
+    pub(crate) fn fill_rows(&self, state: &State, group: usize, rows: &mut BlockRows) {
         let visits = &self.visits_by_group[group];
         let count = visits
             .iter()
             .map(|&v| self.network.visits[v].readings.len())
             .sum();
         let unknowns = 3 * self.network.groups[group].len();
-        rows.reset(count, unknowns, PER_STATION * self.network.stations.len());
+        rows.reset(count, unknowns, self.shared());
+        let stations = self.network.stations.len();
+        let behind_stations = PER_STATION * stations..self.shared();
         let mut first = 0;
         for &v in visits {
             let visit = &self.network.visits[v];
@@ -138,7 +178,8 @@ impl<'a> FreePoints<'a> {
                     rows.block_mut(3 * reading.point + axis)[first + i] = u[axis];
                     rows.shared_mut(shared + axis)[first + i] = -u[axis];
                 }
-                rows.shared_mut(shared + 3)[first + i] = -1.0;
+                let zero = zero_column(self.zeros[visit.readings.start + i], stations);
+                rows.shared_mut(zero)[first + i] = -1.0;
             }
             for (r, value) in rows.residual_mut()[first..end]
                 .iter_mut()
@@ -150,7 +191,7 @@ impl<'a> FreePoints<'a> {
             for k in 0..unknowns {
                 whiten(factor, &mut rows.block_mut(k)[first..end]);
             }
-            for k in shared..shared + PER_STATION {
+            for k in (shared..shared + PER_STATION).chain(behind_stations.clone()) {
                 whiten(factor, &mut rows.shared_mut(k)[first..end]);
             }
             whiten(factor, &mut rows.residual_mut()[first..end]);
@@ -163,8 +204,7 @@ impl Adjustment for FreePoints<'_> {
     type State = State;
 
     fn linearise(&self, state: &State) -> Result<(Arrowhead, Datum), LeastSquaresError> {
-        let stations = self.network.stations.len();
-        let mut system = Arrowhead::new(PER_STATION * stations, DATUM);
+        let mut system = Arrowhead::new(self.shared(), DATUM);
         let mut closure = vec![0.0; DATUM];
         let mut rows = BlockRows::default();
         let mut datum = Vec::new();
@@ -190,6 +230,9 @@ impl Adjustment for FreePoints<'_> {
                 all.extend([motion.x, motion.y, motion.z, 0.0]);
             }
         }
+        for motion in &mut free_motions {
+            motion.resize(self.shared(), 0.0);
+        }
         Ok((
             system,
             Datum {
@@ -213,9 +256,13 @@ impl Adjustment for FreePoints<'_> {
 
     fn moved(&self, state: &State, correction: &Correction, factor: f64) -> State {
         let mut moved = state.clone();
-        for (j, x) in correction.shared.chunks_exact(PER_STATION).enumerate() {
-            moved.stations[j] += Vector3::new(x[0], x[1], x[2]) * factor;
-            moved.dead_paths_mm[j] += x[3] * factor;
+        let stations = moved.stations.len();
+        for (j, position) in moved.stations.iter_mut().enumerate() {
+            let x = &correction.shared[PER_STATION * j..];
+            *position += Vector3::new(x[0], x[1], x[2]) * factor;
+        }
+        for (zero, dead_path) in moved.dead_paths_mm.iter_mut().enumerate() {
+            *dead_path += correction.shared[zero_column(zero, stations)] * factor;
         }
         for (g, group) in self.network.groups.iter().enumerate() {
             for (point, x) in group.clone().zip(correction.block(g).chunks_exact(3)) {
@@ -229,12 +276,17 @@ impl Adjustment for FreePoints<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Noise, Reading};
+    use crate::{Interruption, Noise, Reading};
 
     /// Analytic rows against central differences of the whitened residuals.
     #[test]
     fn rows_are_the_derivatives_of_the_lengths() {
         let network = Network {
+            interruptions: vec![Interruption {
+                station: 1,
+                first_reading: 3,
+            }],
+            variance_factors: vec![1.0, 4.0, 1.0, 1.0],
             stations: vec![None; 2],
             nominal_mm: vec![Point3::new(0.0, 0.0, 0.0), Point3::new(100.0, 50.0, -30.0)],
             groups: std::iter::once(0..2).collect(),
@@ -258,7 +310,7 @@ mod tests {
                 Point3::new(600.0, 300.0, 200.0),
                 Point3::new(-300.0, 400.0, 100.0),
             ],
-            dead_paths_mm: vec![3.0, 4.0],
+            dead_paths_mm: vec![3.0, 4.0, 5.0],
             points: vec![Point3::new(1.0, 2.0, 3.0), Point3::new(101.0, 49.0, -31.0)],
         };
         let model = FreePoints::new(&network, &state);
@@ -274,9 +326,10 @@ mod tests {
             all
         };
         let step = 1e-4;
-        for k in 0..14 {
+        for k in 0..15 {
             let shift = |state: &mut State, by: f64| match k {
                 0..6 => state.points[k / 3][k % 3] += by,
+                14 => state.dead_paths_mm[2] += by,
                 _ if (k - 6) % 4 == 3 => state.dead_paths_mm[(k - 6) / 4] += by,
                 _ => state.stations[(k - 6) / 4][(k - 6) % 4] += by,
             };

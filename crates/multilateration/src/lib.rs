@@ -14,9 +14,10 @@
 //! nominal positions choose the image. Stations need no approximate position.
 //!
 //! Noun in: a [`Network`]; noun out: a [`Solution`] with points, stations, residuals and the
-//! covariance of everything. [`network_from_campaign`] makes the one from a measuring campaign;
-//! [`locate`] is the plain case of known stations. Lengths are mm in any right-handed frame.
-//! The crate does not remove gross errors and does not estimate the noise.
+//! covariance of everything. [`screen`] does the same without gross errors and lost counts, with the
+//! noise that the residuals show ([`estimate_noise`]). [`network_from_campaign`] makes the network of
+//! a measuring campaign; [`locate`] is the plain case of known stations. Lengths are mm in any
+//! right-handed frame. The crate does not say why lengths are wrong beyond that.
 //!
 //! ```
 //! use nalgebra::Point3;
@@ -49,21 +50,33 @@
 //! # Ok::<(), trueaxis_multilateration::Error>(())
 //! ```
 
+mod baarda;
+mod components;
 mod error;
+mod estimate_noise;
 mod free_points;
 mod from_campaign;
+mod guard;
+mod influence;
+mod interruption;
 mod known_stations;
+mod length_noise;
 mod network;
 mod noise;
 mod redundancy;
+mod robust_weights;
+mod screen;
 mod solution;
 mod solve;
 mod start;
 
-pub use error::{Error, StationUnknown};
+pub use error::{Error, Part, StationUnknown};
+pub use estimate_noise::{NoiseBasis, NoiseEstimate, PartEstimate, estimate_noise};
 pub use from_campaign::{CampaignNetwork, Group, network_from_campaign};
 pub use known_stations::{KnownStation, Located, locate};
-pub use network::{Network, Reading, Visit};
+pub use length_noise::LengthNoise;
+pub use network::{Interruption, Network, Reading, Visit};
 pub use noise::Noise;
+pub use screen::{Jump, Removed, Screened, screen};
 pub use solution::{Solution, Station};
 pub use solve::{Settings, solve};

@@ -26,6 +26,20 @@ pub struct Network {
     pub readings: Vec<Reading>,
     /// Standard deviations.
     pub noise: Noise,
+    /// Instants at which a station's beam was interrupted, in the order of the readings: from then
+    /// on its interferometer has another zero, a dead path of its own.
+    pub interruptions: Vec<Interruption>,
+    /// Factor on the variance of each reading's own noise; empty where all are one.
+    pub variance_factors: Vec<f64>,
+}
+
+/// A lost count of a station's interferometer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Interruption {
+    /// The station.
+    pub station: usize,
+    /// The first reading with the new zero; readings are in measuring order.
+    pub first_reading: usize,
 }
 
 /// Readings of one station taken while the machine stands still.
@@ -102,7 +116,73 @@ impl Network {
         if !finite {
             return malformed("a length or a nominal position is not finite".to_owned());
         }
+        let mut earlier = None;
+        for interruption in &self.interruptions {
+            let next = (interruption.first_reading, interruption.station);
+            let known = interruption.station < self.stations.len();
+            if !known || earlier >= Some(next) || next.0 >= self.readings.len() {
+                return malformed(format!("{interruption:?} is out of range or out of order"));
+            }
+            earlier = Some(next);
+        }
+        let factors = &self.variance_factors;
+        let count = factors.len();
+        if count != 0 && count != self.readings.len() {
+            let readings = self.readings.len();
+            return malformed(format!("{count} variance factors for {readings} readings"));
+        }
+        if !factors.iter().all(|f| f.is_finite() && *f > 0.0) {
+            return malformed("a variance factor is not positive and finite".to_owned());
+        }
         self.noise.check()
+    }
+
+    /// Number of dead paths: one for each station and one for each interruption.
+    pub(crate) fn zeros(&self) -> usize {
+        self.stations.len() + self.interruptions.len()
+    }
+
+    /// The network without some readings (ascending), and for each reading that is left its number
+    /// before. Interruptions and variance factors are not taken over.
+    pub(crate) fn without(&self, removed: &[usize]) -> (Self, Vec<usize>) {
+        let left = |i: &usize| removed.binary_search(i).is_err();
+        let kept: Vec<usize> = (0..self.readings.len()).filter(left).collect();
+        let place = |i: usize| kept.partition_point(|&k| k < i);
+        let visits = self.visits.iter().map(|visit| Visit {
+            readings: place(visit.readings.start)..place(visit.readings.end),
+            ..visit.clone()
+        });
+        let network = Self {
+            visits: visits.collect(),
+            readings: kept.iter().map(|&i| self.readings[i]).collect(),
+            interruptions: Vec::new(),
+            variance_factors: Vec::new(),
+            ..self.clone()
+        };
+        (network, kept)
+    }
+
+    /// The dead path of every reading: that of its station, or of the last interruption before it.
+    pub(crate) fn zero_of_readings(&self) -> Vec<usize> {
+        let mut current: Vec<usize> = (0..self.stations.len()).collect();
+        let mut interruptions = self.interruptions.iter().enumerate().peekable();
+        let mut zeros = Vec::with_capacity(self.readings.len());
+        for visit in &self.visits {
+            for reading in visit.readings.clone() {
+                while let Some((k, next)) =
+                    interruptions.next_if(|(_, i)| i.first_reading <= reading)
+                {
+                    current[next.station] = self.stations.len() + k;
+                }
+                zeros.push(current[visit.station]);
+            }
+        }
+        zeros
+    }
+
+    /// Factor on the variance of a reading's own noise.
+    pub(crate) fn variance_factor(&self, reading: usize) -> f64 {
+        self.variance_factors.get(reading).copied().unwrap_or(1.0)
     }
 
     /// The readings of a visit.

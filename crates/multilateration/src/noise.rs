@@ -63,15 +63,15 @@ impl Noise {
 
     /// Lower Cholesky factor of the covariance of one visit's lengths, appended row by row (`k`
     /// elements of row `k - 1`).
-    pub(crate) fn append_factor(&self, beams: &[(Vector3<f64>, f64)], factor: &mut Vec<f64>) {
+    pub(crate) fn append_factor(&self, beams: &[Beam], factor: &mut Vec<f64>) {
         let start = factor.len();
         let row_start = |i: usize| start + i * (i + 1) / 2;
         let return_variance = self.return_sigma_mm * self.return_sigma_mm;
-        for (i, (direction_i, distance_i)) in beams.iter().enumerate() {
-            for (j, (direction_j, _)) in beams.iter().enumerate().take(i + 1) {
-                let mut c = return_variance * direction_i.dot(direction_j);
+        for (i, beam) in beams.iter().enumerate() {
+            for (j, other) in beams.iter().enumerate().take(i + 1) {
+                let mut c = return_variance * beam.direction.dot(&other.direction);
                 if i == j {
-                    c += self.length_sigma_at_mm(*distance_i).powi(2);
+                    c += self.length_sigma_at_mm(beam.distance_mm).powi(2) * beam.variance_factor;
                 }
                 for k in 0..j {
                     c -= factor[row_start(i) + k] * factor[row_start(j) + k];
@@ -86,6 +86,16 @@ impl Noise {
             }
         }
     }
+}
+
+/// What the noise of one length depends on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Beam {
+    /// Unit vector from the station to the point.
+    pub(crate) direction: Vector3<f64>,
+    pub(crate) distance_mm: f64,
+    /// Factor on the variance of the length's own noise.
+    pub(crate) variance_factor: f64,
 }
 
 /// Elements of the factor of a visit with `readings` lengths.
@@ -104,6 +114,11 @@ pub(crate) fn whiten(factor: &[f64], x: &mut [f64]) {
     }
 }
 
+/// Row `i` of the factor `L` of a visit, up to the diagonal.
+pub(crate) fn unwhiten_row(factor: &[f64], i: usize) -> &[f64] {
+    &factor[factor_len(i)..factor_len(i + 1)]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -117,10 +132,15 @@ mod tests {
             return_sigma_mm: 1e-3,
         };
         let beams = [
-            (Vector3::new(1.0, 2.0, 2.0) / 3.0, 900.0),
-            (Vector3::new(2.0, -1.0, 2.0) / 3.0, 1100.0),
-            (Vector3::new(0.6, 0.0, 0.8), 1000.0),
-        ];
+            (Vector3::new(1.0, 2.0, 2.0) / 3.0, 900.0, 1.0),
+            (Vector3::new(2.0, -1.0, 2.0) / 3.0, 1100.0, 25.0),
+            (Vector3::new(0.6, 0.0, 0.8), 1000.0, 1.0),
+        ]
+        .map(|(direction, distance_mm, variance_factor)| Beam {
+            direction,
+            distance_mm,
+            variance_factor,
+        });
         let mut l = Vec::new();
         noise.append_factor(&beams, &mut l);
         let l = Matrix3::new(l[0], 0.0, 0.0, l[1], l[2], 0.0, l[3], l[4], l[5]);
@@ -128,11 +148,11 @@ mod tests {
         for i in 0..3 {
             for j in 0..3 {
                 let own = if i == j {
-                    9e-8 + (5e-7 * beams[i].1).powi(2)
+                    (9e-8 + (5e-7 * beams[i].distance_mm).powi(2)) * beams[i].variance_factor
                 } else {
                     0.0
                 };
-                let expected = own + 1e-6 * beams[i].0.dot(&beams[j].0);
+                let expected = own + 1e-6 * beams[i].direction.dot(&beams[j].direction);
                 assert!((found[(i, j)] - expected).abs() < 1e-20);
             }
         }

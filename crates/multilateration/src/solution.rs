@@ -4,13 +4,15 @@ use faer::Mat;
 use nalgebra::{Matrix4, Point3};
 use trueaxis_leastsquares::{Covariance, Termination};
 
-use crate::free_points::PER_STATION;
+use crate::free_points::{PER_STATION, State, zero_column};
 
 /// Adjusted stations and points in the datum of the nominal points.
 #[derive(Debug, Clone)]
 pub struct Solution {
     /// Stations in the order of the network.
     pub stations: Vec<Station>,
+    /// Dead path after each interruption of the network, mm.
+    pub dead_paths_after_mm: Vec<f64>,
     /// Points in the order of the network, mm.
     pub points_mm: Vec<Point3<f64>>,
     /// Observed minus computed length of every reading, mm.
@@ -30,8 +32,9 @@ pub struct Solution {
     /// Why it stopped. Look at it: a result that is not converged is returned, not hidden.
     pub termination: Termination,
     /// Covariance for the noise as given (its variance factor is one): blocks are the groups
-    /// (x y z of each point), shared unknowns the stations (x y z L of each), mm². The datum is
-    /// the best fit to the nominal points.
+    /// (x y z of each point), shared unknowns the stations (x y z L of each) and
+    /// behind them the dead paths after interruptions, mm². The datum is the best fit to the
+    /// nominal points.
     pub covariance: Covariance,
 }
 
@@ -71,5 +74,31 @@ impl Solution {
     pub fn station_covariance(&self, station: usize) -> Matrix4<f64> {
         let first = PER_STATION * station;
         Matrix4::from_fn(|i, j| self.covariance.shared()[(first + i, first + j)])
+    }
+
+    /// By how much a dead path is longer than another one, with standard uncertainty, mm. Dead paths
+    /// are numbered by station, then by interruption.
+    pub(crate) fn difference_of_dead_paths(&self, longer: usize, shorter: usize) -> (f64, f64) {
+        let dead_paths_mm = self.state().dead_paths_mm;
+        let column = |zero| zero_column(zero, self.stations.len());
+        let (i, j) = (column(longer), column(shorter));
+        let covariance = self.covariance.shared();
+        let variance = covariance[(i, i)] + covariance[(j, j)] - 2.0 * covariance[(i, j)];
+        (
+            dead_paths_mm[longer] - dead_paths_mm[shorter],
+            variance.max(0.0).sqrt(),
+        )
+    }
+
+    /// The values of all unknowns.
+    pub(crate) fn state(&self) -> State {
+        let dead_paths = self.stations.iter().map(|s| s.dead_path_mm);
+        State {
+            stations: self.stations.iter().map(|s| s.position_mm).collect(),
+            dead_paths_mm: dead_paths
+                .chain(self.dead_paths_after_mm.iter().copied())
+                .collect(),
+            points: self.points_mm.clone(),
+        }
     }
 }

@@ -47,6 +47,50 @@ pub fn solve(network: &Network, settings: &Settings) -> Result<Solution, Error> 
     choose_sides(network, settings, &state, &images, first)
 }
 
+/// Solves a network again from the solution of a similar one: the same stations and groups, other
+/// weights or interruptions (which start at the dead paths before them).
+pub(crate) fn solve_from(
+    network: &Network,
+    near: &Solution,
+    settings: &Settings,
+) -> Result<Solution, Error> {
+    check_counts(network)?;
+    let mut state = near.state();
+    state.dead_paths_mm.truncate(network.stations.len());
+    for (k, interruption) in network.interruptions.iter().enumerate() {
+        let before = state.dead_paths_mm[interruption.station];
+        let near = near.dead_paths_after_mm.get(k);
+        state.dead_paths_mm.push(near.copied().unwrap_or(before));
+    }
+    let attempt = adjust_from(network, state, settings)?;
+    Ok(solution(network, attempt, near.mirror_image_open))
+}
+
+/// How far a length is from what the nominal positions let expect, in units of what is typical,
+/// before it is no error of the machine; and at least, mm.
+const FAR: f64 = 10.0;
+const FAR_MM: f64 = 1.0;
+
+/// Readings that are far off at the start.
+pub(crate) fn far_at_start(network: &Network) -> Result<Vec<usize>, Error> {
+    network.check()?;
+    check_counts(network)?;
+    let Start { state, .. } = start(network)?;
+    let model = FreePoints::new(network, &state);
+    let visits = network.visits.iter();
+    let sizes_mm: Vec<f64> = visits
+        .flat_map(|visit| model.residuals_mm(&state, visit))
+        .map(f64::abs)
+        .collect();
+    let mut sorted = sizes_mm.clone();
+    let middle = sorted.len() / 2;
+    let (_, &mut median, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
+    let limit_mm = (FAR * median).max(FAR_MM);
+    Ok((0..sizes_mm.len())
+        .filter(|&i| sizes_mm[i] > limit_mm)
+        .collect())
+}
+
 /// An adjustment with the weights that belong to it.
 struct Attempt<'a> {
     model: FreePoints<'a>,
@@ -195,7 +239,8 @@ fn check_counts(network: &Network) -> Result<(), Error> {
         }
     }
     let readings = network.readings.len();
-    let unknowns = 3 * network.nominal_mm.len() + PER_STATION * found - DATUM;
+    let shared = PER_STATION * found + network.interruptions.len();
+    let unknowns = 3 * network.nominal_mm.len() + shared - DATUM;
     if readings < unknowns {
         return Err(Error::TooFewReadings { readings, unknowns });
     }
@@ -240,9 +285,16 @@ fn run(
             limit,
             free,
         } => {
-            let unknown = |&(k, _): &(usize, f64)| StationUnknown {
-                station: k / PER_STATION,
-                unknown: k % PER_STATION,
+            let behind_stations = PER_STATION * network.stations.len();
+            let unknown = |&(k, _): &(usize, f64)| match k.checked_sub(behind_stations) {
+                Some(i) => StationUnknown {
+                    station: network.interruptions[i].station,
+                    unknown: PER_STATION - 1,
+                },
+                None => StationUnknown {
+                    station: k / PER_STATION,
+                    unknown: k % PER_STATION,
+                },
             };
             let free = free.iter().map(unknown).collect();
             Error::StationsNotDetermined {
@@ -276,6 +328,7 @@ fn solution(network: &Network, attempt: Attempt<'_>, mirror_image_open: bool) ->
                 dead_path_mm,
             })
             .collect(),
+        dead_paths_after_mm: state.dead_paths_mm[network.stations.len()..].to_vec(),
         residuals_mm,
         squares: adjusted.squares,
         observations: adjusted.observations,

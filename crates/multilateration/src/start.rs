@@ -100,6 +100,10 @@ pub(crate) fn start(network: &Network) -> Result<Start, Error> {
                 }),
         );
     }
+    for interruption in &network.interruptions {
+        let before = start.state.dead_paths_mm[interruption.station];
+        start.state.dead_paths_mm.push(before);
+    }
     Ok(start)
 }
 

@@ -1,0 +1,212 @@
+//! The noise that the residuals show, in place of the declared one.
+
+use nalgebra::Matrix2;
+use trueaxis_leastsquares::chi_squared_upper_tail;
+
+use crate::components::components;
+use crate::influence::Influence;
+use crate::solve::{Settings, solve_from};
+use crate::{Error, Network, Noise, Solution};
+
+/// Estimated noise with what is known about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoiseEstimate {
+    /// The noise with which the network was finally solved.
+    pub noise: Noise,
+    /// Where it comes from.
+    pub basis: NoiseBasis,
+    /// Covariance of the relative errors of the two variances: of a length, of the return. Zero
+    /// where the given noise was kept.
+    pub relative_covariance: Matrix2<f64>,
+    /// The constant part of a length's standard deviation.
+    pub length: PartEstimate,
+    /// The standard deviation of the machine's return.
+    pub machine_return: PartEstimate,
+}
+
+/// What the noise rests on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoiseBasis {
+    /// Too little redundancy: the given noise was kept.
+    Given,
+    /// The lengths do not tell the two parts apart: the given noise times a common factor.
+    CommonFactor,
+    /// Both parts were estimated.
+    Components,
+}
+
+/// One part of the noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PartEstimate {
+    /// Standard deviation, mm.
+    pub sigma_mm: f64,
+    /// Its standard uncertainty, mm; zero where the given one was kept.
+    pub u_mm: f64,
+    /// Degrees of freedom of its square; infinite where the given one was kept.
+    pub degrees_of_freedom: f64,
+    /// Probability, on both sides, of an estimate as far from the given one if that is right; none
+    /// where there is nothing to compare.
+    pub p_value: Option<f64>,
+}
+
+/// Below so many degrees of freedom a variance is not worth estimating if one is declared: its
+/// relative uncertainty would be above one half.
+const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
+
+/// Residuals this much smaller than declared come from no instrument but from a calculation.
+const TOO_GOOD: f64 = 0.01;
+
+/// Parts that the data tell apart less than this (`1 - ρ²` of their estimates) are scaled together.
+const LEAST_SEPARATION: f64 = 0.01;
+
+/// Settled when no factor differs from one by more than this part of its own uncertainty.
+const SETTLED: f64 = 0.02;
+
+const MAX_ITERATIONS: usize = 12;
+
+/// No step changes a variance by more, so that a bad start does not end at zero.
+const LARGEST_STEP: f64 = 100.0;
+
+/// A variance this small beside its start is zero.
+const VANISHED: f64 = 1e-6;
+
+/// Estimates the noise of a solved network and solves it with that. `declared` says whether the
+/// network's noise is more than a guess: then it is kept where the data know less.
+///
+/// # Errors
+/// Those of [`crate::solve`].
+pub fn estimate_noise(
+    network: &mut Network,
+    solution: &mut Solution,
+    declared: bool,
+    settings: &Settings,
+) -> Result<NoiseEstimate, Error> {
+    let given = network.noise;
+    let dof = solution.degrees_of_freedom() as f64;
+    let known_better = dof < LEAST_DEGREES_OF_FREEDOM || solution.sigma0() < TOO_GOOD;
+    if dof == 0.0 || (declared && known_better) {
+        return Ok(kept(given));
+    }
+    if given.return_sigma_mm == 0.0 {
+        network.noise.return_sigma_mm = given.length_sigma_mm;
+        *solution = solve_from(network, solution, settings)?;
+    }
+    let start = network.noise;
+    for _ in 0..MAX_ITERATIONS {
+        let Some(found) = components(&Influence::new(network, solution)) else {
+            break;
+        };
+        let worth = |k: usize| 2.0 / found.covariance[(k, k)] >= LEAST_DEGREES_OF_FREEDOM;
+        // A return that is small beside the lengths is known well enough when its sum with them is.
+        if found.separation < LEAST_SEPARATION || !worth(0) {
+            break;
+        }
+        let settled = (0..2)
+            .all(|k| (found.factors[k] - 1.0).abs() <= SETTLED * found.covariance[(k, k)].sqrt());
+        if settled {
+            let relative_covariance = found.covariance;
+            return Ok(estimated(network.noise, given, relative_covariance));
+        }
+        let step = |k: usize| {
+            found.factors[k]
+                .clamp(1.0 / LARGEST_STEP, LARGEST_STEP)
+                .sqrt()
+        };
+        network.noise = scaled(network.noise, step(0), step(1));
+        let vanished = (network.noise.return_sigma_mm / start.return_sigma_mm).powi(2) < VANISHED;
+        if vanished {
+            network.noise.return_sigma_mm = 0.0;
+        }
+        *solution = solve_from(network, solution, settings)?;
+        if vanished {
+            return lengths_only(network, solution, given, settings);
+        }
+    }
+    network.noise = given;
+    *solution = solve_from(network, solution, settings)?;
+    common_factor(network, solution, given, settings)
+}
+
+/// The machine returns exactly, as far as can be seen.
+fn lengths_only(
+    network: &mut Network,
+    solution: &mut Solution,
+    given: Noise,
+    settings: &Settings,
+) -> Result<NoiseEstimate, Error> {
+    let dof = solution.degrees_of_freedom() as f64;
+    network.noise = scaled(network.noise, solution.sigma0(), 1.0);
+    *solution = solve_from(network, solution, settings)?;
+    let relative_covariance = Matrix2::new(2.0 / dof, 0.0, 0.0, 0.0);
+    Ok(estimated(network.noise, given, relative_covariance))
+}
+
+/// Both parts with the ratio that was given.
+fn common_factor(
+    network: &mut Network,
+    solution: &mut Solution,
+    given: Noise,
+    settings: &Settings,
+) -> Result<NoiseEstimate, Error> {
+    let dof = solution.degrees_of_freedom() as f64;
+    let sigma0 = solution.sigma0();
+    if sigma0 > 0.0 {
+        network.noise = scaled(given, sigma0, sigma0);
+        *solution = solve_from(network, solution, settings)?;
+    }
+    let relative_covariance = Matrix2::from_element(2.0 / dof);
+    Ok(NoiseEstimate {
+        basis: NoiseBasis::CommonFactor,
+        ..estimated(network.noise, given, relative_covariance)
+    })
+}
+
+fn scaled(noise: Noise, length: f64, machine_return: f64) -> Noise {
+    Noise {
+        length_sigma_mm: noise.length_sigma_mm * length,
+        length_sigma_relative: noise.length_sigma_relative * length,
+        return_sigma_mm: noise.return_sigma_mm * machine_return,
+    }
+}
+
+fn kept(given: Noise) -> NoiseEstimate {
+    let part = |sigma_mm: f64| PartEstimate {
+        sigma_mm,
+        u_mm: 0.0,
+        degrees_of_freedom: f64::INFINITY,
+        p_value: None,
+    };
+    NoiseEstimate {
+        noise: given,
+        basis: NoiseBasis::Given,
+        relative_covariance: Matrix2::zeros(),
+        length: part(given.length_sigma_mm),
+        machine_return: part(given.return_sigma_mm),
+    }
+}
+
+fn estimated(noise: Noise, given: Noise, relative_covariance: Matrix2<f64>) -> NoiseEstimate {
+    let part = |k: usize, sigma_mm: f64, given_mm: f64| {
+        let variance = relative_covariance[(k, k)];
+        let degrees_of_freedom = 2.0 / variance;
+        let comparable = given_mm > 0.0 && degrees_of_freedom.is_finite();
+        let p_value = comparable.then(|| {
+            let statistic = degrees_of_freedom * (sigma_mm / given_mm).powi(2);
+            let above = chi_squared_upper_tail(statistic, degrees_of_freedom);
+            (2.0 * above.min(1.0 - above)).min(1.0)
+        });
+        PartEstimate {
+            sigma_mm,
+            u_mm: 0.5 * sigma_mm * variance.sqrt(),
+            degrees_of_freedom,
+            p_value,
+        }
+    };
+    NoiseEstimate {
+        noise,
+        basis: NoiseBasis::Components,
+        relative_covariance,
+        length: part(0, noise.length_sigma_mm, given.length_sigma_mm),
+        machine_return: part(1, noise.return_sigma_mm, given.return_sigma_mm),
+    }
+}

@@ -1,0 +1,162 @@
+//! How the whitened lengths enter an adjusted network: the rows of the hat matrix, factored.
+//!
+//! With the whitened Jacobian `J = [A | B]` of a group and the factors `R⁻¹`, `Z`, `Σ` of the
+//! covariance ([`trueaxis_leastsquares::Covariance`]):
+//!
+//! ```text
+//! J Q Jᵀ = [same group] O Oᵀ + T Σ Tᵀ      O = A R⁻¹      T = B - A Z
+//! ```
+//!
+//! so everything that needs the hat matrix (redundancy, tests of single lengths, variance
+//! components) is linear in the number of lengths.
+
+use faer::{Mat, MatRef};
+use trueaxis_leastsquares::{BlockRows, Covariance};
+
+use crate::Solution;
+use crate::free_points::{FreePoints, State};
+use crate::network::Network;
+use crate::noise::whiten;
+
+/// The solved network, ready to say what each group contributed.
+pub(crate) struct Influence<'a> {
+    network: &'a Network,
+    model: FreePoints<'a>,
+    state: State,
+    covariance: &'a Covariance,
+}
+
+/// One group's share.
+pub(crate) struct GroupRows {
+    /// Where each visit's readings are among the rows.
+    pub(crate) visits: Vec<VisitRows>,
+    /// `O`: one column for each unknown of the group.
+    pub(crate) own: Mat<f64>,
+    /// `T`: one column for each shared unknown and datum multiplier.
+    pub(crate) shared: Mat<f64>,
+    /// Whitened residuals, observed minus computed.
+    pub(crate) residuals: Vec<f64>,
+}
+
+/// One visit's rows.
+#[derive(Debug, Clone)]
+pub(crate) struct VisitRows {
+    /// The visit.
+    pub(crate) visit: usize,
+    /// First row within the group.
+    pub(crate) first: usize,
+    /// Number of rows.
+    pub(crate) count: usize,
+}
+
+impl<'a> Influence<'a> {
+    /// `network` must be the one that `solution` solved.
+    pub(crate) fn new(network: &'a Network, solution: &'a Solution) -> Self {
+        let state = solution.state();
+        Self {
+            network,
+            model: FreePoints::new(network, &state),
+            state,
+            covariance: &solution.covariance,
+        }
+    }
+
+    pub(crate) fn model(&self) -> &FreePoints<'a> {
+        &self.model
+    }
+
+    pub(crate) fn network(&self) -> &'a Network {
+        self.network
+    }
+
+    /// Unit vector from the station to the point of a reading.
+    pub(crate) fn beam(&self, reading: usize, visit: usize) -> [f64; 3] {
+        let content = &self.network.visits[visit];
+        let point = self
+            .network
+            .point(content.group, self.network.readings[reading].point);
+        self.state.beam(content.station, point).0.into()
+    }
+
+    pub(crate) fn covariance(&self) -> &'a Covariance {
+        self.covariance
+    }
+
+    /// Standard deviations of a visit's lengths without the machine's return, mm.
+    pub(crate) fn length_sigmas_mm(&self, visit: &VisitRows) -> Vec<f64> {
+        let content = &self.network.visits[visit.visit];
+        let sigma = |i: usize| {
+            let point = self
+                .network
+                .point(content.group, self.network.readings[i].point);
+            let (_, distance_mm) = self.state.beam(content.station, point);
+            self.network.noise.length_sigma_at_mm(distance_mm)
+                * self.network.variance_factor(i).sqrt()
+        };
+        content.readings.clone().map(sigma).collect()
+    }
+
+    /// `Σ`.
+    pub(crate) fn reduced_inverse(&self) -> MatRef<'a, f64> {
+        self.covariance.reduced_inverse()
+    }
+
+    /// Number of columns of `T`.
+    pub(crate) fn width(&self) -> usize {
+        self.covariance.reduced_inverse().ncols()
+    }
+
+    /// Number of groups.
+    pub(crate) fn groups(&self) -> usize {
+        self.network.groups.len()
+    }
+
+    /// The rows of a group; `rows` is memory to work in.
+    pub(crate) fn group(&self, group: usize, rows: &mut BlockRows) -> GroupRows {
+        self.model.fill_rows(&self.state, group, rows);
+        let count = rows.rows();
+        let unknowns = 3 * self.network.groups[group].len();
+        let block = Mat::from_fn(count, unknowns, |i, k| rows.block_mut(k)[i]);
+        let own = &block * self.covariance.inverse_factor(group);
+        let mut shared = -(&block * self.covariance.coupling(group));
+        for k in 0..self.model.shared() {
+            for (i, b) in rows.shared_mut(k).iter().enumerate() {
+                shared[(i, k)] += b;
+            }
+        }
+        let mut first = 0;
+        let visit_rows = |&visit: &usize| {
+            let count = self.network.visits[visit].readings.len();
+            first += count;
+            VisitRows {
+                visit,
+                first: first - count,
+                count,
+            }
+        };
+        GroupRows {
+            visits: self.model.visits_of(group).iter().map(visit_rows).collect(),
+            own,
+            shared,
+            residuals: rows.residual_mut().to_vec(),
+        }
+    }
+
+    /// `I - J Q Jᵀ` of one visit's whitened rows: the part of their noise that the residuals keep.
+    pub(crate) fn kept(&self, group: &GroupRows, visit: &VisitRows) -> Mat<f64> {
+        let own = group.own.as_ref().subrows(visit.first, visit.count);
+        let shared = group.shared.as_ref().subrows(visit.first, visit.count);
+        let adjusted = own * own.transpose() + shared * self.reduced_inverse() * shared.transpose();
+        Mat::from_fn(visit.count, visit.count, |i, j| {
+            f64::from(u8::from(i == j)) - adjusted[(i, j)]
+        })
+    }
+
+    /// `L⁻¹ e_i`: a unit error of one reading of a visit, whitened.
+    pub(crate) fn unit_error(&self, visit: &VisitRows, reading: usize) -> Vec<f64> {
+        let mut unit = vec![0.0; visit.count];
+        unit[reading] = 1.0;
+        whiten(self.model.factor(visit.visit), &mut unit);
+        unit
+    }
+}

@@ -1,0 +1,66 @@
+//! Weights that keep gross errors from bending the adjustment.
+//!
+//! A reading's weight follows from its distance `t` to what the others predict, in units of the
+//! scale that most readings show, by Welsch's redescending rule `exp(-(t/c)²)`: far readings lose
+//! all pull. While steps in the zeros of stations are still to be found, `t` is the distance to the
+//! median of the readings before and after it: a lost count shifts its neighbours as well and keeps its
+//! weight, a gross error stands alone and loses it.
+
+use crate::baarda::ReadingTest;
+
+/// Median of |w| for standard normal w.
+const NORMAL_MEDIAN: f64 = 0.674_489_750_196_081_7;
+
+/// Welsch's tuning: 95 % efficiency for normal noise. The final adjustment is fully weighted.
+const WELSCH: f64 = 2.985;
+
+/// Readings of a zero before and after one whose median it is compared with.
+const NEIGHBOURS: usize = 6;
+
+/// The factor on the variance of a reading that has left the adjustment: it pulls by a hundred
+/// millionth of its error, while its own test keeps eight digits.
+pub(crate) const REMOVED: f64 = 1e8;
+
+/// Standard deviation of w that most readings show: 1 if the noise is as declared.
+pub(crate) fn scale(tests: &[ReadingTest], factors: &[f64]) -> f64 {
+    let taking_part = |(test, &factor): (&ReadingTest, &f64)| {
+        (factor < REMOVED && test.sigma_mm.is_finite()).then_some(test.w.abs())
+    };
+    let mut sizes: Vec<f64> = tests.iter().zip(factors).filter_map(taking_part).collect();
+    if sizes.is_empty() {
+        return 1.0;
+    }
+    let middle = sizes.len() / 2;
+    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
+    *median / NORMAL_MEDIAN
+}
+
+/// Variance factor of a reading at distance `t`, in widths of the weights.
+pub(crate) fn welsch(t: f64) -> f64 {
+    (t / WELSCH).powi(2).exp().min(REMOVED)
+}
+
+/// Distance of each reading's error from the median of its neighbours in time, in standard deviations;
+/// `zeros` is the dead path of each reading.
+pub(crate) fn distances_from_neighbours(tests: &[ReadingTest], zeros: &[usize]) -> Vec<f64> {
+    let mut distances = vec![0.0; tests.len()];
+    let count = zeros.iter().max().map_or(0, |&last| last + 1);
+    let mut sequences = vec![Vec::new(); count];
+    for (reading, &zero) in zeros.iter().enumerate() {
+        sequences[zero].push(reading);
+    }
+    let mut window = Vec::new();
+    for sequence in sequences {
+        for (place, &reading) in sequence.iter().enumerate() {
+            let from = place.saturating_sub(NEIGHBOURS);
+            let to = (place + NEIGHBOURS + 1).min(sequence.len());
+            window.clear();
+            window.extend(sequence[from..to].iter().map(|&i| tests[i].error_mm));
+            let middle = window.len() / 2;
+            let (_, &mut median_mm, _) = window.select_nth_unstable_by(middle, f64::total_cmp);
+            let test = &tests[reading];
+            distances[reading] = (test.error_mm - median_mm) / test.sigma_mm;
+        }
+    }
+    distances
+}

@@ -1,0 +1,8 @@
+//! Multilateration against known truth.
+
+#![expect(clippy::print_stdout, reason = "statistical tests show their counts")]
+
+mod gross_errors;
+mod noise_components;
+mod properties;
+mod world;

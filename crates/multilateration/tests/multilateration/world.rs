@@ -1,0 +1,142 @@
+//! Known stations and points, and lengths by plain arithmetic.
+
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+use trueaxis_multilateration::{Network, Noise, Reading, Solution, Visit};
+
+pub(crate) const TARGETS: [[f64; 3]; 3] = [
+    [16.338, 452.716, 122.416],
+    [157.086, 332.593, 324.879],
+    [248.925, 603.0552, 412.4483],
+];
+
+pub(crate) const STATIONS: [([f64; 3], f64); 4] = [
+    ([1500.0, 300.0, 900.0], 12.0),
+    ([-600.0, 1600.0, 100.0], 345.0),
+    ([-700.0, -700.0, 700.0], 678.0),
+    ([900.0, 900.0, 1900.0], 91.0),
+];
+
+/// The paper's three-axis geometry: groups of three points at every step of three runs.
+pub(crate) fn steps(step_mm: f64) -> Vec<[Point3<f64>; 3]> {
+    let mut steps = Vec::new();
+    for (axis, stroke) in [440.0, 400.0, 400.0].into_iter().enumerate() {
+        let mut q = 0.0;
+        while q <= stroke {
+            steps.push(TARGETS.map(|t| Point3::from(t) + Vector3::ith(axis, q)));
+            q += step_mm;
+        }
+    }
+    steps
+}
+
+pub(crate) struct Truth {
+    pub(crate) stations: Vec<(Point3<f64>, f64)>,
+    pub(crate) points: Vec<Point3<f64>>,
+}
+
+pub(crate) fn truth(step_mm: f64) -> Truth {
+    Truth {
+        stations: STATIONS.map(|(s, l)| (Point3::from(s), l)).to_vec(),
+        points: steps(step_mm).concat(),
+    }
+}
+
+/// Exact lengths, `repeats` visits to every group from every station.
+pub(crate) fn network(
+    truth: &Truth,
+    nominal: Vec<Point3<f64>>,
+    repeats: usize,
+    noise: Noise,
+) -> Network {
+    let groups: Vec<_> = (0..truth.points.len() / 3)
+        .map(|g| 3 * g..3 * g + 3)
+        .collect();
+    let mut network = Network {
+        stations: vec![None; truth.stations.len()],
+        nominal_mm: nominal,
+        groups,
+        noise,
+        ..Network::default()
+    };
+    for (station, (position, dead_path)) in truth.stations.iter().enumerate() {
+        for _ in 0..repeats {
+            for group in 0..network.groups.len() {
+                let first = network.readings.len();
+                for point in 0..3 {
+                    let p = truth.points[3 * group + point];
+                    let length_mm = (p - position).norm() - dead_path;
+                    network.readings.push(Reading { point, length_mm });
+                }
+                network.visits.push(Visit {
+                    station,
+                    group,
+                    readings: first..first + 3,
+                });
+            }
+        }
+    }
+    network
+}
+
+pub(crate) fn add_noise(network: &mut Network, truth: &Truth, rng: &mut ChaCha8Rng) {
+    let noise = network.noise;
+    let mut normal = || -> f64 { rng.sample(StandardNormal) };
+    for visit in &network.visits {
+        let shift = Vector3::new(normal(), normal(), normal()) * noise.return_sigma_mm;
+        for reading in &mut network.readings[visit.readings.clone()] {
+            let p = truth.points[3 * visit.group + reading.point];
+            let (position, dead_path) = truth.stations[visit.station];
+            reading.length_mm =
+                (p + shift - position).norm() - dead_path + normal() * noise.length_sigma_mm;
+        }
+    }
+}
+
+/// The rigid motion that fits the true points best to the nominal ones, by a singular value
+/// decomposition (the solver has datum equations).
+pub(crate) fn best_fit(points: &[Point3<f64>], nominal: &[Point3<f64>]) -> Isometry3<f64> {
+    let centre =
+        |all: &[Point3<f64>]| all.iter().map(|p| p.coords).sum::<Vector3<f64>>() / all.len() as f64;
+    let (cp, cn) = (centre(points), centre(nominal));
+    let mut covariance = Matrix3::zeros();
+    for (p, n) in points.iter().zip(nominal) {
+        covariance += (n.coords - cn) * (p.coords - cp).transpose();
+    }
+    let svd = covariance.svd(true, true);
+    let (u, v_t) = (svd.u.unwrap(), svd.v_t.unwrap());
+    let sign = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, (u * v_t).determinant()));
+    let rotation =
+        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(u * sign * v_t));
+    Translation3::from(cn) * rotation * Translation3::from(-cp)
+}
+
+/// Largest distance between the solution and the truth brought into the solution's datum, mm.
+pub(crate) fn largest_deviation_mm(
+    solution: &Solution,
+    truth: &Truth,
+    nominal: &[Point3<f64>],
+) -> f64 {
+    let datum_from_truth = best_fit(&truth.points, nominal);
+    let points = solution.points_mm.iter().zip(&truth.points);
+    let stations = solution.stations.iter().zip(&truth.stations);
+    points
+        .map(|(found, p)| (found - datum_from_truth * p).norm())
+        .chain(stations.map(|(found, (s, l))| {
+            let shift = (found.position_mm - datum_from_truth * s).norm();
+            shift.max((found.dead_path_mm - l).abs())
+        }))
+        .fold(0.0, f64::max)
+}
+
+/// The true points are up to `size_mm` off nominal.
+pub(crate) fn disturbed(nominal: &[Point3<f64>], size_mm: f64, seed: u64) -> Vec<Point3<f64>> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut shift = || (rng.random::<f64>() - 0.5) * 2.0 * size_mm;
+    nominal
+        .iter()
+        .map(|p| p + Vector3::new(shift(), shift(), shift()))
+        .collect()
+}
