@@ -1,0 +1,105 @@
+//! Why a propagation or its comparison cannot be made.
+
+/// A propagation that cannot be run as asked, or a trial that failed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// The coverage probability is not between 0 and 1.
+    #[error("coverage probability is {coverage}, it must lie between 0 and 1")]
+    Coverage {
+        /// The one asked for.
+        coverage: f64,
+    },
+    /// The model has nothing to propagate to.
+    #[error("the model has no outputs")]
+    NoOutputs,
+    /// All trials would lie inside the coverage interval.
+    #[error(
+        "{trials} trials are too few for an interval that covers {coverage}: none would lie \
+         outside (10000/(1 - p) are recommended)"
+    )]
+    TooFewTrials {
+        /// Trials asked for.
+        trials: usize,
+        /// Coverage probability asked for.
+        coverage: f64,
+    },
+    /// Stability is judged from the scatter between blocks, so there must be two.
+    #[error("at most {most} trials do not hold two blocks of {block}")]
+    TooFewForBlocks {
+        /// The most trials allowed.
+        most: usize,
+        /// Trials of one block.
+        block: usize,
+    },
+    /// A number of significant digits that an f64 does not have.
+    #[error("{significant_digits} significant digits asked for, 1 to {most} are possible")]
+    SignificantDigits {
+        /// Digits asked for.
+        significant_digits: u32,
+        /// The most that are possible.
+        most: u32,
+    },
+    /// The values of all trials need more memory than the settings allow.
+    #[error(
+        "{trials} trials of {outputs} outputs take {bytes} bytes, the limit is {limit_bytes}; \
+         {fitting_trials} trials fit"
+    )]
+    Memory {
+        /// Outputs of the model.
+        outputs: usize,
+        /// Trials asked for (the most, for an adaptive number).
+        trials: usize,
+        /// Bytes that they take.
+        bytes: u128,
+        /// Bytes allowed.
+        limit_bytes: u64,
+        /// Trials that stay within the limit.
+        fitting_trials: u128,
+    },
+    /// The system has not the memory that the settings allow.
+    #[error("no memory for {trials} trials of {outputs} outputs")]
+    Allocation {
+        /// Outputs of the model.
+        outputs: usize,
+        /// Trials to be kept.
+        trials: usize,
+    },
+    /// The threads could not be started.
+    #[error("{threads} threads could not be started: {reason}")]
+    Threads {
+        /// Threads asked for.
+        threads: usize,
+        /// What the system said.
+        reason: String,
+    },
+    /// A trial failed: one of its outputs is infinite or not a number. It is the first such trial
+    /// on any number of threads.
+    #[error("trial {trial}: output {output} is {value}")]
+    NotFinite {
+        /// Number of the trial, from 0; also the number of its random stream.
+        trial: u64,
+        /// The first output of that trial that is not finite, from 0.
+        output: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// The values of an output are finite, but so large that their squares are not.
+    #[error("output {output}: the values are too large, the standard deviation overflows")]
+    Overflow {
+        /// The output, from 0.
+        output: usize,
+    },
+    /// A first-order result with a number that is infinite or not a number.
+    #[error(
+        "first-order result {value}, standard uncertainty {u}, coverage factor {coverage_factor}: \
+         all must be finite"
+    )]
+    FirstOrderNotFinite {
+        /// The estimate.
+        value: f64,
+        /// Its standard uncertainty.
+        u: f64,
+        /// The coverage factor.
+        coverage_factor: f64,
+    },
+}
