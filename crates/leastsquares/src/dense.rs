@@ -1,11 +1,25 @@
-//! Least squares with a small full design matrix.
+//! Least squares with a small full design matrix: [`solve`] where the rows are linear in the
+//! unknowns, [`adjust`] where they are not.
 //!
 //! Columns are scaled to unit length, the rank is read from the singular values, and a deficient
 //! design is refused with the unknowns that are free.
 
+mod adjust;
+mod curvature;
+mod linearised;
+mod residual;
+mod scaled_svd;
+mod termination;
+mod trust_region;
+
 use faer::{Mat, MatRef};
 
+pub use adjust::{Adjusted, Model, Settings, adjust};
+pub use termination::Termination;
+
 use crate::Error;
+use residual::twofold_residual;
+use scaled_svd::ScaledSvd;
 
 /// Solution of `min |y - A x|` with the evidence.
 #[derive(Debug, Clone)]
@@ -26,6 +40,9 @@ pub const RANK_TOL: f64 = 1e-13;
 
 /// Solves `min |y - A x|` for whitened rows.
 ///
+/// The solution is corrected once by the residuals of twofold precision: what is left of its error
+/// is what the rounding of `design` and `right_side` to f64 has done before.
+///
 /// # Errors
 /// [`Error::DenseRank`] if `design` does not have full column rank, [`Error::NotFinite`].
 ///
@@ -41,73 +58,27 @@ pub fn solve(design: MatRef<'_, f64>, right_side: &[f64]) -> Result<Fit, Error> 
             what: "the design matrix or its right-hand side",
         });
     }
-    let lengths: Vec<f64> = (0..unknowns)
-        .map(|j| design.col(j).norm_l2())
-        .map(|length| if length > 0.0 { length } else { 1.0 })
-        .collect();
-    let scaled = Mat::from_fn(rows, unknowns, |i, j| design[(i, j)] / lengths[j]);
-    let svd = scaled.thin_svd().map_err(|_| Error::Decomposition {
-        what: "singular value decomposition",
-    })?;
-    let singular_values: Vec<f64> = svd.S().column_vector().iter().copied().collect();
-    let largest = singular_values.first().copied().unwrap_or(0.0);
-    let rank = singular_values
-        .iter()
-        .filter(|&&s| s > RANK_TOL * largest)
-        .count();
-    let v = svd.V();
+    let svd = ScaledSvd::unit_columns(design)?;
+    let rank = svd.rank(RANK_TOL);
     if rank < unknowns {
-        // A wide design has free combinations that the thin decomposition does not list.
-        let free = (0..unknowns)
-            .map(|i| 1.0 - (0..rank).map(|k| v[(i, k)] * v[(i, k)]).sum::<f64>())
-            .collect();
-        let last = if rows < unknowns {
-            0.0
-        } else {
-            singular_values[unknowns - 1]
-        };
-        let singular_value = if largest > 0.0 { last / largest } else { 0.0 };
         return Err(Error::DenseRank {
             rank,
             unknowns,
-            singular_value,
+            singular_value: svd.least_singular_value(),
             limit: RANK_TOL,
-            free,
+            free: svd.free_shares(rank),
         });
     }
-    let coefficients: Vec<f64> = (0..unknowns)
-        .map(|k| {
-            let projected: f64 = (0..rows).map(|i| svd.U()[(i, k)] * right_side[i]).sum();
-            projected / singular_values[k]
-        })
-        .collect();
-    let solution: Vec<f64> = (0..unknowns)
-        .map(|i| {
-            (0..unknowns)
-                .map(|k| v[(i, k)] * coefficients[k])
-                .sum::<f64>()
-                / lengths[i]
-        })
-        .collect();
-    let residuals = (0..rows)
-        .map(|i| {
-            right_side[i]
-                - (0..unknowns)
-                    .map(|j| design[(i, j)] * solution[j])
-                    .sum::<f64>()
-        })
-        .collect();
-    let covariance = Mat::from_fn(unknowns, unknowns, |i, j| {
-        let sum: f64 = (0..unknowns)
-            .map(|k| v[(i, k)] * v[(j, k)] / (singular_values[k] * singular_values[k]))
-            .sum();
-        sum / (lengths[i] * lengths[j])
-    });
+    let mut solution = svd.solve(right_side);
+    let correction = svd.solve(&twofold_residual(design, &solution, right_side));
+    for (x, change) in solution.iter_mut().zip(correction) {
+        *x += change;
+    }
     Ok(Fit {
+        residuals: twofold_residual(design, &solution, right_side),
         unknowns: solution,
-        residuals,
-        covariance,
-        singular_values,
+        covariance: svd.covariance(),
+        singular_values: svd.singular_values().to_vec(),
     })
 }
 
@@ -121,6 +92,17 @@ mod tests {
         let fit = solve(design.as_ref(), &[1.0, 3.0, 5.0]).unwrap();
         assert!((fit.unknowns[0] - 1.0).abs() < 1e-14 && (fit.unknowns[1] - 2.0).abs() < 1e-14);
         assert!((fit.covariance[(1, 1)] - 0.5).abs() < 1e-14);
+    }
+
+    #[test]
+    fn the_correction_removes_the_error_of_the_decomposition() {
+        // Powers up to 12⁷ and their sums are exact in f64; the solution is one throughout. The
+        // condition with unit columns is 2e5: the decomposition alone leaves errors of 1e-8 in
+        // the unknowns that contribute least.
+        let design = Mat::from_fn(12, 8, |i, j| (0..j).fold(1.0, |p, _| p * (i + 1) as f64));
+        let right_side: Vec<f64> = (0..12).map(|i| design.row(i).iter().sum()).collect();
+        let fit = solve(design.as_ref(), &right_side).unwrap();
+        assert!(fit.unknowns.iter().all(|x| (x - 1.0).abs() < 1e-14));
     }
 
     #[test]

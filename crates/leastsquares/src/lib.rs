@@ -14,8 +14,9 @@
 //!
 //! Noun in: an [`Adjustment`] (a model that linearises itself at a state); noun out: an
 //! [`Adjusted`] state with its covariance and the reason why the iteration stopped. [`dense`]
-//! is the same for small full matrices. Rank is decided here, with numbers, never left to a
-//! factorisation that divides by zero. The crate knows no geometry and no files.
+//! is the same for small full matrices, linear ([`dense::solve`]) and not ([`dense::adjust()`]).
+//! Rank is decided here, with numbers, never left to a factorisation that divides by zero. The
+//! crate knows no geometry and no files.
 //!
 //! ```
 //! use trueaxis_leastsquares::{Arrowhead, BlockRows, Datum};
@@ -48,6 +49,7 @@ pub mod dense;
 mod error;
 mod gauss_newton;
 mod reduced;
+mod student;
 
 pub use arrowhead::{Arrowhead, Correction, Solved};
 pub use block::BlockRows;
@@ -56,3 +58,4 @@ pub use covariance::Covariance;
 pub use error::Error;
 pub use gauss_newton::{Adjusted, Adjustment, Settings, Termination, adjust};
 pub use reduced::Datum;
+pub use student::student_two_sided;

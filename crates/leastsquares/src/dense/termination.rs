@@ -1,0 +1,89 @@
+//! Why an adjustment stopped.
+
+use std::fmt;
+
+/// Why the iteration of [`adjust`](super::adjust()) stopped. Lengths are in the unit of the
+/// residuals.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Termination {
+    /// A minimum: full rank, positive curvature, and Newton's step is below the tolerance.
+    Converged {
+        /// Length by which Newton's step changes the residuals, `|J δx|`.
+        offset: f64,
+        /// The tolerance: a fraction of the residuals or, if larger, their rounding.
+        tolerance: f64,
+    },
+    /// Stationary, but combinations of the unknowns are not determined there.
+    RankDefect {
+        /// Numerical rank of the Jacobian.
+        rank: usize,
+        /// Number of unknowns.
+        unknowns: usize,
+        /// Its least singular value with unit columns, relative to the largest.
+        singular_value: f64,
+        /// The least value accepted.
+        limit: f64,
+        /// For each unknown its share in the free combinations (0 to 1).
+        free: Vec<f64>,
+    },
+    /// Stationary, but the sum of squares falls away from there: a saddle or a maximum.
+    NoMinimum {
+        /// Least curvature of the sum of squares relative to that of the linearised residuals.
+        /// Not a number if the Jacobian is not finite beside this point.
+        curvature: f64,
+    },
+    /// No step lowers the sum of squares, and the offset is longer than rounding explains.
+    Stalled {
+        /// `|J δx|` of the step without damping.
+        offset: f64,
+        /// The tolerance.
+        tolerance: f64,
+    },
+    /// The most iterations were used up.
+    MaxIterations {
+        /// `|J δx|` of the step without damping.
+        offset: f64,
+        /// The tolerance.
+        tolerance: f64,
+    },
+}
+
+impl Termination {
+    /// Whether the result is a minimum.
+    pub fn is_converged(&self) -> bool {
+        matches!(self, Self::Converged { .. })
+    }
+}
+
+impl fmt::Display for Termination {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Converged { offset, tolerance } => {
+                write!(f, "converged: offset {offset:.1e}, limit {tolerance:.1e}")
+            }
+            Self::RankDefect {
+                rank,
+                unknowns,
+                singular_value,
+                limit,
+                ..
+            } => write!(
+                f,
+                "not determined: rank {rank} of {unknowns} (singular value {singular_value:.1e} \
+                 relative, limit {limit:.1e})"
+            ),
+            Self::NoMinimum { curvature } => {
+                write!(f, "no minimum: relative curvature {curvature:.1e}")
+            }
+            Self::Stalled { offset, tolerance } => write!(
+                f,
+                "stuck: no step lowers the sum of squares, offset {offset:.1e}, limit \
+                 {tolerance:.1e}"
+            ),
+            Self::MaxIterations { offset, tolerance } => write!(
+                f,
+                "iterations used up: offset {offset:.1e}, limit {tolerance:.1e}"
+            ),
+        }
+    }
+}
