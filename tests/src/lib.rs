@@ -1,8 +1,12 @@
 //! Comparison of calibrations with the truth of simulated campaigns.
 //!
-//! Not published; the tests are in `tests/`.
+//! Not published; the tests are in `tests/`, the long study of coverage in `examples/`.
 
-use trueaxis_calibrate::{AxisResult, Calibration};
+mod coverage;
+
+pub use coverage::{Share, Tally};
+
+use trueaxis_calibrate::{AxisResult, Calibration, coverage_factor};
 use trueaxis_campaign::Direction;
 use trueaxis_kinematics::Component;
 use trueaxis_simulate::{TrueComponents, Truth};
@@ -18,7 +22,29 @@ pub struct Deviation {
     pub error: f64,
     /// Stated standard uncertainty.
     pub u: f64,
+    /// Its degrees of freedom.
+    pub dof: f64,
 }
+
+impl Deviation {
+    /// Whether the stated 95 % interval holds the truth; `None` where gauge or frame define the
+    /// number, which then must be exact.
+    pub fn is_inside(&self) -> Option<bool> {
+        if self.u < ZERO {
+            assert!(
+                self.error.abs() < ZERO,
+                "{} = {:e}, u = 0",
+                self.name,
+                self.error
+            );
+            return None;
+        }
+        Some(self.error.abs() < coverage_factor(self.dof) * self.u)
+    }
+}
+
+/// What is zero by definition (gauge at home, frame) has no uncertainty, mm or rad.
+const ZERO: f64 = 1e-9;
 
 /// Component errors of all axes: estimate minus truth. Where the calibration does not keep the
 /// sides of approach apart, the truth is their mean.
@@ -61,6 +87,7 @@ fn components_of(found: &AxisResult, truth: &TrueComponents) -> Vec<Deviation> {
                 angular: component.is_angular(),
                 error: error[c] - sum / at.len() as f64,
                 u: node.u[c],
+                dof: node.dof[c],
             });
         }
     }
@@ -94,6 +121,7 @@ pub fn locations(calibration: &Calibration, truth: &Truth) -> Vec<Deviation> {
                 angular: location.component.is_angular(),
                 error: location.value - truth.value,
                 u: location.u,
+                dof: location.dof,
             });
         }
     }
@@ -112,16 +140,19 @@ pub fn stations(calibration: &Calibration, truth: &Truth) -> Vec<Deviation> {
         let d = found.position_mm - truth.position_mm;
         let dead_path = found.dead_path_mm - truth.dead_path_mm;
         let u = found.u_mm.into_iter().chain([found.u_dead_path_mm]);
-        for ((what, error), u) in ["x", "y", "z", "L"]
+        let dof = found.dof.into_iter().chain([found.dof_dead_path]);
+        for (((what, error), u), dof) in ["x", "y", "z", "L"]
             .iter()
             .zip([d.x, d.y, d.z, dead_path])
             .zip(u)
+            .zip(dof)
         {
             all.push(Deviation {
                 name: format!("{what} of {}", found.name),
                 angular: false,
                 error,
                 u,
+                dof,
             });
         }
     }

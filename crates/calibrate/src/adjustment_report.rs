@@ -1,18 +1,103 @@
-//! What the residuals say about the declared noise.
+//! What the residuals say about the measurement and its noise.
 
-use trueaxis_campaign::Campaign;
+use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::chi_squared_upper_tail;
-use trueaxis_multilateration::Solution;
+use trueaxis_multilateration::{NoiseBasis, PartEstimate, Screened};
 
 use crate::axis_data::AxisData;
-use crate::calibration::AdjustmentReport;
 use crate::identify_axes::Identified;
+use crate::lengths_in_words::{length_in_words, stop_of};
 use crate::measured::Measured;
 use crate::{from_lengths, rigidity};
 
-/// Significance at which the declared noise is given up for the residuals' own: one clean campaign
-/// in a thousand gets larger uncertainties than it needs.
+/// What the measurement says about itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AdjustmentReport {
+    /// Lengths used, or coordinates of a points campaign.
+    pub observations: usize,
+    /// Unknowns that they determine.
+    pub unknowns: usize,
+    /// Redundancy.
+    pub degrees_of_freedom: usize,
+    /// Standard deviation of unit weight with the declared noise: 1 if the noise is as declared.
+    pub sigma0: f64,
+    /// Probability of residuals at least as large if the noise is as declared.
+    pub p_value: f64,
+    /// Whether the noise was declared.
+    pub noise_declared: bool,
+    /// Factor on all standard uncertainties beyond the noise that was used: 1 unless a points
+    /// campaign's residuals contradict its declared noise.
+    pub uncertainty_factor: f64,
+    /// Degrees of freedom of that factor; infinite where it is 1 because the declared noise holds.
+    pub factor_degrees_of_freedom: f64,
+    /// Rms of the residuals, mm.
+    pub rms_residual_mm: f64,
+    /// The noise of the lengths; `None` for a points campaign.
+    pub noise: Option<NoiseReport>,
+    /// Lengths that were removed as gross errors, in measuring order.
+    pub rejected: Vec<RejectedLength>,
+    /// Turns that were split because the zero of the interferometer jumped, in measuring order.
+    pub interruptions: Vec<InterruptedTurn>,
+    /// Iterations of the adjustment.
+    pub iterations: usize,
+    /// Why it stopped.
+    pub termination: String,
+}
+
+/// The noise that was used for weights and uncertainties.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoiseReport {
+    /// What it rests on.
+    pub basis: NoiseBasis,
+    /// Constant part of a length's standard deviation.
+    pub length: PartReport,
+    /// Standard deviation per coordinate of the machine's return.
+    pub machine_return: PartReport,
+}
+
+/// One part of the noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PartReport {
+    /// The declared standard deviation, mm.
+    pub declared_mm: Option<f64>,
+    /// The one used; its p-value is that of the test against the declared one.
+    pub used: PartEstimate,
+}
+
+/// A length that contradicts the others.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RejectedLength {
+    /// Line of the file, from 1 (the header).
+    pub line: usize,
+    /// Station, target and step in words.
+    pub length: String,
+    /// Its estimated error, observed minus right, mm.
+    pub error_mm: f64,
+    /// Standard uncertainty of that, mm.
+    pub u_mm: f64,
+    /// It does not contradict the others, but nothing checks it beside a length of the same point that
+    /// does.
+    pub unchecked: bool,
+}
+
+/// A turn of a station in which all lengths change by a constant from an instant on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InterruptedTurn {
+    /// Name of the station.
+    pub station: String,
+    /// The last line before the jump and the first one after it, of this station.
+    pub lines: [usize; 2],
+    /// Their times, s.
+    pub times_s: [f64; 2],
+    /// By how much the lengths change, mm.
+    pub change_mm: f64,
+    /// Standard uncertainty of that, mm.
+    pub u_mm: f64,
+}
+
+/// Significance at which the declared noise is given up for the residuals' own in a points campaign,
+/// and at which a word is said about it: one clean campaign in a thousand.
 const GLOBAL_TEST_LEVEL: f64 = 1e-3;
 
 /// The report, and what a user must know of it added to `notices`.
@@ -22,106 +107,248 @@ pub(crate) fn report(
     measured: &Measured,
     data: &[AxisData],
     identified: &Identified,
-    solution: Option<&Solution>,
+    screened: Option<&Screened>,
     notices: &mut Vec<String>,
 ) -> AdjustmentReport {
-    let instrument = &campaign.instrument;
-    let (squares, observations, degrees_of_freedom, declared) = match solution {
-        Some(solution) => (
-            solution.squares,
-            solution.observations,
-            solution.degrees_of_freedom(),
-            instrument.length_sigma_um.is_some(),
-        ),
-        None => {
-            let (squares, degrees_of_freedom) = rigidity::total(data, identified);
-            let readings = campaign.points.iter().flat_map(|points| &points.readings);
-            let declared = readings
-                .into_iter()
-                .all(|reading| reading.sigma_um.is_some());
-            (
-                squares,
-                3 * measured.points_mm.len(),
-                degrees_of_freedom,
-                declared,
-            )
+    match (screened, &campaign.lengths) {
+        (Some(screened), Some(lengths)) => {
+            of_lengths(campaign, lengths, by_direction, screened, notices)
         }
+        _ => of_points(campaign, by_direction, measured, data, identified, notices),
+    }
+}
+
+fn of_lengths(
+    campaign: &Campaign,
+    lengths: &Lengths,
+    by_direction: bool,
+    screened: &Screened,
+    notices: &mut Vec<String>,
+) -> AdjustmentReport {
+    let (solution, instrument) = (&screened.solution, &campaign.instrument);
+    let degrees_of_freedom = solution.degrees_of_freedom();
+    let noise_declared = instrument.length_sigma_um.is_some();
+    let sigma0 = match noise_declared {
+        true => from_lengths::given_sigma0(screened),
+        false if degrees_of_freedom > 0 => solution.sigma0(),
+        false => 1.0,
     };
-    let sigma0 = if degrees_of_freedom > 0 {
-        (squares / degrees_of_freedom as f64).sqrt()
-    } else {
-        1.0
-    };
+    let squares = sigma0.powi(2) * degrees_of_freedom as f64;
     let p_value = chi_squared_upper_tail(squares, degrees_of_freedom as f64);
-    let scaled = !declared || p_value < GLOBAL_TEST_LEVEL;
-    let uncertainty_factor = if scaled { sigma0 } else { 1.0 };
-    let uncertainty_factor = uncertainty_factor.max(repeat_factor(measured, declared, notices));
-    if degrees_of_freedom == 0 {
-        notices.push(
-            "nothing checks the measurement: there are no more observations than unknowns"
-                .to_owned(),
-        );
-    } else if !declared {
+    let noise = noise_report(campaign, screened);
+    let residuals = Residuals {
+        sigma0,
+        p_value,
+        degrees_of_freedom,
+        noise_declared,
+        consequence: match noise.basis {
+            NoiseBasis::Given => "uncertainties are those of the declared noise",
+            _ => "uncertainties follow the residuals",
+        },
+    };
+    let both_sides = !by_direction && approached_from_both_sides(campaign);
+    residuals.notices(both_sides, notices);
+    if p_value < GLOBAL_TEST_LEVEL && noise_declared {
         notices.push(format!(
-            "the noise is not declared: uncertainties follow from the residuals ({degrees_of_freedom} \
-             degrees of freedom)"
-        ));
-    } else if p_value < GLOBAL_TEST_LEVEL {
-        notices.push(format!(
-            "the residuals are {sigma0:.2} times what the declared noise explains (p = {p_value:.0e}): \
-             the model or the declared noise is wrong; all uncertainties are multiplied by {sigma0:.2}"
-        ));
-        if let (Some(solution), Some(lengths)) = (solution, &campaign.lengths) {
-            notices.push(format!(
-                "the largest residual is that of {}",
-                from_lengths::worst_length(campaign, lengths, solution)
-            ));
-        }
-        if !by_direction && approached_from_both_sides(campaign) {
-            notices.push(
-                "positions were approached from both sides: lost motion makes such residuals; \
-                 --by-direction gives each side curves of its own"
-                    .to_owned(),
-            );
-        }
-    } else if p_value > 1.0 - GLOBAL_TEST_LEVEL {
-        notices.push(format!(
-            "the residuals are only {sigma0:.3} times what the declared noise explains: it is declared \
-             too large, and so are the uncertainties"
+            "the largest residual is that of {}",
+            worst_length(campaign, lengths, screened)
         ));
     }
+    AdjustmentReport {
+        observations: solution.observations,
+        unknowns: solution.unknowns,
+        degrees_of_freedom,
+        sigma0,
+        p_value,
+        noise_declared,
+        uncertainty_factor: 1.0,
+        factor_degrees_of_freedom: f64::INFINITY,
+        rms_residual_mm: solution.rms_residual_mm(),
+        noise: Some(noise),
+        rejected: screened
+            .removed
+            .iter()
+            .map(|removed| RejectedLength {
+                line: lengths.readings[removed.reading].line,
+                length: length_in_words(campaign, lengths, removed.reading),
+                error_mm: removed.error_mm,
+                u_mm: removed.u_mm,
+                unchecked: removed.unchecked,
+            })
+            .collect(),
+        interruptions: interruptions(campaign, lengths, screened),
+        iterations: solution.iterations,
+        termination: solution.termination.to_string(),
+    }
+}
+
+fn noise_report(campaign: &Campaign, screened: &Screened) -> NoiseReport {
+    let instrument = &campaign.instrument;
+    let part = |declared_um: Option<f64>, used: PartEstimate| PartReport {
+        declared_mm: declared_um.map(|um| um * MICROMETRE),
+        used: PartEstimate {
+            p_value: used.p_value.filter(|_| declared_um.is_some()),
+            ..used
+        },
+    };
+    let noise = &screened.noise;
+    NoiseReport {
+        basis: noise.basis,
+        length: part(instrument.length_sigma_um, noise.length),
+        machine_return: part(instrument.repeatability_um, noise.machine_return),
+    }
+}
+
+fn interruptions(
+    campaign: &Campaign,
+    lengths: &Lengths,
+    screened: &Screened,
+) -> Vec<InterruptedTurn> {
+    let turn = |jump: &trueaxis_multilateration::Jump| {
+        let after = jump.first_reading;
+        let before = (0..after).rfind(|&i| stop_of(lengths, i).station == jump.station);
+        let pair = [before.unwrap_or(after), after];
+        InterruptedTurn {
+            station: campaign.stations[jump.station].name.clone(),
+            lines: pair.map(|i| lengths.readings[i].line),
+            times_s: pair.map(|i| lengths.readings[i].time_s),
+            change_mm: jump.change_mm,
+            u_mm: jump.u_mm,
+        }
+    };
+    screened.jumps.iter().map(turn).collect()
+}
+
+/// The used length with the largest residual, in words.
+fn worst_length(campaign: &Campaign, lengths: &Lengths, screened: &Screened) -> String {
+    let residuals = screened.kept.iter().zip(&screened.solution.residuals_mm);
+    residuals
+        .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+        .map_or_else(String::new, |(&reading, residual_mm)| {
+            format!(
+                "{} with {:.1} µm",
+                length_in_words(campaign, lengths, reading),
+                residual_mm.abs() / MICROMETRE
+            )
+        })
+}
+
+/// How the residuals compare with the declared noise.
+struct Residuals {
+    sigma0: f64,
+    p_value: f64,
+    degrees_of_freedom: usize,
+    noise_declared: bool,
+    consequence: &'static str,
+}
+
+impl Residuals {
+    fn notices(&self, both_sides: bool, notices: &mut Vec<String>) {
+        let Self {
+            sigma0,
+            p_value,
+            degrees_of_freedom,
+            consequence,
+            ..
+        } = self;
+        if *degrees_of_freedom == 0 {
+            notices.push(
+                "nothing checks the measurement: there are no more observations than unknowns"
+                    .to_owned(),
+            );
+        } else if !self.noise_declared {
+            notices.push(format!(
+                "the noise is not declared: uncertainties follow from the residuals \
+                 ({degrees_of_freedom} degrees of freedom)"
+            ));
+        } else if *p_value < GLOBAL_TEST_LEVEL {
+            notices.push(format!(
+                "the residuals are {sigma0:.2} times what the declared noise explains (p = \
+                 {p_value:.0e}): the model or the declared noise is wrong; {consequence}"
+            ));
+            if both_sides {
+                notices.push(
+                    "positions were approached from both sides: lost motion makes such residuals; \
+                     --by-direction gives each side curves of its own"
+                        .to_owned(),
+                );
+            }
+        } else if *p_value > 1.0 - GLOBAL_TEST_LEVEL {
+            notices.push(format!(
+                "the residuals are only {sigma0:.3} times what the declared noise explains: it is \
+                 declared too large; {consequence}"
+            ));
+        }
+    }
+}
+
+fn of_points(
+    campaign: &Campaign,
+    by_direction: bool,
+    measured: &Measured,
+    data: &[AxisData],
+    identified: &Identified,
+    notices: &mut Vec<String>,
+) -> AdjustmentReport {
+    let (squares, degrees_of_freedom) = rigidity::total(data, identified);
+    let readings = campaign.points.iter().flat_map(|points| &points.readings);
+    let noise_declared = readings
+        .into_iter()
+        .all(|reading| reading.sigma_um.is_some());
+    let sigma0 = match degrees_of_freedom {
+        0 => 1.0,
+        _ => (squares / degrees_of_freedom as f64).sqrt(),
+    };
+    let p_value = chi_squared_upper_tail(squares, degrees_of_freedom as f64);
+    let scaled = !noise_declared || p_value < GLOBAL_TEST_LEVEL;
+    let from_shape = match scaled {
+        true => (sigma0, degrees_of_freedom as f64),
+        false => (1.0, f64::INFINITY),
+    };
+    let from_repeats = repeat_factor(measured, noise_declared, notices);
+    let (uncertainty_factor, factor_degrees_of_freedom) = if from_repeats.0 > from_shape.0 {
+        from_repeats
+    } else {
+        from_shape
+    };
+    let residuals = Residuals {
+        sigma0,
+        p_value,
+        degrees_of_freedom,
+        noise_declared,
+        consequence: match scaled {
+            true => "all uncertainties are multiplied by this",
+            false => "uncertainties are those of the declared noise",
+        },
+    };
+    let both_sides = !by_direction && approached_from_both_sides(campaign);
+    residuals.notices(both_sides, notices);
+    let observations = 3 * measured.points_mm.len();
     AdjustmentReport {
         observations,
         unknowns: observations - degrees_of_freedom,
         degrees_of_freedom,
         sigma0,
         p_value,
-        noise_declared: declared,
+        noise_declared,
         uncertainty_factor,
-        rms_residual_mm: match solution {
-            Some(solution) => solution.rms_residual_mm(),
-            None => rigidity::rms_mm(identified),
-        },
-        // Where none is declared the weights are those of 1 µm, and sigma0 estimates it.
-        length_sigma_mm: solution.map(|_| {
-            let declared_mm = instrument.length_sigma_um.map(|um| um * MICROMETRE);
-            declared_mm.unwrap_or(sigma0 * MICROMETRE)
-        }),
-        repeatability_mm: instrument.repeatability_um.unwrap_or(0.0) * MICROMETRE,
-        iterations: solution.map_or(0, |solution| solution.iterations),
-        termination: solution.map_or_else(
-            || "points measured directly, nothing to adjust".to_owned(),
-            |solution| solution.termination.to_string(),
-        ),
+        factor_degrees_of_freedom,
+        rms_residual_mm: rigidity::rms_mm(identified),
+        noise: None,
+        rejected: Vec::new(),
+        interruptions: Vec::new(),
+        iterations: 0,
+        termination: "points measured directly, nothing to adjust".to_owned(),
     }
 }
 
-/// How much larger than declared the scatter of repeated points is, if that is significant.
-fn repeat_factor(measured: &Measured, declared: bool, notices: &mut Vec<String>) -> f64 {
+/// How much larger than declared the scatter of repeated points is, if that is significant, and its
+/// degrees of freedom.
+fn repeat_factor(measured: &Measured, declared: bool, notices: &mut Vec<String>) -> (f64, f64) {
     let (squares, degrees_of_freedom) = measured.repeat_scatter;
     let p_value = chi_squared_upper_tail(squares, degrees_of_freedom as f64);
     if degrees_of_freedom == 0 || (declared && p_value >= GLOBAL_TEST_LEVEL) {
-        return 0.0;
+        return (0.0, f64::INFINITY);
     }
     let factor = (squares / degrees_of_freedom as f64).sqrt();
     if declared {
@@ -130,7 +357,7 @@ fn repeat_factor(measured: &Measured, declared: bool, notices: &mut Vec<String>)
              repeatability_um; until then all uncertainties are multiplied by {factor:.2} at least"
         ));
     }
-    factor
+    (factor, degrees_of_freedom as f64)
 }
 
 fn approached_from_both_sides(campaign: &Campaign) -> bool {

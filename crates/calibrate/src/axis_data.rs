@@ -4,6 +4,7 @@ use nalgebra::Point3;
 use trueaxis_campaign::{Campaign, Direction};
 use trueaxis_kinematics::AxisKind;
 
+use crate::interpolation::{Place, sides_of, weights_at};
 use crate::measured::Measured;
 use crate::{Error, describe};
 
@@ -259,65 +260,36 @@ fn number_nodes(data: &mut AxisData, campaign: &Campaign, measured: &Measured) {
         record.node = nodes.partition_point(|node| order(node, own).is_lt());
         nodes[record.node].records += 1;
     }
-    data.sides = [None, Some(Direction::Backward), Some(Direction::Forward)]
-        .into_iter()
-        .filter(|side| nodes.iter().any(|node| node.direction == *side))
-        .collect();
+    data.sides = sides_of(&nodes);
     data.nodes = nodes;
 }
 
-impl AxisData {
-    /// Weights of the nodes whose sum is the curve at `position`: linear interpolation; the mean of
-    /// the sides of approach that reach the position; the nearest node if none does.
-    pub(crate) fn weights_at(&self, position: f64) -> Vec<(usize, f64)> {
-        let above = self.nodes.partition_point(|node| node.position < position);
-        let (low, high) = self.nodes.split_at(above);
-        let mut inside = Vec::new();
-        let mut outside: Vec<(usize, f64)> = Vec::new();
-        // Nodes are in order of position, so the neighbours of each side are found at once.
-        for &side in &self.sides {
-            let below = low.iter().rposition(|node| node.direction == side);
-            let above = high
-                .iter()
-                .position(|node| node.direction == side)
-                .map(|k| above + k);
-            match (below, above) {
-                (_, Some(at)) if self.nodes[at].position <= position => inside.push((at, 1.0)),
-                (Some(below), Some(above)) => {
-                    let (a, b) = (self.nodes[below].position, self.nodes[above].position);
-                    let weight = (position - a) / (b - a);
-                    inside.extend([(below, 1.0 - weight), (above, weight)]);
-                }
-                (Some(only), None) | (None, Some(only)) => outside.push((only, 1.0)),
-                (None, None) => {}
-            }
-        }
-        // A side that does not reach the position says nothing about it while another one does.
-        let mut weights = inside;
-        if weights.is_empty() {
-            let distance = |k: usize| (self.nodes[k].position - position).abs();
-            let nearest = outside
-                .iter()
-                .map(|&(k, _)| distance(k))
-                .fold(f64::INFINITY, f64::min);
-            outside.retain(|&(k, _)| distance(k) <= nearest);
-            weights = outside;
-        }
-        let sum: f64 = weights.iter().map(|&(_, weight)| weight).sum();
-        weights.iter_mut().for_each(|(_, weight)| *weight /= sum);
-        weights.retain(|&(_, weight)| weight > 0.0);
-        weights
+impl Place for Node {
+    fn position(&self) -> f64 {
+        self.position
+    }
+
+    fn direction(&self) -> Option<Direction> {
+        self.direction
     }
 }
 
-/// The measured points of a record in the order of its targets.
+impl AxisData {
+    /// Weights of the nodes whose sum is the curve at `position` ([`weights_at`]).
+    pub(crate) fn weights_at(&self, position: f64) -> Vec<(usize, f64)> {
+        weights_at(&self.nodes, &self.sides, position)
+    }
+}
+
+/// The points of a record in the order of its targets; `points_mm` are those of all groups.
 pub(crate) fn points_of<'a>(
-    measured: &'a Measured,
+    measured: &Measured,
+    points_mm: &'a [Point3<f64>],
     record: &'a Record,
 ) -> impl Iterator<Item = (usize, Point3<f64>)> + 'a {
     let first = measured.groups[record.group].points.start;
     record
         .targets
         .iter()
-        .map(move |&(target, place)| (target, measured.points_mm[first + place]))
+        .map(move |&(target, place)| (target, points_mm[first + place]))
 }

@@ -1,19 +1,21 @@
 //! The headline verb: a campaign to all geometric errors.
 
-use nalgebra::Point3;
+use nalgebra::{Matrix2, Point3};
 use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::{Axis, AxisKind, Component, Machine};
-use trueaxis_multilateration::Solution;
+use trueaxis_kinematics::{AxisKind, Component, LocationComponent, Machine};
+use trueaxis_multilateration::{Screened, Solution};
 
 use crate::axis_data::{AxisData, by_axis};
 use crate::calibration::{
     AxisResult, Calibration, LocationResult, NodeResult, StationResult, TargetResult,
 };
 use crate::identify_axes::{Identified, identify_axes, mean_targets};
+use crate::measured::Measured;
+use crate::output_covariance::{OutputCovariance, check_size};
 use crate::records::Context;
 use crate::rigid_fit::centroid;
 use crate::settings::{ReferencePoint, Settings};
-use crate::uncertainty::{FrameDependent, of_components, of_frame_dependent};
+use crate::uncertainty::{Propagation, Uncertainty};
 use crate::{Error, adjustment_report, from_lengths, from_points, rigidity, triangle};
 
 /// Component errors beyond these are no errors but another motion: wrong unit, sign or axis.
@@ -22,9 +24,6 @@ const IMPLAUSIBLE_RAD: f64 = 0.1;
 
 /// A paced-off position of a station is right to this, mm.
 const APPROXIMATE_MM: f64 = 500.0;
-
-/// Part of a unit normal below which it has none in that direction.
-const NORMAL_TOL: f64 = 1e-9;
 
 /// Linear errors and tilts beyond these are worth a word: no machine in use is that bad, a mistyped
 /// position or direction is.
@@ -41,13 +40,29 @@ const ABSURD_RAD: f64 = 5e-3;
 /// # Errors
 /// See [`Error`]; nothing is returned that is not converged or not determined.
 pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration, Error> {
+    calibrate_in_parts(campaign, settings).map(|(calibration, _)| calibration)
+}
+
+/// What a calibration rests on.
+pub(crate) struct Parts {
+    pub(crate) machine: Machine,
+    pub(crate) measured: Measured,
+    pub(crate) data: Vec<AxisData>,
+    pub(crate) identified: Identified,
+    pub(crate) screened: Option<Screened>,
+}
+
+/// A calibration with what it rests on.
+pub(crate) fn calibrate_in_parts(
+    campaign: &Campaign,
+    settings: &Settings,
+) -> Result<(Calibration, Parts), Error> {
     let mut notices = Vec::new();
-    let (mut measured, solution) = match (&campaign.lengths, &campaign.points) {
+    let (mut measured, screened) = match (&campaign.lengths, &campaign.points) {
         (Some(lengths), _) => {
-            let (measured, solution, weak) =
-                from_lengths::measure(campaign, lengths, settings.by_direction)?;
+            let (measured, screened, weak) = from_lengths::measure(campaign, lengths, settings)?;
             notices.extend(weak);
-            (measured, Some(solution))
+            (measured, Some(screened))
         }
         (None, Some(points)) => (
             from_points::measure(campaign, points, settings.by_direction),
@@ -55,15 +70,20 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
         ),
         (None, None) => return Err(Error::NothingMeasured),
     };
+    let solution = screened.as_ref().map(|screened| &screened.solution);
     let machine = with_reference_points(campaign, settings.reference_point);
     let data = by_axis(campaign, &measured)?;
     if data.is_empty() {
         return Err(Error::NothingMeasured);
     }
+    if settings.covariance {
+        check_size(&machine, &data, solution)?;
+    }
     let context = Context {
         campaign,
         machine: &machine,
         measured: &measured,
+        points_mm: &measured.points_mm,
         method: settings.method,
     };
     let identified = identify_axes(&context, &data)?;
@@ -75,7 +95,7 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
         &measured,
         &data,
         &identified,
-        solution.as_ref(),
+        screened.as_ref(),
         &mut notices,
     );
     if adjustment.degrees_of_freedom == 0 && !adjustment.noise_declared {
@@ -88,11 +108,16 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
         });
     }
     measured.noise.variance_factor = adjustment.uncertainty_factor.powi(2);
+    if adjustment.factor_degrees_of_freedom.is_finite() {
+        let variance = 2.0 / adjustment.factor_degrees_of_freedom;
+        measured.relative_covariance = Matrix2::from_element(variance);
+    }
 
     let context = Context {
         campaign,
         machine: &machine,
         measured: &measured,
+        points_mm: &measured.points_mm,
         method: settings.method,
     };
     let ref_from_datum = identified.state.ref_from_datum;
@@ -101,30 +126,30 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
         .flat_map(|s| &s.stations)
         .map(|station| ref_from_datum * station.position_mm)
         .collect();
-    let frame_dependent = of_frame_dependent(&context, &data, &identified, &stations_in_ref);
+    let instrument = measured.instrument_noise(screened.as_ref());
+    let propagation = Propagation::new(&context, &data, &identified, &instrument, &stations_in_ref);
     let axes: Vec<AxisResult> = (0..data.len())
-        .map(|k| axis_result(&context, &data, &identified, k, &frame_dependent))
+        .map(|k| axis_result(&context, &data, &identified, k, &propagation))
         .collect();
+    let stations = stations(campaign, solution, &stations_in_ref, &propagation);
+    let covariance = settings
+        .covariance
+        .then(|| OutputCovariance::new(&propagation, &axes, &stations));
     let targets = mean_targets(&data, &identified.state, campaign.targets.len());
     let triangle = triangle::triangle(&context, &data, &targets);
     let misfits = rigidity::misfits(&context, &data, &identified, adjustment.noise_declared);
     notices.extend(unmeasured_axes(campaign, &data));
     notices.extend(absurd(&axes));
     notices.extend(far_from_approximate(campaign, &stations_in_ref));
-    notices.extend(solution.as_ref().filter(|s| s.mirror_image_open).map(|_| {
+    notices.extend(solution.filter(|s| s.mirror_image_open).map(|_| {
         "all points lie in one plane, and the lengths fit as well with all stations on its other side: \
          errors across the plane may have the wrong sign; give `approx_mm` of one station to be sure"
             .to_owned()
     }));
-    Ok(Calibration {
+    let calibration = Calibration {
         campaign: campaign.name.clone(),
         method: settings.method,
-        stations: stations(
-            campaign,
-            solution.as_ref(),
-            &stations_in_ref,
-            &frame_dependent,
-        ),
+        stations,
         targets: campaign
             .targets
             .iter()
@@ -138,10 +163,19 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
             .collect(),
         adjustment,
         axes,
+        covariance,
         misfits,
         triangle,
         notices,
-    })
+    };
+    let parts = Parts {
+        machine,
+        measured,
+        data,
+        identified,
+        screened,
+    };
+    Ok((calibration, parts))
 }
 
 /// The machine with the reference points of δ that the settings ask for.
@@ -197,22 +231,23 @@ fn axis_result(
     data: &[AxisData],
     identified: &Identified,
     k: usize,
-    frame_dependent: &FrameDependent,
+    propagation: &Propagation<'_>,
 ) -> AxisResult {
     let own = &data[k];
     let axis = &context.machine.axes()[own.axis];
     let values = &identified.state.axes[k];
-    let u = of_components(context, data, identified, k);
     let nodes = own
         .nodes
         .iter()
         .zip(&values.curve)
-        .zip(u)
-        .map(|((node, &error), u)| NodeResult {
+        .zip(propagation.components(k))
+        .map(|((node, &error), uncertainties)| NodeResult {
             position: node.position,
             direction: node.direction,
             error,
-            u,
+            u: uncertainties.map(|c| c.u),
+            dof: uncertainties.map(|c| c.dof),
+            budget: uncertainties.map(|c| c.budget),
         });
     let fits = &identified.fits[k];
     let mean_gain = |gain: &dyn Fn(usize) -> [f64; 6]| {
@@ -224,13 +259,18 @@ fn axis_result(
         }
         mean
     };
-    let location_u = &frame_dependent.locations[k];
-    let location_errors = reported(axis, identified, k)
-        .into_iter()
-        .map(|component| LocationResult {
-            component,
-            value: component.of(&values.location),
-            u: component.of(location_u),
+    let uncertainties = propagation.location(k);
+    let location_errors = identified.reported[k]
+        .iter()
+        .map(|&component| {
+            let Uncertainty { u, dof, budget } = uncertainties[place_of(component)];
+            LocationResult {
+                component,
+                value: component.of(&values.location),
+                u,
+                dof,
+                budget,
+            }
         })
         .collect();
     AxisResult {
@@ -246,34 +286,11 @@ fn axis_result(
     }
 }
 
-/// The location errors that the reference frame does not define away.
-fn reported(
-    axis: &Axis,
-    identified: &Identified,
-    k: usize,
-) -> Vec<trueaxis_kinematics::LocationComponent> {
-    use trueaxis_kinematics::LocationComponent::Tilt;
-    let all = axis.location_components();
-    if axis.kind() == AxisKind::Rotary {
-        return all;
-    }
-    match identified
-        .frame
-        .lines
-        .iter()
-        .position(|&(line, _)| line == k)
-    {
-        Some(0) => Vec::new(),
-        Some(_) => {
-            // Only the tilt within the plane of the two lines is left: about the normal of the
-            // plane, of which more than one part may be reported if the lines are oblique.
-            let (first, second) = (identified.frame.lines[0].1, identified.frame.lines[1].1);
-            let normal = first.cross(&second).normalize();
-            all.into_iter()
-                .filter(|component| matches!(component, Tilt(i) if normal[*i].abs() > NORMAL_TOL))
-                .collect()
-        }
-        None => all,
+/// Place of a location error among shift and tilt.
+pub(crate) fn place_of(component: LocationComponent) -> usize {
+    match component {
+        LocationComponent::Offset(i) => i,
+        LocationComponent::Tilt(i) => 3 + i,
     }
 }
 
@@ -281,23 +298,26 @@ fn stations(
     campaign: &Campaign,
     solution: Option<&Solution>,
     in_ref: &[Point3<f64>],
-    frame_dependent: &FrameDependent,
+    propagation: &Propagation<'_>,
 ) -> Vec<StationResult> {
     let adjusted = solution.iter().flat_map(|s| &s.stations);
     campaign
         .stations
         .iter()
         .zip(adjusted)
-        .zip(in_ref.iter().zip(&frame_dependent.stations))
-        .map(
-            |((station, adjusted), (&position_mm, &[x, y, z, dead_path]))| StationResult {
+        .zip(in_ref.iter().enumerate())
+        .map(|((station, adjusted), (j, &position_mm))| {
+            let [x, y, z, dead_path] = propagation.station(j);
+            StationResult {
                 name: station.name.clone(),
                 position_mm,
-                u_mm: [x, y, z],
+                u_mm: [x.u, y.u, z.u],
+                dof: [x.dof, y.dof, z.dof],
                 dead_path_mm: adjusted.dead_path_mm,
-                u_dead_path_mm: dead_path,
-            },
-        )
+                u_dead_path_mm: dead_path.u,
+                dof_dead_path: dead_path.dof,
+            }
+        })
         .collect()
 }
 

@@ -1,11 +1,15 @@
 //! The result: every geometric error of the machine, with uncertainty and evidence.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector6};
 use trueaxis_campaign::Direction;
 use trueaxis_kinematics::{
     AxisKind, GeometricErrors, LocationComponent, LocationError, MotionError,
 };
 
+use crate::adjustment_report::AdjustmentReport;
+use crate::budget::Budget;
+use crate::interpolation::{Place, sides_of, weights_at};
+use crate::output_covariance::OutputCovariance;
 use crate::settings::Method;
 
 /// All geometric errors of a machine in its reference frame, with standard uncertainties (k = 1).
@@ -26,42 +30,14 @@ pub struct Calibration {
     pub targets: Vec<TargetResult>,
     /// Axes that were measured, in the order of the machine.
     pub axes: Vec<AxisResult>,
+    /// Covariance of all these results, if it was asked for.
+    pub covariance: Option<OutputCovariance>,
     /// Steps whose points do not move as a rigid body.
     pub misfits: Vec<StepMisfit>,
     /// Distances between targets that differ from nominal.
     pub triangle: Vec<TriangleSide>,
     /// What a user must know before using the numbers.
     pub notices: Vec<String>,
-}
-
-/// What the measurement says about itself.
-#[derive(Debug, Clone, PartialEq)]
-pub struct AdjustmentReport {
-    /// Lengths, or coordinates of a points campaign.
-    pub observations: usize,
-    /// Unknowns that they determine.
-    pub unknowns: usize,
-    /// Redundancy.
-    pub degrees_of_freedom: usize,
-    /// Standard deviation of unit weight: 1 if the noise is as declared.
-    pub sigma0: f64,
-    /// Probability of residuals at least as large if the noise is as declared.
-    pub p_value: f64,
-    /// Whether the noise was declared.
-    pub noise_declared: bool,
-    /// Factor on all standard uncertainties: 1 if the declared noise explains the residuals.
-    pub uncertainty_factor: f64,
-    /// Rms of the residuals, mm.
-    pub rms_residual_mm: f64,
-    /// Standard deviation of a length at zero distance that the weights used, mm; `None` for a
-    /// points campaign.
-    pub length_sigma_mm: Option<f64>,
-    /// Standard deviation per coordinate of the machine's return that the weights used, mm.
-    pub repeatability_mm: f64,
-    /// Iterations of the adjustment.
-    pub iterations: usize,
-    /// Why it stopped.
-    pub termination: String,
 }
 
 /// A station in the reference frame.
@@ -73,10 +49,14 @@ pub struct StationResult {
     pub position_mm: Point3<f64>,
     /// Standard uncertainties of its coordinates, mm.
     pub u_mm: [f64; 3],
+    /// Their degrees of freedom; infinite where the noise is taken as known.
+    pub dof: [f64; 3],
     /// Dead path, mm.
     pub dead_path_mm: f64,
     /// Its standard uncertainty, mm.
     pub u_dead_path_mm: f64,
+    /// Its degrees of freedom.
+    pub dof_dead_path: f64,
 }
 
 /// A target at home in the reference frame.
@@ -123,6 +103,11 @@ pub struct NodeResult {
     pub error: MotionError,
     /// Standard uncertainties in the order of [`trueaxis_kinematics::Component::ALL`], mm and rad.
     pub u: [f64; 6],
+    /// Their degrees of freedom; infinite where the noise is taken as known. The factor for an
+    /// interval is [`crate::coverage_factor`].
+    pub dof: [f64; 6],
+    /// Where their squares come from.
+    pub budget: [Budget; 6],
 }
 
 /// One location error.
@@ -134,6 +119,10 @@ pub struct LocationResult {
     pub value: f64,
     /// Standard uncertainty, mm or rad.
     pub u: f64,
+    /// Its degrees of freedom; infinite where the noise is taken as known.
+    pub dof: f64,
+    /// Where its square comes from.
+    pub budget: Budget,
 }
 
 /// A step whose points do not move as a rigid body.
@@ -180,37 +169,26 @@ impl AxisResult {
     /// Component errors at any position: linear between the measured ones; the mean of the sides
     /// of approach that reach the position; the nearest one if none does.
     pub fn error_at(&self, position: f64) -> MotionError {
-        let sides = [None, Some(Direction::Backward), Some(Direction::Forward)];
-        let reached: Vec<MotionError> = sides
-            .iter()
-            .filter_map(|&side| self.between_nodes(side, position))
-            .collect();
-        match reached.as_slice() {
-            [one] => *one,
-            [backward, forward] => backward.interpolate(forward, 0.5),
-            _ => {
-                let distance = |node: &&NodeResult| (node.position - position).abs();
-                let nearest = self
-                    .nodes
-                    .iter()
-                    .min_by(|a, b| distance(a).total_cmp(&distance(b)));
-                nearest.map_or_else(MotionError::default, |node| node.error)
-            }
+        let mut sum = Vector6::zeros();
+        for (node, weight) in self.weights_at(position) {
+            sum += self.nodes[node].error.to_vector() * weight;
         }
+        MotionError::from_vector(&sum)
     }
 
-    /// Interpolation on one side of approach; `None` outside its range.
-    fn between_nodes(&self, side: Option<Direction>, position: f64) -> Option<MotionError> {
-        let nodes = || self.nodes.iter().filter(|node| node.direction == side);
-        let low = nodes().rfind(|node| node.position <= position)?;
-        let high = nodes().find(|node| node.position >= position)?;
-        let span = high.position - low.position;
-        let weight = if span > 0.0 {
-            (position - low.position) / span
-        } else {
-            0.0
-        };
-        Some(low.error.interpolate(&high.error, weight))
+    /// Weights of the nodes in the component errors at a position.
+    pub(crate) fn weights_at(&self, position: f64) -> Vec<(usize, f64)> {
+        weights_at(&self.nodes, &sides_of(&self.nodes), position)
+    }
+}
+
+impl Place for NodeResult {
+    fn position(&self) -> f64 {
+        self.position
+    }
+
+    fn direction(&self) -> Option<Direction> {
+        self.direction
     }
 }
 

@@ -26,6 +26,14 @@ pub enum Error {
         /// Why it stopped, with numbers.
         termination: String,
     },
+    /// So much would have to be removed, or so little tells what, that no result can be trusted.
+    #[error("{what}; {mend}")]
+    NotTrustworthy {
+        /// What contradicts what.
+        what: String,
+        /// What to do.
+        mend: String,
+    },
     /// The lengths contradict each other far beyond their noise.
     #[error(
         "the lengths contradict each other: rms residual {rms_um:.1} µm, {sigma0:.0} times what \
@@ -107,6 +115,34 @@ pub enum Error {
         other: String,
         /// The first step at which it has moved.
         step: String,
+    },
+    /// The covariance of all results does not fit.
+    #[error(
+        "the covariance of all {outputs} results takes {gib:.1} GiB, at most {limit_gib} GiB are \
+         written; calibrate without it, or calibrate the runs of fewer axes at a time"
+    )]
+    CovarianceTooLarge {
+        /// Number of results.
+        outputs: usize,
+        /// Size of their covariance, GiB.
+        gib: f64,
+        /// Largest size, GiB.
+        limit_gib: u32,
+    },
+    /// The table of what each length does to each result would not fit.
+    #[error(
+        "the effects of {lengths} lengths on {results} results take {gib:.1} GiB, more than \
+         {limit_gib:.0} GiB; calibrate fewer runs at a time"
+    )]
+    ReliabilityTooLarge {
+        /// Lengths.
+        lengths: usize,
+        /// Results.
+        results: usize,
+        /// Size, GiB.
+        gib: f64,
+        /// Largest size, GiB.
+        limit_gib: f64,
     },
     /// A covariance or an equation system failed although all checks before it passed.
     #[error("axis {axis}: {what}")]

@@ -2,11 +2,12 @@
 
 use std::collections::HashMap;
 
-use nalgebra::{DMatrix, Point3, Vector3};
+use nalgebra::{DMatrix, Matrix2, Point3, Vector3};
 use trueaxis_campaign::{Campaign, Points};
 use trueaxis_kinematics::{Ideal, MICROMETRE};
 
-use crate::measured::{Measured, MeasuredGroup, NoiseSource, PointNoise};
+use crate::measured::{Measured, MeasuredGroup};
+use crate::point_noise::{NoiseSource, PointNoise};
 use crate::rigid_fit::rigid_fit;
 
 /// Standard deviation of a coordinate where none is declared: the scatter then decides.
@@ -90,6 +91,7 @@ pub(crate) fn measure(campaign: &Campaign, points: &Points, by_direction: bool) 
     let mut nominal: Vec<Point3<f64>> = Vec::new();
     let mut found: Vec<Point3<f64>> = Vec::new();
     let mut covariances = Vec::new();
+    let mut without_return = Vec::new();
     let mut repeat_scatter = (0.0, 0);
     for (mut group, samples) in groups {
         let first = found.len();
@@ -109,6 +111,7 @@ pub(crate) fn measure(campaign: &Campaign, points: &Points, by_direction: bool) 
         }
         group.points = first..found.len();
         covariances.push(covariance(&samples, return_variance_mm2));
+        without_return.push(covariance(&samples, 0.0));
         measured.push(group);
     }
     let datum_from_instrument = rigid_fit(&found, &nominal);
@@ -120,6 +123,8 @@ pub(crate) fn measure(campaign: &Campaign, points: &Points, by_direction: bool) 
             source: NoiseSource::Independent(covariances),
             variance_factor: 1.0,
         },
+        without_return,
+        relative_covariance: Matrix2::zeros(),
         repeat_scatter,
     }
 }

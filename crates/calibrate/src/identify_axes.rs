@@ -2,14 +2,14 @@
 //! the exact model reproduces the measured poses.
 
 use nalgebra::{Point3, Vector3, Vector6};
-use trueaxis_kinematics::{AxisKind, MotionError};
+use trueaxis_kinematics::{Axis, AxisKind, LocationComponent, MotionError};
 
 use crate::Error;
 use crate::axis_data::AxisData;
 use crate::basis::Basis;
 use crate::frame::FrameRule;
 use crate::gauge::{Gauge, GaugeDefect, PER_RUN};
-use crate::records::{Context, RecordFit, around};
+use crate::records::{Context, PoseFit, RecordFit, around};
 use crate::sensitivity::Sensitivity;
 use crate::start::average_lines_and_axes;
 use crate::state::{AxisState, ModelErrors, State};
@@ -22,7 +22,11 @@ pub(crate) struct Identified {
     pub(crate) fits: Vec<Vec<RecordFit>>,
     /// How the results of each axis follow from its points.
     pub(crate) sensitivities: Vec<Sensitivity>,
+    /// How location errors and component errors are told apart on each axis.
+    pub(crate) gauges: Vec<Gauge>,
     pub(crate) frame: FrameRule,
+    /// For each axis the location errors that the frame does not define away.
+    pub(crate) reported: Vec<Vec<LocationComponent>>,
 }
 
 /// Each pass leaves about a ten-thousandth of the change before it (the size of the errors in rad);
@@ -52,15 +56,11 @@ pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<
             .map(|k| context.fit_records(data, &state, k, &weights[k]))
             .collect::<Result<Vec<_>, _>>()?;
         let mut next = state.clone();
-        worst = (0.0, 0);
-        for (k, gauge) in gauges.iter().enumerate() {
-            let change_mm = improve(context, data, &state, k, gauge, &fits[k], &mut next.axes[k]);
-            if change_mm > worst.0 {
-                worst = (change_mm, k);
-            }
-        }
-        let frame_change_mm = settle_frame(context, data, &frame, &mut next);
-        let change_mm = worst.0.max(frame_change_mm);
+        let changes_mm = improve_all(context, data, &gauges, &frame, &state, &mut next, |k, i| {
+            &fits[k][i].pose
+        });
+        worst = changes_mm.axes;
+        let change_mm = worst.0.max(changes_mm.frame);
         if change_mm.is_nan() || change_mm > DIVERGED_MM {
             break;
         }
@@ -72,10 +72,16 @@ pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<
                 .zip(&fits)
                 .map(|((axis, gauge), fits)| Sensitivity::new(axis, gauge, fits))
                 .collect();
+            let reported = data.iter().enumerate();
+            let reported = reported
+                .map(|(k, axis)| reported_errors(&context.machine.axes()[axis.axis], &frame, k))
+                .collect();
             return Ok(Identified {
+                reported,
                 state,
                 fits,
                 sensitivities,
+                gauges,
                 frame,
             });
         }
@@ -88,6 +94,68 @@ pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<
     })
 }
 
+/// What a pass changed, mm.
+struct Changes {
+    /// The largest change of an axis, and which.
+    axes: (f64, usize),
+    frame: f64,
+}
+
+/// Updates all values from the poses of all records.
+fn improve_all<'f>(
+    context: &Context<'_>,
+    data: &[AxisData],
+    gauges: &[Gauge],
+    frame: &FrameRule,
+    state: &State,
+    next: &mut State,
+    pose: impl Fn(usize, usize) -> &'f PoseFit,
+) -> Changes {
+    let mut worst = (0.0, 0);
+    for (k, gauge) in gauges.iter().enumerate() {
+        let poses: Vec<&PoseFit> = (0..data[k].records.len()).map(|i| pose(k, i)).collect();
+        let change_mm = improve(context, data, state, k, gauge, &poses, &mut next.axes[k]);
+        if change_mm > worst.0 {
+            worst = (change_mm, k);
+        }
+    }
+    Changes {
+        axes: worst,
+        frame: settle_frame(context, data, frame, next),
+    }
+}
+
+/// A replay is settled when no coordinate changes by more, mm: a millionth of what can be measured.
+const REPLAY_SETTLED_MM: f64 = 1e-10;
+
+impl Identified {
+    /// The values for other points near those that were identified: Newton's method with the operators
+    /// of the solution. `None` if it does not settle.
+    pub(crate) fn replayed(&self, context: &Context<'_>, data: &[AxisData]) -> Option<State> {
+        let mut state = self.state.clone();
+        for _ in 0..MAX_PASSES {
+            let poses: Vec<Vec<PoseFit>> = (0..data.len())
+                .map(|k| context.poses(data, &state, k, &self.fits[k]))
+                .collect();
+            let mut next = state.clone();
+            let changes_mm = improve_all(
+                context,
+                data,
+                &self.gauges,
+                &self.frame,
+                &state,
+                &mut next,
+                |k, i| &poses[k][i],
+            );
+            state = next;
+            if changes_mm.axes.0.max(changes_mm.frame) <= REPLAY_SETTLED_MM {
+                return Some(state);
+            }
+        }
+        None
+    }
+}
+
 /// Updates the values of one axis; returns the largest change of a coordinate, mm (infinite where
 /// it is not a number).
 fn improve(
@@ -96,12 +164,12 @@ fn improve(
     state: &State,
     k: usize,
     gauge: &Gauge,
-    fits: &[RecordFit],
+    poses: &[&PoseFit],
     next: &mut AxisState,
 ) -> f64 {
     let own = &data[k];
     let axis = &context.machine.axes()[own.axis];
-    let pose_errors: Vec<Vector6<f64>> = fits.iter().map(|fit| fit.pose_error).collect();
+    let pose_errors: Vec<Vector6<f64>> = poses.iter().map(|pose| pose.error).collect();
     let x = gauge.apply(&pose_errors);
 
     // Component errors: the mean over the records of a node, without what the gauge takes.
@@ -109,11 +177,7 @@ fn improve(
     for ((record, error), effect) in own.records.iter().zip(&pose_errors).zip(&gauge.effects) {
         curve[record.node] += (error - effect * &x) / own.nodes[record.node].records as f64;
     }
-    let lever_mm = fits
-        .iter()
-        .flat_map(|fit| &fit.levers_mm)
-        .map(|r| r.norm())
-        .fold(0.0, f64::max);
+    let lever_mm = poses.iter().map(|pose| pose.lever_mm).fold(0.0, f64::max);
     let mut change_mm = 0.0_f64;
     let mut changed = |translation: Vector3<f64>, rotation: Vector3<f64>| {
         let size_mm = translation.norm() + lever_mm * rotation.norm();
@@ -167,7 +231,7 @@ fn improve(
             let inside = context.machine.chain_motion(&errors, inner, positions);
             let on_stage = inside * state.axes[k].targets_mm[r][place];
             let shift =
-                twist.displacement_mm(on_stage - reference) + mean_distortion(own, fits, r, place);
+                twist.displacement_mm(on_stage - reference) + mean_distortion(own, poses, r, place);
             next.targets_mm[r][place] = inside.inverse() * (on_stage + shift);
             changed(shift, Vector3::zeros());
         }
@@ -176,13 +240,13 @@ fn improve(
 }
 
 /// Mean over the records of a run of what no rigid motion explains of a target's position.
-fn mean_distortion(own: &AxisData, fits: &[RecordFit], run: usize, place: usize) -> Vector3<f64> {
-    let fits = own
+fn mean_distortion(own: &AxisData, poses: &[&PoseFit], run: usize, place: usize) -> Vector3<f64> {
+    let poses = own
         .records
         .iter()
-        .zip(fits)
+        .zip(poses)
         .filter(|(record, _)| record.run == run);
-    let sum: Vector3<f64> = fits.map(|(_, fit)| fit.distortion_mm[place]).sum();
+    let sum: Vector3<f64> = poses.map(|(_, pose)| pose.distortion_mm[place]).sum();
     sum / own.runs[run].records as f64
 }
 
@@ -211,7 +275,6 @@ fn settle_frame(
     let motion = frame.motion(&tilts, &shifts);
     next.ref_from_datum = motion.removal() * next.ref_from_datum;
     let size_mm = context
-        .measured
         .points_mm
         .iter()
         .map(|p| (p - motion.pivot).norm())
@@ -295,4 +358,28 @@ pub(crate) fn mean_targets(
     sums.into_iter()
         .map(|(sum, n)| (n > 0.0).then(|| Point3::from(sum / n)))
         .collect()
+}
+
+/// Part of a unit normal below which it has none in that direction.
+const NORMAL_TOL: f64 = 1e-9;
+
+/// The location errors that the reference frame does not define away.
+fn reported_errors(axis: &Axis, frame: &FrameRule, k: usize) -> Vec<LocationComponent> {
+    let all = axis.location_components();
+    if axis.kind() == AxisKind::Rotary {
+        return all;
+    }
+    match frame.lines.iter().position(|&(line, _)| line == k) {
+        Some(0) => Vec::new(),
+        Some(_) => {
+            // Only the tilt within the plane of the two lines is left: about the normal of the
+            // plane, of which more than one part may be reported if the lines are oblique.
+            let (first, second) = (frame.lines[0].1, frame.lines[1].1);
+            let normal = first.cross(&second).normalize();
+            all.into_iter()
+                .filter(|component| matches!(component, LocationComponent::Tilt(i) if normal[*i].abs() > NORMAL_TOL))
+                .collect()
+        }
+        None => all,
+    }
 }

@@ -7,7 +7,10 @@ use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 use trueaxis_campaign::Direction;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
+use trueaxis_multilateration::NoiseBasis;
 
+use crate::adjustment_report::{InterruptedTurn, NoiseReport, PartReport, RejectedLength};
+use crate::budget::Budget;
 use crate::calibration::{AxisResult, Calibration, NodeResult, StationResult};
 use crate::settings::Method;
 
@@ -16,7 +19,8 @@ impl Calibration {
     ///
     /// Optional fields beyond the fixed ones: `p_value` and `uncertainty_factor` of the
     /// adjustment, `direction` of each position where the sides of approach are kept apart,
-    /// `noise_gain` of each axis, `misfits`, `triangle`, `notices`.
+    /// `noise_gain` of each axis, `dof` (degrees of freedom of u, the least of a curve; absent if
+    /// infinite) and `budget` (shares of u², mean of a curve) of each error, `misfits`, `triangle`, `notices`.
     pub fn to_json(&self) -> String {
         // Serialising plain structs of numbers and strings has no way to fail.
         trueaxis_files::to_json(&File::new(self)).expect("numbers and strings serialise")
@@ -50,10 +54,49 @@ struct AdjustmentFile<'a> {
     rms_residual_um: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     length_sigma_um: Option<f64>,
-    repeatability_um: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    repeatability_um: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    noise: Option<NoiseFile>,
     iterations: usize,
     termination: &'a str,
-    rejected: [(); 0],
+    rejected: Vec<RejectedFile>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    interruptions: Vec<InterruptionFile<'a>>,
+}
+
+#[derive(Serialize)]
+struct NoiseFile {
+    basis: &'static str,
+    length_sigma: PartFile,
+    repeatability: PartFile,
+}
+
+#[derive(Serialize)]
+struct PartFile {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    declared_um: Option<f64>,
+    used_um: f64,
+    u_um: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    p_value: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct RejectedFile {
+    row: usize,
+    reason: String,
+    error_um: f64,
+    u_um: f64,
+}
+
+#[derive(Serialize)]
+struct InterruptionFile<'a> {
+    station: &'a str,
+    rows: [usize; 2],
+    times_s: [f64; 2],
+    change_um: f64,
+    u_um: f64,
 }
 
 #[derive(Serialize)]
@@ -90,18 +133,49 @@ enum CurveFile {
     Linear {
         value_um: Vec<f64>,
         u_um: Vec<f64>,
+        #[serde(flatten)]
+        behind: BehindFile,
     },
     Angular {
         value_arcsec: Vec<f64>,
         u_arcsec: Vec<f64>,
+        #[serde(flatten)]
+        behind: BehindFile,
     },
 }
 
 #[derive(Serialize)]
 #[serde(untagged)]
 enum QuantityFile {
-    Linear { value_mm: f64, u_mm: f64 },
-    Angular { value_arcsec: f64, u_arcsec: f64 },
+    Linear {
+        value_mm: f64,
+        u_mm: f64,
+        #[serde(flatten)]
+        behind: BehindFile,
+    },
+    Angular {
+        value_arcsec: f64,
+        u_arcsec: f64,
+        #[serde(flatten)]
+        behind: BehindFile,
+    },
+}
+
+/// What is behind uncertainties.
+#[derive(Serialize)]
+struct BehindFile {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dof: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    budget: Option<SharesFile>,
+}
+
+/// Shares of u².
+#[derive(Serialize)]
+struct SharesFile {
+    laser: f64,
+    machine_return: f64,
+    station_geometry: f64,
 }
 
 /// µm or arcsec for 1 µm of independent noise on every coordinate, by the method used and by the
@@ -161,11 +235,13 @@ impl<'a> File<'a> {
                 p_value: significant(adjustment.p_value),
                 uncertainty_factor: round(adjustment.uncertainty_factor, 6),
                 rms_residual_um: um(adjustment.rms_residual_mm),
-                length_sigma_um: adjustment.length_sigma_mm.map(um),
-                repeatability_um: um(adjustment.repeatability_mm),
+                length_sigma_um: adjustment.noise.map(|n| um(n.length.used.sigma_mm)),
+                repeatability_um: adjustment.noise.map(|n| um(n.machine_return.used.sigma_mm)),
+                noise: adjustment.noise.as_ref().map(noise),
                 iterations: adjustment.iterations,
                 termination: &adjustment.termination,
-                rejected: [],
+                rejected: adjustment.rejected.iter().map(rejected).collect(),
+                interruptions: adjustment.interruptions.iter().map(interruption).collect(),
             },
             stations: calibration.stations.iter().map(station).collect(),
             targets: calibration
@@ -204,6 +280,46 @@ impl<'a> File<'a> {
     }
 }
 
+fn noise(noise: &NoiseReport) -> NoiseFile {
+    let part = |part: &PartReport| PartFile {
+        declared_um: part.declared_mm.map(um),
+        used_um: um(part.used.sigma_mm),
+        u_um: um(part.used.u_mm),
+        p_value: part.used.p_value.map(significant),
+    };
+    NoiseFile {
+        basis: match noise.basis {
+            NoiseBasis::Given => "declared",
+            NoiseBasis::CommonFactor => "declared, times a common factor from the residuals",
+            NoiseBasis::Components => "estimated from the residuals",
+        },
+        length_sigma: part(&noise.length),
+        repeatability: part(&noise.machine_return),
+    }
+}
+
+fn rejected(rejected: &RejectedLength) -> RejectedFile {
+    RejectedFile {
+        row: rejected.line,
+        reason: match rejected.unchecked {
+            false => format!("contradicts the other lengths: {}", rejected.length),
+            true => format!("unchecked beside a wrong length: {}", rejected.length),
+        },
+        error_um: um(rejected.error_mm),
+        u_um: um(rejected.u_mm),
+    }
+}
+
+fn interruption(turn: &InterruptedTurn) -> InterruptionFile<'_> {
+    InterruptionFile {
+        station: &turn.station,
+        rows: turn.lines,
+        times_s: turn.times_s,
+        change_um: um(turn.change_mm),
+        u_um: um(turn.u_mm),
+    }
+}
+
 fn station(station: &StationResult) -> StationFile<'_> {
     StationFile {
         name: &station.name,
@@ -214,23 +330,30 @@ fn station(station: &StationResult) -> StationFile<'_> {
     }
 }
 
+/// A commanded position in the unit of the file.
+pub(crate) fn position_in_file(kind: AxisKind, position: f64) -> f64 {
+    match kind {
+        AxisKind::Linear => position,
+        AxisKind::Rotary => round(position.to_degrees(), 9),
+    }
+}
+
+/// A side of approach as the file has it.
+pub(crate) fn direction_in_file(direction: Direction) -> i8 {
+    match direction {
+        Direction::Forward => 1,
+        Direction::Backward => -1,
+    }
+}
+
 fn axis(axis: &AxisResult) -> AxisFile<'_> {
     let rotary = axis.kind == AxisKind::Rotary;
-    let position = |node: &NodeResult| {
-        if rotary {
-            round(node.position.to_degrees(), 9)
-        } else {
-            node.position
-        }
-    };
+    let position = |node: &NodeResult| position_in_file(axis.kind, node.position);
     let directions: Vec<i8> = axis
         .nodes
         .iter()
         .filter_map(|node| node.direction)
-        .map(|direction| match direction {
-            Direction::Forward => 1,
-            Direction::Backward => -1,
-        })
+        .map(direction_in_file)
         .collect();
     AxisFile {
         name: &axis.name,
@@ -256,16 +379,43 @@ fn curve(axis: &AxisResult, component: Component) -> CurveFile {
     let c = component.index();
     let values = axis.nodes.iter().map(|node| node.error.to_vector()[c]);
     let uncertainties = axis.nodes.iter().map(|node| node.u[c]);
+    let behind = behind(axis.nodes.iter().map(|node| (node.dof[c], node.budget[c])));
     if component.is_angular() {
         CurveFile::Angular {
             value_arcsec: values.map(arcsec).collect(),
             u_arcsec: uncertainties.map(arcsec).collect(),
+            behind,
         }
     } else {
         CurveFile::Linear {
             value_um: values.map(um).collect(),
             u_um: uncertainties.map(um).collect(),
+            behind,
         }
+    }
+}
+
+/// The least degrees of freedom, and the mean shares of what is not zero by definition.
+fn behind(uncertainties: impl Iterator<Item = (f64, Budget)>) -> BehindFile {
+    let mut least = f64::INFINITY;
+    let (mut sums, mut count) = ([0.0; 3], 0.0);
+    for (dof, budget) in uncertainties {
+        least = least.min(dof);
+        if let Some(shares) = budget.shares() {
+            for (sum, share) in sums.iter_mut().zip(shares) {
+                *sum += share;
+            }
+            count += 1.0;
+        }
+    }
+    let [laser, machine_return, station_geometry] = sums.map(|sum| round(sum / count, 4));
+    BehindFile {
+        dof: least.is_finite().then(|| round(least, 1)),
+        budget: (count > 0.0).then_some(SharesFile {
+            laser,
+            machine_return,
+            station_geometry,
+        }),
     }
 }
 
@@ -288,16 +438,19 @@ fn location_errors(axis: &AxisResult) -> Vec<(String, QuantityFile)> {
     axis.location_errors
         .iter()
         .map(|location| {
+            let behind = behind(std::iter::once((location.dof, location.budget)));
             let quantity = if location.component.is_angular() {
                 let (value_arcsec, u_arcsec) = (arcsec(location.value), arcsec(location.u));
                 QuantityFile::Angular {
                     value_arcsec,
                     u_arcsec,
+                    behind,
                 }
             } else {
                 QuantityFile::Linear {
                     value_mm: mm(location.value),
                     u_mm: mm(location.u),
+                    behind,
                 }
             };
             (location.component.name(&axis.name), quantity)

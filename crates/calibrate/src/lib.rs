@@ -28,10 +28,24 @@
 //! An axis measured while others stand away from home is freed of their errors as far as they are
 //! known.
 //!
+//! # Uncertainties
+//!
+//! Everything is linear in the points' errors, and these in the noise of the lengths and of the
+//! machine's return. Each standard uncertainty comes with its [`Budget`] and its degrees of freedom
+//! ([`coverage_factor`]); on request the covariance of all results together
+//! ([`OutputCovariance`]), and with it that of the volumetric error
+//! ([`Calibration::volumetric_error_at`]).
+//!
+//! # Gross errors, noise, trials
+//!
+//! Lengths that contradict the others leave, interrupted turns are split, and the noise is estimated
+//! from what is left ([`trueaxis_multilateration::screen`]; [`AdjustmentReport`] says what was done).
+//! [`calibrate_for_replay`] keeps what other errors of the same measurement need: Monte Carlo and
+//! reliability.
+//!
 //! # What it does not do
 //!
-//! It does not estimate the noise (it tests the declared one and widens the uncertainties if the
-//! residuals contradict it), does not remove gross errors, and does not say why a model fails.
+//! It does not say why a model fails. Points are not screened, and their noise is only tested.
 //!
 //! ```
 //! use trueaxis_calibrate::{Settings, calibrate};
@@ -49,19 +63,35 @@
 
 mod adjustment_report;
 mod axis_data;
+mod axis_noise;
+mod axis_twist;
+mod base_response;
 mod basis;
+mod budget;
 mod calibrate;
 mod calibration;
+mod covariance_files;
 mod describe;
 mod error;
 mod frame;
+mod frame_forms;
+mod frame_map;
 mod from_lengths;
 mod from_points;
 mod gauge;
 mod identify_axes;
+mod interpolation;
 mod json;
+mod lengths_in_words;
 mod measured;
+mod output_covariance;
+mod output_entry;
+mod point_noise;
 mod records;
+mod reliability;
+mod reliability_files;
+mod replay;
+mod results;
 mod rigid_fit;
 mod rigidity;
 mod sensitivity;
@@ -72,12 +102,24 @@ mod state;
 mod triangle;
 mod twist;
 mod uncertainty;
+mod volumetric;
+mod weak_stations;
 mod weights;
 
+pub use adjustment_report::{
+    AdjustmentReport, InterruptedTurn, NoiseReport, PartReport, RejectedLength,
+};
+pub use budget::{Budget, coverage_factor};
 pub use calibrate::calibrate;
 pub use calibration::{
-    AdjustmentReport, AxisResult, Calibration, LocationResult, NodeResult, StationResult,
-    StepMisfit, TargetResult, TriangleSide,
+    AxisResult, Calibration, LocationResult, NodeResult, StationResult, StepMisfit, TargetResult,
+    TriangleSide,
 };
 pub use error::Error;
+pub use output_covariance::{Output, OutputCovariance, Unit};
+pub use output_entry::OutputEntry;
+pub use reliability::{LengthReliability, LengthsReliability};
+pub use replay::{Replay, ReplayWorkspace, calibrate_for_replay};
+pub use results::NumberedResult;
 pub use settings::{Method, ReferencePoint, Settings};
+pub use volumetric::VolumetricError;

@@ -1,19 +1,25 @@
 //! Points with their covariance, from lengths or from coordinates.
-//!
-//! Their error is a part of its own for each group and a part that all share:
-//! `dp_i = ξ_i - Z_i s` with `cov(ξ_i) = D_i` independent between groups and `cov(s) = Σ`.
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, Point3};
+use nalgebra::{DMatrix, Matrix2, Point3};
 use trueaxis_campaign::Direction;
-use trueaxis_leastsquares::Covariance;
+use trueaxis_multilateration::Screened;
+
+use crate::point_noise::{NoiseSource, PointNoise};
 
 /// All measured points in the datum: best fit to their nominal positions.
 pub(crate) struct Measured {
     pub(crate) groups: Vec<MeasuredGroup>,
     pub(crate) points_mm: Vec<Point3<f64>>,
-    pub(crate) noise: PointNoise,
+    pub(crate) noise: PointNoise<'static>,
+    /// What the groups' covariances in a points campaign would be if the machine returned exactly,
+    /// mm²; nothing where lengths were measured, of whose network that follows.
+    pub(crate) without_return: Vec<DMatrix<f64>>,
+    /// How well the two variance factors of the noise (the instrument's, the machine's return) are
+    /// known: their covariance relative to their values. Zero if the declared noise is taken for
+    /// the truth.
+    pub(crate) relative_covariance: Matrix2<f64>,
     /// Scatter of repeated points about their means in units of the declared variance, and its
     /// degrees of freedom; nothing where lengths were measured, whose repeats the adjustment tests.
     pub(crate) repeat_scatter: (f64, usize),
@@ -28,70 +34,19 @@ pub(crate) struct MeasuredGroup {
     pub(crate) points: Range<usize>,
 }
 
-/// Covariance of the measured points, mm².
-pub(crate) struct PointNoise {
-    pub(crate) source: NoiseSource,
-    /// Factor on all variances.
-    pub(crate) variance_factor: f64,
-}
-
-pub(crate) enum NoiseSource {
-    /// From the adjustment of lengths; blocks are the groups.
-    Adjusted(Covariance),
-    /// Independent groups with these covariances.
-    Independent(Vec<DMatrix<f64>>),
-}
-
-impl PointNoise {
-    /// `D_i`.
-    pub(crate) fn own(&self, group: usize) -> DMatrix<f64> {
-        let unscaled = match &self.source {
-            NoiseSource::Adjusted(covariance) => {
-                dense(covariance.block_given_shared(group).as_ref())
-            }
-            NoiseSource::Independent(blocks) => blocks[group].clone(),
+impl Measured {
+    /// The instrument's own part of the noise, with the same factor on all variances; `screened`
+    /// is the adjustment of the lengths, if lengths were measured.
+    pub(crate) fn instrument_noise<'a>(&self, screened: Option<&'a Screened>) -> PointNoise<'a> {
+        let source = match screened {
+            Some(Screened {
+                network, solution, ..
+            }) => NoiseSource::Lengths(solution.length_noise(network)),
+            None => NoiseSource::Independent(self.without_return.clone()),
         };
-        unscaled * self.variance_factor
-    }
-
-    /// `Z_i`.
-    pub(crate) fn coupling(&self, group: usize) -> DMatrix<f64> {
-        match &self.source {
-            NoiseSource::Adjusted(covariance) => dense(covariance.coupling(group)),
-            NoiseSource::Independent(blocks) => DMatrix::zeros(blocks[group].nrows(), 0),
+        PointNoise {
+            source,
+            variance_factor: self.noise.variance_factor,
         }
     }
-
-    /// `Σ`.
-    pub(crate) fn shared(&self) -> DMatrix<f64> {
-        match &self.source {
-            NoiseSource::Adjusted(covariance) => {
-                dense(covariance.reduced_inverse()) * self.variance_factor
-            }
-            NoiseSource::Independent(_) => DMatrix::zeros(0, 0),
-        }
-    }
-
-    /// Width of `Z`: number of shared sources.
-    pub(crate) fn shared_sources(&self) -> usize {
-        match &self.source {
-            NoiseSource::Adjusted(covariance) => covariance.reduced_inverse().ncols(),
-            NoiseSource::Independent(_) => 0,
-        }
-    }
-
-    /// `D_i + Z_i Σ Z_iᵀ`.
-    pub(crate) fn total(&self, group: usize) -> DMatrix<f64> {
-        let unscaled = match &self.source {
-            NoiseSource::Adjusted(covariance) => dense(covariance.block(group).as_ref()),
-            NoiseSource::Independent(blocks) => blocks[group].clone(),
-        };
-        let total = unscaled * self.variance_factor;
-        // Symmetric to the last bit, as the identification asks.
-        (&total + total.transpose()) * 0.5
-    }
-}
-
-fn dense(matrix: faer::MatRef<'_, f64>) -> DMatrix<f64> {
-    DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)])
 }

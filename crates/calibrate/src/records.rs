@@ -10,7 +10,9 @@
 //! of the six component errors; as the prediction is exact, repeating this leaves no second-order
 //! error (Newton's method on the pose).
 
-use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix6xX, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{
+    DMatrix, DVector, Isometry3, Matrix3, Matrix6xX, Point3, UnitQuaternion, Vector3, Vector6,
+};
 use trueaxis_campaign::Campaign;
 use trueaxis_identify::{Operator, RigidMisfit, equations, nine, nine_weighted, rigid_misfit};
 use trueaxis_kinematics::{Machine, MotionError};
@@ -21,21 +23,29 @@ use crate::settings::Method;
 use crate::state::{ModelErrors, State};
 use crate::{Error, describe};
 
+/// The pose of one record.
+pub(crate) struct PoseFit {
+    /// Component errors of this record alone, before the gauge.
+    pub(crate) error: Vector6<f64>,
+    /// What an unweighted rigid fit leaves of the volumetric errors, turned back to the stage at
+    /// home, mm.
+    pub(crate) distortion_mm: Vec<Vector3<f64>>,
+    /// Distance of the farthest target from the reference point, mm.
+    pub(crate) lever_mm: f64,
+}
+
 /// The identification of one record.
 pub(crate) struct RecordFit {
-    /// Component errors of this record alone, before the gauge.
-    pub(crate) pose_error: Vector6<f64>,
-    /// How they follow from displacements of the record's points in datum coordinates.
+    /// What was found.
+    pub(crate) pose: PoseFit,
+    /// How the component errors follow from displacements of the record's points in datum coordinates.
     pub(crate) from_points: Matrix6xX<f64>,
     /// Volumetric errors of the targets and their covariance, seen from the base of the axis.
     pub(crate) deltas_mm: Vec<Vector3<f64>>,
     pub(crate) covariance: DMatrix<f64>,
     /// Generalised coordinates of the targets, mm.
     pub(crate) levers_mm: Vec<Vector3<f64>>,
-    /// What an unweighted rigid fit leaves of the volumetric errors, turned back to the stage at
-    /// home, mm.
-    pub(crate) distortion_mm: Vec<Vector3<f64>>,
-    /// How that follows from displacements of the record's points in datum coordinates.
+    /// How what an unweighted rigid fit leaves follows from displacements of the record's points in datum coordinates.
     pub(crate) distortion_from_points: DMatrix<f64>,
     /// Rotations: base of the axis from datum, and stage at home from base.
     pub(crate) base_from_datum: Matrix3<f64>,
@@ -71,7 +81,21 @@ pub(crate) struct Context<'a> {
     pub(crate) campaign: &'a Campaign,
     pub(crate) machine: &'a Machine,
     pub(crate) measured: &'a Measured,
+    /// The points, which a replay moves, mm.
+    pub(crate) points_mm: &'a [Point3<f64>],
     pub(crate) method: Method,
+}
+
+/// What the model leaves of the targets' places at one record.
+struct Deviation {
+    /// Volumetric errors, seen from the base of the axis, mm.
+    deltas_mm: Vec<Vector3<f64>>,
+    /// Generalised coordinates, mm.
+    levers_mm: Vec<Vector3<f64>>,
+    base_from_datum: Matrix3<f64>,
+    stage_from_base: Matrix3<f64>,
+    /// The component errors of the model.
+    current: MotionError,
 }
 
 /// The axes before and after `axis` in the chain of a target.
@@ -104,14 +128,35 @@ impl<'a> Context<'a> {
             .collect()
     }
 
-    fn fit(
+    /// The points of a record in the order of its targets.
+    pub(crate) fn points_of<'b>(
+        &'b self,
+        record: &'b Record,
+    ) -> impl Iterator<Item = (usize, Point3<f64>)> + 'b {
+        points_of(self.measured, self.points_mm, record)
+    }
+
+    /// The poses of an axis' records with the operators of `fits`.
+    pub(crate) fn poses(
+        &self,
+        data: &[AxisData],
+        state: &State,
+        index: usize,
+        fits: &[RecordFit],
+    ) -> Vec<PoseFit> {
+        let records = data[index].records.iter().zip(fits);
+        records
+            .map(|(record, fit)| fit.replayed(&self.deviation(data, state, index, record)))
+            .collect()
+    }
+
+    fn deviation(
         &self,
         data: &[AxisData],
         state: &State,
         index: usize,
         record: &Record,
-        weight: &DMatrix<f64>,
-    ) -> Result<RecordFit, Error> {
+    ) -> Deviation {
         let (own, values) = (&data[index], &state.axes[index]);
         let axis = &self.machine.axes()[own.axis];
         let errors = ModelErrors { data, state };
@@ -125,7 +170,7 @@ impl<'a> Context<'a> {
         let mut deltas_mm = Vec::new();
         let mut base_from_datum = Isometry3::identity();
         let homes_mm = &values.targets_mm[record.run];
-        for ((target, point), home) in points_of(self.measured, record).zip(homes_mm) {
+        for ((target, point), home) in self.points_of(record).zip(homes_mm) {
             let carrier = self.campaign.targets[target].carrier;
             let (outer, inner) = around(self.machine, carrier, own.axis);
             let base = self.machine.chain_motion(&errors, outer, positions);
@@ -135,7 +180,31 @@ impl<'a> Context<'a> {
             levers_mm.push(predicted - reference);
             deltas_mm.push(base_from_datum * point - predicted);
         }
-        let base_from_datum = base_from_datum.rotation.to_rotation_matrix().into_inner();
+        Deviation {
+            deltas_mm,
+            levers_mm,
+            base_from_datum: base_from_datum.rotation.to_rotation_matrix().into_inner(),
+            stage_from_base: motion.rotation.inverse().to_rotation_matrix().into_inner(),
+            current,
+        }
+    }
+
+    fn fit(
+        &self,
+        data: &[AxisData],
+        state: &State,
+        index: usize,
+        record: &Record,
+        weight: &DMatrix<f64>,
+    ) -> Result<RecordFit, Error> {
+        let own = &data[index];
+        let Deviation {
+            deltas_mm,
+            levers_mm,
+            base_from_datum,
+            stage_from_base,
+            current,
+        } = self.deviation(data, state, index, record);
         let covariance = rotated(weight, &base_from_datum);
         let operator = self
             .operator(&levers_mm, &covariance)
@@ -146,17 +215,19 @@ impl<'a> Context<'a> {
         // so that it is the same function of the points at every record.
         let plain = nine(&levers_mm).map_err(|error| self.refused(own, record, &error))?;
         let correction = operator.apply(&deltas_mm);
-        let stage_from_base = motion.rotation.inverse().to_rotation_matrix().into_inner();
         Ok(RecordFit {
-            pose_error: composed(&correction, &current).to_vector(),
+            pose: PoseFit {
+                error: composed(&correction, &current).to_vector(),
+                distortion_mm: plain
+                    .residual_mm(&deltas_mm)
+                    .iter()
+                    .map(|v| stage_from_base * v)
+                    .collect(),
+                lever_mm: farthest(&levers_mm),
+            },
             from_points: rotated_columns(&operator.matrix(), &base_from_datum),
             noise_gain: operator.noise_gain(),
             noise_gain_nine: plain.noise_gain(),
-            distortion_mm: plain
-                .residual_mm(&deltas_mm)
-                .iter()
-                .map(|v| stage_from_base * v)
-                .collect(),
             distortion_from_points: distortion(&plain, &stage_from_base, &base_from_datum),
             levers_mm,
             base_from_datum,
@@ -210,6 +281,32 @@ impl<'a> Context<'a> {
             },
         }
     }
+}
+
+impl RecordFit {
+    /// The pose for other points near the fitted ones, with the same operators.
+    fn replayed(&self, deviation: &Deviation) -> PoseFit {
+        let datum_from_base = self.base_from_datum.transpose();
+        let mut deltas = DVector::zeros(3 * deviation.deltas_mm.len());
+        for (i, delta) in deviation.deltas_mm.iter().enumerate() {
+            deltas
+                .fixed_rows_mut::<3>(3 * i)
+                .copy_from(&(datum_from_base * delta));
+        }
+        let correction = MotionError::from_vector(&(&self.from_points * &deltas));
+        let distortion = &self.distortion_from_points * &deltas;
+        PoseFit {
+            error: composed(&correction, &deviation.current).to_vector(),
+            distortion_mm: (0..deviation.deltas_mm.len())
+                .map(|i| distortion.fixed_rows::<3>(3 * i).into_owned())
+                .collect(),
+            lever_mm: farthest(&deviation.levers_mm),
+        }
+    }
+}
+
+fn farthest(levers_mm: &[Vector3<f64>]) -> f64 {
+    levers_mm.iter().map(|r| r.norm()).fold(0.0, f64::max)
 }
 
 /// `Q (I - A P) R`: residuals of an unweighted rigid fit, turned to the stage at home, from

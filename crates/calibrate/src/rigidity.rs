@@ -112,7 +112,7 @@ fn failing(
         let coordinate = |target: usize, c: usize| {
             combine(
                 kept.iter()
-                    .map(|fit| fit.distortion_mm[target][c])
+                    .map(|fit| fit.pose.distortion_mm[target][c])
                     .collect(),
             )
         };

@@ -4,7 +4,7 @@ use nalgebra::Point3;
 use trueaxis_identify::SixRows;
 
 /// Settings of [`crate::calibrate`].
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// How six component errors follow from the points of a step.
     pub method: Method,
@@ -12,6 +12,23 @@ pub struct Settings {
     pub by_direction: bool,
     /// The point of the stage whose translation is δ.
     pub reference_point: ReferencePoint,
+    /// Whether the covariance of all results is wanted ([`crate::OutputCovariance`]).
+    pub covariance: bool,
+    /// Whether gross errors are removed and interrupted turns split; otherwise all lengths are
+    /// adjusted as they are.
+    pub robust: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            method: Method::default(),
+            by_direction: false,
+            reference_point: ReferencePoint::default(),
+            covariance: false,
+            robust: true,
+        }
+    }
 }
 
 /// How six component errors follow from the points of a step.

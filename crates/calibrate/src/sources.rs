@@ -1,26 +1,20 @@
-//! The quantities of each axis on which results depend, with their joint covariance.
-//!
-//! All of them are linear in the measured points, `θ = Σ_i F_i dp_i`, and so
-//!
-//! ```text
-//! cov(θ) = [same axis] Σ_i F_i D_i F_iᵀ + (Σ F Z) Σ (Σ F Z)ᵀ
-//! ```
+//! The quantities of each axis on which location errors and stations depend.
 //!
 //! Each axis contributes its location parameters, the home positions of its targets, and its
-//! component errors where it stands while others are measured. The stations are shared sources
-//! themselves.
+//! component errors where it stands while others are measured: linear functions of its parameters
+//! and mean pose errors ([`crate::axis_noise`]). The stations are shared sources themselves.
 
 use nalgebra::{DMatrix, Matrix6xX};
 
 use crate::axis_data::AxisData;
+use crate::axis_noise::{AxisForm, AxisNoise, PosePart};
 use crate::gauge::PER_RUN;
 use crate::identify_axes::Identified;
-use crate::measured::Measured;
-use crate::records::{Context, around, select_rows, select_targets};
+use crate::records::{Context, around};
 use crate::state::ModelErrors;
 use crate::twist::cross_matrix;
 
-/// All quantities, their places and their covariance.
+/// All quantities and their places.
 pub(crate) struct Sources {
     /// Number of quantities.
     pub(crate) count: usize,
@@ -28,23 +22,40 @@ pub(crate) struct Sources {
     pub(crate) location: Vec<usize>,
     /// For each axis, run and target the first of three coordinates.
     pub(crate) targets: Vec<Vec<Vec<usize>>>,
-    /// Where other axes stand: axis, position, first of its six component errors.
-    pub(crate) held: Vec<Held>,
-    /// First unknown of the first station (x y z L each).
+    /// Where other axes stand.
+    held: Vec<Held>,
+    /// First unknown of the first station (x y z L each), and the number of stations.
     pub(crate) stations: usize,
-    /// Covariance, mm and rad.
-    pub(crate) covariance: DMatrix<f64>,
+    station_count: usize,
+    /// What each axis contributes.
+    pub(crate) axes: Vec<OwnSources>,
+}
+
+/// The quantities of one axis.
+pub(crate) struct OwnSources {
+    /// Their places among all: location parameters, targets, held component errors.
+    pub(crate) places: Vec<usize>,
+    /// How they follow from the axis' parameters and mean pose errors.
+    pub(crate) form: AxisForm,
 }
 
 /// Component errors of an axis at a position where it stands while another one is measured.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Held {
+struct Held {
     /// Index of the axis data.
-    pub(crate) data: usize,
+    data: usize,
     /// Position, mm or rad.
-    pub(crate) position: f64,
-    /// First of its six rows.
-    pub(crate) first: usize,
+    position: f64,
+    /// First of its six places.
+    first: usize,
+}
+
+/// The errors of all quantities.
+pub(crate) struct SourceNoise {
+    /// Covariance with the stations known.
+    pub(crate) own: DMatrix<f64>,
+    /// Coefficients of the shared sources.
+    pub(crate) shared: DMatrix<f64>,
 }
 
 impl Sources {
@@ -55,16 +66,30 @@ impl Sources {
         stations: usize,
     ) -> Self {
         let mut sources = Self::layout(context, data, identified, stations);
-        let shared = context.measured.noise.shared();
-        let mut through_shared = DMatrix::zeros(sources.count, shared.nrows());
-        for k in 0..data.len() {
-            sources.add_axis(context, data, identified, k, &mut through_shared);
-        }
-        for i in 0..4 * stations {
-            through_shared[(sources.stations + i, i)] = 1.0;
-        }
-        sources.covariance += &through_shared * shared * through_shared.transpose();
+        sources.axes = (0..data.len())
+            .map(|k| sources.own(context, data, identified, k))
+            .collect();
         sources
+    }
+
+    /// The errors of all quantities from those of the axes.
+    pub(crate) fn noise(&self, axes: &[AxisNoise], shared_sources: usize) -> SourceNoise {
+        let mut own = DMatrix::zeros(self.count, self.count);
+        let mut shared = DMatrix::zeros(self.count, shared_sources);
+        for (sources, noise) in self.axes.iter().zip(axes) {
+            let covariance = noise.own(&sources.form, &sources.form);
+            let coefficients = noise.shared(&sources.form);
+            for (i, &row) in sources.places.iter().enumerate() {
+                for (j, &column) in sources.places.iter().enumerate() {
+                    own[(row, column)] = covariance[(i, j)];
+                }
+                shared.row_mut(row).copy_from(&coefficients.row(i));
+            }
+        }
+        for i in 0..4 * self.station_count {
+            shared[(self.stations + i, i)] = 1.0;
+        }
+        SourceNoise { own, shared }
     }
 
     fn layout(
@@ -114,15 +139,16 @@ impl Sources {
                 }
             }
         }
-        let stations = take(4 * stations);
-        let covariance = DMatrix::zeros(next, next);
+        let station_count = stations;
+        let stations = take(4 * station_count);
         Self {
             count: next,
             location,
             targets,
             held,
             stations,
-            covariance,
+            station_count,
+            axes: Vec::new(),
         }
     }
 
@@ -131,68 +157,36 @@ impl Sources {
         find(&self.held, data, position)
     }
 
-    fn add_axis(
-        &mut self,
+    fn own(
+        &self,
         context: &Context<'_>,
         data: &[AxisData],
         identified: &Identified,
         k: usize,
-        through_shared: &mut DMatrix<f64>,
-    ) {
+    ) -> OwnSources {
         let (axis, sensitivity) = (&data[k], &identified.sensitivities[k]);
-        // The axis' own rows, in a compact order: location, targets, held.
-        let mut rows: Vec<usize> = (0..sensitivity.location_parameters)
-            .map(|i| self.location[k] + i)
-            .collect();
-        rows.extend(
-            self.targets[k]
-                .iter()
-                .flatten()
-                .flat_map(|&first| first..first + 3),
-        );
+        let first = self.location[k];
+        let mut places: Vec<usize> = (first..first + sensitivity.location_parameters).collect();
+        let targets = self.targets[k].iter().flatten();
+        places.extend(targets.flat_map(|&first| first..first + 3));
         let held: Vec<Held> = self.held.iter().copied().filter(|h| h.data == k).collect();
-        let first_held = rows.len();
-        rows.extend(held.iter().flat_map(|h| h.first..h.first + 6));
-
-        let from_parameters = from_parameters(context, data, identified, k, &held, rows.len());
-        let mut own = DMatrix::zeros(rows.len(), rows.len());
-        let mut shared = DMatrix::zeros(rows.len(), context.measured.noise.shared_sources());
-        for (i, record) in axis.records.iter().enumerate() {
-            let mut f = &from_parameters * &sensitivity.parameters[i];
-            for (h, place) in held.iter().enumerate() {
-                let weight = weight_of_node(axis, place.position, record.node);
-                if weight > 0.0 {
-                    let share = weight / axis.nodes[record.node].records as f64;
-                    let mut itself = f.rows_mut(first_held + 6 * h, 6);
-                    itself += &identified.fits[k][i].from_points * share;
-                }
+        let mut poses = Vec::new();
+        for place in &held {
+            for (node, weight) in axis.weights_at(place.position) {
+                poses.push(PosePart {
+                    row: places.len(),
+                    node,
+                    weight,
+                });
             }
-            let (d, z) = noise_of(context.measured, axis, i);
-            own += &f * d * f.transpose();
-            shared -= &f * z;
+            places.extend(place.first..place.first + 6);
         }
-        for (i, &row) in rows.iter().enumerate() {
-            for (j, &column) in rows.iter().enumerate() {
-                self.covariance[(row, column)] += own[(i, j)];
-            }
-            for j in 0..shared.ncols() {
-                through_shared[(row, j)] += shared[(i, j)];
-            }
+        let parameters = from_parameters(context, data, identified, k, &held, places.len());
+        OwnSources {
+            places,
+            form: AxisForm { parameters, poses },
         }
     }
-}
-
-/// `D` and `Z` of a record's points.
-pub(crate) fn noise_of(
-    measured: &Measured,
-    axis: &AxisData,
-    record: usize,
-) -> (DMatrix<f64>, DMatrix<f64>) {
-    let record = &axis.records[record];
-    (
-        select_targets(&measured.noise.own(record.group), record),
-        select_rows(&measured.noise.coupling(record.group), record),
-    )
 }
 
 fn find(held: &[Held], data: usize, position: f64) -> Option<usize> {
@@ -249,13 +243,4 @@ fn from_parameters(
         next += 6;
     }
     map
-}
-
-/// Weight of a node in the component errors at a position.
-fn weight_of_node(axis: &AxisData, position: f64, node: usize) -> f64 {
-    axis.weights_at(position)
-        .iter()
-        .filter(|&&(k, _)| k == node)
-        .map(|&(_, weight)| weight)
-        .sum()
 }

@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use trueaxis_fitting::{NominalAxis, axis_location, fit_common_axis, fit_line, squareness};
 use trueaxis_kinematics::{Axis, AxisKind, Ideal, LocationError, MotionError};
 
-use crate::axis_data::{AxisData, RunData, points_of};
+use crate::axis_data::{AxisData, RunData};
 use crate::records::{Context, around};
 use crate::state::{AxisState, State};
 
@@ -90,7 +90,7 @@ fn traces(context: &Context<'_>, data: &AxisData, run: &RunData) -> Vec<Vec<Poin
     let mut traces = vec![Vec::new(); run.targets.len()];
     for record in records {
         let positions = context.positions_of(record);
-        for ((target, point), trace) in points_of(context.measured, record).zip(&mut traces) {
+        for ((target, point), trace) in context.points_of(record).zip(&mut traces) {
             let carrier = context.campaign.targets[target].carrier;
             let (outer, _) = around(context.machine, carrier, data.axis);
             let base = context.machine.chain_motion(&Ideal, outer, positions);

@@ -3,7 +3,7 @@
 //! A twist `(ρ, v)` displaces a point by `v + ρ × p`. Rows are coordinates; columns are whatever
 //! the errors are linear in.
 
-use nalgebra::{Isometry3, Matrix3, Matrix3xX, Point3, Vector3};
+use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix3xX, Matrix6xX, Point3, Vector3};
 
 /// ρ (rad) and v (mm, displacement of the origin), three rows each.
 #[derive(Debug, Clone)]
@@ -42,6 +42,23 @@ impl Twist {
     pub(crate) fn add(&mut self, other: &Self) {
         self.rotation += &other.rotation;
         self.origin += &other.origin;
+    }
+
+    /// The same motion as a function of what the old columns are linear in: one row of `columns`
+    /// for each of them.
+    pub(crate) fn through(&self, columns: &DMatrix<f64>) -> Self {
+        Self {
+            rotation: &self.rotation * columns,
+            origin: &self.origin * columns,
+        }
+    }
+
+    /// v and ρ as six rows.
+    pub(crate) fn rows(&self) -> Matrix6xX<f64> {
+        let mut rows = Matrix6xX::zeros(self.origin.ncols());
+        rows.fixed_rows_mut::<3>(0).copy_from(&self.origin);
+        rows.fixed_rows_mut::<3>(3).copy_from(&self.rotation);
+        rows
     }
 
     /// Displacement of a point.

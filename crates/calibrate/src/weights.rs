@@ -17,7 +17,7 @@ use trueaxis_identify::{equations, nine};
 use trueaxis_kinematics::{Ideal, LocationError};
 
 use crate::axis_data::{AxisData, RunData};
-use crate::records::{Context, around, select_rows, select_targets};
+use crate::records::{Context, around, select_targets};
 
 /// Covariances of all records of an axis in datum coordinates, mm². They serve as weights, so the
 /// nominal geometry is good enough.
@@ -48,8 +48,7 @@ pub(crate) fn weights(context: &Context<'_>, data: &AxisData) -> Vec<DMatrix<f64
             let record = &data.records[i];
             let turn = stage_from_datum(context, data, i);
             let to_shape = &projection * repeated(&turn, size);
-            let d = select_targets(&noise.own(record.group), record);
-            let z = select_rows(&noise.coupling(record.group), record);
+            let (d, z) = noise.of_record(record);
             shape_noise += &to_shape * &d * to_shape.transpose() / (count * count);
             shape_coupling += &to_shape * &z / count;
             parts.push((i, turn, to_shape, d, z));

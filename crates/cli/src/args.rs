@@ -1,10 +1,12 @@
 //! The command line.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use nalgebra::Point3;
-use trueaxis_calibrate::ReferencePoint;
+use trueaxis_calibrate::{Method, ReferencePoint, Settings};
+use trueaxis_identify::SixRows;
 
 /// Every geometric error of a machine tool from the lengths that one laser tracker measures to
 /// three targets.
@@ -24,6 +26,8 @@ pub(crate) enum Verb {
     Check(CheckArgs),
     /// Finds all component and location errors; writes calibration.json.
     Calibrate(CalibrateArgs),
+    /// Checks the uncertainties of a calibration by redrawing its noise; writes montecarlo.json.
+    Montecarlo(MontecarloArgs),
     /// Makes a campaign with known errors from a scenario; writes the campaign and truth.json.
     Simulate(SimulateArgs),
 }
@@ -45,6 +49,35 @@ pub(crate) struct CalibrateArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
+
+    /// Also write the covariance of all results: covariance.npy and covariance.json (the
+    /// names and units of its rows).
+    #[arg(long)]
+    pub(crate) covariance: bool,
+
+    /// Also write what an unnoticed error of each length would do: reliability.npy (lengths by
+    /// results) and reliability.json (smallest detectable errors, names of rows and columns).
+    #[arg(long)]
+    pub(crate) reliability: bool,
+
+    /// Also list squareness and tilts with the signs of the paper (opposite for some of them).
+    #[arg(long)]
+    pub(crate) paper_signs: bool,
+
+    /// Also print calibration.json on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+
+    /// End with exit code 6 if the residuals or the shape of the targets reject the model.
+    #[arg(long)]
+    pub(crate) fail_on_misfit: bool,
+}
+
+/// How a campaign is calibrated.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct ModelArgs {
     /// How component errors follow from the points of a step.
     #[arg(long, value_enum, default_value_t = MethodArg::Nine)]
     pub(crate) method: MethodArg,
@@ -58,17 +91,43 @@ pub(crate) struct CalibrateArgs {
     #[arg(long, value_name = "POINT", default_value = "origin", value_parser = reference_point, allow_hyphen_values = true)]
     pub(crate) reference_point: ReferencePoint,
 
-    /// Also list squareness and tilts with the signs of the paper (opposite for some of them).
+    /// Adjust all lengths as they are: remove no gross errors, split no interrupted turns.
     #[arg(long)]
-    pub(crate) paper_signs: bool,
+    pub(crate) no_robust: bool,
+}
 
-    /// Also print calibration.json on standard output.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct MontecarloArgs {
+    /// The campaign file.
+    #[arg(value_name = "CAMPAIGN.json")]
+    pub(crate) campaign: PathBuf,
+
+    /// Folder for montecarlo.json [default: one in the current directory, named after the campaign].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Number of trials; with --digits the most [default: 10000; 1000000 with --digits].
+    #[arg(long, value_name = "N")]
+    pub(crate) trials: Option<usize>,
+
+    /// Seed of the noise: the same seed gives the same file, on any number of threads.
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+
+    /// Stop when so many significant digits of every uncertainty have settled (JCGM 101, 7.9).
+    #[arg(long, value_name = "DIGITS", value_parser = clap::value_parser!(u32).range(1..=3))]
+    pub(crate) digits: Option<u32>,
+
+    /// Number of threads [default: all].
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
+
+    /// Also print montecarlo.json on standard output.
     #[arg(long)]
     pub(crate) json: bool,
-
-    /// End with exit code 6 if the residuals or the shape of the targets reject the model.
-    #[arg(long)]
-    pub(crate) fail_on_misfit: bool,
 }
 
 #[derive(Debug, ClapArgs)]
@@ -84,6 +143,22 @@ pub(crate) struct SimulateArgs {
     /// Seed of the noise: the same seed gives the same files.
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
+}
+
+impl ModelArgs {
+    /// The settings that these arguments mean.
+    pub(crate) fn settings(&self) -> Settings {
+        Settings {
+            method: match self.method {
+                MethodArg::Nine => Method::Nine,
+                MethodArg::Six => Method::Six(SixRows::PAPER),
+            },
+            by_direction: self.by_direction,
+            reference_point: self.reference_point,
+            robust: !self.no_robust,
+            ..Settings::default()
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]

@@ -1,11 +1,12 @@
 //! `trueaxis calibrate`.
 
 use anyhow::Context;
-use trueaxis_calibrate::{Calibration, Method, Settings, calibrate};
+use trueaxis_calibrate::{
+    Calibration, LengthsReliability, OutputCovariance, Settings, calibrate, calibrate_for_replay,
+};
 use trueaxis_campaign::read;
-use trueaxis_identify::SixRows;
 
-use crate::args::{CalibrateArgs, MethodArg};
+use crate::args::CalibrateArgs;
 use crate::exit::Exit;
 use crate::talk::{notice, say};
 use crate::{output, summary};
@@ -13,30 +14,61 @@ use crate::{output, summary};
 /// Significance at which `--fail-on-misfit` rejects the model.
 const MISFIT_LEVEL: f64 = 1e-3;
 
+/// Beside the matrices, the names of their rows and columns.
+const COVARIANCE_INDEX: &str = "covariance.json";
+const RELIABILITY_INDEX: &str = "reliability.json";
+
 pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
     let settings = Settings {
-        method: match args.method {
-            MethodArg::Nine => Method::Nine,
-            MethodArg::Six => Method::Six(SixRows::PAPER),
-        },
-        by_direction: args.by_direction,
-        reference_point: args.reference_point,
+        covariance: args.covariance,
+        ..args.model.settings()
     };
-    let calibration =
-        calibrate(&campaign, &settings).with_context(|| args.campaign.display().to_string())?;
+    let in_file = || args.campaign.display().to_string();
+    let mut extra = Vec::new();
+    let mut checked = Vec::new();
+    let calibration = if args.reliability {
+        let (calibration, replay) =
+            calibrate_for_replay(&campaign, &settings).with_context(in_file)?;
+        if let (Some(found), Some(lengths)) = (replay.reliability()?, &campaign.lengths) {
+            let index = found.index_json(replay.results(), lengths);
+            extra.push((LengthsReliability::MATRIX_FILE, found.to_npy()));
+            extra.push((RELIABILITY_INDEX, index.into_bytes()));
+            checked = summary::reliability(&campaign, lengths, &found, replay.results());
+        } else {
+            notice("reliability is that of lengths; this campaign has points");
+        }
+        calibration
+    } else {
+        calibrate(&campaign, &settings).with_context(in_file)?
+    };
+    if let Some(covariance) = &calibration.covariance {
+        let index = covariance.index_json().into_bytes();
+        extra.push((OutputCovariance::MATRIX_FILE, covariance.to_npy()));
+        extra.push((COVARIANCE_INDEX, index));
+    }
     let folder = output::folder(args.out.as_deref(), &campaign.name)?;
-    let path = folder.join("calibration.json");
     let text = calibration.to_json();
-    output::write(&path, &text)?;
+    let mut written = Vec::new();
+    let all = std::iter::once(("calibration.json", text.as_bytes()));
+    for (name, bytes) in all.chain(extra.iter().map(|(name, bytes)| (*name, bytes.as_slice()))) {
+        let path = folder.join(name);
+        output::write(&path, bytes)?;
+        written.push(path);
+    }
 
     for line in summary::lines(&campaign, &calibration, args.paper_signs) {
+        say(&line);
+    }
+    for line in checked {
         say(&line);
     }
     for text in campaign.notices.iter().chain(&calibration.notices) {
         notice(text);
     }
-    say(&format!("written: {}", path.display()));
+    for path in &written {
+        say(&format!("written: {}", path.display()));
+    }
     if args.json {
         output::print(&text)?;
     }

@@ -9,7 +9,7 @@ use crate::output::OutputError;
 pub(crate) enum Exit {
     /// 0.
     Good,
-    /// 2: the command line is wrong (clap's own code), or what it names cannot be written.
+    /// 2: the command line is wrong (clap's own code), or what it asks for cannot be written or made.
     Usage,
     /// 3: an input file is wrong.
     Input,
@@ -55,6 +55,9 @@ impl Exit {
                     _ => Self::Input,
                 };
             }
+            if cause.is::<trueaxis_montecarlo::Error>() {
+                return Self::Usage;
+            }
             if cause.is::<OutputError>() {
                 return Self::Usage;
             }
@@ -67,10 +70,13 @@ impl Exit {
                         Self::Input
                     }
                     Calibrate::NotConverged { .. }
+                    | Calibrate::NotTrustworthy { .. }
                     | Calibrate::Contradictory { .. }
                     | Calibrate::RanAway { .. }
                     | Calibrate::StationUnexplained { .. }
                     | Calibrate::NotSettled { .. } => Self::NotConverged,
+                    Calibrate::CovarianceTooLarge { .. }
+                    | Calibrate::ReliabilityTooLarge { .. } => Self::Usage,
                     Calibrate::Numerical { .. } => Self::Internal,
                 };
             }

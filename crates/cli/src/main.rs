@@ -7,7 +7,10 @@ mod args;
 mod calibrate;
 mod check;
 mod exit;
+mod montecarlo;
+mod montecarlo_file;
 mod output;
+mod progress;
 mod simulate;
 mod summary;
 mod talk;
@@ -26,6 +29,7 @@ fn main() -> ExitCode {
     let run = || match &args.verb {
         Verb::Check(args) => check::run(args),
         Verb::Calibrate(args) => calibrate::run(args),
+        Verb::Montecarlo(args) => montecarlo::run(args),
         Verb::Simulate(args) => simulate::run(args),
     };
     // A panic is a bug of ours: the default hook says where, the exit code says so.

@@ -45,12 +45,12 @@ pub(crate) fn folder(given: Option<&Path>, campaign: &str) -> Result<PathBuf, Ou
 }
 
 /// Writes a result whole or not at all.
-pub(crate) fn write(path: &Path, text: &str) -> Result<(), OutputError> {
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     let failed = |source| OutputError {
         path: Some(path.to_path_buf()),
         source,
     };
-    trueaxis_files::write_whole(path, text.as_bytes()).map_err(failed)
+    trueaxis_files::write_whole(path, bytes).map_err(failed)
 }
 
 /// Data on standard output. A reader that stops early (`| head`) is no error.

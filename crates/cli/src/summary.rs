@@ -1,13 +1,25 @@
 //! The table that `calibrate` ends with.
 
 use nalgebra::Vector3;
-use trueaxis_calibrate::{AxisResult, Calibration, Method};
-use trueaxis_campaign::Campaign;
+use trueaxis_calibrate::{
+    AxisResult, Calibration, LengthReliability, LengthsReliability, Method, NoiseReport,
+    NumberedResult, PartReport, coverage_factor,
+};
+use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_fitting::{paper_c_axis_tilt, paper_squareness};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 
-/// Coverage factor of the uncertainties that people read.
+use crate::montecarlo::in_words;
+
+/// Coverage factor of the uncertainties that people read, if many degrees of freedom stand behind
+/// them.
 const COVERAGE: f64 = 2.0;
+
+/// Half width of the 95 % interval that people read: Student's factor where that is more than
+/// [`COVERAGE`].
+fn expanded(u: f64, dof: f64) -> f64 {
+    u * coverage_factor(dof).max(COVERAGE)
+}
 
 /// Misfits and sides listed before the rest is only counted.
 const MOST_LISTED: usize = 5;
@@ -38,18 +50,140 @@ fn adjustment(calibration: &Calibration) -> Vec<String> {
     } else {
         "lengths"
     };
-    vec![
+    let mut lines = vec![
         format!(
             "{}: {} {what}, {} unknowns, redundancy {}",
             calibration.campaign, a.observations, a.unknowns, a.degrees_of_freedom
         ),
         format!(
-            "sigma0 {:.3} (p = {}), rms residual {:.2} µm; U is for k = {COVERAGE}",
+            "sigma0 {:.3} (p = {}), rms residual {:.2} µm; {}",
             a.sigma0,
             probability(a.p_value),
-            a.rms_residual_mm / MICROMETRE
+            a.rms_residual_mm / MICROMETRE,
+            coverage(calibration)
         ),
-    ]
+    ];
+    lines.extend(a.noise.as_ref().map(noise));
+    for turn in &a.interruptions {
+        lines.push(format!(
+            "{}: the lengths jump by {:+.2} ± {:.2} µm between lines {} and {} ({:.0} … {:.0} s), as after \
+             an interrupted beam: its turn is split there",
+            turn.station,
+            turn.change_mm / MICROMETRE,
+            COVERAGE * turn.u_mm / MICROMETRE,
+            turn.lines[0],
+            turn.lines[1],
+            turn.times_s[0],
+            turn.times_s[1],
+        ));
+    }
+    if !a.rejected.is_empty() {
+        lines.push(format!(
+            "removed: {} of {} lengths that contradict the others",
+            a.rejected.len(),
+            a.rejected.len() + a.observations
+        ));
+        for rejected in a.rejected.iter().take(MOST_LISTED) {
+            lines.push(format!(
+                "  {}: {:+.2} ± {:.2} µm{}",
+                rejected.length,
+                rejected.error_mm / MICROMETRE,
+                COVERAGE * rejected.u_mm / MICROMETRE,
+                match rejected.unchecked {
+                    true => ", unchecked beside a wrong one",
+                    false => "",
+                }
+            ));
+        }
+        if a.rejected.len() > MOST_LISTED {
+            lines.push(format!(
+                "  and {} more, all in calibration.json",
+                a.rejected.len() - MOST_LISTED
+            ));
+        }
+    }
+    lines
+}
+
+/// What the uncertainties are multiplied with.
+fn coverage(calibration: &Calibration) -> String {
+    let nodes = calibration.axes.iter().flat_map(|axis| &axis.nodes);
+    let components = nodes.flat_map(|node| node.dof);
+    let locations = calibration
+        .axes
+        .iter()
+        .flat_map(|axis| &axis.location_errors);
+    let least = components
+        .chain(locations.map(|location| location.dof))
+        .fold(f64::INFINITY, f64::min);
+    let factor = coverage_factor(least);
+    if factor > COVERAGE {
+        format!("U is for 95 % (Student): k = {COVERAGE} to {factor:.2}")
+    } else {
+        format!("U is for k = {COVERAGE}")
+    }
+}
+
+/// The noise used, beside the declared one.
+fn noise(noise: &NoiseReport) -> String {
+    let part = |part: &PartReport| {
+        let mut text = format!("{:.3}", part.used.sigma_mm / MICROMETRE);
+        if part.used.u_mm > 0.0 {
+            text.push_str(&format!(" ± {:.3}", COVERAGE * part.used.u_mm / MICROMETRE));
+        }
+        text.push_str(" µm");
+        if let Some(declared) = part.declared_mm {
+            text.push_str(&format!(" (declared {:.3})", declared / MICROMETRE));
+        }
+        text
+    };
+    format!(
+        "noise: length {}, machine's return {}",
+        part(&noise.length),
+        part(&noise.machine_return)
+    )
+}
+
+/// What the reliability of the lengths comes to.
+pub(crate) fn reliability(
+    campaign: &Campaign,
+    lengths: &Lengths,
+    found: &LengthsReliability,
+    results: &[NumberedResult],
+) -> Vec<String> {
+    let mut detectable: Vec<f64> = found
+        .lengths
+        .iter()
+        .map(|length| length.minimal_detectable_mm)
+        .filter(|mm| mm.is_finite())
+        .collect();
+    detectable.sort_by(f64::total_cmp);
+    let unchecked = found.lengths.len() - detectable.len();
+    let mut lines = vec![String::new()];
+    if let (Some(median), Some(largest)) = (detectable.get(detectable.len() / 2), detectable.last())
+    {
+        lines.push(format!(
+            "an error of a length is noticed (80 %) from {:.2} µm on in the median, {:.2} µm at most",
+            median / MICROMETRE,
+            largest / MICROMETRE
+        ));
+    }
+    let by_effect =
+        |a: &&LengthReliability, b: &&LengthReliability| a.worst.1.total_cmp(&b.worst.1);
+    if let Some(worst) = found.lengths.iter().max_by(by_effect) {
+        let reading = &lengths.readings[worst.reading];
+        lines.push(format!(
+            "unnoticed, it moves a result by {:.1} u at most: {} by line {} (target {})",
+            worst.worst.1,
+            in_words(&results[worst.worst.0].output),
+            reading.line,
+            campaign.targets[reading.target].name
+        ));
+    }
+    if unchecked > 0 {
+        lines.push(format!("nothing checks {unchecked} of the lengths"));
+    }
+    lines
 }
 
 fn location_errors(calibration: &Calibration) -> Vec<String> {
@@ -75,7 +209,7 @@ fn location_errors(calibration: &Calibration) -> Vec<String> {
             lines.push(format!(
                 "  {name:<22}{:>9.2} {unit}{:>9.2} {unit}",
                 location.value / scale,
-                COVERAGE * location.u / scale
+                expanded(location.u, location.dof) / scale
             ));
         }
     }
@@ -110,9 +244,10 @@ fn component_errors(calibration: &Calibration) -> Vec<String> {
                 .iter()
                 .map(|n| n.error.to_vector()[c].abs())
                 .fold(0.0, f64::max);
-            let u = axis.nodes.iter().map(|n| n.u[c]).fold(0.0, f64::max);
+            let expanded = axis.nodes.iter().map(|n| expanded(n.u[c], n.dof[c]));
+            let expanded = expanded.fold(0.0, f64::max);
             values.push_str(&format!(" {:>7.2}", value / scale));
-            uncertainties.push_str(&format!(" {:>7.2}", COVERAGE * u / scale));
+            uncertainties.push_str(&format!(" {:>7.2}", expanded / scale));
         }
         lines.extend([values, uncertainties]);
     }

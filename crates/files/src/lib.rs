@@ -2,7 +2,8 @@
 //!
 //! [`write_whole`] writes a file under a temporary name beside its place and renames it: whoever
 //! looks sees the old file or the new one, never a part. [`to_json`] is JSON with one line for each
-//! field, arrays of numbers included, so that a curve is a line and not a column.
+//! field, arrays of numbers included, so that a curve is a line and not a column. [`to_npy`] is a
+//! `NumPy` file for arrays that are too large for text.
 //!
 //! ```
 //! use serde::Serialize;
@@ -22,7 +23,9 @@
 //! ```
 
 mod json;
+mod npy;
 mod whole;
 
 pub use json::to_json;
+pub use npy::to_npy;
 pub use whole::write_whole;

@@ -93,12 +93,13 @@ pub enum Error {
     },
     /// So many readings contradict the others that these prove nothing.
     #[error(
-        "{removed} of {readings} lengths contradict the others; more than {:.0} % are no accident",
+        "{} of {readings} lengths contradict the others; more than {:.0} % are no accident",
+        removed.len(),
         limit * 100.0
     )]
     TooManyGrossErrors {
-        /// Readings that would have to be removed.
-        removed: usize,
+        /// The readings that would have to be removed.
+        removed: Vec<usize>,
         /// All readings.
         readings: usize,
         /// Share that may be removed.

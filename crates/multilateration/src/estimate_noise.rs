@@ -53,6 +53,9 @@ pub struct PartEstimate {
 /// relative uncertainty would be above one half.
 const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
 
+/// Significance at which few degrees of freedom, too, give up the declared noise.
+const REJECTED: f64 = 1e-3;
+
 /// Residuals this much smaller than declared come from no instrument but from a calculation.
 const TOO_GOOD: f64 = 0.01;
 
@@ -83,8 +86,9 @@ pub fn estimate_noise(
 ) -> Result<NoiseEstimate, Error> {
     let given = network.noise;
     let dof = solution.degrees_of_freedom() as f64;
+    let plausible = chi_squared_upper_tail(solution.squares, dof) > REJECTED;
     let known_better = dof < LEAST_DEGREES_OF_FREEDOM || solution.sigma0() < TOO_GOOD;
-    if dof == 0.0 || (declared && known_better) {
+    if dof == 0.0 || (declared && plausible && known_better) {
         return Ok(kept(given));
     }
     if given.return_sigma_mm == 0.0 {

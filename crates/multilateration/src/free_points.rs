@@ -136,9 +136,14 @@ impl<'a> FreePoints<'a> {
     /// The motion of a point at `p` under the six free motions: translations along x, y, z, then
     /// rotations about them (scaled to the size of the network).
     fn free_motions_at(&self, p: Point3<f64>) -> [Vector3<f64>; DATUM] {
-        let r = (p - self.centroid) / self.radius_mm;
+        let r = self.lever(p);
         let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
         [x, y, z, x.cross(&r), y.cross(&r), z.cross(&r)]
+    }
+
+    /// Lever arm of the rotations of the datum at `p`, in units of the radius.
+    pub(crate) fn lever(&self, p: Point3<f64>) -> Vector3<f64> {
+        (p - self.centroid) / self.radius_mm
     }
 
     /// Number of shared unknowns.

@@ -1,8 +1,10 @@
 //! How much may be removed before the measurement, and not the readings, is to blame.
 
 use crate::baarda::ReadingTest;
+use crate::robust_weights::REMOVED;
 use crate::screen::Removed;
-use crate::{Error, Network, Part};
+use crate::solve::MIN_STATIONS_PER_POINT;
+use crate::{Error, Network, Part, Visit};
 
 /// Share of all readings that may be removed.
 const MOST_REMOVED: f64 = 0.05;
@@ -13,17 +15,12 @@ const MOST_OF_A_PART: f64 = 1.0 / 3.0;
 /// A reading of which the residuals keep less than this part is not checked by the others.
 const CHECKED: f64 = 0.02;
 
-/// Refuses removals that the measurement does not carry. `tests` are those of all readings of the
-/// working network, in which removed readings have no weight.
-pub(crate) fn check(
-    network: &Network,
-    removed: &[Removed],
-    tests: &[ReadingTest],
-) -> Result<(), Error> {
+/// Refuses removals that the measurement does not carry.
+pub(crate) fn check(network: &Network, removed: &[Removed]) -> Result<(), Error> {
     let readings = network.readings.len();
     if removed.len() as f64 > MOST_REMOVED * readings as f64 {
         return Err(Error::TooManyGrossErrors {
-            removed: removed.len(),
+            removed: removed.iter().map(|r| r.reading).collect(),
             readings,
             limit: MOST_REMOVED,
         });
@@ -57,40 +54,48 @@ pub(crate) fn check(
             });
         }
     }
-    decidable(network, removed, &is_removed, tests)
+    Ok(())
 }
 
-/// If nothing checks the other readings of a point any more, each of them may be the wrong one as
-/// well as the one that was removed.
-fn decidable(
-    network: &Network,
-    removed: &[Removed],
-    is_removed: &[bool],
-    tests: &[ReadingTest],
-) -> Result<(), Error> {
-    if removed.is_empty() {
-        return Ok(());
-    }
+/// Readings of points that lost others, which nothing checks any more: each of them may be the wrong
+/// one as well as those that left, so they have to leave, too.
+///
+/// # Errors
+/// [`Error::Undecidable`] if the point is then seen from too few stations.
+pub(crate) fn unchecked(network: &Network, tests: &[ReadingTest]) -> Result<Vec<usize>, Error> {
+    let is_removed = |reading: usize| network.variance_factor(reading) >= REMOVED;
     let mut first_removed: Vec<Option<usize>> = vec![None; network.nominal_mm.len()];
-    let points = |visit: &crate::Visit| {
-        let group = visit.group;
-        visit
-            .readings
-            .clone()
-            .map(move |i| (i, network.point(group, network.readings[i].point)))
-    };
-    for (reading, point) in network.visits.iter().flat_map(points) {
-        if is_removed[reading] {
+    for (reading, point) in network.visits.iter().flat_map(|v| points(network, v)) {
+        if is_removed(reading) {
             first_removed[point].get_or_insert(reading);
         }
     }
-    for (other, point) in network.visits.iter().flat_map(points) {
+    let mut unchecked = Vec::new();
+    let mut checked_from: Vec<Vec<usize>> = vec![Vec::new(); network.nominal_mm.len()];
+    for visit in &network.visits {
+        for (reading, point) in points(network, visit) {
+            if first_removed[point].is_none() || is_removed(reading) {
+                continue;
+            }
+            if tests[reading].kept < CHECKED {
+                unchecked.push((reading, point));
+            } else if !checked_from[point].contains(&visit.station) {
+                checked_from[point].push(visit.station);
+            }
+        }
+    }
+    for &(other, point) in &unchecked {
         if let Some(reading) = first_removed[point]
-            && !is_removed[other]
-            && tests[other].kept < CHECKED
+            && checked_from[point].len() < MIN_STATIONS_PER_POINT
         {
             return Err(Error::Undecidable { reading, other });
         }
     }
-    Ok(())
+    Ok(unchecked.into_iter().map(|(reading, _)| reading).collect())
+}
+
+/// The readings of a visit with the points that they see.
+fn points<'a>(network: &'a Network, visit: &'a Visit) -> impl Iterator<Item = (usize, usize)> + 'a {
+    let readings = visit.readings.clone();
+    readings.map(move |i| (i, network.point(visit.group, network.readings[i].point)))
 }

@@ -10,9 +10,10 @@
 //! 4. Data snooping (Baarda): the length whose test is largest leaves its group, the one that fits
 //!    again comes back, one in a group at a time, until nothing changes. The level is that of all
 //!    tests together.
-//! 5. The noise is estimated from what is left; if the tests look different with it, 2 to 4 are
+//! 5. Lengths that nothing checks beside one that left have to leave, too.
+//! 6. The noise is estimated from what is left; if the tests look different with it, 2 to 5 are
 //!    repeated.
-//! 6. A clean adjustment of the lengths that are left, all with full weight.
+//! 7. A clean adjustment of the lengths that are left, all with full weight.
 //!
 //! A campaign without gross errors passes after one adjustment and its tests.
 
@@ -23,7 +24,7 @@ use crate::interruption::is_interruption;
 use crate::robust_weights::{REMOVED, distances_from_neighbours, scale, welsch};
 use crate::solve::{Settings, far_at_start, solve, solve_from};
 use crate::{Error, Interruption, Network, NoiseEstimate, Solution, estimate_noise};
-use trueaxis_leastsquares::chi_squared_quantile;
+use trueaxis_leastsquares::student_two_sided;
 
 /// A network that was cleaned and solved.
 #[derive(Debug, Clone)]
@@ -34,6 +35,9 @@ pub struct Screened {
     pub solution: Solution,
     /// The estimated noise.
     pub noise: NoiseEstimate,
+    /// Sum of squares of the whitened residuals with the given noise: chi-squared with the degrees of
+    /// freedom of the solution if that is right.
+    pub given_squares: f64,
     /// For each reading of the network the reading of the original one.
     pub kept: Vec<usize>,
     /// The readings that were removed, in measuring order.
@@ -51,6 +55,9 @@ pub struct Removed {
     pub error_mm: f64,
     /// Standard uncertainty of that, mm.
     pub u_mm: f64,
+    /// It does not contradict the others, but nothing checks it beside a reading of the same point that
+    /// does.
+    pub unchecked: bool,
 }
 
 /// A jump of a station's zero.
@@ -66,6 +73,40 @@ pub struct Jump {
     pub u_mm: f64,
 }
 
+impl Screened {
+    /// All readings with full weight in one adjustment, and the noise that they show.
+    ///
+    /// # Errors
+    /// Those of [`solve`].
+    pub fn plain(network: &Network, declared: bool, settings: &Settings) -> Result<Self, Error> {
+        let mut network = network.clone();
+        let mut solution = solve(&network, settings)?;
+        let given_squares = solution.squares;
+        let noise = estimate_noise(&mut network, &mut solution, declared, settings)?;
+        Ok(Self {
+            kept: (0..network.readings.len()).collect(),
+            network,
+            solution,
+            noise,
+            given_squares,
+            removed: Vec::new(),
+            jumps: Vec::new(),
+        })
+    }
+
+    /// Observed minus computed length of every reading of the original network, mm.
+    pub fn residuals_mm(&self) -> Vec<f64> {
+        let mut residuals_mm = vec![0.0; self.kept.len() + self.removed.len()];
+        for (&reading, &residual_mm) in self.kept.iter().zip(&self.solution.residuals_mm) {
+            residuals_mm[reading] = residual_mm;
+        }
+        for removed in &self.removed {
+            residuals_mm[removed.reading] = removed.error_mm;
+        }
+        residuals_mm
+    }
+}
+
 /// Probability that a network without gross errors loses any reading.
 const READINGS_LEVEL: f64 = 0.01;
 
@@ -77,6 +118,9 @@ const LEAST_STEP: usize = 4;
 
 /// Readings that may be far off at the start before the nominal positions are to blame.
 const MOST_FAR: f64 = 0.05;
+
+/// Asymptotic efficiency of the median as a scale, beside the standard deviation.
+const MEDIAN_EFFICIENCY: f64 = 0.37;
 
 /// Calculated lengths have residuals of rounding, whose tails mean nothing.
 const LEAST_SCALE: f64 = 0.05;
@@ -104,9 +148,9 @@ pub fn screen(network: &Network, declared: bool, settings: &Settings) -> Result<
         },
         solution: None,
         settings,
-        reading_limit: critical(READINGS_LEVEL, readings),
-        step_limit: critical(STEPS_LEVEL, readings),
-        noise_known: false,
+        declared,
+        unchecked: vec![false; readings],
+        noise_known: None,
     };
     let far = far_at_start(network)?;
     if (far.len() as f64) <= MOST_FAR * readings as f64 {
@@ -118,7 +162,9 @@ pub fn screen(network: &Network, declared: bool, settings: &Settings) -> Result<
         work.clean()?;
         let mut screened = work.finished(network, declared)?;
         work.network.noise = screened.noise.noise;
-        work.noise_known = true;
+        let length = screened.noise.length.degrees_of_freedom;
+        let machine_return = screened.noise.machine_return.degrees_of_freedom;
+        work.noise_known = Some(length.min(machine_return));
         work.solve()?;
         if !work.suspicious()? {
             screened.removed = work.removed()?;
@@ -128,9 +174,15 @@ pub fn screen(network: &Network, declared: bool, settings: &Settings) -> Result<
     work.finished(network, declared)
 }
 
-/// The limit of |w| at which the level of all tests together is `level`.
-fn critical(level: f64, tests: usize) -> f64 {
-    chi_squared_quantile(1.0 - level / tests.max(1) as f64, 1.0).sqrt()
+/// The limit of a reading's |w| if the noise is known.
+pub(crate) fn reading_limit(readings: usize) -> f64 {
+    critical(READINGS_LEVEL, readings, f64::INFINITY)
+}
+
+/// The limit of |w| at which the level of all tests together is `level`; `degrees_of_freedom` are
+/// those of the scale.
+fn critical(level: f64, tests: usize, degrees_of_freedom: f64) -> f64 {
+    student_two_sided(level / tests.max(1) as f64, degrees_of_freedom)
 }
 
 /// The work in progress: removed readings stay in the network without weight.
@@ -138,10 +190,12 @@ struct Screening<'a> {
     network: Network,
     solution: Option<Solution>,
     settings: &'a Settings,
-    reading_limit: f64,
-    step_limit: f64,
-    /// Whether the network's noise was estimated, so that w has unit variance.
-    noise_known: bool,
+    /// Whether the network's noise is more than a guess.
+    declared: bool,
+    /// Readings that left because nothing checks them beside a wrong one: they do not come back.
+    unchecked: Vec<bool>,
+    /// Once the network's noise is estimated, so that w has unit variance, its degrees of freedom.
+    noise_known: Option<f64>,
 }
 
 impl Screening<'_> {
@@ -160,15 +214,32 @@ impl Screening<'_> {
             self.solve()?;
         }
         let tests = self.with_influence(test_readings);
-        let scale = match self.noise_known {
-            true => 1.0,
-            false => self.scale(&tests),
+        let scale = match (self.noise_known, self.declared) {
+            (Some(_), _) => 1.0,
+            // With few lengths the median may be small by chance; what is declared is not.
+            (None, true) => self.scale(&tests).max(1.0),
+            (None, false) => self.scale(&tests),
         };
         Ok((tests, scale))
     }
 
     fn scale(&self, tests: &[ReadingTest]) -> f64 {
         scale(tests, &self.network.variance_factors).max(LEAST_SCALE)
+    }
+
+    /// The limit of |w| in scales. The scale has the degrees of freedom of the noise; the median, which
+    /// gives it before that is estimated, is worth a third of them.
+    fn limit(&self, level: f64) -> f64 {
+        let redundancy = self
+            .solution
+            .as_ref()
+            .map_or(0, Solution::degrees_of_freedom);
+        let degrees_of_freedom = match (self.noise_known, self.declared) {
+            (Some(degrees_of_freedom), _) => degrees_of_freedom,
+            (None, true) => f64::INFINITY,
+            (None, false) => MEDIAN_EFFICIENCY * redundancy as f64,
+        };
+        critical(level, self.network.readings.len(), degrees_of_freedom)
     }
 
     fn with_influence<T: Default>(&self, f: impl Fn(&Influence<'_>) -> T) -> T {
@@ -189,6 +260,7 @@ impl Screening<'_> {
             return Ok(());
         }
         self.network.interruptions.clear();
+        self.unchecked.fill(false);
         self.find_interruptions()?;
         self.redescend()?;
         self.snoop()?;
@@ -196,7 +268,25 @@ impl Screening<'_> {
             self.place_interruptions()?;
             self.snoop()?;
         }
-        Ok(())
+        self.drop_unchecked()
+    }
+
+    /// Lets go of readings that nothing checks beside a wrong one.
+    fn drop_unchecked(&mut self) -> Result<(), Error> {
+        let removed = self.removed()?;
+        guard::check(&self.network, &removed)?;
+        loop {
+            let (tests, _) = self.tests()?;
+            let unchecked = guard::unchecked(&self.network, &tests)?;
+            if unchecked.is_empty() {
+                return Ok(());
+            }
+            for reading in unchecked {
+                self.unchecked[reading] = true;
+                self.network.variance_factors[reading] = REMOVED;
+            }
+            self.solve()?;
+        }
     }
 
     /// Seeks the instant of each interruption again, now that all good readings have full weight.
@@ -259,7 +349,7 @@ impl Screening<'_> {
             tests.iter().map(|test| test.w).collect()
         })?;
         let (tests, scale) = self.tests()?;
-        let limit = self.reading_limit * scale;
+        let limit = self.limit(READINGS_LEVEL) * scale;
         let factor = |test: &ReadingTest| if test.w.abs() > limit { REMOVED } else { 1.0 };
         self.network.variance_factors = tests.iter().map(factor).collect();
         self.solve()
@@ -292,13 +382,16 @@ impl Screening<'_> {
     /// For each group the reading that should leave first, or else the one that should come back
     /// first, with its new variance factor.
     fn changes(&self, tests: &[ReadingTest], scale: f64) -> Vec<(usize, f64)> {
-        let limit = self.reading_limit * scale;
+        let limit = self.limit(READINGS_LEVEL) * scale;
         let groups = self.network.groups.len();
         let mut worst: Vec<Option<(f64, usize)>> = vec![None; groups];
         let mut best: Vec<Option<(f64, usize)>> = vec![None; groups];
         for visit in &self.network.visits {
             for i in visit.readings.clone() {
                 let w = tests[i].w.abs();
+                if self.unchecked[i] {
+                    continue;
+                }
                 if self.network.variance_factors[i] >= REMOVED {
                     let best = &mut best[visit.group];
                     if w <= limit && best.is_none_or(|(least, _)| w < least) {
@@ -329,7 +422,7 @@ impl Screening<'_> {
         let largest_reading = taking_part
             .filter(|&(_, &factor)| factor <= 1.0)
             .fold(0.0_f64, |largest, (test, _)| largest.max(test.w.abs()));
-        let limit = (self.step_limit * scale).max(largest_reading);
+        let limit = (self.limit(STEPS_LEVEL) * scale).max(largest_reading);
         let mut steps = self.with_influence(|influence| largest_steps(influence, LEAST_STEP));
         steps.retain(|step| step.w.abs() > limit);
         steps.sort_by(|a, b| b.w.abs().total_cmp(&a.w.abs()));
@@ -357,6 +450,7 @@ impl Screening<'_> {
                 reading,
                 error_mm: tests[reading].error_mm,
                 u_mm: tests[reading].sigma_mm,
+                unchecked: self.unchecked[reading],
             })
             .collect())
     }
@@ -364,8 +458,7 @@ impl Screening<'_> {
     /// The clean adjustment of what is left of the original network.
     fn finished(&mut self, original: &Network, declared: bool) -> Result<Screened, Error> {
         let removed = self.removed()?;
-        let (tests, _) = self.tests()?;
-        guard::check(&self.network, &removed, &tests)?;
+        guard::check(&self.network, &removed)?;
         let without: Vec<usize> = removed.iter().map(|r| r.reading).collect();
         let (mut network, kept) = original.without(&without);
         network.interruptions = self
@@ -381,8 +474,10 @@ impl Screening<'_> {
             Some(near) => solve_from(&network, near, self.settings)?,
             None => solve(&network, self.settings)?,
         };
+        let given_squares = solution.squares;
         let noise = estimate_noise(&mut network, &mut solution, declared, self.settings)?;
         Ok(Screened {
+            given_squares,
             jumps: jumps(&self.network, &network, &solution),
             network,
             solution,

@@ -18,7 +18,7 @@ pub struct Settings {
 const MIN_STATIONS: usize = 4;
 
 /// A point needs three lengths.
-const MIN_STATIONS_PER_POINT: usize = 3;
+pub(crate) const MIN_STATIONS_PER_POINT: usize = 3;
 
 /// Sums of squares that differ by less do not tell two mirror images apart: the likelihood ratio is
 /// below e⁵.

@@ -6,6 +6,8 @@
 )]
 
 mod coverage;
+mod first_order;
+mod gross_errors;
 mod machines;
 mod parked;
 mod planar;

@@ -6,8 +6,10 @@
 mod calibrate;
 mod campaign_files;
 mod check;
+mod gross_errors;
 mod harmless;
 mod misleading;
+mod montecarlo;
 mod program;
 mod refused;
 mod refused_documents;

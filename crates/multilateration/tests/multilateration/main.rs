@@ -5,4 +5,5 @@
 mod gross_errors;
 mod noise_components;
 mod properties;
+mod trials;
 mod world;

@@ -1,0 +1,164 @@
+//! Where a variance comes from, and how well it is known.
+//!
+//! With `u²` of a result, `u_s²` what is left of it with the stations known, and `u_l²` the part of
+//! that which lengths without the machine's return would make:
+//!
+//! ```text
+//! laser u_l²     machine's return u_s² - u_l²     station geometry u² - u_s²
+//! ```
+//!
+//! No part is negative for a result that does not depend on the datum, and none of ours does: the
+//! covariance of the points with the stations known is that of an adjustment without datum, the
+//! estimated stations add the variance that comes through them, and the noise of the machine's
+//! return adds to that of the lengths while the weights stay.
+//!
+//! # Degrees of freedom
+//!
+//! The noise has two variance factors, of the lengths and of the machine's return. If they are
+//! estimated with the covariance `K` relative to their values, `u² = g_1 + g_2` (origin in the
+//! lengths, with what goes through the stations, and in the return) is known to `gᵀ K g`, and
+//! matching it to a chi-squared distribution gives (Welch 1947, Satterthwaite 1946; JCGM 100:2008
+//! G.4.1 with correlation)
+//!
+//! ```text
+//! ν = 2 u⁴ / gᵀ K g
+//! ```
+
+use nalgebra::{Matrix2, Vector2};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// Parts of a variance u², mm² or rad².
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Budget {
+    /// The lengths' own noise with the stations known; for a points campaign the instrument's
+    /// scatter.
+    pub laser: f64,
+    /// The machine's return with the stations known.
+    pub machine_return: f64,
+    /// That the stations are estimated, whatever the noise behind it.
+    pub station_geometry: f64,
+    /// All that has its origin in the lengths' own noise: `laser` and its part of
+    /// `station_geometry`. The rest of u² has its origin in the machine's return.
+    pub laser_in_all: f64,
+}
+
+/// Negative parts up to this share of u² are rounding.
+const ROUNDING: f64 = 1e-9;
+
+impl Budget {
+    /// From the variances with the stations known, of the laser alone and of all noise, and with
+    /// the stations estimated.
+    pub(crate) fn new(stations_known: [f64; 2], in_all: [f64; 2]) -> Self {
+        let [laser, known] = stations_known;
+        let [laser_in_all, all] = in_all;
+        let not_negative = |part: f64| {
+            if part < 0.0 && part >= -ROUNDING * all {
+                0.0
+            } else {
+                part
+            }
+        };
+        Self {
+            laser: not_negative(laser),
+            machine_return: not_negative(known - laser),
+            station_geometry: not_negative(all - known),
+            laser_in_all: not_negative(laser_in_all),
+        }
+    }
+
+    /// u².
+    pub fn variance(&self) -> f64 {
+        self.laser + self.machine_return + self.station_geometry
+    }
+
+    /// The three parts as shares of u²; `None` if it is zero.
+    pub fn shares(&self) -> Option<[f64; 3]> {
+        let variance = self.variance();
+        let parts = [self.laser, self.machine_return, self.station_geometry];
+        (variance > 0.0).then(|| parts.map(|part| part / variance))
+    }
+
+    /// `ν` for the relative covariance `K` of the variance factors; infinite if they are known.
+    pub(crate) fn degrees_of_freedom(&self, relative_covariance: &Matrix2<f64>) -> f64 {
+        let variance = self.variance();
+        let g = Vector2::new(self.laser_in_all, variance - self.laser_in_all);
+        let of_variance = g.dot(&(relative_covariance * g));
+        if of_variance > 0.0 {
+            2.0 * variance * variance / of_variance
+        } else {
+            f64::INFINITY
+        }
+    }
+}
+
+/// Share of an interval of `± coverage_factor · u` that holds the truth.
+const COVERAGE: f64 = 0.95;
+
+/// The quantile of the normal distribution for it.
+const NORMAL_FACTOR: f64 = 1.959_963_984_540_054;
+
+/// Degrees of freedom from which the first term of the expansion about the normal quantile
+/// (Abramowitz and Stegun 26.7.5) gives Student's to 1e-7; the inverse of the incomplete beta
+/// function loses digits there.
+const NEARLY_NORMAL: f64 = 1e4;
+
+/// The factor `k` for which `± k u` holds the truth with 95 %: Student's t for the degrees of
+/// freedom of u, 1.96 if these are infinite.
+///
+/// ```
+/// use trueaxis_calibrate::coverage_factor;
+///
+/// assert!((coverage_factor(f64::INFINITY) - 1.96).abs() < 1e-4);
+/// assert!((coverage_factor(10.0) - 2.228).abs() < 1e-3);
+/// ```
+pub fn coverage_factor(degrees_of_freedom: f64) -> f64 {
+    if degrees_of_freedom >= NEARLY_NORMAL {
+        let z = NORMAL_FACTOR;
+        return z + (z.powi(3) + z) / (4.0 * degrees_of_freedom);
+    }
+    // Nothing is known without degrees of freedom.
+    StudentsT::new(0.0, 1.0, degrees_of_freedom)
+        .map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + 0.5 * COVERAGE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Abramowitz and Stegun, Table 26.10.
+    #[test]
+    fn coverage_agrees_with_the_printed_table() {
+        for (degrees, factor) in [(1.0, 12.706), (5.0, 2.571), (30.0, 2.042), (120.0, 1.980)] {
+            assert!(
+                (coverage_factor(degrees) - factor).abs() < 6e-4,
+                "{degrees}"
+            );
+        }
+        let below = coverage_factor(NEARLY_NORMAL * (1.0 - 1e-9));
+        assert!((below - coverage_factor(NEARLY_NORMAL)).abs() < 1e-6);
+        assert!(coverage_factor(0.0).is_infinite());
+    }
+
+    #[test]
+    fn degrees_of_freedom_follow_from_the_variance_factors() {
+        let budget = Budget::new([1.0, 4.0], [2.0, 5.0]);
+        assert!((budget.variance() - 5.0).abs() < 1e-15);
+        let of = |k: Matrix2<f64>| budget.degrees_of_freedom(&k);
+        assert!(of(Matrix2::zeros()).is_infinite());
+        // One common factor with ν degrees of freedom: variance 2/ν, fully correlated.
+        assert!((of(Matrix2::repeat(2.0 / 17.0)) - 17.0).abs() < 1e-12);
+        // Independent factors: the formula of Welch and Satterthwaite.
+        let (laser, machine) = (40.0, 9.0);
+        let expected = 25.0 / (2.0 * 2.0 / laser + 3.0 * 3.0 / machine);
+        let found = of(Matrix2::new(2.0 / laser, 0.0, 0.0, 2.0 / machine));
+        assert!((found - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn only_rounding_is_taken_for_zero() {
+        let rounded = Budget::new([1.0 + 1e-12, 1.0], [1.0, 1.0]);
+        assert!(rounded.machine_return.abs() < f64::MIN_POSITIVE);
+        let wrong = Budget::new([1.1, 1.0], [1.0, 1.0]);
+        assert!(wrong.machine_return < -0.05);
+    }
+}

@@ -1,0 +1,265 @@
+//! The covariance of all results together.
+//!
+//! Results of one axis are correlated through the points that they share, those of different axes
+//! through the axes that stand still while others are measured, everything through the stations:
+//! with `F` the coefficients of the shared sources in all results,
+//!
+//! ```text
+//! cov = own + F Σ Fᵀ
+//! ```
+
+use nalgebra::DMatrix;
+use trueaxis_campaign::Direction;
+use trueaxis_kinematics::{ARCSEC, AxisKind, Component, LocationComponent, MICROMETRE, Machine};
+use trueaxis_multilateration::Solution;
+
+use crate::Error;
+use crate::axis_data::AxisData;
+use crate::axis_noise::AxisForm;
+use crate::calibrate::place_of;
+use crate::calibration::{AxisResult, StationResult};
+use crate::results::{NumberedResult, results};
+use crate::uncertainty::Propagation;
+
+/// Covariance of all results of a calibration, in the units of `calibration.json`.
+///
+/// What gauge or frame define has zero rows and columns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutputCovariance {
+    /// The results in the order of rows and columns: the component errors of all axes (for each
+    /// position all six), the location errors, the stations (x y z and dead path of each).
+    pub outputs: Vec<Output>,
+    /// The covariance: element (i, j) has the unit of output i times that of output j.
+    pub matrix: DMatrix<f64>,
+}
+
+/// One number of a calibration.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Output {
+    /// A component error at a measured position.
+    ComponentError {
+        /// Name of the axis.
+        axis: String,
+        /// Linear or rotary.
+        kind: AxisKind,
+        /// Which of the six.
+        component: Component,
+        /// Commanded position, mm or rad.
+        position: f64,
+        /// Side of approach, where the two are kept apart.
+        direction: Option<Direction>,
+    },
+    /// A location error.
+    LocationError {
+        /// Name of the axis.
+        axis: String,
+        /// Which one.
+        component: LocationComponent,
+    },
+    /// A coordinate of a station.
+    StationPosition {
+        /// Name of the station.
+        station: String,
+        /// 0, 1, 2 for x, y, z.
+        coordinate: usize,
+    },
+    /// The dead path of a station.
+    DeadPath {
+        /// Name of the station.
+        station: String,
+    },
+}
+
+/// Unit of an output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// µm.
+    Micrometre,
+    /// Seconds of arc.
+    Arcsec,
+    /// mm.
+    Millimetre,
+}
+
+impl Output {
+    /// ISO 230-1 name of an error; `x`, `y`, `z` or `dead_path` of a station.
+    pub fn name(&self) -> String {
+        match self {
+            Self::ComponentError {
+                axis, component, ..
+            } => component.name(axis),
+            Self::LocationError { axis, component } => component.name(axis),
+            Self::StationPosition { coordinate, .. } => ["x", "y", "z"][*coordinate].to_owned(),
+            Self::DeadPath { .. } => "dead_path".to_owned(),
+        }
+    }
+
+    /// Its unit, that of `calibration.json`.
+    pub fn unit(&self) -> Unit {
+        let angular = match self {
+            Self::ComponentError { component, .. } => component.is_angular(),
+            Self::LocationError { component, .. } => component.is_angular(),
+            Self::StationPosition { .. } | Self::DeadPath { .. } => false,
+        };
+        match self {
+            _ if angular => Unit::Arcsec,
+            Self::ComponentError { .. } => Unit::Micrometre,
+            _ => Unit::Millimetre,
+        }
+    }
+}
+
+impl Unit {
+    /// mm or rad.
+    pub fn size(self) -> f64 {
+        match self {
+            Self::Micrometre => MICROMETRE,
+            Self::Arcsec => ARCSEC,
+            Self::Millimetre => 1.0,
+        }
+    }
+
+    /// As field names end: `um`, `arcsec`, `mm`.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Self::Micrometre => "um",
+            Self::Arcsec => "arcsec",
+            Self::Millimetre => "mm",
+        }
+    }
+}
+
+/// Largest covariance that is made, GiB.
+const LIMIT_GIB: u32 = 1;
+
+/// Refuses a covariance that would not fit.
+pub(crate) fn check_size(
+    machine: &Machine,
+    data: &[AxisData],
+    solution: Option<&Solution>,
+) -> Result<(), Error> {
+    let of_axis = |axis: &AxisData| {
+        6 * axis.nodes.len() + machine.axes()[axis.axis].location_components().len()
+    };
+    let stations = solution.map_or(0, |solution| solution.stations.len());
+    require_size(data.iter().map(of_axis).sum::<usize>() + 4 * stations)
+}
+
+fn require_size(outputs: usize) -> Result<(), Error> {
+    let gib = (outputs as f64).powi(2) * size_of::<f64>() as f64 / 1024_f64.powi(3);
+    if gib > f64::from(LIMIT_GIB) {
+        return Err(Error::CovarianceTooLarge {
+            outputs,
+            gib,
+            limit_gib: LIMIT_GIB,
+        });
+    }
+    Ok(())
+}
+
+impl OutputCovariance {
+    /// Of the results that `propagation` gave their uncertainties.
+    pub(crate) fn new(
+        propagation: &Propagation<'_>,
+        axes: &[AxisResult],
+        stations: &[StationResult],
+    ) -> Self {
+        let mut matrix = in_mm_and_rad(propagation, axes);
+        let results = results(axes, stations);
+        // Gauge and frame leave rounding where they define a result.
+        let scale = |result: &NumberedResult| {
+            let defined = result.u <= 0.0;
+            if defined {
+                0.0
+            } else {
+                result.output.unit().size().recip()
+            }
+        };
+        let scales: Vec<f64> = results.iter().map(scale).collect();
+        // Symmetric to the last bit.
+        for j in 0..scales.len() {
+            for i in 0..=j {
+                let value = matrix[(i, j)] * (scales[i] * scales[j]);
+                matrix[(i, j)] = value;
+                matrix[(j, i)] = value;
+            }
+        }
+        let outputs = results.into_iter().map(|result| result.output).collect();
+        Self { outputs, matrix }
+    }
+}
+
+/// The upper triangle in mm and rad.
+fn in_mm_and_rad(propagation: &Propagation<'_>, axes: &[AxisResult]) -> DMatrix<f64> {
+    let noise = &propagation.whole;
+    let components: Vec<AxisForm> = propagation
+        .identified
+        .sensitivities
+        .iter()
+        .map(|s| AxisForm::component_errors(s, 0..s.node_effects.len()))
+        .collect();
+    // All results as functions of the sources; component errors have a part of their own beside.
+    let over_sources = over_sources(propagation, axes, &components);
+    let mut shared = &over_sources * &noise.sources.shared;
+    let mut covariance = &over_sources * &noise.sources.own * over_sources.transpose();
+    let mut first = 0;
+    for (k, form) in components.iter().enumerate() {
+        let (axis, sources) = (&noise.axes[k], &propagation.sources.axes[k]);
+        let count = 6 * axes[k].nodes.len();
+        let mut rows = shared.rows_mut(first, count);
+        rows += axis.shared(form);
+        let mut block = covariance.view_mut((first, first), (count, count));
+        block += axis.own(form, form);
+        let of_own_sources = over_sources.select_columns(&sources.places);
+        let cross = axis.own(form, &sources.form) * of_own_sources.transpose();
+        let mut rows = covariance.rows_mut(first, count);
+        rows += &cross;
+        let mut columns = covariance.columns_mut(first, count);
+        columns += cross.transpose();
+        first += count;
+    }
+    covariance.gemm(1.0, &(&shared * &noise.shared), &shared.transpose(), 1.0);
+    covariance
+}
+
+/// What results owe to the sources: location errors and stations all that they are, component
+/// errors what goes through the base of their axis.
+fn over_sources(
+    propagation: &Propagation<'_>,
+    axes: &[AxisResult],
+    components: &[AxisForm],
+) -> DMatrix<f64> {
+    let forms = &propagation.forms;
+    let locations = forms.locations.iter().zip(axes).flat_map(|(rows, axis)| {
+        let reported = axis.location_errors.iter();
+        reported.map(|location| rows.row(place_of(location.component)))
+    });
+    let stations = forms.stations.iter().flat_map(|rows| rows.row_iter());
+    let of_frame: Vec<_> = locations.chain(stations).collect();
+    let first_of_frame: usize = axes.iter().map(|axis| 6 * axis.nodes.len()).sum();
+    let mut all = DMatrix::zeros(first_of_frame + of_frame.len(), propagation.sources.count);
+    let mut first = 0;
+    for (k, form) in components.iter().enumerate() {
+        if let Some(rows) = forms.through_base(k, form) {
+            all.rows_mut(first, rows.nrows()).copy_from(&rows);
+        }
+        first += 6 * axes[k].nodes.len();
+    }
+    for (i, row) in of_frame.iter().enumerate() {
+        all.row_mut(first_of_frame + i).copy_from(row);
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_its_size() {
+        assert_eq!(require_size(11_585), Ok(()));
+        let refused = require_size(40_000).map_err(|error| error.to_string());
+        let text = refused.unwrap_err();
+        assert!(text.contains("40000 results takes 11.9 GiB"), "{text}");
+    }
+}

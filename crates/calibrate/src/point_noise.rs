@@ -1,0 +1,82 @@
+//! The errors of measured points: a part of its own for each group and a part that all share.
+//!
+//! ```text
+//! dp_i = ξ_i - Z_i s     cov(ξ_i) = D_i, independent between groups     cov(s) = Σ
+//! ```
+//!
+//! For lengths the shared sources `s` are the errors of stations and dead paths (first) and of the
+//! datum; `D_i` is the covariance of the points with all stations known. This form holds for the
+//! whole noise and for the instrument's own part of it alone, so both are propagated alike.
+
+use nalgebra::DMatrix;
+use trueaxis_leastsquares::Covariance;
+use trueaxis_multilateration::LengthNoise;
+
+use crate::axis_data::Record;
+use crate::records::{select_rows, select_targets};
+
+/// Covariance of the measured points, mm².
+pub(crate) struct PointNoise<'a> {
+    pub(crate) source: NoiseSource<'a>,
+    /// Factor on all variances.
+    pub(crate) variance_factor: f64,
+}
+
+pub(crate) enum NoiseSource<'a> {
+    /// From the adjustment of lengths; blocks are the groups.
+    Adjusted(Covariance),
+    /// The lengths' own noise alone.
+    Lengths(LengthNoise<'a>),
+    /// Independent groups with these covariances.
+    Independent(Vec<DMatrix<f64>>),
+}
+
+impl PointNoise<'_> {
+    /// `D` and `Z` of a group.
+    fn group(&self, group: usize) -> (DMatrix<f64>, DMatrix<f64>) {
+        let (own, coupling) = match &self.source {
+            NoiseSource::Adjusted(covariance) => (
+                dense(covariance.block_given_shared(group).as_ref()),
+                dense(covariance.coupling(group)),
+            ),
+            NoiseSource::Lengths(noise) => {
+                let (own, coupling) = noise.group(group);
+                (dense(own.as_ref()), dense(coupling.as_ref()))
+            }
+            NoiseSource::Independent(blocks) => {
+                let own = blocks[group].clone();
+                let rows = own.nrows();
+                (own, DMatrix::zeros(rows, 0))
+            }
+        };
+        (own * self.variance_factor, coupling)
+    }
+
+    /// `D` and `Z` of a record's points, in the order of its targets.
+    pub(crate) fn of_record(&self, record: &Record) -> (DMatrix<f64>, DMatrix<f64>) {
+        let (own, coupling) = self.group(record.group);
+        (select_targets(&own, record), select_rows(&coupling, record))
+    }
+
+    /// `Σ`. It is indefinite and makes sense only between couplings, but for the stations.
+    pub(crate) fn shared(&self) -> DMatrix<f64> {
+        let unscaled = match &self.source {
+            NoiseSource::Adjusted(covariance) => dense(covariance.reduced_inverse()),
+            NoiseSource::Lengths(noise) => dense(noise.shared().as_ref()),
+            NoiseSource::Independent(_) => DMatrix::zeros(0, 0),
+        };
+        unscaled * self.variance_factor
+    }
+
+    /// `D_i + Z_i Σ Z_iᵀ` of a group.
+    pub(crate) fn total(&self, group: usize) -> DMatrix<f64> {
+        let (own, coupling) = self.group(group);
+        let total = own + &coupling * self.shared() * coupling.transpose();
+        // Symmetric to the last bit, as the identification asks.
+        (&total + total.transpose()) * 0.5
+    }
+}
+
+fn dense(matrix: faer::MatRef<'_, f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)])
+}

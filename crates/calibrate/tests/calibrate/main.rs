@@ -1,0 +1,22 @@
+//! Tests of whole calibrations.
+#![expect(
+    clippy::print_stdout,
+    reason = "the figures of a test are worth reading"
+)]
+
+mod covariance_files;
+mod propagation;
+mod volumetric;
+
+use trueaxis_campaign::Campaign;
+use trueaxis_simulate::{Scenario, simulate};
+
+/// X and Y carry the tool, C the workpiece; X and Y are measured while the other one stands between
+/// its measured positions, X from both sides, Y twice at different places of X. No noise.
+fn two_branches() -> Scenario {
+    Scenario::from_json(include_str!("two_branches.json")).unwrap()
+}
+
+fn simulated(scenario: &Scenario) -> Campaign {
+    simulate(scenario, 1).unwrap().campaign
+}

@@ -1,0 +1,104 @@
+//! From lengths: the covariance of all results, and what the laser has in it.
+
+use super::*;
+
+/// Covariances of the lengths, mm²: of their own noise, and with the machine's return, which moves
+/// all targets of a visit alike.
+pub(crate) fn covariances(campaign: &Campaign, calibration: &Calibration) -> [DMatrix<f64>; 2] {
+    let lengths = campaign.lengths.as_ref().unwrap();
+    let count = lengths.readings.len();
+    let mut own = DMatrix::zeros(count, count);
+    let mut returns = DMatrix::zeros(count, count);
+    let constant_mm = campaign.instrument.length_sigma_um.unwrap() * MICROMETRE;
+    let relative = campaign.instrument.length_sigma_ppm.unwrap() * 1e-6;
+    for stop in &lengths.stops {
+        let station = calibration.stations[stop.station].position_mm;
+        let beam = |i: usize| {
+            let target = lengths.readings[i].target;
+            target_at(campaign, calibration, stop, target) - station
+        };
+        for i in stop.readings.clone() {
+            own[(i, i)] = constant_mm.powi(2) + (relative * beam(i).norm()).powi(2);
+            for j in stop.readings.clone() {
+                let cosine = beam(i).normalize().dot(&beam(j).normalize());
+                returns[(i, j)] = return_variance_mm2(campaign) * cosine;
+            }
+        }
+    }
+    [own.clone(), own + returns]
+}
+
+#[test]
+fn lengths_propagate_to_everything() {
+    let campaign = simulated(&two_branches());
+    let count = campaign.lengths.as_ref().unwrap().readings.len();
+    let response = Response::new(&campaign, count, |i, step_mm| {
+        let mut changed = campaign.clone();
+        changed.lengths.as_mut().unwrap().readings[i].length_mm += step_mm;
+        calibrate(&changed, &settings(Method::Nine)).unwrap()
+    });
+    let [own, whole] = covariances(&campaign, &response.stated);
+    response.assert_stated("lengths", &campaign, &whole);
+
+    let (of_laser, all) = (response.propagated(&own), response.propagated(&whole));
+    for (i, (budget, dof)) in response.budgets().into_iter().enumerate() {
+        let difference = (budget.laser_in_all - of_laser[(i, i)]).abs();
+        let limit = COVARIANCE_TOL * all[(i, i)].max(ROUNDING * ROUNDING);
+        assert!(difference <= limit, "{i}: {budget:?}");
+        // The noise is declared, and residuals of zero do not contradict it.
+        assert!(dof.is_infinite());
+    }
+}
+
+/// Without return noise all of it is the laser's.
+#[test]
+fn a_machine_that_returns_exactly_has_no_part() {
+    let mut campaign = simulated(&two_branches());
+    campaign.instrument.repeatability_um = Some(0.0);
+    let calibration = calibrate(&campaign, &settings(Method::Nine)).unwrap();
+    let nodes = calibration.axes.iter().flat_map(|axis| &axis.nodes);
+    let locations = calibration
+        .axes
+        .iter()
+        .flat_map(|axis| &axis.location_errors);
+    let budgets = nodes.flat_map(|node| node.budget);
+    for budget in budgets.chain(locations.map(|location| location.budget)) {
+        let rounding = 1e-9 * budget.variance();
+        assert!(budget.machine_return.abs() <= rounding, "{budget:?}");
+        assert!(
+            (budget.laser_in_all - budget.variance()).abs() <= rounding,
+            "{budget:?}"
+        );
+    }
+}
+
+/// The two statements of one uncertainty agree, and what is zero by definition is so exactly.
+#[test]
+fn covariance_and_uncertainties_agree() {
+    let campaign = simulated(&two_branches());
+    let calibration = calibrate(&campaign, &settings(Method::Nine)).unwrap();
+    let covariance = calibration.covariance.as_ref().unwrap();
+    let matrix = &covariance.matrix;
+    assert_eq!(*matrix, matrix.transpose());
+    let nodes = calibration.axes.iter().flat_map(|axis| &axis.nodes);
+    let locations = calibration
+        .axes
+        .iter()
+        .flat_map(|axis| &axis.location_errors);
+    let stations = calibration.stations.iter();
+    let u: Vec<f64> = nodes
+        .flat_map(|node| node.u)
+        .chain(locations.map(|location| location.u))
+        .chain(stations.flat_map(|s| s.u_mm.into_iter().chain([s.u_dead_path_mm])))
+        .collect();
+    assert_eq!(u.len(), covariance.outputs.len());
+    for (i, (output, u)) in covariance.outputs.iter().zip(u).enumerate() {
+        let variance = (u / output.unit().size()).powi(2);
+        let difference = (matrix[(i, i)] - variance).abs();
+        assert!(difference <= 1e-9 * variance, "{output:?}: {difference:e}");
+    }
+    // At home the gauge defines EYY, the angles of Y, EZC and ECC; of X the means of both sides.
+    let zeros = (0..matrix.nrows()).filter(|&i| matrix.row(i).iter().all(|c| *c == 0.0));
+    let names: Vec<String> = zeros.map(|i| covariance.outputs[i].name()).collect();
+    assert_eq!(names.join(" "), "EYY EAY EBY ECY EZC ECC");
+}

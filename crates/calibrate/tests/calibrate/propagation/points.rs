@@ -1,0 +1,99 @@
+//! From coordinates.
+
+use trueaxis_campaign::{PointReading, Points};
+
+use super::*;
+
+/// Standard deviations of the readings of the first and second repeat, µm.
+const SIGMAS_UM: [f64; 2] = [10.0, 20.0];
+
+/// The points of a simulated campaign as another instrument would read them in its frame, once or
+/// twice.
+pub(crate) fn points_campaign(
+    mut campaign: Campaign,
+    repeats: u32,
+    instrument_from_ref: &Isometry3<f64>,
+) -> Campaign {
+    let calibration = calibrate(&campaign, &settings(Method::Nine)).unwrap();
+    let lengths = campaign.lengths.take().unwrap();
+    let mut points = Points::default();
+    for repeat in 1..=repeats {
+        for stop in lengths.stops.iter().filter(|stop| stop.station == 0) {
+            let first = points.readings.len();
+            for reading in &lengths.readings[stop.readings.clone()] {
+                let place = target_at(&campaign, &calibration, stop, reading.target);
+                let number = points.readings.len();
+                points.readings.push(PointReading {
+                    time_s: number as f64,
+                    target: reading.target,
+                    position_mm: instrument_from_ref * place,
+                    sigma_um: Some(SIGMAS_UM[usize::from(repeat > 1)]),
+                    line: number + 2,
+                });
+            }
+            points.stops.push(Stop {
+                repeat,
+                readings: first..points.readings.len(),
+                ..stop.clone()
+            });
+        }
+    }
+    campaign.stations.clear();
+    campaign.points = Some(points);
+    campaign
+}
+
+/// Response to every coordinate.
+pub(crate) fn response(campaign: &Campaign, method: Method) -> Response {
+    let count = 3 * campaign.points.as_ref().unwrap().readings.len();
+    Response::new(campaign, count, |i, step_mm| {
+        let mut changed = campaign.clone();
+        let readings = &mut changed.points.as_mut().unwrap().readings;
+        readings[i / 3].position_mm[i % 3] += step_mm;
+        calibrate(&changed, &settings(method)).unwrap()
+    })
+}
+
+/// Covariances of the coordinates, mm²: the instrument's own, and that of the machine's return.
+pub(crate) fn covariances(campaign: &Campaign) -> [DMatrix<f64>; 2] {
+    let points = campaign.points.as_ref().unwrap();
+    let count = 3 * points.readings.len();
+    let mut own = DMatrix::zeros(count, count);
+    let mut returns = DMatrix::zeros(count, count);
+    for stop in &points.stops {
+        for i in stop.readings.clone() {
+            let sigma_mm = points.readings[i].sigma_um.unwrap() * MICROMETRE;
+            for c in 0..3 {
+                own[(3 * i + c, 3 * i + c)] = sigma_mm * sigma_mm;
+                for j in stop.readings.clone() {
+                    returns[(3 * i + c, 3 * j + c)] = return_variance_mm2(campaign);
+                }
+            }
+        }
+    }
+    [own, returns]
+}
+
+#[test]
+fn coordinates_propagate_to_everything() {
+    let frame = Isometry3::new(
+        Vector3::new(700.0, -300.0, 50.0),
+        Vector3::new(0.3, -0.2, 1.1),
+    );
+    let campaign = points_campaign(simulated(&two_branches()), 2, &frame);
+    let response = response(&campaign, Method::Nine);
+    let [own, returns] = covariances(&campaign);
+    response.assert_stated("coordinates", &campaign, &(&own + &returns));
+
+    let (own, returns) = (response.propagated(&own), response.propagated(&returns));
+    for (i, (budget, _)) in response.budgets().into_iter().enumerate() {
+        let limit = COVARIANCE_TOL * (own[(i, i)] + returns[(i, i)]).max(ROUNDING * ROUNDING);
+        assert!(
+            (budget.laser - own[(i, i)]).abs() <= limit,
+            "{i}: {budget:?}"
+        );
+        let difference = budget.machine_return - returns[(i, i)];
+        assert!(difference.abs() <= limit, "{i}: {budget:?}");
+        assert!(budget.station_geometry.abs() < f64::MIN_POSITIVE);
+    }
+}

@@ -1,0 +1,211 @@
+//! `trueaxis montecarlo`.
+
+use anyhow::Context;
+use trueaxis_calibrate::{NumberedResult, Output, OutputEntry, Unit, calibrate_for_replay};
+use trueaxis_campaign::read;
+use trueaxis_kinematics::AxisKind;
+use trueaxis_montecarlo::{
+    FirstOrder, Outcome, Propagation, Settings, Summary, Trials, Validation, propagate, validate,
+};
+
+use crate::args::MontecarloArgs;
+use crate::exit::Exit;
+use crate::montecarlo_file;
+use crate::talk::{notice, say};
+use crate::{output, progress};
+
+/// Trials without `--trials`: fixed, and most with `--digits`.
+const TRIALS: usize = 10_000;
+const MOST_TRIALS: usize = 1_000_000;
+
+/// Significant digits of u to which the first-order result is compared.
+const DIGITS: u32 = 1;
+
+/// Differences listed before the rest is only counted.
+const MOST_LISTED: usize = 5;
+
+/// One result by first order and by Monte Carlo, in the unit of its output.
+pub(crate) struct Compared<'a> {
+    pub(crate) result: &'a NumberedResult,
+    pub(crate) first_order: FirstOrder,
+    pub(crate) monte_carlo: Summary,
+    pub(crate) validation: Validation,
+}
+
+pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
+    let campaign = read(&args.campaign)?;
+    let in_file = || args.campaign.display().to_string();
+    let (calibration, replay) =
+        calibrate_for_replay(&campaign, &args.model.settings()).with_context(in_file)?;
+    let settings = Settings {
+        trials: match args.digits {
+            None => Trials::Fixed(args.trials.unwrap_or(TRIALS)),
+            Some(significant_digits) => Trials::Adaptive {
+                significant_digits,
+                most: args.trials.unwrap_or(MOST_TRIALS),
+            },
+        },
+        seed: args.seed,
+        threads: args.threads,
+        ..Settings::default()
+    };
+    let bar = progress::bar(args.trials.unwrap_or(match args.digits {
+        None => TRIALS,
+        Some(_) => MOST_TRIALS,
+    }));
+    let propagation = propagate(&replay, &settings, &|done| bar.set_position(done as u64));
+    bar.finish_and_clear();
+    let propagation = propagation?;
+    let compared = compare(
+        replay.results(),
+        &propagation,
+        args.digits.unwrap_or(DIGITS),
+    )?;
+
+    let folder = output::folder(args.out.as_deref(), &campaign.name)?;
+    let path = folder.join("montecarlo.json");
+    let text = montecarlo_file::text(&campaign.name, args.seed, &propagation, &compared);
+    output::write(&path, text.as_bytes())?;
+    for line in lines(&campaign.name, &propagation, &compared) {
+        say(&line);
+    }
+    for text in campaign.notices.iter().chain(&calibration.notices) {
+        notice(text);
+    }
+    say(&format!("written: {}", path.display()));
+    if args.json {
+        output::print(&text)?;
+    }
+    Ok(Exit::Good)
+}
+
+fn compare<'a>(
+    results: &'a [NumberedResult],
+    propagation: &Propagation,
+    digits: u32,
+) -> anyhow::Result<Vec<Compared<'a>>> {
+    let all = results.iter().zip(&propagation.outputs);
+    all.map(|(result, &monte_carlo)| {
+        let unit = result.output.unit().size();
+        let (value, u) = (result.value / unit, result.u / unit);
+        let first_order = FirstOrder::normal(value, u, propagation.coverage);
+        Ok(Compared {
+            result,
+            first_order,
+            monte_carlo,
+            validation: validate(&first_order, &monte_carlo, digits)?,
+        })
+    })
+    .collect()
+}
+
+fn lines(campaign: &str, propagation: &Propagation, compared: &[Compared<'_>]) -> Vec<String> {
+    let mut lines = vec![format!(
+        "{campaign}: {} trials, {} results",
+        propagation.trials,
+        compared.len()
+    )];
+    if let Some(stability) = &propagation.stability {
+        let open = stability
+            .outputs
+            .iter()
+            .filter(|o| !o.is_stabilised())
+            .count();
+        lines.push(match open {
+            0 => "all results have settled to the digits asked for".to_owned(),
+            _ => format!(
+                "{open} results have not settled to the digits asked for: allow more --trials"
+            ),
+        });
+    }
+    lines.push(String::new());
+    lines.push(format!(
+        "{:<24}{:>12}{:>12}{:>12}{:>26}",
+        "location errors", "value", "u", "u (trials)", "95 % interval (trials)"
+    ));
+    for one in compared {
+        let Output::LocationError { .. } = one.result.output else {
+            continue;
+        };
+        let (unit, scale) = match one.result.output.unit() {
+            Unit::Arcsec => ("″ ", 1.0),
+            _ => ("µm", 1e3),
+        };
+        let of = |x: f64| format!("{:>9.3} {unit}", x * scale);
+        lines.push(format!(
+            "  {:<22}{}{}{}   {} …{}",
+            one.result.output.name(),
+            of(one.first_order.value),
+            of(one.first_order.u),
+            of(one.monte_carlo.u),
+            of(one.monte_carlo.symmetric.low),
+            of(one.monte_carlo.symmetric.high)
+        ));
+    }
+    lines.push(String::new());
+    lines.extend(verdict(compared));
+    lines
+}
+
+/// How first order and Monte Carlo agree.
+fn verdict(compared: &[Compared<'_>]) -> Vec<String> {
+    let ratio = |one: &&Compared<'_>| one.monte_carlo.u / one.first_order.u - 1.0;
+    let mut lines = Vec::new();
+    let worst = compared
+        .iter()
+        .max_by(|a, b| ratio(a).abs().total_cmp(&ratio(b).abs()));
+    if let Some(worst) = worst {
+        lines.push(format!(
+            "u by trials against first order: {:+.1} % at most ({}), {:.1} standard errors of the trials",
+            100.0 * ratio(&worst),
+            in_words(&worst.result.output),
+            ratio(&worst).abs() * worst.first_order.u / worst.monte_carlo.scatter.u
+        ));
+    }
+    let count = |outcome: Outcome| {
+        let same = compared
+            .iter()
+            .filter(|one| one.validation.outcome == outcome);
+        same.count()
+    };
+    lines.push(format!(
+        "first-order 95 % intervals (JCGM 101, clause 8): {} validated, {} not decided by so few trials, \
+         {} not validated",
+        count(Outcome::Validated),
+        count(Outcome::Undecided),
+        count(Outcome::NotValidated)
+    ));
+    let failed: Vec<&Compared<'_>> = compared
+        .iter()
+        .filter(|one| one.validation.outcome == Outcome::NotValidated)
+        .collect();
+    for one in failed.iter().take(MOST_LISTED) {
+        lines.push(format!(
+            "  {}: ends off by {:.3} and {:.3}, tolerance {:.3} {}",
+            in_words(&one.result.output),
+            one.validation.d_low,
+            one.validation.d_high,
+            one.validation.tolerance,
+            one.result.output.unit().suffix()
+        ));
+    }
+    if failed.len() > MOST_LISTED {
+        lines.push(format!("  and {} more", failed.len() - MOST_LISTED));
+    }
+    lines
+}
+
+pub(crate) fn in_words(output: &Output) -> String {
+    let entry = OutputEntry::new(output);
+    match (output, entry.position, entry.station) {
+        (Output::ComponentError { kind, .. }, Some(position), _) => {
+            let unit = match kind {
+                AxisKind::Linear => " mm",
+                AxisKind::Rotary => "°",
+            };
+            format!("{} at {position}{unit}", entry.name)
+        }
+        (_, _, Some(station)) => format!("{} of {station}", entry.name),
+        _ => entry.name,
+    }
+}

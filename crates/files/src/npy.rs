@@ -1,0 +1,98 @@
+//! Arrays as `NumPy` files.
+//!
+//! Format 1.0 (NEP 1): magic string, version, length of the header, the header as a Python literal
+//! padded with spaces to a multiple of 64 bytes, then the elements.
+
+/// What a file starts with: magic string and version 1.0.
+const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
+
+/// The elements begin at a multiple of this, so that the file can be mapped into memory.
+const ALIGNMENT: usize = 64;
+
+/// Most dimensions that `NumPy` takes.
+const MAX_DIMENSIONS: usize = 32;
+
+/// The bytes of a `.npy` file of an array with that `shape`, `data` in C order (the last index
+/// runs fastest): little-endian f64, format 1.0.
+///
+/// ```
+/// let bytes = trueaxis_files::to_npy(&[2, 2], [1.0, 2.0, 3.0, 4.0].into_iter());
+/// assert_eq!(bytes.len(), 128 + 4 * 8);
+/// ```
+///
+/// # Panics
+/// If `data` does not have as many elements as `shape` says, or `shape` more than 32 dimensions.
+pub fn to_npy(shape: &[usize], data: impl Iterator<Item = f64>) -> Vec<u8> {
+    assert!(
+        shape.len() <= MAX_DIMENSIONS,
+        "{} dimensions, NumPy takes {MAX_DIMENSIONS}",
+        shape.len()
+    );
+    let count: usize = shape.iter().product();
+    let header = header(shape);
+    let mut bytes = Vec::with_capacity(MAGIC.len() + 2 + header.len() + 8 * count);
+    bytes.extend_from_slice(MAGIC);
+    // 32 dimensions of 20 digits stay far below the largest u16.
+    bytes.extend_from_slice(&u16::try_from(header.len()).unwrap_or(0).to_le_bytes());
+    bytes.extend_from_slice(header.as_bytes());
+    let first = bytes.len();
+    for value in data {
+        bytes.extend_from_slice(&value.to_le_bytes());
+    }
+    let found = (bytes.len() - first) / 8;
+    assert_eq!(found, count, "elements of an array of shape {shape:?}");
+    bytes
+}
+
+fn header(shape: &[usize]) -> String {
+    let sizes: Vec<String> = shape.iter().map(usize::to_string).collect();
+    // A Python tuple of one element ends with a comma.
+    let comma = if shape.len() == 1 { "," } else { "" };
+    let mut header = format!(
+        "{{'descr': '<f8', 'fortran_order': False, 'shape': ({}{comma}), }}",
+        sizes.join(", ")
+    );
+    let unpadded = MAGIC.len() + 2 + header.len() + 1;
+    let padding = unpadded.next_multiple_of(ALIGNMENT) - unpadded;
+    header.extend(std::iter::repeat_n(' ', padding));
+    header.push('\n');
+    header
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_header_is_that_of_numpy() {
+        for (shape, text) in [
+            (&[2, 3][..], "'shape': (2, 3), }"),
+            (&[7], "'shape': (7,), }"),
+            (&[], "'shape': (), }"),
+        ] {
+            let count = shape.iter().product::<usize>();
+            let bytes = to_npy(shape, (0..count).map(|i| i as f64));
+            assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
+            let length = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+            let start = 10 + length;
+            assert_eq!(start % 64, 0);
+            let header = std::str::from_utf8(&bytes[10..start]).unwrap();
+            assert!(header.ends_with('\n') && header.contains(text), "{header}");
+            assert_eq!(bytes.len(), start + 8 * count);
+        }
+    }
+
+    #[test]
+    fn elements_are_little_endian_in_the_order_given() {
+        let bytes = to_npy(&[2], [1.0, -2.5].into_iter());
+        let data = &bytes[bytes.len() - 16..];
+        assert_eq!(data[..8], [0, 0, 0, 0, 0, 0, 0xf0, 0x3f]);
+        assert_eq!(data[8..], (-2.5_f64).to_le_bytes());
+    }
+
+    #[test]
+    #[should_panic(expected = "elements of an array")]
+    fn a_wrong_number_of_elements_is_refused() {
+        to_npy(&[2, 2], [1.0].into_iter());
+    }
+}

@@ -1,0 +1,48 @@
+//! Internal reliability: which error of a length would be noticed.
+//!
+//! Baarda's test finds an error `∇` with the power `1 - β` at the level `α` if it is at least
+//!
+//! ```text
+//! ∇₀ = (z_{1-α/2} + z_{1-β}) σ_∇
+//! ```
+//!
+//! with the standard deviation `σ_∇` of its estimate. The level is that of the screening
+//! ([`crate::screen`]): the limit that all lengths together pass by chance in one of a hundred
+//! campaigns.
+
+use trueaxis_leastsquares::chi_squared_quantile;
+
+use crate::baarda::test_readings;
+use crate::influence::Influence;
+use crate::screen::reading_limit;
+use crate::{Network, Solution};
+
+/// How well the others check one reading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reliability {
+    /// Redundancy number ([`Solution::redundancy_numbers`]).
+    pub redundancy: f64,
+    /// Smallest error that screening finds with a probability of 80 %, mm; infinite where nothing
+    /// checks the reading.
+    pub minimal_detectable_mm: f64,
+}
+
+/// The power for which a minimal detectable error is given, by convention.
+const POWER: f64 = 0.8;
+
+impl Solution {
+    /// Reliability of every reading; `network` must be the one that was solved.
+    pub fn reliability(&self, network: &Network) -> Vec<Reliability> {
+        // z_p is the root of the chi-squared quantile of 2p - 1 with one degree of freedom.
+        let power = chi_squared_quantile(2.0 * POWER - 1.0, 1.0).sqrt();
+        let factor = reading_limit(network.readings.len()) + power;
+        let tests = test_readings(&Influence::new(network, self));
+        let numbers = self.redundancy_numbers(network);
+        let all = tests.iter().zip(numbers);
+        all.map(|(test, redundancy)| Reliability {
+            redundancy,
+            minimal_detectable_mm: factor * test.sigma_mm,
+        })
+        .collect()
+    }
+}

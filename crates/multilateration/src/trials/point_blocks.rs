@@ -1,0 +1,105 @@
+//! `D = R⁻¹R⁻ᵀ`: what a gradient at the points of a group does to them while all stations are held.
+//!
+//! Where no visit couples the points of a group, every point has a block of its own.
+
+use std::ops::Range;
+
+use faer::Mat;
+
+use super::coordinates::Coordinates;
+
+/// `D` of all points.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct PointBlocks {
+    /// xx xy xz yy yz zz of each point; zero where a coupled group takes its place.
+    own: [Vec<f64>; 6],
+    coupled: Vec<CoupledPoints>,
+}
+
+#[derive(Debug, Clone)]
+struct CoupledPoints {
+    points: Range<usize>,
+    /// Row by row, all x before all y before all z.
+    matrix: Vec<f64>,
+}
+
+/// Places of the stored elements of a point's block.
+const ELEMENTS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+
+impl PointBlocks {
+    /// Adds the next group; `block` has rows and columns x y z of each point.
+    pub(crate) fn push(&mut self, points: Range<usize>, block: &Mat<f64>, is_coupled: bool) {
+        let count = points.len();
+        for point in 0..count {
+            for (all, (i, j)) in self.own.iter_mut().zip(ELEMENTS) {
+                let element = block[(3 * point + i, 3 * point + j)];
+                all.push(if is_coupled { 0.0 } else { element });
+            }
+        }
+        if is_coupled {
+            // From x y z of each point to all x, all y, all z.
+            let place = |k: usize| 3 * (k % count) + k / count;
+            let elements = (0..3 * count).flat_map(|i| (0..3 * count).map(move |j| (i, j)));
+            let matrix = elements.map(|(i, j)| block[(place(i), place(j))]).collect();
+            self.coupled.push(CoupledPoints { points, matrix });
+        }
+    }
+
+    /// `D g`.
+    pub(crate) fn times(&self, gradient: &Coordinates, product: &mut Coordinates) {
+        let [xx, xy, xz, yy, yz, zz] = &self.own;
+        let count = xx.len();
+        let [gx, gy, gz] = gradient.all().map(|values| &values[..count]);
+        let [x, y, z] = product.all_mut().map(|values| &mut values[..count]);
+        for i in 0..count {
+            let g = [gx[i], gy[i], gz[i]];
+            x[i] = xx[i] * g[0] + xy[i] * g[1] + xz[i] * g[2];
+            y[i] = xy[i] * g[0] + yy[i] * g[1] + yz[i] * g[2];
+            z[i] = xz[i] * g[0] + yz[i] * g[1] + zz[i] * g[2];
+        }
+        for group in &self.coupled {
+            group.times(gradient, product);
+        }
+    }
+}
+
+impl CoupledPoints {
+    fn times(&self, gradient: &Coordinates, product: &mut Coordinates) {
+        let gradient = gradient.all().map(|values| &values[self.points.clone()]);
+        let product = product
+            .all_mut()
+            .map(|values| &mut values[self.points.clone()]);
+        // Three targets are usual, and loops of a known length are three times as fast.
+        match self.points.len() {
+            3 => self.times_three(gradient, product),
+            count => self.times_any(count, gradient, product),
+        }
+    }
+
+    fn times_three(&self, g: [&[f64]; 3], product: [&mut [f64]; 3]) {
+        let g: [f64; 9] = std::array::from_fn(|k| g[k / 3][k % 3]);
+        let columns = self.matrix.as_chunks::<9>().0;
+        let mut sums = [0.0; 9];
+        for (column, g) in columns.iter().zip(g) {
+            for (sum, element) in sums.iter_mut().zip(column) {
+                *sum += element * g;
+            }
+        }
+        for (values, sums) in product.into_iter().zip(sums.as_chunks::<3>().0) {
+            values.copy_from_slice(sums);
+        }
+    }
+
+    fn times_any(&self, count: usize, gradient: [&[f64]; 3], product: [&mut [f64]; 3]) {
+        let mut rows = self.matrix.chunks_exact(3 * count);
+        for values in product {
+            for (value, row) in values.iter_mut().zip(&mut rows) {
+                let parts = row.chunks_exact(count).zip(gradient);
+                *value = parts
+                    .flat_map(|(elements, g)| elements.iter().zip(g))
+                    .map(|(element, g)| element * g)
+                    .sum();
+            }
+        }
+    }
+}

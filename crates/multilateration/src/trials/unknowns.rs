@@ -1,0 +1,36 @@
+//! A value for every unknown: a correction, a step, a gradient.
+
+use super::coordinates::{Coordinates, dot};
+
+/// Points and shared unknowns.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Unknowns {
+    pub(crate) points: Coordinates,
+    /// Columns of the adjustment: x y z L of each station, then the dead paths after interruptions.
+    pub(crate) shared: Vec<f64>,
+}
+
+impl Unknowns {
+    pub(crate) fn zeros(points: usize, shared: usize) -> Self {
+        Self {
+            points: Coordinates::zeros(points),
+            shared: vec![0.0; shared],
+        }
+    }
+
+    pub(crate) fn fill(&mut self, value: f64) {
+        self.points.fill(value);
+        self.shared.fill(value);
+    }
+
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.points.add(&other.points);
+        for (value, other) in self.shared.iter_mut().zip(&other.shared) {
+            *value += other;
+        }
+    }
+
+    pub(crate) fn dot(&self, other: &Self) -> f64 {
+        self.points.dot(&other.points) + dot(&self.shared, &other.shared)
+    }
+}
