@@ -7,9 +7,8 @@ use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 use trueaxis_campaign::Direction;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
-use trueaxis_multilateration::NoiseBasis;
 
-use crate::adjustment_report::{InterruptedTurn, NoiseReport, PartReport, RejectedLength};
+use crate::adjustment_file::AdjustmentFile;
 use crate::budget::Budget;
 use crate::calibration::{AxisResult, Calibration, NodeResult, StationResult};
 use crate::settings::Method;
@@ -41,62 +40,6 @@ struct File<'a> {
     misfits: Vec<MisfitFile<'a>>,
     triangle: Vec<TriangleFile<'a>>,
     notices: &'a [String],
-}
-
-#[derive(Serialize)]
-struct AdjustmentFile<'a> {
-    observations: usize,
-    unknowns: usize,
-    degrees_of_freedom: usize,
-    sigma0: f64,
-    p_value: f64,
-    uncertainty_factor: f64,
-    rms_residual_um: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    length_sigma_um: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    repeatability_um: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    noise: Option<NoiseFile>,
-    iterations: usize,
-    termination: &'a str,
-    rejected: Vec<RejectedFile>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    interruptions: Vec<InterruptionFile<'a>>,
-}
-
-#[derive(Serialize)]
-struct NoiseFile {
-    basis: &'static str,
-    length_sigma: PartFile,
-    repeatability: PartFile,
-}
-
-#[derive(Serialize)]
-struct PartFile {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    declared_um: Option<f64>,
-    used_um: f64,
-    u_um: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    p_value: Option<f64>,
-}
-
-#[derive(Serialize)]
-struct RejectedFile {
-    row: usize,
-    reason: String,
-    error_um: f64,
-    u_um: f64,
-}
-
-#[derive(Serialize)]
-struct InterruptionFile<'a> {
-    station: &'a str,
-    rows: [usize; 2],
-    times_s: [f64; 2],
-    change_um: f64,
-    u_um: f64,
 }
 
 #[derive(Serialize)]
@@ -218,7 +161,6 @@ impl<T: Serialize> Serialize for Ordered<T> {
 
 impl<'a> File<'a> {
     fn new(calibration: &'a Calibration) -> Self {
-        let adjustment = &calibration.adjustment;
         Self {
             format: "trueaxis-calibration",
             version: 1,
@@ -227,22 +169,7 @@ impl<'a> File<'a> {
                 Method::Nine => "nine-equation".to_owned(),
                 Method::Six(rows) => format!("six-equation {rows}"),
             },
-            adjustment: AdjustmentFile {
-                observations: adjustment.observations,
-                unknowns: adjustment.unknowns,
-                degrees_of_freedom: adjustment.degrees_of_freedom,
-                sigma0: round(adjustment.sigma0, 6),
-                p_value: significant(adjustment.p_value),
-                uncertainty_factor: round(adjustment.uncertainty_factor, 6),
-                rms_residual_um: um(adjustment.rms_residual_mm),
-                length_sigma_um: adjustment.noise.map(|n| um(n.length.used.sigma_mm)),
-                repeatability_um: adjustment.noise.map(|n| um(n.machine_return.used.sigma_mm)),
-                noise: adjustment.noise.as_ref().map(noise),
-                iterations: adjustment.iterations,
-                termination: &adjustment.termination,
-                rejected: adjustment.rejected.iter().map(rejected).collect(),
-                interruptions: adjustment.interruptions.iter().map(interruption).collect(),
-            },
+            adjustment: AdjustmentFile::new(&calibration.adjustment),
             stations: calibration.stations.iter().map(station).collect(),
             targets: calibration
                 .targets
@@ -277,46 +204,6 @@ impl<'a> File<'a> {
                 .collect(),
             notices: &calibration.notices,
         }
-    }
-}
-
-fn noise(noise: &NoiseReport) -> NoiseFile {
-    let part = |part: &PartReport| PartFile {
-        declared_um: part.declared_mm.map(um),
-        used_um: um(part.used.sigma_mm),
-        u_um: um(part.used.u_mm),
-        p_value: part.used.p_value.map(significant),
-    };
-    NoiseFile {
-        basis: match noise.basis {
-            NoiseBasis::Given => "declared",
-            NoiseBasis::CommonFactor => "declared, times a common factor from the residuals",
-            NoiseBasis::Components => "estimated from the residuals",
-        },
-        length_sigma: part(&noise.length),
-        repeatability: part(&noise.machine_return),
-    }
-}
-
-fn rejected(rejected: &RejectedLength) -> RejectedFile {
-    RejectedFile {
-        row: rejected.line,
-        reason: match rejected.unchecked {
-            false => format!("contradicts the other lengths: {}", rejected.length),
-            true => format!("unchecked beside a wrong length: {}", rejected.length),
-        },
-        error_um: um(rejected.error_mm),
-        u_um: um(rejected.u_mm),
-    }
-}
-
-fn interruption(turn: &InterruptedTurn) -> InterruptionFile<'_> {
-    InterruptionFile {
-        station: &turn.station,
-        rows: turn.lines,
-        times_s: turn.times_s,
-        change_um: um(turn.change_mm),
-        u_um: um(turn.u_mm),
     }
 }
 
@@ -463,7 +350,7 @@ fn mm(value: f64) -> f64 {
     round(value, 9)
 }
 
-fn um(value_mm: f64) -> f64 {
+pub(crate) fn um(value_mm: f64) -> f64 {
     round(value_mm / MICROMETRE, 6)
 }
 
@@ -472,12 +359,12 @@ fn arcsec(value_rad: f64) -> f64 {
 }
 
 /// Rounded to decimals; no negative zero.
-fn round(value: f64, decimals: i32) -> f64 {
+pub(crate) fn round(value: f64, decimals: i32) -> f64 {
     let scale = 10_f64.powi(decimals);
     (value * scale).round() / scale + 0.0
 }
 
 /// Three significant digits, for probabilities.
-fn significant(value: f64) -> f64 {
+pub(crate) fn significant(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }

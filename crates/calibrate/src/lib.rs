@@ -61,6 +61,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod adjustment_file;
 mod adjustment_report;
 mod axis_data;
 mod axis_noise;

@@ -1,15 +1,21 @@
 //! Progress on a terminal.
 
+use std::fmt::Write;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 /// A bar with rate and time left on standard error; nothing where that is no terminal.
 pub(crate) fn bar(total: usize) -> ProgressBar {
     let bar = ProgressBar::new(total as u64);
-    let template = "{bar:30} {pos}/{len} trials  {per_sec}  {eta} left";
+    let template = "{bar:30} {pos}/{len} trials  {rate}  {eta} left";
     if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
+        bar.set_style(
+            style.with_key("rate", |state: &ProgressState, text: &mut dyn Write| {
+                // What cannot be shown is not worth an error.
+                let _ = write!(text, "{:.0}/s", state.per_sec());
+            }),
+        );
     }
     bar.enable_steady_tick(Duration::from_millis(200));
     bar

@@ -17,6 +17,7 @@ use faer::Mat;
 use trueaxis_leastsquares::BlockRows;
 
 use crate::influence::{Influence, VisitRows};
+use crate::quadratic_form::quadratic_form;
 
 /// The test of one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,7 +67,7 @@ pub(crate) fn test_readings(influence: &Influence<'_>) -> Vec<ReadingTest> {
             for i in 0..visit.count {
                 let unit = influence.unit_error(visit, i);
                 let numerator: f64 = dot(&unit, residuals);
-                let denominator = quadratic(&kept, &unit);
+                let denominator = quadratic_form(&kept, &unit);
                 if denominator <= CHECKED_TOL * dot(&unit, &unit) {
                     continue;
                 }
@@ -241,12 +242,6 @@ fn transposed_times(x: &Mat<f64>, visit: &VisitRows, y: &[f64]) -> Vec<f64> {
                 .sum()
         })
         .collect()
-}
-
-fn quadratic(matrix: &Mat<f64>, x: &[f64]) -> f64 {
-    (0..x.len())
-        .map(|j| x[j] * (0..x.len()).map(|i| matrix[(i, j)] * x[i]).sum::<f64>())
-        .sum()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -17,6 +17,7 @@ use trueaxis_leastsquares::BlockRows;
 
 use crate::influence::{Influence, VisitRows};
 use crate::length_noise::length_part;
+use crate::quadratic_form::quadratic_form;
 
 /// One step towards the restricted maximum of the likelihood.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,7 +90,7 @@ fn sums(influence: &Influence<'_>) -> Sums {
             let parts = parts(influence, visit);
             let residuals = &group.residuals[visit.first..visit.first + visit.count];
             for (k, part) in parts.iter().enumerate() {
-                sums.right[k] += 0.5 * quadratic(part, residuals);
+                sums.right[k] += 0.5 * quadratic_form(part, residuals);
                 let range = |m: &Mat<f64>| part * m.as_ref().subrows(visit.first, visit.count);
                 own[k]
                     .as_mut()
@@ -135,11 +136,5 @@ fn parts(influence: &Influence<'_>, visit: &VisitRows) -> [Mat<f64>; 2] {
 fn trace_of_product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> f64 {
     (0..a.nrows())
         .map(|i| (0..a.ncols()).map(|j| a[(i, j)] * b[(j, i)]).sum::<f64>())
-        .sum()
-}
-
-fn quadratic(matrix: &Mat<f64>, x: &[f64]) -> f64 {
-    (0..x.len())
-        .map(|j| x[j] * (0..x.len()).map(|i| matrix[(i, j)] * x[i]).sum::<f64>())
         .sum()
 }

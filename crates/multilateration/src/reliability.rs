@@ -14,7 +14,7 @@ use trueaxis_leastsquares::chi_squared_quantile;
 
 use crate::baarda::test_readings;
 use crate::influence::Influence;
-use crate::screen::reading_limit;
+use crate::screening::reading_limit;
 use crate::{Network, Solution};
 
 /// How well the others check one reading.

@@ -1,0 +1,404 @@
+//! The work of [`crate::screen`]: weights, tests and removals.
+
+use trueaxis_leastsquares::student_two_sided;
+
+use crate::baarda::{ReadingTest, StepTest, largest_steps, test_readings};
+use crate::guard;
+use crate::influence::Influence;
+use crate::interruption::is_interruption;
+use crate::robust_weights::{REMOVED, distances_from_neighbours, scale, welsch};
+use crate::screen::{Jump, Removed, Screened};
+use crate::solve::{Settings, solve, solve_from};
+use crate::{Error, Interruption, Network, NoiseEstimate, Solution, estimate_noise};
+
+/// Probability that a network without gross errors loses any reading.
+const READINGS_LEVEL: f64 = 0.01;
+
+/// Probability that any of its turns is split.
+const STEPS_LEVEL: f64 = 1e-3;
+
+/// A step with fewer readings before or behind it is not told from gross errors.
+const LEAST_STEP: usize = 4;
+
+/// Asymptotic efficiency of the median as a scale, beside the standard deviation.
+const MEDIAN_EFFICIENCY: f64 = 0.37;
+
+/// Calculated lengths have residuals of rounding, whose tails mean nothing.
+const LEAST_SCALE: f64 = 0.05;
+
+/// Width of the weights, in scales, after a turn was split: most far readings have left by then.
+const WIDE_AGAIN: f64 = 4.0;
+
+/// Solutions at the final width.
+const WELSCH_ITERATIONS: usize = 3;
+const MAX_ROUNDS: usize = 60;
+
+/// The limit of a reading's |w| if the noise is known.
+pub(crate) fn reading_limit(readings: usize) -> f64 {
+    critical(READINGS_LEVEL, readings, f64::INFINITY)
+}
+
+/// The limit of |w| at which the level of all tests together is `level`; `degrees_of_freedom` are
+/// those of the scale.
+fn critical(level: f64, tests: usize, degrees_of_freedom: f64) -> f64 {
+    student_two_sided(level / tests.max(1) as f64, degrees_of_freedom)
+}
+
+/// The work in progress: removed readings stay in the network without weight.
+pub(crate) struct Screening<'a> {
+    network: Network,
+    solution: Option<Solution>,
+    settings: &'a Settings,
+    /// Whether the network's noise is more than a guess.
+    declared: bool,
+    /// Readings that left because nothing checks them beside a wrong one: they do not come back.
+    unchecked: Vec<bool>,
+    /// Once the network's noise is estimated, so that w has unit variance, its degrees of freedom.
+    noise_known: Option<f64>,
+}
+
+impl<'a> Screening<'a> {
+    /// Work on a copy of `network`; readings that are `far` off have left already.
+    pub(crate) fn new(
+        network: &Network,
+        declared: bool,
+        settings: &'a Settings,
+        far: &[usize],
+    ) -> Self {
+        let readings = network.readings.len();
+        let mut variance_factors = vec![1.0; readings];
+        for &reading in far {
+            variance_factors[reading] = REMOVED;
+        }
+        Self {
+            network: Network {
+                variance_factors,
+                ..network.clone()
+            },
+            solution: None,
+            settings,
+            declared,
+            unchecked: vec![false; readings],
+            noise_known: None,
+        }
+    }
+
+    /// From now on the tests use this noise. A part with few degrees of freedom is small beside the
+    /// other one, which then counts.
+    pub(crate) fn noise_is_known(&mut self, noise: &NoiseEstimate) {
+        self.network.noise = noise.noise;
+        let (length, machine_return) = (noise.length, noise.machine_return);
+        let degrees = length
+            .degrees_of_freedom
+            .max(machine_return.degrees_of_freedom);
+        self.noise_known = Some(degrees);
+    }
+
+    pub(crate) fn solve(&mut self) -> Result<(), Error> {
+        let solution = match &self.solution {
+            Some(near) => solve_from(&self.network, near, self.settings)?,
+            None => solve(&self.network, self.settings)?,
+        };
+        self.solution = Some(solution);
+        Ok(())
+    }
+
+    /// The tests at the present solution, and their scale.
+    fn tests(&mut self) -> Result<(Vec<ReadingTest>, f64), Error> {
+        if self.solution.is_none() {
+            self.solve()?;
+        }
+        let tests = self.with_influence(test_readings);
+        let scale = match (self.noise_known, self.declared) {
+            (Some(_), _) => 1.0,
+            // With few lengths the median may be small by chance; what is declared is not.
+            (None, true) => self.scale(&tests).max(1.0),
+            (None, false) => self.scale(&tests),
+        };
+        Ok((tests, scale))
+    }
+
+    fn scale(&self, tests: &[ReadingTest]) -> f64 {
+        scale(tests, &self.network.variance_factors).max(LEAST_SCALE)
+    }
+
+    /// The limit of |w| in scales. The scale has the degrees of freedom of the noise; the median, which
+    /// gives it before that is estimated, is worth a third of them.
+    fn limit(&self, level: f64) -> f64 {
+        let redundancy = self
+            .solution
+            .as_ref()
+            .map_or(0, Solution::degrees_of_freedom);
+        let degrees_of_freedom = match (self.noise_known, self.declared) {
+            (Some(degrees_of_freedom), _) => degrees_of_freedom,
+            (None, true) => f64::INFINITY,
+            (None, false) => MEDIAN_EFFICIENCY * redundancy as f64,
+        };
+        critical(level, self.network.readings.len(), degrees_of_freedom)
+    }
+
+    fn with_influence<T: Default>(&self, f: impl Fn(&Influence<'_>) -> T) -> T {
+        let solution = self.solution.as_ref();
+        solution.map_or_else(T::default, |s| f(&Influence::new(&self.network, s)))
+    }
+
+    /// Whether the tests ask for a change.
+    pub(crate) fn suspicious(&mut self) -> Result<bool, Error> {
+        let (tests, scale) = self.tests()?;
+        let changes = self.changes(&tests, scale);
+        Ok(!changes.is_empty() || self.step(&tests, scale).is_some())
+    }
+
+    /// Finds gross errors and interruptions until nothing changes.
+    pub(crate) fn clean(&mut self) -> Result<(), Error> {
+        if !self.suspicious()? {
+            return Ok(());
+        }
+        self.network.interruptions.clear();
+        self.unchecked.fill(false);
+        self.find_interruptions()?;
+        self.redescend()?;
+        self.snoop()?;
+        if !self.network.interruptions.is_empty() {
+            self.place_interruptions()?;
+            self.snoop()?;
+        }
+        self.drop_unchecked()
+    }
+
+    /// Lets go of readings that nothing checks beside a wrong one.
+    fn drop_unchecked(&mut self) -> Result<(), Error> {
+        let removed = self.removed()?;
+        guard::check(&self.network, &removed)?;
+        loop {
+            let (tests, _) = self.tests()?;
+            let unchecked = guard::unchecked(&self.network, &tests)?;
+            if unchecked.is_empty() {
+                return Ok(());
+            }
+            for reading in unchecked {
+                self.unchecked[reading] = true;
+                self.network.variance_factors[reading] = REMOVED;
+            }
+            self.solve()?;
+        }
+    }
+
+    /// Seeks the instant of each interruption again, now that all good readings have full weight.
+    fn place_interruptions(&mut self) -> Result<(), Error> {
+        for interruption in self.network.interruptions.clone() {
+            self.network.interruptions.retain(|i| *i != interruption);
+            self.solve()?;
+            let steps = self.with_influence(|influence| largest_steps(influence, LEAST_STEP));
+            let of_station = steps
+                .into_iter()
+                .filter(|s| s.station == interruption.station);
+            let best = of_station.max_by(|a, b| a.w.abs().total_cmp(&b.w.abs()));
+            let first_reading = best.map_or(interruption.first_reading, |s| s.first_reading);
+            self.split(interruption.station, first_reading);
+            self.solve()?;
+        }
+        Ok(())
+    }
+
+    fn find_interruptions(&mut self) -> Result<(), Error> {
+        let mut widest = f64::INFINITY;
+        loop {
+            let zeros = self.network.zero_of_readings();
+            self.let_go(widest, |tests| distances_from_neighbours(tests, &zeros))?;
+            let (tests, scale) = self.tests()?;
+            let Some(step) = self.step(&tests, scale) else {
+                return Ok(());
+            };
+            self.split(step.station, step.first_reading);
+            self.solve()?;
+            widest = WIDE_AGAIN;
+        }
+    }
+
+    /// Lets go of far readings: the width of the weights starts at the largest distance, `widest`
+    /// times the scale at most, and is halved until it is the scale. A start at the scale would keep
+    /// any few lengths that agree by chance (graduated non-convexity).
+    fn let_go(
+        &mut self,
+        widest: f64,
+        distances: impl Fn(&[ReadingTest]) -> Vec<f64>,
+    ) -> Result<(), Error> {
+        let mut width = f64::INFINITY;
+        let mut settled = 0;
+        while settled < WELSCH_ITERATIONS {
+            let (tests, _) = self.tests()?;
+            let scale = self.scale(&tests);
+            let distances = distances(&tests);
+            let largest = distances.iter().fold(0.0_f64, |most, t| most.max(t.abs()));
+            width = (0.5 * width).min(largest).min(widest * scale).max(scale);
+            settled += usize::from(width <= scale);
+            self.network.variance_factors = distances.iter().map(|t| welsch(t / width)).collect();
+            self.solve()?;
+        }
+        Ok(())
+    }
+
+    fn redescend(&mut self) -> Result<(), Error> {
+        self.let_go(f64::INFINITY, |tests| {
+            tests.iter().map(|test| test.w).collect()
+        })?;
+        let (tests, scale) = self.tests()?;
+        let limit = self.limit(READINGS_LEVEL) * scale;
+        let factor = |test: &ReadingTest| if test.w.abs() > limit { REMOVED } else { 1.0 };
+        self.network.variance_factors = tests.iter().map(factor).collect();
+        self.solve()
+    }
+
+    fn snoop(&mut self) -> Result<(), Error> {
+        // A reading that keeps leaving and coming back stays out.
+        let mut returns = vec![0_u8; self.network.readings.len()];
+        for _ in 0..MAX_ROUNDS {
+            let (tests, scale) = self.tests()?;
+            if let Some(step) = self.step(&tests, scale) {
+                self.split(step.station, step.first_reading);
+                self.solve()?;
+                continue;
+            }
+            let mut changes = self.changes(&tests, scale);
+            changes.retain(|&(reading, factor)| factor >= REMOVED || returns[reading] < 2);
+            if changes.is_empty() {
+                return Ok(());
+            }
+            for (reading, factor) in changes {
+                returns[reading] += u8::from(factor < REMOVED);
+                self.network.variance_factors[reading] = factor;
+            }
+            self.solve()?;
+        }
+        Ok(())
+    }
+
+    /// For each group the reading that should leave first, or else the one that should come back
+    /// first, with its new variance factor.
+    fn changes(&self, tests: &[ReadingTest], scale: f64) -> Vec<(usize, f64)> {
+        let limit = self.limit(READINGS_LEVEL) * scale;
+        let groups = self.network.groups.len();
+        let mut worst: Vec<Option<(f64, usize)>> = vec![None; groups];
+        let mut best: Vec<Option<(f64, usize)>> = vec![None; groups];
+        for visit in &self.network.visits {
+            for i in visit.readings.clone() {
+                let w = tests[i].w.abs();
+                if self.unchecked[i] {
+                    continue;
+                }
+                if self.network.variance_factors[i] >= REMOVED {
+                    let best = &mut best[visit.group];
+                    if w <= limit && best.is_none_or(|(least, _)| w < least) {
+                        *best = Some((w, i));
+                    }
+                } else {
+                    let worst = &mut worst[visit.group];
+                    if w > limit && worst.is_none_or(|(most, _)| w > most) {
+                        *worst = Some((w, i));
+                    }
+                }
+            }
+        }
+        let changes = worst.into_iter().zip(best);
+        changes
+            .filter_map(|(worst, best)| match (worst, best) {
+                (Some((_, i)), _) => Some((i, REMOVED)),
+                (None, Some((_, i))) => Some((i, 1.0)),
+                (None, None) => None,
+            })
+            .collect()
+    }
+
+    /// The most significant step that is an interruption, if any is; one that is less significant
+    /// than a single reading may come from that.
+    fn step(&self, tests: &[ReadingTest], scale: f64) -> Option<StepTest> {
+        let taking_part = tests.iter().zip(&self.network.variance_factors);
+        let largest_reading = taking_part
+            .filter(|&(_, &factor)| factor <= 1.0)
+            .fold(0.0_f64, |largest, (test, _)| largest.max(test.w.abs()));
+        let limit = (self.limit(STEPS_LEVEL) * scale).max(largest_reading);
+        let mut steps = self.with_influence(|influence| largest_steps(influence, LEAST_STEP));
+        steps.retain(|step| step.w.abs() > limit);
+        steps.sort_by(|a, b| b.w.abs().total_cmp(&a.w.abs()));
+        steps
+            .into_iter()
+            .find(|step| self.with_influence(|influence| is_interruption(influence, step, scale)))
+    }
+
+    fn split(&mut self, station: usize, first_reading: usize) {
+        self.network.interruptions.push(Interruption {
+            station,
+            first_reading,
+        });
+        let order = |i: &Interruption| (i.first_reading, i.station);
+        self.network.interruptions.sort_by_key(order);
+    }
+
+    /// The removed readings with their errors.
+    pub(crate) fn removed(&mut self) -> Result<Vec<Removed>, Error> {
+        let (tests, _) = self.tests()?;
+        let factors = self.network.variance_factors.iter().enumerate();
+        let removed = factors.filter(|&(_, &factor)| factor >= REMOVED);
+        Ok(removed
+            .map(|(reading, _)| Removed {
+                reading,
+                error_mm: tests[reading].error_mm,
+                u_mm: tests[reading].sigma_mm,
+                unchecked: self.unchecked[reading],
+            })
+            .collect())
+    }
+
+    /// The clean adjustment of what is left of the original network.
+    pub(crate) fn finished(&mut self, original: &Network) -> Result<Screened, Error> {
+        let removed = self.removed()?;
+        guard::check(&self.network, &removed)?;
+        let without: Vec<usize> = removed.iter().map(|r| r.reading).collect();
+        let (mut network, kept) = original.without(&without);
+        network.interruptions = self
+            .network
+            .interruptions
+            .iter()
+            .map(|i| Interruption {
+                first_reading: kept.partition_point(|&reading| reading < i.first_reading),
+                ..*i
+            })
+            .collect();
+        let mut solution = match &self.solution {
+            Some(near) => solve_from(&network, near, self.settings)?,
+            None => solve(&network, self.settings)?,
+        };
+        let given_squares = solution.squares;
+        let noise = estimate_noise(&mut network, &mut solution, self.declared, self.settings)?;
+        Ok(Screened {
+            given_squares,
+            jumps: jumps(&self.network, &network, &solution),
+            network,
+            solution,
+            noise,
+            kept,
+            removed,
+        })
+    }
+}
+
+/// The jumps at the interruptions of a solved network.
+fn jumps(original: &Network, network: &Network, solution: &Solution) -> Vec<Jump> {
+    let stations = network.stations.len();
+    let mut last: Vec<usize> = (0..stations).collect();
+    let interruptions = original.interruptions.iter().enumerate();
+    interruptions
+        .map(|(k, interruption)| {
+            let (before, after) = (last[interruption.station], stations + k);
+            last[interruption.station] = after;
+            let (fall_mm, u_mm) = solution.difference_of_dead_paths(before, after);
+            Jump {
+                station: interruption.station,
+                first_reading: interruption.first_reading,
+                change_mm: fall_mm,
+                u_mm,
+            }
+        })
+        .collect()
+}
