@@ -65,7 +65,8 @@ pub enum Error {
     #[error(
         "no position of station {station} explains its {readings} lengths: the best leaves {rms_mm:.1} mm \
          rms; check its name in every row, the units, the \
-         directions of the axes and the nominal positions of the targets"
+         directions of the axes and the nominal positions of the targets; a beam that lost its count \
+         by centimetres does the same"
     )]
     StationUnexplained {
         /// Name of the station.

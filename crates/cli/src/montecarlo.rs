@@ -14,7 +14,7 @@ use crate::montecarlo_file;
 use crate::talk::{notice, say};
 use crate::{output, progress};
 
-/// Trials without `--trials`: fixed, and most with `--digits`.
+/// Trials without `--trials`: fixed, and most with `--digits` (or what the memory takes).
 const TRIALS: usize = 10_000;
 const MOST_TRIALS: usize = 1_000_000;
 
@@ -37,22 +37,26 @@ pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
     let in_file = || args.campaign.display().to_string();
     let (calibration, replay) =
         calibrate_for_replay(&campaign, &args.model.settings()).with_context(in_file)?;
+    let defaults = Settings::default();
+    let fitting = defaults.memory_limit_bytes / size_of::<f64>() as u64;
+    let fitting = usize::try_from(fitting).unwrap_or(usize::MAX) / replay.results().len().max(1);
+    let most = args.trials.unwrap_or(match args.digits {
+        None => TRIALS,
+        Some(_) => MOST_TRIALS.min(fitting),
+    });
     let settings = Settings {
         trials: match args.digits {
-            None => Trials::Fixed(args.trials.unwrap_or(TRIALS)),
+            None => Trials::Fixed(most),
             Some(significant_digits) => Trials::Adaptive {
                 significant_digits,
-                most: args.trials.unwrap_or(MOST_TRIALS),
+                most,
             },
         },
         seed: args.seed,
         threads: args.threads,
-        ..Settings::default()
+        ..defaults
     };
-    let bar = progress::bar(args.trials.unwrap_or(match args.digits {
-        None => TRIALS,
-        Some(_) => MOST_TRIALS,
-    }));
+    let bar = progress::bar(most);
     let propagation = propagate(&replay, &settings, &|done| bar.set_position(done as u64));
     bar.finish_and_clear();
     let propagation = propagation?;
