@@ -34,6 +34,8 @@ pub(crate) struct AdjustmentFile<'a> {
 struct NoiseFile {
     basis: &'static str,
     length_sigma: PartFile,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    length_sigma_ppm: Option<f64>,
     repeatability: PartFile,
 }
 
@@ -95,10 +97,11 @@ fn noise(noise: &NoiseReport) -> NoiseFile {
     NoiseFile {
         basis: match noise.basis {
             NoiseBasis::Given => "declared",
-            NoiseBasis::CommonFactor => "declared, times a common factor from the residuals",
+            NoiseBasis::CommonFactor => "one factor from the residuals",
             NoiseBasis::Components => "estimated from the residuals",
         },
         length_sigma: part(&noise.length),
+        length_sigma_ppm: (noise.length_ppm > 0.0).then(|| round(noise.length_ppm, 6)),
         repeatability: part(&noise.machine_return),
     }
 }

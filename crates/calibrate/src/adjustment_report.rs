@@ -52,6 +52,8 @@ pub struct NoiseReport {
     pub basis: NoiseBasis,
     /// Constant part of a length's standard deviation.
     pub length: PartReport,
+    /// Proportional part of it, µm per m; it keeps its declared ratio to the constant one.
+    pub length_ppm: f64,
     /// Standard deviation per coordinate of the machine's return.
     pub machine_return: PartReport,
 }
@@ -125,9 +127,9 @@ fn of_lengths(
     screened: &Screened,
     notices: &mut Vec<String>,
 ) -> AdjustmentReport {
-    let (solution, instrument) = (&screened.solution, &campaign.instrument);
+    let solution = &screened.solution;
     let degrees_of_freedom = solution.degrees_of_freedom();
-    let noise_declared = instrument.length_sigma_um.is_some();
+    let noise_declared = from_lengths::is_noise_declared(campaign);
     let sigma0 = match noise_declared {
         true => from_lengths::given_sigma0(screened),
         false if degrees_of_freedom > 0 => solution.sigma0(),
@@ -148,6 +150,22 @@ fn of_lengths(
     };
     let both_sides = !by_direction && approached_from_both_sides(campaign);
     residuals.notices(both_sides, notices);
+    noise_notices(&noise, notices);
+    if !screened.settled {
+        notices.push(
+            "the search for gross errors did not come to an end: some lengths still contradict the \
+             others"
+                .to_owned(),
+        );
+    }
+    let changed = !screened.removed.is_empty() || !screened.jumps.is_empty();
+    if both_sides && changed && p_value >= GLOBAL_TEST_LEVEL {
+        notices.push(
+            "positions were approached from both sides: lost motion, too, makes lengths contradict each \
+             other; compare with --by-direction"
+                .to_owned(),
+        );
+    }
     if p_value < GLOBAL_TEST_LEVEL && noise_declared {
         notices.push(format!(
             "the largest residual is that of {}",
@@ -182,6 +200,23 @@ fn of_lengths(
     }
 }
 
+/// What a user must know of a noise that could not be told apart.
+fn noise_notices(noise: &NoiseReport, notices: &mut Vec<String>) {
+    if noise.basis != NoiseBasis::CommonFactor {
+        return;
+    }
+    notices.push(match noise.machine_return.declared_mm {
+        Some(_) => {
+            "the lengths do not tell their own noise from the machine's return: the declared ratio \
+                    of the two is kept"
+                .to_owned()
+        }
+        None => "the lengths do not tell their own noise from the machine's return, and no \
+                 `repeatability_um` is declared: all noise is taken for that of single lengths"
+            .to_owned(),
+    });
+}
+
 fn noise_report(campaign: &Campaign, screened: &Screened) -> NoiseReport {
     let instrument = &campaign.instrument;
     let part = |declared_um: Option<f64>, used: PartEstimate| PartReport {
@@ -195,6 +230,7 @@ fn noise_report(campaign: &Campaign, screened: &Screened) -> NoiseReport {
     NoiseReport {
         basis: noise.basis,
         length: part(instrument.length_sigma_um, noise.length),
+        length_ppm: noise.noise.length_sigma_relative * 1e6,
         machine_return: part(instrument.repeatability_um, noise.machine_return),
     }
 }
@@ -263,8 +299,12 @@ impl Residuals {
             ));
         } else if *p_value < GLOBAL_TEST_LEVEL {
             notices.push(format!(
-                "the residuals are {sigma0:.2} times what the declared noise explains (p = \
-                 {p_value:.0e}): the model or the declared noise is wrong; {consequence}"
+                "the residuals are {sigma0:.2} times what the declared noise explains (p {}): the model \
+                 or the declared noise is wrong; {consequence}",
+                match *p_value < f64::MIN_POSITIVE {
+                    true => "below 1e-300".to_owned(),
+                    false => format!("= {p_value:.0e}"),
+                }
             ));
             if both_sides {
                 notices.push(

@@ -21,7 +21,7 @@ pub(crate) fn measure(
 ) -> Result<(Measured, Screened, Vec<String>), Error> {
     let CampaignNetwork { network, groups } =
         network_from_campaign(campaign, lengths, settings.by_direction);
-    let declared = campaign.instrument.length_sigma_um.is_some();
+    let declared = is_noise_declared(campaign);
     let adjustment = trueaxis_multilateration::Settings::default();
     let adjust = if settings.robust {
         screen
@@ -77,31 +77,61 @@ pub(crate) fn given_sigma0(screened: &Screened) -> f64 {
     }
 }
 
-/// Share of the lengths to one target that may be removed.
+/// Whether both parts of the noise are declared: one alone can be tested against nothing.
+pub(crate) fn is_noise_declared(campaign: &Campaign) -> bool {
+    let instrument = &campaign.instrument;
+    instrument.length_sigma_um.is_some() && instrument.repeatability_um.is_some()
+}
+
+/// Share of the lengths to one target, or from one station to it, that may be removed.
 const MOST_OF_A_TARGET: f64 = 1.0 / 3.0;
 
+/// Refuses removals that concentrate on a target: it moved, and which half of its lengths is wrong
+/// nothing tells.
 fn removed_targets(
     campaign: &Campaign,
     lengths: &Lengths,
     screened: &Screened,
 ) -> Result<(), Error> {
-    for (t, target) in campaign.targets.iter().enumerate() {
-        let of_target = |i: &usize| lengths.readings[*i].target == t;
-        let removed = screened
-            .removed
-            .iter()
-            .map(|r| r.reading)
-            .filter(of_target)
-            .count();
-        let all = (0..lengths.readings.len()).filter(of_target).count();
-        if removed as f64 > MOST_OF_A_TARGET * all as f64 {
+    let (targets, stations) = (campaign.targets.len(), campaign.stations.len());
+    // For each target, then for each target as seen from each station: removed, all, first and last
+    // line removed.
+    let mut counts = vec![(0, 0, [usize::MAX, 0]); targets * (1 + stations)];
+    let mut is_removed = vec![false; lengths.readings.len()];
+    for removed in &screened.removed {
+        is_removed[removed.reading] = true;
+    }
+    for stop in &lengths.stops {
+        for i in stop.readings.clone() {
+            let reading = &lengths.readings[i];
+            for place in [
+                reading.target,
+                targets * (1 + stop.station) + reading.target,
+            ] {
+                let (removed, all, [first, last]) = &mut counts[place];
+                *all += 1;
+                if is_removed[i] {
+                    *removed += 1;
+                    *first = (*first).min(reading.line);
+                    *last = (*last).max(reading.line);
+                }
+            }
+        }
+    }
+    for (place, (removed, all, [first, last])) in counts.into_iter().enumerate() {
+        if f64::from(removed) > MOST_OF_A_TARGET * f64::from(all) {
+            let from = match (place / targets).checked_sub(1) {
+                Some(station) => format!(" from station {}", campaign.stations[station].name),
+                None => String::new(),
+            };
             return Err(Error::NotTrustworthy {
                 what: format!(
-                    "{removed} of the {all} lengths to target {} contradict the others",
-                    target.name
+                    "{removed} of the {all} lengths to target {}{from} contradict the others (lines \
+                     {first} to {last}): it probably moved",
+                    campaign.targets[place % targets].name
                 ),
-                mend: "check that it sat firmly and was not mistaken for another one; --no-robust \
-                       adjusts all lengths as they are"
+                mend: "check that it sat firmly, and measure again; --no-robust adjusts all lengths as \
+                       they are"
                     .to_owned(),
             });
         }

@@ -1,6 +1,6 @@
 //! What is wrong with the lengths, in the words of the campaign.
 
-use trueaxis_campaign::{Campaign, Lengths, Stop};
+use trueaxis_campaign::{Campaign, Direction, Lengths, Stop};
 use trueaxis_multilateration::{Error as MultilaterationError, Group, Part, StationUnknown};
 
 use crate::{Error, describe};
@@ -8,6 +8,22 @@ use crate::{Error, describe};
 /// What makes many lengths contradict the others.
 const LOOK_AT: &str = "check that every row names its own station, that no beam was interrupted, \
                        and that no target or tripod was moved";
+
+/// Pairs of lengths named before the rest is only counted.
+const MOST_NAMED: usize = 5;
+
+/// Where positions were approached from both sides, lost motion contradicts itself.
+fn lost_motion(campaign: &Campaign, lengths: &Lengths) -> &'static str {
+    let mut steps: Vec<Option<Direction>> = vec![None; campaign.steps.len()];
+    let both = lengths.stops.iter().any(|stop| {
+        let first = *steps[stop.step].get_or_insert(stop.direction);
+        first != stop.direction
+    });
+    match both {
+        true => "--by-direction tells lost motion from wrong lengths; ",
+        false => "",
+    }
+}
 
 /// A length as `line 7 (station S1, target P, run x at X = 20 mm)`.
 pub(crate) fn length_in_words(campaign: &Campaign, lengths: &Lengths, reading: usize) -> String {
@@ -124,7 +140,10 @@ pub(crate) fn adjustment_error(
                 limit * 100.0,
                 most_of(campaign, lengths, &removed)
             ),
-            mend: format!("{LOOK_AT}; --no-robust adjusts all lengths as they are"),
+            mend: format!(
+                "{LOOK_AT}; {}--no-robust adjusts all lengths as they are",
+                lost_motion(campaign, lengths)
+            ),
         },
         MultilaterationError::PartLost {
             part,
@@ -139,19 +158,36 @@ pub(crate) fn adjustment_error(
                     Part::Group(g) => describe::step(campaign, groups[g].step),
                 }
             ),
-            mend: format!("{LOOK_AT}; --no-robust adjusts all lengths as they are"),
-        },
-        MultilaterationError::Undecidable { reading, other } => Error::NotTrustworthy {
-            what: format!(
-                "the lengths of {} and {} contradict each other, and nothing tells which one is wrong",
-                length_in_words(campaign, lengths, reading),
-                length_in_words(campaign, lengths, other)
+            mend: format!(
+                "{LOOK_AT}; {}--no-robust adjusts all lengths as they are",
+                lost_motion(campaign, lengths)
             ),
-            mend:
-                "measure this step again, or leave out its rows; --no-robust adjusts all lengths \
-                   as they are"
-                    .to_owned(),
         },
+        MultilaterationError::Undecidable { pairs } => {
+            let in_words = |&(reading, other): &(usize, usize)| {
+                format!(
+                    "{} and {}",
+                    length_in_words(campaign, lengths, reading),
+                    length_in_words(campaign, lengths, other)
+                )
+            };
+            let named: Vec<String> = pairs.iter().take(MOST_NAMED).map(in_words).collect();
+            let more = match pairs.len().saturating_sub(MOST_NAMED) {
+                0 => String::new(),
+                more => format!("; and {more} more"),
+            };
+            Error::NotTrustworthy {
+                what: format!(
+                    "lengths contradict each other, and nothing tells which one is wrong: {}{more}",
+                    named.join("; ")
+                ),
+                mend: format!(
+                    "measure these steps again, or leave out their rows; {}--no-robust adjusts all \
+                     lengths as they are",
+                    lost_motion(campaign, lengths)
+                ),
+            }
+        }
         other => Error::NotIdentifiable {
             what: chain(&other),
             mend: "check the campaign with `trueaxis check`".to_owned(),

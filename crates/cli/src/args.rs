@@ -30,6 +30,8 @@ pub(crate) enum Verb {
     Montecarlo(MontecarloArgs),
     /// Makes a campaign with known errors from a scenario; writes the campaign and truth.json.
     Simulate(SimulateArgs),
+    /// Repeats Table 1 of the paper: what multilateration makes of the noise, by Monte Carlo.
+    Table1(Table1Args),
 }
 
 #[derive(Debug, ClapArgs)]
@@ -106,7 +108,8 @@ pub(crate) struct MontecarloArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
-    /// Number of trials; with --digits the most [default: 10000; 1000000 with --digits].
+    /// Number of trials; with --digits the most [default: 10000; with --digits 1000000 or
+    /// what 2 GiB hold].
     #[arg(long, value_name = "N")]
     pub(crate) trials: Option<usize>,
 
@@ -143,6 +146,21 @@ pub(crate) struct SimulateArgs {
     /// Seed of the noise: the same seed gives the same files.
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct Table1Args {
+    /// Number of trials for each row of the table.
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(100..))]
+    pub(crate) trials: u32,
+
+    /// Seed of the noise: the same seed gives the same table, on any number of threads.
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+
+    /// Also print the table as JSON on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 impl ModelArgs {

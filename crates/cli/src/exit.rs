@@ -55,8 +55,11 @@ impl Exit {
                     _ => Self::Input,
                 };
             }
-            if cause.is::<trueaxis_montecarlo::Error>() {
-                return Self::Usage;
+            if let Some(error) = cause.downcast_ref::<trueaxis_montecarlo::Error>() {
+                return match error {
+                    trueaxis_montecarlo::Error::NotFinite { .. } => Self::NotConverged,
+                    _ => Self::Usage,
+                };
             }
             if cause.is::<OutputError>() {
                 return Self::Usage;

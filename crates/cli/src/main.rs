@@ -13,6 +13,7 @@ mod output;
 mod progress;
 mod simulate;
 mod summary;
+mod table1;
 mod talk;
 
 use std::process::ExitCode;
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
         Verb::Calibrate(args) => calibrate::run(args),
         Verb::Montecarlo(args) => montecarlo::run(args),
         Verb::Simulate(args) => simulate::run(args),
+        Verb::Table1(args) => table1::run(args),
     };
     // A panic is a bug of ours: the default hook says where, the exit code says so.
     let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));

@@ -12,7 +12,7 @@ use crate::args::MontecarloArgs;
 use crate::exit::Exit;
 use crate::montecarlo_file;
 use crate::talk::{notice, say};
-use crate::{output, progress};
+use crate::{output, progress, summary};
 
 /// Trials without `--trials`: fixed, and most with `--digits` (or what the memory takes).
 const TRIALS: usize = 10_000;
@@ -70,7 +70,8 @@ pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
     let path = folder.join("montecarlo.json");
     let text = montecarlo_file::text(&campaign.name, args.seed, &propagation, &compared);
     output::write(&path, text.as_bytes())?;
-    for line in lines(&campaign.name, &propagation, &compared) {
+    let adjustment = summary::adjustment(&calibration);
+    for line in adjustment.into_iter().chain(lines(&propagation, &compared)) {
         say(&line);
     }
     for text in campaign.notices.iter().chain(&calibration.notices) {
@@ -103,9 +104,9 @@ fn compare<'a>(
     .collect()
 }
 
-fn lines(campaign: &str, propagation: &Propagation, compared: &[Compared<'_>]) -> Vec<String> {
+fn lines(propagation: &Propagation, compared: &[Compared<'_>]) -> Vec<String> {
     let mut lines = vec![format!(
-        "{campaign}: {} trials, {} results",
+        "{} trials of this noise, {} results",
         propagation.trials,
         compared.len()
     )];

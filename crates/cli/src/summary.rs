@@ -43,7 +43,8 @@ pub(crate) fn lines(
     lines
 }
 
-fn adjustment(calibration: &Calibration) -> Vec<String> {
+/// How the measurement was adjusted, and with which noise.
+pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
     let a = &calibration.adjustment;
     let what = if calibration.stations.is_empty() {
         "coordinates"
@@ -56,9 +57,11 @@ fn adjustment(calibration: &Calibration) -> Vec<String> {
             calibration.campaign, a.observations, a.unknowns, a.degrees_of_freedom
         ),
         format!(
-            "sigma0 {:.3} (p = {}), rms residual {:.2} µm; {}",
-            a.sigma0,
-            probability(a.p_value),
+            "{}rms residual {:.2} µm; {}",
+            match a.noise_declared {
+                true => format!("sigma0 {:.3} (p = {}), ", a.sigma0, probability(a.p_value)),
+                false => String::new(),
+            },
             a.rms_residual_mm / MICROMETRE,
             coverage(calibration)
         ),
@@ -66,8 +69,8 @@ fn adjustment(calibration: &Calibration) -> Vec<String> {
     lines.extend(a.noise.as_ref().map(noise));
     for turn in &a.interruptions {
         lines.push(format!(
-            "{}: the lengths jump by {:+.2} ± {:.2} µm between lines {} and {} ({:.0} … {:.0} s), as after \
-             an interrupted beam: its turn is split there",
+            "{}: the lengths jump by {:+.2} ± {:.2} µm between lines {} and {} ({:.0} … {:.0} s), as an \
+             interrupted beam makes them: its turn is split there",
             turn.station,
             turn.change_mm / MICROMETRE,
             COVERAGE * turn.u_mm / MICROMETRE,
@@ -137,8 +140,12 @@ fn noise(noise: &NoiseReport) -> String {
         }
         text
     };
+    let proportional = match noise.length_ppm > 0.0 {
+        true => format!(" and {:.3} µm/m", noise.length_ppm),
+        false => String::new(),
+    };
     format!(
-        "noise: length {}, machine's return {}",
+        "noise: length {}{proportional}, machine's return {}",
         part(&noise.length),
         part(&noise.machine_return)
     )

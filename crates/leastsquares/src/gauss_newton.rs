@@ -147,6 +147,13 @@ pub fn adjust<M: Adjustment>(
                 correction,
                 tolerance,
             }),
+            // What is left to gain is less than the cost resolves.
+            None if correction <= (COST_ROUNDING * solved.squares).sqrt() => {
+                Some(Termination::Converged {
+                    correction,
+                    tolerance: (COST_ROUNDING * solved.squares).sqrt(),
+                })
+            }
             None => Some(Termination::NoDecrease { correction }),
             Some(_) if iterations >= settings.max_iterations => {
                 Some(Termination::MaxIterations { correction })

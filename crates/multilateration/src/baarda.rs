@@ -39,6 +39,9 @@ pub(crate) struct StepTest {
     pub(crate) station: usize,
     /// First reading after the step.
     pub(crate) first_reading: usize,
+    /// Readings of the same zero before it, and from it on.
+    pub(crate) before: usize,
+    pub(crate) after: usize,
     /// Standardised size of the step.
     pub(crate) w: f64,
 }
@@ -89,14 +92,38 @@ pub(crate) fn test_readings(influence: &Influence<'_>) -> Vec<ReadingTest> {
     tests
 }
 
-/// For every zero the instant at which a step of it is most significant, at least `margin` readings
-/// from its beginning and its end.
-pub(crate) fn largest_steps(influence: &Influence<'_>, margin: usize) -> Vec<StepTest> {
+/// Baarda's w of an equal error in all lengths of each visit: the machine stood elsewhere, or the beam
+/// was lost and found again. Zero for visits of a single length.
+pub(crate) fn test_visits(influence: &Influence<'_>) -> Vec<f64> {
+    let mut tests = vec![0.0; influence.network().visits.len()];
+    let mut memory = BlockRows::default();
+    for g in 0..influence.groups() {
+        let group = influence.group(g, &mut memory);
+        for visit in group.visits.iter().filter(|visit| visit.count > 1) {
+            let kept = influence.kept(&group, visit);
+            let residuals = &group.residuals[visit.first..visit.first + visit.count];
+            let mut all = vec![0.0; visit.count];
+            for i in 0..visit.count {
+                for (sum, unit) in all.iter_mut().zip(influence.unit_error(visit, i)) {
+                    *sum += unit;
+                }
+            }
+            let denominator = quadratic_form(&kept, &all);
+            if denominator > CHECKED_TOL * dot(&all, &all) {
+                tests[visit.visit] = dot(&all, residuals) / denominator.sqrt();
+            }
+        }
+    }
+    tests
+}
+
+/// For every zero the instant at which a step of it is most significant.
+pub(crate) fn largest_steps(influence: &Influence<'_>) -> Vec<StepTest> {
     let columns = columns(influence);
     (0..influence.network().zeros())
         .filter_map(|zero| {
             let own: Vec<&Column> = columns.iter().filter(|c| c.zero == zero).collect();
-            largest_step(&own, influence, margin)
+            largest_step(&own, influence)
         })
         .collect()
 }
@@ -150,17 +177,13 @@ fn columns(influence: &Influence<'_>) -> Vec<Column> {
 
 /// Adds the readings of a zero one by one from the last to the first; after each of them the sum of
 /// the columns is the step that begins there.
-fn largest_step(columns: &[&Column], influence: &Influence<'_>, margin: usize) -> Option<StepTest> {
+fn largest_step(columns: &[&Column], influence: &Influence<'_>) -> Option<StepTest> {
     let sigma = influence.reduced_inverse();
     let width = influence.width();
     let mut largest: Option<StepTest> = None;
     let mut sums = Sums::new(influence);
-    for (place, column) in columns.iter().enumerate().skip(margin).rev() {
+    for (place, column) in columns.iter().enumerate().skip(1).rev() {
         sums.add(column);
-        let readings_after = columns.len() - place;
-        if readings_after < margin {
-            continue;
-        }
         let through_shared: f64 = (0..width)
             .map(|j| {
                 let s: f64 = (0..width).map(|i| sigma[(i, j)] * sums.shared[i]).sum();
@@ -176,6 +199,8 @@ fn largest_step(columns: &[&Column], influence: &Influence<'_>, margin: usize) -
             largest = Some(StepTest {
                 station: column.station,
                 first_reading: column.reading,
+                before: place,
+                after: columns.len() - place,
                 w,
             });
         }

@@ -117,15 +117,14 @@ pub enum Error {
         /// Share that may be removed.
         limit: f64,
     },
-    /// Readings of a point contradict each other, and nothing tells which is wrong.
+    /// Readings of points contradict each other, and nothing tells which are wrong.
     #[error(
-        "readings {reading} and {other} contradict each other, and nothing tells which is wrong"
+        "{} pair(s) of readings contradict each other, and nothing tells which is wrong: {pairs:?}",
+        pairs.len()
     )]
     Undecidable {
-        /// One of them.
-        reading: usize,
-        /// Another one that may be wrong as well.
-        other: usize,
+        /// For each point one reading, and another one that may be wrong as well.
+        pairs: Vec<(usize, usize)>,
     },
     /// The network contradicts itself: an index out of range or a number that is not finite.
     #[error("the network is malformed: {what}")]

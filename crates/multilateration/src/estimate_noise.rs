@@ -56,6 +56,12 @@ const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
 /// Significance at which few degrees of freedom, too, give up the declared noise.
 const REJECTED: f64 = 1e-3;
 
+/// Below this part of the machine's return the noise of a length is not estimated.
+const LEAST_LENGTH: f64 = 1e-3;
+
+/// No length is known better than this, mm: a nanometre.
+const ROUNDING_MM: f64 = 1e-6;
+
 /// Residuals this much smaller than declared come from no instrument but from a calculation.
 const TOO_GOOD: f64 = 0.01;
 
@@ -86,49 +92,92 @@ pub fn estimate_noise(
 ) -> Result<NoiseEstimate, Error> {
     let given = network.noise;
     let dof = solution.degrees_of_freedom() as f64;
-    let plausible = chi_squared_upper_tail(solution.squares, dof) > REJECTED;
-    let known_better = dof < LEAST_DEGREES_OF_FREEDOM || solution.sigma0() < TOO_GOOD;
-    if dof == 0.0 || (declared && plausible && known_better) {
+    let above = chi_squared_upper_tail(solution.squares, dof);
+    let too_good = solution.sigma0() < TOO_GOOD;
+    if dof == 0.0 || (declared && above > REJECTED && (too_good || dof < LEAST_DEGREES_OF_FREEDOM))
+    {
         return Ok(kept(given));
     }
-    if given.return_sigma_mm == 0.0 {
-        network.noise.return_sigma_mm = given.length_sigma_mm;
-        *solution = solve_from(network, solution, settings)?;
+    if too_good {
+        return common_factor(network, solution, given, settings);
     }
+    // A start far from the residuals may end where nothing is told apart.
+    let plausible = declared && above > REJECTED && above < 1.0 - REJECTED;
+    let starts = [
+        Some(given).filter(|n| plausible && n.return_sigma_mm > 0.0),
+        Some(level(given)),
+    ];
+    for start in starts.into_iter().flatten() {
+        network.noise = start;
+        *solution = solve_from(network, solution, settings)?;
+        let sigma0 = if plausible { 1.0 } else { solution.sigma0() };
+        network.noise = scaled(start, sigma0, sigma0);
+        *solution = solve_from(network, solution, settings)?;
+        if let Some(found) = settle(network, solution, given, settings)? {
+            return Ok(found);
+        }
+    }
+    network.noise = given;
+    *solution = solve_from(network, solution, settings)?;
+    common_factor(network, solution, given, settings)
+}
+
+/// A noise of which both parts are equally large.
+pub(crate) fn level(given: Noise) -> Noise {
+    Noise {
+        return_sigma_mm: given.length_sigma_mm,
+        ..given
+    }
+}
+
+/// Improves both parts until they have settled; `None` if they do not, or if the lengths do not tell
+/// them apart there.
+fn settle(
+    network: &mut Network,
+    solution: &mut Solution,
+    given: Noise,
+    settings: &Settings,
+) -> Result<Option<NoiseEstimate>, Error> {
     let start = network.noise;
     for _ in 0..MAX_ITERATIONS {
         let Some(found) = components(&Influence::new(network, solution)) else {
-            break;
+            return Ok(None);
         };
-        let worth = |k: usize| 2.0 / found.covariance[(k, k)] >= LEAST_DEGREES_OF_FREEDOM;
-        // A return that is small beside the lengths is known well enough when its sum with them is.
-        if found.separation < LEAST_SEPARATION || !worth(0) {
-            break;
-        }
         let settled = (0..2)
             .all(|k| (found.factors[k] - 1.0).abs() <= SETTLED * found.covariance[(k, k)].sqrt());
         if settled {
+            // A return that is small beside the lengths is known well enough when these are.
+            let worth = 2.0 / found.covariance[(0, 0)] >= LEAST_DEGREES_OF_FREEDOM;
+            let told_apart = found.separation >= LEAST_SEPARATION;
             let relative_covariance = found.covariance;
-            return Ok(estimated(network.noise, given, relative_covariance));
+            return Ok(
+                (worth && told_apart).then(|| estimated(network.noise, given, relative_covariance))
+            );
         }
         let step = |k: usize| {
-            found.factors[k]
-                .clamp(1.0 / LARGEST_STEP, LARGEST_STEP)
-                .sqrt()
+            let factor = found.factors[k];
+            factor.clamp(1.0 / LARGEST_STEP, LARGEST_STEP).sqrt()
         };
         network.noise = scaled(network.noise, step(0), step(1));
+        // No interferometer is without noise of its own: so few lengths do not tell it.
+        let least_mm = LEAST_LENGTH * network.noise.return_sigma_mm;
+        if network.noise.length_sigma_mm < least_mm {
+            return Ok(None);
+        }
         let vanished = (network.noise.return_sigma_mm / start.return_sigma_mm).powi(2) < VANISHED;
         if vanished {
             network.noise.return_sigma_mm = 0.0;
         }
         *solution = solve_from(network, solution, settings)?;
         if vanished {
-            return lengths_only(network, solution, given, settings);
+            let told_apart = found.separation >= LEAST_SEPARATION;
+            return match told_apart {
+                true => lengths_only(network, solution, given, settings).map(Some),
+                false => Ok(None),
+            };
         }
     }
-    network.noise = given;
-    *solution = solve_from(network, solution, settings)?;
-    common_factor(network, solution, given, settings)
+    Ok(None)
 }
 
 /// The machine returns exactly, as far as can be seen.
@@ -153,11 +202,9 @@ fn common_factor(
     settings: &Settings,
 ) -> Result<NoiseEstimate, Error> {
     let dof = solution.degrees_of_freedom() as f64;
-    let sigma0 = solution.sigma0();
-    if sigma0 > 0.0 {
-        network.noise = scaled(given, sigma0, sigma0);
-        *solution = solve_from(network, solution, settings)?;
-    }
+    let sigma0 = solution.sigma0().max(ROUNDING_MM / given.length_sigma_mm);
+    network.noise = scaled(given, sigma0, sigma0);
+    *solution = solve_from(network, solution, settings)?;
     let relative_covariance = Matrix2::from_element(2.0 / dof);
     Ok(NoiseEstimate {
         basis: NoiseBasis::CommonFactor,

@@ -7,7 +7,7 @@ use crate::solve::MIN_STATIONS_PER_POINT;
 use crate::{Error, Network, Part, Visit};
 
 /// Share of all readings that may be removed.
-const MOST_REMOVED: f64 = 0.05;
+pub(crate) const MOST_REMOVED: f64 = 0.05;
 
 /// Share of the readings of one station, or of one group, that may be removed.
 const MOST_OF_A_PART: f64 = 1.0 / 3.0;
@@ -84,12 +84,19 @@ pub(crate) fn unchecked(network: &Network, tests: &[ReadingTest]) -> Result<Vec<
             }
         }
     }
+    let mut pairs: Vec<(usize, usize)> = Vec::new();
+    let mut said = vec![false; network.nominal_mm.len()];
     for &(other, point) in &unchecked {
         if let Some(reading) = first_removed[point]
             && checked_from[point].len() < MIN_STATIONS_PER_POINT
+            && !said[point]
         {
-            return Err(Error::Undecidable { reading, other });
+            said[point] = true;
+            pairs.push((reading, other));
         }
+    }
+    if !pairs.is_empty() {
+        return Err(Error::Undecidable { pairs });
     }
     Ok(unchecked.into_iter().map(|(reading, _)| reading).collect())
 }

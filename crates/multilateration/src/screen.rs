@@ -39,6 +39,8 @@ pub struct Screened {
     pub removed: Vec<Removed>,
     /// The jumps found in the zeros of stations, in measuring order.
     pub jumps: Vec<Jump>,
+    /// Whether the search came to an end. If not, tests still ask for changes.
+    pub settled: bool,
 }
 
 /// A reading that contradicts the others.
@@ -86,6 +88,7 @@ impl Screened {
             given_squares,
             removed: Vec::new(),
             jumps: Vec::new(),
+            settled: true,
         })
     }
 
@@ -115,9 +118,11 @@ const MAX_NOISE_UPDATES: usize = 5;
 /// Those of [`solve`]; [`Error::TooManyGrossErrors`], [`Error::PartLost`] and
 /// [`Error::Undecidable`] if too much would have to be removed or nothing tells what.
 pub fn screen(network: &Network, declared: bool, settings: &Settings) -> Result<Screened, Error> {
-    let far = far_at_start(network)?;
-    let few = far.len() as f64 <= MOST_FAR * network.readings.len() as f64;
-    let mut work = Screening::new(network, declared, settings, if few { &far } else { &[] });
+    let mut far = far_at_start(network)?;
+    if far.len() as f64 > MOST_FAR * network.readings.len() as f64 {
+        far.clear();
+    }
+    let mut work = Screening::new(network, declared, settings, far);
     for _ in 0..MAX_NOISE_UPDATES {
         work.clean()?;
         let mut screened = work.finished(network)?;
@@ -128,5 +133,9 @@ pub fn screen(network: &Network, declared: bool, settings: &Settings) -> Result<
             return Ok(screened);
         }
     }
-    work.finished(network)
+    let screened = work.finished(network)?;
+    Ok(Screened {
+        settled: false,
+        ..screened
+    })
 }

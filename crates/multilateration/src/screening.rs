@@ -2,7 +2,8 @@
 
 use trueaxis_leastsquares::student_two_sided;
 
-use crate::baarda::{ReadingTest, StepTest, largest_steps, test_readings};
+use crate::baarda::{ReadingTest, StepTest, largest_steps, test_readings, test_visits};
+use crate::estimate_noise::level;
 use crate::guard;
 use crate::influence::Influence;
 use crate::interruption::is_interruption;
@@ -33,6 +34,12 @@ const WIDE_AGAIN: f64 = 4.0;
 const WELSCH_ITERATIONS: usize = 3;
 const MAX_ROUNDS: usize = 60;
 
+/// Splits for each station on average; more of them are no interruptions.
+const MOST_SPLITS: usize = 3;
+
+/// A reading whose variance has grown by more plays no part.
+const WEIGHTLESS: f64 = 100.0;
+
 /// The limit of a reading's |w| if the noise is known.
 pub(crate) fn reading_limit(readings: usize) -> f64 {
     critical(READINGS_LEVEL, readings, f64::INFINITY)
@@ -51,8 +58,14 @@ pub(crate) struct Screening<'a> {
     settings: &'a Settings,
     /// Whether the network's noise is more than a guess.
     declared: bool,
+    /// Readings that were far off at the start, and by how much (mm).
+    far: Vec<(usize, f64)>,
     /// Readings that left because nothing checks them beside a wrong one: they do not come back.
     unchecked: Vec<bool>,
+    /// So many steps were found that they are none: something else changes with time.
+    never_split: bool,
+    /// Whether the snooping came to an end.
+    settled: bool,
     /// Once the network's noise is estimated, so that w has unit variance, its degrees of freedom.
     noise_known: Option<f64>,
 }
@@ -63,22 +76,32 @@ impl<'a> Screening<'a> {
         network: &Network,
         declared: bool,
         settings: &'a Settings,
-        far: &[usize],
+        far: Vec<(usize, f64)>,
     ) -> Self {
         let readings = network.readings.len();
         let mut variance_factors = vec![1.0; readings];
-        for &reading in far {
+        // A guess allows for a machine that does not return exactly: lengths of a visit that are off
+        // together are then no gross errors.
+        let noise = match declared {
+            true => network.noise,
+            false => level(network.noise),
+        };
+        for &(reading, _) in &far {
             variance_factors[reading] = REMOVED;
         }
         Self {
             network: Network {
                 variance_factors,
+                noise,
                 ..network.clone()
             },
             solution: None,
             settings,
             declared,
+            far,
             unchecked: vec![false; readings],
+            never_split: false,
+            settled: true,
             noise_known: None,
         }
     }
@@ -96,11 +119,39 @@ impl<'a> Screening<'a> {
 
     pub(crate) fn solve(&mut self) -> Result<(), Error> {
         let solution = match &self.solution {
-            Some(near) => solve_from(&self.network, near, self.settings)?,
-            None => solve(&self.network, self.settings)?,
+            // With all lengths at full weight it could be solved: what is left is too little.
+            Some(near) => {
+                solve_from(&self.network, near, self.settings).map_err(|_| self.nothing_left())?
+            }
+            None => solve(&self.network, self.settings).map_err(|error| self.driven_away(error))?,
         };
         self.solution = Some(solution);
         Ok(())
+    }
+
+    /// A reading may be so wrong that even without weight it drives the adjustment away.
+    fn driven_away(&self, error: Error) -> Error {
+        let farthest = self.far.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        match (farthest, error) {
+            (Some(&(reading, residual_mm)), Error::StationsNotDetermined { .. }) => {
+                Error::RanAway {
+                    reading,
+                    residual_mm,
+                }
+            }
+            (_, error) => error,
+        }
+    }
+
+    /// So many readings have lost their weight that the others do not determine the network.
+    fn nothing_left(&self) -> Error {
+        let factors = self.network.variance_factors.iter().enumerate();
+        let without_weight = factors.filter(|&(_, &factor)| factor > WEIGHTLESS);
+        Error::TooManyGrossErrors {
+            removed: without_weight.map(|(reading, _)| reading).collect(),
+            readings: self.network.readings.len(),
+            limit: guard::MOST_REMOVED,
+        }
     }
 
     /// The tests at the present solution, and their scale.
@@ -146,7 +197,9 @@ impl<'a> Screening<'a> {
     pub(crate) fn suspicious(&mut self) -> Result<bool, Error> {
         let (tests, scale) = self.tests()?;
         let changes = self.changes(&tests, scale);
-        Ok(!changes.is_empty() || self.step(&tests, scale).is_some())
+        Ok(!changes.is_empty()
+            || self.weakest_split(scale).is_some()
+            || self.step(&tests, scale).is_some())
     }
 
     /// Finds gross errors and interruptions until nothing changes.
@@ -163,7 +216,29 @@ impl<'a> Screening<'a> {
             self.place_interruptions()?;
             self.snoop()?;
         }
+        // What is not significant in the end was none, and is not sought again.
+        let never_split = std::mem::replace(&mut self.never_split, true);
+        loop {
+            let (_, scale) = self.tests()?;
+            let Some(split) = self.weakest_split(scale) else {
+                break;
+            };
+            self.network.interruptions.remove(split);
+            self.solve()?;
+            self.snoop()?;
+        }
+        self.never_split = never_split;
         self.drop_unchecked()
+    }
+
+    /// The split with the least significant jump, if that is not significant.
+    fn weakest_split(&self, scale: f64) -> Option<usize> {
+        let solution = self.solution.as_ref()?;
+        let all = jumps(&self.network, solution).into_iter().enumerate();
+        let sizes = all.map(|(split, jump)| (split, jump.change_mm.abs() / jump.u_mm));
+        let weakest = sizes.min_by(|a, b| a.1.total_cmp(&b.1));
+        let (split, size) = weakest?;
+        (size <= self.limit(STEPS_LEVEL) * scale).then_some(split)
     }
 
     /// Lets go of readings that nothing checks beside a wrong one.
@@ -189,7 +264,7 @@ impl<'a> Screening<'a> {
         for interruption in self.network.interruptions.clone() {
             self.network.interruptions.retain(|i| *i != interruption);
             self.solve()?;
-            let steps = self.with_influence(|influence| largest_steps(influence, LEAST_STEP));
+            let steps = self.with_influence(largest_steps);
             let of_station = steps
                 .into_iter()
                 .filter(|s| s.station == interruption.station);
@@ -210,6 +285,11 @@ impl<'a> Screening<'a> {
             let Some(step) = self.step(&tests, scale) else {
                 return Ok(());
             };
+            if self.network.interruptions.len() == MOST_SPLITS * self.network.stations.len() {
+                self.network.interruptions.clear();
+                self.never_split = true;
+                return self.solve();
+            }
             self.split(step.station, step.first_reading);
             self.solve()?;
             widest = WIDE_AGAIN;
@@ -226,7 +306,10 @@ impl<'a> Screening<'a> {
     ) -> Result<(), Error> {
         let mut width = f64::INFINITY;
         let mut settled = 0;
-        while settled < WELSCH_ITERATIONS {
+        for _ in 0..MAX_ROUNDS {
+            if settled == WELSCH_ITERATIONS {
+                break;
+            }
             let (tests, _) = self.tests()?;
             let scale = self.scale(&tests);
             let distances = distances(&tests);
@@ -271,11 +354,12 @@ impl<'a> Screening<'a> {
             }
             self.solve()?;
         }
+        self.settled = false;
         Ok(())
     }
 
-    /// For each group the reading that should leave first, or else the one that should come back
-    /// first, with its new variance factor.
+    /// For each group the reading that should leave first, or else the visit that should leave as a
+    /// whole, or else the reading that should come back first; with their new variance factors.
     fn changes(&self, tests: &[ReadingTest], scale: f64) -> Vec<(usize, f64)> {
         let limit = self.limit(READINGS_LEVEL) * scale;
         let groups = self.network.groups.len();
@@ -300,26 +384,52 @@ impl<'a> Screening<'a> {
                 }
             }
         }
-        let changes = worst.into_iter().zip(best);
+        let visits = self.worst_visits(limit);
+        let mut changes = Vec::new();
+        for ((worst, visit), best) in worst.into_iter().zip(visits).zip(best) {
+            match (worst, visit, best) {
+                (Some((_, i)), _, _) => changes.push((i, REMOVED)),
+                (None, Some(visit), _) => {
+                    let readings = self.network.visits[visit].readings.clone();
+                    changes.extend(readings.map(|i| (i, REMOVED)));
+                }
+                (None, None, Some((_, i))) => changes.push((i, 1.0)),
+                (None, None, None) => {}
+            }
+        }
         changes
-            .filter_map(|(worst, best)| match (worst, best) {
-                (Some((_, i)), _) => Some((i, REMOVED)),
-                (None, Some((_, i))) => Some((i, 1.0)),
-                (None, None) => None,
-            })
-            .collect()
+    }
+
+    /// For each group the visit whose lengths are off together, if any: single lengths do not show it,
+    /// because the machine's return could be to blame.
+    fn worst_visits(&self, limit: f64) -> Vec<Option<usize>> {
+        let mut worst: Vec<Option<(f64, usize)>> = vec![None; self.network.groups.len()];
+        let tests = self.with_influence(test_visits).into_iter().map(f64::abs);
+        for ((visit, content), w) in self.network.visits.iter().enumerate().zip(tests) {
+            let mut readings = content.readings.clone();
+            let all = readings.all(|i| self.network.variance_factors[i] < REMOVED);
+            let worst = &mut worst[content.group];
+            if all && w > limit && worst.is_none_or(|(most, _)| w > most) {
+                *worst = Some((w, visit));
+            }
+        }
+        let visits = worst.into_iter().map(|worst| worst.map(|(_, visit)| visit));
+        visits.collect()
     }
 
     /// The most significant step that is an interruption, if any is; one that is less significant
     /// than a single reading may come from that.
     fn step(&self, tests: &[ReadingTest], scale: f64) -> Option<StepTest> {
+        if self.never_split {
+            return None;
+        }
         let taking_part = tests.iter().zip(&self.network.variance_factors);
         let largest_reading = taking_part
             .filter(|&(_, &factor)| factor <= 1.0)
             .fold(0.0_f64, |largest, (test, _)| largest.max(test.w.abs()));
         let limit = (self.limit(STEPS_LEVEL) * scale).max(largest_reading);
-        let mut steps = self.with_influence(|influence| largest_steps(influence, LEAST_STEP));
-        steps.retain(|step| step.w.abs() > limit);
+        let mut steps = self.with_influence(largest_steps);
+        steps.retain(|step| step.w.abs() > limit && step.before.min(step.after) >= LEAST_STEP);
         steps.sort_by(|a, b| b.w.abs().total_cmp(&a.w.abs()));
         steps
             .into_iter()
@@ -350,6 +460,19 @@ impl<'a> Screening<'a> {
             .collect())
     }
 
+    /// The jumps of the clean network at the readings of the original one.
+    fn found_jumps(&self, clean: &Network, solution: &Solution) -> Vec<Jump> {
+        let found = jumps(clean, solution).into_iter();
+        let original = &self.network.interruptions;
+        found
+            .zip(original)
+            .map(|(jump, interruption)| Jump {
+                first_reading: interruption.first_reading,
+                ..jump
+            })
+            .collect()
+    }
+
     /// The clean adjustment of what is left of the original network.
     pub(crate) fn finished(&mut self, original: &Network) -> Result<Screened, Error> {
         let removed = self.removed()?;
@@ -373,7 +496,8 @@ impl<'a> Screening<'a> {
         let noise = estimate_noise(&mut network, &mut solution, self.declared, self.settings)?;
         Ok(Screened {
             given_squares,
-            jumps: jumps(&self.network, &network, &solution),
+            jumps: self.found_jumps(&network, &solution),
+            settled: self.settled,
             network,
             solution,
             noise,
@@ -384,19 +508,20 @@ impl<'a> Screening<'a> {
 }
 
 /// The jumps at the interruptions of a solved network.
-fn jumps(original: &Network, network: &Network, solution: &Solution) -> Vec<Jump> {
+fn jumps(network: &Network, solution: &Solution) -> Vec<Jump> {
     let stations = network.stations.len();
     let mut last: Vec<usize> = (0..stations).collect();
-    let interruptions = original.interruptions.iter().enumerate();
+    let interruptions = network.interruptions.iter().enumerate();
     interruptions
         .map(|(k, interruption)| {
             let (before, after) = (last[interruption.station], stations + k);
             last[interruption.station] = after;
-            let (fall_mm, u_mm) = solution.difference_of_dead_paths(before, after);
+            // Lengths grow as the dead path falls.
+            let (change_mm, u_mm) = solution.difference_of_dead_paths(before, after);
             Jump {
                 station: interruption.station,
                 first_reading: interruption.first_reading,
-                change_mm: fall_mm,
+                change_mm,
                 u_mm,
             }
         })

@@ -48,7 +48,7 @@ pub fn solve(network: &Network, settings: &Settings) -> Result<Solution, Error> 
 }
 
 /// Solves a network again from the solution of a similar one: the same stations and groups, other
-/// weights or interruptions (which start at the dead paths before them).
+/// weights or interruptions.
 pub(crate) fn solve_from(
     network: &Network,
     near: &Solution,
@@ -56,11 +56,11 @@ pub(crate) fn solve_from(
 ) -> Result<Solution, Error> {
     check_counts(network)?;
     let mut state = near.state();
+    // Lengths are linear in dead paths: where those after interruptions start does not matter.
     state.dead_paths_mm.truncate(network.stations.len());
-    for (k, interruption) in network.interruptions.iter().enumerate() {
+    for interruption in &network.interruptions {
         let before = state.dead_paths_mm[interruption.station];
-        let near = near.dead_paths_after_mm.get(k);
-        state.dead_paths_mm.push(near.copied().unwrap_or(before));
+        state.dead_paths_mm.push(before);
     }
     let attempt = adjust_from(network, state, settings)?;
     Ok(solution(network, attempt, near.mirror_image_open))
@@ -71,8 +71,8 @@ pub(crate) fn solve_from(
 const FAR: f64 = 10.0;
 const FAR_MM: f64 = 1.0;
 
-/// Readings that are far off at the start.
-pub(crate) fn far_at_start(network: &Network) -> Result<Vec<usize>, Error> {
+/// Readings that are far off at the start, and by how much (mm).
+pub(crate) fn far_at_start(network: &Network) -> Result<Vec<(usize, f64)>, Error> {
     network.check()?;
     check_counts(network)?;
     let Start { state, .. } = start(network)?;
@@ -86,9 +86,8 @@ pub(crate) fn far_at_start(network: &Network) -> Result<Vec<usize>, Error> {
     let middle = sorted.len() / 2;
     let (_, &mut median, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
     let limit_mm = (FAR * median).max(FAR_MM);
-    Ok((0..sizes_mm.len())
-        .filter(|&i| sizes_mm[i] > limit_mm)
-        .collect())
+    let sizes = sizes_mm.into_iter().enumerate();
+    Ok(sizes.filter(|&(_, size_mm)| size_mm > limit_mm).collect())
 }
 
 /// An adjustment with the weights that belong to it.

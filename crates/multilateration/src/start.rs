@@ -73,8 +73,12 @@ pub(crate) fn start(network: &Network) -> Result<Start, Error> {
     for (j, all) in sightings.iter().enumerate() {
         let every = all.len().div_ceil(MAX_READINGS).max(1);
         let some: Vec<Sighting> = all.iter().step_by(every).copied().collect();
-        let cloud = Cloud::new(&some);
-        let fits = find_station(&some, &cloud, network.stations[j]);
+        let mut cloud = Cloud::new(&some);
+        let mut fits = find_station(&some, &cloud, network.stations[j]);
+        if let Some(rest) = without_far(&some, &cloud, &fits) {
+            cloud = Cloud::new(&rest);
+            fits = find_station(&rest, &cloud, network.stations[j]);
+        }
         let Some(&fit) = fits
             .first()
             .filter(|fit| fit.rms_mm <= NO_FIT * cloud.radius_mm)
@@ -105,6 +109,33 @@ pub(crate) fn start(network: &Network) -> Result<Start, Error> {
         start.state.dead_paths_mm.push(before);
     }
     Ok(start)
+}
+
+/// A reading this many times the median of a poor fit spoils it.
+const FAR: f64 = 10.0;
+
+/// Share of the readings that may spoil a fit.
+const MOST_FAR: f64 = 0.05;
+
+/// What is left of the sightings of a poor fit without the few that spoil it; `None` if there are none.
+fn without_far(
+    sightings: &[Sighting],
+    cloud: &Cloud,
+    fits: &[StationFit],
+) -> Option<Vec<Sighting>> {
+    let fit = fits
+        .iter()
+        .min_by(|a, b| a.rms_mm.total_cmp(&b.rms_mm))
+        .filter(|fit| fit.rms_mm > POOR_FIT * cloud.radius_mm)?;
+    let size_mm = |s: &Sighting| residual_mm(s, fit.position, fit.dead_path_mm).abs();
+    let mut sizes_mm: Vec<f64> = sightings.iter().map(size_mm).collect();
+    let middle = sizes_mm.len() / 2;
+    let (_, &mut median_mm, _) = sizes_mm.select_nth_unstable_by(middle, f64::total_cmp);
+    let near = sightings.iter().filter(|s| size_mm(s) <= FAR * median_mm);
+    let rest: Vec<Sighting> = near.copied().collect();
+    let far = sightings.len() - rest.len();
+    let few = far > 0 && far as f64 <= MOST_FAR * sightings.len() as f64;
+    few.then_some(rest)
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -354,8 +385,14 @@ fn mean_dead_path(sightings: &[Sighting], position: Point3<f64>) -> f64 {
 }
 
 fn squares_of(sightings: &[Sighting], position: Point3<f64>, dead_path: f64) -> f64 {
-    let residual = |s: &Sighting| s.length_mm - ((s.point - position).norm() - dead_path);
-    sightings.iter().map(|s| residual(s).powi(2)).sum()
+    let squares = sightings
+        .iter()
+        .map(|s| residual_mm(s, position, dead_path).powi(2));
+    squares.sum()
+}
+
+fn residual_mm(s: &Sighting, position: Point3<f64>, dead_path: f64) -> f64 {
+    s.length_mm - ((s.point - position).norm() - dead_path)
 }
 
 #[cfg(test)]

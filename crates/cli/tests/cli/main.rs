@@ -17,4 +17,5 @@ mod refused_geometries;
 mod refused_measurements;
 mod refused_tables;
 mod simulate;
+mod table1;
 mod usage;

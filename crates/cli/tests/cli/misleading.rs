@@ -66,20 +66,6 @@ fn contradictions_taken_for_missing_rank() {
             },
         ],
     );
-    assert_calibration_refused(
-        "rotary-stage",
-        &[Refusal {
-            name: "sign of one length",
-            damage: |files| {
-                files.table(|table| {
-                    let cell = table.rows[599].last_mut().unwrap();
-                    *cell = (-cell.parse::<f64>().unwrap()).to_string();
-                });
-            },
-            code: NO_ANSWER,
-            says: &["line 601"],
-        }],
-    );
 }
 
 #[test]

@@ -51,7 +51,9 @@ fn same_bytes_on_any_number_of_threads() {
         );
         outcome.assert_good();
         assert!(
-            outcome.stderr.contains("300 trials, 132 results"),
+            outcome
+                .stderr
+                .contains("300 trials of this noise, 132 results"),
             "{}",
             outcome.stderr
         );

@@ -287,7 +287,7 @@ fn single_wrong_readings() {
             name: "one length enormous",
             damage: |files| files.cell(101, "length_mm", "1e12"),
             code: NO_ANSWER,
-            says: &["no position of station S1"],
+            says: &["the adjustment runs away", "line 101 (station S1"],
         }],
     );
 }

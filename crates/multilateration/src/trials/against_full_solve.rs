@@ -1,5 +1,7 @@
 //! Trials against the full nonlinear adjustment of the same lengths.
 
+#![expect(clippy::print_stdout, reason = "shows what each correction leaves")]
+
 use nalgebra::{Point3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

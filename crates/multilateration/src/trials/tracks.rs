@@ -183,17 +183,18 @@ impl Tracks {
     pub(crate) fn reduce_points(&self, shared: &[f64], points: &mut Coordinates) {
         for track in &self.tracks {
             let count = track.rows.len();
-            let [ux, uy, uz] = self.beams(track);
-            let weights = &self.weights[track.rows.clone()][..count];
-            let [gx, gy, gz] = points.lanes_mut(track.first_point, count);
+            let [ux, uy, uz] = self.beams(track).map(<[Lanes]>::as_flattened);
+            let weights = self.weights[track.rows.clone()].as_flattened();
+            let sums = points.lanes_mut(track.first_point, count);
+            let [gx, gy, gz] = sums.map(<[Lanes]>::as_flattened_mut);
             let [sx, sy, sz, dead_path] = track.shared(shared);
-            for i in 0..count {
-                let (x, y, z) = (ux[i], uy[i], uz[i]);
-                let length = lanes(|k| x[k] * sx + y[k] * sy + z[k] * sz + dead_path);
-                let weighted = lanes(|k| weights[i][k] * length[k]);
-                gx[i] = lanes(|k| gx[i][k] + weighted[k] * x[k]);
-                gy[i] = lanes(|k| gy[i][k] + weighted[k] * y[k]);
-                gz[i] = lanes(|k| gz[i][k] + weighted[k] * z[k]);
+            let beams = ux.iter().zip(uy).zip(uz).zip(weights);
+            let sums = gx.iter_mut().zip(gy).zip(gz);
+            for ((((x, y), z), weight), ((gx, gy), gz)) in beams.zip(sums) {
+                let weighted = weight * (x * sx + y * sy + z * sz + dead_path);
+                *gx += weighted * x;
+                *gy += weighted * y;
+                *gz += weighted * z;
             }
         }
     }

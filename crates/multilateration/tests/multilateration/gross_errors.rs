@@ -85,8 +85,11 @@ fn what_nothing_decides_is_refused() {
     add_noise(&mut network, &truth, &mut ChaCha8Rng::seed_from_u64(5));
     network.readings[40].length_mm += 0.5;
     let error = screen(&network, true, &Settings::default()).unwrap_err();
-    let Error::Undecidable { reading, other } = error else {
+    let Error::Undecidable { pairs } = error else {
         panic!("{error}");
+    };
+    let [(reading, other)] = pairs[..] else {
+        panic!("{pairs:?}");
     };
     // The point of reading 40 as seen by two stations.
     let per_station = network.readings.len() / 4;
