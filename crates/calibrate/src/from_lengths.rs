@@ -86,6 +86,10 @@ pub(crate) fn is_noise_declared(campaign: &Campaign) -> bool {
 /// Share of the lengths to one target, or from one station to it, that may be removed.
 const MOST_OF_A_TARGET: f64 = 1.0 / 3.0;
 
+/// So many removals, and more than half of all, of one target from one station are no accident: there
+/// are at least twelve such pairs.
+const FEW: usize = 10;
+
 /// Refuses removals that concentrate on a target: it moved, and which half of its lengths is wrong
 /// nothing tells.
 fn removed_targets(
@@ -96,7 +100,7 @@ fn removed_targets(
     let (targets, stations) = (campaign.targets.len(), campaign.stations.len());
     // For each target, then for each target as seen from each station: removed, all, first and last
     // line removed.
-    let mut counts = vec![(0, 0, [usize::MAX, 0]); targets * (1 + stations)];
+    let mut counts = vec![(0_usize, 0_usize, [usize::MAX, 0]); targets * (1 + stations)];
     let mut is_removed = vec![false; lengths.readings.len()];
     for removed in &screened.removed {
         is_removed[removed.reading] = true;
@@ -118,8 +122,11 @@ fn removed_targets(
             }
         }
     }
+    let all_removed = screened.removed.len();
     for (place, (removed, all, [first, last])) in counts.into_iter().enumerate() {
-        if f64::from(removed) > MOST_OF_A_TARGET * f64::from(all) {
+        let seen_from_one_station = place >= targets;
+        let concentrated = seen_from_one_station && removed >= FEW && 2 * removed > all_removed;
+        if removed as f64 > MOST_OF_A_TARGET * all as f64 || concentrated {
             let from = match (place / targets).checked_sub(1) {
                 Some(station) => format!(" from station {}", campaign.stations[station].name),
                 None => String::new(),

@@ -16,7 +16,8 @@
 //! Noun in: a [`Network`]; noun out: a [`Solution`] with points, stations, residuals and the
 //! covariance of everything. [`screen`] does the same without gross errors and lost counts, with the
 //! noise that the residuals show ([`estimate_noise`]). [`network_from_campaign`] makes the network of
-//! a measuring campaign; [`locate`] is the plain case of known stations. Lengths are mm in any
+//! a measuring campaign; [`locate`] is the plain case of known stations; [`Trials`] solves a
+//! network again and again with other errors, for Monte Carlo. Lengths are mm in any
 //! right-handed frame. The crate does not say why lengths are wrong beyond that.
 //!
 //! ```
