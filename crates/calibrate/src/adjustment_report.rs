@@ -6,10 +6,11 @@ use trueaxis_leastsquares::chi_squared_upper_tail;
 use trueaxis_multilateration::{NoiseBasis, PartEstimate, Screened};
 
 use crate::axis_data::AxisData;
+use crate::from_lengths;
 use crate::identify_axes::Identified;
 use crate::lengths_in_words::{length_in_words, stop_of};
 use crate::measured::Measured;
-use crate::{from_lengths, rigidity};
+use crate::points_report::of_points;
 
 /// What the measurement says about itself.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,7 +101,7 @@ pub struct InterruptedTurn {
 
 /// Significance at which the declared noise is given up for the residuals' own in a points campaign,
 /// and at which a word is said about it: one clean campaign in a thousand.
-const GLOBAL_TEST_LEVEL: f64 = 1e-3;
+pub(crate) const GLOBAL_TEST_LEVEL: f64 = 1e-3;
 
 /// The report, and what a user must know of it added to `notices`.
 pub(crate) fn report(
@@ -270,16 +271,16 @@ fn worst_length(campaign: &Campaign, lengths: &Lengths, screened: &Screened) -> 
 }
 
 /// How the residuals compare with the declared noise.
-struct Residuals {
-    sigma0: f64,
-    p_value: f64,
-    degrees_of_freedom: usize,
-    noise_declared: bool,
-    consequence: &'static str,
+pub(crate) struct Residuals {
+    pub(crate) sigma0: f64,
+    pub(crate) p_value: f64,
+    pub(crate) degrees_of_freedom: usize,
+    pub(crate) noise_declared: bool,
+    pub(crate) consequence: &'static str,
 }
 
 impl Residuals {
-    fn notices(&self, both_sides: bool, notices: &mut Vec<String>) {
+    pub(crate) fn notices(&self, both_sides: bool, notices: &mut Vec<String>) {
         let Self {
             sigma0,
             p_value,
@@ -322,85 +323,7 @@ impl Residuals {
     }
 }
 
-fn of_points(
-    campaign: &Campaign,
-    by_direction: bool,
-    measured: &Measured,
-    data: &[AxisData],
-    identified: &Identified,
-    notices: &mut Vec<String>,
-) -> AdjustmentReport {
-    let (squares, degrees_of_freedom) = rigidity::total(data, identified);
-    let readings = campaign.points.iter().flat_map(|points| &points.readings);
-    let noise_declared = readings
-        .into_iter()
-        .all(|reading| reading.sigma_um.is_some());
-    let sigma0 = match degrees_of_freedom {
-        0 => 1.0,
-        _ => (squares / degrees_of_freedom as f64).sqrt(),
-    };
-    let p_value = chi_squared_upper_tail(squares, degrees_of_freedom as f64);
-    let scaled = !noise_declared || p_value < GLOBAL_TEST_LEVEL;
-    let from_shape = match scaled {
-        true => (sigma0, degrees_of_freedom as f64),
-        false => (1.0, f64::INFINITY),
-    };
-    let from_repeats = repeat_factor(measured, noise_declared, notices);
-    let (uncertainty_factor, factor_degrees_of_freedom) = if from_repeats.0 > from_shape.0 {
-        from_repeats
-    } else {
-        from_shape
-    };
-    let residuals = Residuals {
-        sigma0,
-        p_value,
-        degrees_of_freedom,
-        noise_declared,
-        consequence: match scaled {
-            true => "all uncertainties are multiplied by this",
-            false => "uncertainties are those of the declared noise",
-        },
-    };
-    let both_sides = !by_direction && approached_from_both_sides(campaign);
-    residuals.notices(both_sides, notices);
-    let observations = 3 * measured.points_mm.len();
-    AdjustmentReport {
-        observations,
-        unknowns: observations - degrees_of_freedom,
-        degrees_of_freedom,
-        sigma0,
-        p_value,
-        noise_declared,
-        uncertainty_factor,
-        factor_degrees_of_freedom,
-        rms_residual_mm: rigidity::rms_mm(identified),
-        noise: None,
-        rejected: Vec::new(),
-        interruptions: Vec::new(),
-        iterations: 0,
-        termination: "points measured directly, nothing to adjust".to_owned(),
-    }
-}
-
-/// How much larger than declared the scatter of repeated points is, if that is significant, and its
-/// degrees of freedom.
-fn repeat_factor(measured: &Measured, declared: bool, notices: &mut Vec<String>) -> (f64, f64) {
-    let (squares, degrees_of_freedom) = measured.repeat_scatter;
-    let p_value = chi_squared_upper_tail(squares, degrees_of_freedom as f64);
-    if degrees_of_freedom == 0 || (declared && p_value >= GLOBAL_TEST_LEVEL) {
-        return (0.0, f64::INFINITY);
-    }
-    let factor = (squares / degrees_of_freedom as f64).sqrt();
-    if declared {
-        notices.push(format!(
-            "repeated points scatter {factor:.2} times as much as declared (p = {p_value:.1e}): declare \
-             repeatability_um; until then all uncertainties are multiplied by {factor:.2} at least"
-        ));
-    }
-    (factor, degrees_of_freedom as f64)
-}
-
-fn approached_from_both_sides(campaign: &Campaign) -> bool {
+pub(crate) fn approached_from_both_sides(campaign: &Campaign) -> bool {
     let lengths = campaign.lengths.iter().flat_map(|lengths| &lengths.stops);
     let points = campaign.points.iter().flat_map(|points| &points.stops);
     let mut directions = lengths.chain(points).map(|stop| stop.direction);

@@ -88,6 +88,7 @@ mod measured;
 mod output_covariance;
 mod output_entry;
 mod point_noise;
+mod points_report;
 mod records;
 mod reliability;
 mod reliability_files;

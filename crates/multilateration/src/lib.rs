@@ -72,6 +72,7 @@ mod screen;
 mod screening;
 mod solution;
 mod solve;
+mod splits;
 mod start;
 mod trials;
 

@@ -2,24 +2,17 @@
 
 use trueaxis_leastsquares::student_two_sided;
 
-use crate::baarda::{ReadingTest, StepTest, largest_steps, test_readings, test_visits};
+use crate::baarda::{ReadingTest, test_readings, test_visits};
 use crate::estimate_noise::level;
 use crate::guard;
 use crate::influence::Influence;
-use crate::interruption::is_interruption;
-use crate::robust_weights::{REMOVED, distances_from_neighbours, scale, welsch};
-use crate::screen::{Jump, Removed, Screened};
+use crate::robust_weights::{REMOVED, scale, welsch};
+use crate::screen::{Removed, Screened};
 use crate::solve::{Settings, solve, solve_from};
 use crate::{Error, Interruption, Network, NoiseEstimate, Solution, estimate_noise};
 
 /// Probability that a network without gross errors loses any reading.
 const READINGS_LEVEL: f64 = 0.01;
-
-/// Probability that any of its turns is split.
-const STEPS_LEVEL: f64 = 1e-3;
-
-/// A step with fewer readings before or behind it is not told from gross errors.
-const LEAST_STEP: usize = 4;
 
 /// Asymptotic efficiency of the median as a scale, beside the standard deviation.
 const MEDIAN_EFFICIENCY: f64 = 0.37;
@@ -27,15 +20,9 @@ const MEDIAN_EFFICIENCY: f64 = 0.37;
 /// Calculated lengths have residuals of rounding, whose tails mean nothing.
 const LEAST_SCALE: f64 = 0.05;
 
-/// Width of the weights, in scales, after a turn was split: most far readings have left by then.
-const WIDE_AGAIN: f64 = 4.0;
-
 /// Solutions at the final width.
 const WELSCH_ITERATIONS: usize = 3;
 const MAX_ROUNDS: usize = 60;
-
-/// Splits for each station on average; more of them are no interruptions.
-const MOST_SPLITS: usize = 3;
 
 /// A reading whose variance has grown by more plays no part.
 const WEIGHTLESS: f64 = 100.0;
@@ -53,8 +40,8 @@ fn critical(level: f64, tests: usize, degrees_of_freedom: f64) -> f64 {
 
 /// The work in progress: removed readings stay in the network without weight.
 pub(crate) struct Screening<'a> {
-    network: Network,
-    solution: Option<Solution>,
+    pub(crate) network: Network,
+    pub(crate) solution: Option<Solution>,
     settings: &'a Settings,
     /// Whether the network's noise is more than a guess.
     declared: bool,
@@ -63,7 +50,7 @@ pub(crate) struct Screening<'a> {
     /// Readings that left because nothing checks them beside a wrong one: they do not come back.
     unchecked: Vec<bool>,
     /// So many steps were found that they are none: something else changes with time.
-    never_split: bool,
+    pub(crate) never_split: bool,
     /// Whether the snooping came to an end.
     settled: bool,
     /// Once the network's noise is estimated, so that w has unit variance, its degrees of freedom.
@@ -155,7 +142,7 @@ impl<'a> Screening<'a> {
     }
 
     /// The tests at the present solution, and their scale.
-    fn tests(&mut self) -> Result<(Vec<ReadingTest>, f64), Error> {
+    pub(crate) fn tests(&mut self) -> Result<(Vec<ReadingTest>, f64), Error> {
         if self.solution.is_none() {
             self.solve()?;
         }
@@ -175,7 +162,7 @@ impl<'a> Screening<'a> {
 
     /// The limit of |w| in scales. The scale has the degrees of freedom of the noise; the median, which
     /// gives it before that is estimated, is worth a third of them.
-    fn limit(&self, level: f64) -> f64 {
+    pub(crate) fn limit(&self, level: f64) -> f64 {
         let redundancy = self
             .solution
             .as_ref()
@@ -188,7 +175,7 @@ impl<'a> Screening<'a> {
         critical(level, self.network.readings.len(), degrees_of_freedom)
     }
 
-    fn with_influence<T: Default>(&self, f: impl Fn(&Influence<'_>) -> T) -> T {
+    pub(crate) fn with_influence<T: Default>(&self, f: impl Fn(&Influence<'_>) -> T) -> T {
         let solution = self.solution.as_ref();
         solution.map_or_else(T::default, |s| f(&Influence::new(&self.network, s)))
     }
@@ -231,16 +218,6 @@ impl<'a> Screening<'a> {
         self.drop_unchecked()
     }
 
-    /// The split with the least significant jump, if that is not significant.
-    fn weakest_split(&self, scale: f64) -> Option<usize> {
-        let solution = self.solution.as_ref()?;
-        let all = jumps(&self.network, solution).into_iter().enumerate();
-        let sizes = all.map(|(split, jump)| (split, jump.change_mm.abs() / jump.u_mm));
-        let weakest = sizes.min_by(|a, b| a.1.total_cmp(&b.1));
-        let (split, size) = weakest?;
-        (size <= self.limit(STEPS_LEVEL) * scale).then_some(split)
-    }
-
     /// Lets go of readings that nothing checks beside a wrong one.
     fn drop_unchecked(&mut self) -> Result<(), Error> {
         let removed = self.removed()?;
@@ -259,47 +236,10 @@ impl<'a> Screening<'a> {
         }
     }
 
-    /// Seeks the instant of each interruption again, now that all good readings have full weight.
-    fn place_interruptions(&mut self) -> Result<(), Error> {
-        for interruption in self.network.interruptions.clone() {
-            self.network.interruptions.retain(|i| *i != interruption);
-            self.solve()?;
-            let steps = self.with_influence(largest_steps);
-            let of_station = steps
-                .into_iter()
-                .filter(|s| s.station == interruption.station);
-            let best = of_station.max_by(|a, b| a.w.abs().total_cmp(&b.w.abs()));
-            let first_reading = best.map_or(interruption.first_reading, |s| s.first_reading);
-            self.split(interruption.station, first_reading);
-            self.solve()?;
-        }
-        Ok(())
-    }
-
-    fn find_interruptions(&mut self) -> Result<(), Error> {
-        let mut widest = f64::INFINITY;
-        loop {
-            let zeros = self.network.zero_of_readings();
-            self.let_go(widest, |tests| distances_from_neighbours(tests, &zeros))?;
-            let (tests, scale) = self.tests()?;
-            let Some(step) = self.step(&tests, scale) else {
-                return Ok(());
-            };
-            if self.network.interruptions.len() == MOST_SPLITS * self.network.stations.len() {
-                self.network.interruptions.clear();
-                self.never_split = true;
-                return self.solve();
-            }
-            self.split(step.station, step.first_reading);
-            self.solve()?;
-            widest = WIDE_AGAIN;
-        }
-    }
-
     /// Lets go of far readings: the width of the weights starts at the largest distance, `widest`
     /// times the scale at most, and is halved until it is the scale. A start at the scale would keep
     /// any few lengths that agree by chance (graduated non-convexity).
-    fn let_go(
+    pub(crate) fn let_go(
         &mut self,
         widest: f64,
         distances: impl Fn(&[ReadingTest]) -> Vec<f64>,
@@ -417,34 +357,6 @@ impl<'a> Screening<'a> {
         visits.collect()
     }
 
-    /// The most significant step that is an interruption, if any is; one that is less significant
-    /// than a single reading may come from that.
-    fn step(&self, tests: &[ReadingTest], scale: f64) -> Option<StepTest> {
-        if self.never_split {
-            return None;
-        }
-        let taking_part = tests.iter().zip(&self.network.variance_factors);
-        let largest_reading = taking_part
-            .filter(|&(_, &factor)| factor <= 1.0)
-            .fold(0.0_f64, |largest, (test, _)| largest.max(test.w.abs()));
-        let limit = (self.limit(STEPS_LEVEL) * scale).max(largest_reading);
-        let mut steps = self.with_influence(largest_steps);
-        steps.retain(|step| step.w.abs() > limit && step.before.min(step.after) >= LEAST_STEP);
-        steps.sort_by(|a, b| b.w.abs().total_cmp(&a.w.abs()));
-        steps
-            .into_iter()
-            .find(|step| self.with_influence(|influence| is_interruption(influence, step, scale)))
-    }
-
-    fn split(&mut self, station: usize, first_reading: usize) {
-        self.network.interruptions.push(Interruption {
-            station,
-            first_reading,
-        });
-        let order = |i: &Interruption| (i.first_reading, i.station);
-        self.network.interruptions.sort_by_key(order);
-    }
-
     /// The removed readings with their errors.
     pub(crate) fn removed(&mut self) -> Result<Vec<Removed>, Error> {
         let (tests, _) = self.tests()?;
@@ -458,19 +370,6 @@ impl<'a> Screening<'a> {
                 unchecked: self.unchecked[reading],
             })
             .collect())
-    }
-
-    /// The jumps of the clean network at the readings of the original one.
-    fn found_jumps(&self, clean: &Network, solution: &Solution) -> Vec<Jump> {
-        let found = jumps(clean, solution).into_iter();
-        let original = &self.network.interruptions;
-        found
-            .zip(original)
-            .map(|(jump, interruption)| Jump {
-                first_reading: interruption.first_reading,
-                ..jump
-            })
-            .collect()
     }
 
     /// The clean adjustment of what is left of the original network.
@@ -505,25 +404,4 @@ impl<'a> Screening<'a> {
             removed,
         })
     }
-}
-
-/// The jumps at the interruptions of a solved network.
-fn jumps(network: &Network, solution: &Solution) -> Vec<Jump> {
-    let stations = network.stations.len();
-    let mut last: Vec<usize> = (0..stations).collect();
-    let interruptions = network.interruptions.iter().enumerate();
-    interruptions
-        .map(|(k, interruption)| {
-            let (before, after) = (last[interruption.station], stations + k);
-            last[interruption.station] = after;
-            // Lengths grow as the dead path falls.
-            let (change_mm, u_mm) = solution.difference_of_dead_paths(before, after);
-            Jump {
-                station: interruption.station,
-                first_reading: interruption.first_reading,
-                change_mm,
-                u_mm,
-            }
-        })
-        .collect()
 }

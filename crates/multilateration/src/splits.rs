@@ -1,0 +1,131 @@
+//! Where turns are split because the zero of a station jumped: found, placed, and taken back.
+
+use crate::baarda::{ReadingTest, StepTest, largest_steps};
+use crate::interruption::is_interruption;
+use crate::robust_weights::distances_from_neighbours;
+use crate::screen::Jump;
+use crate::screening::Screening;
+use crate::{Error, Interruption, Network, Solution};
+
+/// Probability that any of its turns is split.
+const STEPS_LEVEL: f64 = 1e-3;
+
+/// A step with fewer readings before or behind it is not told from gross errors.
+const LEAST_STEP: usize = 4;
+
+/// Width of the weights, in scales, after a turn was split: most far readings have left by then.
+const WIDE_AGAIN: f64 = 4.0;
+
+/// Splits for each station on average; more of them are no interruptions.
+const MOST_SPLITS: usize = 3;
+
+impl Screening<'_> {
+    pub(crate) fn find_interruptions(&mut self) -> Result<(), Error> {
+        let mut widest = f64::INFINITY;
+        loop {
+            let zeros = self.network.zero_of_readings();
+            self.let_go(widest, |tests| distances_from_neighbours(tests, &zeros))?;
+            let (tests, scale) = self.tests()?;
+            let Some(step) = self.step(&tests, scale) else {
+                return Ok(());
+            };
+            if self.network.interruptions.len() == MOST_SPLITS * self.network.stations.len() {
+                self.network.interruptions.clear();
+                self.never_split = true;
+                return self.solve();
+            }
+            self.split(step.station, step.first_reading);
+            self.solve()?;
+            widest = WIDE_AGAIN;
+        }
+    }
+
+    /// The most significant step that is an interruption, if any is; one that is less significant
+    /// than a single reading may come from that.
+    pub(crate) fn step(&self, tests: &[ReadingTest], scale: f64) -> Option<StepTest> {
+        if self.never_split {
+            return None;
+        }
+        let taking_part = tests.iter().zip(&self.network.variance_factors);
+        let largest_reading = taking_part
+            .filter(|&(_, &factor)| factor <= 1.0)
+            .fold(0.0_f64, |largest, (test, _)| largest.max(test.w.abs()));
+        let limit = (self.limit(STEPS_LEVEL) * scale).max(largest_reading);
+        let mut steps = self.with_influence(largest_steps);
+        steps.retain(|step| step.w.abs() > limit && step.before.min(step.after) >= LEAST_STEP);
+        steps.sort_by(|a, b| b.w.abs().total_cmp(&a.w.abs()));
+        steps
+            .into_iter()
+            .find(|step| self.with_influence(|influence| is_interruption(influence, step, scale)))
+    }
+
+    pub(crate) fn split(&mut self, station: usize, first_reading: usize) {
+        self.network.interruptions.push(Interruption {
+            station,
+            first_reading,
+        });
+        let order = |i: &Interruption| (i.first_reading, i.station);
+        self.network.interruptions.sort_by_key(order);
+    }
+
+    /// Seeks the instant of each interruption again, now that all good readings have full weight.
+    pub(crate) fn place_interruptions(&mut self) -> Result<(), Error> {
+        for interruption in self.network.interruptions.clone() {
+            self.network.interruptions.retain(|i| *i != interruption);
+            self.solve()?;
+            let steps = self.with_influence(largest_steps);
+            let of_station = steps
+                .into_iter()
+                .filter(|s| s.station == interruption.station);
+            let best = of_station.max_by(|a, b| a.w.abs().total_cmp(&b.w.abs()));
+            let first_reading = best.map_or(interruption.first_reading, |s| s.first_reading);
+            self.split(interruption.station, first_reading);
+            self.solve()?;
+        }
+        Ok(())
+    }
+
+    /// The split with the least significant jump, if that is not significant.
+    pub(crate) fn weakest_split(&self, scale: f64) -> Option<usize> {
+        let solution = self.solution.as_ref()?;
+        let all = jumps(&self.network, solution).into_iter().enumerate();
+        let sizes = all.map(|(split, jump)| (split, jump.change_mm.abs() / jump.u_mm));
+        let weakest = sizes.min_by(|a, b| a.1.total_cmp(&b.1));
+        let (split, size) = weakest?;
+        (size <= self.limit(STEPS_LEVEL) * scale).then_some(split)
+    }
+
+    /// The jumps of the clean network at the readings of the original one.
+    pub(crate) fn found_jumps(&self, clean: &Network, solution: &Solution) -> Vec<Jump> {
+        let found = jumps(clean, solution).into_iter();
+        let original = &self.network.interruptions;
+        found
+            .zip(original)
+            .map(|(jump, interruption)| Jump {
+                first_reading: interruption.first_reading,
+                ..jump
+            })
+            .collect()
+    }
+}
+
+/// The jumps at the interruptions of a solved network.
+fn jumps(network: &Network, solution: &Solution) -> Vec<Jump> {
+    let stations = network.stations.len();
+    let mut last: Vec<usize> = (0..stations).collect();
+    let interruptions = network.interruptions.iter().enumerate();
+    interruptions
+        .map(|(k, interruption)| {
+            let (before, after) = (last[interruption.station], stations + k);
+            last[interruption.station] = after;
+            // Lengths grow as the dead path falls.
+            let (change_mm, u_mm) = solution.difference_of_dead_paths(before, after);
+            Jump {
+                station: interruption.station,
+                first_reading: interruption.first_reading,
+                change_mm,
+                u_mm,
+            }
+        })
+        .collect()
+}
