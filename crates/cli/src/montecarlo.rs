@@ -59,7 +59,7 @@ pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
     let bar = progress::bar(most);
     let propagation = propagate(&replay, &settings, &|done| bar.set_position(done as u64));
     bar.finish_and_clear();
-    let propagation = propagation?;
+    let propagation = propagation.map_err(|error| in_words_of_results(error, replay.results()))?;
     let compared = compare(
         replay.results(),
         &propagation,
@@ -98,10 +98,41 @@ fn compare<'a>(
             result,
             first_order,
             monte_carlo,
-            validation: validate(&first_order, &monte_carlo, digits)?,
+            validation: decided(
+                validate(&first_order, &monte_carlo, digits)?,
+                propagation.trials,
+            ),
         })
     })
     .collect()
+}
+
+/// Fewer trials than the guide asks for do not refute a first-order result.
+const LEAST_DECIDING: usize = 10_000;
+
+fn decided(validation: Validation, trials: usize) -> Validation {
+    match validation.outcome {
+        Outcome::NotValidated if trials < LEAST_DECIDING => Validation {
+            outcome: Outcome::Undecided,
+            ..validation
+        },
+        _ => validation,
+    }
+}
+
+/// Which result failed, and why that happens.
+fn in_words_of_results(
+    error: trueaxis_montecarlo::Error,
+    results: &[NumberedResult],
+) -> anyhow::Error {
+    let trueaxis_montecarlo::Error::NotFinite { output, .. } = error else {
+        return error.into();
+    };
+    let name = in_words(&results[output].output);
+    anyhow::Error::new(error).context(format!(
+        "{name} does not settle in one of the trials: the lengths determine stations or points too weakly \
+         for their noise; measure more, or spread the stations"
+    ))
 }
 
 fn lines(propagation: &Propagation, compared: &[Compared<'_>]) -> Vec<String> {
