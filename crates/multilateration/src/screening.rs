@@ -194,8 +194,11 @@ impl<'a> Screening<'a> {
         if !self.suspicious()? {
             return Ok(());
         }
-        self.network.interruptions.clear();
         self.unchecked.fill(false);
+        if !self.network.interruptions.is_empty() {
+            self.network.interruptions.clear();
+            self.solve()?;
+        }
         self.find_interruptions()?;
         self.redescend()?;
         self.snoop()?;
@@ -374,6 +377,7 @@ impl<'a> Screening<'a> {
 
     /// The clean adjustment of what is left of the original network.
     pub(crate) fn finished(&mut self, original: &Network) -> Result<Screened, Error> {
+        self.merge_empty_turns()?;
         let removed = self.removed()?;
         guard::check(&self.network, &removed)?;
         let without: Vec<usize> = removed.iter().map(|r| r.reading).collect();

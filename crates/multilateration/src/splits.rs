@@ -2,7 +2,7 @@
 
 use crate::baarda::{ReadingTest, StepTest, largest_steps};
 use crate::interruption::is_interruption;
-use crate::robust_weights::distances_from_neighbours;
+use crate::robust_weights::{REMOVED, distances_from_neighbours};
 use crate::screen::Jump;
 use crate::screening::Screening;
 use crate::{Error, Interruption, Network, Solution};
@@ -60,10 +60,14 @@ impl Screening<'_> {
     }
 
     pub(crate) fn split(&mut self, station: usize, first_reading: usize) {
-        self.network.interruptions.push(Interruption {
+        let new = Interruption {
             station,
             first_reading,
-        });
+        };
+        if self.network.interruptions.contains(&new) {
+            return;
+        }
+        self.network.interruptions.push(new);
         let order = |i: &Interruption| (i.first_reading, i.station);
         self.network.interruptions.sort_by_key(order);
     }
@@ -93,6 +97,29 @@ impl Screening<'_> {
         let weakest = sizes.min_by(|a, b| a.1.total_cmp(&b.1));
         let (split, size) = weakest?;
         (size <= self.limit(STEPS_LEVEL) * scale).then_some(split)
+    }
+
+    /// Takes back splits that separate nothing: all readings on one side of them have left.
+    pub(crate) fn merge_empty_turns(&mut self) -> Result<(), Error> {
+        loop {
+            let mut is_used = vec![false; self.network.zeros()];
+            let factors = &self.network.variance_factors;
+            for (zero, &factor) in self.network.zero_of_readings().into_iter().zip(factors) {
+                is_used[zero] |= factor < REMOVED;
+            }
+            let stations = self.network.stations.len();
+            let empty = self
+                .network
+                .interruptions
+                .iter()
+                .enumerate()
+                .position(|(k, i)| !is_used[stations + k] || !is_used[i.station]);
+            let Some(k) = empty else {
+                return Ok(());
+            };
+            self.network.interruptions.remove(k);
+            self.solve()?;
+        }
     }
 
     /// The jumps of the clean network at the readings of the original one.
