@@ -24,7 +24,7 @@ pub enum Error {
         coverage: f64,
     },
     /// Stability is judged from the scatter between blocks, so there must be two.
-    #[error("at most {most} trials do not hold two blocks of {block}")]
+    #[error("at most {most} trials do not hold two blocks of {block}: allow {} or more", 2 * block)]
     TooFewForBlocks {
         /// The most trials allowed.
         most: usize,
