@@ -108,11 +108,15 @@ pub fn estimate_noise(
         Some(level(given)),
     ];
     for start in starts.into_iter().flatten() {
-        network.noise = start;
-        *solution = solve_from(network, solution, settings)?;
-        let sigma0 = if plausible { 1.0 } else { solution.sigma0() };
-        network.noise = scaled(start, sigma0, sigma0);
-        *solution = solve_from(network, solution, settings)?;
+        if network.noise != start {
+            network.noise = start;
+            *solution = solve_from(network, solution, settings)?;
+        }
+        if !plausible {
+            let sigma0 = solution.sigma0();
+            network.noise = scaled(start, sigma0, sigma0);
+            *solution = solve_from(network, solution, settings)?;
+        }
         if let Some(found) = settle(network, solution, given, settings)? {
             return Ok(found);
         }
