@@ -1,7 +1,9 @@
 //! Lengths to points, with errors in the words of the campaign.
 
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_multilateration::{CampaignNetwork, Screened, network_from_campaign, screen};
+use trueaxis_multilateration::{
+    CampaignNetwork, MOST_OF_A_PART, Screened, network_from_campaign, screen,
+};
 
 use crate::Error;
 use crate::lengths_in_words::{adjustment_error, contradictory};
@@ -83,9 +85,6 @@ pub(crate) fn is_noise_declared(campaign: &Campaign) -> bool {
     instrument.length_sigma_um.is_some() && instrument.repeatability_um.is_some()
 }
 
-/// Share of the lengths to one target, or from one station to it, that may be removed.
-const MOST_OF_A_TARGET: f64 = 1.0 / 3.0;
-
 /// So many removals, and more than half of all, of one target from one station are no accident: there
 /// are at least twelve such pairs.
 const FEW: usize = 10;
@@ -126,7 +125,7 @@ fn removed_targets(
     for (place, (removed, all, [first, last])) in counts.into_iter().enumerate() {
         let seen_from_one_station = place >= targets;
         let concentrated = seen_from_one_station && removed >= FEW && 2 * removed > all_removed;
-        if removed as f64 > MOST_OF_A_TARGET * all as f64 || concentrated {
+        if removed as f64 > MOST_OF_A_PART * all as f64 || concentrated {
             let from = match (place / targets).checked_sub(1) {
                 Some(station) => format!(" from station {}", campaign.stations[station].name),
                 None => String::new(),

@@ -49,8 +49,18 @@ pub(crate) struct StepTest {
 /// Below this part of a reading's weight, what the residuals keep of an error in it is rounding.
 const CHECKED_TOL: f64 = 1e-9;
 
-/// Tests every reading.
-pub(crate) fn test_readings(influence: &Influence<'_>) -> Vec<ReadingTest> {
+/// The tests of all readings and visits.
+#[derive(Debug, Default)]
+pub(crate) struct Tests {
+    /// Of every reading.
+    pub(crate) readings: Vec<ReadingTest>,
+    /// Baarda's w of an equal error in all lengths of each visit: the machine stood elsewhere, or the
+    /// beam was lost and found again. Zero for visits of a single length.
+    pub(crate) visits: Vec<f64>,
+}
+
+/// Tests every reading and every visit.
+pub(crate) fn test_all(influence: &Influence<'_>) -> Tests {
     let network = influence.network();
     let unchecked = ReadingTest {
         w: 0.0,
@@ -58,7 +68,10 @@ pub(crate) fn test_readings(influence: &Influence<'_>) -> Vec<ReadingTest> {
         sigma_mm: f64::INFINITY,
         kept: 0.0,
     };
-    let mut tests = vec![unchecked; network.readings.len()];
+    let mut tests = Tests {
+        readings: vec![unchecked; network.readings.len()],
+        visits: vec![0.0; network.visits.len()],
+    };
     let mut memory = BlockRows::default();
     for g in 0..influence.groups() {
         let group = influence.group(g, &mut memory);
@@ -67,50 +80,33 @@ pub(crate) fn test_readings(influence: &Influence<'_>) -> Vec<ReadingTest> {
             let sigmas_mm = influence.length_sigmas_mm(visit);
             let residuals = &group.residuals[visit.first..visit.first + visit.count];
             let first = network.visits[visit.visit].readings.start;
-            for i in 0..visit.count {
+            let mut all = vec![0.0; visit.count];
+            for (i, sigma_mm) in sigmas_mm.into_iter().enumerate() {
                 let unit = influence.unit_error(visit, i);
+                for (sum, unit) in all.iter_mut().zip(&unit) {
+                    *sum += unit;
+                }
                 let numerator: f64 = dot(&unit, residuals);
                 let denominator = quadratic_form(&kept, &unit);
                 if denominator <= CHECKED_TOL * dot(&unit, &unit) {
                     continue;
                 }
                 let factor = network.variance_factor(first + i);
-                let inflation = sigmas_mm[i].powi(2) * (1.0 - 1.0 / factor);
+                let inflation = sigma_mm.powi(2) * (1.0 - 1.0 / factor);
                 let error_mm = numerator / denominator;
                 let sigma_mm = (1.0 / denominator - inflation)
                     .max(f64::MIN_POSITIVE)
                     .sqrt();
-                tests[first + i] = ReadingTest {
+                tests.readings[first + i] = ReadingTest {
                     w: error_mm / sigma_mm,
                     error_mm,
                     sigma_mm,
                     kept: denominator / dot(&unit, &unit),
                 };
             }
-        }
-    }
-    tests
-}
-
-/// Baarda's w of an equal error in all lengths of each visit: the machine stood elsewhere, or the beam
-/// was lost and found again. Zero for visits of a single length.
-pub(crate) fn test_visits(influence: &Influence<'_>) -> Vec<f64> {
-    let mut tests = vec![0.0; influence.network().visits.len()];
-    let mut memory = BlockRows::default();
-    for g in 0..influence.groups() {
-        let group = influence.group(g, &mut memory);
-        for visit in group.visits.iter().filter(|visit| visit.count > 1) {
-            let kept = influence.kept(&group, visit);
-            let residuals = &group.residuals[visit.first..visit.first + visit.count];
-            let mut all = vec![0.0; visit.count];
-            for i in 0..visit.count {
-                for (sum, unit) in all.iter_mut().zip(influence.unit_error(visit, i)) {
-                    *sum += unit;
-                }
-            }
             let denominator = quadratic_form(&kept, &all);
-            if denominator > CHECKED_TOL * dot(&all, &all) {
-                tests[visit.visit] = dot(&all, residuals) / denominator.sqrt();
+            if visit.count > 1 && denominator > CHECKED_TOL * dot(&all, &all) {
+                tests.visits[visit.visit] = dot(&all, residuals) / denominator.sqrt();
             }
         }
     }

@@ -9,8 +9,8 @@ use crate::{Error, Network, Part, Visit};
 /// Share of all readings that may be removed.
 pub(crate) const MOST_REMOVED: f64 = 0.05;
 
-/// Share of the readings of one station, or of one group, that may be removed.
-const MOST_OF_A_PART: f64 = 1.0 / 3.0;
+/// Share of the readings of one station, of one group, or of any other part that may be removed.
+pub const MOST_OF_A_PART: f64 = 1.0 / 3.0;
 
 /// A reading of which the residuals keep less than this part is not checked by the others.
 const CHECKED: f64 = 0.02;

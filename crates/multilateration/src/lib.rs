@@ -79,6 +79,7 @@ mod trials;
 pub use error::{Error, Part, StationUnknown};
 pub use estimate_noise::{NoiseBasis, NoiseEstimate, PartEstimate, estimate_noise};
 pub use from_campaign::{CampaignNetwork, Group, network_from_campaign};
+pub use guard::MOST_OF_A_PART;
 pub use known_stations::{KnownStation, Located, locate};
 pub use length_noise::LengthNoise;
 pub use network::{Interruption, Network, Reading, Visit};

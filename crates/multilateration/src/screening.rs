@@ -2,7 +2,7 @@
 
 use trueaxis_leastsquares::student_two_sided;
 
-use crate::baarda::{ReadingTest, test_readings, test_visits};
+use crate::baarda::{ReadingTest, Tests, test_all};
 use crate::estimate_noise::level;
 use crate::guard;
 use crate::influence::Influence;
@@ -142,16 +142,16 @@ impl<'a> Screening<'a> {
     }
 
     /// The tests at the present solution, and their scale.
-    pub(crate) fn tests(&mut self) -> Result<(Vec<ReadingTest>, f64), Error> {
+    pub(crate) fn tests(&mut self) -> Result<(Tests, f64), Error> {
         if self.solution.is_none() {
             self.solve()?;
         }
-        let tests = self.with_influence(test_readings);
+        let tests = self.with_influence(test_all);
         let scale = match (self.noise_known, self.declared) {
             (Some(_), _) => 1.0,
             // With few lengths the median may be small by chance; what is declared is not.
-            (None, true) => self.scale(&tests).max(1.0),
-            (None, false) => self.scale(&tests),
+            (None, true) => self.scale(&tests.readings).max(1.0),
+            (None, false) => self.scale(&tests.readings),
         };
         Ok((tests, scale))
     }
@@ -186,7 +186,7 @@ impl<'a> Screening<'a> {
         let changes = self.changes(&tests, scale);
         Ok(!changes.is_empty()
             || self.weakest_split(scale).is_some()
-            || self.step(&tests, scale).is_some())
+            || self.step(&tests.readings, scale).is_some())
     }
 
     /// Finds gross errors and interruptions until nothing changes.
@@ -227,7 +227,7 @@ impl<'a> Screening<'a> {
         guard::check(&self.network, &removed)?;
         loop {
             let (tests, _) = self.tests()?;
-            let unchecked = guard::unchecked(&self.network, &tests)?;
+            let unchecked = guard::unchecked(&self.network, &tests.readings)?;
             if unchecked.is_empty() {
                 return Ok(());
             }
@@ -254,8 +254,8 @@ impl<'a> Screening<'a> {
                 break;
             }
             let (tests, _) = self.tests()?;
-            let scale = self.scale(&tests);
-            let distances = distances(&tests);
+            let scale = self.scale(&tests.readings);
+            let distances = distances(&tests.readings);
             let largest = distances.iter().fold(0.0_f64, |most, t| most.max(t.abs()));
             width = (0.5 * width).min(largest).min(widest * scale).max(scale);
             settled += usize::from(width <= scale);
@@ -272,7 +272,7 @@ impl<'a> Screening<'a> {
         let (tests, scale) = self.tests()?;
         let limit = self.limit(READINGS_LEVEL) * scale;
         let factor = |test: &ReadingTest| if test.w.abs() > limit { REMOVED } else { 1.0 };
-        self.network.variance_factors = tests.iter().map(factor).collect();
+        self.network.variance_factors = tests.readings.iter().map(factor).collect();
         self.solve()
     }
 
@@ -281,7 +281,7 @@ impl<'a> Screening<'a> {
         let mut returns = vec![0_u8; self.network.readings.len()];
         for _ in 0..MAX_ROUNDS {
             let (tests, scale) = self.tests()?;
-            if let Some(step) = self.step(&tests, scale) {
+            if let Some(step) = self.step(&tests.readings, scale) {
                 self.split(step.station, step.first_reading);
                 self.solve()?;
                 continue;
@@ -303,14 +303,14 @@ impl<'a> Screening<'a> {
 
     /// For each group the reading that should leave first, or else the visit that should leave as a
     /// whole, or else the reading that should come back first; with their new variance factors.
-    fn changes(&self, tests: &[ReadingTest], scale: f64) -> Vec<(usize, f64)> {
+    fn changes(&self, tests: &Tests, scale: f64) -> Vec<(usize, f64)> {
         let limit = self.limit(READINGS_LEVEL) * scale;
         let groups = self.network.groups.len();
         let mut worst: Vec<Option<(f64, usize)>> = vec![None; groups];
         let mut best: Vec<Option<(f64, usize)>> = vec![None; groups];
         for visit in &self.network.visits {
             for i in visit.readings.clone() {
-                let w = tests[i].w.abs();
+                let w = tests.readings[i].w.abs();
                 if self.unchecked[i] {
                     continue;
                 }
@@ -327,7 +327,7 @@ impl<'a> Screening<'a> {
                 }
             }
         }
-        let visits = self.worst_visits(limit);
+        let visits = self.worst_visits(&tests.visits, limit);
         let mut changes = Vec::new();
         for ((worst, visit), best) in worst.into_iter().zip(visits).zip(best) {
             match (worst, visit, best) {
@@ -345,9 +345,9 @@ impl<'a> Screening<'a> {
 
     /// For each group the visit whose lengths are off together, if any: single lengths do not show it,
     /// because the machine's return could be to blame.
-    fn worst_visits(&self, limit: f64) -> Vec<Option<usize>> {
+    fn worst_visits(&self, tests: &[f64], limit: f64) -> Vec<Option<usize>> {
         let mut worst: Vec<Option<(f64, usize)>> = vec![None; self.network.groups.len()];
-        let tests = self.with_influence(test_visits).into_iter().map(f64::abs);
+        let tests = tests.iter().map(|w| w.abs());
         for ((visit, content), w) in self.network.visits.iter().enumerate().zip(tests) {
             let mut readings = content.readings.clone();
             let all = readings.all(|i| self.network.variance_factors[i] < REMOVED);
@@ -368,8 +368,8 @@ impl<'a> Screening<'a> {
         Ok(removed
             .map(|(reading, _)| Removed {
                 reading,
-                error_mm: tests[reading].error_mm,
-                u_mm: tests[reading].sigma_mm,
+                error_mm: tests.readings[reading].error_mm,
+                u_mm: tests.readings[reading].sigma_mm,
                 unchecked: self.unchecked[reading],
             })
             .collect())

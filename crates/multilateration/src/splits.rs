@@ -26,7 +26,7 @@ impl Screening<'_> {
             let zeros = self.network.zero_of_readings();
             self.let_go(widest, |tests| distances_from_neighbours(tests, &zeros))?;
             let (tests, scale) = self.tests()?;
-            let Some(step) = self.step(&tests, scale) else {
+            let Some(step) = self.step(&tests.readings, scale) else {
                 return Ok(());
             };
             if self.network.interruptions.len() == MOST_SPLITS * self.network.stations.len() {
