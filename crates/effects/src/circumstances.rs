@@ -1,0 +1,72 @@
+//! When, where and how a reading was taken.
+
+use nalgebra::{Point3, Rotation3};
+use trueaxis_kinematics::{Ideal, Machine};
+
+/// The circumstances of one reading, as far as an effect may depend on them.
+///
+/// Lengths are mm, angles rad, times s; positions are in the reference frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Circumstances<'a> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// Time since the start of the campaign, s.
+    pub time_s: f64,
+    /// Progress of time over the campaign, 0 to 1.
+    pub progress: f64,
+    /// Progress of time within the turn of the station, 0 to 1.
+    pub turn_progress: f64,
+    /// The station that reads; 0 without any.
+    pub station: usize,
+    /// The target that is read.
+    pub target: usize,
+    /// The outermost axis that moves the target.
+    pub carrier: usize,
+    /// The axis that moves between the readings.
+    pub axis: usize,
+    /// Side of approach, +1 or -1.
+    pub direction: f64,
+    /// Speed with sign of the axis at the reading, mm/s or rad/s; 0 where the machine stands still.
+    pub speed_per_s: f64,
+    /// Commanded positions of all axes, mm or rad.
+    pub positions: &'a [f64],
+    /// Where the target is.
+    pub point_mm: Point3<f64>,
+    /// Centroid of the targets that sit on the same stage.
+    pub centroid_mm: Point3<f64>,
+    /// Distance from the station to the target.
+    pub distance_mm: f64,
+}
+
+impl<'a> Circumstances<'a> {
+    /// A reading at home, at the start, of a target in the origin on the stage of the first axis.
+    pub fn new(machine: &'a Machine) -> Self {
+        Self {
+            machine,
+            time_s: 0.0,
+            progress: 0.0,
+            turn_progress: 0.0,
+            station: 0,
+            target: 0,
+            carrier: 0,
+            axis: 0,
+            direction: 1.0,
+            speed_per_s: 0.0,
+            positions: &[],
+            point_mm: Point3::origin(),
+            centroid_mm: Point3::origin(),
+            distance_mm: 0.0,
+        }
+    }
+
+    /// Orientation of the target's stage against home, from the commanded positions.
+    pub fn ref_from_stage(&self) -> Rotation3<f64> {
+        let motion = self.machine.motion(&Ideal, self.carrier, self.positions);
+        motion.rotation.to_rotation_matrix()
+    }
+
+    /// Whether an axis moves the target.
+    pub fn is_carried_by(&self, axis: usize) -> bool {
+        self.machine.chain(self.carrier).contains(&axis)
+    }
+}

@@ -1,0 +1,57 @@
+//! The catalogue of physical effects that a rigid, quasi-static model of a machine does not hold.
+//!
+//! Every effect is a hypothesis with a form of its own: how it displaces the target, how the station,
+//! and how it lengthens what the instrument shows,
+//!
+//! ```text
+//! length = | p + D_p - (S + D_S) | - L + D_l        D = Σ_k θ_k D_k(circumstances; shape)
+//! ```
+//!
+//! linear in its parameters θ once its *shape* (an instant, a time constant, a period) is given.
+//! One form serves both sides: a simulator displaces target and station by it and measures exactly
+//! ([`displacement`]); a diagnosis takes what a unit of a parameter does to one reading
+//! ([`Displaced::along`]).
+//!
+//! Noun in: the [`Circumstances`] of a reading; noun out: what each effect of the [`catalogue`] does
+//! to it. Effects are siblings of one shape, one file each ([`Effect`]); adding one is one new file
+//! and one line in the catalogue. The crate estimates nothing and knows no files.
+//!
+//! ```
+//! use nalgebra::{Point3, Vector3};
+//! use trueaxis_effects::{Circumstances, Subject, displacement, effect};
+//! use trueaxis_kinematics::{Axis, Machine};
+//!
+//! let x = Axis::linear("X", Vector3::x(), [0.0, 400.0])?;
+//! let machine = Machine::new(vec![x], vec![0], vec![])?;
+//! let at = Circumstances {
+//!     time_s: 60.0,
+//!     positions: &[100.0],
+//!     point_mm: Point3::new(100.0, 0.0, 0.0),
+//!     ..Circumstances::new(&machine)
+//! };
+//! let shift = effect("machine_shift").ok_or("no such effect")?;
+//! // One µm along y at the instant 50 s.
+//! let after = displacement(shift, &Subject::default(), &[0.0, 1.0, 0.0], 50.0, &at);
+//! assert_eq!(after.point_mm, Vector3::new(0.0, 1e-3, 0.0));
+//! let before = displacement(shift, &Subject::default(), &[0.0, 1.0, 0.0], 70.0, &at);
+//! assert_eq!(before.point_mm, Vector3::zeros());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod axis_at;
+mod catalogue;
+mod circumstances;
+mod displaced;
+mod effect;
+mod scene;
+mod subject;
+
+pub use catalogue::{catalogue, effect};
+pub use circumstances::Circumstances;
+pub use displaced::{Displaced, displacement};
+pub use effect::{Effect, Explanation, Layer, Level, Parameter, Shape};
+pub use scene::{Scene, SceneTarget};
+pub use subject::Subject;
+
+/// One part per million.
+pub const PPM: f64 = 1e-6;
