@@ -2,6 +2,7 @@
 //!
 //! Not published; the tests are in `tests/`, the long study of coverage in `examples/`.
 
+pub mod blind;
 mod coverage;
 
 pub use coverage::{Share, Tally};

@@ -10,8 +10,10 @@ use trueaxis_kinematics::{Ideal, Machine};
 pub struct Circumstances<'a> {
     /// The machine.
     pub machine: &'a Machine,
-    /// Time since the start of the campaign, s.
+    /// Time on the clock of the campaign (`time_s` of its files), s; instants are given on it.
     pub time_s: f64,
+    /// Time since the first reading of the campaign, s.
+    pub elapsed_s: f64,
     /// Progress of time over the campaign, 0 to 1.
     pub progress: f64,
     /// Progress of time within the turn of the station, 0 to 1.
@@ -44,6 +46,7 @@ impl<'a> Circumstances<'a> {
         Self {
             machine,
             time_s: 0.0,
+            elapsed_s: 0.0,
             progress: 0.0,
             turn_progress: 0.0,
             station: 0,

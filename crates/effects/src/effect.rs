@@ -1,6 +1,8 @@
 //! The shape that all effects share.
 
-use crate::{Circumstances, Displaced, Scene, Subject};
+use trueaxis_kinematics::MotionError;
+
+use crate::{AxisPosition, Circumstances, Displaced, Scene, Subject};
 
 /// A physical effect: a hypothesis about what disturbs the readings.
 pub trait Effect: std::fmt::Debug + Sync {
@@ -33,6 +35,18 @@ pub trait Effect: std::fmt::Debug + Sync {
         shape: f64,
         at: &Circumstances<'_>,
     ) -> Displaced;
+
+    /// What one unit of parameter `parameter` adds to the component errors of its axis, mm and rad,
+    /// before the least-squares gauge; nothing for an effect that is no part of an error curve.
+    fn motion(
+        &self,
+        _subject: &Subject,
+        _parameter: usize,
+        _shape: f64,
+        _at: &AxisPosition<'_>,
+    ) -> MotionError {
+        MotionError::default()
+    }
 
     /// What to tell a calibration engineer.
     fn explanation(&self) -> Explanation;

@@ -14,7 +14,10 @@
 //!
 //! Noun in: the [`Circumstances`] of a reading; noun out: what each effect of the [`catalogue`] does
 //! to it. Effects are siblings of one shape, one file each ([`Effect`]); adding one is one new file
-//! and one line in the catalogue. The crate estimates nothing and knows no files.
+//! and one line in the catalogue. The crate estimates nothing.
+//!
+//! In files an effect with its values is a [`GivenEffect`], by names; in a [`Scene`] it becomes a
+//! [`ResolvedEffect`], by indices, and goes back. Several with their covariance are an [`EffectsFile`].
 //!
 //! ```
 //! use nalgebra::{Point3, Vector3};
@@ -41,16 +44,31 @@
 mod axis_at;
 mod catalogue;
 mod circumstances;
+mod curve;
 mod displaced;
 mod effect;
+mod effects_file;
+mod error;
+mod given_effect;
+mod given_subject;
+mod nearest;
+mod resolved_effect;
 mod scene;
+mod shape_parameter;
 mod subject;
 
 pub use catalogue::{catalogue, effect};
 pub use circumstances::Circumstances;
+pub use curve::AxisPosition;
 pub use displaced::{Displaced, displacement};
 pub use effect::{Effect, Explanation, Layer, Level, Parameter, Shape};
+pub use effects_file::{EffectsFile, ResolvedEffects};
+pub use error::Error;
+pub use given_effect::{GivenEffect, GivenParameter, resolve_all};
+pub use given_subject::GivenSubject;
+pub use resolved_effect::ResolvedEffect;
 pub use scene::{Scene, SceneTarget};
+pub use shape_parameter::shape_parameter;
 pub use subject::Subject;
 
 /// One part per million.

@@ -44,6 +44,14 @@ pub enum Error {
         /// The least value accepted.
         limit: f64,
     },
+    /// Fewer than three points do not make a rigid body.
+    #[error("group {group} has {points} point(s); a rigid stage needs three that are not in line")]
+    NotRigid {
+        /// The group.
+        group: usize,
+        /// Its points.
+        points: usize,
+    },
     /// Fewer readings than unknowns.
     #[error("{readings} lengths cannot determine {unknowns} unknowns")]
     TooFewReadings {

@@ -3,7 +3,7 @@
 use nalgebra::Matrix2;
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
-use crate::components::components;
+use crate::components::{Components, components};
 use crate::influence::Influence;
 use crate::solve::{Settings, solve_from};
 use crate::{Error, Network, Noise, Solution};
@@ -90,16 +90,85 @@ pub fn estimate_noise(
     declared: bool,
     settings: &Settings,
 ) -> Result<NoiseEstimate, Error> {
-    let given = network.noise;
-    let dof = solution.degrees_of_freedom() as f64;
-    let above = chi_squared_upper_tail(solution.squares, dof);
-    let too_good = solution.sigma0() < TOO_GOOD;
+    estimate(
+        &mut FreeAdjustment {
+            network,
+            solution,
+            settings,
+        },
+        declared,
+    )
+}
+
+/// A solved network that can be solved again with another noise.
+pub(crate) trait Weighted {
+    /// The noise with which it is solved.
+    fn noise(&self) -> Noise;
+
+    /// Solves it with another noise.
+    fn solve_with(&mut self, noise: Noise) -> Result<(), Error>;
+
+    /// Redundancy.
+    fn degrees_of_freedom(&self) -> f64;
+
+    /// Sum of squares of the whitened residuals.
+    fn squares(&self) -> f64;
+
+    /// One step of the restricted maximum likelihood.
+    fn components(&self) -> Option<Components>;
+
+    /// Standard deviation of unit weight.
+    fn sigma0(&self) -> f64 {
+        (self.squares() / self.degrees_of_freedom()).sqrt()
+    }
+}
+
+/// Free points.
+struct FreeAdjustment<'a> {
+    network: &'a mut Network,
+    solution: &'a mut Solution,
+    settings: &'a Settings,
+}
+
+impl Weighted for FreeAdjustment<'_> {
+    fn noise(&self) -> Noise {
+        self.network.noise
+    }
+
+    fn solve_with(&mut self, noise: Noise) -> Result<(), Error> {
+        self.network.noise = noise;
+        *self.solution = solve_from(self.network, self.solution, self.settings)?;
+        Ok(())
+    }
+
+    fn degrees_of_freedom(&self) -> f64 {
+        self.solution.degrees_of_freedom() as f64
+    }
+
+    fn squares(&self) -> f64 {
+        self.solution.squares
+    }
+
+    fn components(&self) -> Option<Components> {
+        components(&Influence::new(self.network, self.solution))
+    }
+}
+
+/// Estimates the noise and solves with it.
+pub(crate) fn estimate(
+    adjusted: &mut impl Weighted,
+    declared: bool,
+) -> Result<NoiseEstimate, Error> {
+    let given = adjusted.noise();
+    let dof = adjusted.degrees_of_freedom();
+    let above = chi_squared_upper_tail(adjusted.squares(), dof);
+    let too_good = adjusted.sigma0() < TOO_GOOD;
     if dof == 0.0 || (declared && above > REJECTED && (too_good || dof < LEAST_DEGREES_OF_FREEDOM))
     {
         return Ok(kept(given));
     }
     if too_good {
-        return common_factor(network, solution, given, settings);
+        return common_factor(adjusted, given);
     }
     // A start far from the residuals may end where nothing is told apart.
     let plausible = declared && above > REJECTED && above < 1.0 - REJECTED;
@@ -108,22 +177,19 @@ pub fn estimate_noise(
         Some(level(given)),
     ];
     for start in starts.into_iter().flatten() {
-        if network.noise != start {
-            network.noise = start;
-            *solution = solve_from(network, solution, settings)?;
+        if adjusted.noise() != start {
+            adjusted.solve_with(start)?;
         }
         if !plausible {
-            let sigma0 = solution.sigma0();
-            network.noise = scaled(start, sigma0, sigma0);
-            *solution = solve_from(network, solution, settings)?;
+            let sigma0 = adjusted.sigma0();
+            adjusted.solve_with(scaled(start, sigma0, sigma0))?;
         }
-        if let Some(found) = settle(network, solution, given, settings)? {
+        if let Some(found) = settle(adjusted, given)? {
             return Ok(found);
         }
     }
-    network.noise = given;
-    *solution = solve_from(network, solution, settings)?;
-    common_factor(network, solution, given, settings)
+    adjusted.solve_with(given)?;
+    common_factor(adjusted, given)
 }
 
 /// A noise of which both parts are equally large.
@@ -136,15 +202,10 @@ pub(crate) fn level(given: Noise) -> Noise {
 
 /// Improves both parts until they have settled; `None` if they do not, or if the lengths do not tell
 /// them apart there.
-fn settle(
-    network: &mut Network,
-    solution: &mut Solution,
-    given: Noise,
-    settings: &Settings,
-) -> Result<Option<NoiseEstimate>, Error> {
-    let start = network.noise;
+fn settle(adjusted: &mut impl Weighted, given: Noise) -> Result<Option<NoiseEstimate>, Error> {
+    let start = adjusted.noise();
     for _ in 0..MAX_ITERATIONS {
-        let Some(found) = components(&Influence::new(network, solution)) else {
+        let Some(found) = adjusted.components() else {
             return Ok(None);
         };
         let settled = (0..2)
@@ -154,29 +215,28 @@ fn settle(
             let worth = 2.0 / found.covariance[(0, 0)] >= LEAST_DEGREES_OF_FREEDOM;
             let told_apart = found.separation >= LEAST_SEPARATION;
             let relative_covariance = found.covariance;
-            return Ok(
-                (worth && told_apart).then(|| estimated(network.noise, given, relative_covariance))
-            );
+            return Ok((worth && told_apart)
+                .then(|| estimated(adjusted.noise(), given, relative_covariance)));
         }
         let step = |k: usize| {
             let factor = found.factors[k];
             factor.clamp(1.0 / LARGEST_STEP, LARGEST_STEP).sqrt()
         };
-        network.noise = scaled(network.noise, step(0), step(1));
+        let mut noise = scaled(adjusted.noise(), step(0), step(1));
         // No interferometer is without noise of its own: so few lengths do not tell it.
-        let least_mm = LEAST_LENGTH * network.noise.return_sigma_mm;
-        if network.noise.length_sigma_mm < least_mm {
+        let least_mm = LEAST_LENGTH * noise.return_sigma_mm;
+        if noise.length_sigma_mm < least_mm {
             return Ok(None);
         }
-        let vanished = (network.noise.return_sigma_mm / start.return_sigma_mm).powi(2) < VANISHED;
+        let vanished = (noise.return_sigma_mm / start.return_sigma_mm).powi(2) < VANISHED;
         if vanished {
-            network.noise.return_sigma_mm = 0.0;
+            noise.return_sigma_mm = 0.0;
         }
-        *solution = solve_from(network, solution, settings)?;
+        adjusted.solve_with(noise)?;
         if vanished {
             let told_apart = found.separation >= LEAST_SEPARATION;
             return match told_apart {
-                true => lengths_only(network, solution, given, settings).map(Some),
+                true => lengths_only(adjusted, given).map(Some),
                 false => Ok(None),
             };
         }
@@ -185,34 +245,22 @@ fn settle(
 }
 
 /// The machine returns exactly, as far as can be seen.
-fn lengths_only(
-    network: &mut Network,
-    solution: &mut Solution,
-    given: Noise,
-    settings: &Settings,
-) -> Result<NoiseEstimate, Error> {
-    let dof = solution.degrees_of_freedom() as f64;
-    network.noise = scaled(network.noise, solution.sigma0(), 1.0);
-    *solution = solve_from(network, solution, settings)?;
+fn lengths_only(adjusted: &mut impl Weighted, given: Noise) -> Result<NoiseEstimate, Error> {
+    let dof = adjusted.degrees_of_freedom();
+    adjusted.solve_with(scaled(adjusted.noise(), adjusted.sigma0(), 1.0))?;
     let relative_covariance = Matrix2::new(2.0 / dof, 0.0, 0.0, 0.0);
-    Ok(estimated(network.noise, given, relative_covariance))
+    Ok(estimated(adjusted.noise(), given, relative_covariance))
 }
 
 /// Both parts with the ratio that was given.
-fn common_factor(
-    network: &mut Network,
-    solution: &mut Solution,
-    given: Noise,
-    settings: &Settings,
-) -> Result<NoiseEstimate, Error> {
-    let dof = solution.degrees_of_freedom() as f64;
-    let sigma0 = solution.sigma0().max(ROUNDING_MM / given.length_sigma_mm);
-    network.noise = scaled(given, sigma0, sigma0);
-    *solution = solve_from(network, solution, settings)?;
+fn common_factor(adjusted: &mut impl Weighted, given: Noise) -> Result<NoiseEstimate, Error> {
+    let dof = adjusted.degrees_of_freedom();
+    let sigma0 = adjusted.sigma0().max(ROUNDING_MM / given.length_sigma_mm);
+    adjusted.solve_with(scaled(given, sigma0, sigma0))?;
     let relative_covariance = Matrix2::from_element(2.0 / dof);
     Ok(NoiseEstimate {
         basis: NoiseBasis::CommonFactor,
-        ..estimated(network.noise, given, relative_covariance)
+        ..estimated(adjusted.noise(), given, relative_covariance)
     })
 }
 

@@ -8,6 +8,8 @@
 //! dl = uᵀ dp - uᵀ dS - dL
 //! ```
 
+use std::ops::Range;
+
 use nalgebra::{Point3, Vector3};
 use trueaxis_leastsquares::{
     Adjustment, Arrowhead, BlockRows, Correction, Datum, Error as LeastSquaresError,
@@ -203,6 +205,54 @@ impl<'a> FreePoints<'a> {
             first = end;
         }
     }
+
+    /// `H` of a group's points, best fit to the nominal ones n: `Σ (p - n) = 0` and
+    /// `Σ n × (p - n) = 0`. Appends its columns and takes what the points miss from the closure.
+    pub(crate) fn datum_of(
+        &self,
+        state: &State,
+        group: Range<usize>,
+        columns: &mut Vec<f64>,
+        closure: &mut [f64],
+    ) {
+        let first = columns.len();
+        columns.resize(first + 3 * group.len() * DATUM, 0.0);
+        for (k, point) in group.clone().enumerate() {
+            let nominal = self.network.nominal_mm[point];
+            let deviation = state.points[point] - nominal;
+            for (c, motion) in self.free_motions_at(nominal).iter().enumerate() {
+                let start = first + 3 * (c * group.len() + k);
+                columns[start..start + 3].copy_from_slice(motion.as_slice());
+                closure[c] -= motion.dot(&deviation);
+            }
+        }
+    }
+
+    /// What the free motions do to `shared` shared unknowns, of which the first are the stations.
+    pub(crate) fn free_motions(&self, state: &State, shared: usize) -> Vec<Vec<f64>> {
+        let mut free_motions = vec![Vec::new(); DATUM];
+        for station in &state.stations {
+            for (all, motion) in free_motions.iter_mut().zip(self.free_motions_at(*station)) {
+                all.extend([motion.x, motion.y, motion.z, 0.0]);
+            }
+        }
+        for motion in &mut free_motions {
+            motion.resize(shared, 0.0);
+        }
+        free_motions
+    }
+
+    /// Moves stations and dead paths by `factor` times the correction.
+    pub(crate) fn move_stations(&self, moved: &mut State, correction: &Correction, factor: f64) {
+        let stations = moved.stations.len();
+        for (j, position) in moved.stations.iter_mut().enumerate() {
+            let x = &correction.shared[PER_STATION * j..];
+            *position += Vector3::new(x[0], x[1], x[2]) * factor;
+        }
+        for (zero, dead_path) in moved.dead_paths_mm.iter_mut().enumerate() {
+            *dead_path += correction.shared[zero_column(zero, stations)] * factor;
+        }
+    }
 }
 
 impl Adjustment for FreePoints<'_> {
@@ -215,29 +265,11 @@ impl Adjustment for FreePoints<'_> {
         let mut datum = Vec::new();
         for (g, group) in self.network.groups.iter().enumerate() {
             self.fill_rows(state, g, &mut rows);
-            // Best fit to the nominal points n: Σ (p - n) = 0 and Σ n × (p - n) = 0.
             datum.clear();
-            datum.resize(3 * group.len() * DATUM, 0.0);
-            for (k, point) in group.clone().enumerate() {
-                let nominal = self.network.nominal_mm[point];
-                let deviation = state.points[point] - nominal;
-                for (c, motion) in self.free_motions_at(nominal).iter().enumerate() {
-                    let start = 3 * (c * group.len() + k);
-                    datum[start..start + 3].copy_from_slice(motion.as_slice());
-                    closure[c] -= motion.dot(&deviation);
-                }
-            }
+            self.datum_of(state, group.clone(), &mut datum, &mut closure);
             system.eliminate(&mut rows, &datum)?;
         }
-        let mut free_motions = vec![Vec::new(); DATUM];
-        for station in &state.stations {
-            for (all, motion) in free_motions.iter_mut().zip(self.free_motions_at(*station)) {
-                all.extend([motion.x, motion.y, motion.z, 0.0]);
-            }
-        }
-        for motion in &mut free_motions {
-            motion.resize(self.shared(), 0.0);
-        }
+        let free_motions = self.free_motions(state, self.shared());
         Ok((
             system,
             Datum {
@@ -261,14 +293,7 @@ impl Adjustment for FreePoints<'_> {
 
     fn moved(&self, state: &State, correction: &Correction, factor: f64) -> State {
         let mut moved = state.clone();
-        let stations = moved.stations.len();
-        for (j, position) in moved.stations.iter_mut().enumerate() {
-            let x = &correction.shared[PER_STATION * j..];
-            *position += Vector3::new(x[0], x[1], x[2]) * factor;
-        }
-        for (zero, dead_path) in moved.dead_paths_mm.iter_mut().enumerate() {
-            *dead_path += correction.shared[zero_column(zero, stations)] * factor;
-        }
+        self.move_stations(&mut moved, correction, factor);
         for (g, group) in self.network.groups.iter().enumerate() {
             for (point, x) in group.clone().zip(correction.block(g).chunks_exact(3)) {
                 moved.points[point] += Vector3::new(x[0], x[1], x[2]) * factor;

@@ -13,17 +13,25 @@
 use faer::{Mat, MatRef};
 use trueaxis_leastsquares::{BlockRows, Covariance};
 
-use crate::Solution;
+use crate::bodies::Bodies;
 use crate::free_points::{FreePoints, State};
 use crate::network::Network;
 use crate::noise::whiten;
+use crate::rigid_stages::{RigidStages, RigidState};
+use crate::{RigidSolution, Solution};
 
 /// The solved network, ready to say what each group contributed.
 pub(crate) struct Influence<'a> {
     network: &'a Network,
-    model: FreePoints<'a>,
+    model: Model<'a>,
     state: State,
     covariance: &'a Covariance,
+}
+
+/// What ties the points.
+enum Model<'a> {
+    Free(FreePoints<'a>),
+    Rigid(Box<(RigidStages<'a>, RigidState)>),
 }
 
 /// One group's share.
@@ -55,14 +63,33 @@ impl<'a> Influence<'a> {
         let state = solution.state();
         Self {
             network,
-            model: FreePoints::new(network, &state),
+            model: Model::Free(FreePoints::new(network, &state)),
             state,
             covariance: &solution.covariance,
         }
     }
 
+    /// The same with rigid stages.
+    pub(crate) fn rigid(
+        network: &'a Network,
+        bodies: &'a Bodies,
+        solution: &'a RigidSolution,
+    ) -> Self {
+        let state = solution.state();
+        Self {
+            network,
+            state: state.free.clone(),
+            model: Model::Rigid(Box::new((RigidStages::new(network, bodies, &state), state))),
+            covariance: &solution.covariance,
+        }
+    }
+
+    /// The model of the lengths between stations and points, whatever ties the points.
     pub(crate) fn model(&self) -> &FreePoints<'a> {
-        &self.model
+        match &self.model {
+            Model::Free(model) => model,
+            Model::Rigid(model) => model.0.free(),
+        }
     }
 
     pub(crate) fn network(&self) -> &'a Network {
@@ -113,13 +140,20 @@ impl<'a> Influence<'a> {
 
     /// The rows of a group; `rows` is memory to work in.
     pub(crate) fn group(&self, group: usize, rows: &mut BlockRows) -> GroupRows {
-        self.model.fill_rows(&self.state, group, rows);
+        match &self.model {
+            Model::Free(model) => model.fill_rows(&self.state, group, rows),
+            Model::Rigid(model) => {
+                model
+                    .0
+                    .fill_rows(&model.1, group, &mut BlockRows::default(), rows);
+            }
+        }
         let count = rows.rows();
-        let unknowns = 3 * self.network.groups[group].len();
-        let block = Mat::from_fn(count, unknowns, |i, k| rows.block_mut(k)[i]);
-        let own = &block * self.covariance.inverse_factor(group);
+        let factor = self.covariance.inverse_factor(group);
+        let block = Mat::from_fn(count, factor.nrows(), |i, k| rows.block_mut(k)[i]);
+        let own = &block * factor;
         let mut shared = -(&block * self.covariance.coupling(group));
-        for k in 0..self.model.shared() {
+        for k in 0..self.covariance.shared().ncols() {
             for (i, b) in rows.shared_mut(k).iter().enumerate() {
                 shared[(i, k)] += b;
             }
@@ -135,7 +169,12 @@ impl<'a> Influence<'a> {
             }
         };
         GroupRows {
-            visits: self.model.visits_of(group).iter().map(visit_rows).collect(),
+            visits: self
+                .model()
+                .visits_of(group)
+                .iter()
+                .map(visit_rows)
+                .collect(),
             own,
             shared,
             residuals: rows.residual_mut().to_vec(),
@@ -156,7 +195,7 @@ impl<'a> Influence<'a> {
     pub(crate) fn unit_error(&self, visit: &VisitRows, reading: usize) -> Vec<f64> {
         let mut unit = vec![0.0; visit.count];
         unit[reading] = 1.0;
-        whiten(self.model.factor(visit.visit), &mut unit);
+        whiten(self.model().factor(visit.visit), &mut unit);
         unit
     }
 }

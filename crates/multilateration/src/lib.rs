@@ -52,6 +52,7 @@
 //! ```
 
 mod baarda;
+mod bodies;
 mod components;
 mod error;
 mod estimate_noise;
@@ -67,6 +68,8 @@ mod noise;
 mod quadratic_form;
 mod redundancy;
 mod reliability;
+mod rigid_solution;
+mod rigid_stages;
 mod robust_weights;
 mod screen;
 mod screening;
@@ -75,7 +78,9 @@ mod solve;
 mod splits;
 mod start;
 mod trials;
+mod whitened;
 
+pub use bodies::{Bodies, Body};
 pub use error::{Error, Part, StationUnknown};
 pub use estimate_noise::{NoiseBasis, NoiseEstimate, PartEstimate, estimate_noise};
 pub use from_campaign::{CampaignNetwork, Group, network_from_campaign};
@@ -85,7 +90,9 @@ pub use length_noise::LengthNoise;
 pub use network::{Interruption, Network, Reading, Visit};
 pub use noise::Noise;
 pub use reliability::Reliability;
+pub use rigid_solution::{RigidSolution, estimate_rigid_noise, solve_rigid};
 pub use screen::{Jump, Removed, Screened, screen};
 pub use solution::{Solution, Station};
 pub use solve::{Settings, solve};
 pub use trials::{Corrections, Trials, Workspace};
+pub use whitened::Whitened;

@@ -144,7 +144,7 @@ impl Network {
 
     /// The network without some readings (ascending), and for each reading that is left its number
     /// before. Interruptions and variance factors are not taken over.
-    pub(crate) fn without(&self, removed: &[usize]) -> (Self, Vec<usize>) {
+    pub fn without(&self, removed: &[usize]) -> (Self, Vec<usize>) {
         let left = |i: &usize| removed.binary_search(i).is_err();
         let kept: Vec<usize> = (0..self.readings.len()).filter(left).collect();
         let place = |i: usize| kept.partition_point(|&k| k < i);

@@ -249,6 +249,9 @@ pub enum Error {
         /// The noise asked for.
         noise: Noise,
     },
+    /// An effect that the scenario's measurement cannot have.
+    #[error(transparent)]
+    Effect(#[from] trueaxis_effects::Error),
 }
 
 impl Error {
@@ -258,6 +261,7 @@ impl Error {
             Self::Read { .. } | Self::Write { .. } => None,
             Self::Json { field, .. } => field.as_deref(),
             Self::At { source, .. } => source.field(),
+            Self::Effect(error) => error.field(),
             Self::Format { .. } => Some("format"),
             Self::Version { .. } => Some("version"),
             Self::MountingMean { .. } | Self::MountingRotation { .. } => Some("targets"),

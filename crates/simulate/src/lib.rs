@@ -4,19 +4,21 @@
 //! h on a machine at the axis positions q,
 //!
 //! ```text
-//! length = |T1(q1) T2(q2) ... h + d - S| - L + e
+//! length = |T1(q1) T2(q2) ... h + d + D_p - (S + D_S)| - L + D_l + e
 //! ```
 //!
 //! with the exact rigid motions T of `trueaxis-kinematics` (location errors, six component errors
 //! and lost motion in rotation matrices, never the linear form `δ + ε × r`), the random deviation
-//! `d` of the machine at a stop, common to the targets measured there, and the random error `e` of
-//! the instrument.
+//! `d` of the machine at a stop, common to the targets measured there, the random error `e` of the
+//! instrument, and the displacements `D` by the effects of `trueaxis-effects` that the scenario gives
+//! (drift, jumps, bending, refraction, lost motion and so on).
 //!
 //! Noun in: a [`Scenario`]; nouns out: the [`Campaign`](trueaxis_campaign::Campaign) that would be
 //! measured and the [`Truth`] about it, in the shape of a calibration so that both can be laid side
-//! by side. Nothing in this crate is shared with the estimators that are tested with it. It does
-//! not write the campaign (`trueaxis-campaign` does) and simulates no effect beyond rigid-body
-//! errors and noise: no drift, no bending, no refraction.
+//! by side. The rigid machine and the noise are shared with none of the estimators that are tested with
+//! them; the forms of the effects are those that a diagnosis looks for, but here they displace points
+//! and the exact distance is taken, never `u·D`. It does not write the campaign (`trueaxis-campaign`
+//! does).
 //!
 //! # Example
 //!
@@ -79,6 +81,7 @@
 mod axis_unit;
 mod build_machine;
 mod check;
+mod circumstances;
 mod error;
 mod field_line;
 mod frame;

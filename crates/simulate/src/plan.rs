@@ -1,6 +1,9 @@
 //! The checked scenario: names resolved, units of the kinematics, errors in their gauge.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{Point3, Vector3};
+use trueaxis_effects::{ResolvedEffect, Scene, SceneTarget, resolve_all};
 use trueaxis_kinematics::{Axis, Machine};
 
 use crate::build_machine::build_machine;
@@ -22,6 +25,7 @@ pub(crate) struct Plan {
     pub(crate) frame: ReferenceFrame,
     pub(crate) errors: Vec<TrueAxis>,
     pub(crate) noise: Noise,
+    pub(crate) effects: Vec<ResolvedEffect>,
 }
 
 /// A target with its nominal and its true home position.
@@ -51,6 +55,10 @@ impl Plan {
         let errors = read_errors(scenario, &machine, &runs, &frame)?;
         check_mounting(&machine, &frame, &targets)?;
         let noise = Noise::of(scenario)?;
+        let effects = resolve_all(
+            &scenario.effects,
+            &scene(scenario, &machine, &targets, &runs),
+        )?;
         Ok(Self {
             machine,
             targets,
@@ -58,6 +66,7 @@ impl Plan {
             frame,
             errors,
             noise,
+            effects,
         })
     }
 }
@@ -110,6 +119,26 @@ fn check_stations(scenario: &Scenario) -> Result<(), Error> {
         check::finite(&field("dead_path_mm"), &[station.dead_path_mm])?;
     }
     Ok(())
+}
+
+/// What the effects can happen to.
+fn scene(
+    scenario: &Scenario,
+    machine: &Machine,
+    targets: &[PlannedTarget],
+    runs: &[PlannedRun],
+) -> Scene {
+    let moving: BTreeSet<usize> = runs.iter().map(|run| run.axis).collect();
+    let targets = targets.iter().map(|target| SceneTarget {
+        name: target.name.clone(),
+        carrier: target.carrier,
+    });
+    Scene {
+        machine: machine.clone(),
+        stations: scenario.stations.iter().map(|s| s.name.clone()).collect(),
+        targets: targets.collect(),
+        moving: moving.into_iter().collect(),
+    }
 }
 
 fn check_timing(scenario: &Scenario) -> Result<(), Error> {

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
+use trueaxis_effects::GivenEffect;
 
 use crate::Term;
 use crate::unique_keys::unique_keys;
@@ -10,8 +11,9 @@ use crate::unique_keys::unique_keys;
 /// What is to be simulated, as `scenario.json` says it.
 ///
 /// Plain data in the units of the file: mm, degrees, µm and arc seconds by name. Read it with
-/// [`Scenario::read`] or [`Scenario::from_json`]; [`crate::simulate`] checks it.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+/// [`Scenario::read`] or [`Scenario::from_json`]; [`crate::simulate`] checks it. Written as JSON
+/// (`trueaxis_files::to_json`) it can be read back.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
     /// Always [`Scenario::FORMAT`].
@@ -35,6 +37,10 @@ pub struct Scenario {
     /// Whether the error curves are put into the least-squares gauge.
     #[serde(default)]
     pub gauge: Gauge,
+    /// What disturbs the readings beyond the rigid, quasi-static machine. Instants are on the clock
+    /// of the campaign, the `time_s` of `lengths.csv`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<GivenEffect>,
     /// Sweeps of single axes, in measuring order.
     pub runs: Vec<RunSpec>,
     /// How often all runs are measured from each station.
@@ -56,7 +62,7 @@ impl Scenario {
 }
 
 /// Nominal geometry of the machine.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MachineSpec {
     /// Name of the machine.
@@ -68,7 +74,7 @@ pub struct MachineSpec {
 }
 
 /// The two branches, each from the bed outwards.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KinematicsSpec {
     /// Names of the axes from bed to tool.
@@ -80,7 +86,7 @@ pub struct KinematicsSpec {
 }
 
 /// Nominal geometry of an axis in the reference frame at home.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisSpec {
     /// Name, as `X`.
@@ -92,12 +98,12 @@ pub struct AxisSpec {
     /// Lowest and highest position, mm or deg.
     pub travel: [f64; 2],
     /// A point on a rotary axis, mm; a linear axis has none.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_mm: Option<[f64; 3]>,
 }
 
 /// `linear` or `rotary`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AxisKindSpec {
     /// Positions in mm.
@@ -107,25 +113,25 @@ pub enum AxisKindSpec {
 }
 
 /// Declared accuracy; what is not declared is simulated as zero.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InstrumentSpec {
     /// Name of the instrument.
     #[serde(default)]
     pub name: String,
     /// Constant part of a length's standard deviation, µm.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_sigma_um: Option<f64>,
     /// Proportional part of a length's standard deviation, µm per m.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_sigma_ppm: Option<f64>,
     /// Standard deviation per coordinate of the position that the machine returns to, µm.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeatability_um: Option<f64>,
 }
 
 /// A target on a stage.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TargetSpec {
     /// Name, as `P`.
@@ -140,7 +146,7 @@ pub struct TargetSpec {
 }
 
 /// A station of the tracker.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StationSpec {
     /// Name, as `S1`.
@@ -156,7 +162,7 @@ pub struct StationSpec {
 }
 
 /// The true errors of one axis.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisErrors {
     /// Curves by ISO 230-1 name, as `EXX`: the sum of the terms, µm or arcsec.
@@ -167,27 +173,27 @@ pub struct AxisErrors {
     pub location_errors: BTreeMap<String, LocationValue>,
     /// Lost motion b of a linear axis, µm: the stage stands at `-b/2` along the axis direction
     /// when it arrives in positive direction, at `+b/2` when it arrives in negative direction.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lost_motion_um: Option<f64>,
     /// The same for a rotary axis, arcsec about the axis direction.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lost_motion_arcsec: Option<f64>,
 }
 
 /// One location error: an angle or a shift.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LocationValue {
     /// A tilt, arcsec (right-hand rule).
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value_arcsec: Option<f64>,
     /// A shift of a rotary axis, mm.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value_mm: Option<f64>,
 }
 
 /// What is done to the curves before they are simulated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Gauge {
     /// Mean, slope and home value are taken out so that the location errors of the scenario are
@@ -199,7 +205,7 @@ pub enum Gauge {
 }
 
 /// A sweep of one axis.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunSpec {
     /// Name, as `x`.
@@ -207,16 +213,16 @@ pub struct RunSpec {
     /// The axis that moves.
     pub axis: String,
     /// Commanded positions, increasing, mm or deg; this or `sweep`.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub positions: Option<Vec<f64>>,
     /// Evenly spaced positions; this or `positions`.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sweep: Option<Sweep>,
     /// Where other axes are parked, mm or deg; 0 where not named.
     #[serde(default, deserialize_with = "unique_keys")]
     pub parked: BTreeMap<String, f64>,
     /// Targets measured at every stop, in this order; all that the axis moves if not given.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub targets: Option<Vec<String>>,
     /// Sides of approach: 1 sweeps up, -1 sweeps down, in this order.
     #[serde(default = "upwards")]
@@ -224,7 +230,7 @@ pub struct RunSpec {
 }
 
 /// Positions `start, start + step, ..., stop`, mm or deg.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweep {
     /// First position.
@@ -236,17 +242,17 @@ pub struct Sweep {
 }
 
 /// True noise; what is not given is as the instrument declares.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NoiseSpec {
     /// Constant part of a length's standard deviation, µm.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_sigma_um: Option<f64>,
     /// Proportional part of a length's standard deviation, µm per m.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_sigma_ppm: Option<f64>,
     /// Standard deviation per coordinate of the position that the machine returns to, µm.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeatability_um: Option<f64>,
     /// Lengths are left unrounded; only allowed when all noise is zero.
     #[serde(default)]
@@ -254,7 +260,7 @@ pub struct NoiseSpec {
 }
 
 /// When readings are taken. The clock starts at `start_s` at the first station.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Timing {
     /// Start of the campaign, s.

@@ -4,9 +4,10 @@ use nalgebra::Point3;
 use trueaxis_campaign::{Campaign, Instrument, LengthReading, Lengths, Run, Step};
 use trueaxis_campaign::{Station, Stop, Target};
 
+use crate::circumstances::{Progress, StopCircumstances};
 use crate::noise::StopDeviates;
 use crate::plan::{Plan, PlannedTarget};
-use crate::schedule::{Visit, steps, visits};
+use crate::schedule::{steps, visits};
 use crate::true_errors::Sweeping;
 use crate::{Error, Scenario, StationSpec, Truth};
 
@@ -26,10 +27,12 @@ const PACE_MM: f64 = 100.0;
 
 /// Measures the scenario's machine with the scenario's instrument.
 ///
-/// Each length is `|p + d - S| - L + e`: p is the exact position of the target on the erroneous
-/// machine, d the machine's random deviation at the stop (common to its targets), S and L are the
-/// station and its dead path, e is the instrument's noise. The order is stations, repeats, runs,
-/// directions, positions, targets; the same seed gives the same campaign.
+/// Each length is `|p + d + D_p - S - D_S| - L + D_l + e`: p is the exact position of the target on
+/// the erroneous machine, d the machine's random deviation at the stop (common to its targets), S and
+/// L are the station and its dead path, e is the instrument's noise, and the D are the sums of what the
+/// scenario's effects do to target, station and display. The order is stations, repeats, runs,
+/// directions, positions, targets; the same seed gives the same campaign, and effects change neither
+/// its order, its times nor its deviates.
 ///
 /// # Errors
 /// If the scenario is inconsistent; the error names the field.
@@ -47,10 +50,17 @@ pub fn simulate(scenario: &Scenario, seed: u64) -> Result<Simulated, Error> {
 /// Reads every length at every visit.
 fn measure(scenario: &Scenario, plan: &Plan, steps: &[Step], seed: u64) -> Lengths {
     let mut lengths = Lengths::default();
-    for (stop_number, visit) in (0_u64..).zip(visits(scenario, plan)) {
+    let visits = visits(scenario, plan);
+    let progress = Progress::new(&visits);
+    for (stop_number, visit) in (0_u64..).zip(visits) {
         let mut deviates = StopDeviates::new(seed, stop_number);
-        let positions = &steps[visit.step].positions;
-        let measured_mm = measure_stop(scenario, plan, &visit, positions, &mut deviates);
+        let stop = StopCircumstances {
+            plan,
+            visit: &visit,
+            positions: &steps[visit.step].positions,
+            progress: &progress,
+        };
+        let measured_mm = measure_stop(scenario, &stop, &mut deviates);
 
         let first = lengths.readings.len();
         let readings = visit.run.targets.iter().zip(&visit.times_s);
@@ -77,28 +87,34 @@ fn measure(scenario: &Scenario, plan: &Plan, steps: &[Step], seed: u64) -> Lengt
 /// The lengths of one stop in the order of the run's targets, mm.
 fn measure_stop(
     scenario: &Scenario,
-    plan: &Plan,
-    visit: &Visit<'_>,
-    positions: &[f64],
+    stop: &StopCircumstances<'_>,
     deviates: &mut StopDeviates,
 ) -> Vec<f64> {
+    let (plan, visit) = (stop.plan, stop.visit);
     let errors = Sweeping {
         axes: &plan.errors,
         axis: visit.run.axis,
         direction: visit.direction,
     };
     let station = &scenario.stations[visit.station];
+    let station_mm = Point3::from(station.position_mm);
     let deviation_mm = deviates.normal_vector() * plan.noise.repeatability_mm();
-    let lengths = visit.run.targets.iter().map(|&target| {
+    let points = visit.run.targets.iter().map(|&target| {
         let PlannedTarget {
             carrier, home_mm, ..
         } = &plan.targets[target];
         let p = plan
             .machine
-            .position(&errors, *carrier, positions, *home_mm);
-        let distance_mm = (p + deviation_mm - Point3::from(station.position_mm)).norm();
+            .position(&errors, *carrier, stop.positions, *home_mm);
+        p + deviation_mm
+    });
+    let points: Vec<Point3<f64>> = points.collect();
+    let displaced = stop.displaced(station_mm, &points);
+    let lengths = points.iter().zip(displaced).map(|(p, by)| {
+        let beam = (p + by.point_mm) - (station_mm + by.station_mm);
+        let distance_mm = beam.norm();
         let noise_mm = deviates.normal() * plan.noise.length_sigma_mm(distance_mm);
-        let length_mm = distance_mm - station.dead_path_mm + noise_mm;
+        let length_mm = distance_mm - station.dead_path_mm + by.length_mm + noise_mm;
         if scenario.noise.exact {
             length_mm
         } else {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use trueaxis_kinematics::AxisKind;
 
 use crate::Error;
@@ -11,7 +11,7 @@ use crate::check;
 /// One term of an error curve; a curve is the sum of its terms.
 ///
 /// Values are µm for translations and arcsec for rotations, positions q are mm or deg.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Term {
     /// `c0 + c1 s + c2 s² + ...`, where s runs from -1 to 1 over the travel of the axis.
@@ -24,10 +24,10 @@ pub enum Term {
         /// Amplitude.
         amplitude: f64,
         /// Period of a linear axis.
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "Option::is_none")]
         period_mm: Option<f64>,
         /// Period of a rotary axis.
-        #[serde(default)]
+        #[serde(default, skip_serializing_if = "Option::is_none")]
         period_deg: Option<f64>,
         /// Phase at q = 0.
         #[serde(default)]

@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 use trueaxis_campaign::Direction;
+use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::{AxisKind, LocationComponent, MotionError};
 
 use crate::plan::Plan;
@@ -9,6 +10,9 @@ use crate::read_errors::distinct_positions;
 use crate::{Noise, Scenario};
 
 /// The values that an estimator should find, in the reference frame and gauge of the calibration.
+///
+/// Stations, targets and errors are those without the effects: a calibration that takes the effects
+/// into its model should find them.
 ///
 /// Inside, positions are mm or rad and errors mm or rad; `truth.json` has the units of
 /// `calibration.json`.
@@ -29,6 +33,8 @@ pub struct Truth {
     /// Location errors of the same axes, zero ones too, without those that are zero by definition
     /// of the reference frame.
     pub location_errors: Vec<TrueLocation>,
+    /// What disturbed the readings, as the scenario says it.
+    pub effects: Vec<GivenEffect>,
 }
 
 /// A station as it stood.
@@ -108,6 +114,7 @@ impl Truth {
                 .collect(),
             axes: measured.iter().map(|&i| components(plan, i)).collect(),
             location_errors: measured.iter().flat_map(|&i| locations(plan, i)).collect(),
+            effects: scenario.effects.clone(),
         }
     }
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::{Serialize, Serializer};
 use trueaxis_campaign::Direction;
+use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, LocationComponent, MICROMETRE};
 
 use crate::axis_unit;
@@ -48,6 +49,8 @@ struct TruthFile<'a> {
     targets: Vec<TargetEntry<'a>>,
     axes: Vec<AxisEntry<'a>>,
     location_errors: InOrder<LocationEntry>,
+    #[serde(skip_serializing_if = "<[GivenEffect]>::is_empty")]
+    effects: &'a [GivenEffect],
 }
 
 #[derive(Serialize)]
@@ -131,6 +134,7 @@ impl<'a> TruthFile<'a> {
             targets: targets.collect(),
             axes: truth.axes.iter().map(AxisEntry::new).collect(),
             location_errors: InOrder(locations.collect()),
+            effects: &truth.effects,
         }
     }
 }

@@ -1,4 +1,5 @@
-//! The machine warms up: `u·a · (1 - exp(-t/T))`.
+//! The machine warms up: `u·a · (1 - exp(-t/T))`, t since the
+//! first reading.
 
 use nalgebra::Vector3;
 use trueaxis_kinematics::MICROMETRE;
@@ -36,7 +37,7 @@ impl Effect for WarmUp {
     }
 
     fn form(&self, _: &Subject, parameter: usize, shape: f64, at: &Circumstances<'_>) -> Displaced {
-        let part = 1.0 - (-at.time_s / shape).exp();
+        let part = 1.0 - (-at.elapsed_s / shape).exp();
         Displaced::point(Vector3::ith(parameter, MICROMETRE * part))
     }
 

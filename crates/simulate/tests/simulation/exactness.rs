@@ -86,11 +86,11 @@ fn lost_motion_holds_the_stage_back_on_arrival() {
     assert_eq!(lengths_mm, [0.002, -99.998, -100.002, -0.002]);
 }
 
-type Vector = [f64; 3];
+pub(crate) type Vector = [f64; 3];
 type Matrix = [Vector; 3];
 
 /// `linear p = q d' + δ + E h`, `rotary p = c' + δ + E R(d', q) (h - c' + l)`.
-fn stage_motion(json: &Value, name: &str, q: f64, side: f64, h: Vector) -> Vector {
+pub(crate) fn stage_motion(json: &Value, name: &str, q: f64, side: f64, h: Vector) -> Vector {
     let axes = json["machine"]["axes"].as_array().unwrap();
     let axis = axes.iter().find(|axis| axis["name"] == name).unwrap();
     let errors = &json["errors"][name];
@@ -136,7 +136,7 @@ fn stage_motion(json: &Value, name: &str, q: f64, side: f64, h: Vector) -> Vecto
     add(add(centre, delta), apply(rotation(epsilon), turned))
 }
 
-const ARCSEC: f64 = std::f64::consts::PI / 180.0 / 3600.0;
+pub(crate) const ARCSEC: f64 = std::f64::consts::PI / 180.0 / 3600.0;
 
 /// The sum of the terms, in their unit.
 fn curve(terms: &Value, axis: &Value, q: f64) -> f64 {
@@ -191,22 +191,22 @@ fn apply(m: Matrix, v: Vector) -> Vector {
     m.map(|row| dot(row, v))
 }
 
-fn vector(value: &Value) -> Vector {
+pub(crate) fn vector(value: &Value) -> Vector {
     [0, 1, 2].map(|i| value[i].as_f64().unwrap())
 }
 
-fn add(a: Vector, b: Vector) -> Vector {
+pub(crate) fn add(a: Vector, b: Vector) -> Vector {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-fn sub(a: Vector, b: Vector) -> Vector {
+pub(crate) fn sub(a: Vector, b: Vector) -> Vector {
     add(a, scale(b, -1.0))
 }
 
-fn scale(v: Vector, factor: f64) -> Vector {
+pub(crate) fn scale(v: Vector, factor: f64) -> Vector {
     v.map(|c| c * factor)
 }
 
-fn dot(a: Vector, b: Vector) -> f64 {
+pub(crate) fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

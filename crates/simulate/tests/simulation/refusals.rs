@@ -8,7 +8,7 @@ use trueaxis_simulate::{Error, Scenario};
 use crate::shipped;
 
 /// The whole chain of messages, as a program prints it.
-fn chain(error: &Error) -> String {
+pub(crate) fn chain(error: &Error) -> String {
     let mut text = error.to_string();
     let mut source = error.source();
     while let Some(error) = source {
@@ -32,7 +32,7 @@ fn altered(name: &str, changes: &[(&str, Value)]) -> Value {
 }
 
 /// What is said about it, without the place (the text has one line).
-fn refused(name: &str, changes: &[(&str, Value)]) -> String {
+pub(crate) fn refused(name: &str, changes: &[(&str, Value)]) -> String {
     let text = altered(name, changes).to_string();
     let message = chain(&Scenario::from_json(&text).unwrap_err());
     message.strip_prefix("line 1: ").unwrap().to_owned()

@@ -1,0 +1,95 @@
+//! The level of the error curves: what in the curves of a calibration has a name.
+//!
+//! A curve of a machine is never noise: it is smooth at large, rough at small, and only a part of it may
+//! be an effect of the catalogue. So an effect must stand out of the *rest of the curve*, not of the
+//! measuring noise alone. The model of a curve over the positions q of its axis is
+//!
+//! ```text
+//! y = B b + X θ + g + h + e
+//! ```
+//!
+//! - `B b`: what the least-squares gauge takes. It is free, so that the choice of gauge does not matter;
+//! - `X θ`: the effect, linear once its shape (period, waves) is given;
+//! - `g ~ N(0, s² K)`: the smooth rest, a Gauss-Markov process of second order ([`background`]);
+//! - `h ~ N(0, w² I)`: the rough rest, from step to step without memory;
+//! - `e ~ N(0, C)`: the noise of the measurement, C from the calibration.
+//!
+//! s and w are not known. They are integrated out over a grid with flat priors, weighted by the
+//! restricted likelihood *with the effect in the model* ([`judgement`]), so that a large effect does not
+//! hide in a rest that it has inflated itself, and a rest that is known from few degrees of freedom
+//! makes broad tails as in Student's test. Curves of different components have rests of their own; the
+//! two curves across a rotary axis share theirs.
+//!
+//! The p-value counts everything that was looked at: each effect gets the same part of the 1 %, all its
+//! axes, components and shapes share it ([`family`]). Effects are taken in one at a time, each with the
+//! earlier ones in the model, and judged again at the end with all others in it.
+//!
+//! C is singular in the directions that the gauge fixes. As B is free these directions carry nothing, and
+//! the rough rest, which is never quite zero, makes the sum regular: no limit of rank is needed.
+
+mod background;
+#[cfg(test)]
+mod blind;
+mod bow;
+mod candidates;
+mod curve_set;
+mod estimate;
+mod family;
+mod judgement;
+mod ln_chi_squared;
+mod report;
+mod search;
+mod unseen;
+
+use trueaxis_calibrate::Calibration;
+use trueaxis_effects::Scene;
+use trueaxis_kinematics::Machine;
+
+use crate::components::curve_set::curve_sets;
+use crate::components::search::Search;
+use crate::diagnosis::{Cause, NotObservable};
+
+/// What the error curves say.
+///
+/// It does not change the verdict on the data: the calibration holds these curves as they are.
+#[derive(Debug, Clone)]
+pub(crate) struct ComponentsOutcome {
+    /// Named parts of the curves, the most certain first.
+    pub(crate) causes: Vec<Cause>,
+    /// What these positions cannot show.
+    pub(crate) not_observable: Vec<NotObservable>,
+    /// Curves that could not be judged, and why.
+    pub(crate) notices: Vec<String>,
+}
+
+/// Looks for effects in the curves of a calibration, which should hold its covariance
+/// ([`trueaxis_calibrate::Settings::covariance`]); without it the values of a curve count as
+/// independent, and a notice says so.
+pub(crate) fn diagnose_components(
+    calibration: &Calibration,
+    machine: &Machine,
+) -> ComponentsOutcome {
+    let scene = Scene {
+        machine: machine.clone(),
+        stations: Vec::new(),
+        targets: Vec::new(),
+        moving: calibration.axes.iter().map(|axis| axis.axis).collect(),
+    };
+    let mut notices = Vec::new();
+    if calibration.covariance.is_none() {
+        notices.push(
+            "the calibration has no covariance: the values of an error curve count as independent"
+                .to_owned(),
+        );
+    }
+    let sets = curve_sets(calibration, machine, &mut notices);
+    let causes = Search::new(&scene, sets).causes();
+    let axes = calibration.axes.iter();
+    ComponentsOutcome {
+        causes,
+        not_observable: axes
+            .filter_map(|axis| unseen::periods_of_the_step(axis))
+            .collect(),
+        notices,
+    }
+}

@@ -1,0 +1,158 @@
+//! The rest of a curve that no effect explains, for all sizes that it may have.
+//!
+//! Its covariance is `s² K + w² I`. K is that of a Gauss-Markov process of second order (Matérn 3/2),
+//!
+//! ```text
+//! K(d) = (1 + √3 d/ℓ) exp(-√3 d/ℓ)
+//! ```
+//!
+//! whose power falls with the fourth power of the frequency: continuous, with a continuous slope, as
+//! guideways and bearings are. d is the distance of two positions and ℓ the longest there is: the travel
+//! of a linear axis; for a rotary one d is the chord `2 sin(Δ/2)`, so that 0° and 360° are one place, and
+//! ℓ = 2. With a shorter ℓ the slope of a curve would be taken to be no larger than its bends. s and w
+//! are not known: they run over a grid in equal ratios with flat priors for both.
+//!
+//! For each s one eigenvalue decomposition `C + s² K = Q Λ Qᵀ` whitens for all w: `(Λ + w²)^{-1/2} Qᵀ`.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+use trueaxis_kinematics::AxisKind;
+
+use crate::components::curve_set::CurveSet;
+use crate::selection::Projection;
+
+/// One size of the rest, and the curves whitened with it.
+#[derive(Debug, Clone)]
+pub(crate) struct Background {
+    /// Logarithm of prior times restricted likelihood of the curves without any effect.
+    pub(crate) ln_weight: f64,
+    /// Whitened curves after the base.
+    pub(crate) projection: Projection,
+    whitener: DMatrix<f64>,
+}
+
+/// Ratio of neighbouring sizes: the likelihood of a standard deviation that 20 steps tell has a width
+/// of 1/√40 in its logarithm, and half of that on either side of a grid point.
+const RATIO: f64 = std::f64::consts::SQRT_2;
+
+/// Smallest smooth and rough rest, in standard uncertainties of the curve: they change no result.
+const LEAST_SMOOTH: f64 = 0.1;
+const LEAST_ROUGH: f64 = 0.1;
+
+/// Largest smooth rest in units of the curve's range.
+const MOST_SMOOTH: f64 = 3.0;
+
+/// Uncertainty that stands for that of exact curves, relative to their range.
+const EXACT: f64 = 1e-3;
+
+/// The curves under all sizes of the rest; `base` is what the gauge takes and what is in the model.
+pub(crate) fn backgrounds(set: &CurveSet, base: &[Vec<f64>]) -> Vec<Background> {
+    let n = set.values.len();
+    let kernel = kernel(set);
+    let (u, range) = scales(set);
+    let smooth = sizes(LEAST_SMOOTH * u, MOST_SMOOTH * range);
+    let rough = sizes(LEAST_ROUGH * u, range.max(u));
+    let mut all = Vec::with_capacity(smooth.len() * rough.len());
+    for &s in &smooth {
+        let eigen = SymmetricEigen::new(&set.covariance + &kernel * (s * s));
+        let turned = eigen.eigenvectors.transpose();
+        for &w in &rough {
+            let variances = eigen.eigenvalues.map(|value| value.max(0.0) + w * w);
+            let whitener = DMatrix::from_fn(n, n, |i, j| turned[(i, j)] / variances[i].sqrt());
+            let whitened: Vec<Vec<f64>> = base
+                .iter()
+                .map(|column| whiten(&whitener, column))
+                .collect();
+            let projection = Projection::dense(whiten(&whitener, &set.values), &whitened);
+            let ln_likelihood = -0.5
+                * (variances.iter().map(|v| v.ln()).sum::<f64>()
+                    + ln_determinant(&whitened)
+                    + projection.squares());
+            all.push(Background {
+                // Flat in s and w: in equal ratios each point stands for a width in proportion.
+                ln_weight: ln_likelihood + s.ln() + w.ln(),
+                projection,
+                whitener,
+            });
+        }
+    }
+    all
+}
+
+impl Background {
+    /// Whitens a column.
+    pub(crate) fn whiten(&self, column: &[f64]) -> Vec<f64> {
+        whiten(&self.whitener, column)
+    }
+}
+
+fn whiten(whitener: &DMatrix<f64>, column: &[f64]) -> Vec<f64> {
+    let n = column.len();
+    let mut whitened = vec![0.0; n];
+    for (j, &value) in column
+        .iter()
+        .enumerate()
+        .filter(|(_, value)| **value != 0.0)
+    {
+        for (sum, element) in whitened.iter_mut().zip(whitener.column(j).iter()) {
+            *sum += element * value;
+        }
+    }
+    whitened
+}
+
+/// K of all curves of a set; different curves are independent.
+fn kernel(set: &CurveSet) -> DMatrix<f64> {
+    let steps = set.nodes.len();
+    let travel = set.travel();
+    DMatrix::from_fn(set.values.len(), set.values.len(), |i, j| {
+        if i / steps != j / steps {
+            return 0.0;
+        }
+        let apart = set.nodes[i % steps].0 - set.nodes[j % steps].0;
+        let distance_in_l = match set.content.kind() {
+            AxisKind::Linear => apart / travel,
+            AxisKind::Rotary => (0.5 * apart).sin(),
+        };
+        let x = 3.0_f64.sqrt() * distance_in_l.abs();
+        (1.0 + x) * (-x).exp()
+    })
+}
+
+/// Median standard uncertainty and largest range of the curves.
+fn scales(set: &CurveSet) -> (f64, f64) {
+    let ranges = set.values.chunks_exact(set.nodes.len()).map(|curve| {
+        let high = curve.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        high - curve.iter().copied().fold(f64::INFINITY, f64::min)
+    });
+    let range = ranges.fold(f64::MIN_POSITIVE.sqrt(), f64::max);
+    let mut u: Vec<f64> = set
+        .covariance
+        .diagonal()
+        .iter()
+        .map(|v| v.max(0.0).sqrt())
+        .collect();
+    u.sort_by(f64::total_cmp);
+    (u[u.len() / 2].max(EXACT * range), range)
+}
+
+/// From `low` to `high` in equal ratios.
+fn sizes(low: f64, high: f64) -> Vec<f64> {
+    let next = |size: &f64| Some(size * RATIO);
+    std::iter::successors(Some(low), next)
+        .take_while(|&size| size <= high.max(low))
+        .collect()
+}
+
+/// `ln det BᵀB`, from the lengths of the columns after taking out the earlier ones.
+fn ln_determinant(columns: &[Vec<f64>]) -> f64 {
+    let Some(first) = columns.first() else {
+        return 0.0;
+    };
+    let matrix = DMatrix::from_fn(first.len(), columns.len(), |i, k| columns[k][i]);
+    let r = matrix.qr().r();
+    2.0 * r
+        .diagonal()
+        .iter()
+        .map(|x| x.abs().max(f64::MIN_POSITIVE).ln())
+        .sum::<f64>()
+}

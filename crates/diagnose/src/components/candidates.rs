@@ -1,0 +1,118 @@
+//! What is looked for in which curves.
+//!
+//! | curves | effects | shapes |
+//! | --- | --- | --- |
+//! | positioning of a linear axis | `scale_error`, `cyclic_error` | periods |
+//! | any other of a linear axis, δ along a rotary one | `cyclic_error` | periods |
+//! | ε about a rotary axis | `encoder_eccentricity`, `encoder_ellipticity`, `worm_gear` | 3 waves and up |
+//! | δ across, ε across a rotary axis | `axis_runout`, `axis_wobble` | 1 wave and up |
+//!
+//! `guideway_bow` joins two sets ([`crate::components::bow`]). Periods run from twice the step, the
+//! shortest that equal steps tell from a longer one, to half the travel: what does not repeat at least
+//! twice is not called periodic.
+
+use std::f64::consts::TAU;
+
+use trueaxis_effects::{Effect, Scene, Subject, effect};
+use trueaxis_kinematics::AxisKind;
+
+use crate::components::curve_set::CurveSet;
+use crate::selection::Hypothesis;
+
+/// An effect on a set of curves, with all shapes that it may have.
+#[derive(Debug, Clone)]
+pub(crate) struct Candidate {
+    /// Effect and subject.
+    pub(crate) hypothesis: Hypothesis,
+    /// Number of linear parameters.
+    pub(crate) parameters: usize,
+    /// Periods (mm, rad), waves per turn, or a zero for an effect without shape.
+    pub(crate) shapes: Vec<f64>,
+}
+
+/// Frequencies in one over the travel: at half of this distance from a grid point a sine is 13 % of a
+/// radian off at the ends, and less than 1 % of its squares are lost.
+const FREQUENCIES_PER_TRAVEL: f64 = 4.0;
+
+/// Times that a period must fit into the travel.
+const FEWEST_PERIODS: f64 = 2.0;
+
+/// Steps per period that tell it from a longer one.
+const STEPS_PER_PERIOD: f64 = 2.0;
+
+/// All candidates of a set.
+pub(crate) fn candidates(set: &CurveSet, scene: &Scene) -> Vec<Candidate> {
+    let first = set.components[0];
+    let along = first.index() % 3 == set.content.principal();
+    let cyclic = || {
+        let subject = Subject::component(set.axis, first);
+        ("cyclic_error", subject, periods(set))
+    };
+    let on_axis = |id, shapes| (id, Subject::axis(set.axis), shapes);
+    let wanted = match set.content.kind() {
+        AxisKind::Linear if along && !first.is_angular() => {
+            vec![on_axis("scale_error", vec![0.0]), cyclic()]
+        }
+        AxisKind::Linear => vec![cyclic()],
+        AxisKind::Rotary if along && first.is_angular() => vec![
+            on_axis("encoder_eccentricity", vec![0.0]),
+            on_axis("encoder_ellipticity", vec![0.0]),
+            on_axis("worm_gear", waves(set, 3)),
+        ],
+        AxisKind::Rotary if along => vec![cyclic()],
+        AxisKind::Rotary if first.is_angular() => vec![on_axis("axis_wobble", waves(set, 1))],
+        AxisKind::Rotary => vec![on_axis("axis_runout", waves(set, 1))],
+    };
+    let known = wanted.into_iter().filter_map(|(id, subject, shapes)| {
+        Some(Candidate::new(effect(id)?, subject, shapes, scene))
+    });
+    known
+        .filter(|candidate| !candidate.shapes.is_empty())
+        .collect()
+}
+
+impl Candidate {
+    /// An effect with shapes.
+    pub(crate) fn new(
+        effect: &'static dyn Effect,
+        subject: Subject,
+        shapes: Vec<f64>,
+        scene: &Scene,
+    ) -> Self {
+        Self {
+            hypothesis: Hypothesis {
+                effect,
+                subject,
+                subjects: effect.subjects(scene).len(),
+            },
+            parameters: effect.parameters(scene, &subject).len(),
+            shapes,
+        }
+    }
+}
+
+/// Equal steps of the frequency.
+fn periods(set: &CurveSet) -> Vec<f64> {
+    let travel = set.travel();
+    let highest = travel / (STEPS_PER_PERIOD * set.step());
+    let count = FREQUENCIES_PER_TRAVEL * (highest - FEWEST_PERIODS);
+    let numbers = std::iter::successors(Some(0.0), |k| Some(k + 1.0));
+    numbers
+        .take_while(|&k| k <= count * (1.0 + f64::EPSILON.sqrt()))
+        .map(|k| travel / (FEWEST_PERIODS + k / FREQUENCIES_PER_TRAVEL))
+        .collect()
+}
+
+/// Distance of neighbouring periods of the search, mm or rad.
+pub(crate) fn spacing(set: &CurveSet, period: f64) -> f64 {
+    period * period / (FREQUENCIES_PER_TRAVEL * set.travel())
+}
+
+/// Whole numbers from `fewest` while a wave has two steps.
+fn waves(set: &CurveSet, fewest: u32) -> Vec<f64> {
+    let most = TAU / (STEPS_PER_PERIOD * set.step()) * (1.0 + f64::EPSILON.sqrt());
+    (fewest..)
+        .map(f64::from)
+        .take_while(|&waves| waves <= most)
+        .collect()
+}

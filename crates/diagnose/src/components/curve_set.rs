@@ -1,0 +1,257 @@
+//! The curves of a calibration, in the sets that effects act on, and what the gauge takes of them.
+//!
+//! | axis | set | base B |
+//! | --- | --- | --- |
+//! | linear | each straightness | `1, q` |
+//! | linear | positioning, each angle | `1` |
+//! | rotary | both curves of δ across the axis | a constant vector and one that turns with the axis |
+//! | rotary | both curves of ε across the axis | the same |
+//! | rotary | δ along the axis; ε about it | `1` |
+//!
+//! Where the two sides of approach have curves of their own, half their difference joins as a constant.
+
+use nalgebra::{DMatrix, Rotation3, Vector3};
+use trueaxis_calibrate::{AxisResult, Calibration, Output};
+use trueaxis_campaign::Direction;
+use trueaxis_effects::{AxisPosition, Effect, Subject};
+use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Component, MICROMETRE, Machine, MotionError};
+
+/// Curves that are judged together.
+#[derive(Debug, Clone)]
+pub(crate) struct CurveSet {
+    /// Index of the axis in the machine.
+    pub(crate) axis: usize,
+    /// The axis.
+    pub(crate) content: Axis,
+    /// The curves, one after the other.
+    pub(crate) components: Vec<Component>,
+    /// Position of each step, mm or rad, and its side of approach, +1 or -1.
+    pub(crate) nodes: Vec<(f64, f64)>,
+    /// Values, µm or arcsec, curve after curve.
+    pub(crate) values: Vec<f64>,
+    /// Their covariance.
+    pub(crate) covariance: DMatrix<f64>,
+    /// What the gauge takes.
+    pub(crate) base: Vec<Vec<f64>>,
+}
+
+/// Steps below which a curve says nothing about the rest of itself: the base and an effect with a
+/// period take up to five.
+const FEWEST_STEPS: usize = 8;
+
+/// All sets of all axes; what is too short is named in `notices`.
+pub(crate) fn curve_sets(
+    calibration: &Calibration,
+    machine: &Machine,
+    notices: &mut Vec<String>,
+) -> Vec<CurveSet> {
+    let mut sets = Vec::new();
+    for result in &calibration.axes {
+        let steps = result.nodes.len();
+        if steps < FEWEST_STEPS {
+            notices.push(format!(
+                "axis {}: {steps} positions are too few to look for effects in its error curves, {FEWEST_STEPS} are needed",
+                result.name
+            ));
+            continue;
+        }
+        let content = &machine.axes()[result.axis];
+        for components in groups(content) {
+            sets.push(CurveSet::new(calibration, result, content, components));
+        }
+    }
+    sets
+}
+
+fn groups(axis: &Axis) -> Vec<Vec<Component>> {
+    let along = axis.principal();
+    let across: Vec<usize> = (0..3).filter(|&i| i != along).collect();
+    match axis.kind() {
+        AxisKind::Linear => Component::ALL.map(|component| vec![component]).into(),
+        AxisKind::Rotary => vec![
+            across.iter().map(|&i| Component::ALL[i]).collect(),
+            vec![Component::ALL[along]],
+            across.iter().map(|&i| Component::ALL[3 + i]).collect(),
+            vec![Component::ALL[3 + along]],
+        ],
+    }
+}
+
+impl CurveSet {
+    fn new(
+        calibration: &Calibration,
+        result: &AxisResult,
+        content: &Axis,
+        components: Vec<Component>,
+    ) -> Self {
+        let nodes: Vec<(f64, f64)> = result
+            .nodes
+            .iter()
+            .map(|node| (node.position, side(node.direction)))
+            .collect();
+        let values = components.iter().flat_map(|component| {
+            let nodes = result.nodes.iter();
+            nodes.map(|node| in_unit(&node.error, *component))
+        });
+        let mut set = Self {
+            axis: result.axis,
+            content: content.clone(),
+            values: values.collect(),
+            covariance: covariance(calibration, result, &components),
+            base: Vec::new(),
+            nodes,
+            components,
+        };
+        set.base = set.gauge();
+        set
+    }
+
+    /// Curve after curve, what a function of curve and step says.
+    fn column(&self, value: impl Fn(usize, f64, f64) -> f64) -> Vec<f64> {
+        let curves = 0..self.components.len();
+        let steps = curves.flat_map(|c| self.nodes.iter().map(move |&(q, side)| (c, q, side)));
+        steps.map(|(c, q, side)| value(c, q, side)).collect()
+    }
+
+    fn gauge(&self) -> Vec<Vec<f64>> {
+        let only = |curve: usize| move |c: usize| f64::from(u8::from(c == curve));
+        let curves = 0..self.components.len();
+        let mut base: Vec<Vec<f64>> = curves
+            .clone()
+            .map(|curve| self.column(|c, _, _| only(curve)(c)))
+            .collect();
+        match self.content.kind() {
+            AxisKind::Linear if self.is_straightness() => {
+                let travel = self.travel();
+                base.push(self.column(|_, q, _| q / travel));
+            }
+            AxisKind::Linear => {}
+            AxisKind::Rotary if self.components.len() == 2 => {
+                let directions: Vec<usize> =
+                    self.components.iter().map(|c| c.index() % 3).collect();
+                let d = self.content.direction();
+                for &start in &directions {
+                    base.push(self.column(|c, q, _| {
+                        let turned = Rotation3::from_axis_angle(&d, q) * Vector3::ith(start, 1.0);
+                        turned[directions[c]]
+                    }));
+                }
+            }
+            AxisKind::Rotary => {}
+        }
+        let two_sided = self.nodes.iter().any(|node| node.1 < 0.0)
+            && self.nodes.iter().any(|node| node.1 > 0.0);
+        if two_sided {
+            base.extend(curves.map(|curve| self.column(|c, _, side| only(curve)(c) * side)));
+        }
+        base
+    }
+
+    /// Whether it is a translation across a linear axis.
+    pub(crate) fn is_straightness(&self) -> bool {
+        let component = self.components[0];
+        self.content.kind() == AxisKind::Linear
+            && !component.is_angular()
+            && component.index() != self.content.principal()
+    }
+
+    /// From the first to the last position, mm or rad.
+    pub(crate) fn travel(&self) -> f64 {
+        let positions = || self.nodes.iter().map(|node| node.0);
+        let high = positions().fold(f64::NEG_INFINITY, f64::max);
+        high - positions().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The median distance of neighbouring positions, mm or rad.
+    pub(crate) fn step(&self) -> f64 {
+        let mut positions: Vec<f64> = self.nodes.iter().map(|node| node.0).collect();
+        positions.sort_by(f64::total_cmp);
+        let mut gaps: Vec<f64> = positions.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        gaps.retain(|gap| *gap > 0.0);
+        gaps.sort_by(f64::total_cmp);
+        gaps.get(gaps.len() / 2).copied().unwrap_or(0.0)
+    }
+
+    /// What units of an effect's parameters add to the curves, µm or arcsec.
+    pub(crate) fn columns(
+        &self,
+        effect: &dyn Effect,
+        subject: &Subject,
+        parameters: usize,
+        shape: f64,
+    ) -> Vec<Vec<f64>> {
+        let of_parameter = |k: usize| {
+            self.column(|c, position, direction| {
+                let at = AxisPosition {
+                    axis: &self.content,
+                    position,
+                    direction,
+                };
+                in_unit(&effect.motion(subject, k, shape, &at), self.components[c])
+            })
+        };
+        (0..parameters).map(of_parameter).collect()
+    }
+}
+
+/// +1 or -1.
+fn side(direction: Option<Direction>) -> f64 {
+    match direction {
+        Some(Direction::Backward) => -1.0,
+        Some(Direction::Forward) | None => 1.0,
+    }
+}
+
+/// One component, µm or arcsec.
+fn in_unit(error: &MotionError, component: Component) -> f64 {
+    let unit = if component.is_angular() {
+        ARCSEC
+    } else {
+        MICROMETRE
+    };
+    error.to_vector()[component.index()] / unit
+}
+
+/// Of the curves of an axis, µm and arcsec; diagonal if the calibration does not hold it.
+fn covariance(
+    calibration: &Calibration,
+    result: &AxisResult,
+    components: &[Component],
+) -> DMatrix<f64> {
+    let steps = result.nodes.len();
+    let Some(all) = &calibration.covariance else {
+        let u = components.iter().flat_map(|component| {
+            let unit = if component.is_angular() {
+                ARCSEC
+            } else {
+                MICROMETRE
+            };
+            let nodes = result.nodes.iter();
+            nodes.map(move |node| (node.u[component.index()] / unit).powi(2))
+        });
+        let u: Vec<f64> = u.collect();
+        return DMatrix::from_diagonal(&u.into());
+    };
+    let places: Vec<usize> = components
+        .iter()
+        .flat_map(|wanted| {
+            all.outputs
+                .iter()
+                .enumerate()
+                .filter_map(move |(i, output)| match output {
+                    Output::ComponentError {
+                        axis, component, ..
+                    } if *axis == result.name && component == wanted => Some(i),
+                    _ => None,
+                })
+        })
+        .collect();
+    assert_eq!(
+        places.len(),
+        steps * components.len(),
+        "a covariance holds every result of its calibration"
+    );
+    DMatrix::from_fn(places.len(), places.len(), |i, j| {
+        all.matrix[(places[i], places[j])]
+    })
+}

@@ -1,0 +1,159 @@
+//! The values of an effect with their uncertainties, whatever the size of the rest of the curve.
+//!
+//! For each size (s, w) the parameters have an estimate and a covariance; over all sizes, with the
+//! weights of [`crate::components::judgement`], they have the mean
+//!
+//! ```text
+//! θ = Σ π θ(s,w)        cov = Σ π [cov(s,w) + (θ(s,w) - θ)(θ(s,w) - θ)ᵀ]
+//! ```
+//!
+//! A period is found by Gauss-Newton from the best one of the search: the derivative of the effect with
+//! respect to it joins as a column, so that the uncertainties of amplitude, phase and period know of
+//! each other.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::components::background::Background;
+use crate::components::candidates::{Candidate, spacing};
+use crate::components::curve_set::CurveSet;
+use crate::components::judgement::ln_sum;
+use crate::selection::{FixedScan, Scan};
+use trueaxis_effects::Shape;
+
+/// An effect with its values.
+#[derive(Debug, Clone)]
+pub(crate) struct Estimate {
+    /// Linear parameters.
+    pub(crate) parameters: Vec<f64>,
+    /// Their covariance.
+    pub(crate) covariance: DMatrix<f64>,
+    /// The shape.
+    pub(crate) shape: f64,
+    /// Its standard uncertainty; zero for what is not estimated.
+    pub(crate) u_shape: f64,
+    /// What it adds to the curves, µm or arcsec.
+    pub(crate) curve: Vec<f64>,
+    /// The columns that take it out of a model to first order, with that of the period.
+    pub(crate) columns: Vec<Vec<f64>>,
+}
+
+/// Largest number of Gauss-Newton steps; three bring the period to its last digits.
+const MAX_STEPS: usize = 8;
+
+/// A step of the period that ends the iteration, in standard uncertainties.
+const STEP_TOL: f64 = 1e-3;
+
+/// Relative difference of periods for the derivative: half of the digits remain.
+const DIFFERENCE: f64 = 1e-5;
+
+/// Estimates a candidate from a shape near the right one.
+pub(crate) fn estimate(
+    set: &CurveSet,
+    backgrounds: &[Background],
+    candidate: &Candidate,
+    shape: f64,
+) -> Estimate {
+    let hypothesis = &candidate.hypothesis;
+    let columns_at = |shape| {
+        set.columns(
+            hypothesis.effect,
+            &hypothesis.subject,
+            candidate.parameters,
+            shape,
+        )
+    };
+    let linear = candidate.parameters;
+    let mut columns = columns_at(shape);
+    let (mut mean, mut covariance) = mixture(backgrounds, candidate, &columns);
+    let (mut period, mut u_period) = (shape, 0.0);
+    if hypothesis.effect.shape() == Shape::Period {
+        for _ in 0..MAX_STEPS {
+            let derivative = derivative(&columns_at, mean.rows(0, linear).as_slice(), period);
+            columns = columns_at(period);
+            columns.push(derivative);
+            (mean, covariance) = mixture(backgrounds, candidate, &columns);
+            u_period = covariance[(linear, linear)].max(0.0).sqrt();
+            let limit = spacing(set, period);
+            let step = mean[linear].clamp(-limit, limit);
+            // Not beyond the travel, nor to what the steps cannot tell from a longer one.
+            period = (period + step).clamp(2.0 * set.step(), set.travel());
+            if step.abs() <= STEP_TOL * u_period {
+                break;
+            }
+        }
+    }
+    let parameters: Vec<f64> = mean.rows(0, linear).iter().copied().collect();
+    let covariance = covariance.view((0, 0), (linear, linear)).into_owned();
+    Estimate {
+        curve: sum(&columns_at(period), &parameters),
+        parameters,
+        covariance,
+        shape: period,
+        u_shape: u_period,
+        columns,
+    }
+}
+
+/// `X θ`.
+pub(crate) fn sum(columns: &[Vec<f64>], parameters: &[f64]) -> Vec<f64> {
+    let mut curve = vec![0.0; columns.first().map_or(0, Vec::len)];
+    for (column, value) in columns.iter().zip(parameters) {
+        for (sum, x) in curve.iter_mut().zip(column) {
+            *sum += value * x;
+        }
+    }
+    curve
+}
+
+fn derivative(
+    columns_at: &impl Fn(f64) -> Vec<Vec<f64>>,
+    parameters: &[f64],
+    period: f64,
+) -> Vec<f64> {
+    let h = period * DIFFERENCE;
+    let (above, below) = (columns_at(period + h), columns_at(period - h));
+    let (above, below) = (sum(&above, parameters), sum(&below, parameters));
+    let pairs = above.iter().zip(&below);
+    pairs.map(|(a, b)| (a - b) / (2.0 * h)).collect()
+}
+
+/// Mean and covariance of the columns' factors over all sizes of the rest.
+fn mixture(
+    backgrounds: &[Background],
+    candidate: &Candidate,
+    columns: &[Vec<f64>],
+) -> (DVector<f64>, DMatrix<f64>) {
+    let n = columns.len();
+    let mut of_sizes: Vec<(f64, DVector<f64>, DMatrix<f64>)> = Vec::new();
+    for background in backgrounds {
+        let projection = &background.projection;
+        let scan = FixedScan::new(candidate.hypothesis, projection, &[0.0], |_| {
+            columns
+                .iter()
+                .map(|column| background.whiten(column))
+                .collect()
+        });
+        let Some(scan) = scan else { continue };
+        scan.for_each(&projection.residuals, &mut |_, gram, s| {
+            let mut ln_weight = background.ln_weight;
+            for (value, z) in gram.standardised(s) {
+                ln_weight += 0.5 * (z * z - value.ln());
+            }
+            let values = DVector::from_vec(gram.estimates(s));
+            let covariance = DMatrix::from_row_slice(n, n, &gram.covariance());
+            of_sizes.push((ln_weight, values, covariance));
+        });
+    }
+    let total = ln_sum(of_sizes.iter().map(|size| size.0));
+    let weight = |ln_weight: f64| (ln_weight - total).exp();
+    let mut mean = DVector::zeros(n);
+    for (ln_weight, values, _) in &of_sizes {
+        mean += values * weight(*ln_weight);
+    }
+    let mut covariance = DMatrix::zeros(n, n);
+    for (ln_weight, values, own) in &of_sizes {
+        let apart = values - &mean;
+        covariance += (own + &apart * apart.transpose()) * weight(*ln_weight);
+    }
+    (mean, covariance)
+}

@@ -1,0 +1,47 @@
+//! How much was looked at.
+
+use std::collections::BTreeMap;
+
+use crate::selection::Null;
+
+/// Effective number of independent tests of each effect, on the whole machine.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Family {
+    tests: BTreeMap<&'static str, f64>,
+}
+
+/// A cause is named below this probability of any false one.
+pub(crate) const LEVEL: f64 = 0.01;
+
+impl Family {
+    /// Adds tests of an effect.
+    pub(crate) fn add(&mut self, effect: &'static str, tests: f64) {
+        *self.tests.entry(effect).or_default() += tests;
+    }
+
+    /// Family-wise p-value of an effect: each effect has the same part, its own tests share it, so
+    /// that an effect with one hypothesis for an axis does not pay for the many periods of another.
+    pub(crate) fn p_value(&self, effect: &str, ln_p: f64) -> f64 {
+        let own = self.tests.get(effect).copied().unwrap_or(1.0);
+        let null = Null {
+            tests: own * self.tests.len().max(1) as f64,
+        };
+        null.family_wise(ln_p).min(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn effects_share_alike() {
+        let mut family = Family::default();
+        family.add("cyclic_error", 90.0);
+        family.add("cyclic_error", 10.0);
+        family.add("scale_error", 1.0);
+        let p = |effect| family.p_value(effect, 1e-6_f64.ln());
+        assert!((p("cyclic_error") - 2e-4).abs() < 1e-7);
+        assert!((p("scale_error") - 2e-6).abs() < 1e-9);
+    }
+}

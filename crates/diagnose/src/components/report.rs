@@ -1,0 +1,151 @@
+//! An effect on a curve as a cause of the diagnosis.
+
+use nalgebra::DVector;
+use trueaxis_effects::{Level, ResolvedEffect, Scene, Shape};
+use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
+
+use crate::components::curve_set::CurveSet;
+use crate::components::search::Found;
+use crate::diagnosis::{Cause, EstimatedParameter};
+use crate::selection::Projection;
+
+/// Lever at which angles count in an rms of displacements, mm: the size of a workpiece.
+const LEVER_MM: f64 = 100.0;
+
+/// Relative difference of the parameters for the derivatives of amplitude and phase.
+const DIFFERENCE: f64 = 1e-6;
+
+/// The cause.
+pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
+    let hypothesis = &found.candidate.hypothesis;
+    let estimate = &found.estimate;
+    let linear = hypothesis.effect.parameters(scene, &hypothesis.subject);
+    let n = estimate.parameters.len();
+    let mut parameters: Vec<EstimatedParameter> = linear
+        .iter()
+        .zip(&estimate.parameters)
+        .enumerate()
+        .map(|(k, (parameter, &value))| EstimatedParameter {
+            name: parameter.name.clone(),
+            value,
+            u: estimate.covariance[(k, k)].max(0.0).sqrt(),
+            unit: parameter.unit,
+        })
+        .collect();
+    let unit = linear.first().map_or("um", |parameter| parameter.unit);
+    parameters.extend(amplitude_and_phase(found, unit));
+    parameters.extend(shape(set, found));
+    let (share, rms_um) = share_and_rms(set, &estimate.curve);
+    Cause {
+        effect: ResolvedEffect {
+            effect: hypothesis.effect,
+            subject: hypothesis.subject,
+            parameters: estimate.parameters.clone(),
+            shape: estimate.shape,
+        },
+        level: Level::Components,
+        p_value: found.p_value,
+        delta_bic: found.score.bic,
+        explained_rms_um: rms_um,
+        heldout_gain: None,
+        parameters,
+        covariance: (0..n * n)
+            .map(|k| estimate.covariance[(k / n, k % n)])
+            .collect(),
+        rivals: found.rivals.clone(),
+        changes: Vec::new(),
+        share_of_curve: Some(share),
+    }
+}
+
+/// `s sin + c cos = A sin(… + φ)` has `A = √(s² + c²)` and `φ = atan2(c, s)`. Of two directions the
+/// point runs on an ellipse, the sum of a circle with and one against the sense of the waves; A is the
+/// sum of their radii, half its long axis.
+fn amplitude_and_phase(found: &Found, unit: &'static str) -> Vec<EstimatedParameter> {
+    let values = &found.estimate.parameters;
+    let given = |name: &str, f: &dyn Fn(&[f64]) -> f64, unit| EstimatedParameter {
+        name: name.to_owned(),
+        value: f(values),
+        u: u_of(found, f),
+        unit,
+    };
+    match values.len() {
+        2 => {
+            let phase = |v: &[f64]| v[1].atan2(v[0]).to_degrees();
+            vec![
+                given("amplitude", &|v| v[0].hypot(v[1]), unit),
+                given("phase", &phase, "deg"),
+            ]
+        }
+        4 => {
+            let long = |v: &[f64]| {
+                0.5 * ((v[1] + v[2]).hypot(v[3] - v[0]) + (v[1] - v[2]).hypot(v[3] + v[0]))
+            };
+            vec![given("amplitude", &long, unit)]
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Standard uncertainty of a function of the parameters, to first order.
+fn u_of(found: &Found, f: &dyn Fn(&[f64]) -> f64) -> f64 {
+    let values = &found.estimate.parameters;
+    let size = values.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let h = (DIFFERENCE * size).max(f64::MIN_POSITIVE.sqrt());
+    let slope = |k: usize| {
+        let (mut above, mut below) = (values.clone(), values.clone());
+        above[k] += h;
+        below[k] -= h;
+        (f(&above) - f(&below)) / (2.0 * h)
+    };
+    let gradient = DVector::from_fn(values.len(), |k, _| slope(k));
+    (gradient.transpose() * &found.estimate.covariance * &gradient)[(0, 0)]
+        .max(0.0)
+        .sqrt()
+}
+
+fn shape(set: &CurveSet, found: &Found) -> Option<EstimatedParameter> {
+    let (value, u) = (found.estimate.shape, found.estimate.u_shape);
+    match found.candidate.hypothesis.effect.shape() {
+        Shape::Period => {
+            let (value, u, unit) = match set.content.kind() {
+                AxisKind::Linear => (value, u, "mm"),
+                AxisKind::Rotary => (value.to_degrees(), u.to_degrees(), "deg"),
+            };
+            Some(EstimatedParameter {
+                name: "period".to_owned(),
+                value,
+                u,
+                unit,
+            })
+        }
+        Shape::Waves => Some(EstimatedParameter {
+            name: "waves".to_owned(),
+            value,
+            u,
+            unit: "1",
+        }),
+        Shape::Fixed | Shape::Instant | Shape::TimeConstant => None,
+    }
+}
+
+/// By what part the squares of the curves fall without the effect, and the rms of the effect, both after
+/// what the gauge takes.
+fn share_and_rms(set: &CurveSet, effect: &[f64]) -> (f64, f64) {
+    let after_gauge = |curve: Vec<f64>| Projection::dense(curve, &set.base);
+    let all = after_gauge(set.values.clone()).squares();
+    let pairs = set.values.iter().zip(effect);
+    let left = after_gauge(pairs.map(|(y, x)| y - x).collect()).squares();
+    let share = if all > 0.0 {
+        (1.0 - left / all).max(0.0)
+    } else {
+        0.0
+    };
+    let own = after_gauge(effect.to_vec()).squares() / effect.len().max(1) as f64;
+    let um = if set.components[0].is_angular() {
+        ARCSEC * LEVER_MM / MICROMETRE
+    } else {
+        1.0
+    };
+    (share, own.sqrt() * um)
+}

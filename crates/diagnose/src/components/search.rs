@@ -1,0 +1,279 @@
+//! One effect at a time, each with the earlier ones in the model; at the end each against all others.
+
+use trueaxis_effects::{Effect, ResolvedEffect, Scene};
+use trueaxis_kinematics::AxisKind;
+
+use crate::components::background::{Background, backgrounds};
+use crate::components::bow::{Bow, find_bow};
+use crate::components::candidates::{Candidate, candidates};
+use crate::components::curve_set::CurveSet;
+use crate::components::estimate::{Estimate, estimate};
+use crate::components::family::{Family, LEVEL};
+use crate::components::judgement::Judgement;
+use crate::components::report;
+use crate::diagnosis::{Cause, Rival};
+use crate::selection::{Fit, Null, Scan, Score, cosine, is_rival};
+
+/// The search over all curves of a machine.
+pub(crate) struct Search<'a> {
+    scene: &'a Scene,
+    family: Family,
+    sets: Vec<SetSearch>,
+}
+
+/// One set of curves.
+pub(crate) struct SetSearch {
+    /// The curves.
+    pub(crate) set: CurveSet,
+    candidates: Vec<Candidate>,
+    /// What was found so far.
+    pub(crate) found: Vec<Found>,
+}
+
+/// An effect that stands out.
+#[derive(Debug, Clone)]
+pub(crate) struct Found {
+    /// Which.
+    pub(crate) candidate: Candidate,
+    /// Its values.
+    pub(crate) estimate: Estimate,
+    /// Its judgement, with all others in the model.
+    pub(crate) score: Score,
+    /// Family-wise.
+    pub(crate) p_value: f64,
+    /// What explains the curves nearly as well.
+    pub(crate) rivals: Vec<Rival>,
+}
+
+/// Effects of one set: more than that is a description of a curve, not an explanation.
+const MOST_CAUSES: usize = 4;
+
+impl<'a> Search<'a> {
+    /// Prepares the search.
+    pub(crate) fn new(scene: &'a Scene, sets: Vec<CurveSet>) -> Self {
+        let sets = sets.into_iter().map(|set| SetSearch {
+            candidates: candidates(&set, scene),
+            found: Vec::new(),
+            set,
+        });
+        Self {
+            scene,
+            family: Family::default(),
+            sets: sets.collect(),
+        }
+    }
+
+    /// All causes, the most certain first.
+    pub(crate) fn causes(mut self) -> Vec<Cause> {
+        // How much is looked at, before anything is judged.
+        let first: Vec<Judged> = self.sets.iter().map(SetSearch::judged).collect();
+        for (search, judged) in self.sets.iter().zip(&first) {
+            search.count_tests(judged, &mut self.family);
+        }
+        let pairs = self.straightness_and_angle();
+        for _ in &pairs {
+            self.family.add(Bow::EFFECT, 1.0);
+        }
+        for (search, judged) in self.sets.iter_mut().zip(first) {
+            search.select(judged, &self.family);
+            search.confirm(&self.family);
+        }
+        let mut causes: Vec<Cause> = self
+            .sets
+            .iter()
+            .flat_map(|search| {
+                let found = search.found.iter();
+                found.map(|found| report::cause(&search.set, found, self.scene))
+            })
+            .collect();
+        for (straightness, angle) in pairs {
+            let (a, b) = (&self.sets[straightness], &self.sets[angle]);
+            let Some(bow) = find_bow(a, b, self.scene) else {
+                continue;
+            };
+            let p_value = self.family.p_value(Bow::EFFECT, bow.ln_p);
+            if p_value <= LEVEL {
+                causes.push(bow.cause(&a.set, p_value, self.scene));
+            }
+        }
+        causes.sort_by(|a, b| {
+            let by_p = a.p_value.total_cmp(&b.p_value);
+            by_p.then(a.delta_bic.total_cmp(&b.delta_bic))
+        });
+        causes
+    }
+
+    /// Places of each straightness and of the angle that is its slope.
+    fn straightness_and_angle(&self) -> Vec<(usize, usize)> {
+        let mut pairs = Vec::new();
+        for (i, own) in self.sets.iter().enumerate() {
+            if own.set.content.kind() != AxisKind::Linear || !own.set.is_straightness() {
+                continue;
+            }
+            // Across both the axis and the straightness.
+            let (along, across) = (own.set.content.principal(), own.set.components[0].index());
+            let angle = self.sets.iter().position(|other| {
+                other.set.axis == own.set.axis
+                    && other.set.components[0].index() == 3 + (3 - along - across)
+            });
+            pairs.extend(angle.map(|angle| (i, angle)));
+        }
+        pairs
+    }
+}
+
+/// The candidates of a set in front of every size of the rest.
+struct Judged {
+    backgrounds: Vec<Background>,
+    judgements: Vec<Judgement>,
+}
+
+impl SetSearch {
+    /// What is in the model besides `without`.
+    pub(crate) fn model(&self, without: Option<usize>) -> Vec<Vec<f64>> {
+        let mut base = self.set.base.clone();
+        for (i, found) in self.found.iter().enumerate() {
+            if Some(i) != without {
+                base.extend(found.estimate.columns.iter().cloned());
+            }
+        }
+        base
+    }
+
+    fn judged(&self) -> Judged {
+        let backgrounds = backgrounds(&self.set, &self.model(None));
+        let judgements = self.candidates.iter();
+        Judged {
+            judgements: judgements
+                .map(|candidate| Judgement::new(&self.set, &backgrounds, candidate))
+                .collect(),
+            backgrounds,
+        }
+    }
+
+    /// The effective number of tests of each effect, under the most likely rest.
+    fn count_tests(&self, judged: &Judged, family: &mut Family) {
+        let likely = &judged.backgrounds[most_likely(&judged.backgrounds)];
+        for (candidate, judgement) in self.candidates.iter().zip(&judged.judgements) {
+            let Some(scan) = judgement.scan(likely, candidate) else {
+                continue;
+            };
+            let tests = if candidate.shapes.len() == 1 {
+                1.0
+            } else {
+                let scans: [Box<dyn Scan>; 1] = [Box::new(scan)];
+                Null::simulated(&likely.projection, &scans).tests
+            };
+            family.add(candidate.hypothesis.effect.id(), tests);
+        }
+    }
+
+    /// Takes effects in until nothing stands out any more.
+    fn select(&mut self, mut judged: Judged, family: &Family) {
+        while self.found.len() < MOST_CAUSES {
+            let Some(found) = self.best(&judged, family) else {
+                return;
+            };
+            self.found.push(found);
+            judged = self.judged();
+        }
+    }
+
+    /// The one with the most evidence of those that stand out.
+    fn best(&self, judged: &Judged, family: &Family) -> Option<Found> {
+        let numbered = self.candidates.iter().zip(&judged.judgements).enumerate();
+        let scores: Vec<Score> = numbered
+            .filter_map(|(k, (candidate, judgement))| {
+                judgement.score(&judged.backgrounds, candidate, k)
+            })
+            .collect();
+        let p_value = |score: &Score| {
+            let effect = self.candidates[score.scan].hypothesis.effect.id();
+            family.p_value(effect, score.ln_p)
+        };
+        let standing_out = scores.iter().filter(|score| p_value(score) <= LEVEL);
+        let leader = *standing_out.max_by(|a, b| a.evidence.total_cmp(&b.evidence))?;
+        let candidate = &self.candidates[leader.scan];
+        Some(Found {
+            estimate: estimate(&self.set, &judged.backgrounds, candidate, leader.shape),
+            candidate: candidate.clone(),
+            p_value: p_value(&leader),
+            rivals: self.rivals(&judged.backgrounds, &leader, &scores),
+            score: leader,
+        })
+    }
+
+    /// The others that cannot be told from the leader.
+    fn rivals(&self, backgrounds: &[Background], leader: &Score, scores: &[Score]) -> Vec<Rival> {
+        let background = &backgrounds[most_likely(backgrounds)];
+        let fit = |score: &Score| {
+            let candidate = &self.candidates[score.scan];
+            let hypothesis = &candidate.hypothesis;
+            let columns = self.set.columns(
+                hypothesis.effect,
+                &hypothesis.subject,
+                candidate.parameters,
+                score.shape,
+            );
+            let whitened: Vec<Vec<f64>> = columns
+                .iter()
+                .map(|column| background.whiten(column))
+                .collect();
+            Fit::new(&background.projection, &whitened)
+        };
+        let own = fit(leader);
+        let others = scores.iter().filter(|score| score.scan != leader.scan);
+        others
+            .filter_map(|score| {
+                let other = fit(score);
+                let hypothesis = &self.candidates[score.scan].hypothesis;
+                is_rival(leader, score, cosine(&own, &other)).then(|| Rival {
+                    effect: ResolvedEffect {
+                        effect: hypothesis.effect,
+                        subject: hypothesis.subject,
+                        parameters: other.estimates,
+                        shape: score.shape,
+                    },
+                    delta_bic: score.bic,
+                })
+            })
+            .collect()
+    }
+
+    /// Each effect against the model with all others: out with what does not stand out any more, and
+    /// the values of what does.
+    fn confirm(&mut self, family: &Family) {
+        if self.found.len() < 2 {
+            return;
+        }
+        let mut i = 0;
+        while i < self.found.len() {
+            let backgrounds = backgrounds(&self.set, &self.model(Some(i)));
+            let mut candidate = self.found[i].candidate.clone();
+            let shape = self.found[i].estimate.shape;
+            candidate.shapes = vec![shape];
+            let judgement = Judgement::new(&self.set, &backgrounds, &candidate);
+            let score = judgement.score(&backgrounds, &candidate, self.found[i].score.scan);
+            let effect: &dyn Effect = candidate.hypothesis.effect;
+            let p_value = score.map(|score| family.p_value(effect.id(), score.ln_p));
+            match (score, p_value) {
+                (Some(score), Some(p_value)) if p_value <= LEVEL => {
+                    let estimate = estimate(&self.set, &backgrounds, &candidate, shape);
+                    let found = &mut self.found[i];
+                    (found.score, found.p_value, found.estimate) = (score, p_value, estimate);
+                    i += 1;
+                }
+                _ => {
+                    self.found.remove(i);
+                }
+            }
+        }
+    }
+}
+
+/// The place of the size of the rest with the largest weight.
+fn most_likely(backgrounds: &[Background]) -> usize {
+    let numbered = backgrounds.iter().enumerate();
+    let best = numbered.max_by(|a, b| a.1.ln_weight.total_cmp(&b.1.ln_weight));
+    best.map_or(0, |(place, _)| place)
+}

@@ -1,0 +1,223 @@
+//! The outcome: what is wrong, why, what the better model looks like, what was gained.
+
+use trueaxis_effects::{Layer, Level, ResolvedEffect, Scene};
+
+/// A diagnosis of a campaign.
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    /// Name of the campaign.
+    pub campaign: String,
+    /// What stations, targets and axes the subjects of causes refer to.
+    pub scene: Scene,
+    /// The verdict on the measured data.
+    pub verdict: Verdict,
+    /// Each level that there are data for.
+    pub levels: Vec<LevelReport>,
+    /// All causes, those of the data first, then those of the error curves; by rank.
+    pub causes: Vec<Cause>,
+    /// What no cause explains; none if nothing is left.
+    pub unexplained: Option<Unexplained>,
+    /// Effects that these data cannot show.
+    pub not_observable: Vec<NotObservable>,
+    /// What a user must know before using the outcome.
+    pub notices: Vec<String>,
+}
+
+/// What the data say about the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Nothing contradicts the model.
+    Clean,
+    /// One cause for each thing that is wrong, and nothing else explains it nearly as well.
+    Named,
+    /// Something is wrong, and several causes explain it.
+    Ambiguous,
+    /// Something is wrong that no effect of the catalogue explains.
+    Unknown,
+}
+
+impl Verdict {
+    /// As the result file names it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clean => "clean",
+            Self::Named => "named",
+            Self::Ambiguous => "ambiguous",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// One level of data: how far the prediction is off before and after.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LevelReport {
+    /// The level.
+    pub level: Level,
+    /// What was compared, in words, as `2340 lengths` or `LI along X`.
+    pub data: String,
+    /// Standard deviation of one reading as the repeats show it, µm.
+    pub noise_floor_um: f64,
+    /// Misfit of the rigid, quasi-static model.
+    pub before: Misfit,
+    /// Misfit with the causes in the model.
+    pub after: Misfit,
+    /// Gain on data that were not used; none where nothing was named or could be held out.
+    pub gain: Option<Gain>,
+    /// The tests whether anything is wrong at all, before the causes.
+    pub tests: Vec<OmnibusTest>,
+    /// The same after the causes.
+    pub tests_after: Vec<OmnibusTest>,
+    /// Where the misfit lives: groups of readings with their rms, before and after, µm.
+    pub places: Vec<Place>,
+}
+
+/// Rms of measured minus predicted, for one degree of freedom, µm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Misfit {
+    /// In the data that the model was fitted to.
+    pub rms_um: f64,
+    /// In data that it was not fitted to; none where nothing could be held out.
+    pub heldout_rms_um: Option<f64>,
+}
+
+/// Gain on unused data.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gain {
+    /// Held-out rms after, divided by before.
+    pub heldout_rms_ratio: f64,
+    /// Its 95 % interval, from a bootstrap of blocks.
+    pub interval: [f64; 2],
+    /// Share of the misfit above the noise floor that went away, in squares.
+    pub share_of_excess_removed: f64,
+}
+
+impl Gain {
+    /// Whether the interval excludes no gain.
+    pub fn is_claimed(&self) -> bool {
+        self.interval[1] < 1.0
+    }
+}
+
+/// A test of whether anything is left in the residuals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OmnibusTest {
+    /// What the residuals are tested to vary with, as `time` or `position`.
+    pub varies_with: &'static str,
+    /// The period that stands out, where the test looks for one, in words, as `1180 s`.
+    pub detail: Option<String>,
+    /// Columns of the test that the data see.
+    pub columns: usize,
+    /// Its p-value, all tests of the level together (family-wise).
+    pub p_value: f64,
+}
+
+/// A group of readings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place {
+    /// By what the readings are grouped, as `station`.
+    pub by: &'static str,
+    /// The group, as `S2`.
+    pub name: String,
+    /// Its readings.
+    pub readings: usize,
+    /// Rms before, µm.
+    pub before_um: f64,
+    /// Rms with the causes in the model, µm.
+    pub after_um: f64,
+}
+
+/// A cause.
+#[derive(Debug, Clone)]
+pub struct Cause {
+    /// The effect with its subject and values.
+    pub effect: ResolvedEffect,
+    /// Where it was found.
+    pub level: Level,
+    /// Probability that noise alone looks as much like any effect (family-wise).
+    pub p_value: f64,
+    /// BIC against the model without it; negative is better.
+    pub delta_bic: f64,
+    /// Rms of what it explains over all readings of the level, µm.
+    pub explained_rms_um: f64,
+    /// By what part the held-out rms falls; none where nothing could be held out.
+    pub heldout_gain: Option<f64>,
+    /// Its parameters, the shape (instant, time constant, period) last.
+    pub parameters: Vec<EstimatedParameter>,
+    /// Covariance of the linear parameters in their units, rows one after the other.
+    pub covariance: Vec<f64>,
+    /// What explains the data nearly as well.
+    pub rivals: Vec<Rival>,
+    /// By how much the calibration changes: name of the component or location error, largest amount and
+    /// unit.
+    pub changes: Vec<Change>,
+    /// For a cause of an error curve: its share of the curve's squares.
+    pub share_of_curve: Option<f64>,
+}
+
+/// A value with standard uncertainty.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EstimatedParameter {
+    /// Name, as `shift_x`.
+    pub name: String,
+    /// Value.
+    pub value: f64,
+    /// Standard uncertainty.
+    pub u: f64,
+    /// Unit, as `um`.
+    pub unit: &'static str,
+}
+
+/// Another explanation.
+#[derive(Debug, Clone)]
+pub struct Rival {
+    /// The effect with its subject and values.
+    pub effect: ResolvedEffect,
+    /// BIC against the model without any cause; negative is better.
+    pub delta_bic: f64,
+}
+
+/// A change of a result of the calibration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// Name, as `EXX` or `C0Y`.
+    pub name: String,
+    /// Largest amount over the positions.
+    pub largest: f64,
+    /// Unit: `um` or `arcsec`, `mm` for the location of a rotary axis.
+    pub unit: &'static str,
+}
+
+/// What is left when nothing of the catalogue explains it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unexplained {
+    /// The level.
+    pub level: Level,
+    /// Its rms beyond the noise, µm.
+    pub rms_um: f64,
+    /// What it varies with: `time`, `position`, `station`, `target`, `direction`.
+    pub varies_with: Vec<&'static str>,
+    /// In words, with a period where there is one.
+    pub note: String,
+}
+
+/// An effect that these data cannot show. It may be there all the same.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NotObservable {
+    /// Its id.
+    pub effect: &'static str,
+    /// What it concerns, in words, as `axis X`; empty if all.
+    pub subject: String,
+    /// Why the data do not show it.
+    pub reason: String,
+    /// What it would do to results: name and amount per unit, in words.
+    pub bias_per_unit: Vec<(String, String)>,
+    /// What to measure to see it.
+    pub measure: String,
+}
+
+impl Cause {
+    /// Its layer.
+    pub fn layer(&self) -> Layer {
+        self.effect.effect.layer()
+    }
+}

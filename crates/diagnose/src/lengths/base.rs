@@ -1,0 +1,309 @@
+//! The joint adjustment with rigid stages, with and without causes.
+
+use trueaxis_campaign::{Campaign, Lengths};
+use trueaxis_effects::{ResolvedEffect, Scene, displacement};
+use trueaxis_multilateration::{
+    Bodies, CampaignNetwork, Group, Network, Noise, RigidSolution, Settings, Whitened,
+    estimate_rigid_noise, network_from_campaign, screen, solve, solve_rigid,
+};
+
+use crate::Error;
+use crate::lengths::readings::{Reading, readings, scene};
+use crate::selection::{Fit, Hypothesis, Projection};
+
+/// The lengths of a campaign, ready to be adjusted.
+pub(crate) struct Base<'a> {
+    pub(crate) campaign: &'a Campaign,
+    pub(crate) scene: Scene,
+    pub(crate) network: Network,
+    pub(crate) groups: Vec<Group>,
+    bodies: Bodies,
+    pub(crate) readings: Vec<Reading>,
+    /// Solution without causes: where the others start.
+    start: RigidSolution,
+    declared: bool,
+    /// Lines of readings that were left out as gross errors.
+    pub(crate) left_out: Vec<usize>,
+}
+
+/// A cause with its parameters, linear at its shape.
+#[derive(Debug, Clone)]
+pub(crate) struct Suspect {
+    pub(crate) hypothesis: Hypothesis,
+    pub(crate) shape: f64,
+    pub(crate) u_shape: f64,
+    pub(crate) parameters: Vec<f64>,
+    /// Covariance of the parameters, rows one after the other.
+    pub(crate) covariance: Vec<f64>,
+}
+
+/// An adjusted model.
+pub(crate) struct Adjusted {
+    /// The network with the noise used; its lengths are less what the causes do to them.
+    pub(crate) network: Network,
+    pub(crate) solution: RigidSolution,
+    /// Whitened rows of the rigid model.
+    pub(crate) whitened: Whitened,
+    /// What neither the rigid model nor the causes absorb.
+    pub(crate) projection: Projection,
+    /// The causes with their parameters.
+    pub(crate) suspects: Vec<Suspect>,
+}
+
+/// More gross errors than this part of the lengths are no accident but structure, which the search is to
+/// see.
+const MOST_GROSS: f64 = 0.01;
+
+/// Parameters of causes rest when they move by less than this part of their uncertainty.
+const RESTS: f64 = 1e-3;
+
+const MAX_ITERATIONS: usize = 8;
+
+impl<'a> Base<'a> {
+    /// Adjusts a campaign's lengths without causes. Single gross errors are left out; interrupted
+    /// beams are not split, since these are to be found.
+    pub(crate) fn new(campaign: &'a Campaign, lengths: &Lengths) -> Result<Self, Error> {
+        let settings = Settings::default();
+        let CampaignNetwork { network, groups } = network_from_campaign(campaign, lengths, false);
+        let instrument = &campaign.instrument;
+        let declared =
+            instrument.length_sigma_um.is_some() && instrument.repeatability_um.is_some();
+        let removed: Vec<usize> = match screen(&network, declared, &settings) {
+            Ok(screened) => screened.removed.iter().map(|r| r.reading).collect(),
+            Err(_) => Vec::new(),
+        };
+        let few = removed.len() as f64 <= MOST_GROSS * network.readings.len() as f64;
+        let removed = if few { removed } else { Vec::new() };
+        let (network, kept) = network.without(&removed);
+        let free = solve(&network, &settings)?;
+        let bodies = Bodies::of_campaign(campaign, &groups)?;
+        let start = solve_rigid(&network, &bodies, &free, &settings)?;
+        let readings = readings(campaign, lengths, &network, &groups, &kept);
+        Ok(Self {
+            campaign,
+            scene: scene(campaign),
+            readings,
+            start,
+            declared,
+            left_out: removed.iter().map(|&i| lengths.readings[i].line).collect(),
+            network,
+            groups,
+            bodies,
+        })
+    }
+
+    /// Adjusts everything with `suspects` in the model, from their present parameters. Without
+    /// `noise` it is estimated.
+    pub(crate) fn adjust(
+        &self,
+        mut suspects: Vec<Suspect>,
+        noise: Option<Noise>,
+    ) -> Result<Adjusted, Error> {
+        let settings = Settings::default();
+        let mut solution = self.start.clone();
+        let mut network = self.network.clone();
+        for _ in 0..MAX_ITERATIONS {
+            self.correct(&mut network, &solution, &suspects);
+            if let Some(noise) = noise {
+                network.noise = noise;
+                solution = solution.solve_again(&network, &self.bodies, &settings)?;
+            } else {
+                network.noise = self.network.noise;
+                solution = solution.solve_again(&network, &self.bodies, &settings)?;
+                estimate_rigid_noise(
+                    &mut network,
+                    &self.bodies,
+                    &mut solution,
+                    self.declared,
+                    &settings,
+                )?;
+            }
+            let whitened = Whitened::rigid(&network, &self.bodies, &solution);
+            let bare = Projection::of_network(&whitened);
+            let mut adjusted = Adjusted {
+                network,
+                solution,
+                whitened,
+                projection: bare,
+                suspects,
+            };
+            if adjusted.suspects.is_empty() {
+                return Ok(adjusted);
+            }
+            let columns: Vec<Vec<f64>> = adjusted
+                .suspects
+                .iter()
+                .flat_map(|s| self.columns(&adjusted, &s.hypothesis, s.shape))
+                .collect();
+            let fit = Fit::new(&adjusted.projection, &columns);
+            let rests = adjusted.update(&fit);
+            if rests {
+                adjusted.projection = adjusted.projection.extended(&columns);
+                return Ok(adjusted);
+            }
+            Adjusted {
+                network,
+                solution,
+                suspects,
+                ..
+            } = adjusted;
+        }
+        // The parameters move by more than their rest: the last linear step is still the best there is.
+        self.correct(&mut network, &solution, &suspects);
+        solution = solution.solve_again(&network, &self.bodies, &settings)?;
+        let whitened = Whitened::rigid(&network, &self.bodies, &solution);
+        let mut adjusted = Adjusted {
+            projection: Projection::of_network(&whitened),
+            network,
+            solution,
+            whitened,
+            suspects,
+        };
+        let columns: Vec<Vec<f64>> = adjusted
+            .suspects
+            .iter()
+            .flat_map(|s| self.columns(&adjusted, &s.hypothesis, s.shape))
+            .collect();
+        adjusted.projection = adjusted.projection.extended(&columns);
+        Ok(adjusted)
+    }
+
+    /// The lengths less what the causes do to them: exact distances between displaced points.
+    fn correct(&self, network: &mut Network, solution: &RigidSolution, suspects: &[Suspect]) {
+        for (i, reading) in self.readings.iter().enumerate() {
+            let measured_mm = self.network.readings[i].length_mm;
+            network.readings[i].length_mm =
+                measured_mm - self.effect_mm(reading, solution, suspects);
+        }
+    }
+
+    /// What causes do to a reading, mm.
+    pub(crate) fn effect_mm(
+        &self,
+        reading: &Reading,
+        solution: &RigidSolution,
+        suspects: &[Suspect],
+    ) -> f64 {
+        if suspects.is_empty() {
+            return 0.0;
+        }
+        let positions = &self.campaign.steps[reading.step].positions;
+        let sight = reading.sight(&self.scene.machine, positions, &self.network, solution);
+        let mut beam_mm = sight.beam * sight.at.distance_mm;
+        let mut shown_mm = 0.0;
+        for suspect in suspects {
+            let Hypothesis {
+                effect, subject, ..
+            } = &suspect.hypothesis;
+            let moved = displacement(
+                *effect,
+                subject,
+                &suspect.parameters,
+                suspect.shape,
+                &sight.at,
+            );
+            beam_mm += moved.point_mm - moved.station_mm;
+            shown_mm += moved.length_mm;
+        }
+        beam_mm.norm() - sight.at.distance_mm + shown_mm
+    }
+
+    /// Whitened columns of a hypothesis: what a unit of each parameter does to the lengths.
+    pub(crate) fn columns(
+        &self,
+        adjusted: &Adjusted,
+        hypothesis: &Hypothesis,
+        shape: f64,
+    ) -> Vec<Vec<f64>> {
+        let Hypothesis {
+            effect, subject, ..
+        } = hypothesis;
+        let count = effect.parameters(&self.scene, subject).len();
+        let mut columns = vec![vec![0.0; self.readings.len()]; count];
+        let mut unit = vec![0.0; count];
+        for (i, reading) in self.readings.iter().enumerate() {
+            let positions = &self.campaign.steps[reading.step].positions;
+            let sight = reading.sight(
+                &self.scene.machine,
+                positions,
+                &self.network,
+                &adjusted.solution,
+            );
+            for (k, column) in columns.iter_mut().enumerate() {
+                unit.fill(0.0);
+                unit[k] = 1.0;
+                let moved = displacement(*effect, subject, &unit, shape, &sight.at);
+                column[i] = moved.along(&sight.beam);
+            }
+        }
+        for column in &mut columns {
+            adjusted.whitened.whiten(column);
+        }
+        columns
+    }
+
+    /// The same lengths without some readings (ascending).
+    pub(crate) fn without(&self, removed: &[usize]) -> Result<Self, Error> {
+        let (network, kept) = self.network.without(removed);
+        let start = self
+            .start
+            .solve_again(&network, &self.bodies, &Settings::default())?;
+        Ok(Self {
+            campaign: self.campaign,
+            scene: self.scene.clone(),
+            network,
+            groups: self.groups.clone(),
+            bodies: self.bodies.clone(),
+            readings: kept.iter().map(|&i| self.readings[i].clone()).collect(),
+            start,
+            declared: self.declared,
+            left_out: Vec::new(),
+        })
+    }
+
+    /// Measured minus predicted lengths for all of the lengths of `all`, mm, from a model adjusted to
+    /// these lengths only.
+    pub(crate) fn predicted_misfit_mm(&self, all: &Base<'_>, adjusted: &Adjusted) -> Vec<f64> {
+        let solution = &adjusted.solution;
+        let misfit = |(i, reading): (usize, &Reading)| {
+            let station = &solution.stations[reading.station];
+            let distance_mm = (solution.points_mm[reading.point] - station.position_mm).norm();
+            let effect_mm = all.effect_mm(reading, solution, &adjusted.suspects);
+            all.network.readings[i].length_mm + station.dead_path_mm - distance_mm - effect_mm
+        };
+        all.readings.iter().enumerate().map(misfit).collect()
+    }
+
+    /// An effect with values, by the names of the campaign.
+    pub(crate) fn resolved(suspect: &Suspect) -> ResolvedEffect {
+        ResolvedEffect {
+            effect: suspect.hypothesis.effect,
+            subject: suspect.hypothesis.subject,
+            parameters: suspect.parameters.clone(),
+            shape: suspect.shape,
+        }
+    }
+}
+
+impl Adjusted {
+    /// Moves the parameters by a fit of what is left; whether they rest.
+    fn update(&mut self, fit: &Fit) -> bool {
+        let all = fit.estimates.len();
+        let mut first = 0;
+        let mut rests = true;
+        for suspect in &mut self.suspects {
+            let count = suspect.parameters.len();
+            suspect.covariance = (0..count * count)
+                .map(|ij| fit.covariance[(first + ij / count) * all + first + ij % count])
+                .collect();
+            for k in 0..count {
+                let step = fit.estimates[first + k];
+                suspect.parameters[k] += step;
+                let u = suspect.covariance[k * count + k].sqrt();
+                rests &= step.abs() <= RESTS * u;
+            }
+            first += count;
+        }
+        rests
+    }
+}

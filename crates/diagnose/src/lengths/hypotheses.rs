@@ -1,0 +1,114 @@
+//! Every effect of the catalogue on every subject of a campaign.
+
+use trueaxis_effects::{Effect, Level, Shape, Subject, catalogue};
+
+use crate::lengths::base::{Adjusted, Base};
+use crate::lengths::step_scan::{StepScan, VisitTimes};
+use crate::selection::{FixedScan, Hypothesis, Scan};
+
+/// Time constants that are tried, from a hundredth of the campaign to twice its length.
+const TIME_CONSTANTS: i32 = 24;
+const SHORTEST: f64 = 0.01;
+const LONGEST: f64 = 2.0;
+
+/// Hypotheses that the data can show, and those that they cannot.
+pub(crate) struct Hypotheses {
+    pub(crate) scans: Vec<Box<dyn Scan>>,
+    pub(crate) without_trace: Vec<Hypothesis>,
+}
+
+/// All hypotheses about the lengths, in the order of the catalogue.
+pub(crate) fn hypotheses(base: &Base<'_>, adjusted: &Adjusted) -> Hypotheses {
+    let visits = visit_times(base);
+    let mut scans: Vec<Box<dyn Scan>> = Vec::new();
+    let mut without_trace = Vec::new();
+    for hypothesis in of_catalogue(base) {
+        match scan(base, adjusted, &visits, hypothesis) {
+            Some(scan) => scans.push(scan),
+            None => without_trace.push(hypothesis),
+        }
+    }
+    Hypotheses {
+        scans,
+        without_trace,
+    }
+}
+
+/// One hypothesis, if the data can show it.
+pub(crate) fn scan(
+    base: &Base<'_>,
+    adjusted: &Adjusted,
+    visits: &[VisitTimes],
+    hypothesis: Hypothesis,
+) -> Option<Box<dyn Scan>> {
+    let projection = &adjusted.projection;
+    let boxed = |scan: FixedScan| Box::new(scan) as Box<dyn Scan>;
+    let columns = |shape: f64| base.columns(adjusted, &hypothesis, shape);
+    match hypothesis.effect.shape() {
+        Shape::Instant => {
+            let columns = columns(f64::NEG_INFINITY);
+            let scan = StepScan::new(hypothesis, projection, visits, &columns)?;
+            Some(Box::new(scan))
+        }
+        Shape::TimeConstant => {
+            let shapes = time_constants(visits);
+            FixedScan::new(hypothesis, projection, &shapes, columns).map(boxed)
+        }
+        Shape::Fixed | Shape::Period | Shape::Waves => {
+            FixedScan::new(hypothesis, projection, &[0.0], columns).map(boxed)
+        }
+    }
+}
+
+fn of_catalogue(base: &Base<'_>) -> Vec<Hypothesis> {
+    let effects = catalogue()
+        .iter()
+        .filter(|effect| effect.levels().contains(&Level::Lengths));
+    effects
+        .flat_map(|&effect| of_effect(base, effect))
+        .collect()
+}
+
+fn of_effect(base: &Base<'_>, effect: &'static dyn Effect) -> Vec<Hypothesis> {
+    let subjects: Vec<Subject> = effect.subjects(&base.scene);
+    let count = subjects.len();
+    let hypothesis = |subject| Hypothesis {
+        effect,
+        subject,
+        subjects: count,
+    };
+    subjects.into_iter().map(hypothesis).collect()
+}
+
+/// Rows and times of all visits.
+pub(crate) fn visit_times(base: &Base<'_>) -> Vec<VisitTimes> {
+    let visits = base.network.visits.iter();
+    visits
+        .filter(|visit| !visit.readings.is_empty())
+        .map(|visit| {
+            let times = base.readings[visit.readings.clone()]
+                .iter()
+                .map(|r| r.time_s);
+            VisitTimes {
+                rows: visit.readings.clone(),
+                span_s: [
+                    times.clone().fold(f64::INFINITY, f64::min),
+                    times.fold(f64::NEG_INFINITY, f64::max),
+                ],
+            }
+        })
+        .collect()
+}
+
+fn time_constants(visits: &[VisitTimes]) -> Vec<f64> {
+    let first = visits.first().map_or(0.0, |v| v.span_s[0]);
+    let last = visits.last().map_or(0.0, |v| v.span_s[1]);
+    let duration = last - first;
+    if duration <= 0.0 {
+        return Vec::new();
+    }
+    let ratio = (LONGEST / SHORTEST).powf(1.0 / f64::from(TIME_CONSTANTS - 1));
+    (0..TIME_CONSTANTS)
+        .map(|k| duration * SHORTEST * ratio.powi(k))
+        .collect()
+}

@@ -1,0 +1,163 @@
+//! Whether anything at all is left in the residuals, and what it varies with.
+//!
+//! Each test adds smooth functions of something to the model, projects them as the residuals were
+//! projected, and takes the F test of what they explain: its null distribution is exact for normal
+//! noise. Several tests share their level (Bonferroni).
+
+use trueaxis_kinematics::Machine;
+
+use crate::OmnibusTest;
+use crate::lengths::base::{Adjusted, Base};
+use crate::lengths::harmonics::half_waves;
+use crate::lengths::readings::Reading;
+use crate::selection::{Projection, f_test};
+
+/// Half waves of time in one turn of a station: 24, so twelve periods.
+const OF_TIME: u32 = 24;
+/// Half waves of the position of an axis as one station sees it.
+const OF_POSITION: u32 = 6;
+/// Half waves of the position of an axis as one target shows it.
+const OF_TARGET: u32 = 4;
+/// Half waves of the difference between the two sides of approach.
+const OF_DIRECTION: u32 = 2;
+
+/// A test with what it found.
+#[derive(Debug, Clone)]
+pub(crate) struct Omnibus {
+    pub(crate) test: OmnibusTest,
+    /// Squares explained beyond what noise explains, in units of its variance.
+    pub(crate) excess: f64,
+}
+
+/// All tests of what an adjusted model leaves.
+pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
+    let machine = &base.scene.machine;
+    let stations = base.scene.stations.len();
+    let (axes, targets) = (machine.axes().len(), base.scene.targets.len());
+    let both_sides = base
+        .readings
+        .iter()
+        .any(|r| r.direction != base.readings[0].direction);
+    let mut tests = vec![
+        columns(base, "time", stations * OF_TIME as usize, |r, set| {
+            let first = r.station * OF_TIME as usize;
+            fill(set, first, half_waves(r.turn_progress, OF_TIME));
+        }),
+        columns(
+            base,
+            "position",
+            stations * axes * OF_POSITION as usize,
+            |r, set| {
+                let first = (r.station * axes + r.axis) * OF_POSITION as usize;
+                fill(
+                    set,
+                    first,
+                    half_waves(travelled(base, machine, r), OF_POSITION),
+                );
+            },
+        ),
+        columns(
+            base,
+            "target",
+            targets * axes * OF_TARGET as usize + targets * stations,
+            |r, set| {
+                let first = (r.target * axes + r.axis) * OF_TARGET as usize;
+                fill(
+                    set,
+                    first,
+                    half_waves(travelled(base, machine, r), OF_TARGET),
+                );
+                set[targets * axes * OF_TARGET as usize + r.target * stations + r.station] = 1.0;
+            },
+        ),
+    ];
+    if both_sides {
+        let width = OF_DIRECTION as usize + 1;
+        tests.push(columns(
+            base,
+            "direction",
+            targets * axes * width,
+            |r, set| {
+                let first = (r.target * axes + r.axis) * width;
+                set[first] = r.sign();
+                let waves = half_waves(travelled(base, machine, r), OF_DIRECTION);
+                fill(set, first + 1, waves.map(|x| x * r.sign()));
+            },
+        ));
+    }
+    let count = tests.len() as f64;
+    let projection = &adjusted.projection;
+    tests
+        .into_iter()
+        .map(|(varies_with, mut columns)| {
+            columns.retain(|column| column.iter().any(|&x| x != 0.0));
+            for column in &mut columns {
+                adjusted.whitened.whiten(column);
+            }
+            let (drop, rank) = explained(projection, columns);
+            let squares = projection.squares();
+            let p = f_test(drop, squares, rank, projection.degrees_of_freedom);
+            let variance = squares / projection.degrees_of_freedom;
+            Omnibus {
+                test: OmnibusTest {
+                    varies_with,
+                    detail: None,
+                    columns: rank,
+                    p_value: (count * p).min(1.0),
+                },
+                excess: (drop / variance - rank as f64).max(0.0),
+            }
+        })
+        .collect()
+}
+
+/// Where an axis stands in its travel, 0 to 1.
+fn travelled(base: &Base<'_>, machine: &Machine, reading: &Reading) -> f64 {
+    let [low, high] = machine.axes()[reading.axis].travel();
+    let position = base.campaign.steps[reading.step].positions[reading.axis];
+    if high > low {
+        (position - low) / (high - low)
+    } else {
+        0.0
+    }
+}
+
+fn fill(set: &mut [f64], first: usize, values: impl Iterator<Item = f64>) {
+    for (x, value) in set[first..].iter_mut().zip(values) {
+        *x = value;
+    }
+}
+
+/// Columns of changes of the lengths; `fill` gets a reading and its row, mm.
+fn columns(
+    base: &Base<'_>,
+    varies_with: &'static str,
+    count: usize,
+    fill: impl Fn(&Reading, &mut [f64]),
+) -> (&'static str, Vec<Vec<f64>>) {
+    let mut columns = vec![vec![0.0; base.readings.len()]; count];
+    let mut row = vec![0.0; count];
+    for (i, reading) in base.readings.iter().enumerate() {
+        row.fill(0.0);
+        fill(reading, &mut row);
+        for (column, &x) in columns.iter_mut().zip(&row) {
+            column[i] = x;
+        }
+    }
+    (varies_with, columns)
+}
+
+/// Drop of the sum of squares and number of directions that the data see.
+fn explained(projection: &Projection, columns: Vec<Vec<f64>>) -> (f64, usize) {
+    let gram = crate::selection::gram_of(projection, &columns);
+    let s: Vec<f64> = columns
+        .iter()
+        .map(|c| {
+            c.iter()
+                .zip(&projection.residuals)
+                .map(|(a, b)| a * b)
+                .sum()
+        })
+        .collect();
+    (gram.statistic(&s), gram.rank())
+}

@@ -1,0 +1,225 @@
+//! The circumstances of every reading.
+
+use nalgebra::{Point3, Vector3};
+use trueaxis_campaign::{Campaign, Direction, Lengths};
+use trueaxis_effects::{Circumstances, Scene, SceneTarget};
+use trueaxis_kinematics::Machine;
+use trueaxis_multilateration::{Group, Network, RigidSolution};
+
+/// What a reading depends on beside its point.
+#[derive(Debug, Clone)]
+pub(crate) struct Reading {
+    pub(crate) time_s: f64,
+    elapsed_s: f64,
+    progress: f64,
+    pub(crate) turn_progress: f64,
+    pub(crate) station: usize,
+    pub(crate) target: usize,
+    pub(crate) repeat: u32,
+    carrier: usize,
+    /// The axis that moves.
+    pub(crate) axis: usize,
+    pub(crate) direction: Direction,
+    speed_per_s: f64,
+    pub(crate) step: usize,
+    /// Number of the sweep: one axis, one repeat, one direction, from one station, in time order.
+    pub(crate) sweep: usize,
+    /// Its number within the turn of the station.
+    pub(crate) sweep_of_turn: usize,
+    /// Index among the points of the network.
+    pub(crate) point: usize,
+    group: usize,
+}
+
+/// What is there in a campaign of lengths.
+pub(crate) fn scene(campaign: &Campaign) -> Scene {
+    let targets = campaign.targets.iter().map(|target| SceneTarget {
+        name: target.name.clone(),
+        carrier: target.carrier,
+    });
+    let mut moving: Vec<usize> = campaign.runs.iter().map(|run| run.axis).collect();
+    moving.sort_unstable();
+    moving.dedup();
+    Scene {
+        machine: campaign.machine.clone(),
+        stations: campaign.stations.iter().map(|s| s.name.clone()).collect(),
+        targets: targets.collect(),
+        moving,
+    }
+}
+
+/// The readings of a network that are those of the campaign with the numbers `kept`.
+pub(crate) fn readings(
+    campaign: &Campaign,
+    lengths: &Lengths,
+    network: &Network,
+    groups: &[Group],
+    kept: &[usize],
+) -> Vec<Reading> {
+    let span = |from: f64, to: f64, t: f64| {
+        if to > from {
+            (t - from) / (to - from)
+        } else {
+            0.0
+        }
+    };
+    let times = lengths.readings.iter().map(|r| r.time_s);
+    let first = times.clone().fold(f64::INFINITY, f64::min);
+    let last = times.fold(f64::NEG_INFINITY, f64::max);
+    let mut turns = vec![(f64::INFINITY, f64::NEG_INFINITY); campaign.stations.len()];
+    for stop in &lengths.stops {
+        for reading in &lengths.readings[stop.readings.clone()] {
+            let turn = &mut turns[stop.station];
+            *turn = (turn.0.min(reading.time_s), turn.1.max(reading.time_s));
+        }
+    }
+    let speeds = speeds(campaign, lengths);
+    let (mut sweep, mut sweep_of_turn) = (0, 0);
+    let mut earlier: Option<(usize, u32, usize, Direction)> = None;
+    let mut all = Vec::with_capacity(kept.len());
+    for (number, stop) in lengths.stops.iter().enumerate() {
+        let step = &campaign.steps[stop.step];
+        let key = (stop.station, stop.repeat, step.run, stop.direction);
+        if let Some(earlier) = earlier.filter(|&earlier| earlier != key) {
+            let (station, ..) = earlier;
+            sweep += 1;
+            sweep_of_turn = if station == stop.station {
+                sweep_of_turn + 1
+            } else {
+                0
+            };
+        }
+        earlier = Some(key);
+        let visit = &network.visits[number];
+        let group = &groups[visit.group];
+        for i in stop.readings.clone() {
+            if kept.binary_search(&i).is_err() {
+                continue;
+            }
+            let reading = &lengths.readings[i];
+            let place = group.targets.partition_point(|&t| t < reading.target);
+            let t = reading.time_s;
+            all.push(Reading {
+                time_s: t,
+                elapsed_s: t - first,
+                progress: span(first, last, t),
+                turn_progress: span(turns[stop.station].0, turns[stop.station].1, t),
+                station: stop.station,
+                target: reading.target,
+                repeat: stop.repeat,
+                carrier: campaign.targets[reading.target].carrier,
+                axis: campaign.runs[step.run].axis,
+                direction: stop.direction,
+                speed_per_s: speeds[number],
+                step: stop.step,
+                sweep,
+                sweep_of_turn,
+                point: network.groups[visit.group].start + place,
+                group: visit.group,
+            });
+        }
+    }
+    all
+}
+
+/// A feed is constant if the speeds between neighbouring stops differ by less than this part.
+const CONSTANT_FEED: f64 = 0.02;
+
+/// Speed of the moving axis at each stop, mm/s or rad/s with sign, if the machine may be moving there:
+/// single readings along a sweep whose positions grow in proportion to time. Several readings at one
+/// stop show that it stands still.
+fn speeds(campaign: &Campaign, lengths: &Lengths) -> Vec<f64> {
+    let mut speeds = vec![0.0; lengths.stops.len()];
+    let mut start = 0;
+    let key = |i: usize| {
+        let stop = &lengths.stops[i];
+        let run = campaign.steps[stop.step].run;
+        (stop.station, stop.repeat, run, stop.direction)
+    };
+    while start < speeds.len() {
+        let mut end = start + 1;
+        while end < speeds.len() && key(end) == key(start) {
+            end += 1;
+        }
+        let axis = campaign.runs[campaign.steps[lengths.stops[start].step].run].axis;
+        let at: Vec<(f64, f64)> = lengths.stops[start..end]
+            .iter()
+            .filter(|stop| stop.readings.len() == 1)
+            .map(|stop| {
+                let time_s = lengths.readings[stop.readings.start].time_s;
+                (time_s, campaign.steps[stop.step].positions[axis])
+            })
+            .collect();
+        if at.len() == end - start && at.len() > 2 {
+            let mut between = Vec::new();
+            for pair in at.windows(2) {
+                // Sweeps of one target each follow one another in one key: a jump back is no motion.
+                between.push((pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0));
+            }
+            let mut sorted = between.clone();
+            sorted.sort_by(f64::total_cmp);
+            let median = sorted[sorted.len() / 2];
+            let alike = between
+                .iter()
+                .filter(|v| (*v - median).abs() <= CONSTANT_FEED * median.abs());
+            if median.is_finite() && median != 0.0 && 10 * alike.count() >= 9 * between.len() {
+                speeds[start..end].fill(median);
+            }
+        }
+        start = end;
+    }
+    speeds
+}
+
+/// Where a reading of an adjusted network is taken from and to.
+pub(crate) struct Sight<'a> {
+    /// Its circumstances.
+    pub(crate) at: Circumstances<'a>,
+    /// Unit vector from station to target.
+    pub(crate) beam: Vector3<f64>,
+}
+
+impl Reading {
+    /// The reading at the adjusted places of its point and station.
+    pub(crate) fn sight<'a>(
+        &self,
+        machine: &'a Machine,
+        positions: &'a [f64],
+        network: &Network,
+        solution: &RigidSolution,
+    ) -> Sight<'a> {
+        let points = &solution.points_mm[network.groups[self.group].clone()];
+        let sum: Vector3<f64> = points.iter().map(|p| p.coords).sum();
+        let point_mm = solution.points_mm[self.point];
+        let beam = point_mm - solution.stations[self.station].position_mm;
+        let distance_mm = beam.norm();
+        Sight {
+            at: Circumstances {
+                machine,
+                time_s: self.time_s,
+                elapsed_s: self.elapsed_s,
+                progress: self.progress,
+                turn_progress: self.turn_progress,
+                station: self.station,
+                target: self.target,
+                carrier: self.carrier,
+                axis: self.axis,
+                direction: self.sign(),
+                speed_per_s: self.speed_per_s,
+                positions,
+                point_mm,
+                centroid_mm: Point3::from(sum / points.len() as f64),
+                distance_mm,
+            },
+            beam: beam / distance_mm,
+        }
+    }
+
+    /// Side of approach, +1 or -1.
+    pub(crate) fn sign(&self) -> f64 {
+        match self.direction {
+            Direction::Forward => 1.0,
+            Direction::Backward => -1.0,
+        }
+    }
+}

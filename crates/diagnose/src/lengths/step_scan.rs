@@ -1,0 +1,215 @@
+//! A hypothesis with an instant, profiled over all instants by running sums.
+//!
+//! The columns of an effect that begins at `t0` are its columns from the beginning of time, cut to the
+//! visits after `t0`. Visit after visit from the last one back, `XᵀX`, `Oᵀ X`, `Tᵀ X` and `Xᵀ e` grow by
+//! the rows of one visit, so all instants together cost little more than one:
+//!
+//! ```text
+//! G(t0) = XᵀX - Σ_groups (OᵀX)ᵀ(OᵀX) - (TᵀX)ᵀ Σ (TᵀX)
+//! ```
+//!
+//! An instant within a visit is told from its ends by seconds only; it is not looked for.
+
+use std::ops::Range;
+
+use crate::selection::{Gram, Hypothesis, Projection, Scan};
+
+/// The visits of a network in time order.
+#[derive(Debug, Clone)]
+pub(crate) struct VisitTimes {
+    /// Rows of the visit.
+    pub(crate) rows: Range<usize>,
+    /// First and last time, s.
+    pub(crate) span_s: [f64; 2],
+}
+
+/// All instants of one hypothesis.
+pub(crate) struct StepScan {
+    hypothesis: Hypothesis,
+    /// Whitened columns from the beginning of time, row after row.
+    by_rows: Vec<f64>,
+    parameters: usize,
+    instants: Vec<Instant>,
+}
+
+struct Instant {
+    time_s: f64,
+    /// First row after it.
+    first_row: usize,
+    gram: Gram,
+}
+
+impl StepScan {
+    /// `columns` are the whitened columns from the beginning of time. `None` if no instant shows.
+    pub(crate) fn new(
+        hypothesis: Hypothesis,
+        projection: &Projection,
+        visits: &[VisitTimes],
+        columns: &[Vec<f64>],
+    ) -> Option<Self> {
+        let n = columns.len();
+        let rows = projection.rows();
+        let mut by_rows = vec![0.0; rows * n];
+        for (k, column) in columns.iter().enumerate() {
+            for (i, x) in column.iter().enumerate() {
+                by_rows[i * n + k] = *x;
+            }
+        }
+        let row = |i: usize| &by_rows[i * n..(i + 1) * n];
+        let concerns =
+            |visit: &VisitTimes| visit.rows.clone().any(|i| row(i).iter().any(|&x| x != 0.0));
+        let concerned: Vec<&VisitTimes> = visits.iter().filter(|v| concerns(v)).collect();
+        let mut sums = Sums::new(projection, n);
+        let mut instants = Vec::new();
+        for (number, visit) in concerned.iter().enumerate().skip(1).rev() {
+            for i in visit.rows.clone() {
+                sums.add(projection, i, row(i));
+            }
+            let gram = sums.gram(projection);
+            if gram.rank() > 0 {
+                let before = concerned[number - 1];
+                instants.push(Instant {
+                    time_s: 0.5 * (before.span_s[1] + visit.span_s[0]),
+                    first_row: visit.rows.start,
+                    gram,
+                });
+            }
+        }
+        (!instants.is_empty()).then_some(Self {
+            hypothesis,
+            by_rows,
+            parameters: n,
+            instants,
+        })
+    }
+}
+
+impl Scan for StepScan {
+    fn hypothesis(&self) -> &Hypothesis {
+        &self.hypothesis
+    }
+
+    fn for_each(&self, residuals: &[f64], f: &mut dyn FnMut(f64, &Gram, &[f64])) {
+        let n = self.parameters;
+        let mut s = vec![0.0; n];
+        let mut end = residuals.len();
+        for instant in &self.instants {
+            for (i, e) in (instant.first_row..end).zip(&residuals[instant.first_row..end]) {
+                for (s, x) in s.iter_mut().zip(&self.by_rows[i * n..(i + 1) * n]) {
+                    *s += x * e;
+                }
+            }
+            end = instant.first_row;
+            f(instant.time_s, &instant.gram, &s);
+        }
+    }
+
+    fn columns(&self, shape: f64) -> Vec<Vec<f64>> {
+        let n = self.parameters;
+        let after = self.instants.iter().filter(|i| i.time_s >= shape);
+        let first = after.map(|i| i.first_row).min().unwrap_or(usize::MAX);
+        let value = |i: usize, k: usize| {
+            if i >= first {
+                self.by_rows[i * n + k]
+            } else {
+                0.0
+            }
+        };
+        let rows = self.by_rows.len() / n.max(1);
+        (0..n)
+            .map(|k| (0..rows).map(|i| value(i, k)).collect())
+            .collect()
+    }
+}
+
+/// The running sums.
+struct Sums {
+    parameters: usize,
+    /// `XᵀX`.
+    squares: Vec<f64>,
+    /// `OᵀX` of each group.
+    own: Vec<f64>,
+    /// `Σ_groups (OᵀX)ᵀ(OᵀX)`.
+    own_squares: Vec<f64>,
+    /// `TᵀX`.
+    shared: Vec<f64>,
+}
+
+impl Sums {
+    fn new(projection: &Projection, parameters: usize) -> Self {
+        let (own, shared) = projection.widths();
+        Self {
+            parameters,
+            squares: vec![0.0; parameters * parameters],
+            own: vec![0.0; projection.groups() * own * parameters],
+            own_squares: vec![0.0; parameters * parameters],
+            shared: vec![0.0; shared * parameters],
+        }
+    }
+
+    /// Adds the outer product of each row of a matrix (`n` columns) with itself, times `sign`.
+    fn add_squares(sum: &mut [f64], rows: &[f64], n: usize, sign: f64) {
+        for row in rows.chunks_exact(n) {
+            for (i, a) in row.iter().enumerate() {
+                for (s, b) in sum[i * n..(i + 1) * n].iter_mut().zip(row) {
+                    *s += sign * a * b;
+                }
+            }
+        }
+    }
+
+    fn add(&mut self, projection: &Projection, row: usize, x: &[f64]) {
+        let n = self.parameters;
+        Self::add_squares(&mut self.squares, x, n, 1.0);
+        let own_row = projection.own_row(row);
+        let size = own_row.len() * n;
+        let group = projection.group_of_row(row);
+        let own = &mut self.own[group * size..(group + 1) * size];
+        Self::add_squares(&mut self.own_squares, own, n, -1.0);
+        for (sums, o) in own.chunks_exact_mut(n).zip(own_row) {
+            for (s, x) in sums.iter_mut().zip(x) {
+                *s += o * x;
+            }
+        }
+        Self::add_squares(&mut self.own_squares, own, n, 1.0);
+        for (sums, t) in self
+            .shared
+            .chunks_exact_mut(n)
+            .zip(projection.shared_row(row))
+        {
+            for (s, x) in sums.iter_mut().zip(x) {
+                *s += t * x;
+            }
+        }
+    }
+
+    fn gram(&self, projection: &Projection) -> Gram {
+        let n = self.parameters;
+        let mut gram: Vec<f64> = self
+            .squares
+            .iter()
+            .zip(&self.own_squares)
+            .map(|(all, own)| all - own)
+            .collect();
+        let mut through = vec![0.0; n];
+        for (k, own) in self.shared.chunks_exact(n).enumerate() {
+            through.fill(0.0);
+            for (sigma, other) in projection
+                .sigma_row(k)
+                .iter()
+                .zip(self.shared.chunks_exact(n))
+            {
+                for (t, x) in through.iter_mut().zip(other) {
+                    *t += sigma * x;
+                }
+            }
+            for (i, a) in own.iter().enumerate() {
+                for (g, t) in gram[i * n..(i + 1) * n].iter_mut().zip(&through) {
+                    *g -= a * t;
+                }
+            }
+        }
+        let before: Vec<f64> = (0..n).map(|i| self.squares[i * n + i]).collect();
+        Gram::new(&gram, &before)
+    }
+}

@@ -1,0 +1,17 @@
+//! What a calibrated model of a machine gets wrong in the measured data, and why.
+
+mod changes;
+mod diagnose;
+mod diagnosis;
+mod error;
+mod lengths;
+mod selection;
+mod settings;
+
+pub use diagnose::diagnose;
+pub use diagnosis::{
+    Cause, Change, Diagnosis, EstimatedParameter, Gain, LevelReport, Misfit, NotObservable,
+    OmnibusTest, Place, Rival, Unexplained, Verdict,
+};
+pub use error::Error;
+pub use settings::Settings;

@@ -1,0 +1,88 @@
+//! A hypothesis with few shapes, each with columns of its own.
+
+use crate::selection::projection::dot;
+use crate::selection::{Gram, Hypothesis, Projection, Scan};
+
+/// Columns for every shape.
+pub(crate) struct FixedScan {
+    hypothesis: Hypothesis,
+    shapes: Vec<FixedShape>,
+}
+
+struct FixedShape {
+    shape: f64,
+    columns: Vec<Vec<f64>>,
+    gram: Gram,
+}
+
+impl FixedScan {
+    /// `columns(shape)` are the whitened columns. `None` if the data do not see any of them.
+    pub(crate) fn new(
+        hypothesis: Hypothesis,
+        projection: &Projection,
+        shapes: &[f64],
+        columns: impl Fn(f64) -> Vec<Vec<f64>>,
+    ) -> Option<Self> {
+        let mut seen = Vec::new();
+        for &shape in shapes {
+            let columns = columns(shape);
+            let gram = gram(projection, &columns);
+            if gram.rank() > 0 {
+                seen.push(FixedShape {
+                    shape,
+                    columns,
+                    gram,
+                });
+            }
+        }
+        (!seen.is_empty()).then_some(Self {
+            hypothesis,
+            shapes: seen,
+        })
+    }
+}
+
+/// `Xᵀ M X` of whitened columns.
+pub(crate) fn gram(projection: &Projection, columns: &[Vec<f64>]) -> Gram {
+    let n = columns.len();
+    let projected: Vec<Vec<f64>> = columns
+        .iter()
+        .map(|column| {
+            let mut column = column.clone();
+            projection.project(&mut column);
+            column
+        })
+        .collect();
+    let mut matrix = vec![0.0; n * n];
+    for i in 0..n {
+        for j in 0..=i {
+            let value = dot(&columns[i], &projected[j]);
+            (matrix[i * n + j], matrix[j * n + i]) = (value, value);
+        }
+    }
+    let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
+    Gram::new(&matrix, &before)
+}
+
+impl Scan for FixedScan {
+    fn hypothesis(&self) -> &Hypothesis {
+        &self.hypothesis
+    }
+
+    fn for_each(&self, residuals: &[f64], f: &mut dyn FnMut(f64, &Gram, &[f64])) {
+        let mut s = Vec::new();
+        for shape in &self.shapes {
+            s.clear();
+            s.extend(shape.columns.iter().map(|column| dot(column, residuals)));
+            f(shape.shape, &shape.gram, &s);
+        }
+    }
+
+    fn columns(&self, shape: f64) -> Vec<Vec<f64>> {
+        let nearest = self
+            .shapes
+            .iter()
+            .min_by(|a, b| (a.shape - shape).abs().total_cmp(&(b.shape - shape).abs()));
+        nearest.map(|s| s.columns.clone()).unwrap_or_default()
+    }
+}

@@ -1,0 +1,118 @@
+//! `G = Xᵀ M X` of a hypothesis in its eigenvectors.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+/// The directions of the parameters that the data can see.
+#[derive(Debug, Clone)]
+pub(crate) struct Gram {
+    /// Eigenvalues above the limit: squared strength of a unit of each direction.
+    values: Vec<f64>,
+    /// Their eigenvectors, one after the other.
+    vectors: Vec<f64>,
+    parameters: usize,
+}
+
+/// What must be left of a column's squares after the projection. Below it the base model absorbs the
+/// effect to one part in ten thousand: no data of this kind show it.
+pub(crate) const VISIBLE: f64 = 1e-8;
+
+impl Gram {
+    /// From `G` (square, rows one after the other) and the squares `|X_k|²` before the projection.
+    pub(crate) fn new(gram: &[f64], before: &[f64]) -> Self {
+        let n = before.len();
+        let matrix = DMatrix::from_fn(n, n, |i, j| 0.5 * (gram[i * n + j] + gram[j * n + i]));
+        let limit = VISIBLE * before.iter().fold(0.0_f64, |max, &b| max.max(b));
+        let mut new = Self {
+            values: Vec::new(),
+            vectors: Vec::new(),
+            parameters: n,
+        };
+        if !matrix.iter().all(|x| x.is_finite()) || limit <= 0.0 {
+            return new;
+        }
+        let eigen = SymmetricEigen::new(matrix);
+        for (k, &value) in eigen.eigenvalues.iter().enumerate() {
+            if value > limit {
+                new.values.push(value);
+                new.vectors.extend(eigen.eigenvectors.column(k).iter());
+            }
+        }
+        new
+    }
+
+    /// Number of directions that the data see.
+    pub(crate) fn rank(&self) -> usize {
+        self.values.len()
+    }
+
+    /// The coordinates of `s` in standard deviations; their squares add to `T`.
+    pub(crate) fn standardised<'a>(
+        &'a self,
+        s: &'a [f64],
+    ) -> impl Iterator<Item = (f64, f64)> + 'a {
+        let vectors = self.vectors.chunks_exact(self.parameters.max(1));
+        self.values
+            .iter()
+            .zip(vectors)
+            .map(move |(&value, vector)| {
+                let along: f64 = vector.iter().zip(s).map(|(v, s)| v * s).sum();
+                (value, along / value.sqrt())
+            })
+    }
+
+    /// `T = sᵀ G⁺ s`.
+    pub(crate) fn statistic(&self, s: &[f64]) -> f64 {
+        self.standardised(s).map(|(_, z)| z * z).sum()
+    }
+
+    /// The parameters `G⁺ s`; what the data do not see stays zero.
+    pub(crate) fn estimates(&self, s: &[f64]) -> Vec<f64> {
+        let mut estimates = vec![0.0; self.parameters];
+        let vectors = self.vectors.chunks_exact(self.parameters.max(1));
+        for ((value, z), vector) in self.standardised(s).zip(vectors) {
+            for (estimate, v) in estimates.iter_mut().zip(vector) {
+                *estimate += v * z / value.sqrt();
+            }
+        }
+        estimates
+    }
+
+    /// `G⁺`: covariance of the estimates, rows one after the other.
+    pub(crate) fn covariance(&self) -> Vec<f64> {
+        let n = self.parameters;
+        let mut covariance = vec![0.0; n * n];
+        for (value, vector) in self.values.iter().zip(self.vectors.chunks_exact(n.max(1))) {
+            for i in 0..n {
+                for j in 0..n {
+                    covariance[i * n + j] += vector[i] * vector[j] / value;
+                }
+            }
+        }
+        covariance
+    }
+
+    /// Twice the logarithm of the marginal likelihood ratio for a prior `N(0, w² I)` of the parameters
+    /// with the most likely width `w`: `max_w Σ z² w²g/(1 + w²g) - ln(1 + w²g)`.
+    pub(crate) fn evidence(&self, s: &[f64]) -> f64 {
+        let coordinates: Vec<(f64, f64)> = self.standardised(s).collect();
+        let at = |variance: f64| -> f64 {
+            let part = |&(g, z): &(f64, f64)| {
+                let x = variance * g;
+                z * z * x / (1.0 + x) - (1.0 + x).ln()
+            };
+            coordinates.iter().map(part).sum()
+        };
+        let Some(largest) = self.values.iter().copied().reduce(f64::max) else {
+            return 0.0;
+        };
+        // From a width that is a tenth of the uncertainty to one that the largest estimate has.
+        let top: f64 = coordinates.iter().map(|&(g, z)| z * z / g).sum();
+        let (low, high) = (0.01 / largest, (4.0 * top).max(0.02 / largest));
+        let ratio = (high / low).powf(1.0 / WIDTHS as f64);
+        let candidates = (0..=WIDTHS).map(|k| at(low * ratio.powi(k)));
+        candidates.fold(0.0, f64::max)
+    }
+}
+
+/// Widths of the prior that are tried, in equal ratios; the maximum is flat.
+const WIDTHS: i32 = 40;

@@ -1,0 +1,63 @@
+//! Whether another hypothesis explains the data nearly as well.
+
+use crate::selection::fixed_scan::gram;
+use crate::selection::projection::{add, dot};
+use crate::selection::{Projection, Score};
+
+/// A hypothesis fitted at one shape.
+#[derive(Debug, Clone)]
+pub(crate) struct Fit {
+    /// Its parameters.
+    pub(crate) estimates: Vec<f64>,
+    /// Their covariance for unit variance, rows one after the other.
+    pub(crate) covariance: Vec<f64>,
+    /// `M X θ`: what it explains of the residuals.
+    pub(crate) explained: Vec<f64>,
+}
+
+impl Fit {
+    /// Fits whitened columns to the residuals of a projection.
+    pub(crate) fn new(projection: &Projection, columns: &[Vec<f64>]) -> Self {
+        let gram = gram(projection, columns);
+        let s: Vec<f64> = columns
+            .iter()
+            .map(|c| dot(c, &projection.residuals))
+            .collect();
+        let estimates = gram.estimates(&s);
+        let mut explained = vec![0.0; projection.rows()];
+        for (column, estimate) in columns.iter().zip(&estimates) {
+            add(&mut explained, column, *estimate);
+        }
+        projection.project(&mut explained);
+        Self {
+            covariance: gram.covariance(),
+            estimates,
+            explained,
+        }
+    }
+}
+
+/// Cosine between what two hypotheses explain.
+pub(crate) fn cosine(a: &Fit, b: &Fit) -> f64 {
+    let lengths = dot(&a.explained, &a.explained) * dot(&b.explained, &b.explained);
+    if lengths > 0.0 {
+        dot(&a.explained, &b.explained) / lengths.sqrt()
+    } else {
+        0.0
+    }
+}
+
+/// `2 ln` of the odds below which two hypotheses are not told apart: 20 to 1.
+const DECISIVE: f64 = 6.0;
+
+/// Explanations more alike than this are one explanation under two names.
+const ALIKE: f64 = 0.95;
+
+/// Whether `rival` cannot be told from the leader: by evidence or BIC within 6, or because both explain
+/// the same. An explanation with more free directions is always at least as alike; there the evidence
+/// alone decides, which knows what the coincidence costs.
+pub(crate) fn is_rival(leader: &Score, rival: &Score, cosine: f64) -> bool {
+    leader.evidence - rival.evidence < DECISIVE
+        || rival.bic - leader.bic < DECISIVE
+        || (cosine > ALIKE && rival.rank <= leader.rank)
+}

@@ -1,0 +1,35 @@
+//! A hypothesis with all its shapes.
+
+use trueaxis_effects::{Effect, Shape, Subject};
+
+use crate::selection::Gram;
+
+/// An effect of the catalogue on one subject.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Hypothesis {
+    /// The effect.
+    pub(crate) effect: &'static dyn Effect,
+    /// What it happens to.
+    pub(crate) subject: Subject,
+    /// Number of subjects of the same effect that are looked at.
+    pub(crate) subjects: usize,
+}
+
+impl Hypothesis {
+    /// Whether a shape has to be found.
+    pub(crate) fn has_shape(&self) -> bool {
+        self.effect.shape() != Shape::Fixed
+    }
+}
+
+/// A hypothesis, ready to be compared with residuals.
+pub(crate) trait Scan: Sync {
+    /// What it says.
+    fn hypothesis(&self) -> &Hypothesis;
+
+    /// Calls `f` for each shape with its Gram matrix and `s = Xᵀ e`.
+    fn for_each(&self, residuals: &[f64], f: &mut dyn FnMut(f64, &Gram, &[f64]));
+
+    /// The columns of one shape, whitened, not projected.
+    fn columns(&self, shape: f64) -> Vec<Vec<f64>>;
+}

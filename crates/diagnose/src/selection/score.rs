@@ -1,0 +1,117 @@
+//! How well a hypothesis explains the residuals.
+
+use crate::selection::{Projection, Scan, ln_f_test};
+
+/// The best of a hypothesis, and its judgement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Score {
+    /// Which scan.
+    pub(crate) scan: usize,
+    /// Its best shape.
+    pub(crate) shape: f64,
+    /// Standard deviation of the shape over its marginal likelihood.
+    pub(crate) u_shape: f64,
+    /// Drop of the sum of squares there, `T`.
+    pub(crate) statistic: f64,
+    /// Directions of the parameters that the data see.
+    pub(crate) rank: usize,
+    /// Logarithm of the p-value of `T` as if this hypothesis and shape were the only ones.
+    pub(crate) ln_p: f64,
+    /// BIC against the base model, negative if better: `n ln(1 - T/S) + k ln n`, shape counted.
+    pub(crate) bic: f64,
+    /// Twice the logarithm of the marginal likelihood ratio against the base model, with the same prior
+    /// for every effect: shared among its subjects and their shapes.
+    pub(crate) evidence: f64,
+}
+
+/// Scores of all scans, the one with the most evidence first; ties in the order of the scans, so the
+/// layers instrument, set-up, machine.
+pub(crate) fn rank(projection: &Projection, scans: &[Box<dyn Scan>]) -> Vec<Score> {
+    let squares = projection.squares();
+    let dof = projection.degrees_of_freedom;
+    // Under an unknown variance a drop T counts ν ln(S/(S - T)), which is T/σ² for small T.
+    let variance = squares / dof;
+    let mut scores: Vec<Score> = Vec::new();
+    for (number, scan) in scans.iter().enumerate() {
+        let Some((shape, statistic, rank)) = best_shape(projection, scan.as_ref()) else {
+            continue;
+        };
+        let mut evidences: Vec<(f64, f64)> = Vec::new();
+        let mut shapes = 0;
+        scan.for_each(&projection.residuals, &mut |shape, gram, s| {
+            shapes += 1;
+            let own = gram.statistic(s);
+            if own < statistic - NEGLIGIBLE * variance {
+                return;
+            }
+            let left = ((squares - own) / squares).max(f64::MIN_POSITIVE);
+            let likelihood = -dof * left.ln();
+            // The prior's price, in the variance that is left with this hypothesis in the model.
+            let scale = 1.0 / (variance * left).sqrt();
+            let scaled: Vec<f64> = s.iter().map(|s| s * scale).collect();
+            let price = gram.statistic(&scaled) - gram.evidence(&scaled);
+            evidences.push((shape, likelihood - price));
+        });
+        let hypothesis = scan.hypothesis();
+        let (mean, u, top) = marginal(&evidences, shapes);
+        let left = ((squares - statistic) / squares).max(f64::MIN_POSITIVE);
+        let n = projection.rows() as f64;
+        let parameters = rank + usize::from(hypothesis.has_shape());
+        scores.push(Score {
+            scan: number,
+            shape,
+            u_shape: if hypothesis.has_shape() {
+                u.hypot(shape - mean)
+            } else {
+                0.0
+            },
+            statistic,
+            rank,
+            ln_p: ln_f_test(statistic, squares, rank, dof),
+            bic: n * left.ln() + parameters as f64 * n.ln(),
+            evidence: top - 2.0 * (hypothesis.subjects as f64).ln(),
+        });
+    }
+    scores.sort_by(|a, b| b.evidence.total_cmp(&a.evidence).then(a.scan.cmp(&b.scan)));
+    scores
+}
+
+/// Shapes that explain less than the best by so many units of variance have no part in the mean
+/// likelihood: a factor of e⁻²⁰ each.
+const NEGLIGIBLE: f64 = 40.0;
+
+/// The shape whose statistic is the least likely from noise, its statistic and rank.
+fn best_shape(projection: &Projection, scan: &dyn Scan) -> Option<(f64, f64, usize)> {
+    let mut of_ranks: Vec<(f64, f64)> = Vec::new();
+    scan.for_each(&projection.residuals, &mut |shape, gram, s| {
+        let rank = gram.rank();
+        if of_ranks.len() <= rank {
+            of_ranks.resize(rank + 1, (0.0, f64::NEG_INFINITY));
+        }
+        let statistic = gram.statistic(s);
+        if statistic > of_ranks[rank].1 {
+            of_ranks[rank] = (shape, statistic);
+        }
+    });
+    let (squares, dof) = (projection.squares(), projection.degrees_of_freedom);
+    let ln_p = |rank: usize, statistic: f64| ln_f_test(statistic, squares, rank, dof);
+    let seen = of_ranks.into_iter().enumerate().skip(1);
+    seen.filter(|(_, (_, statistic))| statistic.is_finite())
+        .map(|(rank, (shape, statistic))| (shape, statistic, rank))
+        .min_by(|a, b| ln_p(a.2, a.1).total_cmp(&ln_p(b.2, b.1)))
+}
+
+/// Mean and standard deviation of the shape, and `2 ln` of the mean marginal likelihood over so many
+/// shapes; those that are not listed have none.
+fn marginal(evidences: &[(f64, f64)], shapes: usize) -> (f64, f64, f64) {
+    let top = evidences
+        .iter()
+        .map(|e| e.1)
+        .fold(f64::NEG_INFINITY, f64::max);
+    let weight = |evidence: f64| (0.5 * (evidence - top)).exp();
+    let total: f64 = evidences.iter().map(|e| weight(e.1)).sum();
+    let mean = evidences.iter().map(|e| e.0 * weight(e.1)).sum::<f64>() / total;
+    let squares = evidences.iter().map(|e| (e.0 - mean).powi(2) * weight(e.1));
+    let u = (squares.sum::<f64>() / total).sqrt();
+    (mean, u, top + 2.0 * (total / shapes as f64).ln())
+}

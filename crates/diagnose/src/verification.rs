@@ -1,0 +1,218 @@
+//! The readings of other instruments against the prediction: positioning lines and ball bars.
+//!
+//! ```text
+//! measured - predicted = base model + causes + noise
+//! ```
+//!
+//! Each verification of the campaign is judged by itself: the prediction ([`comparison`]) with its own
+//! errors ([`prediction_error`]), what the measurement leaves open ([`base`]), the noise that the repeats
+//! show ([`noise_floor`]), causes one at a time ([`search`]), whether they help on readings that were not
+//! used ([`held_out`]), and whether anything is left ([`omnibus`]). The paper's Figs. 10, 12 and 16 are
+//! this comparison.
+//!
+//! Without a calibration the prediction is an ideal machine; a line then tells what differs between
+//! directions, cycles and lines, but not what its mean curve is made of. Arrivals are taken as
+//! independent. Lines in different files are not joined.
+
+mod arrivals;
+mod base;
+mod believed;
+mod comparison;
+mod held_out;
+mod hypotheses;
+mod noise_floor;
+mod not_observable;
+mod omnibus;
+mod prediction_error;
+mod problem;
+mod report;
+mod search;
+#[cfg(test)]
+mod tests;
+
+use trueaxis_calibrate::Calibration;
+use trueaxis_campaign::{Campaign, Verification};
+use trueaxis_effects::{Level, Scene};
+use trueaxis_kinematics::{Ideal, Machine};
+
+use crate::verification::base::base_columns;
+use crate::verification::comparison::Comparison;
+use crate::verification::noise_floor::noise_floor_um;
+use crate::verification::prediction_error::{prediction_directions, with_reference_points};
+use crate::verification::problem::Problem;
+use crate::{Cause, LevelReport, Misfit, NotObservable, OmnibusTest, Unexplained, Verdict};
+
+/// What all verifications of a campaign say.
+#[derive(Debug, Clone)]
+pub(crate) struct VerificationOutcome {
+    /// For each verification of the campaign, in its order, what could be compared.
+    pub(crate) entries: Vec<EntryOutcome>,
+    /// Effects that a verification cannot show.
+    pub(crate) not_observable: Vec<NotObservable>,
+    /// What a user must know before using the outcome.
+    pub(crate) notices: Vec<String>,
+}
+
+/// What one verification says.
+#[derive(Debug, Clone)]
+pub(crate) struct EntryOutcome {
+    /// Tests, misfits and gain.
+    pub(crate) report: LevelReport,
+    /// Causes by rank.
+    pub(crate) causes: Vec<Cause>,
+    /// What is left.
+    pub(crate) unexplained: Option<Unexplained>,
+    /// The verdict on these readings.
+    pub(crate) verdict: Verdict,
+}
+
+/// False alarms of all verifications of a campaign together: once for the causes, once for the omnibus
+/// tests.
+const LEVEL: f64 = 0.01;
+
+/// Degrees of freedom below which nothing can be said.
+const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
+
+/// Compares every verification of a campaign with the prediction of a calibration, or with an ideal
+/// machine.
+pub(crate) fn diagnose_verification(
+    campaign: &Campaign,
+    calibration: Option<&Calibration>,
+    scene: &Scene,
+) -> VerificationOutcome {
+    let machine = match calibration {
+        Some(calibration) => with_reference_points(&campaign.machine, calibration),
+        None => campaign.machine.clone(),
+    };
+    let mut outcome = VerificationOutcome {
+        entries: Vec::new(),
+        not_observable: Vec::new(),
+        notices: Vec::new(),
+    };
+    if calibration.is_some_and(|c| c.covariance.is_none()) && !campaign.verification.is_empty() {
+        outcome.notices.push(
+            "the calibration was made without covariances: the correlation of the prediction's errors along an axis is assumed"
+                .to_owned(),
+        );
+    }
+    let level = LEVEL / campaign.verification.len().max(1) as f64;
+    for verification in &campaign.verification {
+        diagnose_entry(&machine, verification, calibration, scene, level, &mut outcome);
+    }
+    outcome
+}
+
+fn diagnose_entry(
+    machine: &Machine,
+    verification: &Verification,
+    calibration: Option<&Calibration>,
+    scene: &Scene,
+    level: f64,
+    outcome: &mut VerificationOutcome,
+) {
+    let comparison = match calibration {
+        Some(calibration) => Comparison::new(machine, verification, calibration),
+        None => Comparison::new(machine, verification, &Ideal),
+    };
+    let base = base_columns(&comparison, calibration.is_some());
+    let posed = |sigma_um: f64| {
+        let directions = calibration.map(|c| prediction_directions(&comparison, c, sigma_um));
+        Problem::new(&comparison, scene, sigma_um, &base, &directions.unwrap_or_default())
+    };
+    let floor_um = noise_floor_um(&comparison);
+    // Without repeats the base model's misfit stands for the noise at first.
+    let mut problem = posed(floor_um.unwrap_or(1.0));
+    let name = &verification.name;
+    if problem.base.degrees_of_freedom < LEAST_DEGREES_OF_FREEDOM
+        || problem.rms_um(&problem.base) <= 0.0
+    {
+        outcome.notices.push(format!(
+            "{name}: {} arrivals leave {:.0} degrees of freedom beside the base model; nothing can be said (at least {LEAST_DEGREES_OF_FREEDOM:.0} are needed: repeat the cycle)",
+            problem.readings(),
+            problem.base.degrees_of_freedom,
+        ));
+        return;
+    }
+    let mut found = judge_entry(&problem, scene, name, level);
+    if floor_um.is_none() {
+        // Then what is left with the causes in the model.
+        for _ in 0..2 {
+            problem = posed(found.report.after.rms_um);
+            found = judge_entry(&problem, scene, name, level);
+        }
+        found.report.noise_floor_um = found.report.after.rms_um;
+    }
+    let unseen = not_observable::not_observable(&problem, scene, name, calibration.is_some());
+    outcome.not_observable.extend(unseen);
+    outcome.entries.push(found);
+}
+
+/// Finds and judges the causes of one verification.
+fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> EntryOutcome {
+    let families = omnibus::families(problem);
+    let folds = held_out::folds(problem.comparison);
+    let before = &problem.base;
+    let tests = omnibus::omnibus(problem, &families, before);
+
+    // Causes that hold on unused readings; structure beside them that they do not merely imitate.
+    let mut chosen = search::search(problem, level);
+    believed::with_gain(problem, &mut chosen, &folds);
+    let left = omnibus::omnibus(problem, &families, &problem.with(&chosen));
+    believed::without_imitations(problem, &mut chosen, &left, &families, level);
+
+    let after = problem.with(&chosen);
+    let tests_after = omnibus::omnibus(problem, &families, &after);
+    let causes = report::causes(problem, scene, &chosen, &after, &folds);
+    let unexplained = unexplained(problem, problem.rms_um(&after), &tests_after, level);
+    let verdict = match (&unexplained, causes.as_slice()) {
+        (Some(_), _) => Verdict::Unknown,
+        (None, []) => Verdict::Clean,
+        (None, causes) if causes.iter().any(|c| !c.rivals.is_empty()) => Verdict::Ambiguous,
+        (None, _) => Verdict::Named,
+    };
+    let held_before = held_out::held_out(problem, &[], &folds);
+    let held_after = held_out::held_out(problem, &chosen, &folds);
+    let gain = held_out::gain(problem, &held_before, &held_after);
+    let misfit = |model, held: &held_out::HeldOut| Misfit {
+        rms_um: problem.rms_um(model),
+        heldout_rms_um: held.rms().map(|rms| rms * problem.sigma_um),
+    };
+    EntryOutcome {
+        report: LevelReport {
+            level: Level::Verification,
+            data: name.to_owned(),
+            noise_floor_um: problem.sigma_um,
+            before: misfit(before, &held_before),
+            after: misfit(&after, &held_after),
+            gain: gain.map(|bounded| bounded.gain).filter(|_| !causes.is_empty()),
+            tests,
+            tests_after,
+            places: report::places(problem, before, &after),
+        },
+        causes,
+        unexplained,
+        verdict,
+    }
+}
+
+/// Structure that the causes leave.
+fn unexplained(
+    problem: &Problem<'_>,
+    rms_um: f64,
+    tests: &[OmnibusTest],
+    level: f64,
+) -> Option<Unexplained> {
+    let significant: Vec<&OmnibusTest> = tests.iter().filter(|t| t.p_value < level).collect();
+    if significant.is_empty() {
+        return None;
+    }
+    let varies_with: Vec<&'static str> = significant.iter().map(|t| t.varies_with).collect();
+    let period = significant.iter().find_map(|t| t.detail.as_deref());
+    let period = period.map_or_else(String::new, |p| format!(", with a period near {p}"));
+    Some(Unexplained {
+        level: Level::Verification,
+        rms_um: (rms_um.powi(2) - problem.sigma_um.powi(2)).max(0.0).sqrt(),
+        note: format!("it varies with {}{period}", varies_with.join(" and ")),
+        varies_with,
+    })
+}

@@ -1,0 +1,134 @@
+//! The readings of a verification as arrivals of the machine.
+//!
+//! The machine's return scatter is new at every arrival and common to all readings taken before it
+//! leaves again. Readings that follow each other at the same positions are therefore one arrival, with
+//! their mean; arrivals are independent. An arrival with several readings is a standstill.
+//!
+//! The side that an axis comes from is that of the pass where it moves alone, else the sign of
+//! `q_next - q_last` within the pass (the readings of one cycle in one direction). Speeds come from the
+//! table: `(q_next - q_last) / (t_next - t_last)` within the pass, zero at a standstill and where the table has no times. A table with one
+//! timed reading at each position does not say whether the machine stopped there; it is taken as read on
+//! the fly, so that an offset of the time stamps stays among the possible causes.
+
+use trueaxis_campaign::{Direction, VerificationReading};
+
+/// One visit of a commanded position.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Arrival {
+    /// Clock, s; the number of the row if the table has no times.
+    pub(crate) time_s: f64,
+    /// Time since the first reading.
+    pub(crate) elapsed_s: f64,
+    /// Progress of time over the table, 0 to 1.
+    pub(crate) progress: f64,
+    /// Cycle, from 1.
+    pub(crate) cycle: u32,
+    /// Direction of the pass, +1 or -1.
+    pub(crate) direction: f64,
+    /// Commanded positions of all axes, mm or rad.
+    pub(crate) positions: Vec<f64>,
+    /// Mean reading, µm.
+    pub(crate) value_um: f64,
+    /// Readings in it.
+    pub(crate) readings: usize,
+    /// For each axis the side from which it came, +1 or -1; 0 for an axis that stands.
+    pub(crate) sides: Vec<f64>,
+    /// For each axis its speed, mm/s or rad/s.
+    pub(crate) speeds_per_s: Vec<f64>,
+}
+
+/// The arrivals of a table in the order of its rows.
+pub(crate) fn arrivals(readings: &[VerificationReading]) -> Vec<Arrival> {
+    let timed = readings.iter().all(|reading| reading.time_s.is_some());
+    let mut all: Vec<Arrival> = Vec::new();
+    for (row, reading) in readings.iter().enumerate() {
+        let time_s = reading.time_s.filter(|_| timed).unwrap_or(row as f64);
+        let direction = sign(reading.direction);
+        let same = all.last_mut().filter(|last| {
+            last.cycle == reading.cycle
+                && is_same(last.direction, direction)
+                && are_same(&last.positions, &reading.positions)
+        });
+        if let Some(last) = same {
+            // Running means.
+            last.readings += 1;
+            let weight = 1.0 / last.readings as f64;
+            last.value_um += (reading.value_um - last.value_um) * weight;
+            last.time_s += (time_s - last.time_s) * weight;
+        } else {
+            all.push(Arrival {
+                time_s,
+                elapsed_s: 0.0,
+                progress: 0.0,
+                cycle: reading.cycle,
+                direction,
+                positions: reading.positions.clone(),
+                value_um: reading.value_um,
+                readings: 1,
+                sides: vec![0.0; reading.positions.len()],
+                speeds_per_s: vec![0.0; reading.positions.len()],
+            });
+        }
+    }
+    set_progress(&mut all);
+    set_motion(&mut all, timed);
+    all
+}
+
+/// Commanded positions are copied, not computed: the same one is the same number.
+pub(crate) fn is_same(a: f64, b: f64) -> bool {
+    a.total_cmp(&b).is_eq()
+}
+
+fn are_same(a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).all(|(a, b)| is_same(*a, *b))
+}
+
+fn sign(direction: Direction) -> f64 {
+    match direction {
+        Direction::Forward => 1.0,
+        Direction::Backward => -1.0,
+    }
+}
+
+fn set_progress(all: &mut [Arrival]) {
+    let times = || all.iter().map(|arrival| arrival.time_s);
+    let first = times().fold(f64::INFINITY, f64::min);
+    let last = times().fold(f64::NEG_INFINITY, f64::max);
+    let duration = (last - first).max(f64::MIN_POSITIVE);
+    for arrival in all {
+        arrival.elapsed_s = arrival.time_s - first;
+        arrival.progress = arrival.elapsed_s / duration;
+    }
+}
+
+/// Sides and speeds, pass after pass.
+fn set_motion(all: &mut [Arrival], timed: bool) {
+    let of_pass = |a: &Arrival, b: &Arrival| a.cycle == b.cycle && is_same(a.direction, b.direction);
+    for pass in all.chunk_by_mut(of_pass) {
+        let positions: Vec<Vec<f64>> = pass.iter().map(|a| a.positions.clone()).collect();
+        let times: Vec<f64> = pass.iter().map(|a| a.time_s).collect();
+        let moving = (0..positions[0].len())
+            .filter(|&axis| positions.iter().any(|p| !is_same(p[axis], positions[0][axis])));
+        let moving: Vec<usize> = moving.collect();
+        let last = positions.len() - 1;
+        for &axis in &moving {
+            for (i, arrival) in pass.iter_mut().enumerate() {
+                let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
+                let step = positions[b][axis] - positions[a][axis];
+                // Where one axis moves alone, the table says from where it comes.
+                arrival.sides[axis] = if moving.len() == 1 {
+                    arrival.direction
+                } else if step.abs() > 0.0 {
+                    step.signum()
+                } else {
+                    0.0
+                };
+                let duration = times[b] - times[a];
+                if timed && arrival.readings == 1 && duration > 0.0 {
+                    arrival.speeds_per_s[axis] = step / duration;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! What a verification leaves open whatever the machine does: the columns of its base model.
+//!
+//! | data | without a calibration | with one |
+//! | --- | --- | --- |
+//! | positioning | the mean curve: a free value at each commanded position, and the zero of each line | the zero of each line |
+//! | ball bar | set-up: offset of the centre (3), length of the bar (1) | the same |
+//!
+//! A *line* is the readings with the other axes at the same positions; the interferometer is set to
+//! zero for each. The mean curve is that over all cycles, directions and lines: it absorbs the
+//! positioning error of the axis, so scale and cyclic error, but not what differs between directions,
+//! cycles or lines. The set-up of a ball bar absorbs a constant and once per turn: errors of scale that
+//! the axes have in common, not squareness.
+
+use trueaxis_campaign::VerificationKind;
+
+use crate::verification::arrivals::is_same;
+use crate::verification::comparison::Comparison;
+
+/// The columns, µm per unit.
+pub(crate) fn base_columns(comparison: &Comparison<'_>, calibrated: bool) -> Vec<Vec<f64>> {
+    match comparison.kind {
+        VerificationKind::Positioning { .. } => {
+            let mut columns = indicators(&lines(comparison));
+            if !calibrated {
+                columns.extend(indicators(&places(comparison)));
+            }
+            columns
+        }
+        VerificationKind::Ballbar { .. } => set_up(comparison),
+    }
+}
+
+/// What the base absorbs, in words.
+pub(crate) fn absorbed(comparison: &Comparison<'_>, calibrated: bool) -> &'static str {
+    match (comparison.kind, calibrated) {
+        (VerificationKind::Positioning { .. }, false) => {
+            "the mean curve over cycles and directions, which stands for the machine as long as there is no calibration"
+        }
+        (VerificationKind::Positioning { .. }, true) => {
+            "the zero of the interferometer or the uncertainty of the calibration"
+        }
+        (VerificationKind::Ballbar { .. }, false) => {
+            "the set-up of the ball bar: the place of its centre and its length"
+        }
+        (VerificationKind::Ballbar { .. }, true) => {
+            "the set-up of the ball bar or the uncertainty of the calibration"
+        }
+    }
+}
+
+/// Offset of the centre along x, y, z and length of the bar.
+pub(crate) fn set_up(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
+    let part = |c: usize| comparison.sights.iter().map(|s| -s.along[c]).collect();
+    let length = vec![1.0; comparison.sights.len()];
+    let columns = (0..3).map(part).chain([length]);
+    let is_seen = |column: &Vec<f64>| column.iter().any(|x| x.abs() > ROUNDING);
+    columns.filter(is_seen).collect()
+}
+
+/// Parts of a unit vector that only rounding makes: the bar lies in a plane.
+const ROUNDING: f64 = 1e-9;
+
+/// For each reading the number of its line.
+pub(crate) fn lines(comparison: &Comparison<'_>) -> Vec<usize> {
+    let measured = comparison.axis();
+    numbered(comparison, |positions| {
+        let others = positions.iter().enumerate().filter(|(axis, _)| *axis != measured);
+        others.map(|(_, position)| *position).collect()
+    })
+}
+
+/// For each reading the number of the commanded position of the measured axis.
+pub(crate) fn places(comparison: &Comparison<'_>) -> Vec<usize> {
+    let measured = comparison.axis();
+    numbered(comparison, |positions| vec![positions[measured]])
+}
+
+/// For each reading the number of its commanded positions of all axes.
+pub(crate) fn stands(comparison: &Comparison<'_>) -> Vec<usize> {
+    numbered(comparison, <[f64]>::to_vec)
+}
+
+/// Numbers the different values of a key in rising order.
+fn numbered(comparison: &Comparison<'_>, key: impl Fn(&[f64]) -> Vec<f64>) -> Vec<usize> {
+    let keys: Vec<Vec<f64>> = comparison.arrivals.iter().map(|a| key(&a.positions)).collect();
+    let order = |a: &Vec<f64>, b: &Vec<f64>| {
+        let pairs = a.iter().zip(b).map(|(a, b)| a.total_cmp(b));
+        pairs.into_iter().find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
+    };
+    let mut distinct = keys.clone();
+    distinct.sort_by(order);
+    distinct.dedup_by(|a, b| a.iter().zip(b.iter()).all(|(a, b)| is_same(*a, *b)));
+    let number = |key| distinct.binary_search_by(|other| order(other, key)).unwrap_or_default();
+    keys.iter().map(number).collect()
+}
+
+/// One column for each number.
+pub(crate) fn indicators(numbers: &[usize]) -> Vec<Vec<f64>> {
+    let count = numbers.iter().max().map_or(0, |max| max + 1);
+    let mut columns = vec![vec![0.0; numbers.len()]; count];
+    for (row, &number) in numbers.iter().enumerate() {
+        columns[number][row] = 1.0;
+    }
+    columns
+}

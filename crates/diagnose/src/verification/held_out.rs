@@ -1,0 +1,217 @@
+//! How well a model predicts readings that it was not fitted to.
+//!
+//! Folds are cycles; with one cycle they are blocks of neighbouring readings of one direction. The
+//! errors of prediction of the readings `h` of a fold follow from the projection of all: with `T` the
+//! orthonormal columns of the model,
+//!
+//! ```text
+//! y_h - ŷ_h = (I - T_h T_hᵀ)⁻¹ e_h = e_h + T_h (I - T_hᵀ T_h)⁻¹ T_hᵀ e_h
+//! ```
+//!
+//! exactly as if the model had been fitted to the rest. Readings whose prediction would need unknowns
+//! that only the fold determines are left out. Shapes are chosen anew on the rest of each fold; which
+//! effects there are is known from all data.
+//!
+//! The interval of a ratio of rms is that of a bootstrap over blocks (cycle and direction), which keeps
+//! what readings of one pass have in common.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::Gain;
+use crate::selection::Projection;
+use crate::verification::arrivals::{Arrival, is_same};
+use crate::verification::comparison::Comparison;
+use crate::verification::problem::{Chosen, Problem};
+use crate::verification::search::without;
+
+/// Folds within one cycle and direction, if there is only one cycle.
+const BLOCKS: usize = 4;
+
+/// Blocks below which a bootstrap has too little to draw from; passes are cut then.
+const FEWEST_BLOCKS: usize = 8;
+
+const DRAWS: usize = 2000;
+const SEED: u64 = 0x6865_6c64_5f6f_7574;
+
+/// Part of an unknown that the rest of a fold must determine.
+const DETERMINED: f64 = 1e-8;
+
+/// Errors of prediction of the readings, in standard deviations of an arrival.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct HeldOut {
+    /// For each reading, where it can be predicted without its fold.
+    pub(crate) errors: Vec<Option<f64>>,
+    /// What their squares are expected to be from noise alone.
+    pub(crate) expected: Vec<f64>,
+}
+
+/// Folds of the readings.
+pub(crate) fn folds(comparison: &Comparison<'_>) -> Vec<usize> {
+    let cycles = comparison.cycles();
+    if cycles.len() > 1 {
+        let number = |cycle: u32| cycles.binary_search(&cycle).unwrap_or_default();
+        return comparison.arrivals.iter().map(|a| number(a.cycle)).collect();
+    }
+    blocks(comparison, BLOCKS)
+}
+
+/// Each pass cut into parts, numbered.
+fn blocks(comparison: &Comparison<'_>, parts: usize) -> Vec<usize> {
+    let of_pass = |a: &Arrival, b: &Arrival| a.cycle == b.cycle && is_same(a.direction, b.direction);
+    let mut numbers = Vec::new();
+    for (pass, arrivals) in comparison.arrivals.chunk_by(of_pass).enumerate() {
+        let count = arrivals.len();
+        numbers.extend((0..count).map(|i| pass * parts + i * parts / count));
+    }
+    numbers
+}
+
+/// Held-out errors of a model with causes.
+pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen], folds: &[usize]) -> HeldOut {
+    // The causes as they are, and with each other value of one of the shapes.
+    let mut variants = vec![causes.to_vec()];
+    for (k, cause) in causes.iter().enumerate() {
+        let shapes = &problem.candidates[cause.candidate].shapes;
+        for &shape in shapes.iter().filter(|shape| !is_same(**shape, cause.shape)) {
+            let mut variant = causes.to_vec();
+            variant[k].shape = shape;
+            variants.push(variant);
+        }
+    }
+    let models: Vec<Projection> = variants.iter().map(|v| problem.with(v)).collect();
+    let mut result = HeldOut {
+        errors: vec![None; folds.len()],
+        expected: vec![1.0; folds.len()],
+    };
+    let count = folds.iter().max().map_or(0, |max| max + 1);
+    for fold in 0..count {
+        let rows: Vec<usize> = (0..folds.len()).filter(|&row| folds[row] == fold).collect();
+        let fitted = models.iter().map(|model| predict(model, &rows));
+        let Some(best) = fitted.min_by(|a, b| a.rest.total_cmp(&b.rest)) else {
+            continue;
+        };
+        for (k, &row) in rows.iter().enumerate() {
+            result.errors[row] = best.errors[k];
+            result.expected[row] = best.expected[k];
+        }
+    }
+    result
+}
+
+/// Prediction of a fold from the rest.
+struct Predicted {
+    errors: Vec<Option<f64>>,
+    expected: Vec<f64>,
+    /// Sum of squares that the fit to the rest leaves.
+    rest: f64,
+}
+
+fn predict(model: &Projection, rows: &[usize]) -> Predicted {
+    let (_, width) = model.widths();
+    let t = DMatrix::from_fn(rows.len(), width, |i, k| model.shared_row(rows[i])[k]);
+    let e: Vec<f64> = rows.iter().map(|&row| model.residuals[row]).collect();
+    let eigen = SymmetricEigen::new(DMatrix::identity(width, width) - t.transpose() * &t);
+    let along = &t * &eigen.eigenvectors;
+    let mut errors: Vec<Option<f64>> = e.iter().map(|e| Some(*e)).collect();
+    let mut expected = vec![1.0; rows.len()];
+    for (k, &value) in eigen.eigenvalues.iter().enumerate() {
+        let column = along.column(k);
+        if value < DETERMINED {
+            for (i, error) in errors.iter_mut().enumerate() {
+                if column[i] * column[i] > DETERMINED {
+                    *error = None;
+                }
+            }
+            continue;
+        }
+        let product: f64 = column.iter().zip(&e).map(|(c, e)| c * e).sum();
+        for (i, error) in errors.iter_mut().enumerate() {
+            if let Some(error) = error {
+                *error += column[i] * product / value;
+            }
+            expected[i] += column[i] * column[i] / value;
+        }
+    }
+    let of_fold = errors.iter().zip(&e).map(|(error, e)| error.unwrap_or(0.0) * e);
+    Predicted {
+        rest: model.squares() - of_fold.sum::<f64>(),
+        errors,
+        expected,
+    }
+}
+
+impl HeldOut {
+    /// Root mean square, standard deviations; none if nothing could be held out.
+    pub(crate) fn rms(&self) -> Option<f64> {
+        let squares: Vec<f64> = self.errors.iter().flatten().map(|e| e * e).collect();
+        (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+    }
+}
+
+/// A gain with a bound of its ratio.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct BoundedGain {
+    /// The gain.
+    pub(crate) gain: Gain,
+    /// The ratio is below this with a probability of nine in ten.
+    pub(crate) upper_bound: f64,
+}
+
+/// What causes gain on readings that the models were not fitted to: `after` against `before`.
+pub(crate) fn gain(problem: &Problem<'_>, before: &HeldOut, after: &HeldOut) -> Option<BoundedGain> {
+    let comparison = problem.comparison;
+    let mut numbers = blocks(comparison, 1);
+    let passes = numbers.iter().max()? + 1;
+    if passes < FEWEST_BLOCKS {
+        numbers = blocks(comparison, FEWEST_BLOCKS.div_ceil(passes));
+    }
+    let mut sums = vec![[0.0; 3]; numbers.iter().max()? + 1];
+    for (row, &block) in numbers.iter().enumerate() {
+        if let (Some(a), Some(b)) = (before.errors[row], after.errors[row]) {
+            sums[block][0] += a * a;
+            sums[block][1] += b * b;
+            sums[block][2] += before.expected[row];
+        }
+    }
+    let total = |k: usize| sums.iter().map(|s| s[k]).sum::<f64>();
+    let (before, after, noise) = (total(0), total(1), total(2));
+    if before <= 0.0 {
+        return None;
+    }
+    let mut generator = ChaCha8Rng::seed_from_u64(SEED);
+    let mut ratios: Vec<f64> = (0..DRAWS)
+        .filter_map(|_| {
+            let mut drawn = [0.0; 2];
+            for _ in 0..sums.len() {
+                let block = sums[generator.random_range(0..sums.len())];
+                drawn[0] += block[0];
+                drawn[1] += block[1];
+            }
+            (drawn[0] > 0.0).then(|| (drawn[1] / drawn[0]).sqrt())
+        })
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    let quantile = |p: f64| ratios.get((p * ratios.len() as f64) as usize).copied();
+    let excess = before - noise;
+    Some(BoundedGain {
+        gain: Gain {
+            heldout_rms_ratio: (after / before).sqrt(),
+            interval: [quantile(0.025)?, quantile(0.975)?],
+            share_of_excess_removed: if excess > 0.0 { (before - after) / excess } else { 0.0 },
+        },
+        upper_bound: quantile(0.9)?,
+    })
+}
+
+/// What one cause gains beside the others.
+pub(crate) fn gain_of(
+    problem: &Problem<'_>,
+    causes: &[Chosen],
+    k: usize,
+    folds: &[usize],
+) -> Option<BoundedGain> {
+    let before = held_out(problem, &without(causes, k), folds);
+    gain(problem, &before, &held_out(problem, causes, folds))
+}

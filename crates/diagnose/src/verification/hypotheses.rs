@@ -1,0 +1,151 @@
+//! The effects of the catalogue that a verification may show, with their columns.
+
+use std::f64::consts::PI;
+
+use trueaxis_campaign::VerificationKind;
+use trueaxis_effects::{Level, Scene, Shape, Subject, catalogue};
+use trueaxis_kinematics::{AxisKind, Component};
+
+use crate::selection::Hypothesis;
+use crate::verification::comparison::Comparison;
+
+/// An effect on a subject with the columns of all its shapes.
+pub(crate) struct Candidate {
+    /// What it says.
+    pub(crate) hypothesis: Hypothesis,
+    /// Its shapes.
+    pub(crate) shapes: Vec<f64>,
+    columns: Vec<Vec<Vec<f64>>>,
+}
+
+impl Candidate {
+    /// The whitened columns at the nearest shape.
+    pub(crate) fn columns(&self, shape: f64) -> &[Vec<f64>] {
+        let distance = |k: &usize| (self.shapes[*k] - shape).abs();
+        let nearest = (0..self.shapes.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.map_or(&[], |k| &self.columns[k])
+    }
+}
+
+/// Time constants that are tried, in equal ratios.
+const TIME_CONSTANTS: usize = 16;
+
+/// Instants that are tried at most.
+const INSTANTS: usize = 100;
+
+/// Steps of the wave number in waves over the range: an eighth of a wave more or less leaves 98 % of a
+/// sine explained.
+const WAVE_STEP: f64 = 0.25;
+
+/// Waves over the range that are tried at most; the grid stays small enough to look at in no time.
+const MOST_WAVES: f64 = 50.0;
+
+/// Every effect of this level on every subject that moves.
+pub(crate) fn candidates(
+    comparison: &Comparison<'_>,
+    scene: &Scene,
+    whiten: impl Fn(Vec<f64>) -> Vec<f64>,
+) -> Vec<Candidate> {
+    let scene = Scene {
+        moving: comparison.moving.clone(),
+        ..scene.clone()
+    };
+    let mut all = Vec::new();
+    for &effect in catalogue() {
+        if !effect.levels().contains(&Level::Verification) {
+            continue;
+        }
+        let subjects = effect.subjects(&scene).into_iter();
+        let subjects: Vec<Subject> = subjects.filter(|s| is_seen(comparison, s)).collect();
+        for &subject in &subjects {
+            let parameters = effect.parameters(&scene, &subject).len();
+            let shapes = shapes(comparison, effect.shape(), &subject);
+            let columns = |&shape: &f64| {
+                let column = |k| whiten(comparison.column(effect, &subject, k, shape));
+                (0..parameters).map(column).collect()
+            };
+            all.push(Candidate {
+                hypothesis: Hypothesis {
+                    effect,
+                    subject,
+                    subjects: subjects.len(),
+                },
+                columns: shapes.iter().map(columns).collect(),
+                shapes,
+            });
+        }
+    }
+    all
+}
+
+/// Whether a component error is looked for. A single point does not tell an angle from a displacement:
+/// a line shows the motion of the axis along itself, a ball bar displacements.
+fn is_seen(comparison: &Comparison<'_>, subject: &Subject) -> bool {
+    let (Some(axis), Some(component)) = (subject.axis, subject.component) else {
+        return true;
+    };
+    let content = &comparison.machine.axes()[axis];
+    let principal = content.principal();
+    let own = match content.kind() {
+        AxisKind::Linear => Component::ALL[principal],
+        AxisKind::Rotary => Component::ALL[principal + 3],
+    };
+    match comparison.kind {
+        VerificationKind::Positioning { .. } => component == own,
+        VerificationKind::Ballbar { .. } => component == own || !component.is_angular(),
+    }
+}
+
+/// The shapes that are tried.
+fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f64> {
+    match shape {
+        Shape::Fixed => vec![0.0],
+        Shape::TimeConstant => {
+            let arrivals = &comparison.arrivals;
+            let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);
+            // From a time constant that is over within the first readings to one that looks linear.
+            let (shortest, longest) = (0.02 * duration, 3.0 * duration);
+            let ratio = (longest / shortest).powf(1.0 / (TIME_CONSTANTS - 1) as f64);
+            let constants = (0..TIME_CONSTANTS as i32).map(|k| shortest * ratio.powi(k));
+            constants.filter(|t| *t > 0.0).collect()
+        }
+        Shape::Instant => {
+            let mut times: Vec<f64> = comparison.arrivals.iter().map(|a| a.time_s).collect();
+            times.sort_by(f64::total_cmp);
+            let stride = times.len().div_ceil(INSTANTS).max(1);
+            let between = times.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+            between.step_by(stride).collect()
+        }
+        Shape::Period => periods(comparison, subject),
+        Shape::Waves => (1..=MOST_WAVES as u32 / 4).map(f64::from).collect(),
+    }
+}
+
+/// Periods from two steps to twice the range of the axis.
+fn periods(comparison: &Comparison<'_>, subject: &Subject) -> Vec<f64> {
+    let Some([range, step]) = subject.axis.and_then(|axis| sampling(comparison, axis)) else {
+        return Vec::new();
+    };
+    let most = (0.5 * range / step).min(MOST_WAVES);
+    let count = (most / WAVE_STEP).floor() as u32;
+    let waves = (2..=count).map(|k| f64::from(k) * WAVE_STEP);
+    waves.map(|waves| range / waves).collect()
+}
+
+/// Range of the commanded positions of an axis and the typical step between neighbours.
+pub(crate) fn sampling(comparison: &Comparison<'_>, axis: usize) -> Option<[f64; 2]> {
+    let mut positions: Vec<f64> = comparison.arrivals.iter().map(|a| a.positions[axis]).collect();
+    positions.sort_by(f64::total_cmp);
+    positions.dedup();
+    let (first, last) = (positions.first()?, positions.last()?);
+    let mut steps: Vec<f64> = positions.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    let step = *steps.get(steps.len() / 2)?;
+    Some([last - first, step])
+}
+
+/// Waves over a range of one position each, as functions of the position from 0 to 1.
+pub(crate) fn cosines(x: &[f64], count: usize) -> Vec<Vec<f64>> {
+    let wave = |k: usize| x.iter().map(|x| (PI * k as f64 * x).cos()).collect();
+    (1..=count).map(wave).collect()
+}

@@ -1,0 +1,95 @@
+//! The noise of one arrival, from what repeats do not repeat.
+//!
+//! Pure error: readings at the same commanded positions in the same direction, against their mean. What
+//! moves from cycle to cycle is an effect, not noise, and must not hide in the floor; so each pass (cycle
+//! and direction) is first allowed an offset and a slope of its own (a ball bar: a set-up of its own):
+//!
+//! ```text
+//! y = μ(positions, direction) + a(pass) + b(pass) q + e      s² = Σ ê² / ν
+//! ```
+//!
+//! Cells and passes together are fitted by taking cell means out of both sides. What stays in `e`
+//! beside the noise is the bend of a drift within a pass.
+
+use trueaxis_campaign::VerificationKind;
+
+use crate::selection::Projection;
+use crate::verification::base::{set_up, stands};
+use crate::verification::comparison::Comparison;
+
+/// A standard deviation from fewer degrees of freedom is uncertain by more than a quarter.
+const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
+
+/// Standard deviation of one arrival, µm; `None` without enough repeats.
+pub(crate) fn noise_floor_um(comparison: &Comparison<'_>) -> Option<f64> {
+    let cells = cells(comparison);
+    let count = cells.iter().max().map_or(0, |max| max + 1);
+    let mut readings = comparison.difference_um.clone();
+    centre(&mut readings, &cells, count);
+    let mut columns = pass_columns(comparison);
+    for column in &mut columns {
+        centre(column, &cells, count);
+    }
+    let left = Projection::dense(readings, &columns);
+    let degrees_of_freedom = left.degrees_of_freedom - count as f64;
+    let squares = left.squares();
+    (degrees_of_freedom >= LEAST_DEGREES_OF_FREEDOM && squares > 0.0)
+        .then(|| (squares / degrees_of_freedom).sqrt())
+}
+
+/// For each reading the number of its positions and direction.
+fn cells(comparison: &Comparison<'_>) -> Vec<usize> {
+    let stands = stands(comparison);
+    let arrivals = comparison.arrivals.iter();
+    let mut cells: Vec<usize> = stands
+        .iter()
+        .zip(arrivals)
+        .map(|(stand, arrival)| 2 * stand + usize::from(arrival.direction > 0.0))
+        .collect();
+    // Only numbers that occur.
+    let mut used = cells.clone();
+    used.sort_unstable();
+    used.dedup();
+    for cell in &mut cells {
+        *cell = used.binary_search(cell).unwrap_or_default();
+    }
+    cells
+}
+
+/// An offset and a slope, or a set-up, for each pass.
+fn pass_columns(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
+    let measured = comparison.axis();
+    let shapes: Vec<Vec<f64>> = match comparison.kind {
+        VerificationKind::Positioning { .. } => {
+            let at = comparison.arrivals.iter().map(|a| a.positions[measured]);
+            vec![vec![1.0; comparison.arrivals.len()], at.collect()]
+        }
+        VerificationKind::Ballbar { .. } => set_up(comparison),
+    };
+    let mut columns = Vec::new();
+    for cycle in comparison.cycles() {
+        for forward in [true, false] {
+            let of_pass = |row: usize| {
+                let arrival = &comparison.arrivals[row];
+                arrival.cycle == cycle && (arrival.direction > 0.0) == forward
+            };
+            for shape in &shapes {
+                let cut = |(row, x): (usize, &f64)| if of_pass(row) { *x } else { 0.0 };
+                columns.push(shape.iter().enumerate().map(cut).collect());
+            }
+        }
+    }
+    columns
+}
+
+/// Takes the mean of each cell out.
+fn centre(x: &mut [f64], cells: &[usize], count: usize) {
+    let mut sums = vec![(0.0, 0.0); count];
+    for (x, &cell) in x.iter().zip(cells) {
+        sums[cell].0 += x;
+        sums[cell].1 += 1.0;
+    }
+    for (x, &cell) in x.iter_mut().zip(cells) {
+        *x -= sums[cell].0 / sums[cell].1;
+    }
+}

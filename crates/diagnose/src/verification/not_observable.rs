@@ -1,0 +1,117 @@
+//! Effects that a verification cannot show. They may be there all the same.
+
+use trueaxis_effects::{Effect, Scene, Shape, Subject};
+use trueaxis_kinematics::AxisKind;
+
+use crate::NotObservable;
+use crate::verification::base::absorbed;
+use crate::verification::hypotheses::sampling;
+use crate::verification::problem::Problem;
+
+/// Change of a reading by one unit of a parameter below which the effect does not reach it, µm.
+const REACHES_UM: f64 = 1e-9;
+
+/// All of a problem.
+pub(crate) fn not_observable(
+    problem: &Problem<'_>,
+    scene: &Scene,
+    name: &str,
+    calibrated: bool,
+) -> Vec<NotObservable> {
+    let (_, seen) = problem.scans(&problem.base);
+    let mut all = Vec::new();
+    for (number, candidate) in problem.candidates.iter().enumerate() {
+        let (effect, subject) = (candidate.hypothesis.effect, candidate.hypothesis.subject);
+        if seen.contains(&number) {
+            all.extend(too_short(problem, scene, name, effect, &subject));
+            continue;
+        }
+        let bias = largest(problem, scene, effect, &subject);
+        let reason = if bias.is_empty() {
+            format!("{name}: {}", not_reached(problem, effect, &subject))
+        } else {
+            format!("{name}: {}", absorbed(problem.comparison, calibrated))
+                + " absorbs all that it does"
+        };
+        all.push(NotObservable {
+            effect: effect.id(),
+            subject: in_words(scene, &subject),
+            reason,
+            bias_per_unit: bias,
+            measure: effect.explanation().separate_by.to_owned(),
+        });
+    }
+    all
+}
+
+/// Why an effect leaves no trace in the readings.
+fn not_reached(problem: &Problem<'_>, effect: &dyn Effect, subject: &Subject) -> &'static str {
+    let arrivals = &problem.comparison.arrivals;
+    let stands = |axis: usize| arrivals.iter().all(|a| a.speeds_per_s[axis].abs() <= 0.0);
+    match subject.axis {
+        Some(axis) if effect.id() == "timestamp_offset" && stands(axis) => {
+            "the axis stands still at the readings, or the table has no times"
+        }
+        _ => "it does not change what was measured here",
+    }
+}
+
+/// Largest change of a reading for one unit of each parameter.
+fn largest(
+    problem: &Problem<'_>,
+    scene: &Scene,
+    effect: &dyn Effect,
+    subject: &Subject,
+) -> Vec<(String, String)> {
+    let shape = match effect.shape() {
+        Shape::Fixed => 0.0,
+        Shape::Instant => f64::NEG_INFINITY,
+        Shape::TimeConstant | Shape::Period | Shape::Waves => 1.0,
+    };
+    let mut all = Vec::new();
+    for (k, parameter) in effect.parameters(scene, subject).iter().enumerate() {
+        let column = problem.comparison.column(effect, subject, k, shape);
+        let largest = column.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
+        if largest > REACHES_UM {
+            all.push((
+                "reading".to_owned(),
+                format!("{largest:.3} um per {} of {}", parameter.unit, parameter.name),
+            ));
+        }
+    }
+    all
+}
+
+/// A periodic error is seen down to two steps only.
+fn too_short(
+    problem: &Problem<'_>,
+    scene: &Scene,
+    name: &str,
+    effect: &dyn Effect,
+    subject: &Subject,
+) -> Option<NotObservable> {
+    let axis = subject.axis.filter(|_| effect.shape() == Shape::Period)?;
+    let [_, step] = sampling(problem.comparison, axis)?;
+    let content = &scene.machine.axes()[axis];
+    let (shortest, unit) = match content.kind() {
+        AxisKind::Linear => (2.0 * step, "mm"),
+        AxisKind::Rotary => (2.0 * step.to_degrees(), "deg"),
+    };
+    Some(NotObservable {
+        effect: effect.id(),
+        subject: in_words(scene, subject),
+        reason: format!("{name}: periods below {shortest:.4} {unit}, two steps of the readings"),
+        bias_per_unit: Vec::new(),
+        measure: "read a short stretch in steps of a tenth of the screw pitch or of the grating period".to_owned(),
+    })
+}
+
+/// As `axis X, other axis Y`.
+fn in_words(scene: &Scene, subject: &Subject) -> String {
+    let axis = subject.axis.map(|axis| format!("axis {}", scene.axis_name(axis)));
+    let other = subject.other_axis.map(|axis| format!("axis {}", scene.axis_name(axis)));
+    let component = subject.component.zip(subject.axis);
+    let component = component.map(|(c, axis)| c.name(scene.axis_name(axis)));
+    let parts: Vec<String> = [axis, other, component].into_iter().flatten().collect();
+    parts.join(", ")
+}

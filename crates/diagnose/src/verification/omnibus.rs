@@ -1,0 +1,162 @@
+//! Whether anything is left at all: F tests of low harmonics, each through the model's projection.
+//!
+//! | varies with | columns |
+//! | --- | --- |
+//! | `time` | progress, and sines and cosines of 1 to 6 waves over the table |
+//! | `position` | cosines of ½ to 3 waves over the travel, for each line (ball bar: 2 to 7 waves per turn) |
+//! | `direction` | the direction, alone and times the columns of position |
+//! | `cycle` | each cycle, alone and times the position |
+//!
+//! What the model absorbs of these columns counts neither as drop nor as rank.
+
+use std::f64::consts::TAU;
+
+use trueaxis_campaign::VerificationKind;
+
+use crate::OmnibusTest;
+use crate::selection::{Projection, f_test};
+use crate::verification::base::{indicators, lines};
+use crate::verification::comparison::Comparison;
+use crate::verification::hypotheses::cosines;
+use crate::verification::problem::Problem;
+
+/// A family of columns that residuals may vary with.
+pub(crate) struct Family {
+    /// As `time`.
+    pub(crate) varies_with: &'static str,
+    /// Whitened columns.
+    pub(crate) columns: Vec<Vec<f64>>,
+}
+
+/// Waves of each family.
+const WAVES: usize = 6;
+
+/// A test that takes more of the degrees of freedom than this part says little.
+const MOST_OF_FREEDOM: f64 = 1.0 / 3.0;
+
+/// All families.
+pub(crate) fn families(problem: &Problem<'_>) -> Vec<Family> {
+    let comparison = problem.comparison;
+    let arrivals = &comparison.arrivals;
+    let over = |f: &dyn Fn(f64) -> f64| arrivals.iter().map(|a| f(a.progress)).collect::<Vec<f64>>();
+    let mut time = vec![over(&|t| t)];
+    for k in 1..=WAVES {
+        time.push(over(&|t| (TAU * k as f64 * t).sin()));
+        time.push(over(&|t| (TAU * k as f64 * t).cos()));
+    }
+    let position = position_columns(comparison);
+    let lines = indicators(&lines(comparison));
+    let by_line = lines.iter().flat_map(|line| position.iter().map(|c| times(c, line)));
+    let by_line: Vec<Vec<f64>> = match comparison.kind {
+        VerificationKind::Positioning { .. } => by_line.collect(),
+        VerificationKind::Ballbar { .. } => position.clone(),
+    };
+    let direction: Vec<f64> = arrivals.iter().map(|a| a.direction).collect();
+    let of_direction = position.iter().map(|column| times(column, &direction));
+    let of_direction = std::iter::once(direction.clone()).chain(of_direction).collect();
+    let cycles = comparison.cycles();
+    let number = |cycle: u32| cycles.binary_search(&cycle).unwrap_or_default();
+    let numbers: Vec<usize> = arrivals.iter().map(|a| number(a.cycle)).collect();
+    let cycles = indicators(&numbers);
+    let tilted = cycles.iter().map(|cycle| times(cycle, &position[0]));
+    let of_cycle = cycles.iter().cloned().chain(tilted).collect();
+    let family = |varies_with, columns: Vec<Vec<f64>>| Family {
+        varies_with,
+        columns: columns.iter().map(|c| problem.whiten(c)).collect(),
+    };
+    vec![
+        family("time", time),
+        family("position", by_line),
+        family("direction", of_direction),
+        family("cycle", of_cycle),
+    ]
+}
+
+/// Columns that vary with the position along the line or around the circle.
+fn position_columns(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
+    match comparison.kind {
+        VerificationKind::Positioning { .. } => {
+            let axis = comparison.axis();
+            let at = comparison.arrivals.iter().map(|a| a.positions[axis]);
+            let low = at.clone().fold(f64::INFINITY, f64::min);
+            let high = at.clone().fold(f64::NEG_INFINITY, f64::max);
+            let range = (high - low).max(f64::MIN_POSITIVE);
+            cosines(&at.map(|q| (q - low) / range).collect::<Vec<_>>(), WAVES)
+        }
+        VerificationKind::Ballbar { .. } => {
+            let angles = around(comparison);
+            let wave = |k: usize, f: fn(f64) -> f64| {
+                angles.iter().map(|angle| f(k as f64 * angle)).collect()
+            };
+            (2..=WAVES + 1).flat_map(|k| [wave(k, f64::sin), wave(k, f64::cos)]).collect()
+        }
+    }
+}
+
+/// Angle of the bar in the plane of its first directions; of a ball on an axis of rotation whose
+/// centre lies on the axis, that of the axis.
+fn around(comparison: &Comparison<'_>) -> Vec<f64> {
+    let first = comparison.sights.first().map(|s| s.along).unwrap_or_default();
+    let across = comparison.sights.iter().map(|s| s.along - first * first.dot(&s.along));
+    let second = across.max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap_or_default();
+    let second = second.try_normalize(f64::EPSILON).unwrap_or_default();
+    let angle = |along: nalgebra::Vector3<f64>| along.dot(&second).atan2(along.dot(&first));
+    comparison.sights.iter().map(|s| angle(s.along)).collect()
+}
+
+/// The tests of a model; p-values family-wise over all of them.
+pub(crate) fn omnibus(
+    problem: &Problem<'_>,
+    families: &[Family],
+    model: &Projection,
+) -> Vec<OmnibusTest> {
+    let mut tests = Vec::new();
+    for family in families {
+        let with = model.extended(&family.columns);
+        let taken = model.degrees_of_freedom - with.degrees_of_freedom;
+        if taken < 0.5 || taken > MOST_OF_FREEDOM * model.degrees_of_freedom {
+            continue;
+        }
+        let columns = taken.round() as usize;
+        let squares = model.squares();
+        let drop = squares - with.squares();
+        tests.push(OmnibusTest {
+            varies_with: family.varies_with,
+            detail: None,
+            columns,
+            p_value: f_test(drop, squares, columns, model.degrees_of_freedom),
+        });
+    }
+    let count = tests.len() as f64;
+    for test in &mut tests {
+        // 1 - (1 - p)^m without losing small p.
+        test.p_value = -(count * (-test.p_value).ln_1p()).exp_m1();
+        if test.p_value < STANDS_OUT && test.varies_with == "time" {
+            test.detail = period(problem, model);
+        }
+    }
+    tests
+}
+
+/// Below this a period is worth a word.
+const STANDS_OUT: f64 = 0.01;
+
+/// The period in time that explains most, in words.
+fn period(problem: &Problem<'_>, model: &Projection) -> Option<String> {
+    let arrivals = &problem.comparison.arrivals;
+    let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);
+    let drop = |k: usize| {
+        let wave = |f: fn(f64) -> f64| {
+            let column = arrivals.iter().map(|a| f(TAU * k as f64 * a.progress));
+            problem.whiten(&column.collect::<Vec<_>>())
+        };
+        let with = model.extended(&[wave(f64::sin), wave(f64::cos)]);
+        model.squares() - with.squares()
+    };
+    let best = (1..=WAVES).map(|k| (k, drop(k))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(format!("{:.0} s", duration / best.0 as f64))
+}
+
+fn times(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a * b).collect()
+}

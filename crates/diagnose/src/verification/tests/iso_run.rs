@@ -1,0 +1,126 @@
+//! A run after ISO 230-2: cycles there and back over one line or several.
+
+use nalgebra::Point3;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use trueaxis_campaign::{Direction, Verification, VerificationKind, VerificationReading};
+
+/// One reading to come.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    pub(super) time_s: f64,
+    pub(super) cycle: u32,
+    pub(super) forward: bool,
+    pub(super) x_mm: f64,
+    /// Where Y is parked.
+    pub(super) y_mm: f64,
+    /// Speed with sign, mm/s.
+    pub(super) speed: f64,
+}
+
+pub(super) const POSITIONS: usize = 21;
+const STEP_MM: f64 = 20.0;
+
+/// Where and when: cycles there and back at `speeds` (one after the other), for each parked position.
+pub(super) fn places(cycles: u32, parked_mm: &[f64], speeds: &[f64]) -> Vec<Place> {
+    let mut places = Vec::new();
+    let mut time_s = 0.0;
+    let mut cycle = 0;
+    for &y_mm in parked_mm {
+        for k in 0..cycles {
+            cycle += 1;
+            let speed = speeds[k as usize % speeds.len()];
+            for forward in [true, false] {
+                for i in 0..POSITIONS {
+                    let i = if forward { i } else { POSITIONS - 1 - i };
+                    let x_mm = STEP_MM * i as f64;
+                    places.push(Place {
+                        time_s,
+                        cycle,
+                        forward,
+                        x_mm,
+                        y_mm,
+                        speed: if forward { speed } else { -speed },
+                    });
+                    time_s += STEP_MM / speed;
+                }
+                time_s += 15.0;
+            }
+        }
+    }
+    places
+}
+
+/// A positioning curve: bends and bumps, µm.
+pub(super) fn curve_um(generator: &mut ChaCha8Rng) -> Vec<f64> {
+    let [scale, bow, wave]: [f64; 3] = std::array::from_fn(|_| generator.random_range(-4.0..4.0));
+    (0..POSITIONS)
+        .map(|i| {
+            let x = i as f64 / (POSITIONS - 1) as f64;
+            let local: f64 = StandardNormal.sample(generator);
+            scale * x + bow * x * x + wave * (7.0 * x).sin() + 0.5 * local
+        })
+        .collect()
+}
+
+/// The values of the readings: curve, disturbance and noise, µm.
+pub(super) fn values_um(
+    places: &[Place],
+    curve_um: &[f64],
+    disturbance_um: &[f64],
+    sigma_um: f64,
+    generator: &mut ChaCha8Rng,
+) -> Vec<f64> {
+    let rows = places.iter().zip(disturbance_um);
+    rows.map(|(place, disturbance)| {
+        let noise: f64 = StandardNormal.sample(generator);
+        curve_um[(place.x_mm / STEP_MM).round() as usize] + disturbance + sigma_um * noise
+    })
+    .collect()
+}
+
+/// The table.
+pub(super) fn table(places: &[Place], values_um: &[f64], timed: bool) -> Verification {
+    let rows = places.iter().zip(values_um).enumerate();
+    let readings = rows.map(|(row, (place, &value_um))| VerificationReading {
+        time_s: timed.then_some(place.time_s),
+        cycle: place.cycle,
+        direction: if place.forward { Direction::Forward } else { Direction::Backward },
+        positions: vec![place.x_mm, place.y_mm, 0.0],
+        value_um,
+        line: row + 2,
+    });
+    Verification {
+        name: "LI along X".into(),
+        kind: VerificationKind::Positioning {
+            axis: 0,
+            target_mm: Point3::new(100.0, 300.0, 200.0),
+        },
+        readings: readings.collect(),
+    }
+}
+
+/// What the mean curve, and the zero of each line, leave of a trace; by sweeping means to and fro.
+pub(super) fn beyond_the_mean_curve(places: &[Place], trace: &[f64]) -> Vec<f64> {
+    let mut left = trace.to_vec();
+    let by_x = |p: &Place| (p.x_mm * 1e3).round() as i64;
+    let by_y = |p: &Place| (p.y_mm * 1e3).round() as i64;
+    for _ in 0..20 {
+        take_means(places, &mut left, by_x);
+        take_means(places, &mut left, by_y);
+    }
+    left
+}
+
+fn take_means(places: &[Place], x: &mut [f64], key: impl Fn(&Place) -> i64) {
+    let mut sums = std::collections::BTreeMap::<i64, (f64, f64)>::new();
+    for (place, x) in places.iter().zip(x.iter()) {
+        let sum = sums.entry(key(place)).or_default();
+        *sum = (sum.0 + x, sum.1 + 1.0);
+    }
+    for (place, x) in places.iter().zip(x.iter_mut()) {
+        let sum = sums[&key(place)];
+        *x -= sum.0 / sum.1;
+    }
+}

@@ -1,0 +1,222 @@
+//! `trueaxis-effects`: what a diagnosis found, for `simulate` to replay and `calibrate` to take out.
+//!
+//! ```json
+//! { "format": "trueaxis-effects", "version": 1, "campaign": "FXYZ machine",
+//!   "effects": [ { "effect": "dead_path_jump", "subject": { "station": "S2" },
+//!                  "parameters": [ { "name": "jump", "value": 4.2, "u": 0.1, "unit": "um" },
+//!                                  { "name": "time", "value": 5210.0, "unit": "s" } ] } ],
+//!   "covariance": [[0.01]] }
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+use crate::nearest::nearest;
+use crate::shape_parameter::shape_name;
+use crate::{Error, GivenEffect, ResolvedEffect, Scene};
+
+/// Effects of one campaign.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct EffectsFile {
+    /// Name of the campaign.
+    pub campaign: String,
+    /// The effects.
+    pub effects: Vec<GivenEffect>,
+    /// Covariance of all linear parameters of all effects, in the order in which they stand in
+    /// `effects` and in the products of their units; shapes (as `time`) have no part in it.
+    pub covariance: Option<Vec<Vec<f64>>>,
+}
+
+/// Effects in a scene.
+#[derive(Debug, Clone)]
+pub struct ResolvedEffects {
+    /// The effects.
+    pub effects: Vec<ResolvedEffect>,
+    /// Covariance of all [`ResolvedEffect::parameters`], effect after effect.
+    pub covariance: Option<Vec<Vec<f64>>>,
+}
+
+/// Difference of mirrored elements in units of `√(C_ii C_jj)`: what the rounding of an estimator may
+/// leave, far below anything that a covariance means.
+const SYMMETRY_TOL: f64 = 1e-9;
+
+impl EffectsFile {
+    /// What `format` must say.
+    pub const FORMAT: &str = "trueaxis-effects";
+    /// The version of the format.
+    pub const VERSION: u32 = 1;
+
+    /// Reads the text of a file and checks its header, the effects' names, the numbers and the
+    /// covariance; subjects and parameters are checked by [`EffectsFile::resolve`].
+    ///
+    /// # Errors
+    /// With the field that is wrong.
+    pub fn from_json(text: &str) -> Result<Self, Error> {
+        let header: Header = serde_json::from_str(text).map_err(|error| json_error(".", &error))?;
+        if header.format != Self::FORMAT {
+            let found = header.format;
+            return Err(Error::Format { found });
+        }
+        let json = &mut serde_json::Deserializer::from_str(text);
+        let document: Document = serde_path_to_error::deserialize(json)
+            .map_err(|error| json_error(&error.path().to_string(), error.inner()))?;
+        if document.version != Self::VERSION {
+            let found = document.version;
+            return Err(Error::Version { found });
+        }
+        let file = Self {
+            campaign: document.campaign,
+            effects: document.effects,
+            covariance: document.covariance,
+        };
+        file.check()?;
+        Ok(file)
+    }
+
+    /// The text of the file; numbers come back as they are.
+    ///
+    /// # Errors
+    /// As [`EffectsFile::from_json`]: what is written can be read.
+    pub fn to_json(&self) -> Result<String, Error> {
+        self.check()?;
+        let document = Document {
+            format: Self::FORMAT.to_owned(),
+            version: Self::VERSION,
+            campaign: self.campaign.clone(),
+            effects: self.effects.clone(),
+            covariance: self.covariance.clone(),
+        };
+        trueaxis_files::to_json(&document).map_err(|error| json_error(".", &error))
+    }
+
+    /// The effects in a scene; the covariance in the order of the resolved parameters.
+    ///
+    /// # Errors
+    /// As [`GivenEffect::resolve`] and [`EffectsFile::from_json`]; paths begin with `effects[0]` and so
+    /// on.
+    pub fn resolve(&self, scene: &Scene) -> Result<ResolvedEffects, Error> {
+        self.check()?;
+        let mut effects = Vec::with_capacity(self.effects.len());
+        // For each resolved parameter, its row in the covariance of the file.
+        let mut rows = Vec::new();
+        for (i, given) in self.effects.iter().enumerate() {
+            let (resolved, places) = given
+                .resolve_with_places(scene)
+                .map_err(|error| error.within(&format!("effects[{i}]")))?;
+            let first = rows.len();
+            let rank = |place| places.iter().filter(|&&other| other < place).count();
+            rows.extend(places.iter().map(|&place| first + rank(place)));
+            effects.push(resolved);
+        }
+        let covariance = self.covariance.as_ref().map(|given| {
+            let row = |&i: &usize| rows.iter().map(|&j| given[i][j]).collect();
+            rows.iter().map(row).collect()
+        });
+        Ok(ResolvedEffects {
+            effects,
+            covariance,
+        })
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        let mut linear_count = 0;
+        for (i, given) in self.effects.iter().enumerate() {
+            let effect = given
+                .check_numbers()
+                .and_then(|()| given.catalogued())
+                .map_err(|error| error.within(&format!("effects[{i}]")))?;
+            let shape = shape_name(effect.shape());
+            let linear = given.parameters.iter();
+            linear_count += linear.filter(|p| Some(p.name.as_str()) != shape).count();
+        }
+        match &self.covariance {
+            Some(covariance) => check_covariance(covariance, linear_count),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Square, finite, with variances on the diagonal, symmetric.
+fn check_covariance(covariance: &[Vec<f64>], expected: usize) -> Result<(), Error> {
+    let sized = |field: String, found: usize| match found == expected {
+        true => Ok(()),
+        false => Err(Error::CovarianceSize {
+            field,
+            expected,
+            found,
+        }),
+    };
+    sized("covariance".to_owned(), covariance.len())?;
+    for (i, row) in covariance.iter().enumerate() {
+        sized(format!("covariance[{i}]"), row.len())?;
+        for (j, &value) in row.iter().enumerate() {
+            let expected = match i == j {
+                true if value < 0.0 => "a variance, zero or more",
+                _ if !value.is_finite() => "a finite number",
+                _ => continue,
+            };
+            return Err(Error::Value {
+                field: format!("covariance[{i}][{j}]"),
+                value,
+                expected,
+            });
+        }
+    }
+    for (i, row) in covariance.iter().enumerate() {
+        for (j, &value) in row.iter().enumerate().take(i) {
+            let mirrored = covariance[j][i];
+            let size = (row[i] * covariance[j][j]).sqrt();
+            if (value - mirrored).abs() > SYMMETRY_TOL * size {
+                return Err(Error::CovarianceAsymmetric {
+                    field: format!("covariance[{i}][{j}]"),
+                    column: j,
+                    value,
+                    mirrored,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Read first: a file of another format is called that, not blamed for its unknown fields.
+#[derive(Deserialize)]
+#[serde(expecting = "an object: the effects of a campaign")]
+struct Header {
+    #[serde(default)]
+    format: String,
+}
+
+/// The whole file.
+#[derive(Serialize, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an object: the effects of a campaign"
+)]
+struct Document {
+    format: String,
+    version: u32,
+    campaign: String,
+    effects: Vec<GivenEffect>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    covariance: Option<Vec<Vec<f64>>>,
+}
+
+/// The parser's message without its place, and what an unknown field may have meant.
+///
+/// serde writes ``unknown field `a`, expected one of `b`, `c` ``.
+fn json_error(path: &str, error: &serde_json::Error) -> Error {
+    let message = error.to_string();
+    let place = format!(" at line {} column {}", error.line(), error.column());
+    let message = message.strip_suffix(&place).unwrap_or(&message);
+    let nearest = message.starts_with("unknown").then(|| {
+        let mut quoted = message.split('`').skip(1).step_by(2);
+        let found = quoted.next().unwrap_or_default();
+        nearest(found, quoted)
+    });
+    Error::Json {
+        field: (path != ".").then(|| path.to_owned()),
+        line: error.line(),
+        message: message.to_owned(),
+        nearest: nearest.flatten(),
+    }
+}

@@ -1,0 +1,58 @@
+//! One effect with its values in a scene, ready to displace readings.
+
+use crate::shape_parameter::{shape_parameter, to_file};
+use crate::{Circumstances, Displaced, Effect, Parameter, Scene, Subject, displacement};
+use crate::{GivenEffect, GivenParameter, GivenSubject};
+
+/// An effect with its values; names are indices of the scene in which it was resolved.
+#[derive(Debug, Clone)]
+pub struct ResolvedEffect {
+    /// Which.
+    pub effect: &'static dyn Effect,
+    /// What it happens to.
+    pub subject: Subject,
+    /// Values of its linear parameters, in the order and units of [`Effect::parameters`].
+    pub parameters: Vec<f64>,
+    /// Its shape: s, mm, rad or a number of waves; 0 if it has none.
+    pub shape: f64,
+}
+
+impl ResolvedEffect {
+    /// What it does to a reading.
+    pub fn displaced(&self, at: &Circumstances<'_>) -> Displaced {
+        let Self {
+            effect,
+            subject,
+            parameters,
+            shape,
+        } = self;
+        displacement(*effect, subject, parameters, *shape, at)
+    }
+
+    /// The effect by names: the linear parameters in the order of the catalogue, then the shape.
+    ///
+    /// Values without uncertainties. All come back as they are when resolved in the same scene, save a
+    /// period in degrees, which may be rounded in its last bit.
+    pub fn to_given(&self, scene: &Scene) -> GivenEffect {
+        let given = |parameter: Parameter, value: f64| GivenParameter {
+            name: parameter.name,
+            value,
+            u: None,
+            unit: parameter.unit.to_owned(),
+        };
+        let linear = self.effect.parameters(scene, &self.subject).into_iter();
+        let mut parameters: Vec<GivenParameter> = linear
+            .zip(&self.parameters)
+            .map(|(parameter, value)| given(parameter, *value))
+            .collect();
+        if let Some(parameter) = shape_parameter(self.effect, scene, &self.subject) {
+            let value = to_file(&parameter, self.shape);
+            parameters.push(given(parameter, value));
+        }
+        GivenEffect {
+            effect: self.effect.id().to_owned(),
+            subject: GivenSubject::new(&self.subject, scene),
+            parameters,
+        }
+    }
+}

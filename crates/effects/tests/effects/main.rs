@@ -1,0 +1,6 @@
+//! Tests of the catalogue and of effects in files.
+
+mod effects_file;
+mod given_effect;
+mod scene;
+mod whole_catalogue;

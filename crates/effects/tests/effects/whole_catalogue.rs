@@ -1,0 +1,124 @@
+//! What holds for every effect of the catalogue, those to come included.
+
+use std::collections::BTreeSet;
+
+use trueaxis_effects::{Displaced, catalogue, displacement, effect, shape_parameter};
+
+use crate::scene::{every_effect, for_each_reading, scene};
+
+/// The ids of DESIGN section 6, and two more: time stamps that are late, and squareness beyond what a
+/// calibration says.
+const IDS: [&str; 28] = [
+    "dead_path_drift",
+    "dead_path_jump",
+    "refraction_drift",
+    "station_drift",
+    "station_jump",
+    "target_slip",
+    "target_creep",
+    "fixture_expansion",
+    "machine_drift",
+    "warm_up",
+    "machine_shift",
+    "axis_expansion",
+    "backlash",
+    "position_dependent_backlash",
+    "stage_bending",
+    "cross_coupling",
+    "cyclic_error",
+    "scale_error",
+    "guideway_bow",
+    "encoder_eccentricity",
+    "encoder_ellipticity",
+    "worm_gear",
+    "axis_wobble",
+    "axis_runout",
+    "length_scale",
+    "dead_path_offset",
+    "timestamp_offset",
+    "squareness_error",
+];
+
+#[test]
+fn ids_are_the_fixed_ones_and_unique() {
+    let ids: BTreeSet<&str> = catalogue().iter().map(|effect| effect.id()).collect();
+    assert_eq!(ids.len(), catalogue().len());
+    for id in ids {
+        assert!(IDS.contains(&id), "{id} is not a fixed id");
+        assert_eq!(effect(id).map(|effect| effect.id()), Some(id));
+    }
+    assert!(effect("Machine_shift").is_none());
+}
+
+#[test]
+fn instrument_and_set_up_come_before_the_machine() {
+    assert!(catalogue().is_sorted_by_key(|effect| effect.layer()));
+}
+
+/// All three components and the length, as one row.
+fn row(by: &Displaced) -> Vec<f64> {
+    let parts = by.point_mm.iter().chain(&by.station_mm);
+    parts.copied().chain([by.length_mm]).collect()
+}
+
+/// Every parameter has a form of its own that is finite everywhere and not zero everywhere.
+#[test]
+fn each_parameter_has_a_form() {
+    let scene = scene();
+    for given in every_effect(&scene) {
+        let what = (given.effect.id(), given.subject);
+        let parameters = given.effect.parameters(&scene, &given.subject);
+        assert!(!parameters.is_empty(), "{what:?}");
+        let mut forms = vec![Vec::new(); parameters.len()];
+        for_each_reading(&scene, |at| {
+            for (k, form) in forms.iter_mut().enumerate() {
+                let unit = given.effect.form(&given.subject, k, given.shape, at);
+                form.extend(row(&unit));
+            }
+        });
+        for (k, form) in forms.iter().enumerate() {
+            assert!(form.iter().all(|d| d.is_finite()), "{what:?} {k}");
+            assert!(form.iter().any(|d| d.abs() > 0.0), "{what:?} {k} is zero");
+            assert!(!forms[..k].contains(form), "{what:?} {k} is there twice");
+        }
+    }
+}
+
+/// What a file says about a parameter identifies it, beside its shape.
+#[test]
+fn names_of_parameters_are_unique_and_have_units() {
+    let scene = scene();
+    for given in every_effect(&scene) {
+        let mut parameters = given.effect.parameters(&scene, &given.subject);
+        parameters.extend(shape_parameter(given.effect, &scene, &given.subject));
+        let names: BTreeSet<&str> = parameters.iter().map(|p| p.name.as_str()).collect();
+        assert_eq!(names.len(), parameters.len(), "{}", given.effect.id());
+        assert!(parameters.iter().all(|p| !p.unit.is_empty()));
+    }
+}
+
+/// Forms add up, and an effect of no size does nothing.
+#[test]
+fn displacements_are_linear() {
+    let scene = scene();
+    for given in every_effect(&scene) {
+        let doubled: Vec<f64> = given.parameters.iter().map(|value| 2.0 * value).collect();
+        let zero = vec![0.0; given.parameters.len()];
+        for_each_reading(&scene, |at| {
+            let scaled = |values: &[f64]| {
+                row(&displacement(
+                    given.effect,
+                    &given.subject,
+                    values,
+                    given.shape,
+                    at,
+                ))
+            };
+            let once = row(&given.displaced(at));
+            // Doubling is exact in f64.
+            let twice: Vec<f64> = once.iter().map(|d| 2.0 * d).collect();
+            assert_eq!(scaled(&doubled), twice, "{}", given.effect.id());
+            assert_eq!(scaled(&zero), [0.0; 7], "{}", given.effect.id());
+        });
+    }
+}
