@@ -14,11 +14,11 @@
 //! - `h ~ N(0, w² I)`: the rough rest, from step to step without memory;
 //! - `e ~ N(0, C)`: the noise of the measurement, C from the calibration.
 //!
-//! s and w are not known. They are integrated out over a grid with flat priors, weighted by the
-//! restricted likelihood *with the effect in the model* ([`judgement`]), so that a large effect does not
-//! hide in a rest that it has inflated itself, and a rest that is known from few degrees of freedom
-//! makes broad tails as in Student's test. Curves of different components have rests of their own; the
-//! two curves across a rotary axis share theirs.
+//! s and w are not known. They are integrated out over a grid, weighted by the restricted likelihood
+//! *with the effect in the model* ([`judgement`]), so that a large effect does not hide in a rest that it
+//! has inflated itself, and a rest that is known from few degrees of freedom makes broad tails as in
+//! Student's test. Curves of different components have rests of their own, the two curves across a rotary
+//! axis share theirs; the other curves of the machine say what s is likely ([`smooth_prior`]).
 //!
 //! The p-value counts everything that was looked at: each effect gets the same part of the 1 %, all its
 //! axes, components and shapes share it ([`family`]). Effects are taken in one at a time, each with the
@@ -26,6 +26,11 @@
 //!
 //! C is singular in the directions that the gauge fixes. As B is free these directions carry nothing, and
 //! the rough rest, which is never quite zero, makes the sum regular: no limit of rank is needed.
+//!
+//! A translation carries the noise of the angles times the distance of its reference point from the
+//! targets: with [`trueaxis_calibrate::ReferencePoint::Centroid`] smaller effects are found. The
+//! uncertainty of a slope, a bow or one wave per turn rests on the assumed K: for curves much smoother
+//! than it, as polynomials of low degree, it is too small (bow: by almost half before the Birge ratio).
 
 mod background;
 #[cfg(test)]
@@ -39,6 +44,7 @@ mod judgement;
 mod ln_chi_squared;
 mod report;
 mod search;
+mod smooth_prior;
 mod unseen;
 
 use trueaxis_calibrate::Calibration;
@@ -87,9 +93,7 @@ pub(crate) fn diagnose_components(
     let axes = calibration.axes.iter();
     ComponentsOutcome {
         causes,
-        not_observable: axes
-            .filter_map(|axis| unseen::periods_of_the_step(axis))
-            .collect(),
+        not_observable: axes.filter_map(unseen::periods_of_the_step).collect(),
         notices,
     }
 }

@@ -71,7 +71,9 @@ pub struct LevelReport {
     pub places: Vec<Place>,
 }
 
-/// Rms of measured minus predicted, for one degree of freedom, µm.
+/// Rms of measured minus predicted for one degree of freedom, µm: weighted with the noise, its
+/// correlation within a stop included, and scaled so that noise alone gives the standard deviation of one
+/// reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Misfit {
     /// In the data that the model was fitted to.

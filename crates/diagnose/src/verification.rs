@@ -97,7 +97,14 @@ pub(crate) fn diagnose_verification(
     }
     let level = LEVEL / campaign.verification.len().max(1) as f64;
     for verification in &campaign.verification {
-        diagnose_entry(&machine, verification, calibration, scene, level, &mut outcome);
+        diagnose_entry(
+            &machine,
+            verification,
+            calibration,
+            scene,
+            level,
+            &mut outcome,
+        );
     }
     outcome
 }
@@ -117,7 +124,13 @@ fn diagnose_entry(
     let base = base_columns(&comparison, calibration.is_some());
     let posed = |sigma_um: f64| {
         let directions = calibration.map(|c| prediction_directions(&comparison, c, sigma_um));
-        Problem::new(&comparison, scene, sigma_um, &base, &directions.unwrap_or_default())
+        Problem::new(
+            &comparison,
+            scene,
+            sigma_um,
+            &base,
+            &directions.unwrap_or_default(),
+        )
     };
     let floor_um = noise_floor_um(&comparison);
     // Without repeats the base model's misfit stands for the noise at first.
@@ -158,7 +171,11 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
     let mut chosen = search::search(problem, level);
     believed::with_gain(problem, &mut chosen, &folds);
     let left = omnibus::omnibus(problem, &families, &problem.with(&chosen));
+    let found = chosen.len();
     believed::without_imitations(problem, &mut chosen, &left, &families, level);
+    if chosen.len() < found {
+        search::drop_superfluous(problem, &mut chosen, level);
+    }
 
     let after = problem.with(&chosen);
     let tests_after = omnibus::omnibus(problem, &families, &after);
@@ -184,7 +201,9 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
             noise_floor_um: problem.sigma_um,
             before: misfit(before, &held_before),
             after: misfit(&after, &held_after),
-            gain: gain.map(|bounded| bounded.gain).filter(|_| !causes.is_empty()),
+            gain: gain
+                .map(|bounded| bounded.gain)
+                .filter(|_| !causes.is_empty()),
             tests,
             tests_after,
             places: report::places(problem, before, &after),

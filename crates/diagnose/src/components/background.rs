@@ -7,10 +7,14 @@
 //! ```
 //!
 //! whose power falls with the fourth power of the frequency: continuous, with a continuous slope, as
-//! guideways and bearings are. d is the distance of two positions and ℓ the longest there is: the travel
-//! of a linear axis; for a rotary one d is the chord `2 sin(Δ/2)`, so that 0° and 360° are one place, and
-//! ℓ = 2. With a shorter ℓ the slope of a curve would be taken to be no larger than its bends. s and w
-//! are not known: they run over a grid in equal ratios with flat priors for both.
+//! guideways and bearings are. d is the distance of two positions and ℓ twice the travel of a linear
+//! axis; for a rotary one d is the chord `2 sin(Δ/2)`, so that 0° and 360° are one place, and ℓ = 2.
+//! This is an assumption about machines, and it decides what a slope or a single wave must be to stand
+//! out: with it the straight part of a curve is expected to have, at the ends of the travel, about five
+//! times the rms of what bends, one wave per turn 2.4 times the amplitude of two. A shorter ℓ expects
+//! less (three times with ℓ the travel) and calls more curves by name. s and w are not known: they run
+//! over a grid in equal ratios, w with a flat prior, s with one from the other curves
+//! ([`crate::components::smooth_prior`]).
 //!
 //! For each s one eigenvalue decomposition `C + s² K = Q Λ Qᵀ` whitens for all w: `(Λ + w²)^{-1/2} Qᵀ`.
 
@@ -18,6 +22,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use trueaxis_kinematics::AxisKind;
 
 use crate::components::curve_set::CurveSet;
+use crate::components::smooth_prior::SmoothPrior;
 use crate::selection::Projection;
 
 /// One size of the rest, and the curves whitened with it.
@@ -25,6 +30,10 @@ use crate::selection::Projection;
 pub(crate) struct Background {
     /// Logarithm of prior times restricted likelihood of the curves without any effect.
     pub(crate) ln_weight: f64,
+    /// The same without the prior of s.
+    pub(crate) ln_likelihood: f64,
+    /// Number of s in the grid.
+    pub(crate) smooth: i32,
     /// Whitened curves after the base.
     pub(crate) projection: Projection,
     whitener: DMatrix<f64>,
@@ -41,18 +50,33 @@ const LEAST_ROUGH: f64 = 0.1;
 /// Largest smooth rest in units of the curve's range.
 const MOST_SMOOTH: f64 = 3.0;
 
+/// ℓ of a linear axis in travels.
+const TRAVELS: f64 = 2.0;
+
+/// Numbers of the grid: from 10⁻⁹ to 10⁹ µm.
+const LARGEST_NUMBER: i32 = 60;
+
+/// Range of a curve that is zero throughout, µm or arcsec.
+const LEAST_RANGE: f64 = 1e-6;
+
 /// Uncertainty that stands for that of exact curves, relative to their range.
 const EXACT: f64 = 1e-3;
 
 /// The curves under all sizes of the rest; `base` is what the gauge takes and what is in the model.
-pub(crate) fn backgrounds(set: &CurveSet, base: &[Vec<f64>]) -> Vec<Background> {
+pub(crate) fn backgrounds(
+    set: &CurveSet,
+    base: &[Vec<f64>],
+    prior: &SmoothPrior,
+) -> Vec<Background> {
     let n = set.values.len();
     let kernel = kernel(set);
     let (u, range) = scales(set);
-    let smooth = sizes(LEAST_SMOOTH * u, MOST_SMOOTH * range);
-    let rough = sizes(LEAST_ROUGH * u, range.max(u));
+    let smooth = numbers(LEAST_SMOOTH * u, MOST_SMOOTH * range);
+    let rough = numbers(LEAST_ROUGH * u, range.max(u));
+    let rough: Vec<f64> = rough.into_iter().map(size).collect();
     let mut all = Vec::with_capacity(smooth.len() * rough.len());
-    for &s in &smooth {
+    for &number in &smooth {
+        let s = size(number);
         let eigen = SymmetricEigen::new(&set.covariance + &kernel * (s * s));
         let turned = eigen.eigenvectors.transpose();
         for &w in &rough {
@@ -63,13 +87,16 @@ pub(crate) fn backgrounds(set: &CurveSet, base: &[Vec<f64>]) -> Vec<Background> 
                 .map(|column| whiten(&whitener, column))
                 .collect();
             let projection = Projection::dense(whiten(&whitener, &set.values), &whitened);
-            let ln_likelihood = -0.5
-                * (variances.iter().map(|v| v.ln()).sum::<f64>()
-                    + ln_determinant(&whitened)
-                    + projection.squares());
+            // Flat in w: in equal ratios each point stands for a width in proportion.
+            let ln_likelihood = w.ln()
+                - 0.5
+                    * (variances.iter().map(|v| v.ln()).sum::<f64>()
+                        + ln_determinant(&whitened)
+                        + projection.squares());
             all.push(Background {
-                // Flat in s and w: in equal ratios each point stands for a width in proportion.
-                ln_weight: ln_likelihood + s.ln() + w.ln(),
+                ln_weight: ln_likelihood + prior.ln_mass(number),
+                ln_likelihood,
+                smooth: number,
                 projection,
                 whitener,
             });
@@ -110,7 +137,7 @@ fn kernel(set: &CurveSet) -> DMatrix<f64> {
         }
         let apart = set.nodes[i % steps].0 - set.nodes[j % steps].0;
         let distance_in_l = match set.content.kind() {
-            AxisKind::Linear => apart / travel,
+            AxisKind::Linear => apart / (TRAVELS * travel),
             AxisKind::Rotary => (0.5 * apart).sin(),
         };
         let x = 3.0_f64.sqrt() * distance_in_l.abs();
@@ -124,7 +151,7 @@ fn scales(set: &CurveSet) -> (f64, f64) {
         let high = curve.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         high - curve.iter().copied().fold(f64::INFINITY, f64::min)
     });
-    let range = ranges.fold(f64::MIN_POSITIVE.sqrt(), f64::max);
+    let range = ranges.fold(LEAST_RANGE, f64::max);
     let mut u: Vec<f64> = set
         .covariance
         .diagonal()
@@ -135,12 +162,16 @@ fn scales(set: &CurveSet) -> (f64, f64) {
     (u[u.len() / 2].max(EXACT * range), range)
 }
 
-/// From `low` to `high` in equal ratios.
-fn sizes(low: f64, high: f64) -> Vec<f64> {
-    let next = |size: &f64| Some(size * RATIO);
-    std::iter::successors(Some(low), next)
-        .take_while(|&size| size <= high.max(low))
-        .collect()
+/// Numbers of the sizes from `low` to `high`.
+fn numbers(low: f64, high: f64) -> Vec<i32> {
+    let mut numbers: Vec<i32> = (-LARGEST_NUMBER..=LARGEST_NUMBER).collect();
+    numbers.retain(|&k| (low..=high.max(RATIO * low)).contains(&size(k)));
+    numbers
+}
+
+/// The size with a number, µm or arcsec; the same for all curves.
+pub(crate) fn size(number: i32) -> f64 {
+    RATIO.powi(number)
 }
 
 /// `ln det BᵀB`, from the lengths of the columns after taking out the earlier ones.

@@ -1,79 +1,39 @@
 //! Blind trials: machines with smooth curves, some with an effect, through simulation and calibration.
+//!
+//! The study with 25 machines for each effect: right name and place in 24 (`cyclic_error`, 1.5 to 3 µm or
+//! arcsec), 20 (`scale_error`, 25 to 60 ppm), 25 (all others); nothing wrong in any. True value within
+//! 1.96 u: 72 of 72, 19 of 20, 18 of 25 (`guideway_bow`, before the Birge ratio), 46, 47, 48 of 50 (angle
+//! about the axis, one, two, more waves), 94 and 96 of 100 (wobble, runout).
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+mod machines;
+
+use std::time::{Duration, Instant};
+
 use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_simulate::{Scenario, Term, simulate};
 
 use super::{ComponentsOutcome, diagnose_components};
 use crate::diagnosis::Cause;
-
-const FXYZ: &str = include_str!("../../../../campaigns/fxyz/scenario.json");
-const ROTARY: &str = include_str!("../../../../campaigns/rotary-stage/scenario.json");
-
-fn generator(seed: u64) -> ChaCha8Rng {
-    ChaCha8Rng::seed_from_u64(seed)
-}
-
-fn normal(generator: &mut ChaCha8Rng) -> f64 {
-    StandardNormal.sample(generator)
-}
-
-/// The three-axis machine with random smooth curves: polynomials of the fifth degree, 1 µm and
-/// 1 arcsec for each coefficient, falling with its order.
-fn linear_machine(generator: &mut ChaCha8Rng) -> Scenario {
-    let mut scenario = Scenario::from_json(FXYZ).unwrap();
-    for errors in scenario.errors.values_mut() {
-        for terms in errors.components.values_mut() {
-            let coefficients = (0..6_i32).map(|k| normal(generator) / f64::from(k.max(1)));
-            *terms = vec![Term::Polynomial {
-                coefficients: coefficients.collect(),
-            }];
-        }
-    }
-    scenario
-}
-
-/// The rotary stage with random smooth curves: all waves up to nine per turn with random phases and
-/// amplitudes (Rayleigh) that fall as `1 / (n² + 1)`.
-fn rotary_machine(generator: &mut ChaCha8Rng) -> Scenario {
-    let mut scenario = Scenario::from_json(ROTARY).unwrap();
-    for errors in scenario.errors.values_mut() {
-        for terms in errors.components.values_mut() {
-            *terms = (1..=9_i32)
-                .map(|n| Term::Sine {
-                    amplitude: normal(generator).hypot(normal(generator)) / f64::from(n * n + 1),
-                    period_mm: None,
-                    period_deg: Some(360.0 / f64::from(n)),
-                    phase_deg: 360.0 * generator.random::<f64>(),
-                })
-                .collect();
-        }
-    }
-    scenario
-}
-
-fn add(scenario: &mut Scenario, axis: &str, component: &str, term: Term) {
-    let errors = scenario.errors.entry(axis.to_owned()).or_default();
-    errors
-        .components
-        .entry(component.to_owned())
-        .or_default()
-        .push(term);
-}
+use machines::{add, generator, linear_machine, machine_with, rotary_machine, sine};
 
 fn outcome(scenario: &Scenario, seed: u64) -> ComponentsOutcome {
+    timed_outcome(scenario, seed).0
+}
+
+/// With the time that the diagnosis took, without simulation and calibration.
+fn timed_outcome(scenario: &Scenario, seed: u64) -> (ComponentsOutcome, Duration) {
     let campaign = simulate(scenario, seed).unwrap().campaign;
     let settings = Settings {
         covariance: true,
         ..Settings::default()
     };
     let calibration = calibrate(&campaign, &settings).unwrap();
-    diagnose_components(&calibration, &campaign.machine)
+    let start = Instant::now();
+    let outcome = diagnose_components(&calibration, &campaign.machine);
+    (outcome, start.elapsed())
 }
 
-fn value<'a>(cause: &'a Cause, name: &str) -> (f64, f64) {
+fn value(cause: &Cause, name: &str) -> (f64, f64) {
     let found = cause.parameters.iter().find(|p| p.name == name);
     found.map(|p| (p.value, p.u)).unwrap()
 }
@@ -100,171 +60,6 @@ fn show(cause: &Cause) -> String {
     )
 }
 
-#[test]
-#[ignore = "a study"]
-#[expect(clippy::print_stderr, reason = "the study prints its counts")]
-fn clean_study() {
-    let trials: u64 = std::env::var("TRIALS").map_or(20, |s| s.parse().unwrap());
-    let (mut linear, mut rotary) = (0, 0);
-    for seed in 0..trials {
-        let o = outcome(&linear_machine(&mut generator(seed)), seed);
-        for cause in &o.causes {
-            eprintln!("linear {seed} {}", show(cause));
-        }
-        linear += u32::from(!o.causes.is_empty());
-        let o = outcome(&rotary_machine(&mut generator(seed)), seed);
-        for cause in &o.causes {
-            eprintln!("rotary {seed} {}", show(cause));
-        }
-        rotary += u32::from(!o.causes.is_empty());
-    }
-    eprintln!("clean: {linear} linear, {rotary} rotary false of {trials}");
-}
-
-/// What was hidden in a machine.
-struct Hidden {
-    effect: &'static str,
-    axis: &'static str,
-    component: Option<String>,
-    /// Names and true values, as the diagnosis should find them.
-    values: Vec<(&'static str, f64)>,
-}
-
-fn between(generator: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
-    low + (high - low) * generator.random::<f64>()
-}
-
-fn sine(amplitude: f64, period: f64, phase_deg: f64, linear: bool) -> Term {
-    Term::Sine {
-        amplitude,
-        period_mm: linear.then_some(period),
-        period_deg: (!linear).then_some(period),
-        phase_deg,
-    }
-}
-
-/// Hides the effect in a random place, with a random size.
-fn hide(effect: &'static str, scenario: &mut Scenario, generator: &mut ChaCha8Rng) -> Hidden {
-    let axis = ["X", "Y", "Z"][generator.random_range(0..3)];
-    let travel = if axis == "X" { 440.0 } else { 400.0 };
-    let phase = between(generator, -180.0, 180.0);
-    let sign = if generator.random::<bool>() {
-        1.0
-    } else {
-        -1.0
-    };
-    let mut hidden = Hidden {
-        effect,
-        axis,
-        component: None,
-        values: Vec::new(),
-    };
-    match effect {
-        "cyclic_error" => {
-            let letter = ["X", "Y", "Z", "A", "B", "C"][generator.random_range(0..6)];
-            let component = format!("E{letter}{axis}");
-            let amplitude = between(generator, 1.5, 3.0);
-            let period = between(generator, 45.0, 150.0);
-            add(
-                scenario,
-                axis,
-                &component,
-                sine(amplitude, period, phase, true),
-            );
-            hidden.values = vec![
-                ("period", period),
-                ("amplitude", amplitude),
-                ("phase", phase),
-            ];
-            hidden.component = Some(component);
-        }
-        "scale_error" => {
-            let ppm = sign * between(generator, 25.0, 60.0);
-            let coefficients = vec![0.0, ppm * 1e-3 * travel / 2.0];
-            let component = format!("E{axis}{axis}");
-            add(
-                scenario,
-                axis,
-                &component,
-                Term::Polynomial { coefficients },
-            );
-            hidden.values = vec![("scale", ppm)];
-        }
-        "guideway_bow" => {
-            // Straightness, angle and sign of the angle's slope.
-            let pairs = match axis {
-                "X" => [("EYX", "ECX", 1.0), ("EZX", "EBX", -1.0)],
-                "Y" => [("EXY", "ECY", -1.0), ("EZY", "EAY", 1.0)],
-                _ => [("EXZ", "EBZ", 1.0), ("EYZ", "EAZ", -1.0)],
-            };
-            let (straightness, angle, slope) = pairs[generator.random_range(0..2)];
-            let sagitta = sign * between(generator, 4.0, 8.0);
-            let bow = sagitta / (0.5e-3 * travel).powi(2);
-            let coefficients = vec![0.0, 0.0, sagitta];
-            add(
-                scenario,
-                axis,
-                straightness,
-                Term::Polynomial { coefficients },
-            );
-            let rise_arcsec = 2e-9 * bow * travel / trueaxis_kinematics::ARCSEC;
-            let coefficients = vec![0.0, slope * rise_arcsec / 2.0];
-            add(scenario, axis, angle, Term::Polynomial { coefficients });
-            hidden.values = vec![("bow", bow)];
-            hidden.component = Some(straightness.to_owned());
-        }
-        "encoder_eccentricity" | "encoder_ellipticity" | "worm_gear" => {
-            let waves = match effect {
-                "encoder_eccentricity" => 1.0,
-                "encoder_ellipticity" => 2.0,
-                _ => f64::from(generator.random_range(3..9_u8)),
-            };
-            let amplitude = between(generator, 6.0, 12.0) / waves;
-            add(
-                scenario,
-                "C",
-                "ECC",
-                sine(amplitude, 360.0 / waves, phase, false),
-            );
-            hidden.axis = "C";
-            hidden.values = vec![("amplitude", amplitude), ("phase", phase)];
-            if effect == "worm_gear" {
-                hidden.values.push(("waves", waves));
-            }
-        }
-        _ => {
-            let names = if effect == "axis_wobble" {
-                ["EAC", "EBC"]
-            } else {
-                ["EXC", "EYC"]
-            };
-            let waves = f64::from(generator.random_range(2..8_u8));
-            for name in names {
-                let amplitude = between(generator, 3.0, 6.0) / waves.sqrt();
-                let phase = between(generator, -180.0, 180.0);
-                add(
-                    scenario,
-                    "C",
-                    name,
-                    sine(amplitude, 360.0 / waves, phase, false),
-                );
-                let (s, c) = phase.to_radians().sin_cos();
-                let names = match name {
-                    "EAC" => ["sine_a", "cosine_a"],
-                    "EBC" => ["sine_b", "cosine_b"],
-                    "EXC" => ["sine_x", "cosine_x"],
-                    _ => ["sine_y", "cosine_y"],
-                };
-                hidden.values.push((names[0], amplitude * c));
-                hidden.values.push((names[1], amplitude * s));
-            }
-            hidden.axis = "C";
-            hidden.values.push(("waves", waves));
-        }
-    }
-    hidden
-}
-
 const EFFECTS: [&str; 8] = [
     "cyclic_error",
     "scale_error",
@@ -275,6 +70,10 @@ const EFFECTS: [&str; 8] = [
     "axis_wobble",
     "axis_runout",
 ];
+
+/// Seeds of the studies: machines that nothing was tried on before.
+const HIDDEN_SEED: u64 = 5000;
+const CLEAN_SEED: u64 = 2000;
 
 /// Counts of one effect over many machines.
 #[derive(Debug, Default)]
@@ -287,17 +86,6 @@ struct Counts {
     others: u32,
     covered: u32,
     values: u32,
-}
-
-fn machine_with(effect: &'static str, generator: &mut ChaCha8Rng) -> (Scenario, Hidden) {
-    let linear = ["cyclic_error", "scale_error", "guideway_bow"].contains(&effect);
-    let mut scenario = if linear {
-        linear_machine(generator)
-    } else {
-        rotary_machine(generator)
-    };
-    let hidden = hide(effect, &mut scenario, generator);
-    (scenario, hidden)
 }
 
 fn trial(effect: &'static str, seed: u64, counts: &mut Counts, notes: &mut Vec<String>) {
@@ -363,15 +151,133 @@ fn trial(effect: &'static str, seed: u64, counts: &mut Counts, notes: &mut Vec<S
     }
 }
 
+/// The same with fixed seeds and few machines: a regression, not a statistic. The study gives the rates.
 #[test]
-#[ignore = "a study"]
+fn hidden_effects_are_named() {
+    for effect in EFFECTS {
+        let (mut counts, mut notes) = (Counts::default(), Vec::new());
+        for seed in 0..2 {
+            trial(effect, 1000 + seed, &mut counts, &mut notes);
+        }
+        assert!(
+            counts.right + counts.among_rivals >= 1,
+            "{effect} {counts:?} {notes:#?}"
+        );
+        assert_eq!(counts.others, 0, "{effect} {notes:#?}");
+    }
+}
+
+#[test]
+fn smooth_curves_have_no_names() {
+    for seed in 0..3 {
+        for scenario in [
+            linear_machine(&mut generator(seed)),
+            rotary_machine(&mut generator(seed)),
+        ] {
+            let outcome = outcome(&scenario, seed);
+            let shown: Vec<String> = outcome.causes.iter().map(show).collect();
+            assert!(shown.is_empty(), "{seed} {shown:#?}");
+        }
+    }
+}
+
+/// Every axis of the campaign has equal steps, so each hides the periods that divide its step.
+#[test]
+fn periods_of_the_step_are_listed_as_not_observable() {
+    let outcome = outcome(&linear_machine(&mut generator(0)), 0);
+    let hidden: Vec<&str> = outcome
+        .not_observable
+        .iter()
+        .map(|n| n.subject.as_str())
+        .collect();
+    assert_eq!(hidden, ["axis X", "axis Y", "axis Z"]);
+    let reason = &outcome.not_observable[0].reason;
+    assert!(
+        reason.contains("the step is 20 mm") && reason.contains("20, 10, 6.667, 5 mm"),
+        "{reason}"
+    );
+}
+
+/// Five axes with curves for both sides of approach, and a machine without errors measured without noise.
+#[test]
+fn any_calibration_is_judged() {
+    let five = include_str!("../../../../campaigns/five-axis/scenario.json");
+    let by_direction = Scenario::from_json(five).unwrap();
+    let mut exact = linear_machine(&mut generator(0));
+    exact.errors.clear();
+    exact.noise.length_sigma_um = Some(0.0);
+    exact.noise.repeatability_um = Some(0.0);
+    for scenario in [by_direction, exact] {
+        let campaign = simulate(&scenario, 1).unwrap().campaign;
+        let settings = Settings {
+            covariance: true,
+            by_direction: true,
+            ..Settings::default()
+        };
+        let calibration = calibrate(&campaign, &settings).unwrap();
+        let outcome = diagnose_components(&calibration, &campaign.machine);
+        assert!(outcome.notices.is_empty(), "{:?}", outcome.notices);
+        for cause in &outcome.causes {
+            assert!(
+                cause
+                    .parameters
+                    .iter()
+                    .all(|p| p.value.is_finite() && p.u.is_finite())
+            );
+        }
+    }
+}
+
+/// A scale with a cyclic error on one curve.
+#[test]
+fn two_effects_are_both_found() {
+    let mut scenario = linear_machine(&mut generator(3));
+    add(&mut scenario, "X", "EXX", sine(2.0, 70.0, 40.0, true));
+    let coefficients = vec![0.0, 60e-3 * 220.0];
+    add(&mut scenario, "X", "EXX", Term::Polynomial { coefficients });
+    let outcome = outcome(&scenario, 3);
+    let mut names: Vec<&str> = outcome
+        .causes
+        .iter()
+        .map(|c| c.effect.effect.id())
+        .collect();
+    names.sort_unstable();
+    assert_eq!(names, ["cyclic_error", "scale_error"]);
+}
+
+#[test]
+#[ignore = "a study of minutes; TRIALS machines of each kind"]
+#[expect(clippy::print_stderr, reason = "the study prints its counts")]
+fn clean_study() {
+    let trials: u64 = std::env::var("TRIALS").map_or(20, |s| s.parse().unwrap());
+    let (mut linear, mut rotary) = (0, 0);
+    let mut spent = Duration::ZERO;
+    for seed in CLEAN_SEED..CLEAN_SEED + trials {
+        let (o, time) = timed_outcome(&linear_machine(&mut generator(seed)), seed);
+        spent += time;
+        for cause in &o.causes {
+            eprintln!("linear {seed} {}", show(cause));
+        }
+        linear += u32::from(!o.causes.is_empty());
+        let (o, time) = timed_outcome(&rotary_machine(&mut generator(seed)), seed);
+        spent += time;
+        for cause in &o.causes {
+            eprintln!("rotary {seed} {}", show(cause));
+        }
+        rotary += u32::from(!o.causes.is_empty());
+    }
+    eprintln!("clean: {linear} linear, {rotary} rotary false of {trials}; {spent:?} for all");
+}
+
+#[test]
+#[ignore = "a study of minutes; TRIALS machines of each kind"]
 #[expect(clippy::print_stderr, reason = "the study prints its counts")]
 fn hidden_study() {
     let trials: u64 = std::env::var("TRIALS").map_or(10, |s| s.parse().unwrap());
     for effect in EFFECTS {
         let (mut counts, mut notes) = (Counts::default(), Vec::new());
         for seed in 0..trials {
-            trial(effect, 1000 + seed, &mut counts, &mut notes);
+            trial(effect, HIDDEN_SEED + seed, &mut counts, &mut notes);
         }
         eprintln!("{effect}: {counts:?}");
         for note in notes {

@@ -3,7 +3,8 @@
 //! The straightness gives one estimate of the bow, the slope of the matching angle another. Under the
 //! rest of the curves alone their p-values are independent, and `-2 Σ ln p` is χ² with four degrees of
 //! freedom (Fisher). A bow is named only if each curve asks for it by itself ([`EACH`]) and both ask for
-//! the same one ([`AGREE`]); its value is their weighted mean.
+//! the same one ([`AGREE`]); its value is their weighted mean, its
+//! uncertainty widened by the Birge ratio.
 
 use nalgebra::DMatrix;
 use trueaxis_effects::{Scene, Subject, effect};
@@ -69,10 +70,12 @@ pub(crate) fn find_bow(straightness: &SetSearch, angle: &SetSearch, scene: &Scen
         return None;
     }
     let mean = (b1 / v1 + b2 / v2) / (1.0 / v1 + 1.0 / v2);
+    // Birge ratio: two curves that differ by more than they should know the bow less well.
+    let birge = ((b1 - b2).powi(2) / (v1 + v2)).max(1.0);
     let ln_p = ln_chi_squared(-2.0 * (score.ln_p + score_angle.ln_p), 4);
     let estimate = Estimate {
         parameters: vec![mean],
-        covariance: DMatrix::from_element(1, 1, 1.0 / (1.0 / v1 + 1.0 / v2)),
+        covariance: DMatrix::from_element(1, 1, birge / (1.0 / v1 + 1.0 / v2)),
         curve: own.curve.iter().map(|y| y * mean / b1).collect(),
         ..own
     };
@@ -94,7 +97,7 @@ pub(crate) fn find_bow(straightness: &SetSearch, angle: &SetSearch, scene: &Scen
 
 /// What one of the two curves says by itself, with all that was found in it in the model.
 fn of_curve(search: &SetSearch, candidate: &Candidate) -> Option<(Score, Estimate)> {
-    let backgrounds = backgrounds(&search.set, &search.model(None));
+    let backgrounds = backgrounds(&search.set, &search.model(None), &search.prior);
     let judgement = Judgement::new(&search.set, &backgrounds, candidate);
     let score = judgement.score(&backgrounds, candidate, 0)?;
     let estimate = estimate(&search.set, &backgrounds, candidate, 0.0);

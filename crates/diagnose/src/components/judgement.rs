@@ -34,6 +34,9 @@ struct Tail {
     evidence: f64,
 }
 
+/// Takes the number of a shape, the weight of a size of the rest, the Gram matrix and `Xᵀ e`.
+type Visit<'a> = dyn FnMut(usize, f64, &Gram, &[f64]) + 'a;
+
 /// Natural logarithm of the weight, against the largest, below which a size of the rest is left out of
 /// the evidence: e⁻²⁰ of the sum.
 const NEGLIGIBLE: f64 = -20.0;
@@ -152,12 +155,7 @@ impl Judgement {
         tails
     }
 
-    fn for_each(
-        &self,
-        backgrounds: &[Background],
-        candidate: &Candidate,
-        f: &mut dyn FnMut(usize, f64, &Gram, &[f64]),
-    ) {
+    fn for_each(&self, backgrounds: &[Background], candidate: &Candidate, f: &mut Visit<'_>) {
         for (background, scan) in backgrounds.iter().zip(&self.scans) {
             let Some(scan) = scan else { continue };
             scan.for_each(&background.projection.residuals, &mut |shape, gram, s| {

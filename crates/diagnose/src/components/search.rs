@@ -11,6 +11,7 @@ use crate::components::estimate::{Estimate, estimate};
 use crate::components::family::{Family, LEVEL};
 use crate::components::judgement::Judgement;
 use crate::components::report;
+use crate::components::smooth_prior::{SmoothLikelihood, SmoothPrior};
 use crate::diagnosis::{Cause, Rival};
 use crate::selection::{Fit, Null, Scan, Score, cosine, is_rival};
 
@@ -25,6 +26,8 @@ pub(crate) struct Search<'a> {
 pub(crate) struct SetSearch {
     /// The curves.
     pub(crate) set: CurveSet,
+    /// Of the size of its smooth rest.
+    pub(crate) prior: SmoothPrior,
     candidates: Vec<Candidate>,
     /// What was found so far.
     pub(crate) found: Vec<Found>,
@@ -53,6 +56,7 @@ impl<'a> Search<'a> {
     pub(crate) fn new(scene: &'a Scene, sets: Vec<CurveSet>) -> Self {
         let sets = sets.into_iter().map(|set| SetSearch {
             candidates: candidates(&set, scene),
+            prior: SmoothPrior::default(),
             found: Vec::new(),
             set,
         });
@@ -65,6 +69,7 @@ impl<'a> Search<'a> {
 
     /// All causes, the most certain first.
     pub(crate) fn causes(mut self) -> Vec<Cause> {
+        self.share_size_of_rest();
         // How much is looked at, before anything is judged.
         let first: Vec<Judged> = self.sets.iter().map(SetSearch::judged).collect();
         for (search, judged) in self.sets.iter().zip(&first) {
@@ -101,6 +106,32 @@ impl<'a> Search<'a> {
             by_p.then(a.delta_bic.total_cmp(&b.delta_bic))
         });
         causes
+    }
+
+    /// Gives each curve the prior that the others of its kind make.
+    fn share_size_of_rest(&mut self) {
+        let kind = |search: &SetSearch| {
+            let angular = search.set.components[0].is_angular();
+            (search.set.content.kind(), angular)
+        };
+        let likelihoods: Vec<_> = self
+            .sets
+            .iter()
+            .map(|search| {
+                let all = backgrounds(&search.set, &search.model(None), &search.prior);
+                (kind(search), SmoothLikelihood::new(&all))
+            })
+            .collect();
+        for (i, search) in self.sets.iter_mut().enumerate() {
+            let own = kind(search);
+            let others: Vec<&SmoothLikelihood> = likelihoods
+                .iter()
+                .enumerate()
+                .filter(|(j, (kind, _))| *j != i && *kind == own)
+                .map(|(_, (_, likelihood))| likelihood)
+                .collect();
+            search.prior = SmoothPrior::from_others(&others);
+        }
     }
 
     /// Places of each straightness and of the angle that is its slope.
@@ -141,7 +172,7 @@ impl SetSearch {
     }
 
     fn judged(&self) -> Judged {
-        let backgrounds = backgrounds(&self.set, &self.model(None));
+        let backgrounds = backgrounds(&self.set, &self.model(None), &self.prior);
         let judgements = self.candidates.iter();
         Judged {
             judgements: judgements
@@ -153,7 +184,9 @@ impl SetSearch {
 
     /// The effective number of tests of each effect, under the most likely rest.
     fn count_tests(&self, judged: &Judged, family: &mut Family) {
-        let likely = &judged.backgrounds[most_likely(&judged.backgrounds)];
+        let Some(likely) = most_likely(&judged.backgrounds) else {
+            return;
+        };
         for (candidate, judgement) in self.candidates.iter().zip(&judged.judgements) {
             let Some(scan) = judgement.scan(likely, candidate) else {
                 continue;
@@ -205,7 +238,9 @@ impl SetSearch {
 
     /// The others that cannot be told from the leader.
     fn rivals(&self, backgrounds: &[Background], leader: &Score, scores: &[Score]) -> Vec<Rival> {
-        let background = &backgrounds[most_likely(backgrounds)];
+        let Some(background) = most_likely(backgrounds) else {
+            return Vec::new();
+        };
         let fit = |score: &Score| {
             let candidate = &self.candidates[score.scan];
             let hypothesis = &candidate.hypothesis;
@@ -227,7 +262,7 @@ impl SetSearch {
             .filter_map(|score| {
                 let other = fit(score);
                 let hypothesis = &self.candidates[score.scan].hypothesis;
-                is_rival(leader, score, cosine(&own, &other)).then(|| Rival {
+                is_rival(leader, score, cosine(&own, &other)).then_some(Rival {
                     effect: ResolvedEffect {
                         effect: hypothesis.effect,
                         subject: hypothesis.subject,
@@ -248,7 +283,7 @@ impl SetSearch {
         }
         let mut i = 0;
         while i < self.found.len() {
-            let backgrounds = backgrounds(&self.set, &self.model(Some(i)));
+            let backgrounds = backgrounds(&self.set, &self.model(Some(i)), &self.prior);
             let mut candidate = self.found[i].candidate.clone();
             let shape = self.found[i].estimate.shape;
             candidate.shapes = vec![shape];
@@ -271,9 +306,9 @@ impl SetSearch {
     }
 }
 
-/// The place of the size of the rest with the largest weight.
-fn most_likely(backgrounds: &[Background]) -> usize {
-    let numbered = backgrounds.iter().enumerate();
-    let best = numbered.max_by(|a, b| a.1.ln_weight.total_cmp(&b.1.ln_weight));
-    best.map_or(0, |(place, _)| place)
+/// The size of the rest with the largest weight.
+fn most_likely(backgrounds: &[Background]) -> Option<&Background> {
+    backgrounds
+        .iter()
+        .max_by(|a, b| a.ln_weight.total_cmp(&b.ln_weight))
 }

@@ -130,11 +130,7 @@ impl<'a> Base<'a> {
             if adjusted.suspects.is_empty() {
                 return Ok(adjusted);
             }
-            let columns: Vec<Vec<f64>> = adjusted
-                .suspects
-                .iter()
-                .flat_map(|s| self.columns(&adjusted, &s.hypothesis, s.shape))
-                .collect();
+            let columns = self.columns_of_suspects(&adjusted);
             let fit = Fit::new(&adjusted.projection, &columns);
             let rests = adjusted.update(&fit);
             if rests {
@@ -149,23 +145,39 @@ impl<'a> Base<'a> {
             } = adjusted;
         }
         // The parameters move by more than their rest: the last linear step is still the best there is.
-        self.correct(&mut network, &solution, &suspects);
-        solution = solution.solve_again(&network, &self.bodies, &settings)?;
+        let mut adjusted = self.adjust_given(suspects, network.noise)?;
+        let columns = self.columns_of_suspects(&adjusted);
+        adjusted.projection = adjusted.projection.extended(&columns);
+        Ok(adjusted)
+    }
+
+    fn columns_of_suspects(&self, adjusted: &Adjusted) -> Vec<Vec<f64>> {
+        let suspects = adjusted.suspects.iter();
+        suspects
+            .flat_map(|s| self.columns(adjusted, &s.hypothesis, s.shape))
+            .collect()
+    }
+
+    /// Adjusts everything with the causes as they are.
+    pub(crate) fn adjust_given(
+        &self,
+        suspects: Vec<Suspect>,
+        noise: Noise,
+    ) -> Result<Adjusted, Error> {
+        let mut network = self.network.clone();
+        network.noise = noise;
+        self.correct(&mut network, &self.start, &suspects);
+        let solution = self
+            .start
+            .solve_again(&network, &self.bodies, &Settings::default())?;
         let whitened = Whitened::rigid(&network, &self.bodies, &solution);
-        let mut adjusted = Adjusted {
+        Ok(Adjusted {
             projection: Projection::of_network(&whitened),
             network,
             solution,
             whitened,
             suspects,
-        };
-        let columns: Vec<Vec<f64>> = adjusted
-            .suspects
-            .iter()
-            .flat_map(|s| self.columns(&adjusted, &s.hypothesis, s.shape))
-            .collect();
-        adjusted.projection = adjusted.projection.extended(&columns);
-        Ok(adjusted)
+        })
     }
 
     /// The lengths less what the causes do to them: exact distances between displaced points.

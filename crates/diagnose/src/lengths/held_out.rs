@@ -3,8 +3,10 @@
 //! Whole sweeps (one axis, one repeat, one direction, from one station) are dealt to five folds in their
 //! order, each station beginning with another fold so that no step loses several stations at once,
 //! before anything is looked at. For each fold the model without and with the causes is adjusted
-//! to the others (instants and time constants are sought again there) and predicts it. The ratio of the
-//! rms has an interval from a bootstrap of sweeps.
+//! to the others (instants and time constants are sought again there) and predicts it. Misfits are
+//! weighted with the noise, its correlation within a stop included: a slip of a target shows in the
+//! differences of three lengths, which are known four times better than one length. The ratio of the rms
+//! has an interval from a bootstrap of sweeps.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -13,13 +15,14 @@ use crate::Error;
 use crate::lengths::base::{Adjusted, Base, Suspect};
 use crate::lengths::hypotheses::{scan, visit_times};
 use crate::lengths::readings::Reading;
-use crate::selection::{Fit, Hypothesis};
+use crate::selection::Hypothesis;
 
-/// Held-out rms without and with the causes, mm, and the interval of their ratio.
+/// Held-out rms without and with the causes in standard deviations of the noise, and the interval of
+/// their ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct HeldOut {
-    pub(crate) before_mm: f64,
-    pub(crate) after_mm: f64,
+    pub(crate) before: f64,
+    pub(crate) after: f64,
     pub(crate) interval: [f64; 2],
 }
 
@@ -50,14 +53,17 @@ pub(crate) fn held_out(base: &Base<'_>, adjusted: &Adjusted) -> Result<Option<He
         };
         let plain = rest.adjust(Vec::new(), Some(noise))?;
         let suspects = fitted_again(&rest, &plain, &adjusted.suspects);
-        let extended = rest.adjust(suspects, Some(noise))?;
-        let before_mm = rest.predicted_misfit_mm(base, &plain);
-        let after_mm = rest.predicted_misfit_mm(base, &extended);
+        let extended = rest.adjust_given(suspects, noise)?;
+        let mut before = rest.predicted_misfit_mm(base, &plain);
+        let mut after = rest.predicted_misfit_mm(base, &extended);
+        // A sweep holds whole visits, so that these are whitened among themselves.
+        adjusted.whitened.whiten(&mut before);
+        adjusted.whitened.whiten(&mut after);
         for &i in &removed {
             let sum = &mut sums[base.readings[i].sweep];
             sum.0 += 1;
-            sum.1 += before_mm[i].powi(2);
-            sum.2 += after_mm[i].powi(2);
+            sum.1 += before[i].powi(2);
+            sum.2 += after[i].powi(2);
         }
     }
     let ratio = |sums: &mut dyn Iterator<Item = &(usize, f64, f64)>| {
@@ -77,8 +83,8 @@ pub(crate) fn held_out(base: &Base<'_>, adjusted: &Adjusted) -> Result<Option<He
     let count: usize = sums.iter().map(|s| s.0).sum();
     let rms = |squares: f64| (squares / count as f64).sqrt();
     Ok(Some(HeldOut {
-        before_mm: rms(sums.iter().map(|s| s.1).sum()),
-        after_mm: rms(sums.iter().map(|s| s.2).sum()),
+        before: rms(sums.iter().map(|s| s.1).sum()),
+        after: rms(sums.iter().map(|s| s.2).sum()),
         interval: [
             ratios[RESAMPLES / 40],
             ratios[RESAMPLES - RESAMPLES / 40 - 1],
@@ -86,8 +92,8 @@ pub(crate) fn held_out(base: &Base<'_>, adjusted: &Adjusted) -> Result<Option<He
     }))
 }
 
-/// The same causes with shapes and parameters from other lengths. A cause that these do not show stays
-/// out.
+/// The same causes with shapes and parameters from other lengths; directions of the parameters that
+/// these hardly show are shrunk ([`crate::selection::Gram::shrunk`]). A cause that they do not show stays out.
 fn fitted_again(base: &Base<'_>, plain: &Adjusted, suspects: &[Suspect]) -> Vec<Suspect> {
     let visits = visit_times(base);
     let mut projected = Adjusted {
@@ -103,22 +109,22 @@ fn fitted_again(base: &Base<'_>, plain: &Adjusted, suspects: &[Suspect]) -> Vec<
         let Some(scan) = scan(base, &projected, &visits, hypothesis) else {
             continue;
         };
-        let mut best: Option<(f64, f64)> = None;
+        let mut best: Option<(f64, f64, Vec<f64>)> = None;
         scan.for_each(&projected.projection.residuals, &mut |shape, gram, s| {
             let statistic = gram.statistic(s);
-            if best.is_none_or(|(_, largest)| statistic > largest) {
-                best = Some((shape, statistic));
+            if best.as_ref().is_none_or(|(_, largest, _)| statistic > *largest) {
+                best = Some((shape, statistic, gram.shrunk(s)));
             }
         });
-        let Some((shape, _)) = best else { continue };
-        let columns = scan.columns(shape);
-        let fit = Fit::new(&projected.projection, &columns);
+        let Some((shape, _, parameters)) = best else {
+            continue;
+        };
         again.push(Suspect {
             shape,
-            parameters: fit.estimates,
-            covariance: fit.covariance,
+            parameters,
             ..suspect.clone()
         });
+        let columns = scan.columns(shape);
         projected.projection = projected.projection.extended(&columns);
     }
     again

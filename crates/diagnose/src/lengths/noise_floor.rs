@@ -35,6 +35,12 @@ pub(crate) fn noise_floor_um(base: &Base<'_>, adjusted: &Adjusted) -> f64 {
         let variance = squares.iter().sum::<f64>() / degrees_of_freedom as f64;
         return variance.sqrt() * 1e3;
     }
+    mean_noise_um(base, adjusted)
+}
+
+/// Standard deviation of a length from its own noise and the machine's return, mean over the lengths,
+/// µm.
+pub(crate) fn mean_noise_um(base: &Base<'_>, adjusted: &Adjusted) -> f64 {
     let noise = &adjusted.network.noise;
     let variances = base.readings.iter().map(|reading| {
         let station = &adjusted.solution.stations[reading.station];

@@ -6,7 +6,7 @@ use trueaxis_effects::{Level, Scene};
 use crate::lengths::base::{Adjusted, Base, Suspect};
 use crate::lengths::held_out::{HeldOut, held_out};
 use crate::lengths::hypotheses::hypotheses;
-use crate::lengths::noise_floor::noise_floor_um;
+use crate::lengths::noise_floor::{mean_noise_um, noise_floor_um};
 use crate::lengths::not_observable::not_observable;
 use crate::lengths::omnibus::{Omnibus, omnibus};
 use crate::lengths::places::places;
@@ -99,8 +99,8 @@ pub(crate) fn diagnose_lengths(
     let mut heldout: Option<HeldOut> = None;
     if !found.is_empty() {
         heldout = held_out(&base, &current)?;
-        if heldout.is_some_and(|h| h.after_mm >= h.before_mm) {
-            // No gain, no claim.
+        if heldout.is_some_and(|h| h.interval[0] >= 1.0) {
+            // What predicts unused data worse than nothing is no cause.
             found.clear();
             current = base.adjust(Vec::new(), Some(plain.network.noise))?;
             after = omnibus(&base, &current);
@@ -111,16 +111,19 @@ pub(crate) fn diagnose_lengths(
         }
     }
     let floor_um = noise_floor_um(&base, &current);
+    // Both in the noise that is left at the end.
+    let noise = current.network.noise;
+    let sharp = base.adjust(Vec::new(), Some(noise))?;
+    let length_um = mean_noise_um(&base, &current);
     let rms_um = |adjusted: &Adjusted| {
-        let squares: f64 = adjusted.solution.residuals_mm.iter().map(|r| r * r).sum();
-        (squares / adjusted.projection.degrees_of_freedom).sqrt() * 1e3
+        (adjusted.projection.squares() / adjusted.projection.degrees_of_freedom).sqrt() * length_um
     };
-    let (before_um, after_um) = (rms_um(&plain), rms_um(&current));
+    let (before_um, after_um) = (rms_um(&sharp), rms_um(&current));
     if let Some(h) = heldout {
         let excess = before_um.powi(2) - floor_um.powi(2);
         let left = (after_um.powi(2) - floor_um.powi(2)).max(0.0);
         gain = Some(Gain {
-            heldout_rms_ratio: h.after_mm / h.before_mm,
+            heldout_rms_ratio: h.after / h.before,
             interval: h.interval,
             share_of_excess_removed: if excess > 0.0 {
                 (1.0 - left / excess).clamp(0.0, 1.0)
@@ -144,11 +147,11 @@ pub(crate) fn diagnose_lengths(
         noise_floor_um: floor_um,
         before: Misfit {
             rms_um: before_um,
-            heldout_rms_um: heldout.map(|h| h.before_mm * 1e3),
+            heldout_rms_um: heldout.map(|h| h.before * length_um),
         },
         after: Misfit {
             rms_um: after_um,
-            heldout_rms_um: heldout.map(|h| h.after_mm * 1e3),
+            heldout_rms_um: heldout.map(|h| h.after * length_um),
         },
         gain,
         tests: before.into_iter().map(|t| t.test).collect(),

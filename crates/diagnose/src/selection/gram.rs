@@ -94,6 +94,26 @@ impl Gram {
     /// Twice the logarithm of the marginal likelihood ratio for a prior `N(0, w² I)` of the parameters
     /// with the most likely width `w`: `max_w Σ z² w²g/(1 + w²g) - ln(1 + w²g)`.
     pub(crate) fn evidence(&self, s: &[f64]) -> f64 {
+        self.most_likely_width(s).1
+    }
+
+    /// The posterior mean of the parameters with that prior: what the data hardly see stays near zero,
+    /// so that it predicts well where other data see it.
+    pub(crate) fn shrunk(&self, s: &[f64]) -> Vec<f64> {
+        let (variance, _) = self.most_likely_width(s);
+        let mut estimates = vec![0.0; self.parameters];
+        let vectors = self.vectors.chunks_exact(self.parameters.max(1));
+        for ((value, z), vector) in self.standardised(s).zip(vectors) {
+            let x = variance * value;
+            for (estimate, v) in estimates.iter_mut().zip(vector) {
+                *estimate += v * z / value.sqrt() * x / (1.0 + x);
+            }
+        }
+        estimates
+    }
+
+    /// `w²` and `2 ln` of the marginal likelihood ratio there.
+    fn most_likely_width(&self, s: &[f64]) -> (f64, f64) {
         let coordinates: Vec<(f64, f64)> = self.standardised(s).collect();
         let at = |variance: f64| -> f64 {
             let part = |&(g, z): &(f64, f64)| {
@@ -103,14 +123,16 @@ impl Gram {
             coordinates.iter().map(part).sum()
         };
         let Some(largest) = self.values.iter().copied().reduce(f64::max) else {
-            return 0.0;
+            return (0.0, 0.0);
         };
         // From a width that is a tenth of the uncertainty to one that the largest estimate has.
         let top: f64 = coordinates.iter().map(|&(g, z)| z * z / g).sum();
         let (low, high) = (0.01 / largest, (4.0 * top).max(0.02 / largest));
-        let ratio = (high / low).powf(1.0 / WIDTHS as f64);
-        let candidates = (0..=WIDTHS).map(|k| at(low * ratio.powi(k)));
-        candidates.fold(0.0, f64::max)
+        let ratio = (high / low).powf(1.0 / f64::from(WIDTHS));
+        let candidates = (0..=WIDTHS).map(|k| low * ratio.powi(k));
+        candidates
+            .map(|variance| (variance, at(variance)))
+            .fold((0.0, 0.0), |best, next| if next.1 > best.1 { next } else { best })
     }
 }
 

@@ -75,6 +75,9 @@ pub(crate) fn arrivals(readings: &[VerificationReading]) -> Vec<Arrival> {
     all
 }
 
+/// Rounding of the coordinates of a circle; far below any step of a machine.
+const ROUNDING_MM_OR_RAD: f64 = 1e-9;
+
 /// Commanded positions are copied, not computed: the same one is the same number.
 pub(crate) fn is_same(a: f64, b: f64) -> bool {
     a.total_cmp(&b).is_eq()
@@ -104,12 +107,16 @@ fn set_progress(all: &mut [Arrival]) {
 
 /// Sides and speeds, pass after pass.
 fn set_motion(all: &mut [Arrival], timed: bool) {
-    let of_pass = |a: &Arrival, b: &Arrival| a.cycle == b.cycle && is_same(a.direction, b.direction);
+    let of_pass =
+        |a: &Arrival, b: &Arrival| a.cycle == b.cycle && is_same(a.direction, b.direction);
     for pass in all.chunk_by_mut(of_pass) {
         let positions: Vec<Vec<f64>> = pass.iter().map(|a| a.positions.clone()).collect();
         let times: Vec<f64> = pass.iter().map(|a| a.time_s).collect();
-        let moving = (0..positions[0].len())
-            .filter(|&axis| positions.iter().any(|p| !is_same(p[axis], positions[0][axis])));
+        let moving = (0..positions[0].len()).filter(|&axis| {
+            positions
+                .iter()
+                .any(|p| !is_same(p[axis], positions[0][axis]))
+        });
         let moving: Vec<usize> = moving.collect();
         let last = positions.len() - 1;
         for &axis in &moving {
@@ -119,9 +126,10 @@ fn set_motion(all: &mut [Arrival], timed: bool) {
                 // Where one axis moves alone, the table says from where it comes.
                 arrival.sides[axis] = if moving.len() == 1 {
                     arrival.direction
-                } else if step.abs() > 0.0 {
+                } else if step.abs() > ROUNDING_MM_OR_RAD {
                     step.signum()
                 } else {
+                    // It turns round here: from neither side.
                     0.0
                 };
                 let duration = times[b] - times[a];

@@ -64,7 +64,10 @@ const ROUNDING: f64 = 1e-9;
 pub(crate) fn lines(comparison: &Comparison<'_>) -> Vec<usize> {
     let measured = comparison.axis();
     numbered(comparison, |positions| {
-        let others = positions.iter().enumerate().filter(|(axis, _)| *axis != measured);
+        let others = positions
+            .iter()
+            .enumerate()
+            .filter(|(axis, _)| *axis != measured);
         others.map(|(_, position)| *position).collect()
     })
 }
@@ -82,15 +85,26 @@ pub(crate) fn stands(comparison: &Comparison<'_>) -> Vec<usize> {
 
 /// Numbers the different values of a key in rising order.
 fn numbered(comparison: &Comparison<'_>, key: impl Fn(&[f64]) -> Vec<f64>) -> Vec<usize> {
-    let keys: Vec<Vec<f64>> = comparison.arrivals.iter().map(|a| key(&a.positions)).collect();
+    let keys: Vec<Vec<f64>> = comparison
+        .arrivals
+        .iter()
+        .map(|a| key(&a.positions))
+        .collect();
     let order = |a: &Vec<f64>, b: &Vec<f64>| {
         let pairs = a.iter().zip(b).map(|(a, b)| a.total_cmp(b));
-        pairs.into_iter().find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
+        pairs
+            .into_iter()
+            .find(|o| o.is_ne())
+            .unwrap_or(std::cmp::Ordering::Equal)
     };
     let mut distinct = keys.clone();
     distinct.sort_by(order);
     distinct.dedup_by(|a, b| a.iter().zip(b.iter()).all(|(a, b)| is_same(*a, *b)));
-    let number = |key| distinct.binary_search_by(|other| order(other, key)).unwrap_or_default();
+    let number = |key| {
+        distinct
+            .binary_search_by(|other| order(other, key))
+            .unwrap_or_default()
+    };
     keys.iter().map(number).collect()
 }
 

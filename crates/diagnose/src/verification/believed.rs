@@ -26,12 +26,12 @@ pub(crate) fn with_gain(problem: &Problem<'_>, causes: &mut Vec<Chosen>, folds: 
     }
 }
 
-/// Part of a cause's trace in the columns of what is left, in squares, from which the cause is taken
-/// for an imitation.
-const IMITATION: f64 = 0.5;
+/// What is left in columns, times the part of a cause's trace that lies in them, in squares of that trace,
+/// from which the cause is taken for an imitation. A cause that fits leaves noise, far less than it took.
+const TOO_MUCH_LEFT: f64 = 0.25;
 
-/// Drops causes whose trace lies where structure is left: a wrong name takes the largest part of an
-/// unknown disturbance and leaves the rest in the same columns.
+/// Drops causes whose trace lies where structure is left: a wrong name takes a part of an unknown
+/// disturbance and leaves the rest in the same columns.
 pub(crate) fn without_imitations(
     problem: &Problem<'_>,
     causes: &mut Vec<Chosen>,
@@ -39,15 +39,27 @@ pub(crate) fn without_imitations(
     families: &[Family],
     level: f64,
 ) {
-    let significant = left.iter().filter(|test| test.p_value < level);
-    let suspect: Vec<&Family> = significant
-        .filter_map(|test| families.iter().find(|f| f.varies_with == test.varies_with))
+    let after = problem.with(causes);
+    // Columns of what is left, and its squares beyond those of noise.
+    let suspect: Vec<(&Family, f64)> = left
+        .iter()
+        .filter(|test| test.p_value < level)
+        .filter_map(|test| {
+            let family = families
+                .iter()
+                .find(|f| f.varies_with == test.varies_with)?;
+            let drop = after.squares() - after.extended(&family.columns).squares();
+            Some((family, drop - test.columns as f64))
+        })
         .collect();
     causes.retain(|cause| {
         let columns = problem.columns(std::slice::from_ref(cause));
         let trace = Fit::new(&problem.base, &columns).explained;
-        let imitates = |family: &&Family| part_within(&problem.base, &family.columns, &trace) > IMITATION;
-        !suspect.iter().any(imitates)
+        let squares: f64 = trace.iter().map(|x| x * x).sum();
+        !suspect.iter().any(|(family, left)| {
+            let part = part_within(&problem.base, &family.columns, &trace);
+            part * left > TOO_MUCH_LEFT * squares
+        })
     });
 }
 
@@ -57,5 +69,9 @@ fn part_within(model: &Projection, columns: &[Vec<f64>], trace: &[f64]) -> f64 {
     let mut rest = trace.to_vec();
     model.extended(columns).project(&mut rest);
     let left: f64 = rest.iter().map(|x| x * x).sum();
-    if squares > 0.0 { 1.0 - left / squares } else { 0.0 }
+    if squares > 0.0 {
+        1.0 - left / squares
+    } else {
+        0.0
+    }
 }

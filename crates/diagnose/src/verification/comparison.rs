@@ -124,7 +124,8 @@ pub(crate) fn carrier(machine: &Machine, kind: &VerificationKind) -> usize {
         VerificationKind::Positioning { axis, .. } => {
             let branches = [Branch::Tool, Branch::Workpiece].map(|b| machine.branch(b));
             let own = branches.into_iter().find(|branch| branch.contains(&axis));
-            own.and_then(|branch| branch.last().copied()).unwrap_or(axis)
+            own.and_then(|branch| branch.last().copied())
+                .unwrap_or(axis)
         }
         VerificationKind::Ballbar { ball_carrier, .. } => ball_carrier,
     }

@@ -1,8 +1,11 @@
 //! How well a model predicts readings that it was not fitted to.
 //!
-//! Folds are cycles; with one cycle they are blocks of neighbouring readings of one direction. The
-//! errors of prediction of the readings `h` of a fold follow from the projection of all: with `T` the
-//! orthonormal columns of the model,
+//! Each pass (cycle and direction) is cut into five blocks of neighbouring stops; fold k leaves out
+//! block k of the first pass, block k - 1 of the second and so on. So what is left out is next to
+//! nothing that is left in, and yet every cycle, direction and position is known from the rest: a warm-up
+//! that is over after the first cycle could not be predicted from the others. The errors of prediction
+//! of the readings `h` of a fold follow from the projection of all: with `T` the orthonormal columns of
+//! the model,
 //!
 //! ```text
 //! y_h - ŷ_h = (I - T_h T_hᵀ)⁻¹ e_h = e_h + T_h (I - T_hᵀ T_h)⁻¹ T_hᵀ e_h
@@ -12,8 +15,11 @@
 //! that only the fold determines are left out. Shapes are chosen anew on the rest of each fold; which
 //! effects there are is known from all data.
 //!
-//! The interval of a ratio of rms is that of a bootstrap over blocks (cycle and direction), which keeps
-//! what readings of one pass have in common.
+//! With a calibration the prediction is taken as it is: unknowns for its errors would learn from the other
+//! cycles what the calibration did not know.
+//!
+//! The interval of a ratio of rms is that of a bootstrap over these blocks, which keeps what neighbours
+//! have in common. Whole passes would be too few: an effect of one pass is in one draw in three not there.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use rand::{RngExt, SeedableRng};
@@ -26,11 +32,8 @@ use crate::verification::comparison::Comparison;
 use crate::verification::problem::{Chosen, Problem};
 use crate::verification::search::without;
 
-/// Folds within one cycle and direction, if there is only one cycle.
-const BLOCKS: usize = 4;
-
-/// Blocks below which a bootstrap has too little to draw from; passes are cut then.
-const FEWEST_BLOCKS: usize = 8;
+/// Folds, and parts of a pass. Odd, so that there and back never leave out the same positions.
+const FOLDS: usize = 5;
 
 const DRAWS: usize = 2000;
 const SEED: u64 = 0x6865_6c64_5f6f_7574;
@@ -49,17 +52,16 @@ pub(crate) struct HeldOut {
 
 /// Folds of the readings.
 pub(crate) fn folds(comparison: &Comparison<'_>) -> Vec<usize> {
-    let cycles = comparison.cycles();
-    if cycles.len() > 1 {
-        let number = |cycle: u32| cycles.binary_search(&cycle).unwrap_or_default();
-        return comparison.arrivals.iter().map(|a| number(a.cycle)).collect();
-    }
-    blocks(comparison, BLOCKS)
+    let blocks = blocks(comparison, FOLDS);
+    // Block b of pass p.
+    let fold = |block: usize| (block % FOLDS + block / FOLDS) % FOLDS;
+    blocks.into_iter().map(fold).collect()
 }
 
 /// Each pass cut into parts, numbered.
 fn blocks(comparison: &Comparison<'_>, parts: usize) -> Vec<usize> {
-    let of_pass = |a: &Arrival, b: &Arrival| a.cycle == b.cycle && is_same(a.direction, b.direction);
+    let of_pass =
+        |a: &Arrival, b: &Arrival| a.cycle == b.cycle && is_same(a.direction, b.direction);
     let mut numbers = Vec::new();
     for (pass, arrivals) in comparison.arrivals.chunk_by(of_pass).enumerate() {
         let count = arrivals.len();
@@ -80,7 +82,10 @@ pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen], folds: &[usize]
             variants.push(variant);
         }
     }
-    let models: Vec<Projection> = variants.iter().map(|v| problem.with(v)).collect();
+    let models: Vec<Projection> = variants
+        .iter()
+        .map(|v| problem.as_predicted.extended(&problem.columns(v)))
+        .collect();
     let mut result = HeldOut {
         errors: vec![None; folds.len()],
         expected: vec![1.0; folds.len()],
@@ -134,7 +139,10 @@ fn predict(model: &Projection, rows: &[usize]) -> Predicted {
             expected[i] += column[i] * column[i] / value;
         }
     }
-    let of_fold = errors.iter().zip(&e).map(|(error, e)| error.unwrap_or(0.0) * e);
+    let of_fold = errors
+        .iter()
+        .zip(&e)
+        .map(|(error, e)| error.unwrap_or(0.0) * e);
     Predicted {
         rest: model.squares() - of_fold.sum::<f64>(),
         errors,
@@ -160,13 +168,12 @@ pub(crate) struct BoundedGain {
 }
 
 /// What causes gain on readings that the models were not fitted to: `after` against `before`.
-pub(crate) fn gain(problem: &Problem<'_>, before: &HeldOut, after: &HeldOut) -> Option<BoundedGain> {
-    let comparison = problem.comparison;
-    let mut numbers = blocks(comparison, 1);
-    let passes = numbers.iter().max()? + 1;
-    if passes < FEWEST_BLOCKS {
-        numbers = blocks(comparison, FEWEST_BLOCKS.div_ceil(passes));
-    }
+pub(crate) fn gain(
+    problem: &Problem<'_>,
+    before: &HeldOut,
+    after: &HeldOut,
+) -> Option<BoundedGain> {
+    let numbers = blocks(problem.comparison, FOLDS);
     let mut sums = vec![[0.0; 3]; numbers.iter().max()? + 1];
     for (row, &block) in numbers.iter().enumerate() {
         if let (Some(a), Some(b)) = (before.errors[row], after.errors[row]) {
@@ -193,15 +200,19 @@ pub(crate) fn gain(problem: &Problem<'_>, before: &HeldOut, after: &HeldOut) -> 
         })
         .collect();
     ratios.sort_by(f64::total_cmp);
-    let quantile = |p: f64| ratios.get((p * ratios.len() as f64) as usize).copied();
+    let quantile = |per_mille: usize| ratios.get(per_mille * ratios.len() / 1000).copied();
     let excess = before - noise;
     Some(BoundedGain {
         gain: Gain {
             heldout_rms_ratio: (after / before).sqrt(),
-            interval: [quantile(0.025)?, quantile(0.975)?],
-            share_of_excess_removed: if excess > 0.0 { (before - after) / excess } else { 0.0 },
+            interval: [quantile(25)?, quantile(975)?],
+            share_of_excess_removed: if excess > 0.0 {
+                (before - after) / excess
+            } else {
+                0.0
+            },
         },
-        upper_bound: quantile(0.9)?,
+        upper_bound: quantile(900)?,
     })
 }
 

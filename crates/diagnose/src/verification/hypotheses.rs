@@ -28,7 +28,7 @@ impl Candidate {
 }
 
 /// Time constants that are tried, in equal ratios.
-const TIME_CONSTANTS: usize = 16;
+const TIME_CONSTANTS: i32 = 16;
 
 /// Instants that are tried at most.
 const INSTANTS: usize = 100;
@@ -37,8 +37,11 @@ const INSTANTS: usize = 100;
 /// sine explained.
 const WAVE_STEP: f64 = 0.25;
 
-/// Waves over the range that are tried at most; the grid stays small enough to look at in no time.
-const MOST_WAVES: f64 = 50.0;
+/// Steps of the wave number that are tried at most; the grid stays small enough to look at in no time.
+const MOST_STEPS: u32 = 200;
+
+/// Whole waves per turn that are tried at most.
+const MOST_PER_TURN: u32 = 12;
 
 /// Every effect of this level on every subject that moves.
 pub(crate) fn candidates(
@@ -105,8 +108,8 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
             let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);
             // From a time constant that is over within the first readings to one that looks linear.
             let (shortest, longest) = (0.02 * duration, 3.0 * duration);
-            let ratio = (longest / shortest).powf(1.0 / (TIME_CONSTANTS - 1) as f64);
-            let constants = (0..TIME_CONSTANTS as i32).map(|k| shortest * ratio.powi(k));
+            let ratio = (longest / shortest).powf(1.0 / f64::from(TIME_CONSTANTS - 1));
+            let constants = (0..TIME_CONSTANTS).map(|k| shortest * ratio.powi(k));
             constants.filter(|t| *t > 0.0).collect()
         }
         Shape::Instant => {
@@ -117,7 +120,7 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
             between.step_by(stride).collect()
         }
         Shape::Period => periods(comparison, subject),
-        Shape::Waves => (1..=MOST_WAVES as u32 / 4).map(f64::from).collect(),
+        Shape::Waves => (1..=MOST_PER_TURN).map(f64::from).collect(),
     }
 }
 
@@ -126,15 +129,19 @@ fn periods(comparison: &Comparison<'_>, subject: &Subject) -> Vec<f64> {
     let Some([range, step]) = subject.axis.and_then(|axis| sampling(comparison, axis)) else {
         return Vec::new();
     };
-    let most = (0.5 * range / step).min(MOST_WAVES);
-    let count = (most / WAVE_STEP).floor() as u32;
-    let waves = (2..=count).map(|k| f64::from(k) * WAVE_STEP);
+    let most = 0.5 * range / step;
+    let waves = (2..=MOST_STEPS).map(|k| f64::from(k) * WAVE_STEP);
+    let waves = waves.take_while(|waves| *waves <= most);
     waves.map(|waves| range / waves).collect()
 }
 
 /// Range of the commanded positions of an axis and the typical step between neighbours.
 pub(crate) fn sampling(comparison: &Comparison<'_>, axis: usize) -> Option<[f64; 2]> {
-    let mut positions: Vec<f64> = comparison.arrivals.iter().map(|a| a.positions[axis]).collect();
+    let mut positions: Vec<f64> = comparison
+        .arrivals
+        .iter()
+        .map(|a| a.positions[axis])
+        .collect();
     positions.sort_by(f64::total_cmp);
     positions.dedup();
     let (first, last) = (positions.first()?, positions.last()?);

@@ -18,7 +18,7 @@ pub(crate) fn not_observable(
     name: &str,
     calibrated: bool,
 ) -> Vec<NotObservable> {
-    let (_, seen) = problem.scans(&problem.base);
+    let (_, seen) = problem.scans(&problem.base, &[]);
     let mut all = Vec::new();
     for (number, candidate) in problem.candidates.iter().enumerate() {
         let (effect, subject) = (candidate.hypothesis.effect, candidate.hypothesis.subject);
@@ -75,7 +75,10 @@ fn largest(
         if largest > REACHES_UM {
             all.push((
                 "reading".to_owned(),
-                format!("{largest:.3} um per {} of {}", parameter.unit, parameter.name),
+                format!(
+                    "{largest:.3} um per {} of {}",
+                    parameter.unit, parameter.name
+                ),
             ));
         }
     }
@@ -102,14 +105,20 @@ fn too_short(
         subject: in_words(scene, subject),
         reason: format!("{name}: periods below {shortest:.4} {unit}, two steps of the readings"),
         bias_per_unit: Vec::new(),
-        measure: "read a short stretch in steps of a tenth of the screw pitch or of the grating period".to_owned(),
+        measure:
+            "read a short stretch in steps of a tenth of the screw pitch or of the grating period"
+                .to_owned(),
     })
 }
 
 /// As `axis X, other axis Y`.
 fn in_words(scene: &Scene, subject: &Subject) -> String {
-    let axis = subject.axis.map(|axis| format!("axis {}", scene.axis_name(axis)));
-    let other = subject.other_axis.map(|axis| format!("axis {}", scene.axis_name(axis)));
+    let axis = subject
+        .axis
+        .map(|axis| format!("axis {}", scene.axis_name(axis)));
+    let other = subject
+        .other_axis
+        .map(|axis| format!("axis {}", scene.axis_name(axis)));
     let component = subject.component.zip(subject.axis);
     let component = component.map(|(c, axis)| c.name(scene.axis_name(axis)));
     let parts: Vec<String> = [axis, other, component].into_iter().flatten().collect();

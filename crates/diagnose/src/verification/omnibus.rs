@@ -38,7 +38,8 @@ const MOST_OF_FREEDOM: f64 = 1.0 / 3.0;
 pub(crate) fn families(problem: &Problem<'_>) -> Vec<Family> {
     let comparison = problem.comparison;
     let arrivals = &comparison.arrivals;
-    let over = |f: &dyn Fn(f64) -> f64| arrivals.iter().map(|a| f(a.progress)).collect::<Vec<f64>>();
+    let over =
+        |f: &dyn Fn(f64) -> f64| arrivals.iter().map(|a| f(a.progress)).collect::<Vec<f64>>();
     let mut time = vec![over(&|t| t)];
     for k in 1..=WAVES {
         time.push(over(&|t| (TAU * k as f64 * t).sin()));
@@ -46,14 +47,18 @@ pub(crate) fn families(problem: &Problem<'_>) -> Vec<Family> {
     }
     let position = position_columns(comparison);
     let lines = indicators(&lines(comparison));
-    let by_line = lines.iter().flat_map(|line| position.iter().map(|c| times(c, line)));
+    let by_line = lines
+        .iter()
+        .flat_map(|line| position.iter().map(|c| times(c, line)));
     let by_line: Vec<Vec<f64>> = match comparison.kind {
         VerificationKind::Positioning { .. } => by_line.collect(),
         VerificationKind::Ballbar { .. } => position.clone(),
     };
     let direction: Vec<f64> = arrivals.iter().map(|a| a.direction).collect();
     let of_direction = position.iter().map(|column| times(column, &direction));
-    let of_direction = std::iter::once(direction.clone()).chain(of_direction).collect();
+    let of_direction = std::iter::once(direction.clone())
+        .chain(of_direction)
+        .collect();
     let cycles = comparison.cycles();
     let number = |cycle: u32| cycles.binary_search(&cycle).unwrap_or_default();
     let numbers: Vec<usize> = arrivals.iter().map(|a| number(a.cycle)).collect();
@@ -88,7 +93,9 @@ fn position_columns(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
             let wave = |k: usize, f: fn(f64) -> f64| {
                 angles.iter().map(|angle| f(k as f64 * angle)).collect()
             };
-            (2..=WAVES + 1).flat_map(|k| [wave(k, f64::sin), wave(k, f64::cos)]).collect()
+            (2..=WAVES + 1)
+                .flat_map(|k| [wave(k, f64::sin), wave(k, f64::cos)])
+                .collect()
         }
     }
 }
@@ -96,9 +103,18 @@ fn position_columns(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
 /// Angle of the bar in the plane of its first directions; of a ball on an axis of rotation whose
 /// centre lies on the axis, that of the axis.
 fn around(comparison: &Comparison<'_>) -> Vec<f64> {
-    let first = comparison.sights.first().map(|s| s.along).unwrap_or_default();
-    let across = comparison.sights.iter().map(|s| s.along - first * first.dot(&s.along));
-    let second = across.max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap_or_default();
+    let first = comparison
+        .sights
+        .first()
+        .map(|s| s.along)
+        .unwrap_or_default();
+    let across = comparison
+        .sights
+        .iter()
+        .map(|s| s.along - first * first.dot(&s.along));
+    let second = across
+        .max_by(|a, b| a.norm().total_cmp(&b.norm()))
+        .unwrap_or_default();
     let second = second.try_normalize(f64::EPSILON).unwrap_or_default();
     let angle = |along: nalgebra::Vector3<f64>| along.dot(&second).atan2(along.dot(&first));
     comparison.sights.iter().map(|s| angle(s.along)).collect()
@@ -113,11 +129,10 @@ pub(crate) fn omnibus(
     let mut tests = Vec::new();
     for family in families {
         let with = model.extended(&family.columns);
-        let taken = model.degrees_of_freedom - with.degrees_of_freedom;
-        if taken < 0.5 || taken > MOST_OF_FREEDOM * model.degrees_of_freedom {
+        let columns = with.widths().1 - model.widths().1;
+        if columns == 0 || columns as f64 > MOST_OF_FREEDOM * model.degrees_of_freedom {
             continue;
         }
-        let columns = taken.round() as usize;
         let squares = model.squares();
         let drop = squares - with.squares();
         tests.push(OmnibusTest {
@@ -153,7 +168,9 @@ fn period(problem: &Problem<'_>, model: &Projection) -> Option<String> {
         let with = model.extended(&[wave(f64::sin), wave(f64::cos)]);
         model.squares() - with.squares()
     };
-    let best = (1..=WAVES).map(|k| (k, drop(k))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let best = (1..=WAVES)
+        .map(|k| (k, drop(k)))
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some(format!("{:.0} s", duration / best.0 as f64))
 }
 

@@ -9,8 +9,9 @@
 //! ```
 //!
 //! `Σ` is the covariance of the results ([`Calibration::covariance`]). Where the calibration was made
-//! without it, it is built from the standard uncertainties with the correlation `exp(-|Δq|/range)`
-//! between nodes of one curve: an assumption, with slow and with local errors in it.
+//! without it, it is built from the standard uncertainties, with `1 + exp(-|Δq|/range)` in place of the
+//! correlation between nodes of one curve: whether their errors are local or slow is not known then, so
+//! both are allowed in full.
 //!
 //! `K` has few directions that matter; they come from a pivoted Cholesky factorisation, which stops when
 //! what is left is far below the noise. As unknowns with the pseudo-observations `0 = x ± 1` they join
@@ -19,7 +20,7 @@
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use trueaxis_calibrate::{AxisResult, Calibration};
 use trueaxis_kinematics::{
-    Axis, GeometricErrors, LocationComponent, LocationError, MICROMETRE, Machine, MotionError,
+    Axis, GeometricErrors, LocationComponent, LocationError, Machine, MotionError,
 };
 
 use crate::verification::base::stands;
@@ -70,7 +71,13 @@ fn jacobian(
             let slope = |location: LocationError, motion: MotionError, step: f64| {
                 let (axis, base) = (result.axis, calibration);
                 let change = |sign: f64| {
-                    let errors = Changed { base, axis, location, motion, sign };
+                    let errors = Changed {
+                        base,
+                        axis,
+                        location,
+                        motion,
+                        sign,
+                    };
                     predicted_um(comparison.machine, comparison.kind, &errors, at)
                 };
                 (change(1.0) - change(-1.0)) / (2.0 * step)
@@ -137,16 +144,19 @@ fn covariance(calibration: &Calibration) -> DMatrix<f64> {
         };
         for (i, a) in axis.nodes.iter().enumerate() {
             for (j, b) in axis.nodes.iter().enumerate() {
-                let correlation = (-(a.position - b.position).abs() / range).exp();
+                let own = if i == j { 1.0 } else { 0.0 };
+                let correlation = own + (-(a.position - b.position).abs() / range).exp();
                 for c in 0..6 {
-                    matrix[(first + 6 * i + c, first + 6 * j + c)] =
-                        a.u[c] * b.u[c] * correlation;
+                    matrix[(first + 6 * i + c, first + 6 * j + c)] = a.u[c] * b.u[c] * correlation;
                 }
             }
         }
         first += 6 * axis.nodes.len();
     }
-    let locations = calibration.axes.iter().flat_map(|axis| &axis.location_errors);
+    let locations = calibration
+        .axes
+        .iter()
+        .flat_map(|axis| &axis.location_errors);
     for (i, location) in locations.enumerate() {
         matrix[(first + i, first + i)] = location.u * location.u;
     }
@@ -223,8 +233,13 @@ impl Probes {
     }
 
     fn weights_at(&self, position: f64) -> Vec<f64> {
-        let parts = self.curves.iter().map(|curve| curve.error_at(position).to_vector());
-        let mut weights: Vec<f64> = parts.flat_map(|p| p.iter().copied().collect::<Vec<_>>()).collect();
+        let parts = self
+            .curves
+            .iter()
+            .map(|curve| curve.error_at(position).to_vector());
+        let mut weights: Vec<f64> = parts
+            .flat_map(|p| p.iter().copied().collect::<Vec<_>>())
+            .collect();
         weights.truncate(self.nodes);
         weights
     }

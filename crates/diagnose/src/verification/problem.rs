@@ -22,6 +22,9 @@ pub(crate) struct Problem<'a> {
     pub(crate) sigma_um: f64,
     /// The base model's projection.
     pub(crate) base: Projection,
+    /// That of the base model with the prediction taken as it is, for readings that are held out: a
+    /// prediction that learns from the other readings is no longer that of the calibration.
+    pub(crate) as_predicted: Projection,
     /// The hypotheses.
     pub(crate) candidates: Vec<Candidate>,
     pseudo: usize,
@@ -50,13 +53,16 @@ impl<'a> Problem<'a> {
         let pseudo = prediction.len();
         let whiten = |column: &[f64]| whitened(column, sigma_um, pseudo);
         let mut columns: Vec<Vec<f64>> = base.iter().map(|c| whiten(c)).collect();
+        let observations = whiten(&comparison.difference_um);
+        let as_predicted = Projection::dense(observations.clone(), &columns);
         for (k, direction) in prediction.iter().enumerate() {
             let mut column = whiten(direction);
             column[direction.len() + k] = 1.0;
             columns.push(column);
         }
-        let base = Projection::dense(whiten(&comparison.difference_um), &columns);
+        let base = Projection::dense(observations, &columns);
         Self {
+            as_predicted,
             comparison,
             sigma_um,
             base,
@@ -86,11 +92,21 @@ impl<'a> Problem<'a> {
         self.base.extended(&self.columns(causes))
     }
 
-    /// All hypotheses that the data can see beside a model, and which candidate each is.
-    pub(crate) fn scans(&self, model: &Projection) -> (Vec<Box<dyn Scan>>, Vec<usize>) {
+    /// The hypotheses that the data can see beside a model with causes, and which candidate each is.
+    ///
+    /// No effect happens twice to the same subject: a second time constant or period of the same name
+    /// would fit anything.
+    pub(crate) fn scans(
+        &self,
+        model: &Projection,
+        causes: &[Chosen],
+    ) -> (Vec<Box<dyn Scan>>, Vec<usize>) {
         let mut scans: Vec<Box<dyn Scan>> = Vec::new();
         let mut numbers = Vec::new();
         for (number, candidate) in self.candidates.iter().enumerate() {
+            if causes.iter().any(|cause| cause.candidate == number) {
+                continue;
+            }
             let columns = |shape: f64| candidate.columns(shape).to_vec();
             if let Some(scan) =
                 FixedScan::new(candidate.hypothesis, model, &candidate.shapes, columns)

@@ -150,7 +150,10 @@ pub(crate) fn places(problem: &Problem<'_>, before: &Projection, after: &Project
     let arrivals = &problem.comparison.arrivals;
     let place = |by: &'static str, name: String, rows: Vec<usize>| {
         let rms = |model: &Projection| {
-            let squares = rows.iter().map(|&row| model.residuals[row].powi(2)).sum::<f64>();
+            let squares = rows
+                .iter()
+                .map(|&row| model.residuals[row].powi(2))
+                .sum::<f64>();
             // The rows' share of the degrees of freedom.
             let share = model.degrees_of_freedom / problem.readings() as f64;
             problem.sigma_um * (squares / (rows.len() as f64 * share)).sqrt()

@@ -32,17 +32,24 @@ pub(crate) fn search(problem: &Problem<'_>, level: f64) -> Vec<Chosen> {
         }
         causes.push(next);
         refine(problem, &mut causes);
-        let mut k = 0;
         // A single cause was judged when it joined.
-        while causes.len() > 1 && k < causes.len() {
-            if judge(problem, &causes, k).is_some_and(|judged| judged.p_value < level) {
-                k += 1;
-            } else {
-                causes.remove(k);
-            }
+        if causes.len() > 1 {
+            drop_superfluous(problem, &mut causes, level);
         }
     }
     causes
+}
+
+/// Drops causes that are not significant beside the others.
+pub(crate) fn drop_superfluous(problem: &Problem<'_>, causes: &mut Vec<Chosen>, level: f64) {
+    let mut k = 0;
+    while k < causes.len() {
+        if judge(problem, causes, k).is_some_and(|judged| judged.p_value < level) {
+            k += 1;
+        } else {
+            causes.remove(k);
+        }
+    }
 }
 
 /// A cause against the model with the others.
@@ -61,8 +68,9 @@ pub(crate) struct Judged {
 
 /// Cause `k` if the others are in the model; `None` if they leave nothing of it.
 pub(crate) fn judge(problem: &Problem<'_>, causes: &[Chosen], k: usize) -> Option<Judged> {
-    let model = problem.with(&without(causes, k));
-    let (scans, numbers) = problem.scans(&model);
+    let others = without(causes, k);
+    let model = problem.with(&others);
+    let (scans, numbers) = problem.scans(&model, &others);
     let scan = numbers.iter().position(|&n| n == causes[k].candidate)?;
     let null = Null::simulated(&model, &scans);
     let scores = rank(&model, &scans);
@@ -85,7 +93,7 @@ pub(crate) fn without(causes: &[Chosen], k: usize) -> Vec<Chosen> {
 /// The next cause, if there is one.
 fn best(problem: &Problem<'_>, causes: &[Chosen], level: f64) -> Option<Chosen> {
     let model = problem.with(causes);
-    let (scans, numbers) = problem.scans(&model);
+    let (scans, numbers) = problem.scans(&model, causes);
     if scans.is_empty() {
         return None;
     }
@@ -109,7 +117,9 @@ fn simplest<'s>(
             && contains(model, &with, &scans[other.scan].columns(other.shape))
             && ln_more(model, other, leader) > level.ln()
     });
-    smaller.max_by(|a, b| a.evidence.total_cmp(&b.evidence)).or(Some(leader))
+    smaller
+        .max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+        .or(Some(leader))
 }
 
 /// Logarithm of the p-value of what a larger form explains beyond a smaller one that it holds.
@@ -128,7 +138,9 @@ pub(crate) fn contains(model: &Projection, with: &Projection, columns: &[Vec<f64
         projection.project(&mut column);
         column.iter().map(|x| x * x).sum::<f64>()
     };
-    columns.iter().all(|c| left(with, c) <= CONTAINED * left(model, c))
+    columns
+        .iter()
+        .all(|c| left(with, c) <= CONTAINED * left(model, c))
 }
 
 /// Looks for each shape again with the other causes in the model.
@@ -137,11 +149,15 @@ fn refine(problem: &Problem<'_>, causes: &mut [Chosen]) {
         return;
     }
     for k in 0..causes.len() {
-        if !problem.candidates[causes[k].candidate].hypothesis.has_shape() {
+        if !problem.candidates[causes[k].candidate]
+            .hypothesis
+            .has_shape()
+        {
             continue;
         }
-        let model = problem.with(&without(causes, k));
-        let (scans, numbers) = problem.scans(&model);
+        let others = without(causes, k);
+        let model = problem.with(&others);
+        let (scans, numbers) = problem.scans(&model, &others);
         let own = |score: &&Score| numbers[score.scan] == causes[k].candidate;
         if let Some(score) = rank(&model, &scans).iter().find(own) {
             causes[k] = chosen(&numbers, score);

@@ -9,6 +9,8 @@ mod clean;
 mod feeds;
 mod iso_run;
 mod lines;
+mod unknown;
+mod unseen;
 
 use trueaxis_campaign::{Campaign, Instrument, Verification};
 use trueaxis_effects::Scene;
@@ -92,10 +94,14 @@ impl Counts {
             e.effect.id() == effect && (e.subject.axis.is_none() || e.subject.axis == axis)
         };
         let first = outcome.causes.iter().find(|c| is_it(&c.effect));
-        let rival = outcome.causes.iter().any(|c| c.rivals.iter().any(|r| is_it(&r.effect)));
-        let others = outcome.causes.iter().any(|c| {
-            !is_it(&c.effect) && !c.rivals.iter().any(|r| is_it(&r.effect))
-        });
+        let rival = outcome
+            .causes
+            .iter()
+            .any(|c| c.rivals.iter().any(|r| is_it(&r.effect)));
+        let others = outcome
+            .causes
+            .iter()
+            .any(|c| !is_it(&c.effect) && !c.rivals.iter().any(|r| is_it(&r.effect)));
         let before = self.right();
         match outcome.verdict {
             _ if others => self.wrong += 1,
@@ -122,7 +128,10 @@ fn summary(outcome: &EntryOutcome) -> String {
         .iter()
         .map(|c| {
             let (id, subject) = (c.effect.effect.id(), c.effect.subject);
-            format!("{id} {:?} {:?} p {:.1e}", subject.axis, subject.component, c.p_value)
+            format!(
+                "{id} {:?} {:?} p {:.1e}",
+                subject.axis, subject.component, c.p_value
+            )
         })
         .collect();
     let left = outcome.unexplained.as_ref().map(|u| u.varies_with.clone());

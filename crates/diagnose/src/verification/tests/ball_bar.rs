@@ -14,7 +14,7 @@ const CENTRE_MM: [f64; 2] = [200.0, 180.0];
 const RADIUS_MM: f64 = 100.0;
 const PER_TURN: usize = 72;
 const CYCLES: u32 = 3;
-const SEEDS: u64 = 20;
+const SEEDS: u64 = 10;
 
 /// A point of the circle: bar angle, sense of rotation, cycle.
 #[derive(Clone, Copy)]
@@ -42,7 +42,11 @@ fn stands() -> Vec<Stand> {
                 let i = if sense > 0.0 { i } else { PER_TURN - i };
                 // Half a step from the quadrants, where no axis reverses at a reading.
                 let angle = TAU * (i as f64 + 0.5) / PER_TURN as f64;
-                stands.push(Stand { angle, sense, cycle });
+                stands.push(Stand {
+                    angle,
+                    sense,
+                    cycle,
+                });
             }
         }
     }
@@ -55,7 +59,12 @@ fn lengthened_um(stand: &Stand, off_um: [f64; 2]) -> f64 {
     ((x + off_um[0] * 1e-3).hypot(y + off_um[1] * 1e-3) - RADIUS_MM) * 1e3
 }
 
-fn table(stands: &[Stand], off_um: impl Fn(&Stand) -> [f64; 2], sigma_um: f64, seed: u64) -> Verification {
+fn table(
+    stands: &[Stand],
+    off_um: impl Fn(&Stand) -> [f64; 2],
+    sigma_um: f64,
+    seed: u64,
+) -> Verification {
     let mut generator = generator(seed, 4);
     let set_up: [f64; 3] = std::array::from_fn(|_| generator.random_range(-20.0..20.0));
     let rows = stands.iter().enumerate().map(|(row, stand)| {
@@ -65,7 +74,11 @@ fn table(stands: &[Stand], off_um: impl Fn(&Stand) -> [f64; 2], sigma_um: f64, s
         VerificationReading {
             time_s: None,
             cycle: stand.cycle,
-            direction: if stand.sense > 0.0 { Direction::Forward } else { Direction::Backward },
+            direction: if stand.sense > 0.0 {
+                Direction::Forward
+            } else {
+                Direction::Backward
+            },
             positions: vec![stand.x_mm(), stand.y_mm(), 0.0],
             value_um: value + set_up[2] + sigma_um * noise,
             line: row + 2,
@@ -106,7 +119,7 @@ fn cyclic(stand: &Stand) -> [f64; 2] {
     [(TAU * stand.x_mm() / 40.0 + 0.7).sin(), 0.0]
 }
 
-/// Each with its name, or among names that the data cannot tell apart, in 18 of 20 at least; the seeds
+/// Each with its name, or among names that the data cannot tell apart, in 9 of 10 at least; the seeds
 /// are fixed.
 #[test]
 fn each_effect_is_named() {
@@ -132,11 +145,15 @@ fn each_effect_is_named() {
                     .collect();
                 let size = lambda * sigma_um / length(&beyond_the_set_up(&stands, &trace));
                 let off_um = |s: &Stand| form(s).map(|x| size * x);
-                counts.add(&found(table(&stands, off_um, sigma_um, seed)), effect, Some(axis));
+                counts.add(
+                    &found(table(&stands, off_um, sigma_um, seed)),
+                    effect,
+                    Some(axis),
+                );
             }
             let line = format!("λ {lambda}: ball bar: {effect}: {counts:?}");
             report(&line);
-            assert!(counts.right() >= 18, "{line}");
+            assert!(counts.right() >= 9, "{line}");
             assert!(counts.wrong <= 1, "{line}");
         }
     }

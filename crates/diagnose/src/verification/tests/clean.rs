@@ -18,7 +18,11 @@ fn clean_lines_raise_no_alarm() {
     for seed in 0..RUNS {
         let mut generator = generator(seed, 2);
         let sigma_um = 0.3 + 0.7 * generator.random::<f64>();
-        let parked: &[f64] = if seed % 4 == 3 { &[50.0, 350.0] } else { &[0.0] };
+        let parked: &[f64] = if seed % 4 == 3 {
+            &[50.0, 350.0]
+        } else {
+            &[0.0]
+        };
         let cycles = if seed % 4 == 2 { 2 } else { 5 };
         let places = places(cycles, parked, &[2.0]);
         let curve = curve_um(&mut generator);
@@ -29,7 +33,10 @@ fn clean_lines_raise_no_alarm() {
             alarms.push(summary(&found));
         }
     }
-    report(&format!("{} false alarms of {RUNS} lines: {alarms:?}", alarms.len()));
+    report(&format!(
+        "{} false alarms of {RUNS} lines: {alarms:?}",
+        alarms.len()
+    ));
     assert!(alarms.len() <= 9, "{alarms:?}");
 }
 
@@ -43,6 +50,9 @@ fn clean_circles_raise_no_alarm() {
             alarms.push(summary(&found));
         }
     }
-    report(&format!("{} false alarms of 50 circles: {alarms:?}", alarms.len()));
+    report(&format!(
+        "{} false alarms of 50 circles: {alarms:?}",
+        alarms.len()
+    ));
     assert!(alarms.len() <= 4, "{alarms:?}");
 }

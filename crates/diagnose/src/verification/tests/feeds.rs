@@ -37,16 +37,61 @@ fn at_one_feed_they_cannot_be_told_apart() {
     }
 }
 
-/// λ is 30 for the lost motion and the largest part of it for the time stamps.
+/// λ is 30 for the lost motion and the largest part of it for the time stamps. A form that holds more than
+/// the cause may stay undecided, never the other one of the pair.
 #[test]
 fn at_two_feeds_each_is_named() {
-    let cases = [(2.0, 0.0, "backlash"), (0.0, 4e-5, "timestamp_offset")];
-    for (lost_um, late_s, effect) in cases {
+    let cases = [
+        (2.0, 0.0, "backlash", "timestamp_offset"),
+        (0.0, 4e-5, "timestamp_offset", "backlash"),
+    ];
+    for (lost_um, late_s, effect, other) in cases {
         let mut counts = Counts::default();
         for seed in 0..SEEDS {
-            counts.add(&outcome(lost_um, late_s, &[10.0, 40.0], seed), effect, Some(0));
+            let found = outcome(lost_um, late_s, &[10.0, 40.0], seed);
+            counts.add(&found, effect, Some(0));
+            assert_eq!(found.causes.len(), 1, "{seed}");
+            let cause = &found.causes[0];
+            assert_eq!(cause.effect.effect.id(), effect, "{seed}");
+            let is_other = |id: &str| id == other;
+            assert!(
+                !cause.rivals.iter().any(|r| is_other(r.effect.effect.id())),
+                "{seed}"
+            );
         }
         report(&format!("two feeds: {effect}: {counts:?}"));
-        assert_eq!(counts.named, SEEDS as usize, "{effect} {counts:?}");
+        assert_eq!(counts.right() as u64, SEEDS, "{effect} {counts:?}");
     }
+}
+
+/// Where several readings at one position show that the axis stands, it is lost motion.
+#[test]
+fn at_standstill_it_is_lost_motion() {
+    let mut generator = generator(1, 7);
+    let places = places(5, &[0.0], &[2.0]);
+    let disturbance: Vec<f64> = places.iter().map(|p| -p.speed.signum()).collect();
+    let curve = curve_um(&mut generator);
+    let values = values_um(&places, &curve, &disturbance, SIGMA_UM, &mut generator);
+    let mut table = table(&places, &values, true);
+    let twice = table.readings.iter().flat_map(|reading| {
+        let mut again = reading.clone();
+        again.time_s = reading.time_s.map(|time_s| time_s + 0.5);
+        [reading.clone(), again]
+    });
+    table.readings = twice.collect();
+    let found = found(table);
+    assert_eq!(found.verdict, Verdict::Named);
+    let cause = &found.causes[0];
+    assert_eq!(cause.effect.effect.id(), "backlash");
+    // u is 2 σ/√210.
+    let (value, u) = (cause.parameters[0].value, cause.parameters[0].u);
+    assert!(
+        (value - 2.0).abs() < 4.0 * u && (0.05..0.09).contains(&u),
+        "{value} {u}"
+    );
+    let gain = found.report.gain.unwrap();
+    assert!(
+        gain.is_claimed() && (0.8..1.2).contains(&gain.share_of_excess_removed),
+        "{gain:?}"
+    );
 }

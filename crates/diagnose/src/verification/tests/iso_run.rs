@@ -12,7 +12,11 @@ pub(super) struct Place {
     pub(super) time_s: f64,
     pub(super) cycle: u32,
     pub(super) forward: bool,
+    /// Number of the position along the line.
+    pub(super) step: usize,
     pub(super) x_mm: f64,
+    /// Number of the line.
+    pub(super) parked: usize,
     /// Where Y is parked.
     pub(super) y_mm: f64,
     /// Speed with sign, mm/s.
@@ -27,7 +31,7 @@ pub(super) fn places(cycles: u32, parked_mm: &[f64], speeds: &[f64]) -> Vec<Plac
     let mut places = Vec::new();
     let mut time_s = 0.0;
     let mut cycle = 0;
-    for &y_mm in parked_mm {
+    for (parked, &y_mm) in parked_mm.iter().enumerate() {
         for k in 0..cycles {
             cycle += 1;
             let speed = speeds[k as usize % speeds.len()];
@@ -39,7 +43,9 @@ pub(super) fn places(cycles: u32, parked_mm: &[f64], speeds: &[f64]) -> Vec<Plac
                         time_s,
                         cycle,
                         forward,
+                        step: i,
                         x_mm,
+                        parked,
                         y_mm,
                         speed: if forward { speed } else { -speed },
                     });
@@ -75,7 +81,7 @@ pub(super) fn values_um(
     let rows = places.iter().zip(disturbance_um);
     rows.map(|(place, disturbance)| {
         let noise: f64 = StandardNormal.sample(generator);
-        curve_um[(place.x_mm / STEP_MM).round() as usize] + disturbance + sigma_um * noise
+        curve_um[place.step] + disturbance + sigma_um * noise
     })
     .collect()
 }
@@ -86,7 +92,11 @@ pub(super) fn table(places: &[Place], values_um: &[f64], timed: bool) -> Verific
     let readings = rows.map(|(row, (place, &value_um))| VerificationReading {
         time_s: timed.then_some(place.time_s),
         cycle: place.cycle,
-        direction: if place.forward { Direction::Forward } else { Direction::Backward },
+        direction: if place.forward {
+            Direction::Forward
+        } else {
+            Direction::Backward
+        },
         positions: vec![place.x_mm, place.y_mm, 0.0],
         value_um,
         line: row + 2,
@@ -104,8 +114,8 @@ pub(super) fn table(places: &[Place], values_um: &[f64], timed: bool) -> Verific
 /// What the mean curve, and the zero of each line, leave of a trace; by sweeping means to and fro.
 pub(super) fn beyond_the_mean_curve(places: &[Place], trace: &[f64]) -> Vec<f64> {
     let mut left = trace.to_vec();
-    let by_x = |p: &Place| (p.x_mm * 1e3).round() as i64;
-    let by_y = |p: &Place| (p.y_mm * 1e3).round() as i64;
+    let by_x = |p: &Place| p.step;
+    let by_y = |p: &Place| p.parked;
     for _ in 0..20 {
         take_means(places, &mut left, by_x);
         take_means(places, &mut left, by_y);
@@ -113,8 +123,8 @@ pub(super) fn beyond_the_mean_curve(places: &[Place], trace: &[f64]) -> Vec<f64>
     left
 }
 
-fn take_means(places: &[Place], x: &mut [f64], key: impl Fn(&Place) -> i64) {
-    let mut sums = std::collections::BTreeMap::<i64, (f64, f64)>::new();
+fn take_means(places: &[Place], x: &mut [f64], key: impl Fn(&Place) -> usize) {
+    let mut sums = std::collections::BTreeMap::<usize, (f64, f64)>::new();
     for (place, x) in places.iter().zip(x.iter()) {
         let sum = sums.entry(key(place)).or_default();
         *sum = (sum.0 + x, sum.1 + 1.0);

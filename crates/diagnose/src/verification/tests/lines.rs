@@ -20,12 +20,42 @@ struct Case {
 }
 
 const CASES: [Case; 6] = [
-    Case { effect: "backlash", form: backlash, parked_mm: &[0.0], timed: false },
-    Case { effect: "backlash", form: backlash, parked_mm: &[0.0], timed: true },
-    Case { effect: "position_dependent_backlash", form: worn, parked_mm: &[0.0], timed: false },
-    Case { effect: "warm_up", form: warm_up, parked_mm: &[0.0], timed: true },
-    Case { effect: "axis_expansion", form: expansion, parked_mm: &[0.0], timed: true },
-    Case { effect: "cross_coupling", form: coupling, parked_mm: &[50.0, 350.0], timed: false },
+    Case {
+        effect: "backlash",
+        form: backlash,
+        parked_mm: &[0.0],
+        timed: false,
+    },
+    Case {
+        effect: "backlash",
+        form: backlash,
+        parked_mm: &[0.0],
+        timed: true,
+    },
+    Case {
+        effect: "position_dependent_backlash",
+        form: worn,
+        parked_mm: &[0.0],
+        timed: false,
+    },
+    Case {
+        effect: "warm_up",
+        form: warm_up,
+        parked_mm: &[0.0],
+        timed: true,
+    },
+    Case {
+        effect: "axis_expansion",
+        form: expansion,
+        parked_mm: &[0.0],
+        timed: true,
+    },
+    Case {
+        effect: "cross_coupling",
+        form: coupling,
+        parked_mm: &[50.0, 350.0],
+        timed: false,
+    },
 ];
 
 fn side(place: &Place) -> f64 {
@@ -61,7 +91,11 @@ fn outcome(case: &Case, lambda: f64, seed: u64) -> EntryOutcome {
     let random: [f64; 2] = std::array::from_fn(|_| generator.random());
     let places = places(5, case.parked_mm, &[2.0]);
     let trace: Vec<f64> = places.iter().map(|p| (case.form)(p, &random)).collect();
-    let sign = if generator.random::<bool>() { 1.0 } else { -1.0 };
+    let sign = if generator.random::<bool>() {
+        1.0
+    } else {
+        -1.0
+    };
     let size = sign * lambda * sigma_um / length(&beyond_the_mean_curve(&places, &trace));
     let disturbance: Vec<f64> = trace.iter().map(|x| size * x).collect();
     let curve = curve_um(&mut generator);

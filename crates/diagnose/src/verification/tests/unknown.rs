@@ -1,0 +1,54 @@
+//! Disturbances that the catalogue does not have: no confident wrong cause.
+
+use std::f64::consts::TAU;
+
+use rand_distr::{Distribution, StandardNormal};
+
+use super::iso_run::{Place, beyond_the_mean_curve, curve_um, places, table, values_um};
+use super::lines::report;
+use super::{found, generator, length, summary};
+use crate::Verdict;
+
+const SIGMA_UM: f64 = 0.5;
+const SEEDS: u64 = 10;
+const LAMBDA: f64 = 20.0;
+
+/// Air conditioning, play that is curved along the axis, and a wandering zero.
+#[test]
+fn what_is_not_in_the_catalogue_gets_no_name() {
+    for what in ["air conditioning", "curved play", "wandering zero"] {
+        let (mut unknown, mut odd) = (0, Vec::new());
+        for seed in 0..SEEDS {
+            let mut generator = generator(seed, 6);
+            let places = places(5, &[0.0], &[2.0]);
+            let mut zero = 0.0;
+            let mut form = |p: &Place| {
+                let step: f64 = StandardNormal.sample(&mut generator);
+                zero += step;
+                match what {
+                    "air conditioning" => (TAU * p.time_s / 431.0 + seed as f64).sin(),
+                    "curved play" => {
+                        let side = if p.forward { 1.0 } else { -1.0 };
+                        side * (TAU * p.x_mm / 300.0 + seed as f64).sin()
+                    }
+                    _ => zero,
+                }
+            };
+            let trace: Vec<f64> = places.iter().map(&mut form).collect();
+            let size = LAMBDA * SIGMA_UM / length(&beyond_the_mean_curve(&places, &trace));
+            let disturbance: Vec<f64> = trace.iter().map(|x| size * x).collect();
+            let curve = curve_um(&mut generator);
+            let values = values_um(&places, &curve, &disturbance, SIGMA_UM, &mut generator);
+            let found = found(table(&places, &values, true));
+            if found.verdict == Verdict::Unknown {
+                unknown += 1;
+            }
+            if found.verdict != Verdict::Unknown || !found.causes.is_empty() {
+                odd.push(summary(&found));
+            }
+        }
+        let line = format!("{what}: {unknown} of {SEEDS} unknown; {odd:?}");
+        report(&line);
+        assert!(unknown >= 9, "{line}");
+    }
+}

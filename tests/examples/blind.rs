@@ -1,0 +1,158 @@
+//! The blind study: does the diagnosis name what was hidden?
+//!
+//! ```sh
+//! cargo run --release -p trueaxis-tests --example blind -- [SEEDS] [STRENGTH] [EFFECT ...]
+//! ```
+//!
+//! For every effect and seed a campaign with that effect hidden in it at the strength λ is diagnosed;
+//! the truth is opened afterwards. `clean` as an effect counts false alarms.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose};
+use trueaxis_tests::blind::{self, Hidden, Kind};
+
+/// What a diagnosis says of one campaign.
+struct Outcome {
+    label: String,
+    right: bool,
+    held: bool,
+    line: String,
+    inside: Vec<bool>,
+}
+
+fn main() {
+    let mut arguments = std::env::args().skip(1);
+    let seeds: u64 = arguments.next().and_then(|a| a.parse().ok()).unwrap_or(10);
+    let strength: f64 = arguments.next().and_then(|a| a.parse().ok()).unwrap_or(7.0);
+    let mut names: Vec<String> = arguments.collect();
+    if names.is_empty() {
+        let catalogued = blind::CATALOGUED.iter().filter(|n| **n != "timestamp_offset");
+        names = catalogued.map(|n| (*n).to_owned()).collect();
+    }
+    let mut total = BTreeMap::<&str, usize>::new();
+    let mut inside = (0, 0);
+    for name in &names {
+        let started = std::time::Instant::now();
+        let outcomes: Vec<Outcome> = (0..seeds)
+            .into_par_iter()
+            .filter_map(|seed| outcome(name, seed, strength))
+            .collect();
+        let mut labels = BTreeMap::<&str, usize>::new();
+        let (mut right, mut held) = (0, 0);
+        for outcome in &outcomes {
+            *labels.entry(&outcome.label).or_default() += 1;
+            right += usize::from(outcome.right);
+            held += usize::from(outcome.held && !outcome.right);
+            inside.0 += outcome.inside.iter().filter(|&&i| i).count();
+            inside.1 += outcome.inside.len();
+            if !outcome.right {
+                println!("    {}", outcome.line);
+            }
+        }
+        let all = outcomes.len();
+        println!(
+            "{name:24} {right:3} right, {held:3} held, of {all:3}: {labels:?}; {:.1} s",
+            started.elapsed().as_secs_f64()
+        );
+        *total.entry("right").or_default() += right;
+        *total.entry("held").or_default() += held;
+        *total.entry("all").or_default() += all;
+    }
+    println!("{total:?}; {} of {} parameters inside 95 %", inside.0, inside.1);
+}
+
+fn kind_of(name: &str, seed: u64) -> Kind {
+    match (name, seed % 4) {
+        ("backlash", 1) => Kind::rotary_stage().forward_and_backward(),
+        ("backlash", _) => Kind::three_axis().forward_and_backward(),
+        ("clean", 1) => Kind::three_axis().forward_and_backward(),
+        ("clean", 2) => Kind::rotary_stage(),
+        ("clean", 3) => Kind::rotary_stage().forward_and_backward(),
+        _ => Kind::three_axis(),
+    }
+}
+
+fn outcome(name: &str, seed: u64, strength: f64) -> Option<Outcome> {
+    let kind = kind_of(name, seed);
+    let hidden: Vec<Hidden> = if name == "clean" {
+        Vec::new()
+    } else {
+        let drawn = blind::draw(&kind, name, seed)?;
+        vec![blind::at_strength(&kind, &drawn, seed, strength)]
+    };
+    let campaign = blind::campaign(&kind, &hidden, seed);
+    let diagnosis = match diagnose(&campaign, &Settings::default()) {
+        Ok(diagnosis) => diagnosis,
+        Err(error) => {
+            return Some(Outcome {
+                label: "error".to_owned(),
+                right: false,
+                held: false,
+                line: format!("seed {seed}: {error}"),
+                inside: Vec::new(),
+            });
+        }
+    };
+    Some(judged(name, seed, &kind, &hidden, &diagnosis))
+}
+
+fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Diagnosis) -> Outcome {
+    let data = diagnosis
+        .causes
+        .iter()
+        .filter(|c| c.level == trueaxis_effects::Level::Lengths);
+    let causes: Vec<_> = data.collect();
+    let matches = |effect: &trueaxis_effects::ResolvedEffect| {
+        hidden.first().is_some_and(|h| {
+            let subject = &effect.subject;
+            h.name == effect.effect.id()
+                && (h.station.is_none() || h.station == subject.station || subject.station.is_none())
+                && (h.target.is_none() || h.target == subject.target)
+                && (h.axis.is_none() || h.axis == subject.axis)
+        })
+    };
+    let mut label = diagnosis.verdict.name().to_owned();
+    let mut line = format!("seed {seed}: {label}");
+    for cause in &causes {
+        let id = cause.effect.effect.id();
+        label += &format!(" {id}");
+        line += &format!(" {id} {:?} p={:.1e}", cause.effect.subject, cause.p_value);
+        for rival in &cause.rivals {
+            line += &format!(" | {} {:?}", rival.effect.effect.id(), rival.effect.subject.station);
+        }
+    }
+    if let Some(hidden) = hidden.first() {
+        line += &format!("   TRUTH {} {:?} {:?} {:?}", hidden.name, hidden.station, hidden.target, hidden.axis);
+    }
+    if let Some(unexplained) = &diagnosis.unexplained {
+        line += &format!(" [{}]", unexplained.note);
+    }
+    let right = if name == "clean" {
+        diagnosis.verdict == Verdict::Clean
+    } else {
+        diagnosis.verdict == Verdict::Named
+            && causes.len() == 1
+            && matches(&causes[0].effect)
+    };
+    let held = causes.iter().any(|c| {
+        matches(&c.effect) || c.rivals.iter().any(|r| matches(&r.effect))
+    });
+    let mut inside = Vec::new();
+    if let (Some(hidden), Some(cause)) = (hidden.first(), causes.first()) {
+        if matches(&cause.effect) && hidden.station == cause.effect.subject.station {
+            for truth in hidden.parameters(kind) {
+                let found = cause.parameters.iter().find(|p| p.name == truth.name);
+                inside.extend(found.map(|p| (p.value - truth.value).abs() <= 1.96 * p.u));
+            }
+        }
+    }
+    Outcome {
+        label,
+        right,
+        held,
+        line,
+        inside,
+    }
+}
