@@ -28,7 +28,9 @@ fn main() {
     let strength: f64 = arguments.next().and_then(|a| a.parse().ok()).unwrap_or(7.0);
     let mut names: Vec<String> = arguments.collect();
     if names.is_empty() {
-        let catalogued = blind::CATALOGUED.iter().filter(|n| **n != "timestamp_offset");
+        let catalogued = blind::CATALOGUED
+            .iter()
+            .filter(|n| **n != "timestamp_offset");
         names = catalogued.map(|n| (*n).to_owned()).collect();
     }
     let mut total = BTreeMap::<&str, usize>::new();
@@ -60,7 +62,10 @@ fn main() {
         *total.entry("held").or_default() += held;
         *total.entry("all").or_default() += all;
     }
-    println!("{total:?}; {} of {} parameters inside 95 %", inside.0, inside.1);
+    println!(
+        "{total:?}; {} of {} parameters inside 95 %",
+        inside.0, inside.1
+    );
 }
 
 fn kind_of(name: &str, seed: u64) -> Kind {
@@ -70,6 +75,8 @@ fn kind_of(name: &str, seed: u64) -> Kind {
         ("clean", 1) => Kind::three_axis().forward_and_backward(),
         ("clean", 2) => Kind::rotary_stage(),
         ("clean", 3) => Kind::rotary_stage().forward_and_backward(),
+        ("timestamp_offset", _) => Kind::three_axis().on_the_fly(),
+        (pair, _) if pair.contains("backlash") => Kind::three_axis().forward_and_backward(),
         _ => Kind::three_axis(),
     }
 }
@@ -79,11 +86,22 @@ fn outcome(name: &str, seed: u64, strength: f64) -> Option<Outcome> {
     let hidden: Vec<Hidden> = if name == "clean" {
         Vec::new()
     } else {
-        let drawn = blind::draw(&kind, name, seed)?;
-        vec![blind::at_strength(&kind, &drawn, seed, strength)]
+        let mut all = Vec::new();
+        for (number, part) in (0..).zip(name.trim_end_matches('~').split('+')) {
+            let mut drawn = blind::draw(&kind, part, seed + 1000 * number)?;
+            if name.ends_with('~') {
+                drawn = blind::misshapen(&drawn, seed);
+            }
+            all.push(blind::at_strength(&kind, &drawn, seed, strength));
+        }
+        all
     };
     let campaign = blind::campaign(&kind, &hidden, seed);
-    let diagnosis = match diagnose(&campaign, &Settings::default()) {
+    let settings = Settings {
+        explain_curves: false,
+        ..Settings::default()
+    };
+    let diagnosis = match diagnose(&campaign, &settings) {
         Ok(diagnosis) => diagnosis,
         Err(error) => {
             return Some(Outcome {
@@ -104,15 +122,14 @@ fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Dia
         .iter()
         .filter(|c| c.level == trueaxis_effects::Level::Lengths);
     let causes: Vec<_> = data.collect();
-    let matches = |effect: &trueaxis_effects::ResolvedEffect| {
-        hidden.first().is_some_and(|h| {
-            let subject = &effect.subject;
-            h.name == effect.effect.id()
-                && (h.station.is_none() || h.station == subject.station || subject.station.is_none())
-                && (h.target.is_none() || h.target == subject.target)
-                && (h.axis.is_none() || h.axis == subject.axis)
-        })
+    let is = |h: &Hidden, effect: &trueaxis_effects::ResolvedEffect| {
+        let subject = &effect.subject;
+        h.name == effect.effect.id()
+            && (h.station.is_none() || h.station == subject.station || subject.station.is_none())
+            && (h.target.is_none() || h.target == subject.target)
+            && (h.axis.is_none() || h.axis == subject.axis)
     };
+    let matches = |effect: &trueaxis_effects::ResolvedEffect| hidden.iter().any(|h| is(h, effect));
     let mut label = diagnosis.verdict.name().to_owned();
     let mut line = format!("seed {seed}: {label}");
     for cause in &causes {
@@ -120,11 +137,18 @@ fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Dia
         label += &format!(" {id}");
         line += &format!(" {id} {:?} p={:.1e}", cause.effect.subject, cause.p_value);
         for rival in &cause.rivals {
-            line += &format!(" | {} {:?}", rival.effect.effect.id(), rival.effect.subject.station);
+            line += &format!(
+                " | {} {:?}",
+                rival.effect.effect.id(),
+                rival.effect.subject.station
+            );
         }
     }
-    if let Some(hidden) = hidden.first() {
-        line += &format!("   TRUTH {} {:?} {:?} {:?}", hidden.name, hidden.station, hidden.target, hidden.axis);
+    for hidden in hidden {
+        line += &format!(
+            "   TRUTH {} {:?} {:?} {:?}",
+            hidden.name, hidden.station, hidden.target, hidden.axis
+        );
     }
     if let Some(unexplained) = &diagnosis.unexplained {
         line += &format!(" [{}]", unexplained.note);
@@ -133,12 +157,16 @@ fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Dia
         diagnosis.verdict == Verdict::Clean
     } else {
         diagnosis.verdict == Verdict::Named
-            && causes.len() == 1
-            && matches(&causes[0].effect)
+            && causes.len() == hidden.len()
+            && causes.iter().all(|c| matches(&c.effect))
     };
-    let held = causes.iter().any(|c| {
-        matches(&c.effect) || c.rivals.iter().any(|r| matches(&r.effect))
-    });
+    let held = !hidden.is_empty()
+        && hidden.iter().all(|h| {
+            let holds = |c: &&trueaxis_diagnose::Cause| {
+                is(h, &c.effect) || c.rivals.iter().any(|r| is(h, &r.effect))
+            };
+            causes.iter().any(|c| holds(&c))
+        });
     let mut inside = Vec::new();
     if let (Some(hidden), Some(cause)) = (hidden.first(), causes.first()) {
         if matches(&cause.effect) && hidden.station == cause.effect.subject.station {

@@ -7,6 +7,8 @@
 //! laser u_l²     machine's return u_s² - u_l²     station geometry u² - u_s²
 //! ```
 //!
+//! Where effects were taken out of the lengths, the uncertainty of their values is a part of its own.
+//!
 //! No part is negative for a result that does not depend on the datum, and none of ours does: the
 //! covariance of the points with the stations known is that of an adjustment without datum, the
 //! estimated stations add the variance that comes through them, and the noise of the machine's
@@ -37,6 +39,8 @@ pub struct Budget {
     pub machine_return: f64,
     /// That the stations are estimated, whatever the noise behind it.
     pub station_geometry: f64,
+    /// That the values of effects that were taken out of the lengths are estimated.
+    pub effects: f64,
     /// All that has its origin in the lengths' own noise: `laser` and its part of
     /// `station_geometry`. The rest of u² has its origin in the machine's return.
     pub laser_in_all: f64,
@@ -62,19 +66,25 @@ impl Budget {
             laser: not_negative(laser),
             machine_return: not_negative(known - laser),
             station_geometry: not_negative(all - known),
+            effects: 0.0,
             laser_in_all: not_negative(laser_in_all),
         }
     }
 
     /// u².
     pub fn variance(&self) -> f64 {
-        self.laser + self.machine_return + self.station_geometry
+        self.laser + self.machine_return + self.station_geometry + self.effects
     }
 
-    /// The three parts as shares of u²; `None` if it is zero.
-    pub fn shares(&self) -> Option<[f64; 3]> {
+    /// The four parts as shares of u²; `None` if it is zero.
+    pub fn shares(&self) -> Option<[f64; 4]> {
         let variance = self.variance();
-        let parts = [self.laser, self.machine_return, self.station_geometry];
+        let parts = [
+            self.laser,
+            self.machine_return,
+            self.station_geometry,
+            self.effects,
+        ];
         (variance > 0.0).then(|| parts.map(|part| part / variance))
     }
 

@@ -166,6 +166,7 @@ pub(crate) fn calibrate_in_parts(
         covariance,
         misfits,
         triangle,
+        effects: Vec::new(),
         notices,
     };
     let parts = Parts {

@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector6};
 use trueaxis_campaign::Direction;
+use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::{
     AxisKind, GeometricErrors, LocationComponent, LocationError, MotionError,
 };
@@ -36,6 +37,8 @@ pub struct Calibration {
     pub misfits: Vec<StepMisfit>,
     /// Distances between targets that differ from nominal.
     pub triangle: Vec<TriangleSide>,
+    /// Effects that were taken out of the lengths, with the uncertainties that entered.
+    pub effects: Vec<GivenEffect>,
     /// What a user must know before using the numbers.
     pub notices: Vec<String>,
 }

@@ -117,6 +117,11 @@ pub enum Error {
         /// The first step at which it has moved.
         step: String,
     },
+    /// Effects on lengths in a campaign that has none.
+    #[error(
+        "effects are taken out of lengths, but this campaign has none; calibrate it without them"
+    )]
+    EffectsWithoutLengths,
     /// The covariance of all results does not fit.
     #[error(
         "the covariance of all {outputs} results takes {gib:.1} GiB, at most {limit_gib} GiB are \

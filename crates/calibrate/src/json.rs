@@ -6,6 +6,7 @@
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 use trueaxis_campaign::Direction;
+use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 
 use crate::adjustment_file::AdjustmentFile;
@@ -19,7 +20,8 @@ impl Calibration {
     /// Optional fields beyond the fixed ones: `p_value` and `uncertainty_factor` of the
     /// adjustment, `direction` of each position where the sides of approach are kept apart,
     /// `noise_gain` of each axis, `dof` (degrees of freedom of u, the least of a curve; absent if
-    /// infinite) and `budget` (shares of u², mean of a curve) of each error, `misfits`, `triangle`, `notices`.
+    /// infinite) and `budget` (shares of u², mean of a curve) of each error, `misfits`, `triangle`,
+    /// `effects_taken_out` where there are any, `notices`.
     pub fn to_json(&self) -> String {
         // Serialising plain structs of numbers and strings has no way to fail.
         trueaxis_files::to_json(&File::new(self)).expect("numbers and strings serialise")
@@ -39,6 +41,8 @@ struct File<'a> {
     location_errors: Ordered<QuantityFile>,
     misfits: Vec<MisfitFile<'a>>,
     triangle: Vec<TriangleFile<'a>>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    effects_taken_out: &'a [GivenEffect],
     notices: &'a [String],
 }
 
@@ -119,6 +123,8 @@ struct SharesFile {
     laser: f64,
     machine_return: f64,
     station_geometry: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    effects: Option<f64>,
 }
 
 /// µm or arcsec for 1 µm of independent noise on every coordinate, by the method used and by the
@@ -202,6 +208,7 @@ impl<'a> File<'a> {
                     difference_um: round((side.measured_mm - side.nominal_mm) / MICROMETRE, 3),
                 })
                 .collect(),
+            effects_taken_out: &calibration.effects,
             notices: &calibration.notices,
         }
     }
@@ -285,7 +292,7 @@ fn curve(axis: &AxisResult, component: Component) -> CurveFile {
 /// The least degrees of freedom, and the mean shares of what is not zero by definition.
 fn behind(uncertainties: impl Iterator<Item = (f64, Budget)>) -> BehindFile {
     let mut least = f64::INFINITY;
-    let (mut sums, mut count) = ([0.0; 3], 0.0);
+    let (mut sums, mut count) = ([0.0; 4], 0.0);
     for (dof, budget) in uncertainties {
         least = least.min(dof);
         if let Some(shares) = budget.shares() {
@@ -295,13 +302,14 @@ fn behind(uncertainties: impl Iterator<Item = (f64, Budget)>) -> BehindFile {
             count += 1.0;
         }
     }
-    let [laser, machine_return, station_geometry] = sums.map(|sum| round(sum / count, 4));
+    let [laser, machine_return, station_geometry, effects] = sums.map(|sum| round(sum / count, 4));
     BehindFile {
         dof: least.is_finite().then(|| round(least, 1)),
         budget: (count > 0.0).then_some(SharesFile {
             laser,
             machine_return,
             station_geometry,
+            effects: (effects > 0.0).then_some(effects),
         }),
     }
 }

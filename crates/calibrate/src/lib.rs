@@ -43,6 +43,11 @@
 //! [`calibrate_for_replay`] keeps what other errors of the same measurement need: Monte Carlo and
 //! reliability.
 //!
+//! # Effects that are known
+//!
+//! [`calibrate_with_effects`] takes what effects beyond the rigid machine do (drift, jumps, lost motion)
+//! out of the lengths, and lets the uncertainty of their values into that of the results.
+//!
 //! # What it does not do
 //!
 //! It does not say why a model fails. Points are not screened, and their noise is only tested.
@@ -61,6 +66,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod added_uncertainty;
 mod adjustment_file;
 mod adjustment_report;
 mod axis_data;
@@ -83,6 +89,7 @@ mod gauge;
 mod identify_axes;
 mod interpolation;
 mod json;
+mod length_circumstances;
 mod lengths_in_words;
 mod measured;
 mod output_covariance;
@@ -107,6 +114,7 @@ mod uncertainty;
 mod volumetric;
 mod weak_stations;
 mod weights;
+mod with_effects;
 
 pub use adjustment_report::{
     AdjustmentReport, InterruptedTurn, NoiseReport, PartReport, RejectedLength,
@@ -118,6 +126,7 @@ pub use calibration::{
     TriangleSide,
 };
 pub use error::Error;
+pub use length_circumstances::{LengthCircumstances, Sight, length_circumstances, scene_of};
 pub use output_covariance::{Output, OutputCovariance, Unit};
 pub use output_entry::OutputEntry;
 pub use reliability::{LengthReliability, LengthsReliability};
@@ -125,3 +134,4 @@ pub use replay::{Replay, ReplayWorkspace, calibrate_for_replay};
 pub use results::NumberedResult;
 pub use settings::{Method, ReferencePoint, Settings};
 pub use volumetric::VolumetricError;
+pub use with_effects::calibrate_with_effects;

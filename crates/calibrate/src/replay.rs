@@ -122,6 +122,12 @@ impl Replay<'_> {
         &self.results
     }
 
+    /// The readings of the campaign whose lengths were used, in measuring order; none in a points
+    /// campaign.
+    pub(crate) fn used_lengths(&self) -> &[usize] {
+        self.screened().map_or(&[], |screened| &screened.kept)
+    }
+
     /// The adjusted lengths; none in a points campaign.
     pub(crate) fn screened(&self) -> Option<&Screened> {
         match &self.source {

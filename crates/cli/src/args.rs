@@ -26,6 +26,8 @@ pub(crate) enum Verb {
     Check(CheckArgs),
     /// Finds all component and location errors; writes calibration.json.
     Calibrate(CalibrateArgs),
+    /// Says what the calibrated model gets wrong and why; writes diagnosis.json.
+    Diagnose(DiagnoseArgs),
     /// Checks the uncertainties of a calibration by redrawing its noise; writes montecarlo.json.
     Montecarlo(MontecarloArgs),
     /// Makes a campaign with known errors from a scenario; writes the campaign and truth.json.
@@ -64,6 +66,11 @@ pub(crate) struct CalibrateArgs {
     #[arg(long)]
     pub(crate) reliability: bool,
 
+    /// Take these effects out of the lengths first: an effects.json, or the causes that a
+    /// diagnosis.json names in the lengths. Their uncertainty enters that of the results.
+    #[arg(long, value_name = "FILE", conflicts_with = "reliability")]
+    pub(crate) with_effects: Option<PathBuf>,
+
     /// Also list squareness and tilts with the signs of the paper (opposite for some of them).
     #[arg(long)]
     pub(crate) paper_signs: bool,
@@ -96,6 +103,26 @@ pub(crate) struct ModelArgs {
     /// Adjust all lengths as they are: remove no gross errors, split no interrupted turns.
     #[arg(long)]
     pub(crate) no_robust: bool,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct DiagnoseArgs {
+    /// The campaign file.
+    #[arg(value_name = "CAMPAIGN.json")]
+    pub(crate) campaign: PathBuf,
+
+    /// Folder for diagnosis.json, and for effects.json and replay.json if the lengths show causes
+    /// [default: one in the current directory, named after the campaign].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Also print diagnosis.json on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+
+    /// End with exit code 6 if the data contradict the model.
+    #[arg(long)]
+    pub(crate) fail_on_misfit: bool,
 }
 
 #[derive(Debug, ClapArgs)]

@@ -3,13 +3,14 @@
 use anyhow::Context;
 use trueaxis_calibrate::{
     Calibration, LengthsReliability, OutputCovariance, Settings, calibrate, calibrate_for_replay,
+    calibrate_with_effects, scene_of,
 };
 use trueaxis_campaign::read;
 
 use crate::args::CalibrateArgs;
 use crate::exit::Exit;
 use crate::talk::{notice, say};
-use crate::{output, summary};
+use crate::{effects_input, output, summary};
 
 /// Significance at which `--fail-on-misfit` rejects the model.
 const MISFIT_LEVEL: f64 = 1e-3;
@@ -27,6 +28,7 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     let in_file = || args.campaign.display().to_string();
     let mut extra = Vec::new();
     let mut checked = Vec::new();
+    let mut of_effects = Vec::new();
     let calibration = if args.reliability {
         let (calibration, replay) =
             calibrate_for_replay(&campaign, &settings).with_context(in_file)?;
@@ -39,6 +41,10 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
             notice("reliability is that of lengths; this campaign has points");
         }
         calibration
+    } else if let Some(path) = &args.with_effects {
+        let effects = effects_input::read(path, &scene_of(&campaign), &campaign.name)?;
+        of_effects = effects.notices;
+        calibrate_with_effects(&campaign, &effects.resolved, &settings).with_context(in_file)?
     } else {
         calibrate(&campaign, &settings).with_context(in_file)?
     };
@@ -63,7 +69,8 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     for line in checked {
         say(&line);
     }
-    for text in campaign.notices.iter().chain(&calibration.notices) {
+    let notices = campaign.notices.iter().chain(&calibration.notices);
+    for text in notices.chain(&of_effects) {
         notice(text);
     }
     for path in &written {

@@ -2,6 +2,10 @@
 
 use std::process::ExitCode;
 
+use trueaxis_calibrate::Error as Calibrate;
+use trueaxis_diagnose::Error as Diagnose;
+
+use crate::effects_input::EffectsInputError;
 use crate::output::OutputError;
 
 /// How the program ends.
@@ -40,7 +44,6 @@ impl From<Exit> for ExitCode {
 impl Exit {
     /// The code for an error, by its innermost known kind.
     pub(crate) fn of(error: &anyhow::Error) -> Self {
-        use trueaxis_calibrate::Error as Calibrate;
         use trueaxis_campaign::Error as Campaign;
         for cause in error.chain() {
             if let Some(error) = cause.downcast_ref::<Campaign>() {
@@ -64,26 +67,39 @@ impl Exit {
             if cause.is::<OutputError>() {
                 return Self::Usage;
             }
-            if let Some(error) = cause.downcast_ref::<Calibrate>() {
+            if cause.is::<EffectsInputError>() || cause.is::<trueaxis_effects::Error>() {
+                return Self::Input;
+            }
+            if let Some(error) = cause.downcast_ref::<Diagnose>() {
                 return match error {
-                    Calibrate::NothingMeasured | Calibrate::NotIdentifiable { .. } => {
-                        Self::NotIdentifiable
-                    }
-                    Calibrate::NotThatMotion { .. } | Calibrate::SeveralAxesMove { .. } => {
-                        Self::Input
-                    }
-                    Calibrate::NotConverged { .. }
-                    | Calibrate::NotTrustworthy { .. }
-                    | Calibrate::Contradictory { .. }
-                    | Calibrate::RanAway { .. }
-                    | Calibrate::StationUnexplained { .. }
-                    | Calibrate::NotSettled { .. } => Self::NotConverged,
-                    Calibrate::CovarianceTooLarge { .. }
-                    | Calibrate::ReliabilityTooLarge { .. } => Self::Usage,
-                    Calibrate::Numerical { .. } => Self::Internal,
+                    Diagnose::Calibrate(error) => Self::of_calibration(error),
+                    Diagnose::Adjustment(_) => Self::NotConverged,
+                    Diagnose::NothingMeasured => Self::NotIdentifiable,
                 };
+            }
+            if let Some(error) = cause.downcast_ref::<Calibrate>() {
+                return Self::of_calibration(error);
             }
         }
         Self::Internal
+    }
+
+    fn of_calibration(error: &Calibrate) -> Self {
+        match error {
+            Calibrate::NothingMeasured | Calibrate::NotIdentifiable { .. } => Self::NotIdentifiable,
+            Calibrate::NotThatMotion { .. }
+            | Calibrate::SeveralAxesMove { .. }
+            | Calibrate::EffectsWithoutLengths => Self::Input,
+            Calibrate::NotConverged { .. }
+            | Calibrate::NotTrustworthy { .. }
+            | Calibrate::Contradictory { .. }
+            | Calibrate::RanAway { .. }
+            | Calibrate::StationUnexplained { .. }
+            | Calibrate::NotSettled { .. } => Self::NotConverged,
+            Calibrate::CovarianceTooLarge { .. } | Calibrate::ReliabilityTooLarge { .. } => {
+                Self::Usage
+            }
+            Calibrate::Numerical { .. } => Self::Internal,
+        }
     }
 }

@@ -6,6 +6,8 @@
 mod args;
 mod calibrate;
 mod check;
+mod diagnose;
+mod effects_input;
 mod exit;
 mod montecarlo;
 mod montecarlo_file;
@@ -30,6 +32,7 @@ fn main() -> ExitCode {
     let run = || match &args.verb {
         Verb::Check(args) => check::run(args),
         Verb::Calibrate(args) => calibrate::run(args),
+        Verb::Diagnose(args) => diagnose::run(args),
         Verb::Montecarlo(args) => montecarlo::run(args),
         Verb::Simulate(args) => simulate::run(args),
         Verb::Table1(args) => table1::run(args),

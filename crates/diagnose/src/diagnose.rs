@@ -2,60 +2,162 @@
 
 use trueaxis_calibrate::{Calibration, calibrate};
 use trueaxis_campaign::{Campaign, Lengths};
+use trueaxis_effects::Scene;
 
 use crate::changes::changes;
-use crate::lengths::{LengthsOutcome, diagnose_lengths};
-use crate::{Diagnosis, Error, Settings};
+use crate::components::diagnose_components;
+use crate::lengths::{LengthsOutcome, diagnose_lengths, scene};
+use crate::verification::diagnose_verification;
+use crate::{Diagnosis, Error, Settings, Verdict};
 
 /// Says what the rigid, quasi-static model gets wrong in a campaign's data, why, what the better model
 /// looks like and what it gains on data that it did not use.
 ///
+/// Level after level: the lengths against the joint adjustment with rigid stages; the verification
+/// readings against the prediction of the calibration, from which the causes found in the lengths are
+/// taken out; and what the calibrated error curves consist of, which explains them but contradicts
+/// nothing, so it has no part in the verdict.
+///
 /// # Errors
 /// [`Error`] if the campaign cannot be calibrated or nothing was measured that could contradict.
 pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, Error> {
-    let Some(lengths) = &campaign.lengths else {
+    let measured = campaign.lengths.is_some() || campaign.points.is_some();
+    if campaign.lengths.is_none() && campaign.verification.is_empty() && !measured {
         return Err(Error::NothingMeasured);
+    }
+    let mut diagnosis = Diagnosis {
+        campaign: campaign.name.clone(),
+        scene: scene_of_all(campaign),
+        verdict: Verdict::Clean,
+        levels: Vec::new(),
+        causes: Vec::new(),
+        unexplained: None,
+        not_observable: Vec::new(),
+        calibration: None,
+        notices: Vec::new(),
     };
-    let calibration = calibrated(campaign, settings)?;
-    let LengthsOutcome {
-        scene,
-        verdict,
-        report,
-        mut causes,
-        unexplained,
-        not_observable,
-        notices,
-        effects_mm,
-    } = diagnose_lengths(campaign, lengths)?;
-    if !causes.is_empty() {
-        let corrected = without_effects(campaign, lengths, &effects_mm);
-        let better = calibrated(&corrected, settings)?;
-        for cause in &mut causes {
-            cause.changes = changes(&calibration, &better);
+    if measured {
+        diagnosis.calibration = Some(calibrated(campaign, settings)?);
+    }
+    let explained = |calibration: Option<&Calibration>| {
+        let wanted = calibration.filter(|_| settings.explain_curves);
+        wanted.map(|calibration| diagnose_components(calibration, &campaign.machine))
+    };
+    let as_measured = diagnosis.calibration.clone();
+    let (outcome, mut components) = rayon::join(
+        || {
+            campaign
+                .lengths
+                .as_ref()
+                .map(|lengths| diagnose_lengths(campaign, lengths))
+        },
+        || explained(as_measured.as_ref()),
+    );
+    if let (Some(lengths), Some(outcome)) = (&campaign.lengths, outcome.transpose()?) {
+        let is_changed = !outcome.causes.is_empty();
+        with_lengths(&mut diagnosis, campaign, lengths, outcome, settings)?;
+        if is_changed {
+            components = explained(diagnosis.calibration.as_ref());
         }
     }
-    Ok(Diagnosis {
-        campaign: campaign.name.clone(),
-        scene,
-        verdict,
-        levels: vec![report],
-        causes,
-        unexplained,
-        not_observable,
-        notices,
-    })
+    let calibration = diagnosis.calibration.as_ref();
+    let verification = diagnose_verification(campaign, calibration, &diagnosis.scene);
+    for entry in verification.entries {
+        diagnosis.verdict = worse(diagnosis.verdict, entry.verdict);
+        diagnosis.levels.push(entry.report);
+        diagnosis.causes.extend(entry.causes);
+        if diagnosis.unexplained.is_none() {
+            diagnosis.unexplained = entry.unexplained;
+        }
+    }
+    diagnosis.not_observable.extend(verification.not_observable);
+    diagnosis.notices.extend(verification.notices);
+    if let Some(components) = components {
+        diagnosis.causes.extend(components.causes);
+        diagnosis.not_observable.extend(components.not_observable);
+        diagnosis.notices.extend(components.notices);
+    }
+    Ok(diagnosis)
+}
+
+/// The verdict on two sets of data together: what is unknown in one stays unknown.
+fn worse(a: Verdict, b: Verdict) -> Verdict {
+    let weight = |verdict| match verdict {
+        Verdict::Clean => 0,
+        Verdict::Named => 1,
+        Verdict::Ambiguous => 2,
+        Verdict::Unknown => 3,
+    };
+    if weight(b) > weight(a) { b } else { a }
+}
+
+/// What the lengths say, and the calibration without the causes that they show.
+fn with_lengths(
+    diagnosis: &mut Diagnosis,
+    campaign: &Campaign,
+    lengths: &Lengths,
+    mut outcome: LengthsOutcome,
+    settings: &Settings,
+) -> Result<(), Error> {
+    if !outcome.causes.is_empty() {
+        let corrected = without_effects(campaign, lengths, &outcome.effects_mm);
+        let better = calibrated(&corrected, settings)?;
+        for cause in &mut outcome.causes {
+            if let Some(calibration) = &diagnosis.calibration {
+                cause.changes = changes(calibration, &better);
+            }
+        }
+        diagnosis.calibration = Some(better);
+    }
+    diagnosis.verdict = outcome.verdict;
+    diagnosis.levels.push(outcome.report);
+    diagnosis.causes.extend(outcome.causes);
+    diagnosis.unexplained = outcome.unexplained;
+    diagnosis.not_observable.extend(outcome.not_observable);
+    diagnosis.notices.extend(outcome.notices);
+    Ok(())
+}
+
+/// Stations, targets, and the axes that move in any of the data.
+fn scene_of_all(campaign: &Campaign) -> Scene {
+    let mut scene = scene(campaign);
+    for axis in 0..campaign.machine.axes().len() {
+        let moves = campaign.verification.iter().any(|verification| {
+            let mut positions = verification.readings.iter().map(|r| r.positions[axis]);
+            let first = positions.next();
+            positions.any(|position| Some(position) != first)
+        });
+        if moves && !scene.moving.contains(&axis) {
+            scene.moving.push(axis);
+        }
+    }
+    scene.moving.sort_unstable();
+    scene
 }
 
 /// A calibration even of data that the screening refuses: what is wrong with them is the question here.
+/// With its covariance, unless that does not fit into memory.
 fn calibrated(campaign: &Campaign, settings: &Settings) -> Result<Calibration, Error> {
-    let plain = trueaxis_calibrate::Settings {
-        robust: false,
-        ..settings.calibration
-    };
-    match calibrate(campaign, &settings.calibration) {
-        Err(_) if settings.calibration.robust => Ok(calibrate(campaign, &plain)?),
-        other => Ok(other?),
+    let wanted = settings.calibration;
+    let mut attempts = Vec::new();
+    for robust in [wanted.robust, false] {
+        for covariance in [true, false] {
+            attempts.push(trueaxis_calibrate::Settings {
+                robust,
+                covariance,
+                ..wanted
+            });
+        }
     }
+    attempts.dedup();
+    let mut first = None;
+    for attempt in &attempts {
+        match calibrate(campaign, attempt) {
+            Ok(calibration) => return Ok(calibration),
+            Err(error) => first = first.or(Some(error)),
+        }
+    }
+    Err(first.map_or(Error::NothingMeasured, Error::Calibrate))
 }
 
 /// The campaign with lengths less what the causes do to them.

@@ -1,5 +1,6 @@
 //! The outcome: what is wrong, why, what the better model looks like, what was gained.
 
+use trueaxis_calibrate::Calibration;
 use trueaxis_effects::{Layer, Level, ResolvedEffect, Scene};
 
 /// A diagnosis of a campaign.
@@ -19,6 +20,9 @@ pub struct Diagnosis {
     pub unexplained: Option<Unexplained>,
     /// Effects that these data cannot show.
     pub not_observable: Vec<NotObservable>,
+    /// The calibration with the causes found in the lengths taken out of them; none if there is nothing
+    /// to calibrate from.
+    pub calibration: Option<Calibration>,
     /// What a user must know before using the outcome.
     pub notices: Vec<String>,
 }

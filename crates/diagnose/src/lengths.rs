@@ -7,21 +7,18 @@
 //! explain. The noise is that of a length and that of the machine's return, common to a stop
 //! (restricted maximum likelihood from the residuals).
 //!
-//! One round of the search:
-//!
-//! 1. [`Base::adjust`]: the lengths, less what the causes found so far do to them, are adjusted with the
-//!    full nonlinear model; the parameters of the causes follow by block elimination until both rest.
-//! 2. [`hypotheses`]: every effect of the catalogue on every subject becomes whitened columns; instants
-//!    are profiled over all visits by running sums ([`step_scan`]).
-//! 3. The leader is the hypothesis with the most evidence; the noise is estimated again with it in the
-//!    model and the ranking repeated, since a disturbance that is large blurs its own rivals.
-//! 4. It joins the causes if noise alone would not do as well once in a hundred campaigns.
-//!
-//! Afterwards causes that the others made superfluous leave again, the omnibus tests say whether
-//! anything is left ([`omnibus`]), and the gain is measured on sweeps that were left out
-//! ([`held_out`]).
+//! - [`base`] adjusts the lengths, less what the causes found so far do to them, with the full nonlinear
+//!   model; the parameters of the causes follow by block elimination until both rest.
+//! - [`hypotheses`]: every effect of the catalogue on every subject becomes whitened columns; instants
+//!   are profiled over all visits by running sums ([`step_scan`]).
+//! - [`causes`]: one after the other, each judged beside the others, until nothing is left that is a
+//!   cause of its own ([`culprit`]).
+//! - [`omnibus`]: whether anything is left at all, and what it varies with ([`unexplained`]).
+//! - [`held_out`]: the gain on sweeps that were left out.
 
 mod base;
+mod causes;
+mod culprit;
 mod harmonics;
 mod held_out;
 mod hypotheses;
@@ -29,9 +26,9 @@ mod noise_floor;
 mod not_observable;
 mod omnibus;
 mod places;
-mod readings;
 mod search;
 mod step_scan;
 mod unexplained;
 
 pub(crate) use search::{LengthsOutcome, diagnose_lengths};
+pub(crate) use trueaxis_calibrate::scene_of as scene;

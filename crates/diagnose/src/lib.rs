@@ -1,10 +1,52 @@
 //! What a calibrated model of a machine gets wrong in the measured data, and why.
+//!
+//! A calibration explains measured lengths by a rigid, quasi-static machine and a tracker that stands
+//! still. Reality adds drifts, jumps, slips, bending and lost motion. With everything that the model
+//! absorbs projected out of the whitened lengths,
+//!
+//! ```text
+//! e = M y      T(h) = sᵀ G⁺ s      s = X_hᵀ e      G = X_hᵀ M X_h
+//! ```
+//!
+//! every effect `h` of the catalogue (`trueaxis-effects`) is a hypothesis with columns `X_h`. The verb
+//! answers four questions: *what* is wrong (omnibus tests, where the misfit lives), *why* (one cause, or
+//! several that the data do not tell apart, or honestly unknown), what the *better model* looks like
+//! (parameters, by how much the calibration changes), and what is *gained* on data that were not used.
+//!
+//! Noun in: a [`trueaxis_campaign::Campaign`]; noun out: a [`Diagnosis`]. Three levels: the tracker's
+//! lengths, the readings of other instruments (positioning lines, ball bars), and the calibrated error
+//! curves themselves, which contradict nothing and have no part in the verdict. The method and how often
+//! it is right: `docs/diagnosis.md` of the repository.
+//!
+//! It does not measure again: what leaves no trace in the data ([`NotObservable`]) it cannot see, and it
+//! never calls that absent.
+//!
+//! ```
+//! use trueaxis_diagnose::{Settings, Verdict, diagnose};
+//! use trueaxis_simulate::{Scenario, simulate};
+//!
+//! let mut scenario = Scenario::from_json(include_str!("../../../campaigns/rotary-stage/scenario.json"))?;
+//! // A target slips in its nest by 8 µm.
+//! scenario.effects = serde_json::from_str(r#"[{
+//!     "effect": "target_slip", "subject": { "target": "Q" },
+//!     "parameters": [ { "name": "slip_x", "value": 5, "unit": "um" },
+//!                     { "name": "slip_y", "value": -6, "unit": "um" },
+//!                     { "name": "slip_z", "value": 2, "unit": "um" },
+//!                     { "name": "time", "value": 2000, "unit": "s" } ]
+//! }]"#)?;
+//! let campaign = simulate(&scenario, 1)?.campaign;
+//! let diagnosis = diagnose(&campaign, &Settings::default())?;
+//! assert_eq!(diagnosis.verdict, Verdict::Named);
+//! assert_eq!(diagnosis.causes[0].effect.effect.id(), "target_slip");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod changes;
 mod components;
 mod diagnose;
 mod diagnosis;
 mod error;
+mod json;
 mod lengths;
 mod selection;
 mod settings;

@@ -6,6 +6,7 @@
 )]
 
 mod coverage;
+mod diagnosis;
 mod first_order;
 mod gross_errors;
 mod machines;

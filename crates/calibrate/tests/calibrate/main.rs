@@ -7,6 +7,7 @@
 mod covariance_files;
 mod propagation;
 mod volumetric;
+mod with_effects;
 
 use trueaxis_campaign::Campaign;
 use trueaxis_simulate::{Scenario, simulate};

@@ -6,6 +6,7 @@
 mod calibrate;
 mod campaign_files;
 mod check;
+mod diagnose;
 mod gross_errors;
 mod harmless;
 mod misleading;

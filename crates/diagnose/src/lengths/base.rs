@@ -1,14 +1,14 @@
 //! The joint adjustment with rigid stages, with and without causes.
 
+use trueaxis_calibrate::{LengthCircumstances as Reading, length_circumstances, scene_of};
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_effects::{ResolvedEffect, Scene, displacement};
+use trueaxis_effects::{Displaced, ResolvedEffect, Scene, displacement};
 use trueaxis_multilateration::{
     Bodies, CampaignNetwork, Group, Network, Noise, RigidSolution, Settings, Whitened,
     estimate_rigid_noise, network_from_campaign, screen, solve, solve_rigid,
 };
 
 use crate::Error;
-use crate::lengths::readings::{Reading, readings, scene};
 use crate::selection::{Fit, Hypothesis, Projection};
 
 /// The lengths of a campaign, ready to be adjusted.
@@ -78,10 +78,10 @@ impl<'a> Base<'a> {
         let free = solve(&network, &settings)?;
         let bodies = Bodies::of_campaign(campaign, &groups)?;
         let start = solve_rigid(&network, &bodies, &free, &settings)?;
-        let readings = readings(campaign, lengths, &network, &groups, &kept);
+        let readings = length_circumstances(campaign, lengths, &network, &groups, &kept);
         Ok(Self {
             campaign,
-            scene: scene(campaign),
+            scene: scene_of(campaign),
             readings,
             start,
             declared,
@@ -200,9 +200,14 @@ impl<'a> Base<'a> {
             return 0.0;
         }
         let positions = &self.campaign.steps[reading.step].positions;
-        let sight = reading.sight(&self.scene.machine, positions, &self.network, solution);
-        let mut beam_mm = sight.beam * sight.at.distance_mm;
-        let mut shown_mm = 0.0;
+        let sight = reading.sight(
+            &self.scene.machine,
+            positions,
+            &self.network,
+            &solution.stations,
+            &solution.points_mm,
+        );
+        let mut sum = Displaced::default();
         for suspect in suspects {
             let Hypothesis {
                 effect, subject, ..
@@ -214,10 +219,11 @@ impl<'a> Base<'a> {
                 suspect.shape,
                 &sight.at,
             );
-            beam_mm += moved.point_mm - moved.station_mm;
-            shown_mm += moved.length_mm;
+            sum.point_mm += moved.point_mm;
+            sum.station_mm += moved.station_mm;
+            sum.length_mm += moved.length_mm;
         }
-        beam_mm.norm() - sight.at.distance_mm + shown_mm
+        sight.lengthening_mm(&sum)
     }
 
     /// Whitened columns of a hypothesis: what a unit of each parameter does to the lengths.
@@ -239,7 +245,8 @@ impl<'a> Base<'a> {
                 &self.scene.machine,
                 positions,
                 &self.network,
-                &adjusted.solution,
+                &adjusted.solution.stations,
+                &adjusted.solution.points_mm,
             );
             for (k, column) in columns.iter_mut().enumerate() {
                 unit.fill(0.0);

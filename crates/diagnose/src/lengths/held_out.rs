@@ -10,11 +10,11 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use trueaxis_calibrate::LengthCircumstances as Reading;
 
 use crate::Error;
 use crate::lengths::base::{Adjusted, Base, Suspect};
 use crate::lengths::hypotheses::{scan, visit_times};
-use crate::lengths::readings::Reading;
 use crate::selection::Hypothesis;
 
 /// Held-out rms without and with the causes in standard deviations of the noise, and the interval of
@@ -112,7 +112,10 @@ fn fitted_again(base: &Base<'_>, plain: &Adjusted, suspects: &[Suspect]) -> Vec<
         let mut best: Option<(f64, f64, Vec<f64>)> = None;
         scan.for_each(&projected.projection.residuals, &mut |shape, gram, s| {
             let statistic = gram.statistic(s);
-            if best.as_ref().is_none_or(|(_, largest, _)| statistic > *largest) {
+            if best
+                .as_ref()
+                .is_none_or(|(_, largest, _)| statistic > *largest)
+            {
                 best = Some((shape, statistic, gram.shrunk(s)));
             }
         });

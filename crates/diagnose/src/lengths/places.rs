@@ -1,10 +1,10 @@
 //! Where the misfit lives.
 
+use trueaxis_calibrate::LengthCircumstances as Reading;
 use trueaxis_campaign::Direction;
 
 use crate::Place;
 use crate::lengths::base::Base;
-use crate::lengths::readings::Reading;
 
 /// Parts of the travel and of the campaign's time.
 const PARTS: usize = 4;

@@ -2,7 +2,73 @@
 
 use std::f64::consts::TAU;
 
-use crate::lengths::base::{Adjusted, Base};
+use trueaxis_effects::Level;
+
+use crate::Unexplained;
+use crate::lengths::base::{Adjusted, Base, Suspect};
+use crate::lengths::omnibus::{OMNIBUS_LEVEL, Omnibus};
+
+/// What is left beyond the noise, and what it varies with.
+pub(crate) fn unexplained_part(
+    base: &Base<'_>,
+    current: &Adjusted,
+    after: &[Omnibus],
+    closest: Option<&(Suspect, f64)>,
+) -> Unexplained {
+    let clear: Vec<&Omnibus> = after
+        .iter()
+        .filter(|t| t.test.p_value < OMNIBUS_LEVEL)
+        .collect();
+    let excess = clear.iter().map(|t| t.excess).fold(0.0, f64::max);
+    let dof = current.projection.degrees_of_freedom;
+    let squares: f64 = current.solution.residuals_mm.iter().map(|r| r * r).sum();
+    let rms_um = (squares / dof).sqrt() * 1e3;
+    let varies_with: Vec<&'static str> = clear.iter().map(|t| t.test.varies_with).collect();
+    let mut note = match varies_with.as_slice() {
+        [] => "more than one effect of the catalogue, and none alone".to_owned(),
+        _ => format!("varies with {}", varies_with.join(" and ")),
+    };
+    if let Some(period_s) = period_s(base, current) {
+        note += &format!(", strongest with a period of {period_s:.0} s");
+    }
+    note += &of_stations(base, current);
+    if let Some((suspect, share)) = closest {
+        let id = suspect.hypothesis.effect.id();
+        note += &format!(
+            "; {id} comes closest and explains {:.0} % of it, which is not enough to name it",
+            share * 100.0
+        );
+    }
+    Unexplained {
+        level: Level::Lengths,
+        rms_um: rms_um * (excess / dof).sqrt().min(1.0),
+        varies_with,
+        note,
+    }
+}
+
+/// A station whose residuals are so much larger than those of the others is worth its name.
+const STANDS_OUT: f64 = 1.2;
+
+fn of_stations(base: &Base<'_>, current: &Adjusted) -> String {
+    let mut sums = vec![(0_usize, 0.0); base.scene.stations.len()];
+    for (reading, e) in base.readings.iter().zip(&current.projection.residuals) {
+        sums[reading.station].0 += 1;
+        sums[reading.station].1 += e * e;
+    }
+    let mut rms: Vec<(f64, usize)> = sums
+        .iter()
+        .enumerate()
+        .map(|(station, (count, squares))| ((squares / (*count).max(1) as f64).sqrt(), station))
+        .collect();
+    rms.sort_by(|a, b| b.0.total_cmp(&a.0));
+    match rms.as_slice() {
+        [first, second, ..] if first.0 > STANDS_OUT * second.0 => {
+            format!(", largest from station {}", base.scene.stations[first.1])
+        }
+        _ => String::new(),
+    }
+}
 
 /// Periods that are tried in each turn: from the whole turn to this part of it.
 const MOST_PERIODS: u32 = 60;
@@ -13,7 +79,7 @@ const CLEAR: f64 = 1e-4;
 
 /// The period in time that stands out of the residuals, s: the largest peak of the periodograms of all
 /// stations together (Schuster's, on whitened residuals), if noise has none like it.
-pub(crate) fn period_s(base: &Base<'_>, adjusted: &Adjusted) -> Option<f64> {
+fn period_s(base: &Base<'_>, adjusted: &Adjusted) -> Option<f64> {
     let residuals = &adjusted.projection.residuals;
     let variance = adjusted.projection.squares() / adjusted.projection.degrees_of_freedom;
     let stations = base.scene.stations.len();

@@ -132,7 +132,10 @@ impl Gram {
         let candidates = (0..=WIDTHS).map(|k| low * ratio.powi(k));
         candidates
             .map(|variance| (variance, at(variance)))
-            .fold((0.0, 0.0), |best, next| if next.1 > best.1 { next } else { best })
+            .fold(
+                (0.0, 0.0),
+                |best, next| if next.1 > best.1 { next } else { best },
+            )
     }
 }
 

@@ -1,38 +1,54 @@
-//! The circumstances of every reading.
+//! The circumstances of every length: when, from where, to what, on which sweep.
+//!
+//! What an effect beyond the rigid machine does to a length depends on them and on where station and
+//! target are; with the displacements `D` of [`trueaxis_effects`] it is exactly
+//!
+//! ```text
+//! |p + D_p - S - D_S| - |p - S| + D_l
+//! ```
+//!
+//! with the adjusted `p` and `S`: their errors of some µm over a metre change it by a millionth.
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::{Campaign, Direction, Lengths};
-use trueaxis_effects::{Circumstances, Scene, SceneTarget};
+use trueaxis_effects::{Circumstances, Displaced, Scene, SceneTarget};
 use trueaxis_kinematics::Machine;
-use trueaxis_multilateration::{Group, Network, RigidSolution};
+use trueaxis_multilateration::{Group, Network, Station};
 
-/// What a reading depends on beside its point.
-#[derive(Debug, Clone)]
-pub(crate) struct Reading {
-    pub(crate) time_s: f64,
+/// What a length depends on beside its point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LengthCircumstances {
+    /// Time on the clock of the campaign, s.
+    pub time_s: f64,
     elapsed_s: f64,
     progress: f64,
-    pub(crate) turn_progress: f64,
-    pub(crate) station: usize,
-    pub(crate) target: usize,
-    pub(crate) repeat: u32,
+    /// Progress of time within the turn of the station, 0 to 1.
+    pub turn_progress: f64,
+    /// The station.
+    pub station: usize,
+    /// The target.
+    pub target: usize,
+    /// Repeat, from 1.
+    pub repeat: u32,
     carrier: usize,
     /// The axis that moves.
-    pub(crate) axis: usize,
-    pub(crate) direction: Direction,
+    pub axis: usize,
+    /// Side of approach.
+    pub direction: Direction,
     speed_per_s: f64,
-    pub(crate) step: usize,
+    /// The step of the campaign.
+    pub step: usize,
     /// Number of the sweep: one axis, one repeat, one direction, from one station, in time order.
-    pub(crate) sweep: usize,
+    pub sweep: usize,
     /// Its number within the turn of the station.
-    pub(crate) sweep_of_turn: usize,
+    pub sweep_of_turn: usize,
     /// Index among the points of the network.
-    pub(crate) point: usize,
+    pub point: usize,
     group: usize,
 }
 
-/// What is there in a campaign of lengths.
-pub(crate) fn scene(campaign: &Campaign) -> Scene {
+/// What there is in a campaign that effects can happen to.
+pub fn scene_of(campaign: &Campaign) -> Scene {
     let targets = campaign.targets.iter().map(|target| SceneTarget {
         name: target.name.clone(),
         carrier: target.carrier,
@@ -48,14 +64,16 @@ pub(crate) fn scene(campaign: &Campaign) -> Scene {
     }
 }
 
-/// The readings of a network that are those of the campaign with the numbers `kept`.
-pub(crate) fn readings(
+/// The circumstances of the readings with the numbers `kept` (ascending), in measuring order.
+///
+/// `network` and `groups` are those of the campaign ([`trueaxis_multilateration::network_from_campaign`]).
+pub fn length_circumstances(
     campaign: &Campaign,
     lengths: &Lengths,
     network: &Network,
     groups: &[Group],
     kept: &[usize],
-) -> Vec<Reading> {
+) -> Vec<LengthCircumstances> {
     let span = |from: f64, to: f64, t: f64| {
         if to > from {
             (t - from) / (to - from)
@@ -99,7 +117,7 @@ pub(crate) fn readings(
             let reading = &lengths.readings[i];
             let place = group.targets.partition_point(|&t| t < reading.target);
             let t = reading.time_s;
-            all.push(Reading {
+            all.push(LengthCircumstances {
                 time_s: t,
                 elapsed_s: t - first,
                 progress: span(first, last, t),
@@ -171,27 +189,37 @@ fn speeds(campaign: &Campaign, lengths: &Lengths) -> Vec<f64> {
     speeds
 }
 
-/// Where a reading of an adjusted network is taken from and to.
-pub(crate) struct Sight<'a> {
+/// Where a length of an adjusted network is taken from and to.
+#[derive(Debug, Clone, Copy)]
+pub struct Sight<'a> {
     /// Its circumstances.
-    pub(crate) at: Circumstances<'a>,
+    pub at: Circumstances<'a>,
     /// Unit vector from station to target.
-    pub(crate) beam: Vector3<f64>,
+    pub beam: Vector3<f64>,
 }
 
-impl Reading {
-    /// The reading at the adjusted places of its point and station.
-    pub(crate) fn sight<'a>(
+impl Sight<'_> {
+    /// By how much the length shown is longer for displacements, mm: the exact distance, not `u·D`.
+    pub fn lengthening_mm(&self, by: &Displaced) -> f64 {
+        let beam_mm = self.beam * self.at.distance_mm + by.point_mm - by.station_mm;
+        beam_mm.norm() - self.at.distance_mm + by.length_mm
+    }
+}
+
+impl LengthCircumstances {
+    /// The length at the adjusted places of points and stations; `positions` are those of its step.
+    pub fn sight<'a>(
         &self,
         machine: &'a Machine,
         positions: &'a [f64],
         network: &Network,
-        solution: &RigidSolution,
+        stations: &[Station],
+        points_mm: &[Point3<f64>],
     ) -> Sight<'a> {
-        let points = &solution.points_mm[network.groups[self.group].clone()];
-        let sum: Vector3<f64> = points.iter().map(|p| p.coords).sum();
-        let point_mm = solution.points_mm[self.point];
-        let beam = point_mm - solution.stations[self.station].position_mm;
+        let stop_mm = &points_mm[network.groups[self.group].clone()];
+        let sum: Vector3<f64> = stop_mm.iter().map(|p| p.coords).sum();
+        let point_mm = points_mm[self.point];
+        let beam = point_mm - stations[self.station].position_mm;
         let distance_mm = beam.norm();
         Sight {
             at: Circumstances {
@@ -208,7 +236,7 @@ impl Reading {
                 speed_per_s: self.speed_per_s,
                 positions,
                 point_mm,
-                centroid_mm: Point3::from(sum / points.len() as f64),
+                centroid_mm: Point3::from(sum / stop_mm.len() as f64),
                 distance_mm,
             },
             beam: beam / distance_mm,
@@ -216,7 +244,7 @@ impl Reading {
     }
 
     /// Side of approach, +1 or -1.
-    pub(crate) fn sign(&self) -> f64 {
+    pub fn sign(&self) -> f64 {
         match self.direction {
             Direction::Forward => 1.0,
             Direction::Backward => -1.0,

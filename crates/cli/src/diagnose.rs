@@ -1,0 +1,99 @@
+//! `trueaxis diagnose`.
+
+mod causes;
+mod clock;
+mod in_words;
+mod layout;
+mod mounting;
+mod order;
+mod replay;
+mod story;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use trueaxis_campaign::{Campaign, read};
+use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose};
+
+use crate::args::DiagnoseArgs;
+use crate::exit::Exit;
+use crate::output;
+use crate::talk::{notice, say};
+
+/// What was found in the lengths, for `calibrate --with-effects`.
+const EFFECTS: &str = "effects.json";
+
+/// The campaign with it, for `simulate`.
+const REPLAY: &str = "replay.json";
+
+pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
+    let campaign = read(&args.campaign)?;
+    let in_file = || args.campaign.display().to_string();
+    let diagnosis = diagnose(&campaign, &Settings::default()).with_context(in_file)?;
+    let text = diagnosis.to_json();
+    let mut notices: Vec<String> = campaign.notices.clone();
+    notices.extend(diagnosis.notices.iter().cloned());
+    let mut files = vec![("diagnosis.json", text.clone())];
+    files.extend(extended_model(&campaign, &diagnosis, &mut notices)?);
+
+    let folder = output::folder(args.out.as_deref(), &campaign.name)?;
+    let mut written = Vec::new();
+    for (name, text) in &files {
+        let path = folder.join(name);
+        output::write(&path, text.as_bytes())?;
+        written.push(path);
+    }
+    notices.extend(of_an_earlier_run(&folder, &written));
+
+    for line in story::lines(&diagnosis) {
+        say(&line);
+    }
+    for text in &notices {
+        notice(text);
+    }
+    for path in &written {
+        say(&format!("written: {}", path.display()));
+    }
+    if args.json {
+        output::print(&text)?;
+    }
+    if args.fail_on_misfit && diagnosis.verdict != Verdict::Clean {
+        say("the data reject the model (--fail-on-misfit)");
+        return Ok(Exit::Misfit);
+    }
+    Ok(Exit::Good)
+}
+
+/// The files of the extended model, if the lengths show causes.
+fn extended_model(
+    campaign: &Campaign,
+    diagnosis: &Diagnosis,
+    notices: &mut Vec<String>,
+) -> anyhow::Result<Vec<(&'static str, String)>> {
+    let effects = diagnosis.effects_file();
+    if effects.effects.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut files = vec![(EFFECTS, effects.to_json()?)];
+    let Some(calibration) = &diagnosis.calibration else {
+        return Ok(files);
+    };
+    match replay::replay(campaign, calibration, &effects.effects) {
+        Ok(replay) => {
+            notices.extend(replay.notices);
+            files.push((REPLAY, trueaxis_files::to_json(&replay.scenario)?));
+        }
+        Err(reason) => notices.push(format!("no {REPLAY} was written: {reason}")),
+    }
+    Ok(files)
+}
+
+/// Files of another diagnosis that would be taken for this one's.
+fn of_an_earlier_run(folder: &Path, written: &[PathBuf]) -> Vec<String> {
+    [EFFECTS, REPLAY]
+        .iter()
+        .map(|name| folder.join(name))
+        .filter(|path| !written.contains(path) && path.exists())
+        .map(|path| format!("{} is of an earlier diagnosis", path.display()))
+        .collect()
+}

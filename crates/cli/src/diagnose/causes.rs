@@ -1,0 +1,168 @@
+//! What a diagnosis says about its causes.
+
+use trueaxis_diagnose::{Cause, Change, EstimatedParameter, LevelReport};
+use trueaxis_effects::Scene;
+
+use crate::diagnose::in_words;
+use crate::diagnose::layout::labelled;
+
+/// Changes of the calibration that are listed.
+const MOST_CHANGES: usize = 4;
+
+/// Changes below this are none, µm.
+const WORTH_A_WORD_UM: f64 = 0.01;
+
+/// Rivals that are listed.
+const MOST_RIVALS: usize = 3;
+
+/// A cause of a misfit: what, how much, how sure, what else, what it changes, what to do.
+pub(crate) fn of_misfit(
+    cause: &Cause,
+    rank: Option<usize>,
+    with_changes: bool,
+    scene: &Scene,
+) -> Vec<String> {
+    let explanation = cause.effect.effect.explanation();
+    let several = rank.is_some();
+    let rank = rank.map(|rank| format!(" {rank}")).unwrap_or_default();
+    let name = in_words::effect(&cause.effect, scene);
+    let or_another = if cause.rivals.is_empty() {
+        ""
+    } else {
+        ", or another"
+    };
+    let mut lines = vec![format!("cause{rank}: {name}{or_another}")];
+    lines.extend(labelled("what", explanation.cause));
+    lines.extend(labelled("size", &in_words::parameters(&cause.parameters)));
+    lines.extend(labelled("certainty", &in_words::certainty(cause.p_value)));
+    lines.extend(labelled("or else", &rivals(cause, scene)));
+    if !cause.rivals.is_empty() {
+        lines.extend(labelled("to separate", explanation.separate_by));
+    }
+    lines.extend(labelled(
+        "calibration",
+        &changes(cause, with_changes, several),
+    ));
+    lines.extend(labelled("to do", explanation.action));
+    lines
+}
+
+fn rivals(cause: &Cause, scene: &Scene) -> String {
+    if cause.rivals.is_empty() {
+        return "nothing else that is known explains the data nearly as well".to_owned();
+    }
+    let names: Vec<String> = cause
+        .rivals
+        .iter()
+        .take(MOST_RIVALS)
+        .map(|rival| in_words::effect(&rival.effect, scene))
+        .collect();
+    let more = match cause.rivals.len().saturating_sub(MOST_RIVALS) {
+        0 => String::new(),
+        more => format!(" or {more} more"),
+    };
+    format!(
+        "these data cannot tell it from {}{more}",
+        names.join(" or ")
+    )
+}
+
+/// The largest changes, and the consequence of leaving the cause in.
+fn changes(cause: &Cause, with_changes: bool, several: bool) -> String {
+    let consequence = cause.effect.effect.explanation().consequence;
+    let mut changes: Vec<&Change> = cause.changes.iter().collect();
+    if with_changes && !changes.is_empty() && changes.iter().all(|c| size_um(c) < WORTH_A_WORD_UM) {
+        return format!(
+            "hardly changes (by less than {WORTH_A_WORD_UM} µm); left in: {consequence}"
+        );
+    }
+    changes.sort_by(|a, b| size_um(b).total_cmp(&size_um(a)));
+    if changes.is_empty() || !with_changes {
+        return consequence.to_owned();
+    }
+    let listed: Vec<String> = changes
+        .iter()
+        .take(MOST_CHANGES)
+        .map(|change| {
+            let (largest, unit) = match change.unit {
+                "mm" => (change.largest * 1e3, "um"),
+                unit => (change.largest, unit),
+            };
+            format!("{} {largest:.2}{}", change.name, in_words::unit(unit))
+        })
+        .collect();
+    format!(
+        "without {} the results change by at most {}; left in: {consequence}",
+        if several { "all causes" } else { "it" },
+        listed.join(", ")
+    )
+}
+
+/// Angles at an arm of half a metre, to compare them with displacements.
+fn size_um(change: &Change) -> f64 {
+    match change.unit {
+        "arcsec" => change.largest * 2.4,
+        "mm" => change.largest * 1e3,
+        _ => change.largest,
+    }
+}
+
+/// What was gained on unused data.
+pub(crate) fn gained(level: &LevelReport) -> Vec<String> {
+    let Some(gain) = &level.gain else {
+        let text = "not measured: too few repeats to leave some out";
+        return labelled("gained", text);
+    };
+    let [low, high] = gain.interval;
+    let text = if gain.is_claimed() {
+        format!(
+            "data that the model was not fitted to are predicted {:.0} % better ({:.0} to {:.0} %); \
+             {:.0} % of the misfit beyond the noise is gone",
+            100.0 * (1.0 - gain.heldout_rms_ratio),
+            100.0 * (1.0 - high),
+            100.0 * (1.0 - low),
+            100.0 * gain.share_of_excess_removed,
+        )
+    } else {
+        format!(
+            "could not be shown: on unused data the misfit is {:.2} times what it was ({low:.2} to \
+             {high:.2})",
+            gain.heldout_rms_ratio
+        )
+    };
+    labelled("gained", &text)
+}
+
+/// Amplitude and phase where they are known, without the sine and cosine that say the same.
+fn amplitudes(parameters: &[EstimatedParameter]) -> Vec<EstimatedParameter> {
+    let has_amplitude = parameters.iter().any(|p| p.name == "amplitude");
+    let says_the_same =
+        |p: &EstimatedParameter| p.name.starts_with("sine") || p.name.starts_with("cosine");
+    let kept = parameters
+        .iter()
+        .filter(|p| !(has_amplitude && says_the_same(p)));
+    kept.cloned().collect()
+}
+
+/// A cause of an error curve, on one line.
+pub(crate) fn of_curve(cause: &Cause, scene: &Scene) -> String {
+    let share = cause
+        .share_of_curve
+        .map(|share| format!(", {:.0} % of the curve", 100.0 * share))
+        .unwrap_or_default();
+    let rivals: Vec<String> = cause
+        .rivals
+        .iter()
+        .take(MOST_RIVALS)
+        .map(|rival| in_words::effect(&rival.effect, scene))
+        .collect();
+    let or = match rivals.is_empty() {
+        true => String::new(),
+        false => format!(" (or {})", rivals.join(" or ")),
+    };
+    format!(
+        "  {}{or}: {}{share}",
+        in_words::effect(&cause.effect, scene),
+        in_words::parameters(&amplitudes(&cause.parameters))
+    )
+}

@@ -1,0 +1,170 @@
+//! Numbers and names of a diagnosis in the words of the terminal.
+
+use trueaxis_diagnose::EstimatedParameter;
+use trueaxis_effects::{GivenSubject, ResolvedEffect, Scene};
+
+/// Coverage factor of the uncertainties that people read.
+const COVERAGE: f64 = 2.0;
+
+/// `machine shift`, `dead path jump of station S2`.
+pub(crate) fn effect(effect: &ResolvedEffect, scene: &Scene) -> String {
+    let name = effect.effect.id().replace('_', " ");
+    match subject(&effect.to_given(scene).subject) {
+        Some(subject) => format!("{name} of {subject}"),
+        None => name,
+    }
+}
+
+fn subject(subject: &GivenSubject) -> Option<String> {
+    let named = |what: &str, name: &Option<String>| name.as_ref().map(|n| format!("{what}{n}"));
+    // A component names its axis.
+    let axis = match &subject.component {
+        Some(_) => None,
+        None => named("axis ", &subject.axis),
+    };
+    let parts = [
+        named("station ", &subject.station),
+        named("target ", &subject.target),
+        named("", &subject.component),
+        axis,
+        named("with axis ", &subject.other_axis),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    (!parts.is_empty()).then(|| parts.join(", "))
+}
+
+/// Values with expanded uncertainties, vectors together: `shift x +3.10 ± 0.40, y … µm; at 5210 ± 8 s`.
+pub(crate) fn parameters(parameters: &[EstimatedParameter]) -> String {
+    let mut parts: Vec<String> = Vec::new();
+    let mut k = 0;
+    while k < parameters.len() {
+        let count = vector_at(&parameters[k..]);
+        let group = &parameters[k..k + count];
+        k += count;
+        let first = &group[0];
+        if count == 3 {
+            let stem = first.name.trim_end_matches("_x").replace('_', " ");
+            let along = group.iter().zip(["x", "y", "z"]);
+            let values: Vec<String> = along
+                .map(|(p, axis)| format!("{axis} {}", number(p)))
+                .collect();
+            parts.push(format!("{stem} {}{}", values.join(", "), unit(first.unit)));
+            continue;
+        }
+        let name = match first.name.as_str() {
+            "time" => "at".to_owned(),
+            name => name.replace('_', " "),
+        };
+        parts.push(match first.name.as_str() {
+            "time" | "time_constant" | "period" => {
+                format!("{name} {}{}", plain(first), unit(first.unit))
+            }
+            "waves" => format!("{:.0} waves per turn", first.value),
+            _ => format!("{name} {}{}", number(first), unit(first.unit)),
+        });
+    }
+    parts.join("; ")
+}
+
+/// 3 if the parameters begin with the three parts of a vector, else 1.
+fn vector_at(parameters: &[EstimatedParameter]) -> usize {
+    let [x, y, z, ..] = parameters else {
+        return 1;
+    };
+    let stem = x.name.strip_suffix("_x");
+    let is_part = |p: &EstimatedParameter, end| stem.is_some() && p.name.strip_suffix(end) == stem;
+    if is_part(y, "_y") && is_part(z, "_z") {
+        3
+    } else {
+        1
+    }
+}
+
+/// Value with sign and U, to the decimals that U shows.
+fn number(parameter: &EstimatedParameter) -> String {
+    let expanded = COVERAGE * parameter.u;
+    let decimals = decimals(expanded);
+    format!("{:+.decimals$} ± {expanded:.decimals$}", parameter.value)
+}
+
+fn plain(parameter: &EstimatedParameter) -> String {
+    let expanded = COVERAGE * parameter.u;
+    let decimals = decimals(expanded);
+    match expanded > 0.0 && expanded.is_finite() {
+        true => format!("{:.decimals$} ± {expanded:.decimals$}", parameter.value),
+        false => format!("{:.1}", parameter.value),
+    }
+}
+
+/// Two digits of the uncertainty, at most three decimals.
+fn decimals(expanded: f64) -> usize {
+    match expanded {
+        u if u >= 10.0 => 0,
+        u if u >= 1.0 => 1,
+        u if u >= 0.1 => 2,
+        _ => 3,
+    }
+}
+
+/// A unit of the files as people write it.
+pub(crate) fn unit(unit: &str) -> &'static str {
+    match unit {
+        "um" => " µm",
+        "arcsec" => "″",
+        "mm" => " mm",
+        "s" => " s",
+        "ms" => " ms",
+        "ppm" => " ppm",
+        "deg" => "°",
+        "um/m" => " µm/m",
+        "um/m2" => " µm/m²",
+        "um/rad2" => " µm/rad²",
+        "arcsec/rad" => " ″/rad",
+        _ => "",
+    }
+}
+
+/// How sure a cause is, in words and number.
+pub(crate) fn certainty(p_value: f64) -> String {
+    let words = match p_value {
+        p if p < 1e-6 => "beyond doubt",
+        p if p < 1e-3 => "very sure",
+        _ => "sure",
+    };
+    format!(
+        "{words}: the chance that noise alone looks as much like any known cause is {}",
+        match p_value {
+            p if p < 1e-300 => "below 1e-300".to_owned(),
+            p if p < 1e-3 => format!("{p:.0e}"),
+            p => format!("{:.1} %", 100.0 * p),
+        }
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameter(name: &str, value: f64, u: f64, unit: &'static str) -> EstimatedParameter {
+        EstimatedParameter {
+            name: name.to_owned(),
+            value,
+            u,
+            unit,
+        }
+    }
+
+    #[test]
+    fn vectors_are_told_together_and_an_instant_behind_them() {
+        let all = [
+            parameter("shift_x", 3.1, 0.2, "um"),
+            parameter("shift_y", 0.0, 0.2, "um"),
+            parameter("shift_z", -1.44, 0.3, "um"),
+            parameter("time", 5210.0, 4.0, "s"),
+        ];
+        let text = "shift x +3.10 ± 0.40, y +0.00 ± 0.40, z -1.44 ± 0.60 µm; at 5210.0 ± 8.0 s";
+        assert_eq!(parameters(&all), text);
+        let expansion = [parameter("expansion", 2.0, 0.01, "ppm")];
+        assert_eq!(parameters(&expansion), "expansion +2.000 ± 0.020 ppm");
+    }
+}

@@ -1,0 +1,69 @@
+//! Whether a replay measures what the campaign measured, in the same order.
+
+use std::collections::HashMap;
+
+use trueaxis_campaign::{Campaign, Direction};
+
+/// Station, repeat, run, side of approach, number of the position in its run, target.
+type Key = (usize, u32, usize, Direction, usize, usize);
+
+/// For each reading of the campaign its place among those of the replay, which may have more.
+pub(super) fn places_in_replay(
+    campaign: &Campaign,
+    replay: &Campaign,
+) -> Result<Vec<usize>, String> {
+    let place_of: HashMap<Key, usize> = keys(replay).into_iter().zip(0..).collect();
+    let mut places: Vec<usize> = Vec::new();
+    let other_order = "its lengths were measured in another order than stations, repeats, runs, sweeps, \
+                       positions, targets";
+    for key in keys(campaign) {
+        match (place_of.get(&key), places.last()) {
+            (Some(place), last) if last.is_none_or(|last| last < place) => places.push(*place),
+            _ => return Err(other_order.to_owned()),
+        }
+    }
+    Ok(places)
+}
+
+/// In measuring order.
+fn keys(campaign: &Campaign) -> Vec<Key> {
+    let numbers = position_numbers(campaign);
+    let mut keys = Vec::new();
+    if let Some(lengths) = &campaign.lengths {
+        for stop in &lengths.stops {
+            let run = campaign.steps[stop.step].run;
+            let readings = &lengths.readings[stop.readings.clone()];
+            keys.extend(readings.iter().map(|reading| {
+                let position = numbers[stop.step];
+                (
+                    stop.station,
+                    stop.repeat,
+                    run,
+                    stop.direction,
+                    position,
+                    reading.target,
+                )
+            }));
+        }
+    }
+    keys
+}
+
+/// For each step, its number among those of its run by position.
+fn position_numbers(campaign: &Campaign) -> Vec<usize> {
+    let position = |step: usize| {
+        let step = &campaign.steps[step];
+        step.positions[campaign.runs[step.run].axis]
+    };
+    let mut numbers = vec![0; campaign.steps.len()];
+    for run in 0..campaign.runs.len() {
+        let mut steps: Vec<usize> = (0..campaign.steps.len())
+            .filter(|&step| campaign.steps[step].run == run)
+            .collect();
+        steps.sort_by(|&a, &b| position(a).total_cmp(&position(b)));
+        for (number, step) in steps.into_iter().enumerate() {
+            numbers[step] = number;
+        }
+    }
+    numbers
+}

@@ -1,0 +1,151 @@
+//! The effects for `calibrate --with-effects`: an effects file, or the causes of a diagnosis.
+
+use std::path::Path;
+
+use anyhow::Context;
+use serde::Deserialize;
+use trueaxis_effects::{
+    EffectsFile, GivenEffect, GivenParameter, GivenSubject, ResolvedEffects, Scene,
+};
+
+/// A file of effects that cannot be used.
+#[derive(Debug)]
+pub(crate) struct EffectsInputError(String);
+
+impl std::fmt::Display for EffectsInputError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for EffectsInputError {}
+
+/// What of `diagnosis.json` says which effects the lengths show; the rest is passed over.
+#[derive(Deserialize)]
+struct DiagnosisFile {
+    campaign: String,
+    causes: Vec<CauseFile>,
+}
+
+#[derive(Deserialize)]
+struct CauseFile {
+    effect: String,
+    level: String,
+    #[serde(default)]
+    subject: GivenSubject,
+    parameters: Vec<GivenParameter>,
+    #[serde(default)]
+    covariance: Vec<Vec<f64>>,
+}
+
+#[derive(Deserialize)]
+struct Header {
+    #[serde(default)]
+    format: String,
+    #[serde(default)]
+    version: u32,
+}
+
+const DIAGNOSIS: &str = "trueaxis-diagnosis";
+
+/// Reads effects and finds their names in the scene of the campaign.
+pub(crate) fn read(path: &Path, scene: &Scene, campaign: &str) -> anyhow::Result<Effects> {
+    let in_file = || path.display().to_string();
+    let wrong = |text: String| EffectsInputError(text);
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| wrong(error.to_string()))
+        .with_context(in_file)?;
+    let header: Header = serde_json::from_str(&text)
+        .map_err(|error| wrong(format!("no effects of a campaign: {error}")))
+        .with_context(in_file)?;
+    let mut file = if header.format == DIAGNOSIS {
+        of_diagnosis(&header, &text).with_context(in_file)?
+    } else {
+        EffectsFile::from_json(&text).with_context(in_file)?
+    };
+    if file.effects.is_empty() {
+        let text = "it has no effects of lengths to take out; calibrate without it";
+        return Err(wrong(text.to_owned())).with_context(in_file);
+    }
+    let exact = file.covariance.is_none() && !with_uncertainties(&mut file, scene);
+    let resolved = file.resolve(scene).with_context(in_file)?;
+    let mut notices = Vec::new();
+    if file.campaign != campaign {
+        notices.push(format!(
+            "{}: the effects were found in another campaign, `{}`",
+            path.display(),
+            file.campaign
+        ));
+    }
+    if exact {
+        notices.push(format!(
+            "{}: the effects have no uncertainties and are taken as exact",
+            path.display()
+        ));
+    }
+    Ok(Effects { resolved, notices })
+}
+
+/// Effects in the scene of a campaign.
+pub(crate) struct Effects {
+    pub(crate) resolved: ResolvedEffects,
+    pub(crate) notices: Vec<String>,
+}
+
+fn of_diagnosis(header: &Header, text: &str) -> Result<EffectsFile, EffectsInputError> {
+    if header.version != 1 {
+        let found = header.version;
+        let text = format!("version: expected 1 of {DIAGNOSIS}, found {found}");
+        return Err(EffectsInputError(text));
+    }
+    let diagnosis: DiagnosisFile =
+        serde_json::from_str(text).map_err(|error| EffectsInputError(error.to_string()))?;
+    let causes = diagnosis.causes.into_iter();
+    let causes: Vec<CauseFile> = causes.filter(|cause| cause.level == "lengths").collect();
+    let size = causes.iter().map(|cause| cause.covariance.len()).sum();
+    let mut covariance = vec![vec![0.0; size]; size];
+    let mut first = 0;
+    for cause in &causes {
+        for (row, values) in cause.covariance.iter().enumerate() {
+            let width = values.len().min(cause.covariance.len());
+            covariance[first + row][first..first + width].copy_from_slice(&values[..width]);
+        }
+        first += cause.covariance.len();
+    }
+    let effects = causes.into_iter().map(|cause| GivenEffect {
+        effect: cause.effect,
+        subject: cause.subject,
+        parameters: cause.parameters,
+    });
+    Ok(EffectsFile {
+        campaign: diagnosis.campaign,
+        effects: effects.collect(),
+        covariance: Some(covariance),
+    })
+}
+
+/// The covariance of a file that gives none: the squares of the given uncertainties, uncorrelated. Whether
+/// there are any.
+fn with_uncertainties(file: &mut EffectsFile, scene: &Scene) -> bool {
+    let mut variances = Vec::new();
+    for given in &file.effects {
+        let Ok(resolved) = given.resolve(scene) else {
+            // Said when the file is resolved.
+            return true;
+        };
+        let names = resolved.effect.parameters(scene, &resolved.subject);
+        let linear = given
+            .parameters
+            .iter()
+            .filter(|p| names.iter().any(|name| name.name == p.name));
+        variances.extend(linear.map(|p| p.u.unwrap_or(0.0).powi(2)));
+    }
+    let any = variances.iter().any(|v| *v > 0.0);
+    let row = |i: usize| {
+        let mut row = vec![0.0; variances.len()];
+        row[i] = variances[i];
+        row
+    };
+    file.covariance = any.then(|| (0..variances.len()).map(row).collect());
+    any
+}

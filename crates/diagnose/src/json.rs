@@ -1,0 +1,243 @@
+//! `diagnosis.json`, version 1.
+//!
+//! Rms and noise are µm; every parameter and change names its unit; `u` is a standard uncertainty, the
+//! p-values are family-wise. `heldout_rms_um`, `gain`, `heldout_gain` and `unexplained` are null where nothing
+//! was held out, named or left.
+
+mod cause;
+mod ordered;
+
+use serde::Serialize;
+use trueaxis_effects::{EffectsFile, Level};
+
+use crate::json::cause::CauseFile;
+use crate::json::ordered::Ordered;
+use crate::{Diagnosis, Gain, LevelReport, Misfit, NotObservable, OmnibusTest, Place};
+
+impl Diagnosis {
+    /// The text of `diagnosis.json`, version 1.
+    ///
+    /// Noise floor, misfits and gain at the top are those of [`Diagnosis::headline`]; `levels` has all.
+    pub fn to_json(&self) -> String {
+        // Serialising plain structs of numbers and strings has no way to fail.
+        trueaxis_files::to_json(&File::new(self)).expect("numbers and strings serialise")
+    }
+
+    /// The level that stands for the whole: the lengths, else the one with the largest misfit.
+    pub fn headline(&self) -> Option<&LevelReport> {
+        let lengths = self.levels.iter().find(|l| l.level == Level::Lengths);
+        lengths.or_else(|| {
+            let misfit = |l: &&LevelReport| l.before.rms_um;
+            let levels = self.levels.iter();
+            levels.max_by(|a, b| misfit(a).total_cmp(&misfit(b)))
+        })
+    }
+
+    /// The causes found in the lengths, with the covariance of their parameters (block by block: causes
+    /// among each other are taken as independent), for `simulate` and `calibrate --with-effects`.
+    pub fn effects_file(&self) -> EffectsFile {
+        let causes = || self.causes.iter().filter(|c| c.level == Level::Lengths);
+        let size = causes().map(|cause| cause.effect.parameters.len()).sum();
+        let mut covariance = vec![vec![0.0; size]; size];
+        let mut first = 0;
+        for cause in causes() {
+            let count = cause.effect.parameters.len();
+            for (k, value) in cause.covariance.iter().enumerate() {
+                covariance[first + k / count][first + k % count] = *value;
+            }
+            first += count;
+        }
+        EffectsFile {
+            campaign: self.campaign.clone(),
+            effects: causes().map(|c| cause::given(c, &self.scene)).collect(),
+            covariance: Some(covariance),
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct File<'a> {
+    format: &'static str,
+    version: u32,
+    campaign: &'a str,
+    verdict: &'static str,
+    noise_floor_um: Option<f64>,
+    before: MisfitFile,
+    after: MisfitFile,
+    gain: Option<GainFile>,
+    causes: Vec<CauseFile<'a>>,
+    unexplained: Option<UnexplainedFile<'a>>,
+    not_observable: Vec<NotObservableFile<'a>>,
+    levels: Vec<LevelFile<'a>>,
+    notices: &'a [String],
+}
+
+#[derive(Serialize, Default)]
+struct MisfitFile {
+    rms_um: Option<f64>,
+    heldout_rms_um: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct GainFile {
+    heldout_rms_ratio: f64,
+    interval: [f64; 2],
+    share_of_excess_removed: f64,
+    heldout_claimed: bool,
+}
+
+#[derive(Serialize)]
+struct UnexplainedFile<'a> {
+    rms_um: f64,
+    varies_with: &'a [&'static str],
+    note: &'a str,
+    level: &'static str,
+}
+
+#[derive(Serialize)]
+struct NotObservableFile<'a> {
+    effect: &'static str,
+    subject: &'a str,
+    reason: &'a str,
+    bias_per_unit: Ordered<&'a str>,
+    measure: &'a str,
+}
+
+#[derive(Serialize)]
+struct LevelFile<'a> {
+    level: &'static str,
+    data: &'a str,
+    noise_floor_um: f64,
+    before: MisfitFile,
+    after: MisfitFile,
+    gain: Option<GainFile>,
+    tests: Vec<TestFile<'a>>,
+    tests_after: Vec<TestFile<'a>>,
+    places: Vec<PlaceFile<'a>>,
+}
+
+#[derive(Serialize)]
+struct TestFile<'a> {
+    varies_with: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    detail: Option<&'a str>,
+    columns: usize,
+    p_value: f64,
+}
+
+#[derive(Serialize)]
+struct PlaceFile<'a> {
+    by: &'static str,
+    name: &'a str,
+    readings: usize,
+    before_um: f64,
+    after_um: f64,
+}
+
+impl<'a> File<'a> {
+    fn new(diagnosis: &'a Diagnosis) -> Self {
+        let headline = diagnosis.headline();
+        let ranked = diagnosis.causes.iter().enumerate();
+        Self {
+            format: "trueaxis-diagnosis",
+            version: 1,
+            campaign: &diagnosis.campaign,
+            verdict: diagnosis.verdict.name(),
+            noise_floor_um: headline.map(|l| um(l.noise_floor_um)),
+            before: headline.map(|l| misfit(&l.before)).unwrap_or_default(),
+            after: headline.map(|l| misfit(&l.after)).unwrap_or_default(),
+            gain: headline.and_then(|l| l.gain.as_ref()).map(gain),
+            causes: ranked
+                .map(|(i, cause)| CauseFile::new(i + 1, cause, &diagnosis.scene))
+                .collect(),
+            unexplained: diagnosis.unexplained.as_ref().map(|u| UnexplainedFile {
+                rms_um: um(u.rms_um),
+                varies_with: &u.varies_with,
+                note: &u.note,
+                level: u.level.name(),
+            }),
+            not_observable: diagnosis.not_observable.iter().map(unseen).collect(),
+            levels: diagnosis.levels.iter().map(level).collect(),
+            notices: &diagnosis.notices,
+        }
+    }
+}
+
+fn level(level: &LevelReport) -> LevelFile<'_> {
+    LevelFile {
+        level: level.level.name(),
+        data: &level.data,
+        noise_floor_um: um(level.noise_floor_um),
+        before: misfit(&level.before),
+        after: misfit(&level.after),
+        gain: level.gain.as_ref().map(gain),
+        tests: level.tests.iter().map(test).collect(),
+        tests_after: level.tests_after.iter().map(test).collect(),
+        places: level.places.iter().map(place).collect(),
+    }
+}
+
+fn misfit(misfit: &Misfit) -> MisfitFile {
+    MisfitFile {
+        rms_um: Some(um(misfit.rms_um)),
+        heldout_rms_um: misfit.heldout_rms_um.map(um),
+    }
+}
+
+fn gain(gain: &Gain) -> GainFile {
+    GainFile {
+        heldout_rms_ratio: round(gain.heldout_rms_ratio, 4),
+        interval: gain.interval.map(|bound| round(bound, 4)),
+        share_of_excess_removed: round(gain.share_of_excess_removed, 4),
+        heldout_claimed: gain.is_claimed(),
+    }
+}
+
+fn test(test: &OmnibusTest) -> TestFile<'_> {
+    TestFile {
+        varies_with: test.varies_with,
+        detail: test.detail.as_deref(),
+        columns: test.columns,
+        p_value: significant(test.p_value),
+    }
+}
+
+fn place(place: &Place) -> PlaceFile<'_> {
+    PlaceFile {
+        by: place.by,
+        name: &place.name,
+        readings: place.readings,
+        before_um: um(place.before_um),
+        after_um: um(place.after_um),
+    }
+}
+
+fn unseen(unseen: &NotObservable) -> NotObservableFile<'_> {
+    let bias = unseen.bias_per_unit.iter();
+    NotObservableFile {
+        effect: unseen.effect,
+        subject: &unseen.subject,
+        reason: &unseen.reason,
+        bias_per_unit: Ordered(
+            bias.map(|(name, text)| (name.clone(), text.as_str()))
+                .collect(),
+        ),
+        measure: &unseen.measure,
+    }
+}
+
+/// To a picometre.
+fn um(value_um: f64) -> f64 {
+    round(value_um, 6)
+}
+
+/// Rounded to decimals; no negative zero.
+fn round(value: f64, decimals: i32) -> f64 {
+    let scale = 10_f64.powi(decimals);
+    (value * scale).round() / scale + 0.0
+}
+
+/// Three significant digits, for probabilities.
+fn significant(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}

@@ -1,0 +1,115 @@
+//! One cause in `diagnosis.json`.
+
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
+use trueaxis_effects::{GivenEffect, GivenParameter, GivenSubject, Scene};
+
+use crate::json::ordered::Ordered;
+use crate::json::{round, significant, um};
+use crate::{Cause, Change, EstimatedParameter};
+
+#[derive(Serialize)]
+pub(super) struct CauseFile<'a> {
+    rank: usize,
+    effect: &'static str,
+    layer: &'static str,
+    level: &'static str,
+    subject: GivenSubject,
+    p_value: f64,
+    delta_bic: f64,
+    explained_rms_um: f64,
+    heldout_gain: Option<f64>,
+    parameters: Vec<GivenParameter>,
+    /// Of the linear parameters, rows in their order.
+    covariance: Vec<Vec<f64>>,
+    cannot_tell_apart_from: Vec<RivalFile>,
+    separate_by: &'static str,
+    cause: &'static str,
+    consequence: &'static str,
+    action: &'static str,
+    component_change: Ordered<ChangeFile<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    share_of_curve: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct RivalFile {
+    effect: &'static str,
+    subject: GivenSubject,
+    delta_bic: f64,
+    parameters: Vec<GivenParameter>,
+}
+
+/// `{ "max_um": 2.2 }`: the field carries the unit.
+struct ChangeFile<'a>(&'a Change);
+
+impl Serialize for ChangeFile<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(1))?;
+        let field = format!("max_{}", self.0.unit);
+        map.serialize_entry(&field, &round(self.0.largest, 6))?;
+        map.end()
+    }
+}
+
+impl<'a> CauseFile<'a> {
+    pub(super) fn new(rank: usize, cause: &'a Cause, scene: &Scene) -> Self {
+        let explanation = cause.effect.effect.explanation();
+        let rivals = cause.rivals.iter().map(|rival| {
+            let given = rival.effect.to_given(scene);
+            RivalFile {
+                effect: rival.effect.effect.id(),
+                subject: given.subject,
+                delta_bic: round(rival.delta_bic, 2),
+                parameters: given.parameters,
+            }
+        });
+        let changes = cause.changes.iter();
+        Self {
+            rank,
+            effect: cause.effect.effect.id(),
+            layer: cause.layer().name(),
+            level: cause.level.name(),
+            subject: cause.effect.to_given(scene).subject,
+            p_value: significant(cause.p_value),
+            delta_bic: round(cause.delta_bic, 2),
+            explained_rms_um: um(cause.explained_rms_um),
+            heldout_gain: cause.heldout_gain.map(|gain| round(gain, 4)),
+            parameters: cause.parameters.iter().map(estimated).collect(),
+            covariance: rows(&cause.covariance, cause.effect.parameters.len()),
+            cannot_tell_apart_from: rivals.collect(),
+            separate_by: explanation.separate_by,
+            cause: explanation.cause,
+            consequence: explanation.consequence,
+            action: explanation.action,
+            component_change: Ordered(changes.map(|c| (c.name.clone(), ChangeFile(c))).collect()),
+            share_of_curve: cause.share_of_curve.map(|share| round(share, 4)),
+        }
+    }
+}
+
+fn estimated(estimated: &EstimatedParameter) -> GivenParameter {
+    GivenParameter {
+        name: estimated.name.clone(),
+        value: estimated.value,
+        u: Some(estimated.u).filter(|u| u.is_finite()),
+        unit: estimated.unit.to_owned(),
+    }
+}
+
+/// The effect by names, its values with their uncertainties.
+pub(super) fn given(cause: &Cause, scene: &Scene) -> GivenEffect {
+    let mut given = cause.effect.to_given(scene);
+    for parameter in &mut given.parameters {
+        let estimated = cause.parameters.iter().find(|e| e.name == parameter.name);
+        parameter.u = estimated.map(|e| e.u).filter(|u| u.is_finite());
+    }
+    given
+}
+
+fn rows(covariance: &[f64], count: usize) -> Vec<Vec<f64>> {
+    match count {
+        0 => Vec::new(),
+        _ => covariance.chunks(count).map(<[f64]>::to_vec).collect(),
+    }
+}

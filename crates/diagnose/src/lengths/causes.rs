@@ -1,0 +1,198 @@
+//! One cause after the other.
+//!
+//! 1. The hypothesis with the most evidence, among those that noise alone would not match once in a
+//!    hundred campaigns, joins the causes.
+//! 2. All of them settle ([`settle`]): each is compared with every other hypothesis while the others are
+//!    in the model, with the noise that is left; a better one takes its place, and one that is no longer
+//!    needed leaves. The first cause is often a compromise between two.
+//! 3. It ends when nothing joins, or when the next would be the same trouble under another name
+//!    ([`overlap`]) or no more than the shape of an earlier one.
+
+use crate::Error;
+use crate::lengths::base::{Adjusted, Base, Suspect};
+use crate::lengths::culprit::overlap;
+use crate::lengths::hypotheses::hypotheses;
+use crate::selection::{Fit, Null, Projection, Scan, Score, cosine, is_rival, rank};
+
+/// Family-wise level of the causes: false alarms in one of a hundred clean campaigns.
+const CAUSE_LEVEL: f64 = 0.01;
+
+/// More causes at once are a pile of names, not a diagnosis.
+const MOST_CAUSES: usize = 6;
+
+/// A further cause that explains less than this part of what the others explain may be no more than
+/// their shape, which is never quite that of the catalogue; for the same reason it must be more certain.
+const SHAPE_ERROR: f64 = 0.05;
+const FURTHER_LEVEL: f64 = 0.001;
+
+/// Rivals that are worth a line.
+const MOST_RIVALS: usize = 5;
+
+/// A cause with its judgement beside the others.
+#[derive(Debug, Clone)]
+pub(crate) struct Found {
+    pub(crate) suspect: Suspect,
+    pub(crate) p_value: f64,
+    /// Drop of the BIC by this cause.
+    pub(crate) bic: f64,
+    /// Drop of the sum of squares by this cause.
+    pub(crate) statistic: f64,
+    /// What explains as much, with its BIC.
+    pub(crate) rivals: Vec<(Suspect, f64)>,
+}
+
+/// The causes, the model with them, and what a further cause would explain that is not one of its own.
+pub(crate) struct Search {
+    pub(crate) found: Vec<Found>,
+    pub(crate) adjusted: Adjusted,
+    pub(crate) left: f64,
+}
+
+/// Finds the causes of what `start`, a model without any, leaves.
+pub(crate) fn find_causes(base: &Base<'_>, start: Adjusted, null: &Null) -> Result<Search, Error> {
+    let mut search = Search {
+        found: Vec::new(),
+        adjusted: start,
+        left: 0.0,
+    };
+    while search.found.len() < MOST_CAUSES {
+        let Some(next) = leader(base, &search.adjusted, null) else {
+            break;
+        };
+        let mut suspects = search.adjusted.suspects.clone();
+        suspects.push(next);
+        let (found, adjusted) = settle(base, suspects, null)?;
+        if found.len() <= search.found.len() {
+            break;
+        }
+        if let Some(left) = not_its_own(base, &found) {
+            search.left = left;
+            break;
+        }
+        (search.found, search.adjusted) = (found, adjusted);
+    }
+    Ok(search)
+}
+
+/// What the weakest of several causes explains, if it is not a cause of its own.
+fn not_its_own(base: &Base<'_>, found: &[Found]) -> Option<f64> {
+    if found.len() < 2 {
+        return None;
+    }
+    let pairs = || (1..found.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let stacked = pairs().any(|(i, j)| overlap(base, &found[i], &found[j]));
+    let all: f64 = found.iter().map(|f| f.statistic).sum();
+    let weakest = found.iter().map(|f| f.statistic).fold(all, f64::min);
+    let doubtful =
+        weakest < SHAPE_ERROR * (all - weakest) || found.iter().any(|f| f.p_value > FURTHER_LEVEL);
+    (stacked || doubtful).then_some(weakest)
+}
+
+/// The hypothesis with the most evidence among those that noise does not explain.
+fn leader(base: &Base<'_>, current: &Adjusted, null: &Null) -> Option<Suspect> {
+    let scans = hypotheses(base, current).scans;
+    let scores = rank(&current.projection, &scans);
+    let best = scores.iter().find(|s| is_significant(s, null))?;
+    Some(suspect(&current.projection, &scans, best).0)
+}
+
+fn is_significant(score: &Score, null: &Null) -> bool {
+    null.family_wise(score.ln_p) <= CAUSE_LEVEL
+}
+
+/// Exchanges of causes for better ones before it is enough.
+const MOST_EXCHANGES: usize = 6;
+
+/// Judges each cause with the others in the model until none changes any more.
+fn settle(
+    base: &Base<'_>,
+    mut suspects: Vec<Suspect>,
+    null: &Null,
+) -> Result<(Vec<Found>, Adjusted), Error> {
+    let mut adjusted = base.adjust(suspects.clone(), None)?;
+    let mut exchanges = 0;
+    loop {
+        let mut found = Vec::new();
+        let mut changed = false;
+        for k in 0..suspects.len() {
+            let mut others = suspects.clone();
+            let own = others.remove(k);
+            // With the noise that is left: a large disturbance blurs its own rivals.
+            let without = base.adjust(others, Some(adjusted.network.noise))?;
+            let Some(judged) = judged(base, &without, &own, null) else {
+                suspects.remove(k);
+                changed = true;
+                break;
+            };
+            let same = judged.suspect.hypothesis.is(&own.hypothesis);
+            let moved = (judged.suspect.shape - own.shape).abs() > judged.suspect.u_shape;
+            if (!same || moved) && exchanges < MOST_EXCHANGES {
+                exchanges += 1;
+                changed = true;
+            }
+            suspects[k] = judged.suspect.clone();
+            found.push(judged);
+        }
+        adjusted = base.adjust(suspects.clone(), None)?;
+        if !changed {
+            for (found, suspect) in found.iter_mut().zip(&adjusted.suspects) {
+                found.suspect = suspect.clone();
+            }
+            return Ok((found, adjusted));
+        }
+        suspects.clone_from(&adjusted.suspects);
+    }
+}
+
+/// The best explanation of what a model without one of its causes leaves, and its rivals; `None` if
+/// noise explains it.
+fn judged(base: &Base<'_>, without: &Adjusted, own: &Suspect, null: &Null) -> Option<Found> {
+    let scans = hypotheses(base, without).scans;
+    let scores = rank(&without.projection, &scans);
+    let leader = scores.iter().find(|s| is_significant(s, null))?;
+    // An explanation with the same evidence is no reason to change.
+    let best = scores
+        .iter()
+        .find(|s| {
+            scans[s.scan].hypothesis().is(&own.hypothesis)
+                && is_significant(s, null)
+                && leader.evidence - s.evidence < EQUAL
+        })
+        .unwrap_or(leader);
+    let (suspect_of_best, fit) = suspect(&without.projection, &scans, best);
+    let mut rivals = Vec::new();
+    for score in &scores {
+        // Who explains less than half cannot be alike, and has no evidence.
+        if score.scan == best.scan || score.statistic < 0.5 * best.statistic {
+            continue;
+        }
+        let (other, other_fit) = suspect(&without.projection, &scans, score);
+        if is_rival(best, score, cosine(&fit, &other_fit)) && rivals.len() < MOST_RIVALS {
+            rivals.push((other, score.bic));
+        }
+    }
+    Some(Found {
+        suspect: suspect_of_best,
+        p_value: null.family_wise(best.ln_p),
+        bic: best.bic,
+        statistic: best.statistic,
+        rivals,
+    })
+}
+
+/// Evidence that differs by less is rounding.
+const EQUAL: f64 = 1e-3;
+
+/// A scored hypothesis with its parameters.
+fn suspect(projection: &Projection, scans: &[Box<dyn Scan>], score: &Score) -> (Suspect, Fit) {
+    let scan = &scans[score.scan];
+    let fit = Fit::new(projection, &scan.columns(score.shape));
+    let suspect = Suspect {
+        hypothesis: *scan.hypothesis(),
+        shape: score.shape,
+        u_shape: score.u_shape,
+        parameters: fit.estimates.clone(),
+        covariance: fit.covariance.clone(),
+    };
+    (suspect, fit)
+}

@@ -1,0 +1,59 @@
+//! What a cause makes responsible, and whether two causes are the same trouble under two names.
+
+use trueaxis_effects::Shape;
+
+use crate::lengths::base::{Base, Suspect};
+use crate::lengths::causes::Found;
+use crate::selection::Hypothesis;
+
+/// What a cause, or a rival of it, makes responsible.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Culprit {
+    /// What happens at a station, or to the machine during its turn.
+    Station(usize),
+    Target(usize),
+    /// An axis in one way.
+    Axis(usize, &'static str),
+    /// Something that goes on through every turn.
+    EveryTurn,
+    /// The whole campaign in one way.
+    Everything(&'static str),
+}
+
+/// Whether two causes have an explanation in common: then the second is no cause of its own but a sign
+/// that neither has the right shape. A tripod that sways is no pile of jumps.
+pub(crate) fn overlap(base: &Base<'_>, a: &Found, b: &Found) -> bool {
+    let culprits = |found: &Found| -> Vec<Culprit> {
+        let rivals = found.rivals.iter().map(|(suspect, _)| suspect);
+        rivals
+            .chain([&found.suspect])
+            .map(|suspect| culprit(base, suspect))
+            .collect()
+    };
+    let others = culprits(b);
+    culprits(a).iter().any(|c| others.contains(c))
+}
+
+fn culprit(base: &Base<'_>, suspect: &Suspect) -> Culprit {
+    let Hypothesis {
+        effect, subject, ..
+    } = suspect.hypothesis;
+    let during = || {
+        let after = base.readings.iter().find(|r| r.time_s > suspect.shape);
+        after.map_or(0, |r| r.station)
+    };
+    if let Some(axis) = subject.axis {
+        return Culprit::Axis(axis, effect.id());
+    }
+    if let Some(target) = subject.target {
+        return Culprit::Target(target);
+    }
+    match subject.station {
+        Some(station) => Culprit::Station(station),
+        None if effect.shape() == Shape::Instant => Culprit::Station(during()),
+        None => match effect.id() {
+            "dead_path_drift" | "station_drift" | "machine_drift" | "warm_up" => Culprit::EveryTurn,
+            id => Culprit::Everything(id),
+        },
+    }
+}
