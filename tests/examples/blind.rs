@@ -7,6 +7,8 @@
 //! For every effect and seed a campaign with that effect hidden in it at the strength λ is diagnosed;
 //! the truth is opened afterwards. `clean` as an effect counts false alarms.
 
+#![expect(clippy::print_stdout, reason = "a study prints its counts")]
+
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
@@ -162,18 +164,19 @@ fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Dia
     };
     let held = !hidden.is_empty()
         && hidden.iter().all(|h| {
-            let holds = |c: &&trueaxis_diagnose::Cause| {
+            let holds = |c: &trueaxis_diagnose::Cause| {
                 is(h, &c.effect) || c.rivals.iter().any(|r| is(h, &r.effect))
             };
-            causes.iter().any(|c| holds(&c))
+            causes.iter().any(|c| holds(c))
         });
     let mut inside = Vec::new();
-    if let (Some(hidden), Some(cause)) = (hidden.first(), causes.first()) {
-        if matches(&cause.effect) && hidden.station == cause.effect.subject.station {
-            for truth in hidden.parameters(kind) {
-                let found = cause.parameters.iter().find(|p| p.name == truth.name);
-                inside.extend(found.map(|p| (p.value - truth.value).abs() <= 1.96 * p.u));
-            }
+    if let (Some(hidden), Some(cause)) = (hidden.first(), causes.first())
+        && matches(&cause.effect)
+        && hidden.station == cause.effect.subject.station
+    {
+        for truth in hidden.parameters(kind) {
+            let found = cause.parameters.iter().find(|p| p.name == truth.name);
+            inside.extend(found.map(|p| (p.value - truth.value).abs() <= 1.96 * p.u));
         }
     }
     Outcome {

@@ -125,8 +125,8 @@ pub(crate) fn gained(level: &LevelReport) -> Vec<String> {
         )
     } else {
         format!(
-            "could not be shown: on unused data the misfit is {:.2} times what it was ({low:.2} to \
-             {high:.2})",
+            "could not be shown: on unused data the misfit is {:.3} times what it was ({low:.3} to \
+             {high:.3})",
             gain.heldout_rms_ratio
         )
     };

@@ -18,6 +18,8 @@
 //!
 //! For each s one eigenvalue decomposition `C + s² K = Q Λ Qᵀ` whitens for all w: `(Λ + w²)^{-1/2} Qᵀ`.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, SymmetricEigen};
 use trueaxis_kinematics::AxisKind;
 
@@ -36,7 +38,10 @@ pub(crate) struct Background {
     pub(crate) smooth: i32,
     /// Whitened curves after the base.
     pub(crate) projection: Projection,
-    whitener: DMatrix<f64>,
+    /// `Qᵀ`, the same for all w of an s.
+    turn: Arc<DMatrix<f64>>,
+    /// `(Λ + w²)^{-1/2}`.
+    scales: Vec<f64>,
 }
 
 /// Ratio of neighbouring sizes: the likelihood of a standard deviation that 20 steps tell has a width
@@ -68,7 +73,6 @@ pub(crate) fn backgrounds(
     base: &[Vec<f64>],
     prior: &SmoothPrior,
 ) -> Vec<Background> {
-    let n = set.values.len();
     let kernel = kernel(set);
     let (u, range) = scales(set);
     let smooth = numbers(LEAST_SMOOTH * u, MOST_SMOOTH * range);
@@ -78,15 +82,13 @@ pub(crate) fn backgrounds(
     for &number in &smooth {
         let s = size(number);
         let eigen = SymmetricEigen::new(&set.covariance + &kernel * (s * s));
-        let turned = eigen.eigenvectors.transpose();
+        let turn = Arc::new(eigen.eigenvectors.transpose());
         for &w in &rough {
             let variances = eigen.eigenvalues.map(|value| value.max(0.0) + w * w);
-            let whitener = DMatrix::from_fn(n, n, |i, j| turned[(i, j)] / variances[i].sqrt());
-            let whitened: Vec<Vec<f64>> = base
-                .iter()
-                .map(|column| whiten(&whitener, column))
-                .collect();
-            let projection = Projection::dense(whiten(&whitener, &set.values), &whitened);
+            let scales: Vec<f64> = variances.iter().map(|v| 1.0 / v.sqrt()).collect();
+            let whiten = |column: &[f64]| scaled(&scales, &turned(&turn, column));
+            let whitened: Vec<Vec<f64>> = base.iter().map(|column| whiten(column)).collect();
+            let projection = Projection::dense(whiten(&set.values), &whitened);
             // Flat in w: in equal ratios each point stands for a width in proportion.
             let ln_likelihood = w.ln()
                 - 0.5
@@ -98,7 +100,8 @@ pub(crate) fn backgrounds(
                 ln_likelihood,
                 smooth: number,
                 projection,
-                whitener,
+                turn: Arc::clone(&turn),
+                scales: scales.clone(),
             });
         }
     }
@@ -108,23 +111,41 @@ pub(crate) fn backgrounds(
 impl Background {
     /// Whitens a column.
     pub(crate) fn whiten(&self, column: &[f64]) -> Vec<f64> {
-        whiten(&self.whitener, column)
+        self.scaled(&self.turned(column))
+    }
+
+    /// Turns a column; the same for all backgrounds with one `smooth`.
+    pub(crate) fn turned(&self, column: &[f64]) -> Vec<f64> {
+        turned(&self.turn, column)
+    }
+
+    /// Whitens a turned column.
+    pub(crate) fn scaled(&self, turned: &[f64]) -> Vec<f64> {
+        scaled(&self.scales, turned)
     }
 }
 
-fn whiten(whitener: &DMatrix<f64>, column: &[f64]) -> Vec<f64> {
+fn scaled(scales: &[f64], turned: &[f64]) -> Vec<f64> {
+    scales
+        .iter()
+        .zip(turned)
+        .map(|(scale, x)| scale * x)
+        .collect()
+}
+
+fn turned(turn: &DMatrix<f64>, column: &[f64]) -> Vec<f64> {
     let n = column.len();
-    let mut whitened = vec![0.0; n];
+    let mut turned = vec![0.0; n];
     for (j, &value) in column
         .iter()
         .enumerate()
         .filter(|(_, value)| **value != 0.0)
     {
-        for (sum, element) in whitened.iter_mut().zip(whitener.column(j).iter()) {
+        for (sum, element) in turned.iter_mut().zip(turn.column(j).iter()) {
             *sum += element * value;
         }
     }
-    whitened
+    turned
 }
 
 /// K of all curves of a set; different curves are independent.

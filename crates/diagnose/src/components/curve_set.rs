@@ -39,6 +39,10 @@ pub(crate) struct CurveSet {
 /// period take up to five.
 const FEWEST_STEPS: usize = 8;
 
+/// Steps above which only every so-manieth is used: the cost grows with their square, and the rest of a
+/// curve is as smooth as its background.
+const MOST_STEPS: usize = 64;
+
 /// All sets of all axes; what is too short is named in `notices`.
 pub(crate) fn curve_sets(
     calibration: &Calibration,
@@ -55,9 +59,17 @@ pub(crate) fn curve_sets(
             ));
             continue;
         }
+        let stride = steps.div_ceil(MOST_STEPS);
+        if stride > 1 {
+            notices.push(format!(
+                "axis {}: of its {steps} positions only one in {stride} was used to look for effects in its error curves",
+                result.name
+            ));
+        }
         let content = &machine.axes()[result.axis];
         for components in groups(content) {
-            sets.push(CurveSet::new(calibration, result, content, components));
+            let set = CurveSet::new(calibration, result, content, components);
+            sets.push(set.thinned(stride));
         }
     }
     sets
@@ -104,6 +116,22 @@ impl CurveSet {
         };
         set.base = set.gauge();
         set
+    }
+
+    /// Every `stride`-th step of each curve.
+    fn thinned(mut self, stride: usize) -> Self {
+        if stride <= 1 {
+            return self;
+        }
+        let steps = self.nodes.len();
+        let kept: Vec<usize> = (0..self.values.len())
+            .filter(|i| (i % steps).is_multiple_of(stride))
+            .collect();
+        self.nodes = self.nodes.iter().copied().step_by(stride).collect();
+        self.values = kept.iter().map(|&i| self.values[i]).collect();
+        self.covariance = self.covariance.select_rows(&kept).select_columns(&kept);
+        self.base = self.gauge();
+        self
     }
 
     /// Curve after curve, what a function of curve and step says.

@@ -20,7 +20,7 @@ use crate::selection::{FixedScan, Gram, Scan, Score};
 /// A candidate in front of every size of the rest.
 pub(crate) struct Judgement {
     /// For each shape, its columns.
-    raw: Vec<(f64, Vec<Vec<f64>>)>,
+    raw: Columns,
     /// For each size, its scan; none if the data do not see the effect.
     scans: Vec<Option<FixedScan>>,
 }
@@ -45,7 +45,7 @@ impl Judgement {
     /// Whitens the candidate's columns for each size.
     pub(crate) fn new(set: &CurveSet, backgrounds: &[Background], candidate: &Candidate) -> Self {
         let hypothesis = candidate.hypothesis;
-        let raw: Vec<(f64, Vec<Vec<f64>>)> = candidate
+        let raw: Columns = candidate
             .shapes
             .iter()
             .map(|&shape| {
@@ -58,16 +58,20 @@ impl Judgement {
                 (shape, columns)
             })
             .collect();
-        let scans = backgrounds.iter();
-        let scans = scans
-            .map(|background| scan(background, candidate, &raw))
-            .collect();
+        let mut turned: Option<(i32, Columns)> = None;
+        let mut scans = Vec::with_capacity(backgrounds.len());
+        for background in backgrounds {
+            let of_smooth = turned.take().filter(|turned| turned.0 == background.smooth);
+            let (_, columns) = turned
+                .insert(of_smooth.unwrap_or_else(|| (background.smooth, turn(background, &raw))));
+            scans.push(scan(background, candidate, columns));
+        }
         Self { raw, scans }
     }
 
     /// The scan for one size of the rest.
     pub(crate) fn scan(&self, background: &Background, candidate: &Candidate) -> Option<FixedScan> {
-        scan(background, candidate, &self.raw)
+        scan(background, candidate, &turn(background, &self.raw))
     }
 
     /// The best shape and its judgement; `number` is that of the candidate. None if no shape is seen.
@@ -174,18 +178,25 @@ impl Tail {
     }
 }
 
-/// Whitens the columns of all shapes.
-fn scan(
-    background: &Background,
-    candidate: &Candidate,
-    raw: &[(f64, Vec<Vec<f64>>)],
-) -> Option<FixedScan> {
+/// The columns of each shape.
+type Columns = Vec<(f64, Vec<Vec<f64>>)>;
+
+/// Turns the columns of all shapes.
+fn turn(background: &Background, raw: &Columns) -> Columns {
+    let turned = |columns: &Vec<Vec<f64>>| columns.iter().map(|c| background.turned(c)).collect();
+    raw.iter()
+        .map(|(shape, columns)| (*shape, turned(columns)))
+        .collect()
+}
+
+/// Whitens the turned columns of all shapes.
+fn scan(background: &Background, candidate: &Candidate, turned: &Columns) -> Option<FixedScan> {
     let whitened = |shape: f64| {
-        let columns = raw.iter().find(|(own, _)| same(*own, shape));
+        let columns = turned.iter().find(|(own, _)| same(*own, shape));
         let columns = columns.map_or(&[][..], |(_, columns)| columns);
         columns
             .iter()
-            .map(|column| background.whiten(column))
+            .map(|column| background.scaled(column))
             .collect()
     };
     FixedScan::new(

@@ -9,10 +9,13 @@ use crate::lengths::base::{Adjusted, Base};
 /// Repeats with so few degrees of freedom say less than the adjustment.
 const LEAST_DEGREES_OF_FREEDOM: usize = 30;
 
+/// Station, step, side of approach, target.
+type Visited = (usize, usize, Direction, usize);
+
 /// Standard deviation of a length among its repeats (same station, step, side of approach and target),
 /// less what the causes do to it, µm; without repeats the mean of the noise that the adjustment shows.
 pub(crate) fn noise_floor_um(base: &Base<'_>, adjusted: &Adjusted) -> f64 {
-    let mut groups: HashMap<(usize, usize, Direction, usize), (usize, f64, f64)> = HashMap::new();
+    let mut groups: HashMap<Visited, (usize, f64, f64)> = HashMap::new();
     for (reading, length) in base.readings.iter().zip(&adjusted.network.readings) {
         let key = (
             reading.station,

@@ -75,11 +75,13 @@ fn dead_path_offset() -> NotObservable {
     }
 }
 
-/// Errors that belong to the pose of a step: every station sees the same pose, whatever it is.
+/// Errors that belong to the pose of a step: every station sees the same pose, whatever it is. Those that
+/// have a curve of their own are looked for in the calibrated curves.
 fn absorbed_by_poses(scene: &Scene) -> Vec<NotObservable> {
     let of_machine = catalogue().iter().filter(|effect| {
         let levels = effect.levels();
-        !levels.is_empty() && !levels.contains(&Level::Lengths)
+        let elsewhere = levels.contains(&Level::Lengths) || levels.contains(&Level::Components);
+        !levels.is_empty() && !elsewhere
     });
     of_machine
         .filter(|effect| !effect.subjects(scene).is_empty())
@@ -87,13 +89,13 @@ fn absorbed_by_poses(scene: &Scene) -> Vec<NotObservable> {
             effect: effect.id(),
             subject: String::new(),
             reason: "the pose of every step is free in the adjustment, so it is in the calibrated \
-                     curves and does not contradict the lengths; looked for at other levels"
+                     curves and does not contradict the lengths; verification readings can show it"
                 .to_owned(),
             bias_per_unit: vec![(
                 "component errors".to_owned(),
                 "1 um per um, as part of the curve".to_owned(),
             )],
-            measure: "see the causes of level components and verification".to_owned(),
+            measure: effect.explanation().separate_by.to_owned(),
         })
         .collect()
 }

@@ -37,8 +37,8 @@ mod tests {
     #[test]
     fn agrees_with_the_closed_form_for_two_columns() {
         for drop in [0.5, 10.0, 200.0, 900.0] {
-            let (squares, dof) = (1000.0, 1002.0);
-            let expected = 500.0 * (1.0 - drop / squares as f64).ln();
+            let (squares, dof): (f64, f64) = (1000.0, 1002.0);
+            let expected = 500.0 * (1.0 - drop / squares).ln();
             let found = ln_f_test(drop, squares, 2, dof);
             assert!(
                 (found - expected).abs() < 1e-6 * expected.abs().max(1.0),
