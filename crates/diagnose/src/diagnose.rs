@@ -8,7 +8,7 @@ use crate::changes::changes;
 use crate::components::diagnose_components;
 use crate::lengths::{LengthsOutcome, diagnose_lengths, scene};
 use crate::verification::diagnose_verification;
-use crate::{Diagnosis, Error, Settings, Verdict};
+use crate::{Cause, Diagnosis, Error, Settings, Unexplained, Verdict};
 
 /// Says what the rigid, quasi-static model gets wrong in a campaign's data, why, what the better model
 /// looks like and what it gains on data that it did not use.
@@ -22,7 +22,7 @@ use crate::{Diagnosis, Error, Settings, Verdict};
 /// [`Error`] if the campaign cannot be calibrated or nothing was measured that could contradict.
 pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, Error> {
     let measured = campaign.lengths.is_some() || campaign.points.is_some();
-    if campaign.lengths.is_none() && campaign.verification.is_empty() && !measured {
+    if campaign.verification.is_empty() && !measured {
         return Err(Error::NothingMeasured);
     }
     let mut diagnosis = Diagnosis {
@@ -62,7 +62,12 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
     }
     let calibration = diagnosis.calibration.as_ref();
     let verification = diagnose_verification(campaign, calibration, &diagnosis.scene);
-    for entry in verification.entries {
+    for mut entry in verification.entries {
+        of_data(
+            &entry.report.data,
+            &mut entry.causes,
+            &mut entry.unexplained,
+        );
         diagnosis.verdict = worse(diagnosis.verdict, entry.verdict);
         diagnosis.levels.push(entry.report);
         diagnosis.causes.extend(entry.causes);
@@ -76,6 +81,12 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         diagnosis.causes.extend(components.causes);
         diagnosis.not_observable.extend(components.not_observable);
         diagnosis.notices.extend(components.notices);
+    }
+    if diagnosis.levels.is_empty() {
+        diagnosis.notices.push(
+            "nothing was judged: points have no redundancy of their own, only lengths and verification readings can contradict the model"
+                .to_owned(),
+        );
     }
     Ok(diagnosis)
 }
@@ -109,6 +120,11 @@ fn with_lengths(
         }
         diagnosis.calibration = Some(better);
     }
+    of_data(
+        &outcome.report.data,
+        &mut outcome.causes,
+        &mut outcome.unexplained,
+    );
     diagnosis.verdict = outcome.verdict;
     diagnosis.levels.push(outcome.report);
     diagnosis.causes.extend(outcome.causes);
@@ -116,6 +132,16 @@ fn with_lengths(
     diagnosis.not_observable.extend(outcome.not_observable);
     diagnosis.notices.extend(outcome.notices);
     Ok(())
+}
+
+/// Says in what data something was found.
+fn of_data(data: &str, causes: &mut [Cause], unexplained: &mut Option<Unexplained>) {
+    for cause in causes {
+        data.clone_into(&mut cause.data);
+    }
+    if let Some(unexplained) = unexplained {
+        data.clone_into(&mut unexplained.data);
+    }
 }
 
 /// Stations, targets, and the axes that move in any of the data.
@@ -149,7 +175,6 @@ fn calibrated(campaign: &Campaign, settings: &Settings) -> Result<Calibration, E
             });
         }
     }
-    attempts.dedup();
     let mut first = None;
     for attempt in &attempts {
         match calibrate(campaign, attempt) {

@@ -139,6 +139,8 @@ pub struct Cause {
     pub effect: ResolvedEffect,
     /// Where it was found.
     pub level: Level,
+    /// The data in which it was found, as [`LevelReport::data`].
+    pub data: String,
     /// Probability that noise alone looks as much like any effect (family-wise).
     pub p_value: f64,
     /// BIC against the model without it; negative is better.
@@ -198,6 +200,8 @@ pub struct Change {
 pub struct Unexplained {
     /// The level.
     pub level: Level,
+    /// The data, as [`LevelReport::data`].
+    pub data: String,
     /// Its rms beyond the noise, µm.
     pub rms_um: f64,
     /// What it varies with: `time`, `position`, `station`, `target`, `direction`.

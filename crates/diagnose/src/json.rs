@@ -12,7 +12,7 @@ use trueaxis_effects::{EffectsFile, Level};
 
 use crate::json::cause::CauseFile;
 use crate::json::ordered::Ordered;
-use crate::{Diagnosis, Gain, LevelReport, Misfit, NotObservable, OmnibusTest, Place};
+use crate::{Cause, Diagnosis, Gain, LevelReport, Misfit, NotObservable, OmnibusTest, Place};
 
 impl Diagnosis {
     /// The text of `diagnosis.json`, version 1.
@@ -33,10 +33,13 @@ impl Diagnosis {
         })
     }
 
-    /// The causes found in the lengths, with the covariance of their parameters (block by block: causes
+    /// The causes found in the lengths whose parameters are all seen, with the covariance of their parameters (block by block: causes
     /// among each other are taken as independent), for `simulate` and `calibrate --with-effects`.
     pub fn effects_file(&self) -> EffectsFile {
-        let causes = || self.causes.iter().filter(|c| c.level == Level::Lengths);
+        // What is seen in part only cannot be taken out of the lengths.
+        let whole =
+            |c: &&Cause| c.level == Level::Lengths && c.parameters.iter().all(|p| p.u.is_finite());
+        let causes = || self.causes.iter().filter(whole);
         let size = causes().map(|cause| cause.effect.parameters.len()).sum();
         let mut covariance = vec![vec![0.0; size]; size];
         let mut first = 0;

@@ -19,6 +19,7 @@
 mod base;
 mod causes;
 mod culprit;
+mod estimated;
 mod harmonics;
 mod held_out;
 mod hypotheses;

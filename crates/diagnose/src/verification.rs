@@ -230,6 +230,7 @@ fn unexplained(
     let period = period.map_or_else(String::new, |p| format!(", with a period near {p}"));
     Some(Unexplained {
         level: Level::Verification,
+        data: String::new(),
         rms_um: (rms_um.powi(2) - problem.sigma_um.powi(2)).max(0.0).sqrt(),
         note: format!("it varies with {}{period}", varies_with.join(" and ")),
         varies_with,

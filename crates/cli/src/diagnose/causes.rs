@@ -148,7 +148,10 @@ fn amplitudes(parameters: &[EstimatedParameter]) -> Vec<EstimatedParameter> {
 pub(crate) fn of_curve(cause: &Cause, scene: &Scene) -> String {
     let share = cause
         .share_of_curve
-        .map(|share| format!(", {:.0} % of the curve", 100.0 * share))
+        .map(|share| match share {
+            s if s < 0.005 => ", less than 1 % of the curve".to_owned(),
+            s => format!(", {:.0} % of the curve", 100.0 * s),
+        })
         .unwrap_or_default();
     let rivals: Vec<String> = cause
         .rivals

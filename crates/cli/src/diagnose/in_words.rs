@@ -83,6 +83,9 @@ fn vector_at(parameters: &[EstimatedParameter]) -> usize {
 /// Value with sign and U, to the decimals that U shows.
 fn number(parameter: &EstimatedParameter) -> String {
     let expanded = COVERAGE * parameter.u;
+    if !expanded.is_finite() {
+        return format!("{:+.1} (seen in part only)", parameter.value);
+    }
     let decimals = decimals(expanded);
     format!("{:+.decimals$} ± {expanded:.decimals$}", parameter.value)
 }

@@ -31,10 +31,10 @@ pub(crate) fn lines(diagnosis: &Diagnosis) -> Vec<String> {
         lines.push(String::new());
         let rank = (misfits.len() > 1).then_some(k + 1);
         // The calibration was done again without all causes together: told once.
-        let first = k == 0 || misfits[k - 1].level != cause.level;
+        let first = k == 0 || misfits[k - 1].data != cause.data;
         lines.extend(causes::of_misfit(cause, rank, first, &diagnosis.scene));
-        let last_of_level = misfits[k + 1..].iter().all(|c| c.level != cause.level);
-        let level = diagnosis.levels.iter().find(|l| l.level == cause.level);
+        let last_of_level = misfits[k + 1..].iter().all(|c| c.data != cause.data);
+        let level = diagnosis.levels.iter().find(|l| l.data == cause.data);
         lines.extend(
             level
                 .filter(|_| last_of_level)
@@ -44,7 +44,10 @@ pub(crate) fn lines(diagnosis: &Diagnosis) -> Vec<String> {
     }
     if let Some(unexplained) = &diagnosis.unexplained {
         lines.push(String::new());
-        lines.push(format!("unexplained: {:.2} µm rms", unexplained.rms_um));
+        lines.push(format!(
+            "unexplained in {}: {:.2} µm rms",
+            unexplained.data, unexplained.rms_um
+        ));
         lines.extend(labelled("what", &unexplained.note));
         let to_do = "no known effect explains it: look for what changes like this (air conditioning, \
                      neighbours, the tripod's floor) before the calibration is used";
@@ -67,6 +70,10 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         .filter(|cause| cause.level != Level::Components)
         .count();
     match diagnosis.verdict {
+        Verdict::Clean if diagnosis.levels.is_empty() => "nothing was judged".to_owned(),
+        Verdict::Unknown if count > 0 => {
+            format!("the data contradict the model, for {count} cause(s) and something unknown")
+        }
         Verdict::Clean => "clean, nothing contradicts the model".to_owned(),
         Verdict::Named if count > 1 => format!("the data contradict the model, for {count} causes"),
         Verdict::Named => "the data contradict the model, and the cause is clear".to_owned(),

@@ -44,6 +44,7 @@ pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
             shape: estimate.shape,
         },
         level: Level::Components,
+        data: "error curves".to_owned(),
         p_value: found.p_value,
         delta_bic: found.score.bic,
         explained_rms_um: rms_um,

@@ -24,6 +24,8 @@ pub(crate) struct Base<'a> {
     declared: bool,
     /// Lines of readings that were left out as gross errors.
     pub(crate) left_out: Vec<usize>,
+    /// Number of readings that look like gross errors but are too many to be left out.
+    pub(crate) many_gross: usize,
 }
 
 /// A cause with its parameters, linear at its shape.
@@ -35,6 +37,8 @@ pub(crate) struct Suspect {
     pub(crate) parameters: Vec<f64>,
     /// Covariance of the parameters, rows one after the other.
     pub(crate) covariance: Vec<f64>,
+    /// Whether the data see all of each parameter.
+    pub(crate) seen: Vec<bool>,
 }
 
 /// An adjusted model.
@@ -73,6 +77,7 @@ impl<'a> Base<'a> {
             Err(_) => Vec::new(),
         };
         let few = removed.len() as f64 <= MOST_GROSS * network.readings.len() as f64;
+        let many_gross = if few { 0 } else { removed.len() };
         let removed = if few { removed } else { Vec::new() };
         let (network, kept) = network.without(&removed);
         let free = solve(&network, &settings)?;
@@ -85,6 +90,7 @@ impl<'a> Base<'a> {
             readings,
             start,
             declared,
+            many_gross,
             left_out: removed.iter().map(|&i| lengths.readings[i].line).collect(),
             network,
             groups,
@@ -277,6 +283,7 @@ impl<'a> Base<'a> {
             start,
             declared: self.declared,
             left_out: Vec::new(),
+            many_gross: 0,
         })
     }
 

@@ -8,10 +8,12 @@
 //! 3. It ends when nothing joins, or when the next would be the same trouble under another name
 //!    ([`overlap`]) or no more than the shape of an earlier one.
 
+use trueaxis_effects::Shape;
+
 use crate::Error;
 use crate::lengths::base::{Adjusted, Base, Suspect};
 use crate::lengths::culprit::overlap;
-use crate::lengths::hypotheses::hypotheses;
+use crate::lengths::hypotheses::{TIME_CONSTANT_RATIO, hypotheses};
 use crate::selection::{Fit, Null, Projection, Scan, Score, cosine, is_rival, rank};
 
 /// Family-wise level of the causes: false alarms in one of a hundred clean campaigns.
@@ -125,7 +127,8 @@ fn settle(
                 break;
             };
             let same = judged.suspect.hypothesis.is(&own.hypothesis);
-            let moved = (judged.suspect.shape - own.shape).abs() > judged.suspect.u_shape;
+            let step = (judged.suspect.shape - own.shape).abs();
+            let moved = step > judged.suspect.u_shape.max(REFINED * own.shape.abs());
             if (!same || moved) && exchanges < MOST_EXCHANGES {
                 exchanges += 1;
                 changed = true;
@@ -159,7 +162,10 @@ fn judged(base: &Base<'_>, without: &Adjusted, own: &Suspect, null: &Null) -> Op
                 && leader.evidence - s.evidence < EQUAL
         })
         .unwrap_or(leader);
-    let (suspect_of_best, fit) = suspect(&without.projection, &scans, best);
+    let (mut suspect_of_best, mut fit) = suspect(&without.projection, &scans, best);
+    if suspect_of_best.hypothesis.effect.shape() == Shape::TimeConstant {
+        (suspect_of_best, fit) = refined(base, without, suspect_of_best);
+    }
     let mut rivals = Vec::new();
     for score in &scores {
         // Who explains less than half cannot be alike, and has no evidence.
@@ -180,6 +186,41 @@ fn judged(base: &Base<'_>, without: &Adjusted, own: &Suspect, null: &Null) -> Op
     })
 }
 
+/// Part of a time constant to which it is refined.
+const REFINED: f64 = 1e-3;
+
+/// A time constant between its neighbours in the list that were tried: golden section on what it
+/// explains.
+fn refined(base: &Base<'_>, without: &Adjusted, suspect: Suspect) -> (Suspect, Fit) {
+    let at = |shape: f64| {
+        let columns = base.columns(without, &suspect.hypothesis, shape);
+        Fit::new(&without.projection, &columns)
+    };
+    let explained = |fit: &Fit| fit.explained.iter().map(|x| x * x).sum::<f64>();
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut low, mut high) = (
+        suspect.shape / TIME_CONSTANT_RATIO,
+        suspect.shape * TIME_CONSTANT_RATIO,
+    );
+    while high - low > REFINED * high {
+        let (a, b) = (high - golden * (high - low), low + golden * (high - low));
+        if explained(&at(a)) > explained(&at(b)) {
+            high = b;
+        } else {
+            low = a;
+        }
+    }
+    let shape = 0.5 * (low + high);
+    let fit = at(shape);
+    let suspect = Suspect {
+        shape,
+        parameters: fit.estimates.clone(),
+        covariance: fit.covariance.clone(),
+        ..suspect
+    };
+    (suspect, fit)
+}
+
 /// Evidence that differs by less is rounding.
 const EQUAL: f64 = 1e-3;
 
@@ -193,6 +234,7 @@ fn suspect(projection: &Projection, scans: &[Box<dyn Scan>], score: &Score) -> (
         u_shape: score.u_shape,
         parameters: fit.estimates.clone(),
         covariance: fit.covariance.clone(),
+        seen: fit.seen.clone(),
     };
     (suspect, fit)
 }

@@ -6,10 +6,10 @@ use crate::lengths::base::{Adjusted, Base};
 use crate::lengths::step_scan::{StepScan, VisitTimes};
 use crate::selection::{FixedScan, Hypothesis, Scan};
 
-/// Time constants that are tried, from a hundredth of the campaign to twice its length.
+/// Time constants that are tried, from a hundredth of the campaign to twice its length in equal ratios.
 const TIME_CONSTANTS: i32 = 24;
 const SHORTEST: f64 = 0.01;
-const LONGEST: f64 = 2.0;
+pub(crate) const TIME_CONSTANT_RATIO: f64 = 1.26;
 
 /// Hypotheses that the data can show, and those that they cannot.
 pub(crate) struct Hypotheses {
@@ -107,8 +107,7 @@ fn time_constants(visits: &[VisitTimes]) -> Vec<f64> {
     if duration <= 0.0 {
         return Vec::new();
     }
-    let ratio = (LONGEST / SHORTEST).powf(1.0 / f64::from(TIME_CONSTANTS - 1));
     (0..TIME_CONSTANTS)
-        .map(|k| duration * SHORTEST * ratio.powi(k))
+        .map(|k| duration * SHORTEST * TIME_CONSTANT_RATIO.powi(k))
         .collect()
 }

@@ -7,7 +7,11 @@ use crate::NotObservable;
 use crate::selection::Hypothesis;
 
 /// What no data of this kind show, and what these data have no trace of.
-pub(crate) fn not_observable(scene: &Scene, without_trace: &[Hypothesis]) -> Vec<NotObservable> {
+pub(crate) fn not_observable(
+    scene: &Scene,
+    without_trace: &[Hypothesis],
+    both_sides: bool,
+) -> Vec<NotObservable> {
     let mut list = vec![length_scale(scene), dead_path_offset()];
     for effect in catalogue() {
         let missing: Vec<&Hypothesis> = without_trace
@@ -37,7 +41,10 @@ pub(crate) fn not_observable(scene: &Scene, without_trace: &[Hypothesis]) -> Vec
             },
         });
     }
-    list.extend(absorbed_by_poses(scene));
+    let mut absorbed = absorbed_by_poses(scene);
+    // Poses are common to both sides of approach: what differs between them does contradict.
+    absorbed.retain(|entry| !both_sides || entry.effect != "position_dependent_backlash");
+    list.extend(absorbed);
     list
 }
 

@@ -1,10 +1,11 @@
 //! The search for causes in the lengths.
 
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_effects::{Level, Scene};
+use trueaxis_effects::Level;
 
-use crate::lengths::base::{Adjusted, Base, Suspect};
+use crate::lengths::base::{Adjusted, Base};
 use crate::lengths::causes::{Found, Search, find_causes};
+use crate::lengths::estimated::estimated;
 use crate::lengths::held_out::{HeldOut, held_out};
 use crate::lengths::hypotheses::hypotheses;
 use crate::lengths::noise_floor::{mean_noise_um, noise_floor_um};
@@ -13,10 +14,7 @@ use crate::lengths::omnibus::{OMNIBUS_LEVEL, Omnibus, omnibus};
 use crate::lengths::places::places;
 use crate::lengths::unexplained::unexplained_part;
 use crate::selection::Null;
-use crate::{
-    Cause, Error, EstimatedParameter, Gain, LevelReport, Misfit, NotObservable, Rival, Unexplained,
-    Verdict,
-};
+use crate::{Cause, Error, Gain, LevelReport, Misfit, NotObservable, Rival, Unexplained, Verdict};
 
 /// Causes that explain so much of the structure are named even if their shape is not quite that of the
 /// catalogue (a drift with a bend, a jump that took ten seconds).
@@ -44,7 +42,9 @@ pub(crate) fn diagnose_lengths(
     let before = omnibus(&base, &plain);
     let first = hypotheses(&base, &plain);
     let null = Null::simulated(&plain.projection, &first.scans);
-    let not_observable = not_observable(&base.scene, &first.without_trace);
+    let sides = || base.readings.iter().map(|r| r.direction);
+    let both_sides = sides().any(|side| Some(side) != sides().next());
+    let not_observable = not_observable(&base.scene, &first.without_trace, both_sides);
     drop(first);
 
     let start = base.adjust(Vec::new(), Some(plain.network.noise))?;
@@ -79,7 +79,8 @@ pub(crate) fn diagnose_lengths(
     let mut gain = None;
     let mut heldout: Option<HeldOut> = None;
     if !found.is_empty() {
-        heldout = held_out(&base, &current)?;
+        // A fold that cannot be adjusted holds nothing out.
+        heldout = held_out(&base, &current).unwrap_or(None);
         if heldout.is_some_and(|h| h.interval[0] >= 1.0) {
             // What predicts unused data worse than nothing is no cause.
             found.clear();
@@ -109,7 +110,7 @@ pub(crate) fn diagnose_lengths(
             share_of_excess_removed: if excess > 0.0 {
                 (1.0 - left / excess).clamp(0.0, 1.0)
             } else {
-                1.0
+                0.0
             },
         });
     }
@@ -171,15 +172,23 @@ fn effects_mm(base: &Base<'_>, lengths: &Lengths, adjusted: &Adjusted) -> Vec<f6
 }
 
 fn notices(base: &Base<'_>) -> Vec<String> {
-    if base.left_out.is_empty() {
-        return Vec::new();
+    let mut notices = Vec::new();
+    if !base.left_out.is_empty() {
+        let lines: Vec<String> = base.left_out.iter().map(ToString::to_string).collect();
+        notices.push(format!(
+            "{} length(s) contradict all others and were left out: line(s) {}",
+            lines.len(),
+            lines.join(", ")
+        ));
     }
-    let lines: Vec<String> = base.left_out.iter().map(ToString::to_string).collect();
-    vec![format!(
-        "{} length(s) contradict all others and were left out: line(s) {}",
-        lines.len(),
-        lines.join(", ")
-    )]
+    if base.many_gross > 0 {
+        notices.push(format!(
+            "{} lengths look like gross errors, too many to be left out as accidents: they are in the \
+             misfit; `calibrate` lists them",
+            base.many_gross
+        ));
+    }
+    notices
 }
 
 /// The causes in words and units.
@@ -196,11 +205,12 @@ fn causes(
         .into_iter()
         .map(|found| Cause {
             level: Level::Lengths,
+            data: String::new(),
             p_value: found.p_value,
             delta_bic: found.bic,
             explained_rms_um: after_um * (found.statistic / dof).sqrt(),
             heldout_gain: gain.filter(|_| only).map(|g| 1.0 - g.heldout_rms_ratio),
-            parameters: estimated(&base.scene, &found.suspect),
+            parameters: estimated(base, current, &found.suspect),
             covariance: found.suspect.covariance.clone(),
             rivals: found
                 .rivals
@@ -215,36 +225,4 @@ fn causes(
             effect: Base::resolved(&found.suspect),
         })
         .collect()
-}
-
-/// Values with uncertainties; the shape last.
-fn estimated(scene: &Scene, suspect: &Suspect) -> Vec<EstimatedParameter> {
-    let Suspect {
-        hypothesis,
-        covariance,
-        ..
-    } = suspect;
-    let parameters = hypothesis.effect.parameters(scene, &hypothesis.subject);
-    let n = parameters.len();
-    let mut all: Vec<EstimatedParameter> = parameters
-        .into_iter()
-        .enumerate()
-        .map(|(k, parameter)| EstimatedParameter {
-            name: parameter.name,
-            value: suspect.parameters[k],
-            u: covariance[k * n + k].max(0.0).sqrt(),
-            unit: parameter.unit,
-        })
-        .collect();
-    if let Some(shape) =
-        trueaxis_effects::shape_parameter(hypothesis.effect, scene, &hypothesis.subject)
-    {
-        all.push(EstimatedParameter {
-            name: shape.name,
-            value: suspect.shape,
-            u: suspect.u_shape,
-            unit: shape.unit,
-        });
-    }
-    all
 }

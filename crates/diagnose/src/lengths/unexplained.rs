@@ -41,6 +41,7 @@ pub(crate) fn unexplained_part(
     }
     Unexplained {
         level: Level::Lengths,
+        data: String::new(),
         rms_um: rms_um * (excess / dof).sqrt().min(1.0),
         varies_with,
         note,

@@ -16,6 +16,9 @@ pub(crate) struct Gram {
 /// effect to one part in ten thousand: no data of this kind show it.
 pub(crate) const VISIBLE: f64 = 1e-8;
 
+/// Share of a parameter in what the data do not see that is more than rounding.
+const UNSEEN: f64 = 1e-6;
+
 impl Gram {
     /// From `G` (square, rows one after the other) and the squares `|X_k|²` before the projection.
     pub(crate) fn new(gram: &[f64], before: &[f64]) -> Self {
@@ -75,6 +78,17 @@ impl Gram {
             }
         }
         estimates
+    }
+
+    /// Whether the data see each parameter: a direction that they do not see has no part in it. The
+    /// estimate of a parameter that they see in part is only that part.
+    pub(crate) fn seen(&self) -> Vec<bool> {
+        let n = self.parameters;
+        let shares = (0..n).map(|k| {
+            let vectors = self.vectors.chunks_exact(n.max(1));
+            vectors.map(|vector| vector[k] * vector[k]).sum::<f64>()
+        });
+        shares.map(|share| share > 1.0 - UNSEEN).collect()
     }
 
     /// `G⁺`: covariance of the estimates, rows one after the other.

@@ -11,6 +11,8 @@ pub(crate) struct Fit {
     pub(crate) estimates: Vec<f64>,
     /// Their covariance for unit variance, rows one after the other.
     pub(crate) covariance: Vec<f64>,
+    /// Whether the data see all of each parameter.
+    pub(crate) seen: Vec<bool>,
     /// `M X θ`: what it explains of the residuals.
     pub(crate) explained: Vec<f64>,
 }
@@ -31,6 +33,7 @@ impl Fit {
         projection.project(&mut explained);
         Self {
             covariance: gram.covariance(),
+            seen: gram.seen(),
             estimates,
             explained,
         }

@@ -70,6 +70,7 @@ pub(crate) fn causes(
                 shape: cause.shape,
             },
             level: Level::Verification,
+            data: String::new(),
             p_value: judged.p_value,
             delta_bic: judged.score.bic,
             explained_rms_um: rms_of_readings_um(problem, &fit.explained),

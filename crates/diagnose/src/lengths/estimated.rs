@@ -1,0 +1,105 @@
+//! The parameters of a cause with their uncertainties.
+//!
+//! Of an instant the data say that it lies between two visits, or in one of them: it is uniform over
+//! that gap, whatever the likelihood says of its neighbours. A time constant joins the linear parameters
+//! by its derivative, so that all of them carry its uncertainty.
+
+use trueaxis_effects::{Shape, shape_parameter};
+
+use crate::EstimatedParameter;
+use crate::lengths::base::{Adjusted, Base, Suspect};
+use crate::lengths::hypotheses::visit_times;
+use crate::selection::{Fit, Projection};
+
+/// Step of the logarithm of a time constant for its derivative.
+const STEP: f64 = 0.01;
+
+/// Values with standard uncertainties, the shape last. What the data do not see of a parameter makes its
+/// uncertainty infinite.
+pub(crate) fn estimated(
+    base: &Base<'_>,
+    adjusted: &Adjusted,
+    suspect: &Suspect,
+) -> Vec<EstimatedParameter> {
+    let hypothesis = suspect.hypothesis;
+    let parameters = hypothesis
+        .effect
+        .parameters(&base.scene, &hypothesis.subject);
+    let n = parameters.len();
+    let mut variances: Vec<f64> = (0..n).map(|k| suspect.covariance[k * n + k]).collect();
+    let mut u_shape = suspect.u_shape;
+    match hypothesis.effect.shape() {
+        Shape::Instant => u_shape = u_shape.hypot(gap_s(base, suspect.shape) / 12_f64.sqrt()),
+        Shape::TimeConstant => {
+            let (joint, u) = with_time_constant(base, adjusted, suspect);
+            for (variance, joint) in variances.iter_mut().zip(joint) {
+                *variance = variance.max(joint);
+            }
+            u_shape = u;
+        }
+        Shape::Fixed | Shape::Period | Shape::Waves => {}
+    }
+    let u = |k: usize| match suspect.seen.get(k) {
+        Some(false) => f64::INFINITY,
+        _ => variances[k].max(0.0).sqrt(),
+    };
+    let mut all: Vec<EstimatedParameter> = Vec::with_capacity(n + 1);
+    for (k, parameter) in parameters.into_iter().enumerate() {
+        all.push(EstimatedParameter {
+            name: parameter.name,
+            value: suspect.parameters[k],
+            u: u(k),
+            unit: parameter.unit,
+        });
+    }
+    if let Some(shape) = shape_parameter(hypothesis.effect, &base.scene, &hypothesis.subject) {
+        all.push(EstimatedParameter {
+            name: shape.name,
+            value: suspect.shape,
+            u: u_shape,
+            unit: shape.unit,
+        });
+    }
+    all
+}
+
+/// From the start of the visit before an instant to the start of the one after it, s.
+fn gap_s(base: &Base<'_>, instant_s: f64) -> f64 {
+    let visits = visit_times(base);
+    let starts = || visits.iter().map(|visit| visit.span_s[0]);
+    let before = starts()
+        .filter(|&t| t <= instant_s)
+        .fold(f64::NEG_INFINITY, f64::max);
+    let after = starts()
+        .filter(|&t| t > instant_s)
+        .fold(f64::INFINITY, f64::min);
+    if before.is_finite() && after.is_finite() {
+        after - before
+    } else {
+        0.0
+    }
+}
+
+/// Variances of the parameters and standard uncertainty of the time constant, all free together.
+fn with_time_constant(base: &Base<'_>, adjusted: &Adjusted, suspect: &Suspect) -> (Vec<f64>, f64) {
+    let at = |shape: f64| base.columns(adjusted, &suspect.hypothesis, shape);
+    let mut columns = at(suspect.shape);
+    let n = columns.len();
+    let (shorter, longer) = (suspect.shape * (1.0 - STEP), suspect.shape * (1.0 + STEP));
+    let mut derivative = vec![0.0; base.readings.len()];
+    for ((a, b), value) in at(shorter).iter().zip(&at(longer)).zip(&suspect.parameters) {
+        for ((d, a), b) in derivative.iter_mut().zip(a).zip(b) {
+            *d += (b - a) * value / (longer - shorter);
+        }
+    }
+    columns.push(derivative);
+    let bare = Projection::of_network(&adjusted.whitened);
+    let fit = Fit::new(&bare, &columns);
+    let variance = |k: usize| fit.covariance[k * (n + 1) + k];
+    let u = if fit.seen[n] {
+        variance(n).sqrt()
+    } else {
+        f64::INFINITY
+    };
+    ((0..n).map(variance).collect(), u)
+}
