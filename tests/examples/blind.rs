@@ -4,6 +4,9 @@
 //! cargo run --release -p trueaxis-tests --example blind -- [SEEDS] [STRENGTH] [EFFECT ...]
 //! ```
 //!
+//! SEEDS is a number or a range, as `100..112`; `a+b` hides two effects, `a~` one whose shape is not quite
+//! that of the catalogue.
+//!
 //! For every effect and seed a campaign with that effect hidden in it at the strength λ is diagnosed;
 //! the truth is opened afterwards. `clean` as an effect counts false alarms.
 
@@ -26,7 +29,7 @@ struct Outcome {
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let seeds: u64 = arguments.next().and_then(|a| a.parse().ok()).unwrap_or(10);
+    let seeds = seeds(&arguments.next().unwrap_or_default());
     let strength: f64 = arguments.next().and_then(|a| a.parse().ok()).unwrap_or(7.0);
     let mut names: Vec<String> = arguments.collect();
     if names.is_empty() {
@@ -39,7 +42,8 @@ fn main() {
     let mut inside = (0, 0);
     for name in &names {
         let started = std::time::Instant::now();
-        let outcomes: Vec<Outcome> = (0..seeds)
+        let outcomes: Vec<Outcome> = seeds
+            .clone()
             .into_par_iter()
             .filter_map(|seed| outcome(name, seed, strength))
             .collect();
@@ -68,6 +72,13 @@ fn main() {
         "{total:?}; {} of {} parameters inside 95 %",
         inside.0, inside.1
     );
+}
+
+/// `12` or `100..112`.
+fn seeds(text: &str) -> std::ops::Range<u64> {
+    let range = text.split_once("..");
+    let range = range.and_then(|(a, b)| Some(a.parse().ok()?..b.parse().ok()?));
+    range.unwrap_or_else(|| 0..text.parse().unwrap_or(10))
 }
 
 fn kind_of(name: &str, seed: u64) -> Kind {
