@@ -7,7 +7,7 @@ use trueaxis_effects::Scene;
 use crate::changes::changes;
 use crate::components::diagnose_components;
 use crate::lengths::{LengthsOutcome, diagnose_lengths, scene};
-use crate::verification::diagnose_verification;
+use crate::verification::{EntryOutcome, diagnose_verification};
 use crate::{Cause, Diagnosis, Error, Settings, Unexplained, Verdict};
 
 /// Says what the rigid, quasi-static model gets wrong in a campaign's data, why, what the better model
@@ -63,6 +63,9 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
     let calibration = diagnosis.calibration.as_ref();
     let verification = diagnose_verification(campaign, calibration, &diagnosis.scene);
     for mut entry in verification.entries {
+        if entry.verdict == Verdict::Unknown {
+            without_names(&mut entry);
+        }
         of_data(
             &entry.report.data,
             &mut entry.causes,
@@ -132,6 +135,18 @@ fn with_lengths(
     diagnosis.not_observable.extend(outcome.not_observable);
     diagnosis.notices.extend(outcome.notices);
     Ok(())
+}
+
+/// Where something is left that no effect explains, those that were tried are no causes.
+fn without_names(entry: &mut EntryOutcome) {
+    let tried: Vec<&str> = entry.causes.iter().map(|c| c.effect.effect.id()).collect();
+    if let (Some(unexplained), false) = (&mut entry.unexplained, tried.is_empty()) {
+        let names = tried.join(" and ");
+        unexplained.note += &format!("; {names} explain a part, not enough to be named");
+    }
+    entry.causes.clear();
+    entry.report.after = entry.report.before;
+    entry.report.gain = None;
 }
 
 /// Says in what data something was found.

@@ -6,7 +6,7 @@ use trueaxis_effects::Level;
 use crate::lengths::base::{Adjusted, Base};
 use crate::lengths::causes::{Found, Search, find_causes};
 use crate::lengths::estimated::estimated;
-use crate::lengths::held_out::{HeldOut, held_out};
+use crate::lengths::held_out::held_out;
 use crate::lengths::hypotheses::hypotheses;
 use crate::lengths::noise_floor::{mean_noise_um, noise_floor_um};
 use crate::lengths::not_observable::not_observable;
@@ -47,51 +47,25 @@ pub(crate) fn diagnose_lengths(
     let not_observable = not_observable(&base.scene, &first.without_trace, both_sides);
     drop(first);
 
-    let start = base.adjust(Vec::new(), Some(plain.network.noise))?;
-    let Search {
-        mut found,
-        adjusted: mut current,
-        left: left_by_causes,
-    } = find_causes(&base, start, &null)?;
-    let mut after = omnibus(&base, &current);
-    let is_left = |tests: &[Omnibus]| tests.iter().any(|t| t.test.p_value < OMNIBUS_LEVEL);
-    let mut unexplained = None;
-    let mut closest = None;
-    if is_left(&after) || left_by_causes > 0.0 {
-        let explained: f64 = found.iter().map(|f| f.statistic).sum();
-        let left = after
-            .iter()
-            .map(|t| t.excess)
-            .fold(left_by_causes, f64::max);
-        let share = explained / (explained + left);
-        let named = !found.is_empty() && share >= NEARLY_ALL;
-        if !named {
-            closest = found.first().map(|f| (f.suspect.clone(), share));
-            found.clear();
-            current = base.adjust(Vec::new(), Some(plain.network.noise))?;
-            after = omnibus(&base, &current);
-        }
-        if !named || is_left(&after) {
-            unexplained = Some(unexplained_part(&base, &current, &after, closest.as_ref()));
-        }
-    }
-
-    let mut gain = None;
-    let mut heldout: Option<HeldOut> = None;
-    if !found.is_empty() {
+    let bare = || base.adjust(Vec::new(), Some(plain.network.noise));
+    let mut named = named(&base, find_causes(&base, bare()?, &null)?, bare)?;
+    let heldout = match named.found.is_empty() {
+        true => None,
         // A fold that cannot be adjusted holds nothing out.
-        heldout = held_out(&base, &current).unwrap_or(None);
-        if heldout.is_some_and(|h| h.interval[0] >= 1.0) {
-            // What predicts unused data worse than nothing is no cause.
-            found.clear();
-            current = base.adjust(Vec::new(), Some(plain.network.noise))?;
-            after = omnibus(&base, &current);
-            heldout = None;
-            if is_left(&after) {
-                unexplained = Some(unexplained_part(&base, &current, &after, None));
-            }
-        }
+        false => held_out(&base, &named.adjusted).unwrap_or(None),
+    };
+    // What predicts unused data worse than nothing is no cause.
+    let is_worse = heldout.is_some_and(|h| h.interval[0] >= 1.0);
+    let heldout = heldout.filter(|_| !is_worse);
+    if is_worse {
+        named = left_alone(&base, bare()?);
     }
+    let Named {
+        found,
+        adjusted: current,
+        after,
+        unexplained,
+    } = named;
     let floor_um = noise_floor_um(&base, &current);
     // Both in the noise that is left at the end.
     let noise = current.network.noise;
@@ -101,19 +75,16 @@ pub(crate) fn diagnose_lengths(
         (adjusted.projection.squares() / adjusted.projection.degrees_of_freedom).sqrt() * length_um
     };
     let (before_um, after_um) = (rms_um(&sharp), rms_um(&current));
-    if let Some(h) = heldout {
+    let gain = heldout.map(|h| {
         let excess = before_um.powi(2) - floor_um.powi(2);
         let left = (after_um.powi(2) - floor_um.powi(2)).max(0.0);
-        gain = Some(Gain {
+        let removed = (1.0 - left / excess).clamp(0.0, 1.0);
+        Gain {
             heldout_rms_ratio: h.after / h.before,
             interval: h.interval,
-            share_of_excess_removed: if excess > 0.0 {
-                (1.0 - left / excess).clamp(0.0, 1.0)
-            } else {
-                0.0
-            },
-        });
-    }
+            share_of_excess_removed: if excess > 0.0 { removed } else { 0.0 },
+        }
+    });
     let verdict = match (&unexplained, found.is_empty()) {
         (None, true) => Verdict::Clean,
         (Some(_), true) => Verdict::Unknown,
@@ -157,6 +128,60 @@ pub(crate) fn diagnose_lengths(
         notices,
         effects_mm,
     })
+}
+
+/// The causes that are named, the model with them, and what they leave.
+struct Named {
+    found: Vec<Found>,
+    adjusted: Adjusted,
+    after: Vec<Omnibus>,
+    unexplained: Option<Unexplained>,
+}
+
+/// Names the causes of a search if they explain nearly all of the structure; none otherwise. `bare` is
+/// the model without any.
+fn named(
+    base: &Base<'_>,
+    search: Search,
+    bare: impl Fn() -> Result<Adjusted, Error>,
+) -> Result<Named, Error> {
+    let after = omnibus(base, &search.adjusted);
+    let is_left = after.iter().any(|t| t.test.p_value < OMNIBUS_LEVEL);
+    let mut named = Named {
+        found: search.found,
+        adjusted: search.adjusted,
+        after,
+        unexplained: None,
+    };
+    if !is_left && search.left <= 0.0 {
+        return Ok(named);
+    }
+    let explained: f64 = named.found.iter().map(|f| f.statistic).sum();
+    let excesses = named.after.iter().map(|t| t.excess);
+    let share = explained / (explained + excesses.fold(search.left, f64::max));
+    if named.found.is_empty() || share < NEARLY_ALL {
+        let closest = named.found.first().map(|f| (f.suspect.clone(), share));
+        named = left_alone(base, bare()?);
+        // Even if no single test is sure, what several effects share is there.
+        let part = unexplained_part(base, &named.adjusted, &named.after, closest.as_ref());
+        named.unexplained = Some(part);
+    } else if is_left {
+        let part = unexplained_part(base, &named.adjusted, &named.after, None);
+        named.unexplained = Some(part);
+    }
+    Ok(named)
+}
+
+/// Without any cause: what the omnibus tests find is unexplained.
+fn left_alone(base: &Base<'_>, bare: Adjusted) -> Named {
+    let after = omnibus(base, &bare);
+    let is_left = after.iter().any(|t| t.test.p_value < OMNIBUS_LEVEL);
+    Named {
+        found: Vec::new(),
+        unexplained: is_left.then(|| unexplained_part(base, &bare, &after, None)),
+        adjusted: bare,
+        after,
+    }
 }
 
 /// For every reading of the campaign what the causes do to it, mm. Readings that were left out keep

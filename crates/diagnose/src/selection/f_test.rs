@@ -17,9 +17,21 @@ pub(crate) fn ln_f_test(drop: f64, squares: f64, rank: usize, degrees_of_freedom
     if p > SMALL {
         return p.ln();
     }
-    // First term of the series; the rest is a factor near one where p is this small.
-    a * left.ln() + b * (1.0 - left).max(f64::MIN_POSITIVE).ln() - a.ln() - ln_beta(a, b)
+    // I_y(a, b) = y^a (1 - y)^b / (a B(a, b)) Σ_n y^n (a + b)_n / (a + 1)_n
+    let (mut sum, mut term, mut n) = (1.0, 1.0, 0.0);
+    while term > NEGLIGIBLE * sum && n < MOST_TERMS {
+        term *= left * (a + b + n) / (a + 1.0 + n);
+        sum += term;
+        n += 1.0;
+    }
+    let tail = (1.0 - left).max(f64::MIN_POSITIVE);
+    a * left.ln() + b * tail.ln() - a.ln() - ln_beta(a, b) + f64::ln(sum)
 }
+
+/// Terms of the series that change nothing; where p is small they fall like powers of y, which is well
+/// below one.
+const NEGLIGIBLE: f64 = 1e-14;
+const MOST_TERMS: f64 = 1e5;
 
 /// The probability itself.
 pub(crate) fn f_test(drop: f64, squares: f64, rank: usize, degrees_of_freedom: f64) -> f64 {
