@@ -86,6 +86,15 @@ pub struct Misfit {
     pub heldout_rms_um: Option<f64>,
 }
 
+/// A ratio of held-out rms with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldOutRatio {
+    /// Rms after, divided by before.
+    pub ratio: f64,
+    /// Its 95 % interval, from a bootstrap of blocks.
+    pub interval: [f64; 2],
+}
+
 /// Gain on unused data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gain {
@@ -95,6 +104,9 @@ pub struct Gain {
     pub interval: [f64; 2],
     /// Share of the misfit above the noise floor that went away, in squares.
     pub share_of_excess_removed: f64,
+    /// The same ratio and interval where each station in turn is the unused data; `None` with fewer than
+    /// five stations. What happens at one station only cannot be predicted from the others.
+    pub leave_one_station_out: Option<HeldOutRatio>,
 }
 
 impl Gain {

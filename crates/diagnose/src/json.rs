@@ -87,6 +87,13 @@ struct GainFile {
     interval: [f64; 2],
     share_of_excess_removed: f64,
     heldout_claimed: bool,
+    leave_one_station_out: Option<HeldOutRatioFile>,
+}
+
+#[derive(Serialize)]
+struct HeldOutRatioFile {
+    heldout_rms_ratio: f64,
+    interval: [f64; 2],
 }
 
 #[derive(Serialize)]
@@ -193,6 +200,10 @@ fn gain(gain: &Gain) -> GainFile {
         interval: gain.interval.map(|bound| round(bound, 4)),
         share_of_excess_removed: round(gain.share_of_excess_removed, 4),
         heldout_claimed: gain.is_claimed(),
+        leave_one_station_out: gain.leave_one_station_out.map(|out| HeldOutRatioFile {
+            heldout_rms_ratio: round(out.ratio, 4),
+            interval: out.interval.map(|bound| round(bound, 4)),
+        }),
     }
 }
 

@@ -14,7 +14,8 @@
 //! - [`causes`]: one after the other, each judged beside the others, until nothing is left that is a
 //!   cause of its own ([`culprit`]).
 //! - [`omnibus`]: whether anything is left at all, and what it varies with ([`unexplained`]).
-//! - [`held_out`]: the gain on sweeps that were left out.
+//! - [`left_out`]: gross errors leave before the search, and come back if the causes explain them.
+//! - [`held_out`]: the gain on sweeps, and on whole stations, that the model was not fitted to.
 
 mod base;
 mod causes;
@@ -23,6 +24,7 @@ mod estimated;
 mod harmonics;
 mod held_out;
 mod hypotheses;
+mod left_out;
 mod noise_floor;
 mod not_observable;
 mod omnibus;

@@ -26,12 +26,12 @@
 //! use trueaxis_simulate::{Scenario, simulate};
 //!
 //! let mut scenario = Scenario::from_json(include_str!("../../../campaigns/rotary-stage/scenario.json"))?;
-//! // A target slips in its nest by 8 µm.
+//! // A target slips in its nest by 9 µm.
 //! scenario.effects = serde_json::from_str(r#"[{
 //!     "effect": "target_slip", "subject": { "target": "Q" },
-//!     "parameters": [ { "name": "slip_x", "value": 5, "unit": "um" },
-//!                     { "name": "slip_y", "value": -6, "unit": "um" },
-//!                     { "name": "slip_z", "value": 2, "unit": "um" },
+//!     "parameters": [ { "name": "slip_x", "value": 2, "unit": "um" },
+//!                     { "name": "slip_y", "value": -8, "unit": "um" },
+//!                     { "name": "slip_z", "value": 3, "unit": "um" },
 //!                     { "name": "time", "value": 2000, "unit": "s" } ]
 //! }]"#)?;
 //! let campaign = simulate(&scenario, 1)?.campaign;
@@ -54,8 +54,8 @@ mod verification;
 
 pub use diagnose::diagnose;
 pub use diagnosis::{
-    Cause, Change, Diagnosis, EstimatedParameter, Gain, LevelReport, Misfit, NotObservable,
-    OmnibusTest, Place, Rival, Unexplained, Verdict,
+    Cause, Change, Diagnosis, EstimatedParameter, Gain, HeldOutRatio, LevelReport, Misfit,
+    NotObservable, OmnibusTest, Place, Rival, Unexplained, Verdict,
 };
 pub use error::Error;
 pub use settings::Settings;

@@ -114,7 +114,7 @@ pub(crate) fn gained(level: &LevelReport) -> Vec<String> {
         return labelled("gained", text);
     };
     let [low, high] = gain.interval;
-    let text = if gain.is_claimed() {
+    let mut text = if gain.is_claimed() {
         format!(
             "data that the model was not fitted to are predicted {:.0} % better ({:.0} to {:.0} %); \
              {:.0} % of the misfit beyond the noise is gone",
@@ -130,6 +130,13 @@ pub(crate) fn gained(level: &LevelReport) -> Vec<String> {
             gain.heldout_rms_ratio
         )
     };
+    if let Some(out) = gain.leave_one_station_out {
+        let [low, high] = out.interval;
+        text += &format!(
+            "; each station predicted from the others: {:.3} times ({low:.3} to {high:.3})",
+            out.ratio
+        );
+    }
     labelled("gained", &text)
 }
 

@@ -9,6 +9,7 @@ use trueaxis_multilateration::{
 };
 
 use crate::Error;
+use crate::lengths::left_out::LeftOut;
 use crate::selection::{Fit, Hypothesis, Projection};
 
 /// The lengths of a campaign, ready to be adjusted.
@@ -22,8 +23,8 @@ pub(crate) struct Base<'a> {
     /// Solution without causes: where the others start.
     start: RigidSolution,
     declared: bool,
-    /// Lines of readings that were left out as gross errors.
-    pub(crate) left_out: Vec<usize>,
+    /// Readings that were left out as gross errors.
+    pub(crate) left_out: Vec<LeftOut>,
     /// Number of readings that look like gross errors but are too many to be left out.
     pub(crate) many_gross: usize,
 }
@@ -58,6 +59,10 @@ pub(crate) struct Adjusted {
 /// see.
 const MOST_GROSS: f64 = 0.01;
 
+/// Factor on the variance of lengths that are to be predicted: a thousand of them then weigh as much as
+/// a thousandth of one.
+const NO_WEIGHT: f64 = 1e6;
+
 /// Parameters of causes rest when they move by less than this part of their uncertainty.
 const RESTS: f64 = 1e-3;
 
@@ -68,18 +73,29 @@ impl<'a> Base<'a> {
     /// beams are not split, since these are to be found.
     pub(crate) fn new(campaign: &'a Campaign, lengths: &Lengths) -> Result<Self, Error> {
         let settings = Settings::default();
-        let CampaignNetwork { network, groups } = network_from_campaign(campaign, lengths, false);
-        let instrument = &campaign.instrument;
-        let declared =
-            instrument.length_sigma_um.is_some() && instrument.repeatability_um.is_some();
-        let removed: Vec<usize> = match screen(&network, declared, &settings) {
+        let all = network_from_campaign(campaign, lengths, false);
+        let removed: Vec<usize> = match screen(&all.network, is_declared(campaign), &settings) {
             Ok(screened) => screened.removed.iter().map(|r| r.reading).collect(),
             Err(_) => Vec::new(),
         };
-        let few = removed.len() as f64 <= MOST_GROSS * network.readings.len() as f64;
+        let few = removed.len() as f64 <= MOST_GROSS * all.network.readings.len() as f64;
         let many_gross = if few { 0 } else { removed.len() };
         let removed = if few { removed } else { Vec::new() };
-        let (network, kept) = network.without(&removed);
+        let base = Self::leaving_out(campaign, lengths, all, &removed)?;
+        Ok(Self { many_gross, ..base })
+    }
+
+    /// Adjusts a campaign's lengths without causes and without the readings `removed` (ascending).
+    pub(crate) fn leaving_out(
+        campaign: &'a Campaign,
+        lengths: &Lengths,
+        all: CampaignNetwork,
+        removed: &[usize],
+    ) -> Result<Self, Error> {
+        let settings = Settings::default();
+        let CampaignNetwork { network, groups } = all;
+        let left_out = LeftOut::of(campaign, lengths, &network, &groups, removed);
+        let (network, kept) = network.without(removed);
         let free = solve(&network, &settings)?;
         let bodies = Bodies::of_campaign(campaign, &groups)?;
         let start = solve_rigid(&network, &bodies, &free, &settings)?;
@@ -89,9 +105,9 @@ impl<'a> Base<'a> {
             scene: scene_of(campaign),
             readings,
             start,
-            declared,
-            many_gross,
-            left_out: removed.iter().map(|&i| lengths.readings[i].line).collect(),
+            declared: is_declared(campaign),
+            many_gross: 0,
+            left_out,
             network,
             groups,
             bodies,
@@ -287,6 +303,31 @@ impl<'a> Base<'a> {
         })
     }
 
+    /// The same lengths with next to no weight for some: these say where their station is, but move
+    /// nothing that others say anything about.
+    pub(crate) fn without_weight(&self, held: &[usize]) -> Result<Self, Error> {
+        let mut network = self.network.clone();
+        network.variance_factors.resize(network.readings.len(), 1.0);
+        for &i in held {
+            network.variance_factors[i] *= NO_WEIGHT;
+        }
+        let start = self
+            .start
+            .solve_again(&network, &self.bodies, &Settings::default())?;
+        Ok(Self {
+            campaign: self.campaign,
+            scene: self.scene.clone(),
+            network,
+            groups: self.groups.clone(),
+            bodies: self.bodies.clone(),
+            readings: self.readings.clone(),
+            start,
+            declared: self.declared,
+            left_out: Vec::new(),
+            many_gross: 0,
+        })
+    }
+
     /// Measured minus predicted lengths for all of the lengths of `all`, mm, from a model adjusted to
     /// these lengths only.
     pub(crate) fn predicted_misfit_mm(&self, all: &Base<'_>, adjusted: &Adjusted) -> Vec<f64> {
@@ -309,6 +350,11 @@ impl<'a> Base<'a> {
             shape: suspect.shape,
         }
     }
+}
+
+fn is_declared(campaign: &Campaign) -> bool {
+    let instrument = &campaign.instrument;
+    instrument.length_sigma_um.is_some() && instrument.repeatability_um.is_some()
 }
 
 impl Adjusted {

@@ -14,7 +14,7 @@ use crate::Error;
 use crate::lengths::base::{Adjusted, Base, Suspect};
 use crate::lengths::culprit::overlap;
 use crate::lengths::hypotheses::{TIME_CONSTANT_RATIO, hypotheses};
-use crate::selection::{Fit, Null, Projection, Scan, Score, cosine, is_rival, rank};
+use crate::selection::{Fit, Hypothesis, Null, Projection, Scan, Score, cosine, is_rival, rank};
 
 /// Family-wise level of the causes: false alarms in one of a hundred clean campaigns.
 const CAUSE_LEVEL: f64 = 0.01;
@@ -50,20 +50,27 @@ pub(crate) struct Search {
     pub(crate) left: f64,
 }
 
-/// Finds the causes of what `start`, a model without any, leaves.
-pub(crate) fn find_causes(base: &Base<'_>, start: Adjusted, null: &Null) -> Result<Search, Error> {
+/// Finds the causes of what `start`, a model without any, leaves. `first` are the scans of `all`
+/// hypotheses of that model.
+pub(crate) fn find_causes(
+    base: &Base<'_>,
+    start: Adjusted,
+    all: &[Hypothesis],
+    first: &[Box<dyn Scan>],
+    null: &Null,
+) -> Result<Search, Error> {
+    let mut next = leader(&start, first, null);
     let mut search = Search {
         found: Vec::new(),
         adjusted: start,
         left: 0.0,
     };
-    while search.found.len() < MOST_CAUSES {
-        let Some(next) = leader(base, &search.adjusted, null) else {
-            break;
-        };
+    while let Some((leader_of_all, shortlist)) = next {
         let mut suspects = search.adjusted.suspects.clone();
-        suspects.push(next);
-        let (found, adjusted) = settle(base, suspects, null)?;
+        suspects.push(leader_of_all);
+        // Beside others everything is looked at again: what they hid may come out.
+        let candidates = if suspects.len() == 1 { &shortlist } else { all };
+        let (found, adjusted) = settle(base, suspects, candidates, null)?;
         if found.len() <= search.found.len() {
             break;
         }
@@ -72,6 +79,11 @@ pub(crate) fn find_causes(base: &Base<'_>, start: Adjusted, null: &Null) -> Resu
             break;
         }
         (search.found, search.adjusted) = (found, adjusted);
+        if search.found.len() == MOST_CAUSES {
+            break;
+        }
+        let scans = hypotheses(base, &search.adjusted, all).scans;
+        next = leader(&search.adjusted, &scans, null);
     }
     Ok(search)
 }
@@ -90,12 +102,29 @@ fn not_its_own(base: &Base<'_>, found: &[Found]) -> Option<f64> {
     (stacked || doubtful).then_some(weakest)
 }
 
-/// The hypothesis with the most evidence among those that noise does not explain.
-fn leader(base: &Base<'_>, current: &Adjusted, null: &Null) -> Option<Suspect> {
-    let scans = hypotheses(base, current).scans;
-    let scores = rank(&current.projection, &scans);
+/// A hypothesis that explains less than this part of what the leader explains is no rival of it in
+/// the same model, whatever the noise is found to be: rivals explain at least half ([`judged`]).
+const WORTH_COMPARING: f64 = 0.25;
+
+/// The hypothesis with the most evidence among those that noise does not explain, and those that are
+/// worth comparing with it.
+fn leader(
+    current: &Adjusted,
+    scans: &[Box<dyn Scan>],
+    null: &Null,
+) -> Option<(Suspect, Vec<Hypothesis>)> {
+    let scores = rank(&current.projection, scans);
     let best = scores.iter().find(|s| is_significant(s, null))?;
-    Some(suspect(&current.projection, &scans, best).0)
+    let near = |&number: &usize| {
+        let own = scores.iter().find(|s| s.scan == number);
+        own.is_some_and(|s| s.statistic >= WORTH_COMPARING * best.statistic)
+    };
+    let shortlist = (0..scans.len()).filter(near);
+    let shortlist = shortlist.map(|number| *scans[number].hypothesis());
+    Some((
+        suspect(&current.projection, scans, best).0,
+        shortlist.collect(),
+    ))
 }
 
 fn is_significant(score: &Score, null: &Null) -> bool {
@@ -105,10 +134,11 @@ fn is_significant(score: &Score, null: &Null) -> bool {
 /// Exchanges of causes for better ones before it is enough.
 const MOST_EXCHANGES: usize = 6;
 
-/// Judges each cause with the others in the model until none changes any more.
+/// Judges each cause against the candidates with the others in the model until none changes any more.
 fn settle(
     base: &Base<'_>,
     mut suspects: Vec<Suspect>,
+    candidates: &[Hypothesis],
     null: &Null,
 ) -> Result<(Vec<Found>, Adjusted), Error> {
     let mut adjusted = base.adjust(suspects.clone(), None)?;
@@ -121,7 +151,7 @@ fn settle(
             let own = others.remove(k);
             // With the noise that is left: a large disturbance blurs its own rivals.
             let without = base.adjust(others, Some(adjusted.network.noise))?;
-            let Some(judged) = judged(base, &without, &own, null) else {
+            let Some(judged) = judged(base, &without, &own, candidates, null) else {
                 suspects.remove(k);
                 changed = true;
                 break;
@@ -149,8 +179,14 @@ fn settle(
 
 /// The best explanation of what a model without one of its causes leaves, and its rivals; `None` if
 /// noise explains it.
-fn judged(base: &Base<'_>, without: &Adjusted, own: &Suspect, null: &Null) -> Option<Found> {
-    let scans = hypotheses(base, without).scans;
+fn judged(
+    base: &Base<'_>,
+    without: &Adjusted,
+    own: &Suspect,
+    candidates: &[Hypothesis],
+    null: &Null,
+) -> Option<Found> {
+    let scans = hypotheses(base, without, candidates).scans;
     let scores = rank(&without.projection, &scans);
     let leader = scores.iter().find(|s| is_significant(s, null))?;
     // An explanation with the same evidence is no reason to change.

@@ -7,15 +7,20 @@
 //! weighted with the noise, its correlation within a stop included: a slip of a target shows in the
 //! differences of three lengths, which are known four times better than one length. The ratio of the rms
 //! has an interval from a bootstrap of sweeps.
+//!
+//! With five or more stations each station is a fold, too. Its own place and dead path, which no other
+//! length knows, come from its lengths, but the poses and the causes do not: its lengths take part with a
+//! weight that moves nothing else.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 use trueaxis_calibrate::LengthCircumstances as Reading;
 
-use crate::Error;
 use crate::lengths::base::{Adjusted, Base, Suspect};
 use crate::lengths::hypotheses::{scan, visit_times};
 use crate::selection::Hypothesis;
+use crate::{Error, HeldOutRatio};
 
 /// Held-out rms without and with the causes in standard deviations of the noise, and the interval of
 /// their ratio.
@@ -26,29 +31,74 @@ pub(crate) struct HeldOut {
     pub(crate) interval: [f64; 2],
 }
 
+impl HeldOut {
+    pub(crate) fn ratio(self) -> HeldOutRatio {
+        HeldOutRatio {
+            ratio: self.after / self.before,
+            interval: self.interval,
+        }
+    }
+}
+
 const FOLDS: usize = 5;
+
+/// With fewer stations than this the others alone do not determine the points well enough to predict
+/// one: four are needed for a self-calibration.
+const MIN_STATIONS: usize = 5;
 
 /// Resamples of the bootstrap: its 95 % interval is then good to a tenth of its width.
 const RESAMPLES: usize = 1000;
 
 const SEED: u64 = 0x6865_6c64_2d6f_7574;
 
-/// Predicts each fold from the others with the noise of the final model; `None` if there are too few
-/// sweeps, or a fold is needed to determine the rest.
-pub(crate) fn held_out(base: &Base<'_>, adjusted: &Adjusted) -> Result<Option<HeldOut>, Error> {
+/// Predicts each fold of sweeps from the others with the noise of the final model; `None` if there are
+/// too few sweeps, or a fold is needed to determine the rest.
+pub(crate) fn held_out_sweeps(
+    base: &Base<'_>,
+    adjusted: &Adjusted,
+) -> Result<Option<HeldOut>, Error> {
     let sweeps = base.readings.iter().map(|r| r.sweep).max().unwrap_or(0) + 1;
     if sweeps < 2 * FOLDS {
         return Ok(None);
     }
+    let fold = |r: &Reading| (r.sweep_of_turn + r.station) % FOLDS;
+    held_out(base, adjusted, FOLDS, fold, |out| base.without(out))
+}
+
+/// Predicts each station's lengths from the others; `None` if there are fewer than five stations.
+pub(crate) fn held_out_stations(
+    base: &Base<'_>,
+    adjusted: &Adjusted,
+) -> Result<Option<HeldOut>, Error> {
+    let stations = base.scene.stations.len();
+    if stations < MIN_STATIONS {
+        return Ok(None);
+    }
+    let fold = |r: &Reading| r.station;
+    held_out(base, adjusted, stations, fold, |out| {
+        base.without_weight(out)
+    })
+}
+
+/// The sweep of a reading, its misfit without and with the causes.
+type Misfits = (usize, f64, f64);
+
+/// Number of readings of a sweep, its squares without and with the causes.
+type Sums = (usize, f64, f64);
+
+/// Predicts each fold from what is left of the base without its readings (ascending).
+fn held_out<'a>(
+    base: &Base<'a>,
+    adjusted: &Adjusted,
+    folds: usize,
+    fold_of: impl Fn(&Reading) -> usize + Sync,
+    rest: impl Fn(&[usize]) -> Result<Base<'a>, Error> + Sync,
+) -> Result<Option<HeldOut>, Error> {
     let noise = adjusted.network.noise;
-    // For each sweep: readings, squares before, squares after.
-    let mut sums = vec![(0_usize, 0.0, 0.0); sweeps];
-    for fold in 0..FOLDS {
-        let is_out = |r: &Reading| (r.sweep_of_turn + r.station) % FOLDS == fold;
-        let removed: Vec<usize> = (0..base.readings.len())
-            .filter(|&i| is_out(&base.readings[i]))
-            .collect();
-        let Ok(rest) = base.without(&removed) else {
+    let misfits = |fold: usize| -> Result<Option<Vec<Misfits>>, Error> {
+        let is_out = |i: &usize| fold_of(&base.readings[*i]) == fold;
+        let out: Vec<usize> = (0..base.readings.len()).filter(is_out).collect();
+        let Ok(rest) = rest(&out) else {
             return Ok(None);
         };
         let plain = rest.adjust(Vec::new(), Some(noise))?;
@@ -56,40 +106,53 @@ pub(crate) fn held_out(base: &Base<'_>, adjusted: &Adjusted) -> Result<Option<He
         let extended = rest.adjust_given(suspects, noise)?;
         let mut before = rest.predicted_misfit_mm(base, &plain);
         let mut after = rest.predicted_misfit_mm(base, &extended);
-        // A sweep holds whole visits, so that these are whitened among themselves.
+        // A fold holds whole visits, so that these are whitened among themselves.
         adjusted.whitened.whiten(&mut before);
         adjusted.whitened.whiten(&mut after);
-        for &i in &removed {
-            let sum = &mut sums[base.readings[i].sweep];
+        let misfit = |i: usize| (base.readings[i].sweep, before[i], after[i]);
+        Ok(Some(out.into_iter().map(misfit).collect()))
+    };
+    let folds: Vec<_> = (0..folds).into_par_iter().map(misfits).collect();
+    let sweeps = base.readings.iter().map(|r| r.sweep).max().unwrap_or(0) + 1;
+    let mut sums: Vec<Sums> = vec![(0, 0.0, 0.0); sweeps];
+    for fold in folds {
+        let Some(misfits) = fold? else {
+            return Ok(None);
+        };
+        for (sweep, before, after) in misfits {
+            let sum = &mut sums[sweep];
             sum.0 += 1;
-            sum.1 += before[i].powi(2);
-            sum.2 += after[i].powi(2);
+            sum.1 += before * before;
+            sum.2 += after * after;
         }
     }
-    let ratio = |sums: &mut dyn Iterator<Item = &(usize, f64, f64)>| {
-        let (before, after) = sums.fold((0.0, 0.0), |(b, a), s| (b + s.1, a + s.2));
-        (after / before).sqrt()
-    };
-    let mut generator = ChaCha8Rng::seed_from_u64(SEED);
-    let mut ratios: Vec<f64> = (0..RESAMPLES)
-        .map(|_| {
-            let drawn: Vec<usize> = (0..sweeps)
-                .map(|_| generator.random_range(0..sweeps))
-                .collect();
-            ratio(&mut drawn.iter().map(|&k| &sums[k]))
-        })
-        .collect();
-    ratios.sort_by(f64::total_cmp);
     let count: usize = sums.iter().map(|s| s.0).sum();
     let rms = |squares: f64| (squares / count as f64).sqrt();
     Ok(Some(HeldOut {
         before: rms(sums.iter().map(|s| s.1).sum()),
         after: rms(sums.iter().map(|s| s.2).sum()),
-        interval: [
-            ratios[RESAMPLES / 40],
-            ratios[RESAMPLES - RESAMPLES / 40 - 1],
-        ],
+        interval: interval(&sums),
     }))
+}
+
+/// 95 % interval of the ratio of the rms with and without the causes, by a bootstrap of sweeps.
+fn interval(sums: &[Sums]) -> [f64; 2] {
+    let mut generator = ChaCha8Rng::seed_from_u64(SEED);
+    let mut resampled = || {
+        let (mut before, mut after) = (0.0, 0.0);
+        for _ in sums {
+            let drawn = sums[generator.random_range(0..sums.len())];
+            before += drawn.1;
+            after += drawn.2;
+        }
+        (after / before).sqrt()
+    };
+    let mut ratios: Vec<f64> = (0..RESAMPLES).map(|_| resampled()).collect();
+    ratios.sort_by(f64::total_cmp);
+    [
+        ratios[RESAMPLES / 40],
+        ratios[RESAMPLES - RESAMPLES / 40 - 1],
+    ]
 }
 
 /// The same causes with shapes and parameters from other lengths; directions of the parameters that

@@ -1,5 +1,6 @@
 //! Every effect of the catalogue on every subject of a campaign.
 
+use rayon::prelude::*;
 use trueaxis_effects::{Effect, Level, Shape, Subject, catalogue};
 
 use crate::lengths::base::{Adjusted, Base};
@@ -17,21 +18,23 @@ pub(crate) struct Hypotheses {
     pub(crate) without_trace: Vec<Hypothesis>,
 }
 
-/// All hypotheses about the lengths, in the order of the catalogue.
-pub(crate) fn hypotheses(base: &Base<'_>, adjusted: &Adjusted) -> Hypotheses {
+/// Makes hypotheses ready for what an adjusted model leaves, in their order.
+pub(crate) fn hypotheses(base: &Base<'_>, adjusted: &Adjusted, all: &[Hypothesis]) -> Hypotheses {
     let visits = visit_times(base);
-    let mut scans: Vec<Box<dyn Scan>> = Vec::new();
-    let mut without_trace = Vec::new();
-    for hypothesis in of_catalogue(base) {
-        match scan(base, adjusted, &visits, hypothesis) {
-            Some(scan) => scans.push(scan),
-            None => without_trace.push(hypothesis),
+    let ready =
+        |hypothesis: &Hypothesis| scan(base, adjusted, &visits, *hypothesis).ok_or(*hypothesis);
+    let ready: Vec<_> = all.par_iter().map(ready).collect();
+    let mut hypotheses = Hypotheses {
+        scans: Vec::new(),
+        without_trace: Vec::new(),
+    };
+    for scan in ready {
+        match scan {
+            Ok(scan) => hypotheses.scans.push(scan),
+            Err(hypothesis) => hypotheses.without_trace.push(hypothesis),
         }
     }
-    Hypotheses {
-        scans,
-        without_trace,
-    }
+    hypotheses
 }
 
 /// One hypothesis, if the data can show it.
@@ -60,7 +63,8 @@ pub(crate) fn scan(
     }
 }
 
-fn of_catalogue(base: &Base<'_>) -> Vec<Hypothesis> {
+/// All hypotheses about the lengths, in the order of the catalogue.
+pub(crate) fn of_catalogue(base: &Base<'_>) -> Vec<Hypothesis> {
     let effects = catalogue()
         .iter()
         .filter(|effect| effect.levels().contains(&Level::Lengths));

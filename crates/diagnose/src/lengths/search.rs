@@ -2,12 +2,14 @@
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::Level;
+use trueaxis_multilateration::network_from_campaign;
 
 use crate::lengths::base::{Adjusted, Base};
 use crate::lengths::causes::{Found, Search, find_causes};
 use crate::lengths::estimated::estimated;
-use crate::lengths::held_out::held_out;
-use crate::lengths::hypotheses::hypotheses;
+use crate::lengths::held_out::{HeldOut, held_out_stations, held_out_sweeps};
+use crate::lengths::hypotheses::{hypotheses, of_catalogue};
+use crate::lengths::left_out::still_left_out;
 use crate::lengths::noise_floor::{mean_noise_um, noise_floor_um};
 use crate::lengths::not_observable::not_observable;
 use crate::lengths::omnibus::{OMNIBUS_LEVEL, Omnibus, omnibus};
@@ -37,22 +39,25 @@ pub(crate) fn diagnose_lengths(
     campaign: &Campaign,
     lengths: &Lengths,
 ) -> Result<LengthsOutcome, Error> {
-    let base = Base::new(campaign, lengths)?;
-    let plain = base.adjust(Vec::new(), None)?;
-    let before = omnibus(&base, &plain);
-    let first = hypotheses(&base, &plain);
-    let null = Null::simulated(&plain.projection, &first.scans);
-    let sides = || base.readings.iter().map(|r| r.direction);
-    let both_sides = sides().any(|side| Some(side) != sides().next());
-    let not_observable = not_observable(&base.scene, &first.without_trace, both_sides);
-    drop(first);
-
+    let mut base = Base::new(campaign, lengths)?;
+    let mut looked = look(&base)?;
+    let gross = still_left_out(&base, &looked.named.adjusted);
+    if gross.len() < base.left_out.len() && !looked.named.found.is_empty() {
+        let all = network_from_campaign(campaign, lengths, false);
+        base = Base::leaving_out(campaign, lengths, all, &gross)?;
+        looked = look(&base)?;
+    }
+    let Looked {
+        plain,
+        before,
+        mut named,
+        not_observable,
+    } = looked;
     let bare = || base.adjust(Vec::new(), Some(plain.network.noise));
-    let mut named = named(&base, find_causes(&base, bare()?, &null)?, bare)?;
     let heldout = match named.found.is_empty() {
         true => None,
         // A fold that cannot be adjusted holds nothing out.
-        false => held_out(&base, &named.adjusted).unwrap_or(None),
+        false => held_out_sweeps(&base, &named.adjusted).unwrap_or(None),
     };
     // What predicts unused data worse than nothing is no cause.
     let is_worse = heldout.is_some_and(|h| h.interval[0] >= 1.0);
@@ -75,14 +80,19 @@ pub(crate) fn diagnose_lengths(
         (adjusted.projection.squares() / adjusted.projection.degrees_of_freedom).sqrt() * length_um
     };
     let (before_um, after_um) = (rms_um(&sharp), rms_um(&current));
+    let stations_out = match found.is_empty() {
+        true => None,
+        false => held_out_stations(&base, &current).unwrap_or(None),
+    };
     let gain = heldout.map(|h| {
         let excess = before_um.powi(2) - floor_um.powi(2);
         let left = (after_um.powi(2) - floor_um.powi(2)).max(0.0);
         let removed = (1.0 - left / excess).clamp(0.0, 1.0);
         Gain {
-            heldout_rms_ratio: h.after / h.before,
+            heldout_rms_ratio: h.ratio().ratio,
             interval: h.interval,
             share_of_excess_removed: if excess > 0.0 { removed } else { 0.0 },
+            leave_one_station_out: stations_out.map(HeldOut::ratio),
         }
     });
     let verdict = match (&unexplained, found.is_empty()) {
@@ -127,6 +137,34 @@ pub(crate) fn diagnose_lengths(
         not_observable,
         notices,
         effects_mm,
+    })
+}
+
+/// What the search finds in the lengths of a base.
+struct Looked {
+    /// The model without causes.
+    plain: Adjusted,
+    /// The tests of what it leaves.
+    before: Vec<Omnibus>,
+    named: Named,
+    not_observable: Vec<NotObservable>,
+}
+
+fn look(base: &Base<'_>) -> Result<Looked, Error> {
+    let plain = base.adjust(Vec::new(), None)?;
+    let before = omnibus(base, &plain);
+    let all = of_catalogue(base);
+    let first = hypotheses(base, &plain, &all);
+    let null = Null::simulated(&plain.projection, &first.scans);
+    let sides = || base.readings.iter().map(|r| r.direction);
+    let both_sides = sides().any(|side| Some(side) != sides().next());
+    let bare = || base.adjust(Vec::new(), Some(plain.network.noise));
+    let search = find_causes(base, bare()?, &all, &first.scans, &null)?;
+    Ok(Looked {
+        named: named(base, search, bare)?,
+        before,
+        not_observable: not_observable(&base.scene, &first.without_trace, both_sides),
+        plain,
     })
 }
 
@@ -188,8 +226,8 @@ fn left_alone(base: &Base<'_>, bare: Adjusted) -> Named {
 /// their error.
 fn effects_mm(base: &Base<'_>, lengths: &Lengths, adjusted: &Adjusted) -> Vec<f64> {
     let mut effects_mm = vec![0.0; lengths.readings.len()];
-    let kept =
-        (0..lengths.readings.len()).filter(|&i| !base.left_out.contains(&lengths.readings[i].line));
+    let is_kept = |i: &usize| base.left_out.iter().all(|l| l.number != *i);
+    let kept = (0..lengths.readings.len()).filter(is_kept);
     for (i, reading) in kept.zip(&base.readings) {
         effects_mm[i] = base.effect_mm(reading, &adjusted.solution, &adjusted.suspects);
     }
@@ -199,7 +237,7 @@ fn effects_mm(base: &Base<'_>, lengths: &Lengths, adjusted: &Adjusted) -> Vec<f6
 fn notices(base: &Base<'_>) -> Vec<String> {
     let mut notices = Vec::new();
     if !base.left_out.is_empty() {
-        let lines: Vec<String> = base.left_out.iter().map(ToString::to_string).collect();
+        let lines: Vec<String> = base.left_out.iter().map(|l| l.line.to_string()).collect();
         notices.push(format!(
             "{} length(s) contradict all others and were left out: line(s) {}",
             lines.len(),

@@ -130,11 +130,14 @@ impl Gram {
     fn most_likely_width(&self, s: &[f64]) -> (f64, f64) {
         let coordinates: Vec<(f64, f64)> = self.standardised(s).collect();
         let at = |variance: f64| -> f64 {
-            let part = |&(g, z): &(f64, f64)| {
+            // One logarithm of the product: it is the dear part.
+            let (mut gained, mut price) = (0.0, 1.0);
+            for &(g, z) in &coordinates {
                 let x = variance * g;
-                z * z * x / (1.0 + x) - (1.0 + x).ln()
-            };
-            coordinates.iter().map(part).sum()
+                gained += z * z * x / (1.0 + x);
+                price *= 1.0 + x;
+            }
+            gained - price.ln()
         };
         let Some(largest) = self.values.iter().copied().reduce(f64::max) else {
             return (0.0, 0.0);
@@ -142,8 +145,9 @@ impl Gram {
         // From a width that is a tenth of the uncertainty to one that the largest estimate has.
         let top: f64 = coordinates.iter().map(|&(g, z)| z * z / g).sum();
         let (low, high) = (0.01 / largest, (4.0 * top).max(0.02 / largest));
-        let ratio = (high / low).powf(1.0 / f64::from(WIDTHS));
-        let candidates = (0..=WIDTHS).map(|k| low * ratio.powi(k));
+        let ratio = (high / low).powf(1.0 / WIDTHS as f64);
+        let candidates = std::iter::successors(Some(low), |width| Some(width * ratio));
+        let candidates = candidates.take(WIDTHS + 1);
         candidates
             .map(|variance| (variance, at(variance)))
             .fold(
@@ -154,4 +158,4 @@ impl Gram {
 }
 
 /// Widths of the prior that are tried, in equal ratios; the maximum is flat.
-const WIDTHS: i32 = 40;
+const WIDTHS: usize = 40;

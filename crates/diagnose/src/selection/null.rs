@@ -8,6 +8,7 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
 
 use crate::selection::projection::dot;
 use crate::selection::{Projection, Scan, ln_f_test};
@@ -28,18 +29,19 @@ const SEED: u64 = 0x7472_7565_6178_6973;
 impl Null {
     /// From white noise through the projection and the scans; the same every time.
     pub(crate) fn simulated(projection: &Projection, scans: &[Box<dyn Scan>]) -> Self {
-        let mut sum = 0.0;
-        let mut noise = vec![0.0; projection.rows()];
-        for draw in 0..DRAWS {
+        let smallest = |draw: u64| {
             let mut generator = ChaCha8Rng::seed_from_u64(SEED);
             generator.set_stream(draw);
-            for x in &mut noise {
-                *x = StandardNormal.sample(&mut generator);
-            }
+            let mut noise: Vec<f64> = StandardNormal
+                .sample_iter(&mut generator)
+                .take(projection.rows())
+                .collect();
             projection.project(&mut noise);
-            let smallest = smallest_ln_p(&noise, projection.degrees_of_freedom, scans);
-            sum -= (-smallest.exp()).ln_1p();
-        }
+            smallest_ln_p(&noise, projection.degrees_of_freedom, scans)
+        };
+        // Collected in order, so that the sum does not depend on the number of threads.
+        let smallest: Vec<f64> = (0..DRAWS).into_par_iter().map(smallest).collect();
+        let sum: f64 = smallest.iter().map(|ln_p| -(-ln_p.exp()).ln_1p()).sum();
         Self {
             tests: (DRAWS as f64 / sum.max(f64::MIN_POSITIVE)).max(1.0),
         }

@@ -28,7 +28,7 @@ impl Hypothesis {
 }
 
 /// A hypothesis, ready to be compared with residuals.
-pub(crate) trait Scan: Sync {
+pub(crate) trait Scan: Send + Sync {
     /// What it says.
     fn hypothesis(&self) -> &Hypothesis;
 

@@ -1,5 +1,7 @@
 //! How well a hypothesis explains the residuals.
 
+use rayon::prelude::*;
+
 use crate::selection::{Projection, Scan, ln_f_test};
 
 /// The best of a hypothesis, and its judgement.
@@ -27,53 +29,55 @@ pub(crate) struct Score {
 /// Scores of all scans, the one with the most evidence first; ties in the order of the scans, so the
 /// layers instrument, set-up, machine.
 pub(crate) fn rank(projection: &Projection, scans: &[Box<dyn Scan>]) -> Vec<Score> {
+    let numbered = scans.par_iter().enumerate();
+    let scored = numbered.filter_map(|(number, scan)| scored(projection, number, scan.as_ref()));
+    let mut scores: Vec<Score> = scored.collect();
+    scores.sort_by(|a, b| b.evidence.total_cmp(&a.evidence).then(a.scan.cmp(&b.scan)));
+    scores
+}
+
+/// The score of one scan; `None` if the data see nothing of it.
+fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Score> {
     let squares = projection.squares();
     let dof = projection.degrees_of_freedom;
     // Under an unknown variance a drop T counts ν ln(S/(S - T)), which is T/σ² for small T.
     let variance = squares / dof;
-    let mut scores: Vec<Score> = Vec::new();
-    for (number, scan) in scans.iter().enumerate() {
-        let Some((shape, statistic, rank)) = best_shape(projection, scan.as_ref()) else {
-            continue;
-        };
-        let mut evidences: Vec<(f64, f64)> = Vec::new();
-        let mut shapes = 0;
-        scan.for_each(&projection.residuals, &mut |shape, gram, s| {
-            shapes += 1;
-            let own = gram.statistic(s);
-            if own < statistic - NEGLIGIBLE * variance {
-                return;
-            }
-            let left = ((squares - own) / squares).max(f64::MIN_POSITIVE);
-            let likelihood = -dof * left.ln();
-            // The prior's price, in the variance that is left with this hypothesis in the model.
-            let scale = 1.0 / (variance * left).sqrt();
-            let scaled: Vec<f64> = s.iter().map(|s| s * scale).collect();
-            let price = gram.statistic(&scaled) - gram.evidence(&scaled);
-            evidences.push((shape, likelihood - price));
-        });
-        let hypothesis = scan.hypothesis();
-        let (mean, u, top) = marginal(&evidences, shapes);
-        let left = ((squares - statistic) / squares).max(f64::MIN_POSITIVE);
-        let n = projection.rows() as f64;
-        let parameters = rank + usize::from(hypothesis.has_shape());
-        scores.push(Score {
-            scan: number,
-            shape,
-            u_shape: if hypothesis.has_shape() {
-                u.hypot(shape - mean)
-            } else {
-                0.0
-            },
-            statistic,
-            rank,
-            ln_p: ln_f_test(statistic, squares, rank, dof),
-            bic: n * left.ln() + parameters as f64 * n.ln(),
-            evidence: top - 2.0 * (hypothesis.subjects as f64).ln(),
-        });
-    }
-    scores.sort_by(|a, b| b.evidence.total_cmp(&a.evidence).then(a.scan.cmp(&b.scan)));
-    scores
+    let (shape, statistic, rank) = best_shape(projection, scan)?;
+    let mut evidences: Vec<(f64, f64)> = Vec::new();
+    let mut shapes = 0;
+    scan.for_each(&projection.residuals, &mut |shape, gram, s| {
+        shapes += 1;
+        let own = gram.statistic(s);
+        if own < statistic - NEGLIGIBLE * variance {
+            return;
+        }
+        let left = ((squares - own) / squares).max(f64::MIN_POSITIVE);
+        let likelihood = -dof * left.ln();
+        // The prior's price, in the variance that is left with this hypothesis in the model.
+        let scale = 1.0 / (variance * left).sqrt();
+        let scaled: Vec<f64> = s.iter().map(|s| s * scale).collect();
+        let price = gram.statistic(&scaled) - gram.evidence(&scaled);
+        evidences.push((shape, likelihood - price));
+    });
+    let hypothesis = scan.hypothesis();
+    let (mean, u, top) = marginal(&evidences, shapes);
+    let left = ((squares - statistic) / squares).max(f64::MIN_POSITIVE);
+    let n = projection.rows() as f64;
+    let parameters = rank + usize::from(hypothesis.has_shape());
+    Some(Score {
+        scan: number,
+        shape,
+        u_shape: if hypothesis.has_shape() {
+            u.hypot(shape - mean)
+        } else {
+            0.0
+        },
+        statistic,
+        rank,
+        ln_p: ln_f_test(statistic, squares, rank, dof),
+        bic: n * left.ln() + parameters as f64 * n.ln(),
+        evidence: top - 2.0 * (hypothesis.subjects as f64).ln(),
+    })
 }
 
 /// Shapes that explain less than the best by so many units of variance have no part in the mean

@@ -211,6 +211,7 @@ pub(crate) fn gain(
             } else {
                 0.0
             },
+            leave_one_station_out: None,
         },
         upper_bound: quantile(900)?,
     })

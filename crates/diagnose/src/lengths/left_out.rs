@@ -1,0 +1,85 @@
+//! Lengths that were left out as gross errors, and whether the causes explain them after all.
+//!
+//! The few lengths between a slip and the end of a turn look like accidents until the slip is known.
+//! Without them its instant is not known, either; so the search is made again with them.
+
+use trueaxis_calibrate::{LengthCircumstances as Reading, length_circumstances};
+use trueaxis_campaign::{Campaign, Lengths};
+use trueaxis_effects::Shape;
+use trueaxis_multilateration::{Group, Network};
+
+use crate::lengths::base::{Adjusted, Base, Suspect};
+
+/// A length that was left out.
+#[derive(Debug, Clone)]
+pub(crate) struct LeftOut {
+    /// Its number among the lengths of the campaign.
+    pub(crate) number: usize,
+    /// Its line in the file.
+    pub(crate) line: usize,
+    reading: Reading,
+    measured_mm: f64,
+}
+
+/// A misfit of so many standard deviations is no contradiction: noise exceeds it once in 16,000 lengths.
+const AGREES: f64 = 4.0;
+
+impl LeftOut {
+    /// The readings with the numbers `removed` (ascending).
+    pub(crate) fn of(
+        campaign: &Campaign,
+        lengths: &Lengths,
+        network: &Network,
+        groups: &[Group],
+        removed: &[usize],
+    ) -> Vec<Self> {
+        let readings = length_circumstances(campaign, lengths, network, groups, removed);
+        let left_out = removed.iter().zip(readings).map(|(&number, reading)| Self {
+            number,
+            line: lengths.readings[number].line,
+            reading,
+            measured_mm: network.readings[number].length_mm,
+        });
+        left_out.collect()
+    }
+
+    /// Whether the causes explain it: as they are, or with their instants on its other side. An instant
+    /// that was found without the length is uncertain just there.
+    fn is_explained(&self, base: &Base<'_>, adjusted: &Adjusted) -> bool {
+        let shifted = |instant: f64| -> Vec<Suspect> {
+            let mut suspects = adjusted.suspects.clone();
+            for suspect in &mut suspects {
+                if suspect.hypothesis.effect.shape() == Shape::Instant {
+                    suspect.shape = instant;
+                }
+            }
+            suspects
+        };
+        let alternatives = [
+            adjusted.suspects.clone(),
+            shifted(f64::NEG_INFINITY),
+            shifted(f64::INFINITY),
+        ];
+        let solution = &adjusted.solution;
+        let station = &solution.stations[self.reading.station];
+        let distance_mm = (solution.points_mm[self.reading.point] - station.position_mm).norm();
+        let noise = &adjusted.network.noise;
+        let sigma_mm = noise
+            .length_sigma_at_mm(distance_mm)
+            .hypot(noise.return_sigma_mm);
+        let misfit_mm = self.measured_mm + station.dead_path_mm - distance_mm;
+        alternatives.iter().any(|suspects| {
+            let effect_mm = base.effect_mm(&self.reading, solution, suspects);
+            (misfit_mm - effect_mm).abs() <= AGREES * sigma_mm
+        })
+    }
+}
+
+/// The numbers of the readings that stay left out once the causes are known (ascending).
+pub(crate) fn still_left_out(base: &Base<'_>, adjusted: &Adjusted) -> Vec<usize> {
+    let gross = base
+        .left_out
+        .iter()
+        .filter(|l| !l.is_explained(base, adjusted));
+    gross.map(|left_out| left_out.number).collect()
+}
