@@ -37,7 +37,7 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         notices: Vec::new(),
     };
     if measured {
-        diagnosis.calibration = Some(calibrated(campaign, settings)?);
+        diagnosis.calibration = Some(calibrated(campaign, settings, &mut diagnosis.notices)?);
     }
     let explained = |calibration: Option<&Calibration>| {
         let wanted = calibration.filter(|_| settings.explain_curves);
@@ -115,7 +115,7 @@ fn with_lengths(
 ) -> Result<(), Error> {
     if !outcome.causes.is_empty() {
         let corrected = without_effects(campaign, lengths, &outcome.effects_mm);
-        let better = calibrated(&corrected, settings)?;
+        let better = calibrated(&corrected, settings, &mut diagnosis.notices)?;
         for cause in &mut outcome.causes {
             if let Some(calibration) = &diagnosis.calibration {
                 cause.changes = changes(calibration, &better);
@@ -177,8 +177,12 @@ fn scene_of_all(campaign: &Campaign) -> Scene {
 }
 
 /// A calibration even of data that the screening refuses: what is wrong with them is the question here.
-/// With its covariance, unless that does not fit into memory.
-fn calibrated(campaign: &Campaign, settings: &Settings) -> Result<Calibration, Error> {
+/// With its covariance, unless that does not fit into memory. What had to be given up is a notice.
+fn calibrated(
+    campaign: &Campaign,
+    settings: &Settings,
+    notices: &mut Vec<String>,
+) -> Result<Calibration, Error> {
     let wanted = settings.calibration;
     let mut attempts = Vec::new();
     for robust in [wanted.robust, false] {
@@ -193,11 +197,25 @@ fn calibrated(campaign: &Campaign, settings: &Settings) -> Result<Calibration, E
     let mut first = None;
     for attempt in &attempts {
         match calibrate(campaign, attempt) {
-            Ok(calibration) => return Ok(calibration),
+            Ok(calibration) => {
+                if let Some(error) = first {
+                    notices.push(given_up(attempt, &error));
+                }
+                return Ok(calibration);
+            }
             Err(error) => first = first.or(Some(error)),
         }
     }
     Err(first.map_or(Error::NothingMeasured, Error::Calibrate))
+}
+
+fn given_up(attempt: &trueaxis_calibrate::Settings, error: &trueaxis_calibrate::Error) -> String {
+    let how = if attempt.robust {
+        "without covariance: error curves are not explained"
+    } else {
+        "with all lengths at full weight"
+    };
+    format!("calibrated {how}, since otherwise: {error}")
 }
 
 /// The campaign with lengths less what the causes do to them.

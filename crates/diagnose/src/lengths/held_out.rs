@@ -12,6 +12,9 @@
 //! length knows, come from its lengths, but the poses and the causes do not: its lengths take part with a
 //! weight that moves nothing else.
 
+#[cfg(test)]
+mod true_gain;
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;

@@ -4,6 +4,7 @@
 //! projected, and takes the F test of what they explain: its null distribution is exact for normal
 //! noise. Several tests share their level (Bonferroni).
 
+use rayon::prelude::*;
 use trueaxis_calibrate::LengthCircumstances as Reading;
 use trueaxis_kinematics::Machine;
 
@@ -91,7 +92,7 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
     let count = tests.len() as f64;
     let projection = &adjusted.projection;
     tests
-        .into_iter()
+        .into_par_iter()
         .map(|(varies_with, mut columns)| {
             columns.retain(|column| column.iter().any(|&x| x != 0.0));
             for column in &mut columns {

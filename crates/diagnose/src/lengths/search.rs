@@ -63,7 +63,7 @@ pub(crate) fn diagnose_lengths(
     let is_worse = heldout.is_some_and(|h| h.interval[0] >= 1.0);
     let heldout = heldout.filter(|_| !is_worse);
     if is_worse {
-        named = left_alone(&base, bare()?);
+        named = left_alone(&base, bare()?, &before);
     }
     let Named {
         found,
@@ -141,16 +141,17 @@ pub(crate) fn diagnose_lengths(
 }
 
 /// What the search finds in the lengths of a base.
-struct Looked {
+pub(crate) struct Looked {
     /// The model without causes.
-    plain: Adjusted,
+    pub(crate) plain: Adjusted,
     /// The tests of what it leaves.
     before: Vec<Omnibus>,
-    named: Named,
+    pub(crate) named: Named,
     not_observable: Vec<NotObservable>,
 }
 
-fn look(base: &Base<'_>) -> Result<Looked, Error> {
+/// Tests, searches and names.
+pub(crate) fn look(base: &Base<'_>) -> Result<Looked, Error> {
     let plain = base.adjust(Vec::new(), None)?;
     let before = omnibus(base, &plain);
     let all = of_catalogue(base);
@@ -161,7 +162,7 @@ fn look(base: &Base<'_>) -> Result<Looked, Error> {
     let bare = || base.adjust(Vec::new(), Some(plain.network.noise));
     let search = find_causes(base, bare()?, &all, &first.scans, &null)?;
     Ok(Looked {
-        named: named(base, search, bare)?,
+        named: named(base, search, &before, bare)?,
         before,
         not_observable: not_observable(&base.scene, &first.without_trace, both_sides),
         plain,
@@ -169,21 +170,25 @@ fn look(base: &Base<'_>) -> Result<Looked, Error> {
 }
 
 /// The causes that are named, the model with them, and what they leave.
-struct Named {
-    found: Vec<Found>,
-    adjusted: Adjusted,
+pub(crate) struct Named {
+    pub(crate) found: Vec<Found>,
+    pub(crate) adjusted: Adjusted,
     after: Vec<Omnibus>,
     unexplained: Option<Unexplained>,
 }
 
 /// Names the causes of a search if they explain nearly all of the structure; none otherwise. `bare` is
-/// the model without any.
+/// the model without any, `before` the tests of what it leaves.
 fn named(
     base: &Base<'_>,
     search: Search,
+    before: &[Omnibus],
     bare: impl Fn() -> Result<Adjusted, Error>,
 ) -> Result<Named, Error> {
-    let after = omnibus(base, &search.adjusted);
+    let after = match search.found.is_empty() {
+        true => before.to_vec(),
+        false => omnibus(base, &search.adjusted),
+    };
     let is_left = after.iter().any(|t| t.test.p_value < OMNIBUS_LEVEL);
     let mut named = Named {
         found: search.found,
@@ -199,7 +204,7 @@ fn named(
     let share = explained / (explained + excesses.fold(search.left, f64::max));
     if named.found.is_empty() || share < NEARLY_ALL {
         let closest = named.found.first().map(|f| (f.suspect.clone(), share));
-        named = left_alone(base, bare()?);
+        named = left_alone(base, bare()?, before);
         // Even if no single test is sure, what several effects share is there.
         let part = unexplained_part(base, &named.adjusted, &named.after, closest.as_ref());
         named.unexplained = Some(part);
@@ -211,8 +216,8 @@ fn named(
 }
 
 /// Without any cause: what the omnibus tests find is unexplained.
-fn left_alone(base: &Base<'_>, bare: Adjusted) -> Named {
-    let after = omnibus(base, &bare);
+fn left_alone(base: &Base<'_>, bare: Adjusted, before: &[Omnibus]) -> Named {
+    let after = before.to_vec();
     let is_left = after.iter().any(|t| t.test.p_value < OMNIBUS_LEVEL);
     Named {
         found: Vec::new(),
@@ -243,6 +248,13 @@ fn notices(base: &Base<'_>) -> Vec<String> {
             lines.len(),
             lines.join(", ")
         ));
+    }
+    let times = || base.readings.iter().map(|r| r.time_s);
+    if times().all(|t| Some(t) == times().next()) {
+        notices.push(
+            "all lengths have the same time_s: nothing that changes with time can be seen"
+                .to_owned(),
+        );
     }
     if base.many_gross > 0 {
         notices.push(format!(
