@@ -10,11 +10,16 @@ pub const TARGETS_MM: [[f64; 3]; 3] = [
     [248.925, 603.0552, 412.4483],
 ];
 
-const STATIONS: [([f64; 3], f64); 4] = [
+/// Where the tracker stands, and its dead paths, mm.
+pub const STATIONS: [([f64; 3], f64); 8] = [
     ([1500.0, 300.0, 900.0], 12.0),
     ([-600.0, 1600.0, 100.0], 345.0),
     ([-700.0, -700.0, 700.0], 678.0),
     ([900.0, 900.0, 1900.0], 91.0),
+    ([1700.0, 1500.0, 300.0], 234.0),
+    ([-900.0, 400.0, 1600.0], 567.0),
+    ([400.0, -1100.0, 100.0], 89.0),
+    ([1300.0, -800.0, 1400.0], 410.0),
 ];
 
 /// A network of `points` points (a multiple of three: the paper's targets at that many places of
@@ -22,8 +27,17 @@ const STATIONS: [([f64; 3], f64); 4] = [
 /// `return_sigma_mm` above zero the three lengths of a visit correlate and the targets of a step
 /// are one block of nine unknowns; with zero every point is a block of three.
 pub fn network(points: usize, return_sigma_mm: f64) -> Network {
+    network_from(4, points, return_sigma_mm)
+}
+
+/// As [`network`], from the first of [`STATIONS`].
+///
+/// # Panics
+/// If there are not so many stations.
+pub fn network_from(stations: usize, points: usize, return_sigma_mm: f64) -> Network {
+    let stations = &STATIONS[..stations];
     let mut network = Network {
-        stations: vec![None; STATIONS.len()],
+        stations: vec![None; stations.len()],
         noise: Noise {
             length_sigma_mm: 0.269e-3,
             return_sigma_mm,
@@ -52,7 +66,7 @@ pub fn network(points: usize, return_sigma_mm: f64) -> Network {
     for first in (0..true_points.len()).step_by(per_group) {
         network.groups.push(first..first + per_group);
     }
-    for (station, (position, dead_path)) in STATIONS.iter().enumerate() {
+    for (station, (position, dead_path)) in stations.iter().enumerate() {
         for (group, points) in network.groups.iter().enumerate() {
             let first = network.readings.len();
             for (point, p) in true_points[points.clone()].iter().enumerate() {
