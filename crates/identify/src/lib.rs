@@ -13,6 +13,7 @@
 //! which knows the noise it lets through:
 //!
 //! - [`nine`] and [`nine_weighted`]: all equations by least squares, for three targets or more;
+//!   [`nine_closed_form`] does it without an operator where the targets differ from step to step;
 //! - [`SixRows`]: any six of the nine, for comparison; [`closed_form`] is the paper's Eq. 18.
 //!
 //! Lengths are mm, angles rad, right-hand rule. δ belongs to the point that `r` is measured from,
@@ -61,6 +62,7 @@ mod misfit;
 mod nine;
 mod operator;
 mod six_rows;
+mod three_targets;
 mod triangle;
 
 pub use closed_form::closed_form;
@@ -70,4 +72,5 @@ pub use misfit::{RigidMisfit, rigid_misfit};
 pub use nine::{nine, nine_weighted};
 pub use operator::Operator;
 pub use six_rows::{SixRows, UnseenMotion};
+pub use three_targets::nine_closed_form;
 pub use triangle::{SideMismatch, triangle_mismatch};

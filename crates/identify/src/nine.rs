@@ -4,17 +4,23 @@ use nalgebra::{DMatrix, Vector3};
 
 use crate::covariance::whitening;
 use crate::design::{CentredTargets, Extent};
+use crate::three_targets::ThreeTargets;
 use crate::{Error, Operator};
 
 /// Least squares over all 3T equations of Eq. 21, all coordinates equally well known.
 ///
 /// `r` holds the generalised coordinates of at least three targets relative to the reference
-/// point of δ, mm.
+/// point of δ, mm. For three of them the solution is a closed form; [`crate::nine_closed_form`]
+/// applies it without an operator.
 ///
 /// # Errors
 /// [`Error::TooFewTargets`], [`Error::NotFinite`], [`Error::Collinear`] if no target is farther
 /// from the line through the farthest two than 1e-6 of their distance.
 pub fn nine(r: &[Vector3<f64>]) -> Result<Operator, Error> {
+    if let Ok(three) = r.try_into() {
+        let blocks = ThreeTargets::new(three)?.blocks();
+        return Ok(Operator::from_blocks(r, blocks.into()));
+    }
     whitened(r, DMatrix::identity(3 * r.len(), 3 * r.len()))
 }
 

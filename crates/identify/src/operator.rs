@@ -27,9 +27,14 @@ impl Operator {
         scaled: &OMatrix<f64, U6, Dyn>,
     ) -> Self {
         let block = |j: usize| centred.unscale(scaled.fixed_columns::<3>(3 * j).into_owned());
+        Self::from_blocks(r, (0..r.len()).map(block).collect())
+    }
+
+    /// `blocks` are the columns that belong to each of the targets `r`.
+    pub(crate) fn from_blocks(r: &[Vector3<f64>], blocks: Vec<Matrix6x3<f64>>) -> Self {
         Self {
             targets: r.to_vec(),
-            blocks: (0..r.len()).map(block).collect(),
+            blocks,
         }
     }
 

@@ -1,0 +1,223 @@
+//! The nine equations in closed form: least squares for three targets, all coordinates equally
+//! well known.
+//!
+//! With the centroid `c`, the offsets `s_j = r_j - c` (`Σ s_j = 0`) and the mean `Δ_c` of the
+//! volumetric errors, the normal equations of `Δ_j = δ + ε × r_j` part into a translation and a
+//! rotation:
+//!
+//! ```text
+//! δ = Δ_c - ε × c        J ε = m        m = Σ s_j × Δ_j        J = Σ (|s_j|² I - s_j s_jᵀ)
+//! ```
+//!
+//! `J` is the inertia of three equal masses. They lie in a plane, so with the sides
+//! `a = r_Q - r_P`, `b = r_K - r_P`, `b - a` and the normal `N = a × b` its inverse is
+//!
+//! ```text
+//! J⁻¹ = ( a aᵀ + b bᵀ + (b-a)(b-a)ᵀ + 3 N Nᵀ / (|a|² + |b|² + |b-a|²) ) / |N|²
+//! ```
+//!
+//! (In the plane `J` is the adjugate of `S = Σ s_j s_jᵀ`, whose inverse is `S / det S`, with
+//! `3 S` the sum over the sides and `3 det S = |N|²`; across it `J` is `tr S`.) `|N|` comes from
+//! the sides without a difference of products of large numbers, so thin triangles lose no more
+//! digits than by orthogonal factors of the equations.
+
+use nalgebra::{Matrix3, Matrix6x3, Vector3};
+use trueaxis_kinematics::MotionError;
+
+use crate::Error;
+use crate::design::{Extent, GEOMETRY_TOL, require_finite};
+
+/// The six component errors of a step by least squares over its nine equations: what
+/// [`crate::nine`] and [`Operator::apply`](crate::Operator::apply) give, for targets that are at
+/// other places (or turned) at every step. Nothing is allocated.
+///
+/// `r` holds the generalised coordinates of P, Q, K relative to the reference point of δ, `delta`
+/// their volumetric errors (measured minus ideal position), mm. What is not finite in `delta` is
+/// not finite in the result.
+///
+/// # Errors
+/// [`Error::NotFinite`], [`Error::Collinear`] as [`crate::nine`].
+///
+/// ```
+/// use nalgebra::Vector3;
+/// use trueaxis_identify::{nine, nine_closed_form};
+///
+/// let r = [[0.0, 150.0, 0.0], [200.0, 0.0, 50.0], [0.0, -120.0, 90.0]].map(Vector3::from);
+/// let delta = [[1e-3, 0.0, 2e-3], [0.0, 3e-3, 1e-3], [2e-3, 1e-3, 0.0]].map(Vector3::from);
+/// let difference = nine_closed_form(&r, &delta)?.to_vector() - nine(&r)?.apply(&delta).to_vector();
+/// assert!(difference.norm() < 1e-15);
+/// # Ok::<(), trueaxis_identify::Error>(())
+/// ```
+pub fn nine_closed_form(
+    r: &[Vector3<f64>; 3],
+    delta: &[Vector3<f64>; 3],
+) -> Result<MotionError, Error> {
+    Ok(ThreeTargets::new(r)?.motion(delta))
+}
+
+/// Three targets that span a plane.
+pub(crate) struct ThreeTargets {
+    centroid_mm: Vector3<f64>,
+    /// From P to Q, and from P to K.
+    sides_mm: [Vector3<f64>; 2],
+    /// `a × b`.
+    normal_mm2: Vector3<f64>,
+    /// Sum of the squares of all three sides.
+    squares_mm2: f64,
+    /// `1 / |N|²`, mm⁻⁴.
+    inverse_square: f64,
+}
+
+impl ThreeTargets {
+    /// # Errors
+    /// [`Error::NotFinite`], [`Error::Collinear`].
+    #[inline]
+    pub(crate) fn new(r: &[Vector3<f64>; 3]) -> Result<Self, Error> {
+        let [p, q, k] = r;
+        let (a, b) = (q - p, k - p);
+        let squares = [a, b, b - a].map(|side| side.norm_squared());
+        let normal_mm2 = a.cross(&b);
+        let longest_mm2 = squares[0].max(squares[1]).max(squares[2]);
+        // The distance of the third target from the longest side is |N| over its length.
+        let least = GEOMETRY_TOL * longest_mm2;
+        let square = normal_mm2.norm_squared();
+        let spans_a_plane = square > least * least && square.is_finite();
+        if !spans_a_plane {
+            require_finite("position", r)?;
+            return Err(Extent::of(r).collinear());
+        }
+        Ok(Self {
+            centroid_mm: p + (a + b) / 3.0,
+            sides_mm: [a, b],
+            normal_mm2,
+            squares_mm2: squares.iter().sum(),
+            inverse_square: square.recip(),
+        })
+    }
+
+    /// The component errors that fit the volumetric errors best.
+    #[inline]
+    pub(crate) fn motion(&self, delta: &[Vector3<f64>; 3]) -> MotionError {
+        let [delta_p, delta_q, delta_k] = delta;
+        let [a, b] = &self.sides_mm;
+        let (u, v) = (delta_q - delta_p, delta_k - delta_p);
+        // Σ s_j × Δ_j with s_Q = (2a - b)/3, s_K = (2b - a)/3 and s_P the rest.
+        let moment = (a.cross(&(u * 2.0 - v)) + b.cross(&(v * 2.0 - u))) / 3.0;
+        let rotation = self.inverse_inertia_times(&moment);
+        let mean = delta_p + (u + v) / 3.0;
+        MotionError::new(mean - rotation.cross(&self.centroid_mm), rotation)
+    }
+
+    /// The columns of the operator that belong to each target:
+    /// `ε = J⁻¹ Σ s_j × Δ_j` and `δ = Δ_c + c × ε`.
+    pub(crate) fn blocks(&self) -> [Matrix6x3<f64>; 3] {
+        let [a, b] = &self.sides_mm;
+        let offsets = [-(a + b), a * 2.0 - b, b * 2.0 - a].map(|sum| sum / 3.0);
+        offsets.map(|offset| {
+            let turned_by = |delta: Vector3<f64>| self.inverse_inertia_times(&offset.cross(&delta));
+            let rotation =
+                Matrix3::from_columns(&[Vector3::x(), Vector3::y(), Vector3::z()].map(turned_by));
+            let translation =
+                Matrix3::identity() / 3.0 + self.centroid_mm.cross_matrix() * rotation;
+            let mut block = Matrix6x3::zeros();
+            block.fixed_rows_mut::<3>(0).copy_from(&translation);
+            block.fixed_rows_mut::<3>(3).copy_from(&rotation);
+            block
+        })
+    }
+
+    /// `J⁻¹ m`.
+    #[inline]
+    fn inverse_inertia_times(&self, m: &Vector3<f64>) -> Vector3<f64> {
+        let [a, b] = &self.sides_mm;
+        let (along_a, along_b) = (a.dot(m), b.dot(m));
+        // (b - a) ((b - a)·m) is taken apart into multiples of a and b.
+        let difference = along_b - along_a;
+        let in_plane = a * (along_a - difference) + b * (along_b + difference);
+        let across = self.normal_mm2 * (3.0 * self.normal_mm2.dot(m) / self.squares_mm2);
+        (in_plane + across) * self.inverse_square
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{nine, nine_weighted};
+    use nalgebra::DMatrix;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// The same by orthogonal factors of the nine equations.
+    fn by_qr(r: &[Vector3<f64>; 3], delta: &[Vector3<f64>; 3]) -> MotionError {
+        nine_weighted(r, &DMatrix::identity(9, 9))
+            .unwrap()
+            .apply(delta)
+    }
+
+    fn assert_close(found: &MotionError, expected: &MotionError, relative: f64) {
+        let parts = [
+            (found.translation_mm, expected.translation_mm),
+            (found.rotation_rad, expected.rotation_rad),
+        ];
+        for (found, expected) in parts {
+            let difference = (found - expected).norm() / expected.norm();
+            assert!(difference < relative, "{found} {expected}: {difference:e}");
+        }
+    }
+
+    fn random(rng: &mut ChaCha8Rng, size: f64) -> Vector3<f64> {
+        Vector3::from_fn(|_, _| rng.random_range(-size..size))
+    }
+
+    #[test]
+    fn equals_orthogonal_factors() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for _ in 0..2_000 {
+            let r = [(); 3].map(|()| random(&mut rng, 400.0));
+            let delta = [(); 3].map(|()| random(&mut rng, 0.01));
+            // Random triangles are up to some hundred times as long as wide.
+            let expected = by_qr(&r, &delta);
+            assert_close(&nine_closed_form(&r, &delta).unwrap(), &expected, 1e-12);
+            assert_close(&nine(&r).unwrap().apply(&delta), &expected, 1e-12);
+        }
+    }
+
+    /// The third target is off the line of the others by a small part of their distance: digits are
+    /// lost by its inverse, not by its square.
+    #[test]
+    fn thin_triangles_keep_what_can_be_known() {
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        for part in [1e-2, 1e-4, 1e-5] {
+            for _ in 0..100 {
+                let (start, along) = (random(&mut rng, 400.0), random(&mut rng, 400.0));
+                let across = along.cross(&random(&mut rng, 1.0)).normalize() * along.norm();
+                let middle = start + along * rng.random::<f64>() + across * part;
+                let r = [start, middle, start + along];
+                let delta = [(); 3].map(|()| random(&mut rng, 0.01));
+                let allowed = 1e-13 / part;
+                let found = nine_closed_form(&r, &delta).unwrap();
+                assert_close(&found, &by_qr(&r, &delta), allowed);
+            }
+        }
+    }
+
+    #[test]
+    fn refuses_what_the_operator_refuses() {
+        let line = [0.0, 1.0, 3.0].map(|t| Vector3::new(5.0, -2.0, 1.0) * t);
+        let delta = [Vector3::zeros(); 3];
+        assert_eq!(
+            nine_closed_form(&line, &delta).unwrap_err(),
+            nine(&line).unwrap_err()
+        );
+        for wrong in [f64::NAN, f64::INFINITY] {
+            let mut r = [Vector3::x(), Vector3::y(), Vector3::z()];
+            r[1].z = wrong;
+            let quantity = "position";
+            let refused = Err(Error::NotFinite {
+                quantity,
+                target: 1,
+            });
+            assert_eq!(nine_closed_form(&r, &delta), refused);
+        }
+    }
+}
