@@ -114,3 +114,70 @@ impl Clock {
         pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use trueaxis_effects::GivenParameter;
+    use trueaxis_simulate::{Scenario, simulate};
+
+    use super::*;
+
+    fn measured(timing: Timing) -> Campaign {
+        let text = include_str!("../../../../campaigns/rotary-stage/scenario.json");
+        let mut scenario = Scenario::from_json(text).unwrap();
+        scenario.timing = timing;
+        simulate(&scenario, 1).unwrap().campaign
+    }
+
+    fn timing(per_reading_s: f64, per_move_s: f64, per_station_change_s: f64) -> Timing {
+        Timing {
+            start_s: 3.0,
+            per_reading_s,
+            per_move_s,
+            per_station_change_s,
+        }
+    }
+
+    #[test]
+    fn times_come_back() {
+        let wanted = timing(1.25, 7.5, 600.0);
+        let campaign = measured(wanted);
+        let places: Vec<usize> = (0..684).collect();
+        let clock = Clock::of(&campaign, &campaign, &places);
+        assert_eq!(clock.timing(), wanted);
+        assert_eq!(clock.notice(), None);
+    }
+
+    #[test]
+    fn instants_stay_between_the_same_lengths() {
+        let (campaign, replay) = (
+            measured(timing(1.0, 7.0, 900.0)),
+            measured(timing(2.0, 4.0, 60.0)),
+        );
+        let places: Vec<usize> = (0..684).collect();
+        let clock = Clock::of(&campaign, &replay, &places);
+        let time_s =
+            |campaign: &Campaign, i: usize| campaign.lengths.as_ref().unwrap().readings[i].time_s;
+        let instant = GivenParameter {
+            name: "time".to_owned(),
+            value: 0.25 * time_s(&campaign, 400) + 0.75 * time_s(&campaign, 401),
+            u: None,
+            unit: "s".to_owned(),
+        };
+        let mut effects = [GivenEffect {
+            effect: "machine_shift".to_owned(),
+            subject: trueaxis_effects::GivenSubject::default(),
+            parameters: vec![instant],
+        }];
+        clock.set_instants(&mut effects);
+        let wanted = 0.25 * time_s(&replay, 400) + 0.75 * time_s(&replay, 401);
+        let found = effects[0].parameters[0].value;
+        assert!((found - wanted).abs() < 1e-9, "{found} {wanted}");
+        assert!(
+            clock
+                .notice()
+                .unwrap()
+                .contains("beside that of the campaign")
+        );
+    }
+}

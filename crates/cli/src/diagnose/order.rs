@@ -67,3 +67,44 @@ fn position_numbers(campaign: &Campaign) -> Vec<usize> {
     }
     numbers
 }
+
+#[cfg(test)]
+mod tests {
+    use trueaxis_simulate::{Scenario, simulate};
+
+    use super::*;
+
+    fn measured() -> Campaign {
+        let text = include_str!("../../../../campaigns/rotary-stage/scenario.json");
+        simulate(&Scenario::from_json(text).unwrap(), 1)
+            .unwrap()
+            .campaign
+    }
+
+    #[test]
+    fn missing_lengths_leave_gaps() {
+        let replay = measured();
+        let mut campaign = replay.clone();
+        let lengths = campaign.lengths.as_mut().unwrap();
+        // The whole second stop was not measured.
+        let missing = lengths.stops.remove(1).readings;
+        let wanted: Vec<usize> = (0..missing.start).chain(missing.end..684).collect();
+        assert_eq!(places_in_replay(&campaign, &replay).unwrap(), wanted);
+    }
+
+    #[test]
+    fn another_order_is_refused() {
+        let replay = measured();
+        let mut campaign = replay.clone();
+        campaign.lengths.as_mut().unwrap().stops.swap(3, 4);
+        assert!(places_in_replay(&campaign, &replay).is_err());
+    }
+
+    #[test]
+    fn lengths_that_a_replay_lacks_are_refused() {
+        let campaign = measured();
+        let mut replay = campaign.clone();
+        replay.lengths.as_mut().unwrap().stops.pop();
+        assert!(places_in_replay(&campaign, &replay).is_err());
+    }
+}
