@@ -6,6 +6,7 @@
 use rayon::prelude::*;
 use trueaxis_diagnose::{Cause, Diagnosis, Settings, Verdict, diagnose};
 use trueaxis_effects::{Level, ResolvedEffect};
+use trueaxis_simulate::{Scenario, simulate};
 use trueaxis_tests::blind::{self, Hidden, Kind};
 
 const STRENGTH: f64 = 12.0;
@@ -167,4 +168,50 @@ fn the_gain_is_the_true_one() {
     let clean = blind::campaign(&kind, &[], 31);
     let clean = diagnose(&clean, &lengths_only()).unwrap();
     assert!(clean.levels[0].gain.is_none());
+}
+
+fn rotary_stage(change: impl Fn(&mut Scenario)) -> Diagnosis {
+    let text = include_str!("../../../campaigns/rotary-stage/scenario.json");
+    let mut scenario = Scenario::from_json(text).unwrap();
+    change(&mut scenario);
+    diagnose(&simulate(&scenario, 1).unwrap().campaign, &lengths_only()).unwrap()
+}
+
+/// What rounding leaves of exact lengths varies with everything and means nothing.
+#[test]
+fn exact_lengths_are_clean() {
+    let diagnosis = rotary_stage(|scenario| {
+        scenario.noise.exact = true;
+        scenario.noise.length_sigma_um = Some(0.0);
+        scenario.noise.repeatability_um = Some(0.0);
+    });
+    assert_eq!(
+        diagnosis.verdict,
+        Verdict::Clean,
+        "{:?}",
+        diagnosis.unexplained
+    );
+    assert!(diagnosis.levels[0].before.rms_um < 1e-4);
+}
+
+/// The four lengths to the target between its slip and the end of the turn look like gross errors until
+/// the slip is known; with them its instant is known to seconds.
+#[test]
+fn lengths_that_the_cause_explains_come_back() {
+    let diagnosis = rotary_stage(|scenario| {
+        let effects = r#"[{ "effect": "target_slip", "subject": { "target": "Q" }, "parameters": [
+            { "name": "slip_x", "value": 2, "unit": "um" }, { "name": "slip_y", "value": -8, "unit": "um" },
+            { "name": "slip_z", "value": 3, "unit": "um" }, { "name": "time", "value": 2000, "unit": "s" }] }]"#;
+        scenario.effects = serde_json::from_str(effects).unwrap();
+    });
+    assert_eq!(diagnosis.levels[0].data, "684 lengths");
+    let time = diagnosis.causes[0]
+        .parameters
+        .iter()
+        .find(|p| p.name == "time");
+    let time = time.unwrap();
+    assert!(
+        (time.value - 2000.0).abs() < 2.0 * time.u && time.u < 20.0,
+        "{time:?}"
+    );
 }

@@ -63,10 +63,6 @@ const MOST_GROSS: f64 = 0.01;
 /// a thousandth of one.
 const NO_WEIGHT: f64 = 1e6;
 
-/// No interferometer knows a length better, mm: in lengths without noise the rounding of the model would
-/// look like a cause.
-const LEAST_NOISE_MM: f64 = 1e-6;
-
 /// Parameters of causes rest when they move by less than this part of their uncertainty.
 const RESTS: f64 = 1e-3;
 
@@ -143,10 +139,6 @@ impl<'a> Base<'a> {
                     self.declared,
                     &settings,
                 )?;
-                if network.noise.length_sigma_mm < LEAST_NOISE_MM {
-                    network.noise.length_sigma_mm = LEAST_NOISE_MM;
-                    solution = solution.solve_again(&network, &self.bodies, &settings)?;
-                }
             }
             let whitened = Whitened::rigid(&network, &self.bodies, &solution);
             let bare = Projection::of_network(&whitened);
