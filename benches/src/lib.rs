@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_multilateration::{Network, Noise, Reading, Visit};
+use trueaxis_simulate::Scenario;
 
 /// The targets of the paper's three-axis machine, mm.
 pub const TARGETS_MM: [[f64; 3]; 3] = [
@@ -21,6 +22,15 @@ pub const STATIONS: [([f64; 3], f64); 8] = [
     ([400.0, -1100.0, 100.0], 89.0),
     ([1300.0, -800.0, 1400.0], 410.0),
 ];
+
+/// The scenario of the shipped three-axis campaign: 2,340 lengths in three repeats.
+///
+/// # Panics
+/// If the file does not hold a scenario.
+pub fn fxyz() -> Scenario {
+    let text = include_str!("../../campaigns/fxyz/scenario.json");
+    Scenario::from_json(text).expect("a scenario")
+}
 
 /// A network of `points` points (a multiple of three: the paper's targets at that many places of
 /// its machine) seen once from each of four stations. The points are some 20 µm off nominal. With
