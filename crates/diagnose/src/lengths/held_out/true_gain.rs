@@ -42,7 +42,7 @@ fn disturbed(scenario: &str, generator: &mut ChaCha8Rng) -> Scenario {
     let effect = match generator.random_range(0..4) {
         0 => format!(
             r#"[{{ "effect": "station_drift", "subject": {{ "station": "{station}" }}, "parameters": [{}] }}]"#,
-            vector("drift", v)
+            vector("creep", v)
         ),
         1 => format!(
             r#"[{{ "effect": "machine_shift", "subject": {{}}, "parameters": [{}, {time}] }}]"#,
