@@ -30,7 +30,7 @@ pub(crate) struct Influence<'a> {
 
 /// What ties the points.
 enum Model<'a> {
-    Free(FreePoints<'a>),
+    Free(Box<FreePoints<'a>>),
     Rigid(Box<(RigidStages<'a>, RigidState)>),
 }
 
@@ -63,7 +63,7 @@ impl<'a> Influence<'a> {
         let state = solution.state();
         Self {
             network,
-            model: Model::Free(FreePoints::new(network, &state)),
+            model: Model::Free(Box::new(FreePoints::new(network, &state))),
             state,
             covariance: &solution.covariance,
         }
