@@ -1,6 +1,7 @@
 //! Checking and whitening the covariance of the points.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::allocator::Allocator;
+use nalgebra::{Cholesky, DMatrix, DefaultAllocator, Dim, OMatrix, OVector};
 
 use crate::Error;
 
@@ -32,18 +33,27 @@ pub(crate) fn whitening(covariance: &DMatrix<f64>, size: usize) -> Result<DMatri
 ///
 /// # Errors
 /// [`Error::Covariance`] if C is not safely positive definite.
-pub(crate) fn cholesky(
-    covariance: &DMatrix<f64>,
-    variances_mm2: &DVector<f64>,
-) -> Result<Cholesky<f64, Dyn>, Error> {
-    let is_safe = |cholesky: &Cholesky<f64, Dyn>| {
-        let conditional = cholesky.l_dirty().diagonal().map(|l| l * l);
-        let share = conditional.component_div(variances_mm2);
-        share.iter().all(|&share| share > CONDITIONAL_VARIANCE_TOL)
+pub(crate) fn cholesky<D: Dim>(
+    covariance: &OMatrix<f64, D, D>,
+    variances_mm2: &OVector<f64, D>,
+) -> Result<Cholesky<f64, D>, Error>
+where
+    DefaultAllocator: Allocator<D, D> + Allocator<D>,
+{
+    let is_safe = |cholesky: &Cholesky<f64, D>| {
+        let l = cholesky.l_dirty();
+        (0..l.nrows()).all(|i| l[(i, i)].powi(2) > CONDITIONAL_VARIANCE_TOL * variances_mm2[i])
     };
     Cholesky::new(covariance.clone())
         .filter(is_safe)
-        .ok_or_else(|| not_positive_definite(covariance))
+        .ok_or_else(|| {
+            let size = covariance.nrows();
+            not_positive_definite(&DMatrix::from_column_slice(
+                size,
+                size,
+                covariance.as_slice(),
+            ))
+        })
 }
 
 /// # Errors
@@ -61,8 +71,8 @@ pub(crate) fn require_covariance(covariance: &DMatrix<f64>, size: usize) -> Resu
         for row in 0..=column {
             let (upper, lower) = (covariance[(row, column)], covariance[(column, row)]);
             let variances = covariance[(row, row)] * covariance[(column, column)];
-            let allowed = SYMMETRY_TOL * variances.abs().sqrt();
-            let is_symmetric = (upper - lower).abs() <= allowed;
+            let allowed = SYMMETRY_TOL * SYMMETRY_TOL * variances.abs();
+            let is_symmetric = (upper - lower).powi(2) <= allowed;
             if !is_symmetric {
                 return Err(Error::CovarianceAsymmetric {
                     row,

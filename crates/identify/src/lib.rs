@@ -57,6 +57,7 @@
 mod closed_form;
 mod covariance;
 mod design;
+mod distortion;
 mod error;
 mod misfit;
 mod nine;

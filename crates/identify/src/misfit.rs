@@ -5,6 +5,8 @@ use trueaxis_kinematics::MICROMETRE;
 
 use crate::covariance::{cholesky, require_covariance};
 use crate::design::{CentredTargets, require_finite};
+use crate::distortion::Covariance9;
+use crate::three_targets::ThreeTargets;
 use crate::{Error, Operator};
 
 /// What a rigid motion does not explain of the volumetric errors of one step.
@@ -51,9 +53,26 @@ pub fn rigid_misfit(
     let sum_mm2: f64 = residual_mm.iter().map(Vector3::norm_squared).sum();
     let components = 3.0 * residual_mm.len() as f64;
 
+    Ok(RigidMisfit {
+        rms_um: (sum_mm2 / components).sqrt() / MICROMETRE,
+        chi_squared: chi_squared(operator.targets_mm(), delta, covariance)?,
+        degrees_of_freedom: 3 * residual_mm.len() - 6,
+        residual_mm,
+    })
+}
+
+fn chi_squared(
+    targets_mm: &[Vector3<f64>],
+    delta: &[Vector3<f64>],
+    covariance: &DMatrix<f64>,
+) -> Result<f64, Error> {
+    if let (Ok(r), Ok(delta)) = (targets_mm.try_into(), delta.try_into()) {
+        let covariance = Covariance9::from_column_slice(covariance.as_slice());
+        return ThreeTargets::new(r)?.distortion_squares(delta, &covariance);
+    }
     // The last 3T - 6 rows of Qᵀ in A = Q R are Bᵀ.
-    let qr = CentredTargets::new(operator.targets_mm())?.equations().qr();
-    let degrees_of_freedom = 3 * residual_mm.len() - 6;
+    let qr = CentredTargets::new(targets_mm)?.equations().qr();
+    let degrees_of_freedom = 3 * delta.len() - 6;
     let mut rotated = DVector::from_iterator(3 * delta.len(), delta.iter().flatten().copied());
     qr.q_tr_mul(&mut rotated);
     let distortion = rotated.rows(6, degrees_of_freedom).into_owned();
@@ -67,10 +86,5 @@ pub fn rigid_misfit(
 
     let variances_mm2 = DVector::repeat(degrees_of_freedom, covariance.diagonal().max());
     let weighted = cholesky(&distortion_covariance, &variances_mm2)?.solve(&distortion);
-    Ok(RigidMisfit {
-        residual_mm,
-        rms_um: (sum_mm2 / components).sqrt() / MICROMETRE,
-        chi_squared: distortion.dot(&weighted),
-        degrees_of_freedom,
-    })
+    Ok(distortion.dot(&weighted))
 }

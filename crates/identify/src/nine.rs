@@ -2,8 +2,9 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use crate::covariance::whitening;
+use crate::covariance::{cholesky, require_covariance, whitening};
 use crate::design::{CentredTargets, Extent};
+use crate::distortion::Covariance9;
 use crate::three_targets::ThreeTargets;
 use crate::{Error, Operator};
 
@@ -28,17 +29,25 @@ pub fn nine(r: &[Vector3<f64>]) -> Result<Operator, Error> {
 /// least variance when C is the covariance of the points.
 ///
 /// `covariance` is 3T x 3T, mm², targets in order, x y z within each. Only its shape matters, not
-/// its scale; errors that move the targets as one rigid body may be in it or not.
+/// its scale; errors that move the targets as one rigid body may be in it or not. For three targets
+/// the solution is a closed form but for a 3 x 3 matrix.
 ///
 /// # Errors
 /// As [`nine`], and [`Error::CovarianceShape`], [`Error::CovarianceAsymmetric`],
 /// [`Error::Covariance`].
 pub fn nine_weighted(r: &[Vector3<f64>], covariance: &DMatrix<f64>) -> Result<Operator, Error> {
-    whitened(r, whitening(covariance, 3 * r.len())?)
+    let Ok(three) = <&[Vector3<f64>; 3]>::try_from(r) else {
+        return whitened(r, whitening(covariance, 3 * r.len())?);
+    };
+    require_covariance(covariance, 9)?;
+    let covariance = Covariance9::from_column_slice(covariance.as_slice());
+    cholesky(&covariance, &covariance.diagonal())?;
+    let blocks = ThreeTargets::new(three)?.weighted_blocks(&covariance)?;
+    Ok(Operator::from_blocks(r, blocks.into()))
 }
 
 /// Least squares over `W A x = W Δ`: with `W A = Q R` the operator is `R⁻¹ Qᵀ W`.
-fn whitened(r: &[Vector3<f64>], w: DMatrix<f64>) -> Result<Operator, Error> {
+pub(crate) fn whitened(r: &[Vector3<f64>], w: DMatrix<f64>) -> Result<Operator, Error> {
     let centred = CentredTargets::new(r)?;
     let qr = (&w * centred.equations()).qr();
     let mut qt_w = w;

@@ -95,6 +95,16 @@ impl ThreeTargets {
         })
     }
 
+    /// From P to Q, and from P to K.
+    pub(crate) fn sides_mm(&self) -> &[Vector3<f64>; 2] {
+        &self.sides_mm
+    }
+
+    /// Unit normal of the plane.
+    pub(crate) fn normal(&self) -> Vector3<f64> {
+        self.normal_mm2 * self.inverse_square.sqrt()
+    }
+
     /// The component errors that fit the volumetric errors best.
     #[inline]
     pub(crate) fn motion(&self, delta: &[Vector3<f64>; 3]) -> MotionError {
@@ -142,16 +152,15 @@ impl ThreeTargets {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{nine, nine_weighted};
+    use crate::nine;
+    use crate::nine::whitened;
     use nalgebra::DMatrix;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
     /// The same by orthogonal factors of the nine equations.
     fn by_qr(r: &[Vector3<f64>; 3], delta: &[Vector3<f64>; 3]) -> MotionError {
-        nine_weighted(r, &DMatrix::identity(9, 9))
-            .unwrap()
-            .apply(delta)
+        whitened(r, DMatrix::identity(9, 9)).unwrap().apply(delta)
     }
 
     fn assert_close(found: &MotionError, expected: &MotionError, relative: f64) {
