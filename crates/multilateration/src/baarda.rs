@@ -13,11 +13,10 @@
 //! then its distance from what the others predict, and `1/den - (f - 1) σ²` the variance of that if
 //! nothing were wrong. So readings are tested alike whether they take part or not.
 
-use faer::Mat;
-use trueaxis_leastsquares::BlockRows;
+use rayon::prelude::*;
 
-use crate::influence::{Influence, VisitRows};
-use crate::quadratic_form::quadratic_form;
+use crate::influence::Influence;
+use crate::visit_terms::{VisitTerms, dot, times_symmetric};
 
 /// The test of one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,133 +58,140 @@ pub(crate) struct Tests {
     pub(crate) visits: Vec<f64>,
 }
 
+/// Visits that one thread takes at a time.
+const PIECE: usize = 1024;
+
 /// Tests every reading and every visit.
 pub(crate) fn test_all(influence: &Influence<'_>) -> Tests {
     let network = influence.network();
-    let unchecked = ReadingTest {
+    let sigma = influence.sigma();
+    let visits = network.visits.len();
+    let pieces = (0..visits.div_ceil(PIECE)).into_par_iter();
+    let tested: Vec<Tests> = pieces
+        .map(|piece| {
+            let mut tests = Tests::default();
+            let mut work = VisitTest::default();
+            for visit in piece * PIECE..visits.min((piece + 1) * PIECE) {
+                work.test(influence, &sigma, visit, &mut tests);
+            }
+            tests
+        })
+        .collect();
+    let unchecked = ReadingTest::UNCHECKED;
+    let mut tests = Tests {
+        readings: vec![unchecked; network.readings.len()],
+        visits: Vec::with_capacity(visits),
+    };
+    let mut content = network.visits.iter();
+    for part in tested {
+        let mut readings = part.readings.as_slice();
+        for visit in content.by_ref().take(part.visits.len()) {
+            let (own, rest) = readings.split_at(visit.readings.len());
+            tests.readings[visit.readings.clone()].copy_from_slice(own);
+            readings = rest;
+        }
+        tests.visits.extend(part.visits);
+    }
+    tests
+}
+
+impl ReadingTest {
+    const UNCHECKED: Self = Self {
         w: 0.0,
         error_mm: 0.0,
         sigma_mm: f64::INFINITY,
         kept: 0.0,
     };
-    let mut tests = Tests {
-        readings: vec![unchecked; network.readings.len()],
-        visits: vec![0.0; network.visits.len()],
-    };
-    let mut memory = BlockRows::default();
-    for g in 0..influence.groups() {
-        let group = influence.group(g, &mut memory);
-        for visit in &group.visits {
-            let kept = influence.kept(&group, visit);
-            let sigmas_mm = influence.length_sigmas_mm(visit);
-            let residuals = &group.residuals[visit.first..visit.first + visit.count];
-            let first = network.visits[visit.visit].readings.start;
-            let mut all = vec![0.0; visit.count];
-            for (i, sigma_mm) in sigmas_mm.into_iter().enumerate() {
-                let unit = influence.unit_error(visit, i);
-                for (sum, unit) in all.iter_mut().zip(&unit) {
-                    *sum += unit;
-                }
-                let numerator: f64 = dot(&unit, residuals);
-                let denominator = quadratic_form(&kept, &unit);
-                if denominator <= CHECKED_TOL * dot(&unit, &unit) {
-                    continue;
-                }
-                let factor = network.variance_factor(first + i);
-                let inflation = sigma_mm.powi(2) * (1.0 - 1.0 / factor);
-                let error_mm = numerator / denominator;
-                let sigma_mm = (1.0 / denominator - inflation)
-                    .max(f64::MIN_POSITIVE)
-                    .sqrt();
-                tests.readings[first + i] = ReadingTest {
-                    w: error_mm / sigma_mm,
-                    error_mm,
-                    sigma_mm,
-                    kept: denominator / dot(&unit, &unit),
-                };
+}
+
+/// The tests of one visit: memory to work in.
+#[derive(Default)]
+struct VisitTest {
+    terms: VisitTerms,
+    kept: Vec<f64>,
+    memory: Vec<f64>,
+    unit: Vec<f64>,
+    all: Vec<f64>,
+}
+
+impl VisitTest {
+    fn test(&mut self, influence: &Influence<'_>, sigma: &[f64], visit: usize, tests: &mut Tests) {
+        let network = influence.network();
+        let Self {
+            terms,
+            kept,
+            memory,
+            unit,
+            all,
+        } = self;
+        influence.visit(visit, terms);
+        terms.kept(sigma, kept, memory);
+        let count = terms.count();
+        all.clear();
+        all.resize(count, 0.0);
+        for (i, reading) in network.visits[visit].readings.clone().enumerate() {
+            influence.unit_error_into(visit, count, i, unit);
+            for (sum, unit) in all.iter_mut().zip(&*unit) {
+                *sum += unit;
             }
-            let denominator = quadratic_form(&kept, &all);
-            if visit.count > 1 && denominator > CHECKED_TOL * dot(&all, &all) {
-                tests.visits[visit.visit] = dot(&all, residuals) / denominator.sqrt();
+            let numerator: f64 = dot(unit, terms.residuals());
+            let denominator = quadratic(kept, unit);
+            if denominator <= CHECKED_TOL * dot(unit, unit) {
+                tests.readings.push(ReadingTest::UNCHECKED);
+                continue;
             }
+            let factor = network.variance_factor(reading);
+            let sigma_mm = influence.length_sigma_mm(visit, reading);
+            let inflation = sigma_mm.powi(2) * (1.0 - 1.0 / factor);
+            let error_mm = numerator / denominator;
+            let sigma_mm = (1.0 / denominator - inflation)
+                .max(f64::MIN_POSITIVE)
+                .sqrt();
+            tests.readings.push(ReadingTest {
+                w: error_mm / sigma_mm,
+                error_mm,
+                sigma_mm,
+                kept: denominator / dot(unit, unit),
+            });
         }
+        let denominator = quadratic(kept, all);
+        let is_checked = count > 1 && denominator > CHECKED_TOL * dot(all, all);
+        tests.visits.push(match is_checked {
+            true => dot(all, terms.residuals()) / denominator.sqrt(),
+            false => 0.0,
+        });
     }
-    tests
 }
 
 /// For every zero the instant at which a step of it is most significant.
 pub(crate) fn largest_steps(influence: &Influence<'_>) -> Vec<StepTest> {
-    let columns = columns(influence);
-    (0..influence.network().zeros())
-        .filter_map(|zero| {
-            let own: Vec<&Column> = columns.iter().filter(|c| c.zero == zero).collect();
-            largest_step(&own, influence)
-        })
+    let network = influence.network();
+    let mut turns: Vec<Vec<(usize, usize)>> = vec![Vec::new(); network.zeros()];
+    for (number, visit) in network.visits.iter().enumerate() {
+        for reading in visit.readings.clone() {
+            turns[influence.model().zero_of(reading)].push((reading, number));
+        }
+    }
+    turns
+        .par_iter()
+        .map(|turn| largest_step(turn, influence))
+        .collect::<Vec<_>>()
+        .into_iter()
+        .flatten()
         .collect()
 }
 
-/// One reading's unit error as the adjustment sees it.
-struct Column {
-    station: usize,
-    zero: usize,
-    reading: usize,
-    group: usize,
-    visit: usize,
-    /// `L⁻¹ e`.
-    whitened: Vec<f64>,
-    /// Its product with the residuals.
-    numerator: f64,
-    /// `Oᵀ L⁻¹ e` and `Tᵀ L⁻¹ e`.
-    own: Vec<f64>,
-    shared: Vec<f64>,
-}
-
-/// The columns of all readings, in measuring order.
-fn columns(influence: &Influence<'_>) -> Vec<Column> {
+/// Adds the readings of a zero (with their visits) one by one from the last to the first; after each
+/// of them the sum of their unit errors is the step that begins there.
+fn largest_step(turn: &[(usize, usize)], influence: &Influence<'_>) -> Option<StepTest> {
     let network = influence.network();
-    let mut columns = Vec::with_capacity(network.readings.len());
-    let mut memory = BlockRows::default();
-    for g in 0..influence.groups() {
-        let group = influence.group(g, &mut memory);
-        for visit in &group.visits {
-            let content = &network.visits[visit.visit];
-            let residuals = &group.residuals[visit.first..visit.first + visit.count];
-            for i in 0..visit.count {
-                let reading = content.readings.start + i;
-                let whitened = influence.unit_error(visit, i);
-                columns.push(Column {
-                    station: content.station,
-                    zero: influence.model().zero_of(reading),
-                    reading,
-                    group: g,
-                    visit: visit.visit,
-                    numerator: dot(&whitened, residuals),
-                    own: transposed_times(&group.own, visit, &whitened),
-                    shared: transposed_times(&group.shared, visit, &whitened),
-                    whitened,
-                });
-            }
-        }
-    }
-    columns.sort_by_key(|column| column.reading);
-    columns
-}
-
-/// Adds the readings of a zero one by one from the last to the first; after each of them the sum of
-/// the columns is the step that begins there.
-fn largest_step(columns: &[&Column], influence: &Influence<'_>) -> Option<StepTest> {
-    let sigma = influence.reduced_inverse();
-    let width = influence.width();
+    let sigma = influence.sigma();
     let mut largest: Option<StepTest> = None;
     let mut sums = Sums::new(influence);
-    for (place, column) in columns.iter().enumerate().skip(1).rev() {
-        sums.add(column);
-        let through_shared: f64 = (0..width)
-            .map(|j| {
-                let s: f64 = (0..width).map(|i| sigma[(i, j)] * sums.shared[i]).sum();
-                s * sums.shared[j]
-            })
-            .sum();
+    for (place, &(reading, visit)) in turn.iter().enumerate().skip(1).rev() {
+        sums.add(influence, reading, visit);
+        times_symmetric(&sigma, &sums.shared, &mut sums.memory);
+        let through_shared = dot(&sums.memory, &sums.shared);
         let kept = sums.squares - sums.own_squares - through_shared;
         if kept <= CHECKED_TOL * sums.squares {
             continue;
@@ -193,10 +199,10 @@ fn largest_step(columns: &[&Column], influence: &Influence<'_>) -> Option<StepTe
         let w = sums.numerator / kept.sqrt();
         if largest.is_none_or(|best| w.abs() > best.w.abs()) {
             largest = Some(StepTest {
-                station: column.station,
-                first_reading: column.reading,
+                station: network.visits[visit].station,
+                first_reading: reading,
                 before: place,
-                after: columns.len() - place,
+                after: turn.len() - place,
                 w,
             });
         }
@@ -204,67 +210,89 @@ fn largest_step(columns: &[&Column], influence: &Influence<'_>) -> Option<StepTe
     largest
 }
 
-/// Sums of columns with what their squares need.
+/// Sums of whitened unit errors `L⁻¹ e`, with what their squares need.
 struct Sums {
     numerator: f64,
     squares: f64,
     own_squares: f64,
+    /// `Tᵀ L⁻¹ e`, and `Oᵀ L⁻¹ e` of all groups.
     shared: Vec<f64>,
-    own: Vec<Vec<f64>>,
+    own: Vec<f64>,
+    own_starts: Vec<usize>,
+    /// Of the present visit.
     whitened: Vec<f64>,
     visit: Option<usize>,
+    terms: VisitTerms,
+    unit: Vec<f64>,
+    memory: Vec<f64>,
 }
 
 impl Sums {
     fn new(influence: &Influence<'_>) -> Self {
+        let mut own_starts = vec![0];
+        for group in 0..influence.groups() {
+            let size = influence.covariance().inverse_factor(group).ncols();
+            own_starts.push(own_starts[group] + size);
+        }
         Self {
             numerator: 0.0,
             squares: 0.0,
             own_squares: 0.0,
             shared: vec![0.0; influence.width()],
-            own: vec![Vec::new(); influence.groups()],
+            own: vec![0.0; own_starts[influence.groups()]],
+            own_starts,
             whitened: Vec::new(),
             visit: None,
+            terms: VisitTerms::default(),
+            unit: Vec::new(),
+            memory: Vec::new(),
         }
     }
 
-    fn add(&mut self, column: &Column) {
-        self.numerator += column.numerator;
-        if self.visit != Some(column.visit) {
-            self.visit = Some(column.visit);
+    fn add(&mut self, influence: &Influence<'_>, reading: usize, visit: usize) {
+        let content = &influence.network().visits[visit];
+        if self.visit != Some(visit) {
+            self.visit = Some(visit);
+            influence.visit(visit, &mut self.terms);
             self.whitened.clear();
-            self.whitened.resize(column.whitened.len(), 0.0);
+            self.whitened.resize(self.terms.count(), 0.0);
         }
-        self.squares += grown(&mut self.whitened, &column.whitened);
-        let own = &mut self.own[column.group];
-        own.resize(column.own.len(), 0.0);
-        self.own_squares += grown(own, &column.own);
-        for (sum, x) in self.shared.iter_mut().zip(&column.shared) {
-            *sum += x;
+        let i = reading - content.readings.start;
+        let (terms, unit) = (&self.terms, &mut self.unit);
+        influence.unit_error_into(visit, terms.count(), i, unit);
+        self.numerator += dot(unit, terms.residuals());
+        self.squares += grown(&mut self.whitened, |sum| add_to(sum, unit, 1.0));
+        let start = self.own_starts[content.group];
+        let own = &mut self.own[start..self.own_starts[content.group + 1]];
+        // Rows before the reading's own have no part in its unit error.
+        let rows = || unit.iter().enumerate().skip(i);
+        self.own_squares += grown(own, |sum| {
+            rows().for_each(|(row, &factor)| add_to(sum, terms.own(row), factor));
+        });
+        for (row, &factor) in rows() {
+            add_to(&mut self.shared, terms.shared(row), factor);
         }
     }
 }
 
-/// Adds to a vector; returns by how much its square grows.
-fn grown(sum: &mut [f64], x: &[f64]) -> f64 {
+/// Changes a vector; returns by how much its square grows.
+fn grown(sum: &mut [f64], change: impl Fn(&mut [f64])) -> f64 {
     let before = dot(sum, sum);
-    for (sum, x) in sum.iter_mut().zip(x) {
-        *sum += x;
-    }
+    change(sum);
     dot(sum, sum) - before
 }
 
-/// `Xᵀ y` over the rows of a visit.
-fn transposed_times(x: &Mat<f64>, visit: &VisitRows, y: &[f64]) -> Vec<f64> {
-    (0..x.ncols())
-        .map(|k| {
-            (0..visit.count)
-                .map(|i| x[(visit.first + i, k)] * y[i])
-                .sum()
-        })
-        .collect()
+fn add_to(sum: &mut [f64], x: &[f64], factor: f64) {
+    for (sum, x) in sum.iter_mut().zip(x) {
+        *sum += factor * x;
+    }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+/// `xᵀ A x` with the rows of `A` contiguous.
+fn quadratic(matrix: &[f64], x: &[f64]) -> f64 {
+    matrix
+        .chunks_exact(x.len().max(1))
+        .zip(x)
+        .map(|(row, x_i)| x_i * dot(row, x))
+        .sum()
 }

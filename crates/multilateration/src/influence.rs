@@ -18,6 +18,7 @@ use crate::free_points::{FreePoints, State};
 use crate::network::Network;
 use crate::noise::whiten;
 use crate::rigid_stages::{RigidStages, RigidState};
+use crate::visit_terms::VisitTerms;
 use crate::{RigidSolution, Solution};
 
 /// The solved network, ready to say what each group contributed.
@@ -109,23 +110,35 @@ impl<'a> Influence<'a> {
         self.covariance
     }
 
+    /// Standard deviation of a length of a visit without the machine's return, mm.
+    pub(crate) fn length_sigma_mm(&self, visit: usize, reading: usize) -> f64 {
+        let content = &self.network.visits[visit];
+        let point = self
+            .network
+            .point(content.group, self.network.readings[reading].point);
+        let (_, distance_mm) = self.state.beam(content.station, point);
+        self.network.noise.length_sigma_at_mm(distance_mm)
+            * self.network.variance_factor(reading).sqrt()
+    }
+
     /// Standard deviations of a visit's lengths without the machine's return, mm.
     pub(crate) fn length_sigmas_mm(&self, visit: &VisitRows) -> Vec<f64> {
-        let content = &self.network.visits[visit.visit];
-        let sigma = |i: usize| {
-            let point = self
-                .network
-                .point(content.group, self.network.readings[i].point);
-            let (_, distance_mm) = self.state.beam(content.station, point);
-            self.network.noise.length_sigma_at_mm(distance_mm)
-                * self.network.variance_factor(i).sqrt()
-        };
-        content.readings.clone().map(sigma).collect()
+        let readings = self.network.visits[visit.visit].readings.clone();
+        readings
+            .map(|reading| self.length_sigma_mm(visit.visit, reading))
+            .collect()
     }
 
     /// `Σ`.
     pub(crate) fn reduced_inverse(&self) -> MatRef<'a, f64> {
         self.covariance.reduced_inverse()
+    }
+
+    /// The columns of `Σ`, one after the other.
+    pub(crate) fn sigma(&self) -> Vec<f64> {
+        let sigma = self.reduced_inverse();
+        let columns = (0..sigma.ncols()).flat_map(|j| (0..sigma.nrows()).map(move |i| (i, j)));
+        columns.map(|place| sigma[place]).collect()
     }
 
     /// Number of columns of `T`.
@@ -191,11 +204,38 @@ impl<'a> Influence<'a> {
         })
     }
 
-    /// `L⁻¹ e_i`: a unit error of one reading of a visit, whitened.
-    pub(crate) fn unit_error(&self, visit: &VisitRows, reading: usize) -> Vec<f64> {
-        let mut unit = vec![0.0; visit.count];
+    /// `L⁻¹ e_i`: a unit error of one of the `count` readings of a visit, whitened.
+    pub(crate) fn unit_error_into(
+        &self,
+        visit: usize,
+        count: usize,
+        reading: usize,
+        unit: &mut Vec<f64>,
+    ) {
+        unit.clear();
+        unit.resize(count, 0.0);
         unit[reading] = 1.0;
-        whiten(self.model().factor(visit.visit), &mut unit);
+        whiten(self.model().factor(visit), unit);
+    }
+
+    /// The same as a vector of its own.
+    pub(crate) fn unit_error(&self, visit: &VisitRows, reading: usize) -> Vec<f64> {
+        let mut unit = Vec::new();
+        self.unit_error_into(visit.visit, visit.count, reading, &mut unit);
         unit
+    }
+
+    /// The rows of one visit; `terms` is memory to work in.
+    pub(crate) fn visit(&self, visit: usize, terms: &mut VisitTerms) {
+        match &self.model {
+            Model::Free(model) => {
+                terms.fill(self.network, model, &self.state, self.covariance, visit);
+            }
+            Model::Rigid(_) => {
+                let group = self.group(self.network.visits[visit].group, &mut BlockRows::default());
+                let rows = group.visits.iter().find(|rows| rows.visit == visit);
+                terms.copy(&group, rows.map_or(0..0, |r| r.first..r.first + r.count));
+            }
+        }
     }
 }

@@ -84,6 +84,7 @@ mod solve;
 mod splits;
 mod start;
 mod trials;
+mod visit_terms;
 mod whitened;
 
 pub use bodies::{Bodies, Body};
