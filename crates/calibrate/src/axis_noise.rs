@@ -12,9 +12,10 @@
 //! The first part, *own*, is what remains if the stations are known; it is zero between axes and
 //! between the `m` of different nodes. The second comes through the stations.
 
-use nalgebra::{DMatrix, Matrix6, Matrix6xX};
+use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
 
 use crate::axis_data::AxisData;
+use crate::in_order;
 use crate::point_noise::PointNoise;
 use crate::records::RecordFit;
 use crate::sensitivity::Sensitivity;
@@ -55,19 +56,44 @@ impl AxisForm {
         }
         Self { parameters, poses }
     }
-
-    fn count(&self) -> usize {
-        self.parameters.nrows()
-    }
 }
 
-/// Covariance of the parameters and mean pose errors of one axis.
-pub(crate) struct AxisNoise {
+/// Covariance of the parameters and mean pose errors of one axis. The parts of single nodes are
+/// computed when they are asked for: together they would be larger than all else.
+pub(crate) struct AxisNoise<'a> {
+    noise: &'a PointNoise<'a>,
+    shared_sources: usize,
+    axis: &'a AxisData,
+    fits: &'a [RecordFit],
+    sensitivity: &'a Sensitivity,
+    records: NodeRecords,
     /// Own part of `cov(y)`.
     parameters: DMatrix<f64>,
     /// Coefficients of `-s` in `y`.
     parameters_shared: DMatrix<f64>,
-    nodes: Vec<NodeNoise>,
+}
+
+/// The records of every node.
+struct NodeRecords {
+    /// Where those of each node start, and behind them their number.
+    starts: Vec<usize>,
+    records: Vec<usize>,
+}
+
+impl NodeRecords {
+    fn new(axis: &AxisData) -> Self {
+        let mut records: Vec<usize> = (0..axis.records.len()).collect();
+        records.sort_by_key(|&i| axis.records[i].node);
+        let mut starts = vec![0];
+        for node in &axis.nodes {
+            starts.push(starts[starts.len() - 1] + node.records);
+        }
+        Self { starts, records }
+    }
+
+    fn of(&self, node: usize) -> &[usize] {
+        &self.records[self.starts[node]..self.starts[node + 1]]
+    }
 }
 
 /// The same of one node's mean pose error `m`.
@@ -78,75 +104,104 @@ struct NodeNoise {
     shared: Matrix6xX<f64>,
 }
 
-impl AxisNoise {
+/// The noise of the six component errors of one node.
+pub(crate) struct ComponentNoise {
+    /// Own part of their covariance.
+    pub(crate) own: Matrix6<f64>,
+    /// For each the sum of the variances that cancel in its own.
+    pub(crate) uncancelled: Vector6<f64>,
+    /// Coefficients of the shared sources `s`.
+    pub(crate) shared: Matrix6xX<f64>,
+}
+
+impl<'a> AxisNoise<'a> {
     pub(crate) fn new(
-        noise: &PointNoise<'_>,
+        noise: &'a PointNoise<'a>,
         shared_sources: usize,
-        axis: &AxisData,
-        fits: &[RecordFit],
-        sensitivity: &Sensitivity,
+        axis: &'a AxisData,
+        fits: &'a [RecordFit],
+        sensitivity: &'a Sensitivity,
     ) -> Self {
         let width = sensitivity.width();
-        let empty = || NodeNoise {
-            own: Matrix6::zeros(),
-            cross: Matrix6xX::zeros(width),
-            shared: Matrix6xX::zeros(shared_sources),
+        let zero = || {
+            (
+                DMatrix::zeros(width, width),
+                DMatrix::zeros(width, shared_sources),
+            )
         };
-        let mut new = Self {
-            parameters: DMatrix::zeros(width, width),
-            parameters_shared: DMatrix::zeros(width, shared_sources),
-            nodes: axis.nodes.iter().map(|_| empty()).collect(),
-        };
-        for (i, record) in axis.records.iter().enumerate() {
-            let (d, z) = noise.of_record(record);
-            let from_points = &fits[i].from_points;
+        let add = |(own, shared): &mut (DMatrix<f64>, DMatrix<f64>), i: usize| {
+            let (d, z) = noise.of_record(&axis.records[i]);
             let parameters = &sensitivity.parameters[i];
-            let weight = 1.0 / axis.nodes[record.node].records as f64;
-            let pose_noise = from_points * &d * weight;
-            new.parameters += parameters * &d * parameters.transpose();
-            new.parameters_shared += parameters * &z;
-            let node = &mut new.nodes[record.node];
-            node.own += &pose_noise * from_points.transpose() * weight;
-            node.cross += pose_noise * parameters.transpose();
-            node.shared += from_points * z * weight;
+            *own += parameters * d * parameters.transpose();
+            shared.gemm(1.0, parameters, &z, 1.0);
+        };
+        let records = axis.records.len();
+        let (parameters, parameters_shared) = in_order::sum(records, zero, add, |whole, part| {
+            whole.0 += part.0;
+            whole.1 += part.1;
+        });
+        Self {
+            noise,
+            shared_sources,
+            axis,
+            fits,
+            sensitivity,
+            records: NodeRecords::new(axis),
+            parameters,
+            parameters_shared,
         }
-        new
+    }
+
+    fn node(&self, node: usize) -> NodeNoise {
+        let mut sum = NodeNoise {
+            own: Matrix6::zeros(),
+            cross: Matrix6xX::zeros(self.sensitivity.width()),
+            shared: Matrix6xX::zeros(self.shared_sources),
+        };
+        let records = self.records.of(node);
+        let weight = 1.0 / records.len() as f64;
+        for &i in records {
+            let (d, z) = self.noise.of_record(&self.axis.records[i]);
+            let from_points = &self.fits[i].from_points;
+            let pose_noise = from_points * d * weight;
+            sum.own += &pose_noise * from_points.transpose() * weight;
+            sum.cross += pose_noise * self.sensitivity.parameters[i].transpose();
+            sum.shared += from_points * z * weight;
+        }
+        sum
+    }
+
+    /// The noise of the component errors of a node, its base standing still.
+    pub(crate) fn component_errors(&self, node: usize) -> ComponentNoise {
+        let effect = &self.sensitivity.node_effects[node];
+        let NodeNoise { own, cross, shared } = self.node(node);
+        let through: Matrix6<f64> = effect * &self.parameters * effect.transpose();
+        let cross: Matrix6<f64> = cross * effect.transpose();
+        ComponentNoise {
+            uncancelled: through.diagonal() + own.diagonal(),
+            own: through - cross - cross.transpose() + own,
+            shared: effect * &self.parameters_shared - shared,
+        }
     }
 
     /// Own part of the covariance between functions `a` (rows) and `b` (columns).
     pub(crate) fn own(&self, a: &AxisForm, b: &AxisForm) -> DMatrix<f64> {
         let mut covariance = &a.parameters * &self.parameters * b.parameters.transpose();
         for pose in &a.poses {
+            let node = self.node(pose.node);
             let mut rows = covariance.rows_mut(pose.row, 6);
-            rows += &self.nodes[pose.node].cross * b.parameters.transpose() * pose.weight;
+            rows += &node.cross * b.parameters.transpose() * pose.weight;
+            for second in b.poses.iter().filter(|other| other.node == pose.node) {
+                let mut block = covariance.fixed_view_mut::<6, 6>(pose.row, second.row);
+                block += node.own * (pose.weight * second.weight);
+            }
         }
         for pose in &b.poses {
-            let cross = self.nodes[pose.node].cross.transpose() * pose.weight;
+            let cross = self.node(pose.node).cross.transpose() * pose.weight;
             let mut columns = covariance.columns_mut(pose.row, 6);
             columns += &a.parameters * cross;
         }
-        for first in &a.poses {
-            for second in b.poses.iter().filter(|other| other.node == first.node) {
-                let mut block = covariance.fixed_view_mut::<6, 6>(first.row, second.row);
-                block += self.nodes[first.node].own * (first.weight * second.weight);
-            }
-        }
         covariance
-    }
-
-    /// For each function the sum of the variances whose combination its own variance is: the size
-    /// of the numbers that cancel in it.
-    pub(crate) fn own_uncancelled(&self, form: &AxisForm) -> Vec<f64> {
-        let from_parameters = &form.parameters * &self.parameters;
-        let mut sums: Vec<f64> = (0..form.count())
-            .map(|i| from_parameters.row(i).dot(&form.parameters.row(i)))
-            .collect();
-        for pose in &form.poses {
-            for (c, sum) in sums[pose.row..pose.row + 6].iter_mut().enumerate() {
-                *sum += self.nodes[pose.node].own[(c, c)] * pose.weight * pose.weight;
-            }
-        }
-        sums
     }
 
     /// Coefficients of the shared sources `s` in the functions.
@@ -154,7 +209,7 @@ impl AxisNoise {
         let mut coefficients = -(&form.parameters * &self.parameters_shared);
         for pose in &form.poses {
             let mut rows = coefficients.rows_mut(pose.row, 6);
-            rows -= &self.nodes[pose.node].shared * pose.weight;
+            rows -= self.node(pose.node).shared * pose.weight;
         }
         coefficients
     }

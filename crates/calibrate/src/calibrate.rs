@@ -1,5 +1,7 @@
 //! The headline verb: a campaign to all geometric errors.
 
+use std::sync::Arc;
+
 use nalgebra::{Matrix2, Point3};
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{AxisKind, Component, LocationComponent, Machine};
@@ -49,7 +51,7 @@ pub(crate) struct Parts {
     pub(crate) measured: Measured,
     pub(crate) data: Vec<AxisData>,
     pub(crate) identified: Identified,
-    pub(crate) screened: Option<Screened>,
+    pub(crate) screened: Option<Arc<Screened>>,
 }
 
 /// A calibration with what it rests on.
@@ -95,7 +97,7 @@ pub(crate) fn calibrate_in_parts(
         &measured,
         &data,
         &identified,
-        screened.as_ref(),
+        screened.as_deref(),
         &mut notices,
     );
     if adjustment.degrees_of_freedom == 0 && !adjustment.noise_declared {
@@ -126,7 +128,7 @@ pub(crate) fn calibrate_in_parts(
         .flat_map(|s| &s.stations)
         .map(|station| ref_from_datum * station.position_mm)
         .collect();
-    let instrument = measured.instrument_noise(screened.as_ref());
+    let instrument = measured.instrument_noise(screened.as_deref());
     let propagation = Propagation::new(&context, &data, &identified, &instrument, &stations_in_ref);
     let axes: Vec<AxisResult> = (0..data.len())
         .map(|k| axis_result(&context, &data, &identified, k, &propagation))

@@ -1,5 +1,7 @@
 //! Lengths to points, with errors in the words of the campaign.
 
+use std::sync::Arc;
+
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_multilateration::{
     CampaignNetwork, MOST_OF_A_PART, Screened, network_from_campaign, screen,
@@ -20,7 +22,7 @@ pub(crate) fn measure(
     campaign: &Campaign,
     lengths: &Lengths,
     settings: &Settings,
-) -> Result<(Measured, Screened, Vec<String>), Error> {
+) -> Result<(Measured, Arc<Screened>, Vec<String>), Error> {
     let CampaignNetwork { network, groups } =
         network_from_campaign(campaign, lengths, settings.by_direction);
     let declared = is_noise_declared(campaign);
@@ -31,6 +33,7 @@ pub(crate) fn measure(
         Screened::plain
     };
     let screened = adjust(&network, declared, &adjustment)
+        .map(Arc::new)
         .map_err(|error| adjustment_error(campaign, lengths, &groups, error))?;
     let solution = &screened.solution;
     let residuals_mm = screened.residuals_mm();
@@ -61,7 +64,7 @@ pub(crate) fn measure(
         groups: measured_groups,
         points_mm: solution.points_mm.clone(),
         noise: PointNoise {
-            source: NoiseSource::Adjusted(solution.covariance.clone()),
+            source: NoiseSource::Adjusted(Arc::clone(&screened)),
             variance_factor: 1.0,
         },
         without_return: Vec::new(),

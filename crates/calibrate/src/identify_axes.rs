@@ -1,7 +1,7 @@
 //! Composes single axes to a machine: nine equations, gauge and reference frame, repeated until
 //! the exact model reproduces the measured poses.
 
-use nalgebra::{Point3, Vector3, Vector6};
+use nalgebra::{DMatrix, Point3, Vector3, Vector6};
 use trueaxis_kinematics::{Axis, AxisKind, LocationComponent, MotionError};
 
 use crate::Error;
@@ -20,6 +20,8 @@ pub(crate) struct Identified {
     pub(crate) state: State,
     /// Fits of the last pass, for each axis and record.
     pub(crate) fits: Vec<Vec<RecordFit>>,
+    /// The covariances with which they were weighted ([`crate::weights`]).
+    pub(crate) weights: Vec<Vec<DMatrix<f64>>>,
     /// How the results of each axis follow from its points.
     pub(crate) sensitivities: Vec<Sensitivity>,
     /// How location errors and component errors are told apart on each axis.
@@ -52,20 +54,24 @@ pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<
     let mut state = average_lines_and_axes(context, data);
     let mut worst = (0.0, 0);
     for _ in 0..MAX_PASSES {
-        let fits = (0..data.len())
-            .map(|k| context.fit_records(data, &state, k, &weights[k]))
+        let poses = (0..data.len())
+            .map(|k| context.fit_poses(data, &state, k, &weights[k]))
             .collect::<Result<Vec<_>, _>>()?;
         let mut next = state.clone();
         let changes_mm = improve_all(context, data, &gauges, &frame, &state, &mut next, |k, i| {
-            &fits[k][i].pose
+            &poses[k][i]
         });
         worst = changes_mm.axes;
         let change_mm = worst.0.max(changes_mm.frame);
         if change_mm.is_nan() || change_mm > DIVERGED_MM {
             break;
         }
-        state = next;
+        let before = std::mem::replace(&mut state, next);
         if change_mm <= SETTLED_MM {
+            drop(poses);
+            let fits = (0..data.len())
+                .map(|k| context.fit_records(data, &before, k, &weights[k]))
+                .collect::<Result<Vec<_>, _>>()?;
             let sensitivities = data
                 .iter()
                 .zip(&gauges)
@@ -80,6 +86,7 @@ pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<
                 reported,
                 state,
                 fits,
+                weights,
                 sensitivities,
                 gauges,
                 frame,

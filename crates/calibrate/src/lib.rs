@@ -87,6 +87,7 @@ mod from_lengths;
 mod from_points;
 mod gauge;
 mod identify_axes;
+mod in_order;
 mod interpolation;
 mod json;
 mod length_circumstances;

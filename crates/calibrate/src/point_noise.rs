@@ -8,9 +8,10 @@
 //! datum; `D_i` is the covariance of the points with all stations known. This form holds for the
 //! whole noise and for the instrument's own part of it alone, so both are propagated alike.
 
+use std::sync::Arc;
+
 use nalgebra::DMatrix;
-use trueaxis_leastsquares::Covariance;
-use trueaxis_multilateration::LengthNoise;
+use trueaxis_multilateration::{LengthNoise, Screened};
 
 use crate::axis_data::Record;
 use crate::records::{select_rows, select_targets};
@@ -23,8 +24,8 @@ pub(crate) struct PointNoise<'a> {
 }
 
 pub(crate) enum NoiseSource<'a> {
-    /// From the adjustment of lengths; blocks are the groups.
-    Adjusted(Covariance),
+    /// From the adjustment of lengths.
+    Adjusted(Arc<Screened>),
     /// The lengths' own noise alone.
     Lengths(LengthNoise<'a>),
     /// Independent groups with these covariances.
@@ -35,10 +36,14 @@ impl PointNoise<'_> {
     /// `D` and `Z` of a group.
     fn group(&self, group: usize) -> (DMatrix<f64>, DMatrix<f64>) {
         let (own, coupling) = match &self.source {
-            NoiseSource::Adjusted(covariance) => (
-                dense(covariance.block_given_shared(group).as_ref()),
-                dense(covariance.coupling(group)),
-            ),
+            NoiseSource::Adjusted(screened) => {
+                let covariance = &screened.solution.covariance;
+                let factor = dense(covariance.inverse_factor(group));
+                (
+                    &factor * factor.transpose(),
+                    dense(covariance.coupling(group)),
+                )
+            }
             NoiseSource::Lengths(noise) => {
                 let (own, coupling) = noise.group(group);
                 (dense(own.as_ref()), dense(coupling.as_ref()))
@@ -61,7 +66,9 @@ impl PointNoise<'_> {
     /// `Σ`. It is indefinite and makes sense only between couplings, but for the stations.
     pub(crate) fn shared(&self) -> DMatrix<f64> {
         let unscaled = match &self.source {
-            NoiseSource::Adjusted(covariance) => dense(covariance.reduced_inverse()),
+            NoiseSource::Adjusted(screened) => {
+                dense(screened.solution.covariance.reduced_inverse())
+            }
             NoiseSource::Lengths(noise) => dense(noise.shared().as_ref()),
             NoiseSource::Independent(_) => DMatrix::zeros(0, 0),
         };

@@ -17,11 +17,11 @@ use trueaxis_campaign::Campaign;
 use trueaxis_identify::{Operator, RigidMisfit, equations, nine, nine_weighted, rigid_misfit};
 use trueaxis_kinematics::{Machine, MotionError};
 
-use crate::axis_data::{AxisData, Record, points_of};
+use crate::axis_data::{AxisData, Record, RunData, points_of};
 use crate::measured::Measured;
 use crate::settings::Method;
 use crate::state::{ModelErrors, State};
-use crate::{Error, describe};
+use crate::{Error, describe, in_order};
 
 /// The pose of one record.
 pub(crate) struct PoseFit {
@@ -40,9 +40,8 @@ pub(crate) struct RecordFit {
     pub(crate) pose: PoseFit,
     /// How the component errors follow from displacements of the record's points in datum coordinates.
     pub(crate) from_points: Matrix6xX<f64>,
-    /// Volumetric errors of the targets and their covariance, seen from the base of the axis.
+    /// Volumetric errors of the targets, seen from the base of the axis.
     pub(crate) deltas_mm: Vec<Vector3<f64>>,
-    pub(crate) covariance: DMatrix<f64>,
     /// Generalised coordinates of the targets, mm.
     pub(crate) levers_mm: Vec<Vector3<f64>>,
     /// How what an unweighted rigid fit leaves follows from displacements of the record's points in datum coordinates.
@@ -86,6 +85,23 @@ pub(crate) struct Context<'a> {
     pub(crate) method: Method,
 }
 
+/// What the other axes do to the targets of a run, during which they stand still.
+struct Surroundings {
+    base_from_datum: Isometry3<f64>,
+    /// The targets on the stage as the axes inside it place them, the axis itself at home, mm.
+    on_stage_mm: Vec<Point3<f64>>,
+}
+
+/// A record's pose with what it was found by.
+struct SolvedPose {
+    pose: PoseFit,
+    deviation: Deviation,
+    covariance: DMatrix<f64>,
+    operator: Operator,
+    /// All equations without weights.
+    plain: Operator,
+}
+
 /// What the model leaves of the targets' places at one record.
 struct Deviation {
     /// Volumetric errors, seen from the base of the axis, mm.
@@ -120,12 +136,26 @@ impl<'a> Context<'a> {
         index: usize,
         weights: &[DMatrix<f64>],
     ) -> Result<Vec<RecordFit>, Error> {
-        data[index]
-            .records
-            .iter()
-            .zip(weights)
-            .map(|(record, weight)| self.fit(data, state, index, record, weight))
-            .collect()
+        let surroundings = self.surroundings(data, state, index);
+        in_order::try_map(weights.len(), |i| {
+            let solved = self.solved(data, state, index, &surroundings, i, &weights[i])?;
+            self.fit(&data[index], &data[index].records[i], solved)
+        })
+    }
+
+    /// The poses alone of what [`Context::fit_records`] finds.
+    pub(crate) fn fit_poses(
+        &self,
+        data: &[AxisData],
+        state: &State,
+        index: usize,
+        weights: &[DMatrix<f64>],
+    ) -> Result<Vec<PoseFit>, Error> {
+        let surroundings = self.surroundings(data, state, index);
+        in_order::try_map(weights.len(), |i| {
+            let solved = self.solved(data, state, index, &surroundings, i, &weights[i])?;
+            Ok(solved.pose)
+        })
     }
 
     /// The points of a record in the order of its targets.
@@ -144,9 +174,40 @@ impl<'a> Context<'a> {
         index: usize,
         fits: &[RecordFit],
     ) -> Vec<PoseFit> {
+        let surroundings = self.surroundings(data, state, index);
         let records = data[index].records.iter().zip(fits);
         records
-            .map(|(record, fit)| fit.replayed(&self.deviation(data, state, index, record)))
+            .map(|(record, fit)| {
+                fit.replayed(&self.deviation(data, state, index, &surroundings, record))
+            })
+            .collect()
+    }
+
+    /// For each run of the axis `data[index]`.
+    fn surroundings(&self, data: &[AxisData], state: &State, index: usize) -> Vec<Surroundings> {
+        let (own, values) = (&data[index], &state.axes[index]);
+        let errors = ModelErrors { data, state };
+        let of_run = |(run, homes_mm): (&RunData, &Vec<Point3<f64>>)| {
+            let positions = self.positions_of(&own.records[run.first_record]);
+            let mut base_from_datum = state.ref_from_datum;
+            let mut on_stage_mm = Vec::with_capacity(homes_mm.len());
+            for (&target, home) in run.targets.iter().zip(homes_mm) {
+                let carrier = self.campaign.targets[target].carrier;
+                let (outer, inner) = around(self.machine, carrier, own.axis);
+                let base = self.machine.chain_motion(&errors, outer, positions);
+                base_from_datum = base.inverse() * state.ref_from_datum;
+                let inside = self.machine.chain_motion(&errors, inner, positions);
+                on_stage_mm.push(inside * home);
+            }
+            Surroundings {
+                base_from_datum,
+                on_stage_mm,
+            }
+        };
+        own.runs
+            .iter()
+            .zip(&values.targets_mm)
+            .map(of_run)
             .collect()
     }
 
@@ -155,28 +216,24 @@ impl<'a> Context<'a> {
         data: &[AxisData],
         state: &State,
         index: usize,
+        surroundings: &[Surroundings],
         record: &Record,
     ) -> Deviation {
         let (own, values) = (&data[index], &state.axes[index]);
         let axis = &self.machine.axes()[own.axis];
-        let errors = ModelErrors { data, state };
-        let positions = self.positions_of(record);
         let node = &own.nodes[record.node];
         let current = values.curve[record.node];
         let motion = axis.motion(node.position, &values.location, &current);
         let reference = motion * axis.reference_at_home_mm(&values.location);
 
-        let mut levers_mm = Vec::new();
-        let mut deltas_mm = Vec::new();
-        let mut base_from_datum = Isometry3::identity();
-        let homes_mm = &values.targets_mm[record.run];
-        for ((target, point), home) in self.points_of(record).zip(homes_mm) {
-            let carrier = self.campaign.targets[target].carrier;
-            let (outer, inner) = around(self.machine, carrier, own.axis);
-            let base = self.machine.chain_motion(&errors, outer, positions);
-            base_from_datum = base.inverse() * state.ref_from_datum;
-            let inside = self.machine.chain_motion(&errors, inner, positions);
-            let predicted = motion * (inside * home);
+        let Surroundings {
+            base_from_datum,
+            on_stage_mm,
+        } = &surroundings[record.run];
+        let mut levers_mm = Vec::with_capacity(on_stage_mm.len());
+        let mut deltas_mm = Vec::with_capacity(on_stage_mm.len());
+        for ((_, point), on_stage) in self.points_of(record).zip(on_stage_mm) {
+            let predicted = motion * on_stage;
             levers_mm.push(predicted - reference);
             deltas_mm.push(base_from_datum * point - predicted);
         }
@@ -189,42 +246,70 @@ impl<'a> Context<'a> {
         }
     }
 
-    fn fit(
+    fn solved(
         &self,
         data: &[AxisData],
         state: &State,
         index: usize,
-        record: &Record,
+        surroundings: &[Surroundings],
+        record: usize,
         weight: &DMatrix<f64>,
-    ) -> Result<RecordFit, Error> {
+    ) -> Result<SolvedPose, Error> {
         let own = &data[index];
+        let record = &own.records[record];
+        let deviation = self.deviation(data, state, index, surroundings, record);
+        let Deviation {
+            deltas_mm,
+            levers_mm,
+            stage_from_base,
+            current,
+            ..
+        } = &deviation;
+        let covariance = rotated(weight, &deviation.base_from_datum);
+        let operator = self
+            .operator(levers_mm, &covariance)
+            .map_err(|error| self.refused(own, record, &error))?;
+        // The shape of the targets is what no rigid motion explains in the plain sense: unweighted,
+        // so that it is the same function of the points at every record.
+        let plain = nine(levers_mm).map_err(|error| self.refused(own, record, &error))?;
+        let correction = operator.apply(deltas_mm);
+        let mut distortion_mm = plain.residual_mm(deltas_mm);
+        for v in &mut distortion_mm {
+            *v = stage_from_base * *v;
+        }
+        let pose = PoseFit {
+            error: composed(&correction, current).to_vector(),
+            distortion_mm,
+            lever_mm: farthest(levers_mm),
+        };
+        Ok(SolvedPose {
+            pose,
+            deviation,
+            covariance,
+            operator,
+            plain,
+        })
+    }
+
+    fn fit(&self, own: &AxisData, record: &Record, solved: SolvedPose) -> Result<RecordFit, Error> {
+        let SolvedPose {
+            pose,
+            deviation,
+            covariance,
+            operator,
+            plain,
+        } = solved;
         let Deviation {
             deltas_mm,
             levers_mm,
             base_from_datum,
             stage_from_base,
-            current,
-        } = self.deviation(data, state, index, record);
-        let covariance = rotated(weight, &base_from_datum);
-        let operator = self
-            .operator(&levers_mm, &covariance)
-            .map_err(|error| self.refused(own, record, &error))?;
+            ..
+        } = deviation;
         let misfit = rigid_misfit(&operator, &deltas_mm, &covariance)
             .map_err(|error| self.refused(own, record, &error))?;
-        // The shape of the targets is what no rigid motion explains in the plain sense: unweighted,
-        // so that it is the same function of the points at every record.
-        let plain = nine(&levers_mm).map_err(|error| self.refused(own, record, &error))?;
-        let correction = operator.apply(&deltas_mm);
         Ok(RecordFit {
-            pose: PoseFit {
-                error: composed(&correction, &current).to_vector(),
-                distortion_mm: plain
-                    .residual_mm(&deltas_mm)
-                    .iter()
-                    .map(|v| stage_from_base * v)
-                    .collect(),
-                lever_mm: farthest(&levers_mm),
-            },
+            pose,
             from_points: rotated_columns(&operator.matrix(), &base_from_datum),
             noise_gain: operator.noise_gain(),
             noise_gain_nine: plain.noise_gain(),
@@ -234,7 +319,6 @@ impl<'a> Context<'a> {
             stage_from_base,
             misfit: Misfit::from(&misfit),
             deltas_mm,
-            covariance,
         })
     }
 
@@ -356,19 +440,27 @@ fn composed(correction: &MotionError, current: &MotionError) -> MotionError {
 }
 
 /// `Q C Qᵀ` with the same rotation for every point.
-fn rotated(covariance: &DMatrix<f64>, rotation: &Matrix3<f64>) -> DMatrix<f64> {
+pub(crate) fn rotated(covariance: &DMatrix<f64>, rotation: &Matrix3<f64>) -> DMatrix<f64> {
     let points = covariance.nrows() / 3;
     let mut turned = covariance.clone();
     for i in 0..points {
-        for j in 0..points {
+        for j in 0..=i {
             let block =
                 rotation * covariance.fixed_view::<3, 3>(3 * i, 3 * j) * rotation.transpose();
+            // Symmetric to the last bit, as the identification asks.
+            let block = match i == j {
+                true => (block + block.transpose()) * 0.5,
+                false => block,
+            };
             turned
                 .fixed_view_mut::<3, 3>(3 * i, 3 * j)
                 .copy_from(&block);
+            turned
+                .fixed_view_mut::<3, 3>(3 * j, 3 * i)
+                .copy_from(&block.transpose());
         }
     }
-    (&turned + turned.transpose()) * 0.5
+    turned
 }
 
 /// `P Q` with the same rotation for every point.

@@ -7,6 +7,8 @@
 //! repeated until the reference frame has settled; what holding the operators costs is some 3e-5 of
 //! a standard uncertainty. Weights stay as they are. In a points campaign the points themselves are drawn.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_campaign::Campaign;
@@ -46,7 +48,7 @@ pub struct Replay<'a> {
 enum Source {
     Lengths {
         trials: Box<Trials>,
-        screened: Box<Screened>,
+        screened: Arc<Screened>,
     },
     /// Cholesky factors of the covariances of the groups.
     Points(Vec<DMatrix<f64>>),
@@ -79,7 +81,7 @@ pub fn calibrate_for_replay<'a>(
     let source = match screened {
         Some(screened) => Source::Lengths {
             trials: Box::new(Trials::new(&screened.network, &screened.solution)),
-            screened: Box::new(screened),
+            screened,
         },
         None => Source::Points(point_factors(&measured)?),
     };

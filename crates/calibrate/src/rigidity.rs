@@ -4,7 +4,7 @@
 //! steps that fail do not bend, then with the mean over those that passed. The noise is the declared
 //! one, or larger if most steps say so.
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 use trueaxis_identify::{nine, rigid_misfit};
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::chi_squared_upper_tail;
@@ -13,7 +13,8 @@ use crate::axis_data::AxisData;
 use crate::calibration::StepMisfit;
 use crate::describe;
 use crate::identify_axes::Identified;
-use crate::records::{Context, Misfit, RecordFit};
+use crate::in_order;
+use crate::records::{Context, Misfit, RecordFit, rotated};
 
 /// Family-wise significance of the test of all steps together.
 const LEVEL: f64 = 0.01;
@@ -56,9 +57,10 @@ pub(crate) fn misfits(
     let records: usize = identified.fits.iter().map(Vec::len).sum();
     let level = LEVEL / records as f64;
     let mut found = Vec::new();
-    for (axis, fits) in data.iter().zip(&identified.fits) {
+    for (k, axis) in data.iter().enumerate() {
+        let (fits, weights) = (&identified.fits[k], &identified.weights[k]);
         for run in 0..axis.runs.len() {
-            for (record, misfit, p_value) in failing(axis, run, fits, declared, level) {
+            for (record, misfit, p_value) in failing(axis, run, fits, weights, declared, level) {
                 let step = context.measured.groups[axis.records[record].group].step;
                 found.push(StepMisfit {
                     step: describe::step(context.campaign, step),
@@ -79,6 +81,7 @@ fn failing(
     axis: &AxisData,
     run: usize,
     fits: &[RecordFit],
+    weights: &[DMatrix<f64>],
     declared: bool,
     level: f64,
 ) -> Vec<(usize, Misfit, f64)> {
@@ -86,8 +89,10 @@ fn failing(
         .filter(|&i| axis.records[i].run == run)
         .collect();
     let against_shape = |shape: &[Vector3<f64>]| -> Vec<(usize, Misfit, f64)> {
-        let tested = records.iter().map(|&i| (i, against(&fits[i], shape)));
-        let mut tested: Vec<(usize, Misfit)> = tested.collect();
+        let mut tested: Vec<(usize, Misfit)> = in_order::map(records.len(), |n| {
+            let i = records[n];
+            (i, against(&fits[i], &weights[i], shape))
+        });
         let variance = typical_variance(&tested, declared);
         tested
             .iter_mut()
@@ -158,7 +163,7 @@ fn mean(values: Vec<f64>) -> f64 {
 }
 
 /// The test of a record against another shape of the targets.
-fn against(fit: &RecordFit, shape: &[Vector3<f64>]) -> Misfit {
+fn against(fit: &RecordFit, weight: &DMatrix<f64>, shape: &[Vector3<f64>]) -> Misfit {
     let base_from_stage = fit.stage_from_base.transpose();
     let deltas = fit.deltas_mm.iter().zip(shape);
     let deltas: Vec<Vector3<f64>> = deltas
@@ -166,6 +171,8 @@ fn against(fit: &RecordFit, shape: &[Vector3<f64>]) -> Misfit {
         .collect();
     // Both succeeded with these targets and this covariance when the record was identified.
     nine(&fit.levers_mm)
-        .and_then(|operator| rigid_misfit(&operator, &deltas, &fit.covariance))
+        .and_then(|operator| {
+            rigid_misfit(&operator, &deltas, &rotated(weight, &fit.base_from_datum))
+        })
         .map_or(fit.misfit, |misfit| Misfit::from(&misfit))
 }

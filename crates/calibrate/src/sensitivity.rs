@@ -15,6 +15,7 @@ use nalgebra::{DMatrix, Matrix6xX};
 
 use crate::axis_data::AxisData;
 use crate::gauge::Gauge;
+use crate::in_order;
 use crate::records::RecordFit;
 
 /// The linear maps of one axis.
@@ -88,11 +89,13 @@ impl Sensitivity {
 
     fn add_records(&mut self, axis: &AxisData, gauge: &Gauge, fits: &[RecordFit]) {
         // x = Σ Γ P dp - (Σ Γ P Qᵀ) w
-        let mut by_shape = DMatrix::zeros(self.gauge_parameters, self.width);
-        for (i, fit) in fits.iter().enumerate() {
-            by_shape += &gauge.shares[i] * self.shape_effect(axis, i, fit);
-        }
-        for (i, fit) in fits.iter().enumerate() {
+        let zero = || DMatrix::zeros(self.gauge_parameters, self.width);
+        let add = |sum: &mut DMatrix<f64>, i: usize| {
+            *sum += &gauge.shares[i] * self.shape_effect(axis, i, &fits[i]);
+        };
+        let by_shape = in_order::sum(fits.len(), zero, add, |whole, part| *whole += part);
+        self.parameters = in_order::map(fits.len(), |i| {
+            let fit = &fits[i];
             let mut y = DMatrix::zeros(self.width, fit.from_points.ncols());
             let run = axis.records[i].run;
             for (place, &first) in self.shapes[run].iter().enumerate() {
@@ -102,7 +105,7 @@ impl Sensitivity {
             }
             let x = &gauge.shares[i] * &fit.from_points - &by_shape * &y;
             y.rows_mut(0, self.gauge_parameters).copy_from(&x);
-            self.parameters.push(y);
-        }
+            y
+        });
     }
 }

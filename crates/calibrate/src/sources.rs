@@ -73,7 +73,7 @@ impl Sources {
     }
 
     /// The errors of all quantities from those of the axes.
-    pub(crate) fn noise(&self, axes: &[AxisNoise], shared_sources: usize) -> SourceNoise {
+    pub(crate) fn noise(&self, axes: &[AxisNoise<'_>], shared_sources: usize) -> SourceNoise {
         let mut own = DMatrix::zeros(self.count, self.count);
         let mut shared = DMatrix::zeros(self.count, shared_sources);
         for (sources, noise) in self.axes.iter().zip(axes) {

@@ -10,10 +10,11 @@
 use nalgebra::{DMatrix, Matrix2, Point3};
 
 use crate::axis_data::AxisData;
-use crate::axis_noise::{AxisForm, AxisNoise};
+use crate::axis_noise::{AxisForm, AxisNoise, ComponentNoise};
 use crate::budget::Budget;
 use crate::frame_forms::FrameForms;
 use crate::identify_axes::Identified;
+use crate::in_order;
 use crate::point_noise::PointNoise;
 use crate::records::Context;
 use crate::sources::{OwnSources, SourceNoise, Sources};
@@ -23,16 +24,16 @@ pub(crate) struct Propagation<'a> {
     pub(crate) identified: &'a Identified,
     pub(crate) sources: Sources,
     pub(crate) forms: FrameForms,
-    pub(crate) whole: Noise,
+    pub(crate) whole: Noise<'a>,
     /// The instrument's own part of it.
-    instrument: Noise,
+    instrument: Noise<'a>,
     /// Of the variance factors of the two parts.
     relative_covariance: Matrix2<f64>,
 }
 
 /// The errors of what the results follow from, for one origin of noise.
-pub(crate) struct Noise {
-    pub(crate) axes: Vec<AxisNoise>,
+pub(crate) struct Noise<'a> {
+    pub(crate) axes: Vec<AxisNoise<'a>>,
     pub(crate) sources: SourceNoise,
     /// `Σ`.
     pub(crate) shared: DMatrix<f64>,
@@ -51,10 +52,10 @@ pub(crate) struct Uncertainty {
 impl<'a> Propagation<'a> {
     /// `instrument` is the instrument's own part of the noise of the points.
     pub(crate) fn new(
-        context: &Context<'_>,
-        data: &[AxisData],
+        context: &Context<'a>,
+        data: &'a [AxisData],
         identified: &'a Identified,
-        instrument: &PointNoise<'_>,
+        instrument: &'a PointNoise<'a>,
         stations_in_ref: &[Point3<f64>],
     ) -> Self {
         let sources = Sources::new(context, data, identified, stations_in_ref.len());
@@ -72,17 +73,15 @@ impl<'a> Propagation<'a> {
     /// Of the component errors of axis `k`: for each node δ and ε.
     pub(crate) fn components(&self, k: usize) -> Vec<[Uncertainty; 6]> {
         let sensitivity = &self.identified.sensitivities[k];
-        let nodes = 0..sensitivity.node_effects.len();
-        let of_node = |node| {
+        in_order::map(sensitivity.node_effects.len(), |node| {
             let form = AxisForm::component_errors(sensitivity, node..node + 1);
             let through_base = self.forms.through_base(k, &form);
-            let of_axis = |noise: &Noise| {
-                noise.of_axis(k, &form, &self.sources.axes[k], through_base.as_ref())
+            let of_node = |noise: &Noise<'_>| {
+                noise.of_node(k, node, &form, &self.sources.axes[k], through_base.as_ref())
             };
-            let (whole, instrument) = (of_axis(&self.whole), of_axis(&self.instrument));
+            let (whole, instrument) = (of_node(&self.whole), of_node(&self.instrument));
             std::array::from_fn(|c| self.stated(&whole[c], &instrument[c]))
-        };
-        nodes.map(of_node).collect()
+        })
     }
 
     /// Of the location errors of axis `k`: shift and tilt.
@@ -119,11 +118,11 @@ impl<'a> Propagation<'a> {
     }
 }
 
-impl Noise {
+impl<'a> Noise<'a> {
     fn new(
-        noise: &PointNoise<'_>,
-        data: &[AxisData],
-        identified: &Identified,
+        noise: &'a PointNoise<'a>,
+        data: &'a [AxisData],
+        identified: &'a Identified,
         sources: &Sources,
     ) -> Self {
         let shared = noise.shared();
@@ -142,25 +141,36 @@ impl Noise {
         }
     }
 
-    /// Variances of functions of axis `k`, whose sources are `sources`, with what they owe to all
-    /// sources through its base.
-    fn of_axis(
+    /// Variances of the component errors of a node of axis `k`, `form` of its parameters and
+    /// mean pose errors; its sources are `sources`. With what they owe to all sources through its
+    /// base.
+    fn of_node(
         &self,
         k: usize,
+        node: usize,
         form: &AxisForm,
         sources: &OwnSources,
         through_base: Option<&DMatrix<f64>>,
     ) -> Vec<Variance> {
         let noise = &self.axes[k];
-        let mut own = noise.own(form, form);
-        let mut coefficients = noise.shared(form);
+        let ComponentNoise {
+            mut own,
+            uncancelled,
+            shared: mut coefficients,
+        } = noise.component_errors(node);
         if let Some(rows) = through_base {
             let of_own_sources = rows.select_columns(&sources.places);
             let cross = noise.own(form, &sources.form) * of_own_sources.transpose();
             own += &cross + cross.transpose() + rows * &self.sources.own * rows.transpose();
             coefficients += rows * &self.sources.shared;
         }
-        self.variances(&own, &noise.own_uncancelled(form), &coefficients)
+        let times_shared = &coefficients * &self.shared;
+        let variance = |c: usize| Variance {
+            own: own[(c, c)],
+            through: times_shared.row(c).dot(&coefficients.row(c)),
+            uncancelled: uncancelled[c],
+        };
+        (0..6).map(variance).collect()
     }
 
     /// Variances of functions of the sources, one for each row.
@@ -171,16 +181,8 @@ impl Noise {
             .row_iter()
             .map(|row| row.iter().zip(&variances).map(|(f, v)| f * f * v).sum())
             .collect();
-        self.variances(&own, &uncancelled, &(rows * &self.sources.shared))
-    }
-
-    fn variances(
-        &self,
-        own: &DMatrix<f64>,
-        uncancelled: &[f64],
-        coefficients: &DMatrix<f64>,
-    ) -> Vec<Variance> {
-        let times_shared = coefficients * &self.shared;
+        let coefficients = rows * &self.sources.shared;
+        let times_shared = &coefficients * &self.shared;
         let through = |i: usize| times_shared.row(i).dot(&coefficients.row(i));
         uncancelled
             .iter()

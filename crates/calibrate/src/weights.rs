@@ -17,54 +17,83 @@ use trueaxis_identify::{equations, nine};
 use trueaxis_kinematics::{Ideal, LocationError};
 
 use crate::axis_data::{AxisData, RunData};
-use crate::records::{Context, around, select_targets};
+use crate::in_order;
+use crate::records::{Context, around};
 
 /// Covariances of all records of an axis in datum coordinates, mm². They serve as weights, so the
 /// nominal geometry is good enough.
 pub(crate) fn weights(context: &Context<'_>, data: &AxisData) -> Vec<DMatrix<f64>> {
     let noise = &context.measured.noise;
-    let mut all: Vec<DMatrix<f64>> = data
-        .records
-        .iter()
-        .map(|record| select_targets(&noise.total(record.group), record))
-        .collect();
     let shared = noise.shared();
-    for (r, run) in data.runs.iter().enumerate() {
-        let records: Vec<usize> = (0..data.records.len())
-            .filter(|&i| data.records[i].run == r)
-            .collect();
-        let count = records.len() as f64;
-        let Some(projection) = shape_projection(context, run, data) else {
-            continue;
+    let shapes: Vec<Option<ShapeNoise>> = (0..data.runs.len())
+        .map(|run| ShapeNoise::new(context, data, run))
+        .collect();
+    in_order::map(data.records.len(), |i| {
+        let record = &data.records[i];
+        let (d, z) = noise.of_record(record);
+        let covariance = match &shapes[record.run] {
+            Some(shape) => {
+                let back = repeated(&stage_from_datum(context, data, i), d.nrows()).transpose();
+                // G, which is symmetric as Π is.
+                let own_shape = &back * &shape.projection * back.transpose();
+                let cross = &d * own_shape / shape.records;
+                let through = z - &back * &shape.coupling;
+                d + &back * &shape.own * back.transpose() - &cross - cross.transpose()
+                    + &through * &shared * through.transpose()
+            }
+            None => d + &z * &shared * z.transpose(),
         };
+        // Symmetric to the last bit, as the identification asks.
+        (&covariance + covariance.transpose()) * 0.5
+    })
+}
+
+/// The noise of the shape of the targets of a run.
+struct ShapeNoise {
+    /// `Π`.
+    projection: DMatrix<f64>,
+    /// Number of records `n`.
+    records: f64,
+    /// `W`.
+    own: DMatrix<f64>,
+    /// `mean Π Q Z`.
+    coupling: DMatrix<f64>,
+}
+
+impl ShapeNoise {
+    /// `None` for a run of a single record, which is all the shape there is.
+    fn new(context: &Context<'_>, data: &AxisData, run: usize) -> Option<Self> {
+        let noise = &context.measured.noise;
+        let records: Vec<usize> = (0..data.records.len())
+            .filter(|&i| data.records[i].run == run)
+            .collect();
+        let projection = shape_projection(context, &data.runs[run], data)?;
         if records.len() < 2 {
-            continue;
+            return None;
         }
+        let count = records.len() as f64;
         let size = projection.nrows();
-        let mut shape_noise = DMatrix::zeros(size, size);
-        let mut shape_coupling = DMatrix::zeros(size, shared.nrows());
-        let mut parts = Vec::new();
-        for &i in &records {
-            let record = &data.records[i];
+        let sources = noise.shared().nrows();
+        let zero = || (DMatrix::zeros(size, size), DMatrix::zeros(size, sources));
+        let add = |(own, coupling): &mut (DMatrix<f64>, DMatrix<f64>), n: usize| {
+            let i = records[n];
             let turn = stage_from_datum(context, data, i);
             let to_shape = &projection * repeated(&turn, size);
-            let (d, z) = noise.of_record(record);
-            shape_noise += &to_shape * &d * to_shape.transpose() / (count * count);
-            shape_coupling += &to_shape * &z / count;
-            parts.push((i, turn, to_shape, d, z));
-        }
-        for (i, turn, to_shape, d, z) in parts {
-            let back = repeated(&turn, size).transpose();
-            let cross = &d * to_shape.transpose() * back.transpose() / count;
-            let through = z - &back * &shape_coupling;
-            let covariance =
-                d + &back * &shape_noise * back.transpose() - &cross - cross.transpose()
-                    + &through * &shared * through.transpose();
-            // Symmetric to the last bit, as the identification asks.
-            all[i] = (&covariance + covariance.transpose()) * 0.5;
-        }
+            let (d, z) = noise.of_record(&data.records[i]);
+            *own += &to_shape * d * to_shape.transpose();
+            *coupling += to_shape * z;
+        };
+        let (own, coupling) = in_order::sum(records.len(), zero, add, |whole, part| {
+            whole.0 += part.0;
+            whole.1 += part.1;
+        });
+        Some(Self {
+            projection,
+            records: count,
+            own: own / (count * count),
+            coupling: coupling / count,
+        })
     }
-    all
 }
 
 /// `Π`: what is left of displacements of the run's targets after an unweighted rigid fit.
