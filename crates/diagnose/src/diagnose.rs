@@ -113,7 +113,14 @@ fn with_lengths(
     mut outcome: LengthsOutcome,
     settings: &Settings,
 ) -> Result<(), Error> {
-    if !outcome.causes.is_empty() {
+    let is_whole = |cause: &Cause| cause.parameters.iter().all(|p| p.u.is_finite());
+    if outcome.causes.iter().any(|cause| !is_whole(cause)) {
+        diagnosis.notices.push(
+            "a cause is seen in part only: the data do not say what it changes in the calibration, and it \
+             is not in effects.json"
+                .to_owned(),
+        );
+    } else if !outcome.causes.is_empty() {
         let corrected = without_effects(campaign, lengths, &outcome.effects_mm);
         let better = calibrated(&corrected, settings, &mut diagnosis.notices)?;
         for cause in &mut outcome.causes {
@@ -128,6 +135,13 @@ fn with_lengths(
         &mut outcome.causes,
         &mut outcome.unexplained,
     );
+    if outcome.unexplained.is_some() && !outcome.causes.is_empty() {
+        diagnosis.notices.push(
+            "something is left beside the cause: its size may be off by more than its uncertainty, and what \
+             it changes in the calibration is not all"
+                .to_owned(),
+        );
+    }
     diagnosis.verdict = outcome.verdict;
     diagnosis.levels.push(outcome.report);
     diagnosis.causes.extend(outcome.causes);

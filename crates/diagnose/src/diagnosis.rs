@@ -155,7 +155,7 @@ pub struct Cause {
     pub data: String,
     /// Probability that noise alone looks as much like any effect (family-wise).
     pub p_value: f64,
-    /// BIC against the model without it; negative is better.
+    /// BIC against the model without it, the other causes in it; negative is better.
     pub delta_bic: f64,
     /// Rms of what it explains over all readings of the level, µm.
     pub explained_rms_um: f64,
@@ -192,7 +192,7 @@ pub struct EstimatedParameter {
 pub struct Rival {
     /// The effect with its subject and values.
     pub effect: ResolvedEffect,
-    /// BIC against the model without any cause; negative is better.
+    /// BIC against the model without either, the other causes in it; negative is better.
     pub delta_bic: f64,
 }
 

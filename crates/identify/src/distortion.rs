@@ -33,7 +33,7 @@ pub(crate) type Covariance9 = SMatrix<f64, 9, 9>;
 
 /// Components of the two contrasts: `(-1, 1, 0)/√2` and `(-1, -1, 2)/√6`.
 const ROOT_HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
-const ROOT_SIXTH: f64 = 0.408_248_290_463_863_02;
+const ROOT_SIXTH: f64 = 0.408_248_290_463_863;
 
 impl ThreeTargets {
     /// An orthonormal basis of what no rigid motion of the targets reaches.

@@ -135,7 +135,7 @@ pub(crate) fn certainty(p_value: f64) -> String {
         _ => "sure",
     };
     format!(
-        "{words}: the chance that noise alone looks as much like any known cause is {}",
+        "that something is wrong: {words}; the chance that noise alone looks as much like any known cause is {}",
         match p_value {
             p if p < 1e-300 => "below 1e-300".to_owned(),
             p if p < 1e-3 => format!("{p:.0e}"),

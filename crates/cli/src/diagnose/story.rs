@@ -75,6 +75,9 @@ fn verdict(diagnosis: &Diagnosis) -> String {
             format!("the data contradict the model, for {count} cause(s) and something unknown")
         }
         Verdict::Clean => "clean, nothing contradicts the model".to_owned(),
+        Verdict::Named | Verdict::Ambiguous if diagnosis.unexplained.is_some() => {
+            format!("the data contradict the model, for {count} cause(s) and something more")
+        }
         Verdict::Named if count > 1 => format!("the data contradict the model, for {count} causes"),
         Verdict::Named => "the data contradict the model, and the cause is clear".to_owned(),
         Verdict::Ambiguous => {

@@ -9,9 +9,9 @@ use crate::selection::Hypothesis;
 /// What a cause, or a rival of it, makes responsible.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Culprit {
-    /// What happens at a station, or to the machine during its turn.
-    Station(usize),
-    Target(usize),
+    /// What happens at a station, or to the machine during its turn, at an instant or not.
+    Station(usize, bool),
+    Target(usize, bool),
     /// An axis in one way.
     Axis(usize, &'static str),
     /// Something that goes on through every turn.
@@ -21,7 +21,8 @@ enum Culprit {
 }
 
 /// Whether two causes have an explanation in common: then the second is no cause of its own but a sign
-/// that neither has the right shape. A tripod that sways is no pile of jumps.
+/// that neither has the right shape. A tripod that sways is no pile of jumps; a tripod that creeps and was
+/// bumped has two troubles.
 pub(crate) fn overlap(base: &Base<'_>, a: &Found, b: &Found) -> bool {
     let culprits = |found: &Found| -> Vec<Culprit> {
         let rivals = found.rivals.iter().map(|(suspect, _)| suspect);
@@ -42,15 +43,16 @@ fn culprit(base: &Base<'_>, suspect: &Suspect) -> Culprit {
         let after = base.readings.iter().find(|r| r.time_s > suspect.shape);
         after.map_or(0, |r| r.station)
     };
+    let at_an_instant = effect.shape() == Shape::Instant;
     if let Some(axis) = subject.axis {
         return Culprit::Axis(axis, effect.id());
     }
     if let Some(target) = subject.target {
-        return Culprit::Target(target);
+        return Culprit::Target(target, at_an_instant);
     }
     match subject.station {
-        Some(station) => Culprit::Station(station),
-        None if effect.shape() == Shape::Instant => Culprit::Station(during()),
+        Some(station) => Culprit::Station(station, at_an_instant),
+        None if at_an_instant => Culprit::Station(during(), true),
         None => match effect.id() {
             "dead_path_drift" | "station_drift" | "machine_drift" | "warm_up" => Culprit::EveryTurn,
             id => Culprit::Everything(id),

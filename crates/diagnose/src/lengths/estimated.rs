@@ -14,34 +14,32 @@ use crate::selection::{Fit, Projection};
 /// Step of the logarithm of a time constant for its derivative.
 const STEP: f64 = 0.01;
 
-/// Values with standard uncertainties, the shape last. What the data do not see of a parameter makes its
-/// uncertainty infinite.
+/// Values with standard uncertainties, the shape last, and the covariance of the linear ones (rows one
+/// after the other). What the data do not see of a parameter makes its uncertainty infinite.
 pub(crate) fn estimated(
     base: &Base<'_>,
     adjusted: &Adjusted,
     suspect: &Suspect,
-) -> Vec<EstimatedParameter> {
+) -> (Vec<EstimatedParameter>, Vec<f64>) {
     let hypothesis = suspect.hypothesis;
     let parameters = hypothesis
         .effect
         .parameters(&base.scene, &hypothesis.subject);
     let n = parameters.len();
-    let mut variances: Vec<f64> = (0..n).map(|k| suspect.covariance[k * n + k]).collect();
+    let mut covariance = suspect.covariance.clone();
     let mut u_shape = suspect.u_shape;
     match hypothesis.effect.shape() {
         Shape::Instant => u_shape = u_shape.hypot(gap_s(base, suspect.shape) / 12_f64.sqrt()),
         Shape::TimeConstant => {
             let (joint, u) = with_time_constant(base, adjusted, suspect);
-            for (variance, joint) in variances.iter_mut().zip(joint) {
-                *variance = variance.max(joint);
-            }
+            covariance = joint;
             u_shape = u;
         }
         Shape::Fixed | Shape::Period | Shape::Waves => {}
     }
     let u = |k: usize| match suspect.seen.get(k) {
         Some(false) => f64::INFINITY,
-        _ => variances[k].max(0.0).sqrt(),
+        _ => covariance[k * n + k].max(0.0).sqrt(),
     };
     let mut all: Vec<EstimatedParameter> = Vec::with_capacity(n + 1);
     for (k, parameter) in parameters.into_iter().enumerate() {
@@ -60,7 +58,7 @@ pub(crate) fn estimated(
             unit: shape.unit,
         });
     }
-    all
+    (all, covariance)
 }
 
 /// From the start of the visit before an instant to the start of the one after it, s.
@@ -80,7 +78,7 @@ fn gap_s(base: &Base<'_>, instant_s: f64) -> f64 {
     }
 }
 
-/// Variances of the parameters and standard uncertainty of the time constant, all free together.
+/// Covariance of the parameters and standard uncertainty of the time constant, all free together.
 fn with_time_constant(base: &Base<'_>, adjusted: &Adjusted, suspect: &Suspect) -> (Vec<f64>, f64) {
     let at = |shape: f64| base.columns(adjusted, &suspect.hypothesis, shape);
     let mut columns = at(suspect.shape);
@@ -95,11 +93,12 @@ fn with_time_constant(base: &Base<'_>, adjusted: &Adjusted, suspect: &Suspect) -
     columns.push(derivative);
     let bare = Projection::of_network(&adjusted.whitened);
     let fit = Fit::new(&bare, &columns);
-    let variance = |k: usize| fit.covariance[k * (n + 1) + k];
+    let covariance = |i: usize, k: usize| fit.covariance[i * (n + 1) + k];
     let u = if fit.seen[n] {
-        variance(n).sqrt()
+        covariance(n, n).sqrt()
     } else {
         f64::INFINITY
     };
-    ((0..n).map(variance).collect(), u)
+    let block = (0..n * n).map(|ik| covariance(ik / n, ik % n));
+    (block.collect(), u)
 }

@@ -1,7 +1,8 @@
 //! Lengths that were left out as gross errors, and whether the causes explain them after all.
 //!
 //! The few lengths between a slip and the end of a turn look like accidents until the slip is known.
-//! Without them its instant is not known, either; so the search is made again with them.
+//! Without them its instant is not known, either; so the search is made again with them. And several in a
+//! row to one target, or from one station, are no accidents at all.
 
 use trueaxis_calibrate::{LengthCircumstances as Reading, length_circumstances};
 use trueaxis_campaign::{Campaign, Lengths};
@@ -82,4 +83,30 @@ pub(crate) fn still_left_out(base: &Base<'_>, adjusted: &Adjusted) -> Vec<usize>
         .iter()
         .filter(|l| !l.is_explained(base, adjusted));
     gross.map(|left_out| left_out.number).collect()
+}
+
+/// As many wrong lengths in a row are no accidents: at one wrong length in a hundred they happen once in a
+/// million.
+const IN_A_ROW: usize = 3;
+
+/// Whether several of the readings that were left out follow each other, to one target or from one station.
+pub(crate) fn are_in_a_row(base: &Base<'_>, lengths: &Lengths) -> bool {
+    let is_out = |number: usize| base.left_out.iter().any(|l| l.number == number);
+    let longest = |concerns: &dyn Fn(usize, usize) -> bool| {
+        let (mut longest, mut row) = (0, 0);
+        for stop in &lengths.stops {
+            for number in stop.readings.clone() {
+                if concerns(stop.station, lengths.readings[number].target) {
+                    row = if is_out(number) { row + 1 } else { 0 };
+                    longest = longest.max(row);
+                }
+            }
+        }
+        longest
+    };
+    base.left_out.iter().any(|left_out| {
+        let (station, target) = (left_out.reading.station, left_out.reading.target);
+        longest(&|s, t| s == station && t == target) >= IN_A_ROW
+            || longest(&|s, _| s == station) > IN_A_ROW
+    })
 }

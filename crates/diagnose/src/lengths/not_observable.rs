@@ -24,6 +24,13 @@ pub(crate) fn not_observable(
         let names: Vec<String> = missing
             .iter()
             .map(|h| in_words(&h.subject, scene))
+            .map(|words| {
+                if words.is_empty() {
+                    "all alike".to_owned()
+                } else {
+                    words
+                }
+            })
             .collect();
         let explanation = effect.explanation();
         list.push(NotObservable {

@@ -4,12 +4,12 @@ use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::Level;
 use trueaxis_multilateration::network_from_campaign;
 
-use crate::lengths::base::{Adjusted, Base};
+use crate::lengths::base::{Adjusted, Base, Suspect};
 use crate::lengths::causes::{Found, Search, find_causes};
 use crate::lengths::estimated::estimated;
 use crate::lengths::held_out::{HeldOut, held_out_stations, held_out_sweeps};
 use crate::lengths::hypotheses::{hypotheses, of_catalogue};
-use crate::lengths::left_out::still_left_out;
+use crate::lengths::left_out::{are_in_a_row, still_left_out};
 use crate::lengths::noise_floor::{mean_noise_um, noise_floor_um};
 use crate::lengths::not_observable::not_observable;
 use crate::lengths::omnibus::{OMNIBUS_LEVEL, Omnibus, omnibus};
@@ -41,8 +41,14 @@ pub(crate) fn diagnose_lengths(
 ) -> Result<LengthsOutcome, Error> {
     let mut base = Base::new(campaign, lengths)?;
     let mut looked = look(&base)?;
-    let gross = still_left_out(&base, &looked.named.adjusted);
-    if gross.len() < base.left_out.len() && !looked.named.found.is_empty() {
+    let gross = if are_in_a_row(&base, lengths) {
+        Vec::new()
+    } else if looked.named.found.is_empty() {
+        base.left_out.iter().map(|l| l.number).collect()
+    } else {
+        still_left_out(&base, &looked.named.adjusted)
+    };
+    if gross.len() < base.left_out.len() {
         let all = network_from_campaign(campaign, lengths, false);
         base = Base::leaving_out(campaign, lengths, all, &gross)?;
         looked = look(&base)?;
@@ -71,7 +77,7 @@ pub(crate) fn diagnose_lengths(
         after,
         unexplained,
     } = named;
-    let floor_um = noise_floor_um(&base, &current);
+    let scatter_um = noise_floor_um(&base, &current);
     // Both in the noise that is left at the end.
     let noise = current.network.noise;
     let sharp = base.adjust(Vec::new(), Some(noise))?;
@@ -80,6 +86,8 @@ pub(crate) fn diagnose_lengths(
         (adjusted.projection.squares() / adjusted.projection.degrees_of_freedom).sqrt() * length_um
     };
     let (before_um, after_um) = (rms_um(&sharp), rms_um(&current));
+    // What changes between repeats and is not among the causes is in their scatter, too.
+    let floor_um = scatter_um.min(after_um);
     let stations_out = match found.is_empty() {
         true => None,
         false => held_out_stations(&base, &current).unwrap_or(None),
@@ -128,7 +136,7 @@ pub(crate) fn diagnose_lengths(
     };
     let effects_mm = effects_mm(&base, lengths, &current);
     let notices = notices(&base);
-    let causes = causes(&base, found, &current, after_um, gain);
+    let causes = causes(&base, found, &current, gain);
     Ok(LengthsOutcome {
         verdict,
         report,
@@ -266,7 +274,7 @@ fn notices(base: &Base<'_>) -> Vec<String> {
     let times = || base.readings.iter().map(|r| r.time_s);
     if times().all(|t| Some(t) == times().next()) {
         notices.push(
-            "all lengths have the same time_s: nothing that changes with time can be seen"
+            "all lengths have the same time_s: nothing that changes with time can be told; give times"
                 .to_owned(),
         );
     }
@@ -280,38 +288,48 @@ fn notices(base: &Base<'_>) -> Vec<String> {
     notices
 }
 
+/// Rms of what a cause does to the lengths, µm.
+fn rms_of_effect_um(base: &Base<'_>, current: &Adjusted, suspect: &Suspect) -> f64 {
+    let alone = std::slice::from_ref(suspect);
+    let effects_mm = base.readings.iter();
+    let effects_mm = effects_mm.map(|r| base.effect_mm(r, &current.solution, alone));
+    let squares: f64 = effects_mm.map(|e| e * e).sum();
+    (squares / base.readings.len() as f64).sqrt() * 1e3
+}
+
 /// The causes in words and units.
 fn causes(
     base: &Base<'_>,
     found: Vec<Found>,
     current: &Adjusted,
-    after_um: f64,
     gain: Option<Gain>,
 ) -> Vec<Cause> {
-    let dof = current.projection.degrees_of_freedom;
     let only = found.len() == 1;
     found
         .into_iter()
-        .map(|found| Cause {
-            level: Level::Lengths,
-            data: String::new(),
-            p_value: found.p_value,
-            delta_bic: found.bic,
-            explained_rms_um: after_um * (found.statistic / dof).sqrt(),
-            heldout_gain: gain.filter(|_| only).map(|g| 1.0 - g.heldout_rms_ratio),
-            parameters: estimated(base, current, &found.suspect),
-            covariance: found.suspect.covariance.clone(),
-            rivals: found
-                .rivals
-                .iter()
-                .map(|(suspect, bic)| Rival {
-                    effect: Base::resolved(suspect),
-                    delta_bic: *bic,
-                })
-                .collect(),
-            changes: Vec::new(),
-            share_of_curve: None,
-            effect: Base::resolved(&found.suspect),
+        .map(|found| {
+            let (parameters, covariance) = estimated(base, current, &found.suspect);
+            Cause {
+                level: Level::Lengths,
+                data: String::new(),
+                p_value: found.p_value,
+                delta_bic: found.bic,
+                explained_rms_um: rms_of_effect_um(base, current, &found.suspect),
+                heldout_gain: gain.filter(|_| only).map(|g| 1.0 - g.heldout_rms_ratio),
+                parameters,
+                covariance,
+                rivals: found
+                    .rivals
+                    .iter()
+                    .map(|(suspect, bic)| Rival {
+                        effect: Base::resolved(suspect),
+                        delta_bic: *bic,
+                    })
+                    .collect(),
+                changes: Vec::new(),
+                share_of_curve: None,
+                effect: Base::resolved(&found.suspect),
+            }
         })
         .collect()
 }

@@ -65,9 +65,13 @@ impl StepScan {
             for i in visit.rows.clone() {
                 sums.add(projection, i, row(i));
             }
+            let before = concerned[number - 1];
+            // On a clock that does not tell two visits apart there is no instant between them.
+            if before.span_s[1] >= visit.span_s[0] {
+                continue;
+            }
             let gram = sums.gram(projection);
             if gram.rank() > 0 {
-                let before = concerned[number - 1];
                 instants.push(Instant {
                     time_s: 0.5 * (before.span_s[1] + visit.span_s[0]),
                     first_row: visit.rows.start,

@@ -71,8 +71,11 @@ fn of_stations(base: &Base<'_>, current: &Adjusted) -> String {
     }
 }
 
-/// Periods that are tried in each turn: from the whole turn to this part of it.
+/// Periods that are tried in each turn, from as many to as many.
+const LEAST_PERIODS: u32 = 2;
 const MOST_PERIODS: u32 = 60;
+/// How near to a repeat, or half of one, a period is the plan's and not the disturbance's.
+const OF_THE_PLAN: f64 = 0.1;
 /// Steps between two whole numbers of periods.
 const OVERSAMPLING: u32 = 4;
 /// Probability of a peak from noise alone below which a period is worth a word.
@@ -95,7 +98,14 @@ fn period_s(base: &Base<'_>, adjusted: &Adjusted) -> Option<f64> {
     if turn_s <= 0.0 {
         return None;
     }
-    let tried = OVERSAMPLING..=OVERSAMPLING * MOST_PERIODS;
+    // A trend has most of its power in the first periods of a turn, and what changes from repeat to repeat
+    // in those of the repeats: neither says that anything is periodic.
+    let repeats = base.readings.iter().map(|r| r.repeat).max().unwrap_or(1);
+    let of_the_plan = |k: &u32| {
+        let per_repeat = f64::from(*k) / f64::from(OVERSAMPLING * repeats);
+        repeats > 1 && (per_repeat - per_repeat.round()).abs() < OF_THE_PLAN && per_repeat < 2.5
+    };
+    let tried = OVERSAMPLING * LEAST_PERIODS..=OVERSAMPLING * MOST_PERIODS;
     let power = |k: u32| -> f64 {
         let frequency = TAU * f64::from(k) / (f64::from(OVERSAMPLING) * turn_s);
         let mut sums = vec![(0.0, 0.0, 0_usize); stations];
@@ -110,11 +120,13 @@ fn period_s(base: &Base<'_>, adjusted: &Adjusted) -> Option<f64> {
         // Chi-squared with two degrees of freedom for each station.
         2.0 * powers.sum::<f64>() / variance
     };
-    let best = tried
-        .clone()
-        .max_by(|&a, &b| power(a).total_cmp(&power(b)))?;
+    let powers = tried.map(|k| (k, power(k)));
+    let (best, largest) = powers.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    if of_the_plan(&best) {
+        return None;
+    }
     let tests = f64::from(MOST_PERIODS);
-    let p = trueaxis_leastsquares::chi_squared_upper_tail(power(best), 2.0 * stations as f64);
+    let p = trueaxis_leastsquares::chi_squared_upper_tail(largest, 2.0 * stations as f64);
     let clear = p * tests < CLEAR;
     clear.then(|| turn_s * f64::from(OVERSAMPLING) / f64::from(best))
 }
