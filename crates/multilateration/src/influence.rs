@@ -121,14 +121,6 @@ impl<'a> Influence<'a> {
             * self.network.variance_factor(reading).sqrt()
     }
 
-    /// Standard deviations of a visit's lengths without the machine's return, mm.
-    pub(crate) fn length_sigmas_mm(&self, visit: &VisitRows) -> Vec<f64> {
-        let readings = self.network.visits[visit.visit].readings.clone();
-        readings
-            .map(|reading| self.length_sigma_mm(visit.visit, reading))
-            .collect()
-    }
-
     /// `Σ`.
     pub(crate) fn reduced_inverse(&self) -> MatRef<'a, f64> {
         self.covariance.reduced_inverse()
@@ -223,6 +215,26 @@ impl<'a> Influence<'a> {
         let mut unit = Vec::new();
         self.unit_error_into(visit.visit, visit.count, reading, &mut unit);
         unit
+    }
+
+    /// The rows of every visit of a group in the order of [`FreePoints::visits_of`]; `terms` is
+    /// memory to work in.
+    pub(crate) fn visits(&self, group: usize, terms: &mut Vec<VisitTerms>) {
+        let visits = self.model().visits_of(group);
+        terms.resize_with(visits.len(), VisitTerms::default);
+        match &self.model {
+            Model::Free(_) => {
+                for (&visit, terms) in visits.iter().zip(terms) {
+                    self.visit(visit, terms);
+                }
+            }
+            Model::Rigid(_) => {
+                let rows = self.group(group, &mut BlockRows::default());
+                for (visit, terms) in rows.visits.iter().zip(terms) {
+                    terms.copy(&rows, visit.first..visit.first + visit.count);
+                }
+            }
+        }
     }
 
     /// The rows of one visit; `terms` is memory to work in.

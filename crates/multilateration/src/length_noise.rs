@@ -18,11 +18,11 @@
 //!
 //! The machine's part is the rest.
 
-use faer::Mat;
-use trueaxis_leastsquares::BlockRows;
+use faer::{Mat, MatRef};
+use rayon::prelude::*;
 
-use crate::influence::{GroupRows, Influence, VisitRows};
-use crate::noise::whiten;
+use crate::influence::Influence;
+use crate::visit_terms::{VisitTerms, add_transposed_product, product};
 use crate::{Network, Solution};
 
 /// Covariance of points and stations for the lengths' own noise alone, mm².
@@ -37,18 +37,38 @@ impl Solution {
     pub fn length_noise<'a>(&'a self, network: &'a Network) -> LengthNoise<'a> {
         let influence = Influence::new(network, self);
         let width = influence.width();
+        let groups = influence.groups();
+        let parts: Vec<Vec<f64>> = (0..groups.div_ceil(PIECE))
+            .into_par_iter()
+            .map(|piece| {
+                let mut sum = vec![0.0; width * width];
+                let mut memory = Memory::default();
+                for group in piece * PIECE..groups.min((piece + 1) * PIECE) {
+                    influence.visits(group, &mut memory.terms);
+                    let visits = influence.model().visits_of(group);
+                    for (&visit, terms) in visits.iter().zip(&memory.terms) {
+                        let v = memory.part.of(&influence, visit, terms.count());
+                        product(v, terms.shared_rows(), width, &mut memory.times_part);
+                        let shared = terms.shared_rows();
+                        add_transposed_product(&mut sum, shared, &memory.times_part, [width; 2]);
+                    }
+                }
+                sum
+            })
+            .collect();
         let mut middle = Mat::<f64>::zeros(width, width);
-        let mut memory = BlockRows::default();
-        for g in 0..influence.groups() {
-            let group = influence.group(g, &mut memory);
-            middle +=
-                group.shared.transpose() * length_part_times(&influence, &group, &group.shared);
+        for part in parts {
+            for i in 0..width {
+                for j in 0..width {
+                    middle[(i, j)] += part[i * width + j];
+                }
+            }
         }
         let sigma = influence.reduced_inverse();
         let mut shared = Mat::zeros(2 * width, 2 * width);
         shared
             .submatrix_mut(0, 0, width, width)
-            .copy_from(sigma * middle * sigma);
+            .copy_from(sigma * &middle * sigma);
         for (row, column) in [(0, width), (width, 0)] {
             shared
                 .submatrix_mut(row, column, width, width)
@@ -63,13 +83,26 @@ impl LengthNoise<'_> {
     /// its coupling to the shared sources: twice as many columns as
     /// [`trueaxis_leastsquares::Covariance::coupling`] has.
     pub fn group(&self, group: usize) -> (Mat<f64>, Mat<f64>) {
-        let rows = self.influence.group(group, &mut BlockRows::default());
-        let covariance = self.influence.covariance();
+        let influence = &self.influence;
+        let covariance = influence.covariance();
+        let mut memory = Memory::default();
+        influence.visits(group, &mut memory.terms);
         let factor = covariance.inverse_factor(group);
-        let from_lengths = factor * rows.own.transpose();
-        let own = length_part_times(&self.influence, &rows, &rows.own) * factor.transpose();
-        let own = &from_lengths * own;
-        let cross = &from_lengths * length_part_times(&self.influence, &rows, &rows.shared);
+        let (unknowns, width) = (factor.ncols(), influence.width());
+        // Oᵀ V O and Oᵀ V T.
+        let mut own = vec![0.0; unknowns * unknowns];
+        let mut cross = vec![0.0; unknowns * width];
+        let visits = influence.model().visits_of(group);
+        for (&visit, terms) in visits.iter().zip(&memory.terms) {
+            let v = memory.part.of(influence, visit, terms.count());
+            product(v, terms.own_rows(), unknowns, &mut memory.times_part);
+            let (part, columns) = (&memory.times_part, [unknowns; 2]);
+            add_transposed_product(&mut own, part, terms.own_rows(), columns);
+            add_transposed_product(&mut cross, part, terms.shared_rows(), [unknowns, width]);
+        }
+        let own = MatRef::from_row_major_slice(&own, unknowns, unknowns);
+        let own = factor * own * factor.transpose();
+        let cross = factor * MatRef::from_row_major_slice(&cross, unknowns, width);
         let z = covariance.coupling(group);
         let width = z.ncols();
         let coupling = Mat::from_fn(z.nrows(), 2 * width, |i, j| {
@@ -89,31 +122,40 @@ impl LengthNoise<'_> {
     }
 }
 
-/// `V X` for whitened rows `X` of a group.
-fn length_part_times(influence: &Influence<'_>, group: &GroupRows, x: &Mat<f64>) -> Mat<f64> {
-    let mut product = Mat::zeros(x.nrows(), x.ncols());
-    for visit in &group.visits {
-        let part = length_part(influence, visit);
-        product
-            .as_mut()
-            .subrows_mut(visit.first, visit.count)
-            .copy_from(&part * x.as_ref().subrows(visit.first, visit.count));
-    }
-    product
+/// Groups that one thread takes at a time.
+const PIECE: usize = 256;
+
+/// Memory to work in.
+#[derive(Default)]
+struct Memory {
+    terms: Vec<VisitTerms>,
+    part: LengthPart,
+    times_part: Vec<f64>,
 }
 
-/// `V = L⁻¹ diag(σ_l²) L⁻ᵀ` of one visit.
-pub(crate) fn length_part(influence: &Influence<'_>, visit: &VisitRows) -> Mat<f64> {
-    let sigmas_mm = influence.length_sigmas_mm(visit);
-    let factor = influence.model().factor(visit.visit);
-    let mut whitened = Mat::<f64>::zeros(visit.count, visit.count);
-    for (i, &sigma_mm) in sigmas_mm.iter().enumerate() {
-        let mut column = vec![0.0; visit.count];
-        column[i] = sigma_mm;
-        whiten(factor, &mut column);
-        for (row, value) in column.into_iter().enumerate() {
-            whitened[(row, i)] = value;
+/// `V = L⁻¹ diag(σ_l²) L⁻ᵀ` of one visit: memory to work in.
+#[derive(Default)]
+pub(crate) struct LengthPart {
+    unit: Vec<f64>,
+    part: Vec<f64>,
+}
+
+impl LengthPart {
+    /// `V` of a visit with `count` readings, rows contiguous.
+    pub(crate) fn of(&mut self, influence: &Influence<'_>, visit: usize, count: usize) -> &[f64] {
+        let Self { unit, part } = self;
+        part.clear();
+        part.resize(count * count, 0.0);
+        let readings = influence.network().visits[visit].readings.clone();
+        for (i, reading) in readings.enumerate() {
+            influence.unit_error_into(visit, count, i, unit);
+            let variance = influence.length_sigma_mm(visit, reading).powi(2);
+            for (row, u) in part.chunks_exact_mut(count).zip(&*unit) {
+                for (v, other) in row.iter_mut().zip(&*unit) {
+                    *v += variance * u * other;
+                }
+            }
         }
+        part
     }
-    &whitened * whitened.transpose()
 }

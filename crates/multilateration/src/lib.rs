@@ -68,7 +68,6 @@ mod length_noise;
 mod network;
 mod noise;
 mod passes;
-mod quadratic_form;
 mod redundancy;
 mod reliability;
 mod rigid_solution;

@@ -121,6 +121,20 @@ impl VisitTerms {
         }
     }
 
+    /// Number of columns of `O`.
+    pub(crate) fn own_width(&self) -> usize {
+        self.own_width
+    }
+
+    /// Rows of `O`, of `T`.
+    pub(crate) fn own_rows(&self) -> &[f64] {
+        &self.own
+    }
+
+    pub(crate) fn shared_rows(&self) -> &[f64] {
+        &self.shared
+    }
+
     /// `I - O Oᵀ - T Σ Tᵀ`, rows contiguous: the part of the rows' noise that the residuals keep.
     /// `sigma` holds the columns of `Σ`.
     pub(crate) fn kept(&self, sigma: &[f64], kept: &mut Vec<f64>, memory: &mut Vec<f64>) {
@@ -167,6 +181,33 @@ pub(crate) fn times_symmetric(sigma: &[f64], x: &[f64], out: &mut Vec<f64>) {
     for (column, x) in sigma.chunks_exact(x.len().max(1)).zip(x) {
         for (o, s) in out.iter_mut().zip(column) {
             *o += s * x;
+        }
+    }
+}
+
+/// `sum += Aᵀ B` for matrices with contiguous rows, `columns` of them in `a` and `b`.
+pub(crate) fn add_transposed_product(sum: &mut [f64], a: &[f64], b: &[f64], columns: [usize; 2]) {
+    let [n, m] = columns.map(|columns| columns.max(1));
+    for (a, b) in a.chunks_exact(n).zip(b.chunks_exact(m)) {
+        for (sum, a) in sum.chunks_exact_mut(m).zip(a) {
+            for (sum, b) in sum.iter_mut().zip(b) {
+                *sum += a * b;
+            }
+        }
+    }
+}
+
+/// `out = A B` for a square `A` and `B` with `columns` columns, rows contiguous.
+pub(crate) fn product(a: &[f64], b: &[f64], columns: usize, out: &mut Vec<f64>) {
+    out.clear();
+    out.resize(b.len(), 0.0);
+    let m = columns.max(1);
+    let count = b.len() / m;
+    for (a, out) in a.chunks_exact(count.max(1)).zip(out.chunks_exact_mut(m)) {
+        for (a, b) in a.iter().zip(b.chunks_exact(m)) {
+            for (out, b) in out.iter_mut().zip(b) {
+                *out += a * b;
+            }
         }
     }
 }
