@@ -22,31 +22,54 @@ pub(crate) fn tolerance(axis: &Axis) -> f64 {
 
 /// One column for each axis of a machine.
 pub(crate) struct AxisColumns<'a> {
-    axes: Vec<(Column, &'a Axis)>,
+    axes: Vec<AxisColumn<'a>>,
+}
+
+struct AxisColumn<'a> {
+    column: Column,
+    axis: &'a Axis,
+    /// The last cell that was read, and the position that it holds: few rows move an axis.
+    cell: Vec<u8>,
+    position: f64,
 }
 
 impl<'a> AxisColumns<'a> {
     /// Finds the columns in `table`.
     pub(crate) fn of(table: &Table<'_>, machine: &'a Machine) -> Result<Self, Error> {
         let axes = machine.axes().iter();
-        let columns = axes.map(|axis| Ok((table.column(axis.name())?, axis)));
+        let columns = axes.map(|axis| {
+            Ok(AxisColumn {
+                column: table.column(axis.name())?,
+                axis,
+                cell: Vec::new(),
+                position: 0.0,
+            })
+        });
         Ok(Self {
             axes: columns.collect::<Result<_, _>>()?,
         })
     }
 
     /// Reads the positions of all axes into `positions`, mm or rad.
-    pub(crate) fn read(&self, row: &Row<'_>, positions: &mut Vec<f64>) -> Result<(), Error> {
+    pub(crate) fn read(&mut self, row: &Row<'_>, positions: &mut Vec<f64>) -> Result<(), Error> {
         positions.clear();
-        for &(column, axis) in &self.axes {
-            positions.push(position_unit::from_file(axis.kind(), row.number(column)?));
+        for known in &mut self.axes {
+            let cell = row.cell(known.column);
+            if known.cell.is_empty() || known.cell != cell {
+                let number = row.number(known.column)?;
+                known.position = position_unit::from_file(known.axis.kind(), number);
+                known.cell.clear();
+                known.cell.extend_from_slice(cell);
+            }
+            positions.push(known.position);
         }
         Ok(())
     }
 
     /// Checks that `positions`, read from `row`, are within the travel.
     pub(crate) fn check_travel(&self, row: &Row<'_>, positions: &[f64]) -> Result<(), Error> {
-        for (&(column, axis), &position) in self.axes.iter().zip(positions) {
+        for (known, &position) in self.axes.iter().zip(positions) {
+            let &AxisColumn { column, axis, .. } = known;
             let [low, high] = axis.travel();
             let within = |position: f64| {
                 let beyond = (low - position).max(position - high);

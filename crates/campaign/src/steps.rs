@@ -19,10 +19,16 @@ pub(crate) struct Steps {
 
 impl Steps {
     /// The step of `run` at `positions`, if it has appeared. Positions must not hold -0.
+    ///
+    /// Rows stay at a step or go on to the next one, as at the station before, so these two are tried
+    /// first.
     pub(crate) fn find(&mut self, run: usize, positions: &[f64]) -> Option<usize> {
-        let is_last = |step: &Step| step.run == run && step.positions == positions;
-        if self.steps.get(self.last).is_some_and(is_last) {
-            return Some(self.last);
+        let is_here = |step: &Step| step.run == run && step.positions == positions;
+        for likely in [self.last, self.last + 1] {
+            if self.steps.get(likely).is_some_and(is_here) {
+                self.last = likely;
+                return Some(likely);
+            }
         }
         self.key.clear();
         self.key.push(run as u64);

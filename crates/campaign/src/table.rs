@@ -224,7 +224,8 @@ impl Row<'_> {
         Place::column(self.file, self.line, name)
     }
 
-    fn cell(&self, column: Column) -> &[u8] {
+    /// The cell in `column`, without the blanks around it.
+    pub(crate) fn cell(&self, column: Column) -> &[u8] {
         self.record.get(column.0).unwrap_or_default().trim_ascii()
     }
 

@@ -103,7 +103,7 @@ pub(crate) fn read(
     let time = table.optional_column(TIME_COLUMN);
     let cycle = table.column("cycle")?;
     let direction = table.column("direction")?;
-    let axes = AxisColumns::of(&table, machine)?;
+    let mut axes = AxisColumns::of(&table, machine)?;
     let value = table.column(value_column)?;
 
     let mut readings = Vec::new();
