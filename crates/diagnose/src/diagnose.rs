@@ -197,39 +197,39 @@ fn calibrated(
     settings: &Settings,
     notices: &mut Vec<String>,
 ) -> Result<Calibration, Error> {
-    let wanted = settings.calibration;
-    let mut attempts = Vec::new();
-    for robust in [wanted.robust, false] {
-        for covariance in [true, false] {
-            attempts.push(trueaxis_calibrate::Settings {
-                robust,
-                covariance,
-                ..wanted
-            });
-        }
-    }
+    let mut wanted = trueaxis_calibrate::Settings {
+        covariance: true,
+        ..settings.calibration
+    };
+    let mut given_up = Vec::new();
     let mut first = None;
-    for attempt in &attempts {
-        match calibrate(campaign, attempt) {
+    loop {
+        let error = match calibrate(campaign, &wanted) {
             Ok(calibration) => {
-                if let Some(error) = first {
-                    notices.push(given_up(attempt, &error));
-                }
+                notices.extend(given_up);
                 return Ok(calibration);
             }
-            Err(error) => first = first.or(Some(error)),
+            Err(error) => error,
+        };
+        let is_too_large = matches!(error, trueaxis_calibrate::Error::CovarianceTooLarge { .. });
+        if is_too_large && wanted.covariance {
+            wanted.covariance = false;
+            given_up.push(format!(
+                "calibrated without covariance, so that error curves are not explained: {error}"
+            ));
+        } else if wanted.robust {
+            wanted.robust = false;
+            // What the error advises further is a matter of `calibrate`.
+            let text = error.to_string();
+            let why = text.split("; --no-robust").next().unwrap_or_default();
+            given_up.push(format!(
+                "calibrated with all lengths at full weight, since otherwise: {why}"
+            ));
+        } else {
+            return Err(Error::Calibrate(first.unwrap_or(error)));
         }
+        first.get_or_insert(error);
     }
-    Err(first.map_or(Error::NothingMeasured, Error::Calibrate))
-}
-
-fn given_up(attempt: &trueaxis_calibrate::Settings, error: &trueaxis_calibrate::Error) -> String {
-    let how = if attempt.robust {
-        "without covariance: error curves are not explained"
-    } else {
-        "with all lengths at full weight"
-    };
-    format!("calibrated {how}, since otherwise: {error}")
 }
 
 /// The campaign with lengths less what the causes do to them.
