@@ -172,7 +172,11 @@ fn the_gain_is_the_true_one() {
 
 fn rotary_stage(change: impl Fn(&mut Scenario)) -> Diagnosis {
     let text = include_str!("../../../campaigns/rotary-stage/scenario.json");
-    let mut scenario = Scenario::from_json(text).unwrap();
+    simulated(text, change)
+}
+
+fn simulated(scenario: &str, change: impl Fn(&mut Scenario)) -> Diagnosis {
+    let mut scenario = Scenario::from_json(scenario).unwrap();
     change(&mut scenario);
     diagnose(&simulate(&scenario, 1).unwrap().campaign, &lengths_only()).unwrap()
 }
@@ -214,4 +218,49 @@ fn lengths_that_the_cause_explains_come_back() {
         (time.value - 2000.0).abs() < 2.0 * time.u && time.u < 20.0,
         "{time:?}"
     );
+}
+
+const FXYZ: &str = include_str!("../../../campaigns/fxyz/scenario.json");
+
+/// Only four lengths after the slip, all of which look like gross errors.
+#[test]
+fn a_slip_just_before_the_end_is_no_accident() {
+    let diagnosis = simulated(FXYZ, |scenario| {
+        let effects = r#"[{ "effect": "target_slip", "subject": { "target": "Q" }, "parameters": [
+            { "name": "slip_x", "value": 80, "unit": "um" }, { "name": "slip_y", "value": -60, "unit": "um" },
+            { "name": "slip_z", "value": 40, "unit": "um" }, { "name": "time", "value": 10460, "unit": "s" }] }]"#;
+        scenario.effects = serde_json::from_str(effects).unwrap();
+    });
+    assert_eq!(diagnosis.verdict, Verdict::Named);
+    assert_eq!(diagnosis.causes[0].effect.effect.id(), "target_slip");
+    // Four beams from one station do not show all of it, so nothing is said of the calibration.
+    assert!(diagnosis.causes[0].changes.is_empty());
+    assert!(diagnosis.effects_file().effects.is_empty());
+}
+
+/// One tripod that was bumped while its dead path drifts: two causes, each with its own size.
+#[test]
+fn a_bump_and_a_drift_of_one_station_are_told_apart() {
+    let diagnosis = simulated(FXYZ, |scenario| {
+        let effects = r#"[
+            { "effect": "station_jump", "subject": { "station": "S2" }, "parameters": [
+                { "name": "jump_x", "value": 4, "unit": "um" }, { "name": "jump_y", "value": -3, "unit": "um" },
+                { "name": "jump_z", "value": 2, "unit": "um" }, { "name": "time", "value": 3500, "unit": "s" }] },
+            { "effect": "dead_path_drift", "subject": { "station": "S2" }, "parameters": [
+                { "name": "rate_S2", "value": 5, "unit": "um" }] }]"#;
+        scenario.effects = serde_json::from_str(effects).unwrap();
+    });
+    for (name, truth) in [
+        ("jump_x", 4.0),
+        ("jump_y", -3.0),
+        ("jump_z", 2.0),
+        ("rate_S2", 5.0),
+    ] {
+        let parameters = diagnosis.causes.iter().flat_map(|cause| &cause.parameters);
+        let found = parameters.clone().find(|p| p.name == name);
+        let found = found
+            .unwrap_or_else(|| panic!("{name} is not among {:?}", parameters.collect::<Vec<_>>()));
+        // Beyond 3.5 u once in 2,000 values.
+        assert!((found.value - truth).abs() < 3.5 * found.u, "{found:?}");
+    }
 }

@@ -16,7 +16,7 @@ const MOST_PLACES: usize = 2;
 pub(crate) fn lines(diagnosis: &Diagnosis) -> Vec<String> {
     let mut lines = vec![format!("{}: {}", diagnosis.campaign, verdict(diagnosis))];
     for level in &diagnosis.levels {
-        lines.extend(off(level, diagnosis.verdict == Verdict::Clean));
+        lines.extend(off(level, diagnosis));
     }
     let of_level = |level: Level| {
         let causes = diagnosis.causes.iter();
@@ -90,12 +90,17 @@ fn verdict(diagnosis: &Diagnosis) -> String {
 }
 
 /// How far the prediction is off, and where.
-fn off(level: &LevelReport, clean: bool) -> Vec<String> {
+fn off(level: &LevelReport, diagnosis: &Diagnosis) -> Vec<String> {
+    // What is not explained may be in the scatter of the repeats, too.
+    let floor = match diagnosis.unexplained {
+        None => "noise alone is",
+        Some(_) => "repeats scatter by",
+    };
     let mut text = format!(
-        "predicted to {:.2} µm rms, noise alone is {:.2} µm",
+        "predicted to {:.2} µm rms, {floor} {:.2} µm",
         level.before.rms_um, level.noise_floor_um
     );
-    if !clean {
+    if diagnosis.verdict != Verdict::Clean {
         if level.after.rms_um < level.before.rms_um {
             text += &format!("; with the causes {:.2} µm", level.after.rms_um);
         }

@@ -101,11 +101,12 @@ fn period_s(base: &Base<'_>, adjusted: &Adjusted) -> Option<f64> {
     // A trend has most of its power in the first periods of a turn, and what changes from repeat to repeat
     // in those of the repeats: neither says that anything is periodic.
     let repeats = base.readings.iter().map(|r| r.repeat).max().unwrap_or(1);
-    let of_the_plan = |k: &u32| {
-        let per_repeat = f64::from(*k) / f64::from(OVERSAMPLING * repeats);
+    let of_the_plan = |k: u32| {
+        let per_repeat = f64::from(k) / f64::from(OVERSAMPLING * repeats);
         repeats > 1 && (per_repeat - per_repeat.round()).abs() < OF_THE_PLAN && per_repeat < 2.5
     };
-    let tried = OVERSAMPLING * LEAST_PERIODS..=OVERSAMPLING * MOST_PERIODS;
+    let longest = OVERSAMPLING * LEAST_PERIODS;
+    let tried = longest..=OVERSAMPLING * MOST_PERIODS;
     let power = |k: u32| -> f64 {
         let frequency = TAU * f64::from(k) / (f64::from(OVERSAMPLING) * turn_s);
         let mut sums = vec![(0.0, 0.0, 0_usize); stations];
@@ -122,7 +123,7 @@ fn period_s(base: &Base<'_>, adjusted: &Adjusted) -> Option<f64> {
     };
     let powers = tried.map(|k| (k, power(k)));
     let (best, largest) = powers.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    if of_the_plan(&best) {
+    if best == longest || of_the_plan(best) {
         return None;
     }
     let tests = f64::from(MOST_PERIODS);
