@@ -286,21 +286,8 @@ impl<'a> Base<'a> {
     /// The same lengths without some readings (ascending).
     pub(crate) fn without(&self, removed: &[usize]) -> Result<Self, Error> {
         let (network, kept) = self.network.without(removed);
-        let start = self
-            .start
-            .solve_again(&network, &self.bodies, &Settings::default())?;
-        Ok(Self {
-            campaign: self.campaign,
-            scene: self.scene.clone(),
-            network,
-            groups: self.groups.clone(),
-            bodies: self.bodies.clone(),
-            readings: kept.iter().map(|&i| self.readings[i].clone()).collect(),
-            start,
-            declared: self.declared,
-            left_out: Vec::new(),
-            many_gross: 0,
-        })
+        let readings = kept.iter().map(|&i| self.readings[i].clone()).collect();
+        self.with_network(network, readings)
     }
 
     /// The same lengths with next to no weight for some: these say where their station is, but move
@@ -311,6 +298,11 @@ impl<'a> Base<'a> {
         for &i in held {
             network.variance_factors[i] *= NO_WEIGHT;
         }
+        self.with_network(network, self.readings.clone())
+    }
+
+    /// The same campaign with another network and its readings.
+    fn with_network(&self, network: Network, readings: Vec<Reading>) -> Result<Self, Error> {
         let start = self
             .start
             .solve_again(&network, &self.bodies, &Settings::default())?;
@@ -320,7 +312,7 @@ impl<'a> Base<'a> {
             network,
             groups: self.groups.clone(),
             bodies: self.bodies.clone(),
-            readings: self.readings.clone(),
+            readings,
             start,
             declared: self.declared,
             left_out: Vec::new(),
