@@ -41,7 +41,7 @@ impl Measured {
         let source = match screened {
             Some(Screened {
                 network, solution, ..
-            }) => NoiseSource::Lengths(solution.length_noise(network)),
+            }) => NoiseSource::Lengths(Box::new(solution.length_noise(network))),
             None => NoiseSource::Independent(self.without_return.clone()),
         };
         PointNoise {

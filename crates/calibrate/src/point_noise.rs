@@ -27,7 +27,7 @@ pub(crate) enum NoiseSource<'a> {
     /// From the adjustment of lengths.
     Adjusted(Arc<Screened>),
     /// The lengths' own noise alone.
-    Lengths(LengthNoise<'a>),
+    Lengths(Box<LengthNoise<'a>>),
     /// Independent groups with these covariances.
     Independent(Vec<DMatrix<f64>>),
 }

@@ -16,7 +16,7 @@ pub struct BlockRows {
 
 /// What is left of a column after the columns before it, relative to its length, below which an
 /// unknown counts as free: its uncertainty would be a million times that of a direct reading.
-pub const BLOCK_RANK_TOL: f64 = 1e-6;
+const BLOCK_RANK_TOL: f64 = 1e-6;
 
 impl BlockRows {
     /// Zero rows for `block` own and `shared` shared unknowns.

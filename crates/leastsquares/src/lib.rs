@@ -7,10 +7,9 @@
 //! minimise  Σ_i | r_i - A_i δx_i - B_i δs |²   subject to   Σ_i H_iᵀ δx_i = h
 //! ```
 //!
-//! Every block is eliminated on its own ([`Block`]), which leaves a small system in `s` and the datum
-//! multipliers ([`Reduced`]). Time and memory are linear in the number of rows; the matrix of
-//! the whole problem is never formed. The factors of all blocks ([`Factors`]) give the covariance of
-//! everything:
+//! Every block is eliminated on its own by Householder reflections, which leaves a small system in
+//! `s` and the datum multipliers. Time and memory are linear in the number of rows; the matrix of
+//! the whole problem is never formed. The same factors give the covariance of everything:
 //! `cov(x_i, x_k) = [i = k] D_i + Z_i Σ Z_kᵀ` ([`Covariance`]).
 //!
 //! Noun in: an [`Adjustment`] (a model that linearises itself at a state); noun out: an
@@ -47,21 +46,16 @@ mod block;
 mod chi_squared;
 mod covariance;
 pub mod dense;
-mod eliminated;
 mod error;
-mod factors;
 mod gauss_newton;
-mod inverse;
 mod reduced;
 mod student;
 
 pub use arrowhead::{Arrowhead, Correction, Solved};
-pub use block::{BLOCK_RANK_TOL, BlockRows};
+pub use block::BlockRows;
 pub use chi_squared::{chi_squared_quantile, chi_squared_upper_tail};
 pub use covariance::Covariance;
-pub use eliminated::{Block, WeakPivot};
 pub use error::Error;
-pub use factors::{Factors, FactorsMut};
 pub use gauss_newton::{Adjusted, Adjustment, Settings, Termination, adjust};
-pub use reduced::{Datum, Reduced, ReducedSolution};
+pub use reduced::Datum;
 pub use student::student_two_sided;

@@ -1,29 +1,18 @@
 //! The reduced system in the shared unknowns `s` and the datum multipliers `λ`.
 //!
-//! With the whitened rows `[B | r]` of all blocks and what their elimination gives ([`Block`]):
+//! With `B, r` the rows that are left of the blocks and `R x + C s = c`, `W = R⁻ᵀ H`:
 //!
 //! ```text
-//! [ Σ BᵀB - CᵀC    -Σ CᵀW ] [s]   [ Σ Bᵀr - Cᵀc ]
-//! [  -Σ WᵀC        -Σ WᵀW ] [λ] = [  h - Σ Wᵀc  ]
+//! [  Σ BᵀB    -Σ CᵀW ] [s]   [ Σ Bᵀr     ]
+//! [ -Σ WᵀC    -Σ WᵀW ] [λ] = [ h - Σ Wᵀc ]
 //! ```
 //!
 //! Its inverse is symmetric but indefinite: the datum takes variance away from the blocks.
-//!
-//! Sums of any blocks can be made on their own and added up afterwards, so that several threads
-//! can make them; the same parts added in the same order give the same bits.
-//!
-//! A combination of shared unknowns counts as free if the scaled matrix has an eigenvalue below
-//! [`SHARED_RANK_TOL`]. Eigenvalues cost more than all the rest, so they are looked at only if the
-//! inverse does not rule it out: if more directions are free than the datum has constraints, one of
-//! them meets all constraints, the matrix takes a unit vector to less than the limit, and its inverse
-//! has at least the limit's reciprocal as norm.
 
+use faer::linalg::solvers::{DenseSolveCore, Solve};
 use faer::{Mat, Side};
 
 use crate::Error;
-use crate::block::BlockRows;
-use crate::eliminated::Block;
-use crate::inverse::invert;
 
 /// What the observations leave free, and the constraint that fixes it.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -34,30 +23,26 @@ pub struct Datum {
     pub closure: Vec<f64>,
 }
 
-/// Sums over some or all blocks.
+/// Sums over all blocks.
 #[derive(Debug, Clone)]
-pub struct Reduced {
+pub(crate) struct Reduced {
     shared: usize,
     datum: usize,
-    /// Rows of the matrix above, bordered by the right side as last column; of the symmetric part
-    /// the upper triangle.
+    /// The matrix above with contiguous columns; of the symmetric top left part only the upper
+    /// triangle, and the datum columns complete.
     matrix: Vec<f64>,
-    squares: f64,
-    observations: usize,
-    block_unknowns: usize,
+    right_side: Vec<f64>,
+    block_squares: f64,
 }
 
 /// Solution of the reduced system.
-#[derive(Debug, Clone)]
-pub struct ReducedSolution {
-    pub(crate) shared: usize,
+pub(crate) struct ReducedSolution {
     /// `s`, then `λ`.
-    pub unknowns: Vec<f64>,
-    /// Symmetric inverse of the matrix, rows contiguous.
-    pub(crate) inverse: Vec<f64>,
-    /// By how much the linear model says that the correction of all unknowns lowers the sum of
-    /// squares.
-    pub decrease: f64,
+    pub(crate) unknowns: Vec<f64>,
+    /// Inverse of the matrix.
+    pub(crate) inverse: Mat<f64>,
+    /// Decrease of the sum of squares by `s`.
+    pub(crate) decrease: f64,
 }
 
 /// Relative eigenvalue of the scaled normal matrix below which a combination of shared unknowns
@@ -69,138 +54,85 @@ const SHARED_RANK_TOL: f64 = 1e-12;
 const FREE_SHARE_TOL: f64 = 0.05;
 
 impl Reduced {
-    /// Zero sums.
-    pub fn new(shared: usize, datum: usize) -> Self {
-        let width = shared + datum + 1;
+    pub(crate) fn new(shared: usize, datum: usize) -> Self {
+        let width = shared + datum;
         Self {
             shared,
             datum,
             matrix: vec![0.0; width * width],
-            squares: 0.0,
-            observations: 0,
-            block_unknowns: 0,
+            right_side: vec![0.0; width],
+            block_squares: 0.0,
         }
     }
 
-    /// Number of shared unknowns.
-    pub fn shared(&self) -> usize {
+    pub(crate) fn shared(&self) -> usize {
         self.shared
     }
 
-    /// Number of constraints.
-    pub fn datum(&self) -> usize {
+    pub(crate) fn datum(&self) -> usize {
         self.datum
     }
 
-    /// Sum of squares of the whitened residuals, `Σ|r|²`.
-    pub fn squares(&self) -> f64 {
-        self.squares
+    /// `Σ |c|²`: the part of the sum of squares that the blocks take whatever `s` is.
+    pub(crate) fn block_squares(&self) -> f64 {
+        self.block_squares
     }
 
-    /// Number of rows.
-    pub fn observations(&self) -> usize {
-        self.observations
-    }
-
-    /// Number of unknowns, blocks and shared, less the free motions that the datum fixes.
-    pub fn determined_unknowns(&self) -> usize {
-        self.block_unknowns + self.shared - self.datum
-    }
-
-    /// Row `i` of the bordered matrix, columns of the shared unknowns, the multipliers and the right
-    /// side: what rows give to the shared unknowns whatever block they belong to, `BᵀB` and `Bᵀr`,
-    /// is added here. Columns before the diagonal are not read.
-    #[inline(always)]
-    pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
-        let width = self.shared + self.datum + 1;
-        &mut self.matrix[i * width..(i + 1) * width]
-    }
-
-    /// Counts rows of so many blocks' unknowns and their part of the sum of squares.
-    #[inline(always)]
-    pub fn count(&mut self, observations: usize, block_unknowns: usize, squares: f64) {
-        self.observations += observations;
-        self.block_unknowns += block_unknowns;
-        self.squares += squares;
-    }
-
-    /// Adds what whitened rows give to the shared unknowns, and counts them.
-    pub fn add_rows(&mut self, rows: &BlockRows) {
-        let n = rows.block_unknowns();
-        let last = self.shared + self.datum;
-        let residual = rows.column(n + self.shared);
+    /// Adds rows that are free of block unknowns; `column(shared)` is their residual.
+    pub(crate) fn add_rows<'a>(&mut self, column: impl Fn(usize) -> &'a [f64]) {
+        let width = self.shared + self.datum;
         for k in 0..self.shared {
-            let column = rows.column(n + k);
-            for j in k..self.shared {
-                self.row_mut(k)[j] += dot(column, rows.column(n + j));
+            let b_k = column(k);
+            for j in 0..=k {
+                self.matrix[k * width + j] += dot(column(j), b_k);
             }
-            self.row_mut(k)[last] += dot(column, residual);
+            self.right_side[k] += dot(b_k, column(self.shared));
         }
-        self.count(rows.rows(), n, dot(residual, residual));
     }
 
-    /// Adds what the elimination of a block takes: `-[C | W | c]ᵀ [C | W | c]`.
-    #[inline(always)]
-    pub fn add(&mut self, block: &Block) {
-        let width = block.width();
-        // Three at a time: the coordinates of a point, and a third of the traffic.
-        let mut threes = block.rows().chunks_exact(3 * width);
-        for three in &mut threes {
-            let (a, rest) = three.split_at(width);
-            let (b, c) = rest.split_at(width);
-            for (i, row) in self.matrix.chunks_exact_mut(width).enumerate() {
-                let (fa, fb, fc) = (a[i], b[i], c[i]);
-                let others = a[i..].iter().zip(&b[i..]).zip(&c[i..]);
-                for (m, ((a, b), c)) in row[i..].iter_mut().zip(others) {
-                    *m -= fa * a + fb * b + fc * c;
-                }
+    /// Adds a block's part of the datum: `C` by columns, `W` and `c`.
+    pub(crate) fn add_datum<'a>(
+        &mut self,
+        coupling: impl Fn(usize) -> &'a [f64],
+        weighted_datum: &[f64],
+        offset: &[f64],
+    ) {
+        let (width, n) = (self.shared + self.datum, offset.len());
+        self.block_squares += dot(offset, offset);
+        for (j, w_j) in weighted_datum.chunks_exact(n).enumerate() {
+            let row = self.shared + j;
+            for k in 0..self.shared {
+                self.matrix[row * width + k] -= dot(coupling(k), w_j);
             }
-        }
-        for a in threes.remainder().chunks_exact(width) {
-            for (i, row) in self.matrix.chunks_exact_mut(width).enumerate() {
-                let fa = a[i];
-                for (m, a) in row[i..].iter_mut().zip(&a[i..]) {
-                    *m -= fa * a;
-                }
+            for (k, w_k) in weighted_datum.chunks_exact(n).take(j + 1).enumerate() {
+                self.matrix[row * width + self.shared + k] -= dot(w_k, w_j);
             }
+            self.right_side[row] -= dot(w_j, offset);
         }
-    }
-
-    /// Adds a part of `h`.
-    pub fn close(&mut self, closure: &[f64]) {
-        let (shared, last) = (self.shared, self.shared + self.datum);
-        for (k, h) in closure.iter().enumerate() {
-            self.row_mut(shared + k)[last] += h;
-        }
-    }
-
-    /// Adds the sums of other blocks.
-    pub fn merge(&mut self, other: &Self) {
-        for (m, o) in self.matrix.iter_mut().zip(&other.matrix) {
-            *m += o;
-        }
-        self.count(other.observations, other.block_unknowns, other.squares);
-    }
-
-    /// Whether all sums are finite.
-    pub fn is_finite(&self) -> bool {
-        self.matrix.iter().all(|x| x.is_finite())
     }
 
     /// Solves for `s` and `λ` after checking that only the datum's motions are free.
-    /// `free_motions` are those of [`Datum::free_motions`]; they only serve to name what is free
-    /// beyond them.
-    ///
-    /// # Errors
-    /// [`Error::SharedRank`], [`Error::NotFinite`].
-    pub fn solve(
-        &self,
-        free_motions: impl FnOnce() -> Vec<Vec<f64>>,
-    ) -> Result<ReducedSolution, Error> {
+    pub(crate) fn solve(&self, datum: &Datum) -> Result<ReducedSolution, Error> {
         let width = self.shared + self.datum;
-        let at = |i: usize, j: usize| self.matrix[i.min(j) * (width + 1) + i.max(j)];
-        let right = |i: usize| at(i, width);
-        if !self.is_finite() {
+        let at = |i: usize, j: usize| {
+            let (low, high) = (i.min(j), i.max(j));
+            self.matrix[high * width + low]
+        };
+        if width == 0 {
+            let inverse = Mat::zeros(0, 0);
+            return Ok(ReducedSolution {
+                unknowns: Vec::new(),
+                inverse,
+                decrease: 0.0,
+            });
+        }
+        if !self
+            .matrix
+            .iter()
+            .chain(&self.right_side)
+            .chain(&datum.closure)
+            .all(|x| x.is_finite())
+        {
             return Err(Error::NotFinite {
                 what: "the reduced system",
             });
@@ -212,59 +144,40 @@ impl Reduced {
                 _ => 1.0,
             })
             .collect();
-        let mut inverse = vec![0.0; width * width];
-        for (i, row) in inverse.chunks_exact_mut(width.max(1)).enumerate() {
-            for (j, x) in row.iter_mut().enumerate() {
-                *x = scale[i] * at(i, j) * scale[j];
-            }
-        }
-        let inverted = invert(&mut inverse, width);
-        let norm = dot(&inverse, &inverse).sqrt();
-        // The largest eigenvalue is not above the sum of all, the number of shared unknowns.
-        let full_rank = inverted && norm * SHARED_RANK_TOL * (self.shared as f64) < 1.0;
-        if !full_rank {
-            let scaled = Mat::from_fn(self.shared, self.shared, |i, j| {
-                scale[i] * at(i, j) * scale[j]
-            });
-            self.check_rank(&scaled, &scale, &free_motions())?;
-        }
-        if !inverted {
-            return Err(Error::NotFinite {
-                what: "the inverse of the reduced system",
-            });
-        }
-        for (i, row) in inverse.chunks_exact_mut(width.max(1)).enumerate() {
-            for (x, s) in row.iter_mut().zip(&scale) {
-                *x *= scale[i] * s;
-            }
-        }
-        let unknowns: Vec<f64> = inverse
-            .chunks_exact(width.max(1))
-            .map(|row| (0..width).map(|j| row[j] * right(j)).sum())
-            .collect();
+        let scaled = Mat::from_fn(width, width, |i, j| scale[i] * at(i, j) * scale[j]);
+        self.check_rank(&scaled, &scale, datum)?;
+
+        let lu = scaled.partial_piv_lu();
+        let right = Mat::from_fn(width, 1, |i, _| {
+            let h = if i < self.shared {
+                0.0
+            } else {
+                datum.closure[i - self.shared]
+            };
+            scale[i] * (self.right_side[i] + h)
+        });
+        let solution = lu.solve(&right);
+        let unknowns: Vec<f64> = (0..width).map(|i| scale[i] * solution[(i, 0)]).collect();
+        let inverse = lu.inverse();
+        let symmetric = Mat::from_fn(width, width, |i, j| {
+            0.5 * scale[i] * (inverse[(i, j)] + inverse[(j, i)]) * scale[j]
+        });
         if !unknowns.iter().all(|x| x.is_finite()) {
             return Err(Error::NotFinite {
                 what: "the solution of the reduced system",
             });
         }
-        // What the blocks take whatever s is, Σ|c|², and what s takes.
-        let by_shared: f64 = (0..self.shared).map(|i| unknowns[i] * right(i)).sum();
-        let decrease = by_shared - at(width, width);
+        let decrease = dot(&unknowns[..self.shared], &self.right_side[..self.shared]);
         Ok(ReducedSolution {
-            shared: self.shared,
             unknowns,
-            inverse,
+            inverse: symmetric,
             decrease,
         })
     }
 
-    fn check_rank(
-        &self,
-        scaled: &Mat<f64>,
-        scale: &[f64],
-        free_motions: &[Vec<f64>],
-    ) -> Result<(), Error> {
-        let eigen = scaled
+    fn check_rank(&self, scaled: &Mat<f64>, scale: &[f64], datum: &Datum) -> Result<(), Error> {
+        let shared = scaled.as_ref().submatrix(0, 0, self.shared, self.shared);
+        let eigen = shared
             .self_adjoint_eigen(Side::Lower)
             .map_err(|_| Error::Decomposition {
                 what: "eigenvalue decomposition",
@@ -280,7 +193,8 @@ impl Reduced {
         }
         // Shares of the unknowns in what is free beyond the datum's own motions.
         let motions = orthonormal(
-            free_motions
+            datum
+                .free_motions
                 .iter()
                 .map(|motion| motion.iter().zip(scale).map(|(m, s)| m / s).collect()),
         );

@@ -11,11 +11,12 @@
 use std::ops::Range;
 
 use nalgebra::{Point3, Vector3};
-use trueaxis_leastsquares::BlockRows;
+use trueaxis_leastsquares::{
+    Adjustment, Arrowhead, BlockRows, Correction, Datum, Error as LeastSquaresError,
+};
 
-use crate::network::{Network, Visit, VisitsByGroup};
-use crate::noise::{Beam, append_weights, factor_len, whiten};
-use crate::single_points::SinglePoints;
+use crate::network::{Network, Visit};
+use crate::noise::{Beam, factor_len, whiten};
 
 /// Position and orientation.
 pub(crate) const DATUM: usize = 6;
@@ -53,16 +54,11 @@ impl State {
 /// The model with its weights, which stay as they are while it is adjusted.
 pub(crate) struct FreePoints<'a> {
     network: &'a Network,
-    visits_by_group: VisitsByGroup,
+    visits_by_group: Vec<Vec<usize>>,
     /// The dead path of every reading.
     zeros: Vec<usize>,
     factors: Vec<f64>,
     factor_starts: Vec<usize>,
-    /// `C⁻¹` of every visit with more than one reading, rows contiguous.
-    weights: Vec<f64>,
-    weight_starts: Vec<usize>,
-    /// The same lengths arranged for the faster passes, if they fit.
-    single: Option<SinglePoints>,
     centroid: Point3<f64>,
     /// Rms distance of the nominal points from their centroid, mm: makes rotations of the datum
     /// comparable with translations.
@@ -85,9 +81,6 @@ impl<'a> FreePoints<'a> {
             zeros: network.zero_of_readings(),
             factors: Vec::new(),
             factor_starts: Vec::new(),
-            weights: Vec::new(),
-            weight_starts: Vec::new(),
-            single: None,
             centroid,
             radius_mm: (squares / count).sqrt().max(f64::MIN_POSITIVE),
         };
@@ -100,81 +93,32 @@ impl<'a> FreePoints<'a> {
         self.radius_mm
     }
 
-    /// Whether weights change when the beams do.
-    pub(crate) fn weights_follow_beams(&self) -> bool {
-        let noise = &self.network.noise;
-        let several = |visit: &Visit| visit.readings.len() > 1;
-        noise.length_sigma_relative > 0.0
-            || noise.return_sigma_mm > 0.0 && self.network.visits.iter().any(several)
-    }
-
     /// Takes the weights from the beams at `state`.
     pub(crate) fn update_weights(&mut self, state: &State) {
-        let network = self.network;
-        for memory in [&mut self.factors, &mut self.weights] {
-            memory.clear();
-        }
-        for memory in [&mut self.factor_starts, &mut self.weight_starts] {
-            memory.clear();
-            memory.reserve(network.visits.len());
-        }
+        self.factors.clear();
+        self.factor_starts.clear();
         let mut beams = Vec::new();
-        for visit in &network.visits {
+        for visit in &self.network.visits {
             beams.clear();
-            let start = self.factors.len();
-            self.factor_starts.push(start);
-            self.weight_starts.push(self.weights.len());
-            if let (1, true) = (
-                visit.readings.len(),
-                network.noise.length_sigma_relative <= 0.0,
-            ) {
-                let variance_factor = network.variance_factor(visit.readings.start);
-                let sigma_mm = network.noise.single_sigma_mm(variance_factor);
-                self.factors.push(sigma_mm);
-                self.weights.push(sigma_mm.powi(-2));
-                continue;
-            }
             for i in visit.readings.clone() {
-                let point = network.point(visit.group, network.readings[i].point);
+                let point = self
+                    .network
+                    .point(visit.group, self.network.readings[i].point);
                 let (direction, distance_mm) = state.beam(visit.station, point);
                 beams.push(Beam {
                     direction,
                     distance_mm,
-                    variance_factor: network.variance_factor(i),
+                    variance_factor: self.network.variance_factor(i),
                 });
             }
-            network.noise.append_factor(&beams, &mut self.factors);
-            append_weights(&self.factors[start..], beams.len(), &mut self.weights);
+            self.factor_starts.push(self.factors.len());
+            self.network.noise.append_factor(&beams, &mut self.factors);
         }
-        self.single = SinglePoints::new(self);
-    }
-
-    pub(crate) fn network(&self) -> &'a Network {
-        self.network
-    }
-
-    /// The lengths arranged for the faster passes, if they fit.
-    pub(crate) fn single(&self) -> Option<&SinglePoints> {
-        self.single.as_ref()
-    }
-
-    /// The same model with the passes that fit every network.
-    #[cfg(test)]
-    pub(crate) fn without_lanes(mut self) -> Self {
-        self.single = None;
-        self
     }
 
     pub(crate) fn factor(&self, visit: usize) -> &[f64] {
         let start = self.factor_starts[visit];
         &self.factors[start..start + factor_len(self.network.visits[visit].readings.len())]
-    }
-
-    /// `C⁻¹` of a visit, rows contiguous.
-    pub(crate) fn weights(&self, visit: usize) -> &[f64] {
-        let count = self.network.visits[visit].readings.len();
-        let start = self.weight_starts[visit];
-        &self.weights[start..start + count * count]
     }
 
     /// Observed minus computed lengths of a visit, mm.
@@ -211,7 +155,7 @@ impl<'a> FreePoints<'a> {
 
     /// The visits of a group, in the order of its rows.
     pub(crate) fn visits_of(&self, group: usize) -> &[usize] {
-        self.visits_by_group.of(group)
+        &self.visits_by_group[group]
     }
 
     /// The dead path of a reading.
@@ -221,7 +165,7 @@ impl<'a> FreePoints<'a> {
 
     /// The whitened rows of a group, visit after visit.
     pub(crate) fn fill_rows(&self, state: &State, group: usize, rows: &mut BlockRows) {
-        let visits = self.visits_by_group.of(group);
+        let visits = &self.visits_by_group[group];
         let count = visits
             .iter()
             .map(|&v| self.network.visits[v].readings.len())
@@ -285,7 +229,7 @@ impl<'a> FreePoints<'a> {
     }
 
     /// What the free motions do to `shared` shared unknowns, of which the first are the stations.
-    pub(crate) fn free_motions_of(&self, state: &State, shared: usize) -> Vec<Vec<f64>> {
+    pub(crate) fn free_motions(&self, state: &State, shared: usize) -> Vec<Vec<f64>> {
         let mut free_motions = vec![Vec::new(); DATUM];
         for station in &state.stations {
             for (all, motion) in free_motions.iter_mut().zip(self.free_motions_at(*station)) {
@@ -298,17 +242,64 @@ impl<'a> FreePoints<'a> {
         free_motions
     }
 
-    /// Writes to `next` the stations and dead paths moved by `factor` times the correction `s`.
-    pub(crate) fn step_stations(&self, state: &State, s: &[f64], factor: f64, next: &mut State) {
-        let stations = state.stations.len();
-        for (j, (next, position)) in next.stations.iter_mut().zip(&state.stations).enumerate() {
-            let x = &s[PER_STATION * j..];
-            *next = position + Vector3::new(x[0], x[1], x[2]) * factor;
+    /// Moves stations and dead paths by `factor` times the correction.
+    pub(crate) fn move_stations(&self, moved: &mut State, correction: &Correction, factor: f64) {
+        let stations = moved.stations.len();
+        for (j, position) in moved.stations.iter_mut().enumerate() {
+            let x = &correction.shared[PER_STATION * j..];
+            *position += Vector3::new(x[0], x[1], x[2]) * factor;
         }
-        let dead_paths_mm = next.dead_paths_mm.iter_mut().zip(&state.dead_paths_mm);
-        for (zero, (next, dead_path)) in dead_paths_mm.enumerate() {
-            *next = dead_path + s[zero_column(zero, stations)] * factor;
+        for (zero, dead_path) in moved.dead_paths_mm.iter_mut().enumerate() {
+            *dead_path += correction.shared[zero_column(zero, stations)] * factor;
         }
+    }
+}
+
+impl Adjustment for FreePoints<'_> {
+    type State = State;
+
+    fn linearise(&self, state: &State) -> Result<(Arrowhead, Datum), LeastSquaresError> {
+        let mut system = Arrowhead::new(self.shared(), DATUM);
+        let mut closure = vec![0.0; DATUM];
+        let mut rows = BlockRows::default();
+        let mut datum = Vec::new();
+        for (g, group) in self.network.groups.iter().enumerate() {
+            self.fill_rows(state, g, &mut rows);
+            datum.clear();
+            self.datum_of(state, group.clone(), &mut datum, &mut closure);
+            system.eliminate(&mut rows, &datum)?;
+        }
+        let free_motions = self.free_motions(state, self.shared());
+        Ok((
+            system,
+            Datum {
+                free_motions,
+                closure,
+            },
+        ))
+    }
+
+    fn squares(&self, state: &State) -> f64 {
+        let mut sum = 0.0;
+        let mut residuals = Vec::new();
+        for (v, visit) in self.network.visits.iter().enumerate() {
+            residuals.clear();
+            residuals.extend(self.residuals_mm(state, visit));
+            whiten(self.factor(v), &mut residuals);
+            sum += residuals.iter().map(|r| r * r).sum::<f64>();
+        }
+        sum
+    }
+
+    fn moved(&self, state: &State, correction: &Correction, factor: f64) -> State {
+        let mut moved = state.clone();
+        self.move_stations(&mut moved, correction, factor);
+        for (g, group) in self.network.groups.iter().enumerate() {
+            for (point, x) in group.clone().zip(correction.block(g).chunks_exact(3)) {
+                moved.points[point] += Vector3::new(x[0], x[1], x[2]) * factor;
+            }
+        }
+        moved
     }
 }
 

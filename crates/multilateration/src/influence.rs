@@ -31,7 +31,7 @@ pub(crate) struct Influence<'a> {
 
 /// What ties the points.
 enum Model<'a> {
-    Free(Box<FreePoints<'a>>),
+    Free(FreePoints<'a>),
     Rigid(Box<(RigidStages<'a>, RigidState)>),
 }
 
@@ -64,7 +64,7 @@ impl<'a> Influence<'a> {
         let state = solution.state();
         Self {
             network,
-            model: Model::Free(Box::new(FreePoints::new(network, &state))),
+            model: Model::Free(FreePoints::new(network, &state)),
             state,
             covariance: &solution.covariance,
         }

@@ -51,7 +51,6 @@
 //! # Ok::<(), trueaxis_multilateration::Error>(())
 //! ```
 
-mod adjust_points;
 mod baarda;
 mod bodies;
 mod components;
@@ -59,7 +58,6 @@ mod error;
 mod estimate_noise;
 mod free_points;
 mod from_campaign;
-mod group_equations;
 mod guard;
 mod influence;
 mod interruption;
@@ -67,7 +65,6 @@ mod known_stations;
 mod length_noise;
 mod network;
 mod noise;
-mod passes;
 mod redundancy;
 mod reliability;
 mod rigid_solution;
@@ -75,9 +72,6 @@ mod rigid_stages;
 mod robust_weights;
 mod screen;
 mod screening;
-mod single_point_batch;
-mod single_point_sums;
-mod single_points;
 mod solution;
 mod solve;
 mod splits;
@@ -99,6 +93,6 @@ pub use reliability::Reliability;
 pub use rigid_solution::{RigidSolution, estimate_rigid_noise, solve_rigid};
 pub use screen::{Jump, Removed, Screened, screen};
 pub use solution::{Solution, Station};
-pub use solve::{Settings, solve, solve_near};
+pub use solve::{Settings, solve};
 pub use trials::{Corrections, Trials, Workspace};
 pub use whitened::Whitened;

@@ -61,12 +61,6 @@ impl Noise {
             .hypot(self.length_sigma_relative * distance_mm)
     }
 
-    /// Standard deviation of the only length of a visit, where it does not depend on the distance, mm.
-    pub(crate) fn single_sigma_mm(&self, variance_factor: f64) -> f64 {
-        let own = self.length_sigma_mm * self.length_sigma_mm * variance_factor;
-        (own + self.return_sigma_mm * self.return_sigma_mm).sqrt()
-    }
-
     /// Lower Cholesky factor of the covariance of one visit's lengths, appended row by row (`k`
     /// elements of row `k - 1`).
     pub(crate) fn append_factor(&self, beams: &[Beam], factor: &mut Vec<f64>) {
@@ -117,25 +111,6 @@ pub(crate) fn whiten(factor: &[f64], x: &mut [f64]) {
         let below: f64 = this[..i].iter().zip(&x[..i]).map(|(l, x)| l * x).sum();
         x[i] = (x[i] - below) / this[i];
         row = rest;
-    }
-}
-
-/// `C⁻¹ = L⁻ᵀL⁻¹` of `count` readings for a factor made by [`Noise::append_factor`], appended row by
-/// row.
-pub(crate) fn append_weights(factor: &[f64], count: usize, weights: &mut Vec<f64>) {
-    let start = weights.len();
-    weights.resize(start + count * count, 0.0);
-    let weights = &mut weights[start..];
-    for (i, row) in weights.chunks_exact_mut(count.max(1)).enumerate() {
-        // Column i of L⁻¹, then L⁻ᵀ times it: column i, which is row i, of the symmetric C⁻¹.
-        row[i] = 1.0;
-        whiten(factor, row);
-        for k in (0..count).rev() {
-            let below: f64 = (k + 1..count)
-                .map(|l| unwhiten_row(factor, l)[k] * row[l])
-                .sum();
-            row[k] = (row[k] - below) / unwhiten_row(factor, k)[k];
-        }
     }
 }
 

@@ -122,25 +122,21 @@ fn adjust_from(
     };
     let mut adjusted = run(&model, start)?;
     let mut iterations = adjusted.iterations;
-    if model.free().weights_follow_beams() {
-        for _ in 0..MAX_WEIGHT_UPDATES {
-            model.update_weights(&adjusted.state);
-            adjusted = run(&model, adjusted.state)?;
-            iterations += adjusted.iterations;
-            if adjusted.iterations == 1 || !adjusted.termination.is_converged() {
-                break;
-            }
+    for _ in 0..MAX_WEIGHT_UPDATES {
+        model.update_weights(&adjusted.state);
+        adjusted = run(&model, adjusted.state)?;
+        iterations += adjusted.iterations;
+        if adjusted.iterations == 1 || !adjusted.termination.is_converged() {
+            break;
         }
     }
-    let covariance = adjusted.covariance(&model).map_err(Error::LeastSquares)?;
-    Ok(solution(network, &model, adjusted, covariance, iterations))
+    Ok(solution(network, &model, adjusted, iterations))
 }
 
 fn solution(
     network: &Network,
     model: &RigidStages<'_>,
     adjusted: Adjusted<RigidState>,
-    covariance: Covariance,
     iterations: usize,
 ) -> RigidSolution {
     let state = adjusted.state;
@@ -163,7 +159,7 @@ fn solution(
         unknowns: adjusted.unknowns,
         iterations,
         termination: adjusted.termination,
-        covariance,
+        covariance: adjusted.covariance,
         poses: state.poses,
         shapes_mm: state.shapes_mm,
         points_mm: state.free.points,

@@ -14,13 +14,12 @@
 
 use nalgebra::{DMatrix, DVector, Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use trueaxis_leastsquares::{
-    Adjustment, Block, BlockRows, Error as LeastSquaresError, Factors, Reduced,
+    Adjustment, Arrowhead, BlockRows, Correction, Datum, Error as LeastSquaresError,
 };
 
 use crate::Network;
 use crate::bodies::{Bodies, rigid_motions};
 use crate::free_points::{DATUM, FreePoints, State};
-use crate::passes::{in_parallel, pieces, sum_pieces};
 
 /// Unknowns of a pose.
 pub(crate) const POSE: usize = 6;
@@ -162,142 +161,62 @@ fn add(sum: &mut [f64], column: &[f64], factor: f64) {
 impl Adjustment for RigidStages<'_> {
     type State = RigidState;
 
-    fn reduce(&self, state: &RigidState) -> Result<Reduced, LeastSquaresError> {
-        let sum = sum_pieces(self.network.groups.len(), |piece| {
-            let mut memory = PoseMemory::new(self);
-            let mut reduced = Reduced::new(self.shared, DATUM);
-            for group in piece {
-                self.fill(state, group, &mut memory);
-                reduced.add_rows(&memory.rows);
-                memory.eliminate(group)?;
-                reduced.add(&memory.block);
-                reduced.close(&memory.closure);
-            }
-            Ok(reduced)
-        })?;
-        Ok(sum.unwrap_or_else(|| Reduced::new(self.shared, DATUM)))
+    fn linearise(&self, state: &RigidState) -> Result<(Arrowhead, Datum), LeastSquaresError> {
+        let mut system = Arrowhead::new(self.shared, DATUM);
+        let (mut memory, mut rows) = (BlockRows::default(), BlockRows::default());
+        let mut closure = vec![0.0; DATUM];
+        let mut of_points = Vec::new();
+        for (g, group) in self.network.groups.iter().enumerate() {
+            self.fill_rows(state, g, &mut memory, &mut rows);
+            // The datum of the points, by way of the pose. That the shape moves them, too, the next
+            // iteration sees in the closure.
+            of_points.clear();
+            self.free
+                .datum_of(&state.free, group.clone(), &mut of_points, &mut closure);
+            let (moved, _) = self.ties(state, g);
+            let datum: Vec<f64> = of_points
+                .chunks_exact(3 * group.len())
+                .flat_map(|h| {
+                    (0..POSE)
+                        .map(|k| moved.column(k).iter().zip(h).map(|(m, h)| m * h).sum())
+                        .collect::<Vec<f64>>()
+                })
+                .collect();
+            system.eliminate(&mut rows, &datum)?;
+        }
+        let free_motions = self.free.free_motions(&state.free, self.shared);
+        Ok((
+            system,
+            Datum {
+                free_motions,
+                closure,
+            },
+        ))
     }
 
-    fn step(
-        &self,
-        state: &RigidState,
-        t: &[f64],
-        factor: f64,
-        next: &mut RigidState,
-    ) -> Result<(), LeastSquaresError> {
-        self.free
-            .step_stations(&state.free, t, factor, &mut next.free);
-        let poses = in_parallel(pieces(self.network.groups.len()), |piece| {
-            let mut memory = PoseMemory::new(self);
-            let pose = |group: usize| {
-                self.fill(state, group, &mut memory);
-                memory.eliminate(group)?;
-                let mut x = [0.0; POSE];
-                memory.block.correction(t, &mut x);
-                let centre = state.centroid(self.network, group).coords;
-                let turn =
-                    UnitQuaternion::from_scaled_axis(Vector3::new(x[3], x[4], x[5]) * factor);
-                let shift = Vector3::new(x[0], x[1], x[2]) * factor;
-                let pose = Translation3::from(shift + centre) * turn * Translation3::from(-centre);
-                Ok(pose * state.poses[group])
-            };
-            piece.map(pose).collect::<Result<Vec<_>, _>>()
-        })?;
-        next.poses.clear();
-        next.poses.extend(poses.into_iter().flatten());
-        next.shapes_mm.clone_from(&state.shapes_mm);
-        for (b, shape_mm) in next.shapes_mm.iter_mut().enumerate() {
+    fn squares(&self, state: &RigidState) -> f64 {
+        self.free.squares(&state.free)
+    }
+
+    fn moved(&self, state: &RigidState, correction: &Correction, factor: f64) -> RigidState {
+        let mut moved = state.clone();
+        self.free.move_stations(&mut moved.free, correction, factor);
+        for (g, pose) in moved.poses.iter_mut().enumerate() {
+            let x = correction.block(g);
+            let centre = state.centroid(self.network, g).coords;
+            let turn = UnitQuaternion::from_scaled_axis(Vector3::new(x[3], x[4], x[5]) * factor);
+            let shift = Vector3::new(x[0], x[1], x[2]) * factor;
+            *pose = Translation3::from(shift + centre) * turn * Translation3::from(-centre) * *pose;
+        }
+        for (b, shape_mm) in moved.shapes_mm.iter_mut().enumerate() {
             for (k, deformation) in self.deformations[b].iter().enumerate() {
-                let amount = t[self.first_deformation[b] + k] * factor;
+                let amount = correction.shared[self.first_deformation[b] + k] * factor;
                 for (place, point) in shape_mm.iter_mut().enumerate() {
                     *point += deformation.fixed_rows::<3>(3 * place) * amount;
                 }
             }
         }
-        next.place_points(self.network, self.bodies);
-        Ok(())
-    }
-
-    fn factors(&self, state: &RigidState) -> Result<Factors, LeastSquaresError> {
-        let groups = self.network.groups.len();
-        let unknowns = std::iter::repeat_n(POSE, groups);
-        let mut factors = Factors::zeros(self.shared + DATUM, unknowns);
-        let pieces = pieces(groups);
-        let parts = factors.split_mut(&pieces);
-        let work = pieces.iter().cloned().zip(parts).collect();
-        in_parallel(work, |(piece, mut part)| {
-            let mut memory = PoseMemory::new(self);
-            for group in piece {
-                self.fill(state, group, &mut memory);
-                memory.eliminate(group)?;
-                part.set(group, &memory.block);
-            }
-            Ok(())
-        })?;
-        Ok(factors)
-    }
-
-    fn free_motions(&self, state: &RigidState) -> Vec<Vec<f64>> {
-        self.free.free_motions_of(&state.free, self.shared)
-    }
-}
-
-/// Memory for one group after the other.
-struct PoseMemory {
-    of_points: BlockRows,
-    rows: BlockRows,
-    point_datum: Vec<f64>,
-    datum: Vec<f64>,
-    closure: [f64; DATUM],
-    block: Block,
-}
-
-impl PoseMemory {
-    fn new(model: &RigidStages<'_>) -> Self {
-        Self {
-            of_points: BlockRows::default(),
-            rows: BlockRows::default(),
-            point_datum: Vec::new(),
-            datum: Vec::new(),
-            closure: [0.0; DATUM],
-            block: Block::new(model.shared, DATUM),
-        }
-    }
-
-    fn eliminate(&mut self, group: usize) -> Result<(), LeastSquaresError> {
-        self.block
-            .eliminate_rows(group, &mut self.rows, &self.datum)
-    }
-}
-
-impl RigidStages<'_> {
-    /// The rows of a group, its datum and closure.
-    fn fill(&self, state: &RigidState, group: usize, memory: &mut PoseMemory) {
-        self.fill_rows(state, group, &mut memory.of_points, &mut memory.rows);
-        // The datum of the points, by way of the pose. That the shape moves them, too, the next
-        // iteration sees in the closure.
-        memory.point_datum.clear();
-        memory.closure = [0.0; DATUM];
-        let points = self.network.groups[group].clone();
-        let size = 3 * points.len();
-        self.free.datum_of(
-            &state.free,
-            points,
-            &mut memory.point_datum,
-            &mut memory.closure,
-        );
-        let (moved, _) = self.ties(state, group);
-        memory.datum.clear();
-        for h in memory.point_datum.chunks_exact(size) {
-            let of_pose = (0..POSE).map(|k| {
-                moved
-                    .column(k)
-                    .iter()
-                    .zip(h)
-                    .map(|(m, h)| m * h)
-                    .sum::<f64>()
-            });
-            memory.datum.extend(of_pose);
-        }
+        moved.place_points(self.network, self.bodies);
+        moved
     }
 }
