@@ -91,22 +91,25 @@ const IN_A_ROW: usize = 3;
 
 /// Whether several of the readings that were left out follow each other, to one target or from one station.
 pub(crate) fn are_in_a_row(base: &Base<'_>, lengths: &Lengths) -> bool {
-    let is_out = |number: usize| base.left_out.iter().any(|l| l.number == number);
-    let longest = |concerns: &dyn Fn(usize, usize) -> bool| {
-        let (mut longest, mut row) = (0, 0);
-        for stop in &lengths.stops {
-            for number in stop.readings.clone() {
-                if concerns(stop.station, lengths.readings[number].target) {
-                    row = if is_out(number) { row + 1 } else { 0 };
-                    longest = longest.max(row);
-                }
+    let (stations, targets) = (base.scene.stations.len(), base.scene.targets.len());
+    let mut of_target = vec![0; stations * targets];
+    let mut of_station = vec![0; stations];
+    for stop in &lengths.stops {
+        for number in stop.readings.clone() {
+            let found = base.left_out.binary_search_by_key(&number, |l| l.number);
+            let target = lengths.readings[number].target;
+            for row in [
+                &mut of_target[stop.station * targets + target],
+                &mut of_station[stop.station],
+            ] {
+                *row = if found.is_ok() { *row + 1 } else { 0 };
+            }
+            if of_target[stop.station * targets + target] >= IN_A_ROW
+                || of_station[stop.station] > IN_A_ROW
+            {
+                return true;
             }
         }
-        longest
-    };
-    base.left_out.iter().any(|left_out| {
-        let (station, target) = (left_out.reading.station, left_out.reading.target);
-        longest(&|s, t| s == station && t == target) >= IN_A_ROW
-            || longest(&|s, _| s == station) > IN_A_ROW
-    })
+    }
+    false
 }
