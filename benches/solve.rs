@@ -1,19 +1,62 @@
-//! One self-calibrating solve, start and covariance included, over the number of points.
+//! One self-calibrating solve with covariance: from a given start, over the size of the network and
+//! the number of threads, and with the search for a start.
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use trueaxis_benches::network;
-use trueaxis_multilateration::{Settings, solve};
+use rayon::ThreadPoolBuilder;
+use trueaxis_benches::{network, network_from, stations_near};
+use trueaxis_multilateration::{Settings, solve, solve_near};
 
-fn one_solve(c: &mut Criterion) {
+/// Name, stations, points.
+const SIZES: [(&str, usize, usize); 4] = [
+    ("A", 4, 195),
+    ("B", 4, 1_950),
+    ("C", 4, 99_999),
+    ("D", 8, 99_999),
+];
+
+const NOISES: [(&str, f64); 2] = [("independent", 0.0), ("per-stop", 1e-3)];
+
+/// The peers' work: stations 5 mm and points 20 µm off, converged to rounding.
+fn from_a_start(c: &mut Criterion) {
+    for (noise, return_sigma_mm) in NOISES {
+        let mut group = c.benchmark_group(format!("solve_near/{noise}"));
+        for (name, stations, points) in SIZES {
+            let network = network_from(stations, points, return_sigma_mm);
+            let near = stations_near(stations);
+            group.throughput(Throughput::Elements((stations * points) as u64));
+            if points > 10_000 {
+                group.sample_size(10);
+            }
+            for threads in [1, 2] {
+                let pool = ThreadPoolBuilder::new().num_threads(threads);
+                let pool = pool.build().unwrap();
+                let id = BenchmarkId::new(name, format!("{threads} threads"));
+                group.bench_function(id, |b| {
+                    let settings = Settings::default();
+                    let points_mm = &network.nominal_mm;
+                    pool.install(|| {
+                        b.iter(|| {
+                            solve_near(black_box(&network), &near, points_mm, &settings).unwrap()
+                        });
+                    });
+                });
+            }
+        }
+        group.finish();
+    }
+}
+
+/// Nothing is known but nominal points: what a calibration does.
+fn from_nothing(c: &mut Criterion) {
     let mut group = c.benchmark_group("solve");
     for points in [195, 9_999, 99_999] {
         group.throughput(Throughput::Elements(4 * points as u64));
         if points > 1_000 {
             group.sample_size(10);
         }
-        for (noise, return_sigma_mm) in [("independent", 0.0), ("per-stop", 1e-3)] {
+        for (noise, return_sigma_mm) in NOISES {
             let network = network(points, return_sigma_mm);
             group.bench_with_input(BenchmarkId::new(noise, points), &network, |b, network| {
                 b.iter(|| solve(black_box(network), &Settings::default()).unwrap());
@@ -23,5 +66,5 @@ fn one_solve(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, one_solve);
+criterion_group!(benches, from_a_start, from_nothing);
 criterion_main!(benches);

@@ -1,7 +1,7 @@
 //! Inputs of the benchmarks.
 
 use nalgebra::{Point3, Vector3};
-use trueaxis_multilateration::{Network, Noise, Reading, Visit};
+use trueaxis_multilateration::{Network, Noise, Reading, Station, Visit};
 use trueaxis_simulate::Scenario;
 
 /// The targets of the paper's three-axis machine, mm.
@@ -92,4 +92,21 @@ pub fn network_from(stations: usize, points: usize, return_sigma_mm: f64) -> Net
         }
     }
     network
+}
+
+/// A start for networks of [`network_from`] whose points start at their nominal places: stations some
+/// 5 mm off.
+///
+/// # Panics
+/// If there are not so many stations.
+pub fn stations_near(stations: usize) -> Vec<Station> {
+    let off = Vector3::new(3.0, -3.0, 2.5);
+    let signs = [1.0, -1.0].into_iter().cycle();
+    let stations = STATIONS[..stations].iter().zip(signs);
+    stations
+        .map(|(&(position, dead_path_mm), sign)| Station {
+            position_mm: Point3::from(position) + off * sign,
+            dead_path_mm: dead_path_mm + 5.0 * sign,
+        })
+        .collect()
 }

@@ -16,12 +16,14 @@ use crate::solution::Solution;
 /// Trials of one timing: a clock is too coarse for one of them.
 const TRIALS: u32 = 5_000;
 
-/// The one place that says which solver of trueaxis is compared.
+/// The one place that says which solver of trueaxis is compared: from the start that the peers get.
 ///
-/// It finds its start itself and adds the covariance of all points, which no peer does.
+/// It adds the covariance of all points, which no peer does.
 pub(crate) fn solve(problem: &Problem) -> Result<multilateration::Solution> {
-    Ok(multilateration::solve(
+    Ok(multilateration::solve_near(
         &problem.network,
+        &problem.stations,
+        &problem.points,
         &Settings::default(),
     )?)
 }

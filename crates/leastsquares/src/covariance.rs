@@ -7,40 +7,32 @@
 
 use faer::{Mat, MatRef};
 
+use crate::factors::Factors;
+use crate::reduced::ReducedSolution;
+
 /// Covariance of all unknowns for unit variance of the whitened rows, kept as factors: its size is
 /// linear in the number of blocks.
 #[derive(Debug, Clone)]
 pub struct Covariance {
     shared: usize,
-    starts: Vec<usize>,
-    inverse_factor_starts: Vec<usize>,
-    inverse_factors: Vec<f64>,
-    couplings: Vec<f64>,
+    factors: Factors,
     reduced_inverse: Mat<f64>,
 }
 
 impl Covariance {
-    pub(crate) fn new(
-        shared: usize,
-        starts: Vec<usize>,
-        inverse_factor_starts: Vec<usize>,
-        inverse_factors: Vec<f64>,
-        couplings: Vec<f64>,
-        reduced_inverse: Mat<f64>,
-    ) -> Self {
+    /// The covariance from the factors of all blocks and the solution of the reduced system.
+    pub fn new(factors: Factors, solution: &ReducedSolution) -> Self {
+        let width = solution.unknowns.len();
         Self {
-            shared,
-            starts,
-            inverse_factor_starts,
-            inverse_factors,
-            couplings,
-            reduced_inverse,
+            shared: solution.shared,
+            factors,
+            reduced_inverse: Mat::from_fn(width, width, |i, j| solution.inverse[i * width + j]),
         }
     }
 
     /// Number of blocks.
     pub fn blocks(&self) -> usize {
-        self.inverse_factor_starts.len()
+        self.factors.blocks()
     }
 
     /// `Σ`: symmetric matrix of the shared unknowns and, behind them, the datum multipliers. Its
@@ -61,15 +53,13 @@ impl Covariance {
     /// is `R⁻¹R⁻ᵀ`.
     pub fn inverse_factor(&self, i: usize) -> MatRef<'_, f64> {
         let n = self.size(i);
-        let start = self.inverse_factor_starts[i];
-        MatRef::from_column_major_slice(&self.inverse_factors[start..start + n * n], n, n)
+        MatRef::from_column_major_slice(self.factors.inverse_factor(i), n, n)
     }
 
     /// `Z` of block `i`: one column for each shared unknown and datum multiplier.
     pub fn coupling(&self, i: usize) -> MatRef<'_, f64> {
         let width = self.reduced_inverse.ncols();
-        let (start, end) = (self.starts[i] * width, self.starts[i + 1] * width);
-        MatRef::from_column_major_slice(&self.couplings[start..end], self.size(i), width)
+        MatRef::from_column_major_slice(self.factors.coupling(i), self.size(i), width)
     }
 
     /// Covariance of block `i` with all shared unknowns held: `D = R⁻¹R⁻ᵀ`.
@@ -102,17 +92,17 @@ impl Covariance {
     /// Covariance of everything: the unknowns of all blocks in order, then the shared ones. Its size
     /// is the square of the number of unknowns.
     pub fn full(&self) -> Mat<f64> {
-        let own = self.starts.last().copied().unwrap_or(0);
+        let own = self.factors.unknowns();
         let mut full = Mat::zeros(own + self.shared, own + self.shared);
         for i in 0..self.blocks() {
-            let (first, n) = (self.starts[i], self.size(i));
+            let (first, n) = (self.factors.range(i).start, self.size(i));
             for k in 0..=i {
                 let block = if i == k {
                     self.block(i)
                 } else {
                     self.between(i, k)
                 };
-                let other = self.starts[k];
+                let other = self.factors.range(k).start;
                 full.submatrix_mut(first, other, n, block.ncols())
                     .copy_from(&block);
                 full.submatrix_mut(other, first, block.ncols(), n)
@@ -130,6 +120,6 @@ impl Covariance {
     }
 
     fn size(&self, i: usize) -> usize {
-        self.starts[i + 1] - self.starts[i]
+        self.factors.range(i).len()
     }
 }

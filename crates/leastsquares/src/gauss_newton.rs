@@ -1,28 +1,52 @@
 //! Gauss–Newton with step control on the true cost.
 
-use crate::arrowhead::{Arrowhead, Correction};
 use crate::covariance::Covariance;
 use crate::error::Error;
-use crate::reduced::Datum;
+use crate::factors::Factors;
+use crate::reduced::{Reduced, ReducedSolution};
 
 /// A model that linearises itself.
+///
+/// An iteration is two passes over the blocks: one that linearises and [reduces](Self::reduce) them,
+/// and when the shared unknowns are known, one that [moves](Self::step) each. Both work on one block at
+/// a time, and nothing of a block is kept from one pass to the next; [factors](Self::factors) for the
+/// covariance are made once, at the end.
 pub trait Adjustment {
     /// Values of all unknowns.
     type State: Clone;
 
-    /// Eliminates every block of the system, linearised at `state`, in a fixed order, and says
-    /// what the datum is there.
+    /// The reduced system linearised at `state`, with the sum of squares there; bits must not depend on
+    /// the number of threads.
     ///
     /// # Errors
-    /// Those of [`Arrowhead::eliminate`].
-    fn linearise(&self, state: &Self::State) -> Result<(Arrowhead, Datum), Error>;
+    /// Those of [`BlockBatch::eliminate`](crate::BlockBatch::eliminate).
+    fn reduce(&self, state: &Self::State) -> Result<Reduced, Error>;
 
-    /// Sum of squares of the whitened residuals at `state`, with the weights of
-    /// [`Adjustment::linearise`].
+    /// Sum of squares of the whitened residuals at `state`, whether or not it can be reduced there.
     fn squares(&self, state: &Self::State) -> f64;
 
-    /// `state` moved by `factor` times the correction.
-    fn moved(&self, state: &Self::State, correction: &Correction, factor: f64) -> Self::State;
+    /// Writes to `next` the `state` moved by `factor` times the correction that belongs to the solution
+    /// `t = (s, λ)` of the reduced system at `state`.
+    ///
+    /// # Errors
+    /// As [`Adjustment::reduce`].
+    fn step(
+        &self,
+        state: &Self::State,
+        t: &[f64],
+        factor: f64,
+        next: &mut Self::State,
+    ) -> Result<(), Error>;
+
+    /// The factors of all blocks at `state`, numbered as [`Adjustment::reduce`] numbers them.
+    ///
+    /// # Errors
+    /// As [`Adjustment::reduce`].
+    fn factors(&self, state: &Self::State) -> Result<Factors, Error>;
+
+    /// For each constraint of the datum a motion that changes no observation: its part in the shared
+    /// unknowns.
+    fn free_motions(&self, state: &Self::State) -> Vec<Vec<f64>>;
 }
 
 /// When to stop.
@@ -111,8 +135,18 @@ pub struct Adjusted<S> {
     pub iterations: usize,
     /// Why it stopped. A result that is not converged is returned, not hidden.
     pub termination: Termination,
-    /// Covariance of all unknowns for unit variance of the whitened rows.
-    pub covariance: Covariance,
+    /// The last reduced system, solved.
+    pub reduced: ReducedSolution,
+}
+
+impl<S: Clone> Adjusted<S> {
+    /// Covariance of all unknowns for unit variance of the whitened rows of the adjusted `model`.
+    ///
+    /// # Errors
+    /// Those of [`Adjustment::factors`].
+    pub fn covariance<M: Adjustment<State = S>>(&self, model: &M) -> Result<Covariance, Error> {
+        Ok(Covariance::new(model.factors(&self.state)?, &self.reduced))
+    }
 }
 
 /// Halvings of a step before giving up: 2⁻²⁰ of a correction is no progress.
@@ -123,76 +157,93 @@ const COST_ROUNDING: f64 = 1e-10;
 
 /// Adjusts the unknowns of `model` from `start`.
 ///
+/// A step is judged by the true cost where it leads, which comes with the system of the next
+/// iteration. The last correction, below the tolerance, is made without looking back.
+///
 /// # Errors
-/// Those of [`Arrowhead::eliminate`] and [`Arrowhead::solve`]. Not converging is no error; see
+/// Those of [`Adjustment::reduce`] and [`Reduced::solve`]. Not converging is no error; see
 /// [`Adjusted::termination`].
 pub fn adjust<M: Adjustment>(
     model: &M,
     start: M::State,
     settings: &Settings,
 ) -> Result<Adjusted<M::State>, Error> {
-    let mut state = start;
+    let (mut state, mut next) = (start.clone(), start);
+    let mut system = model.reduce(&state)?;
     let mut iterations = 0;
     loop {
-        let (system, datum) = model.linearise(&state)?;
-        let (observations, unknowns) = (system.rows(), system.determined_unknowns());
-        let solved = system.solve(&datum)?;
-        let correction = solved.predicted_decrease.max(0.0).sqrt();
+        let reduced = system.solve(|| model.free_motions(&state))?;
+        let correction = reduced.decrease.max(0.0).sqrt();
+        let mut squares = system.squares();
         iterations += 1;
 
-        let accepted = descend(model, &state, &solved.correction, solved.squares);
         let tolerance = settings.correction_tol;
-        let termination = match &accepted {
-            _ if correction <= tolerance => Some(Termination::Converged {
+        let termination = if correction <= tolerance {
+            model.step(&state, &reduced.unknowns, 1.0, &mut next)?;
+            std::mem::swap(&mut state, &mut next);
+            squares -= reduced.decrease;
+            Termination::Converged {
                 correction,
                 tolerance,
-            }),
-            // What is left to gain is less than the cost resolves.
-            None if correction <= (COST_ROUNDING * solved.squares).sqrt() => {
-                Some(Termination::Converged {
+            }
+        } else {
+            match descend(model, &state, &reduced, squares, &mut next)? {
+                Some(system_there) => {
+                    std::mem::swap(&mut state, &mut next);
+                    system = system_there;
+                    squares = system.squares();
+                    if iterations < settings.max_iterations {
+                        continue;
+                    }
+                    Termination::MaxIterations { correction }
+                }
+                // What is left to gain is less than the cost resolves.
+                None if correction <= (COST_ROUNDING * squares).sqrt() => Termination::Converged {
                     correction,
-                    tolerance: (COST_ROUNDING * solved.squares).sqrt(),
-                })
+                    tolerance: (COST_ROUNDING * squares).sqrt(),
+                },
+                None => Termination::NoDecrease { correction },
             }
-            None => Some(Termination::NoDecrease { correction }),
-            Some(_) if iterations >= settings.max_iterations => {
-                Some(Termination::MaxIterations { correction })
-            }
-            Some(_) => None,
         };
-        let (next, squares) = accepted.unwrap_or((state, solved.squares));
-        state = next;
-        if let Some(termination) = termination {
-            let covariance = solved.covariance;
-            return Ok(Adjusted {
-                state,
-                squares,
-                observations,
-                unknowns,
-                iterations,
-                termination,
-                covariance,
-            });
-        }
+        return Ok(Adjusted {
+            state,
+            squares: squares.max(0.0),
+            observations: system.observations(),
+            unknowns: system.determined_unknowns(),
+            iterations,
+            termination,
+            reduced,
+        });
     }
 }
 
-/// The longest of the steps 1, 1/2, 1/4, … of a correction that does not raise the cost.
+/// Takes to `next` the longest of the steps 1, 1/2, 1/4, … that does not raise the cost; the system
+/// there.
+///
+/// # Errors
+/// Of a step that does not raise the cost, those of [`Adjustment::reduce`] where it leads.
 fn descend<M: Adjustment>(
     model: &M,
     state: &M::State,
-    correction: &Correction,
+    reduced: &ReducedSolution,
     squares: f64,
-) -> Option<(M::State, f64)> {
+    next: &mut M::State,
+) -> Result<Option<Reduced>, Error> {
+    let limit = squares * (1.0 + COST_ROUNDING) + f64::MIN_POSITIVE;
     let mut factor = 1.0;
     for _ in 0..=MAX_HALVINGS {
-        let candidate = model.moved(state, correction, factor);
-        let candidate_squares = model.squares(&candidate);
-        // A candidate without a finite cost fails this, too.
-        if candidate_squares <= squares * (1.0 + COST_ROUNDING) + f64::MIN_POSITIVE {
-            return Some((candidate, candidate_squares));
+        model.step(state, &reduced.unknowns, factor, next)?;
+        // The whole step mostly is right; of a shorter one the cost alone is asked first.
+        let whole = factor >= 1.0;
+        if whole || model.squares(next) <= limit {
+            match model.reduce(next) {
+                // Without a finite cost this is false, too.
+                Ok(system) if system.squares() <= limit => return Ok(Some(system)),
+                Err(error) if !whole || model.squares(next) <= limit => return Err(error),
+                _ => {}
+            }
         }
         factor *= 0.5;
     }
-    None
+    Ok(None)
 }

@@ -7,55 +7,72 @@
 //! minimise  Σ_i | r_i - A_i δx_i - B_i δs |²   subject to   Σ_i H_iᵀ δx_i = h
 //! ```
 //!
-//! Every block is eliminated on its own by Householder reflections, which leaves a small system in
-//! `s` and the datum multipliers. Time and memory are linear in the number of rows; the matrix of
-//! the whole problem is never formed. The same factors give the covariance of everything:
+//! Blocks are eliminated eight at a time ([`BlockBatch`]), which leaves a small system in `s` and the
+//! datum multipliers ([`Reduced`]). Time and memory are linear in the number of rows; the matrix of
+//! the whole problem is never formed. The factors of all blocks ([`Factors`]) give the covariance of
+//! everything:
 //! `cov(x_i, x_k) = [i = k] D_i + Z_i Σ Z_kᵀ` ([`Covariance`]).
 //!
 //! Noun in: an [`Adjustment`] (a model that linearises itself at a state); noun out: an
-//! [`Adjusted`] state with its covariance and the reason why the iteration stopped. [`dense`]
+//! [`Adjusted`] state, its covariance and the reason why the iteration stopped. [`dense`]
 //! is the same for small full matrices, linear ([`dense::solve`]) and not ([`dense::adjust()`]).
 //! Rank is decided here, with numbers, never left to a factorisation that divides by zero. The
 //! crate knows no geometry and no files.
 //!
 //! ```
-//! use trueaxis_leastsquares::{Arrowhead, BlockRows, Datum};
+//! use trueaxis_leastsquares::{BlockBatch, LaneSums, Lanes, Shape};
 //!
-//! // Two scales with unknown zero (shared) weigh two masses (blocks); mass 0 is held at 1.
-//! let mut system = Arrowhead::new(2, 1);
-//! for (readings, datum) in [([1.5, 3.0], 1.0), ([2.5, 4.0], 0.0)] {
-//!     let mut rows = BlockRows::new(2, 1, 2);
-//!     for (scale, reading) in readings.into_iter().enumerate() {
-//!         rows.block_mut(0)[scale] = 1.0;
-//!         rows.shared_mut(scale)[scale] = 1.0;
-//!         rows.residual_mut()[scale] = reading;
-//!     }
-//!     system.eliminate(&mut rows, &[datum])?;
+//! // Two scales with unknown zero (shared) weigh two masses (blocks, one in each lane); mass 0 is
+//! // held at 1.
+//! let mut masses = BlockBatch::default();
+//! masses.reset(Shape { rows: 2, unknowns: 1, in_runs: 0, shared: 2, datum: 1 });
+//! let mut readings = [Lanes::ZERO; 2];
+//! readings[0].0[..2].copy_from_slice(&[1.5, 2.5]);
+//! readings[1].0[..2].copy_from_slice(&[3.0, 4.0]);
+//! masses.residual_mut().copy_from_slice(&readings);
+//! masses.own_mut(0).fill(Lanes::splat(1.0));
+//! for scale in 0..2 {
+//!     masses.other_mut(scale)[scale] = Lanes::splat(1.0);
 //! }
+//! masses.datum_mut(0)[0].0[0] = 1.0;
+//! masses.closure_mut()[0].0[0] = 1.0;
+//! masses.use_only(2);
+//! masses.eliminate(|mass| (mass, 2))?;
+//! let mut sums = LaneSums::new(2, 1);
+//! sums.count(4, 2);
+//! masses.clone().add_to(&mut sums);
 //! // The data do not change when the masses grow and both zeros fall by as much.
-//! let datum = Datum { free_motions: vec![vec![-1.0, -1.0]], closure: vec![1.0] };
-//! let solved = system.solve(&datum)?;
-//! assert!((solved.correction.shared[0] - 0.5).abs() < 1e-12);
-//! assert!((solved.correction.shared[1] - 2.0).abs() < 1e-12);
-//! assert!((solved.correction.block(1)[0] - 2.0).abs() < 1e-12);
+//! let solved = sums.into_reduced().solve(|| vec![vec![-1.0, -1.0]])?;
+//! assert!((solved.unknowns[0] - 0.5).abs() < 1e-12);
+//! assert!((solved.unknowns[1] - 2.0).abs() < 1e-12);
+//! assert!((masses.correction(&solved.unknowns)[0].0[1] - 2.0).abs() < 1e-12);
 //! # Ok::<(), trueaxis_leastsquares::Error>(())
 //! ```
 
-mod arrowhead;
 mod block;
+mod block_batch;
 mod chi_squared;
 mod covariance;
 pub mod dense;
 mod error;
+mod factors;
 mod gauss_newton;
+mod inverse;
+mod lane_sums;
+mod lanes;
 mod reduced;
+mod reflections;
 mod student;
 
-pub use arrowhead::{Arrowhead, Correction, Solved};
 pub use block::BlockRows;
+pub use block_batch::{BlockBatch, RUN, Shape};
 pub use chi_squared::{chi_squared_quantile, chi_squared_upper_tail};
 pub use covariance::Covariance;
 pub use error::Error;
+pub use factors::{Factors, FactorsMut};
 pub use gauss_newton::{Adjusted, Adjustment, Settings, Termination, adjust};
-pub use reduced::Datum;
+pub use lane_sums::LaneSums;
+pub use lanes::{LANES, Lanes};
+pub use reduced::{Reduced, ReducedSolution};
+pub use reflections::BLOCK_RANK_TOL;
 pub use student::student_two_sided;

@@ -1,48 +1,52 @@
 //! The reduced system in the shared unknowns `s` and the datum multipliers `λ`.
 //!
-//! With `B, r` the rows that are left of the blocks and `R x + C s = c`, `W = R⁻ᵀ H`:
+//! With what the elimination of the blocks leaves ([`crate::BlockBatch`]):
 //!
 //! ```text
-//! [  Σ BᵀB    -Σ CᵀW ] [s]   [ Σ Bᵀr     ]
-//! [ -Σ WᵀC    -Σ WᵀW ] [λ] = [ h - Σ Wᵀc ]
+//! [  Σ MᵀM    -Σ CᵀW ] [s]   [ Σ Mᵀr     ]
+//! [ -Σ WᵀC    -Σ WᵀW ] [λ] = [ h - Σ Wᵀc ]        C = Q₁ᵀB
 //! ```
 //!
 //! Its inverse is symmetric but indefinite: the datum takes variance away from the blocks.
+//!
+//! Sums of any blocks can be made on their own and added up afterwards, so that several threads
+//! can make them; the same parts added in the same order give the same bits.
+//!
+//! A combination of shared unknowns counts as free if the scaled matrix has an eigenvalue below
+//! [`SHARED_RANK_TOL`]. Eigenvalues cost more than all the rest, so they are looked at only if the
+//! inverse does not rule it out: if more directions are free than the datum has constraints, one of
+//! them meets all constraints, the matrix takes a unit vector to less than the limit, and its inverse
+//! has at least the limit's reciprocal as norm.
 
-use faer::linalg::solvers::{DenseSolveCore, Solve};
 use faer::{Mat, Side};
 
 use crate::Error;
+use crate::inverse::invert;
 
-/// What the observations leave free, and the constraint that fixes it.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Datum {
-    /// For each constraint a motion that changes no observation: its part in the shared unknowns.
-    pub free_motions: Vec<Vec<f64>>,
-    /// `h`: what `Σ Hᵀ δx` shall be.
-    pub closure: Vec<f64>,
-}
-
-/// Sums over all blocks.
+/// Sums over some or all blocks.
 #[derive(Debug, Clone)]
-pub(crate) struct Reduced {
+pub struct Reduced {
     shared: usize,
     datum: usize,
-    /// The matrix above with contiguous columns; of the symmetric top left part only the upper
-    /// triangle, and the datum columns complete.
+    /// Rows of the matrix above, bordered by the right side as last column; of the symmetric part
+    /// the upper triangle.
     matrix: Vec<f64>,
-    right_side: Vec<f64>,
-    block_squares: f64,
+    squares: f64,
+    observations: usize,
+    block_unknowns: usize,
 }
 
 /// Solution of the reduced system.
-pub(crate) struct ReducedSolution {
+#[derive(Debug, Clone)]
+pub struct ReducedSolution {
+    pub(crate) shared: usize,
     /// `s`, then `λ`.
-    pub(crate) unknowns: Vec<f64>,
-    /// Inverse of the matrix.
-    pub(crate) inverse: Mat<f64>,
-    /// Decrease of the sum of squares by `s`.
-    pub(crate) decrease: f64,
+    pub unknowns: Vec<f64>,
+    /// Symmetric inverse of the matrix, rows contiguous.
+    pub(crate) inverse: Vec<f64>,
+    /// By how much the linear model says that the correction of all unknowns lowers the sum of
+    /// squares.
+    pub decrease: f64,
 }
 
 /// Relative eigenvalue of the scaled normal matrix below which a combination of shared unknowns
@@ -54,85 +58,82 @@ const SHARED_RANK_TOL: f64 = 1e-12;
 const FREE_SHARE_TOL: f64 = 0.05;
 
 impl Reduced {
-    pub(crate) fn new(shared: usize, datum: usize) -> Self {
-        let width = shared + datum;
+    /// Zero sums.
+    pub fn new(shared: usize, datum: usize) -> Self {
+        let width = shared + datum + 1;
+        Self::from_sums(shared, datum, vec![0.0; width * width])
+    }
+
+    pub(crate) fn from_sums(shared: usize, datum: usize, matrix: Vec<f64>) -> Self {
         Self {
             shared,
             datum,
-            matrix: vec![0.0; width * width],
-            right_side: vec![0.0; width],
-            block_squares: 0.0,
+            matrix,
+            squares: 0.0,
+            observations: 0,
+            block_unknowns: 0,
         }
     }
 
-    pub(crate) fn shared(&self) -> usize {
+    /// Number of shared unknowns.
+    pub fn shared(&self) -> usize {
         self.shared
     }
 
-    pub(crate) fn datum(&self) -> usize {
+    /// Number of constraints.
+    pub fn datum(&self) -> usize {
         self.datum
     }
 
-    /// `Σ |c|²`: the part of the sum of squares that the blocks take whatever `s` is.
-    pub(crate) fn block_squares(&self) -> f64 {
-        self.block_squares
+    /// Sum of squares of the whitened residuals, `Σ|r|²`.
+    pub fn squares(&self) -> f64 {
+        self.squares
     }
 
-    /// Adds rows that are free of block unknowns; `column(shared)` is their residual.
-    pub(crate) fn add_rows<'a>(&mut self, column: impl Fn(usize) -> &'a [f64]) {
-        let width = self.shared + self.datum;
-        for k in 0..self.shared {
-            let b_k = column(k);
-            for j in 0..=k {
-                self.matrix[k * width + j] += dot(column(j), b_k);
-            }
-            self.right_side[k] += dot(b_k, column(self.shared));
-        }
+    /// Number of rows.
+    pub fn observations(&self) -> usize {
+        self.observations
     }
 
-    /// Adds a block's part of the datum: `C` by columns, `W` and `c`.
-    pub(crate) fn add_datum<'a>(
-        &mut self,
-        coupling: impl Fn(usize) -> &'a [f64],
-        weighted_datum: &[f64],
-        offset: &[f64],
-    ) {
-        let (width, n) = (self.shared + self.datum, offset.len());
-        self.block_squares += dot(offset, offset);
-        for (j, w_j) in weighted_datum.chunks_exact(n).enumerate() {
-            let row = self.shared + j;
-            for k in 0..self.shared {
-                self.matrix[row * width + k] -= dot(coupling(k), w_j);
-            }
-            for (k, w_k) in weighted_datum.chunks_exact(n).take(j + 1).enumerate() {
-                self.matrix[row * width + self.shared + k] -= dot(w_k, w_j);
-            }
-            self.right_side[row] -= dot(w_j, offset);
+    /// Number of unknowns, blocks and shared, less the free motions that the datum fixes.
+    pub fn determined_unknowns(&self) -> usize {
+        self.block_unknowns + self.shared - self.datum
+    }
+
+    /// Counts rows of so many blocks' unknowns and their part of the sum of squares.
+    pub(crate) fn count(&mut self, observations: usize, block_unknowns: usize, squares: f64) {
+        self.observations += observations;
+        self.block_unknowns += block_unknowns;
+        self.squares += squares;
+    }
+
+    /// Adds the sums of other blocks.
+    pub fn merge(&mut self, other: &Self) {
+        for (m, o) in self.matrix.iter_mut().zip(&other.matrix) {
+            *m += o;
         }
+        self.count(other.observations, other.block_unknowns, other.squares);
+    }
+
+    /// Whether all sums are finite.
+    pub fn is_finite(&self) -> bool {
+        self.matrix.iter().all(|x| x.is_finite())
     }
 
     /// Solves for `s` and `λ` after checking that only the datum's motions are free.
-    pub(crate) fn solve(&self, datum: &Datum) -> Result<ReducedSolution, Error> {
+    /// `free_motions` are motions that change no observation, their part in the shared unknowns, one
+    /// for each constraint; they only serve to name what is free beyond them.
+    ///
+    /// # Errors
+    /// [`Error::SharedRank`], [`Error::NotFinite`].
+    pub fn solve(
+        &self,
+        free_motions: impl FnOnce() -> Vec<Vec<f64>>,
+    ) -> Result<ReducedSolution, Error> {
         let width = self.shared + self.datum;
-        let at = |i: usize, j: usize| {
-            let (low, high) = (i.min(j), i.max(j));
-            self.matrix[high * width + low]
-        };
-        if width == 0 {
-            let inverse = Mat::zeros(0, 0);
-            return Ok(ReducedSolution {
-                unknowns: Vec::new(),
-                inverse,
-                decrease: 0.0,
-            });
-        }
-        if !self
-            .matrix
-            .iter()
-            .chain(&self.right_side)
-            .chain(&datum.closure)
-            .all(|x| x.is_finite())
-        {
+        let at = |i: usize, j: usize| self.matrix[i.min(j) * (width + 1) + i.max(j)];
+        let right = |i: usize| at(i, width);
+        if !self.is_finite() {
             return Err(Error::NotFinite {
                 what: "the reduced system",
             });
@@ -144,40 +145,59 @@ impl Reduced {
                 _ => 1.0,
             })
             .collect();
-        let scaled = Mat::from_fn(width, width, |i, j| scale[i] * at(i, j) * scale[j]);
-        self.check_rank(&scaled, &scale, datum)?;
-
-        let lu = scaled.partial_piv_lu();
-        let right = Mat::from_fn(width, 1, |i, _| {
-            let h = if i < self.shared {
-                0.0
-            } else {
-                datum.closure[i - self.shared]
-            };
-            scale[i] * (self.right_side[i] + h)
-        });
-        let solution = lu.solve(&right);
-        let unknowns: Vec<f64> = (0..width).map(|i| scale[i] * solution[(i, 0)]).collect();
-        let inverse = lu.inverse();
-        let symmetric = Mat::from_fn(width, width, |i, j| {
-            0.5 * scale[i] * (inverse[(i, j)] + inverse[(j, i)]) * scale[j]
-        });
+        let mut inverse = vec![0.0; width * width];
+        for (i, row) in inverse.chunks_exact_mut(width.max(1)).enumerate() {
+            for (j, x) in row.iter_mut().enumerate() {
+                *x = scale[i] * at(i, j) * scale[j];
+            }
+        }
+        let inverted = invert(&mut inverse, width);
+        let norm = dot(&inverse, &inverse).sqrt();
+        // The largest eigenvalue is not above the sum of all, the number of shared unknowns.
+        let full_rank = inverted && norm * SHARED_RANK_TOL * (self.shared as f64) < 1.0;
+        if !full_rank {
+            let scaled = Mat::from_fn(self.shared, self.shared, |i, j| {
+                scale[i] * at(i, j) * scale[j]
+            });
+            self.check_rank(&scaled, &scale, &free_motions())?;
+        }
+        if !inverted {
+            return Err(Error::NotFinite {
+                what: "the inverse of the reduced system",
+            });
+        }
+        for (i, row) in inverse.chunks_exact_mut(width.max(1)).enumerate() {
+            for (x, s) in row.iter_mut().zip(&scale) {
+                *x *= scale[i] * s;
+            }
+        }
+        let unknowns: Vec<f64> = inverse
+            .chunks_exact(width.max(1))
+            .map(|row| (0..width).map(|j| row[j] * right(j)).sum())
+            .collect();
         if !unknowns.iter().all(|x| x.is_finite()) {
             return Err(Error::NotFinite {
                 what: "the solution of the reduced system",
             });
         }
-        let decrease = dot(&unknowns[..self.shared], &self.right_side[..self.shared]);
+        // What the blocks take whatever s is, Σ|c|², and what s takes.
+        let by_shared: f64 = (0..self.shared).map(|i| unknowns[i] * right(i)).sum();
+        let decrease = by_shared - at(width, width);
         Ok(ReducedSolution {
+            shared: self.shared,
             unknowns,
-            inverse: symmetric,
+            inverse,
             decrease,
         })
     }
 
-    fn check_rank(&self, scaled: &Mat<f64>, scale: &[f64], datum: &Datum) -> Result<(), Error> {
-        let shared = scaled.as_ref().submatrix(0, 0, self.shared, self.shared);
-        let eigen = shared
+    fn check_rank(
+        &self,
+        scaled: &Mat<f64>,
+        scale: &[f64],
+        free_motions: &[Vec<f64>],
+    ) -> Result<(), Error> {
+        let eigen = scaled
             .self_adjoint_eigen(Side::Lower)
             .map_err(|_| Error::Decomposition {
                 what: "eigenvalue decomposition",
@@ -193,8 +213,7 @@ impl Reduced {
         }
         // Shares of the unknowns in what is free beyond the datum's own motions.
         let motions = orthonormal(
-            datum
-                .free_motions
+            free_motions
                 .iter()
                 .map(|motion| motion.iter().zip(scale).map(|(m, s)| m / s).collect()),
         );

@@ -1,5 +1,6 @@
-//! The adjustment model: every point is free.
+//! Whitened rows of free points, group by group in measuring order.
 //!
+//! [`crate::free_adjustment`] solves the same equations; here they are for what is asked of the result.
 //! Block unknowns are the coordinates of a group's points, shared ones the stations and dead
 //! paths, four each: `x y z L`, and behind them the dead paths after interruptions. With the beam
 //! `u = (p - S) / |p - S|`:
@@ -8,14 +9,10 @@
 //! dl = uᵀ dp - uᵀ dS - dL
 //! ```
 
-use std::ops::Range;
-
 use nalgebra::{Point3, Vector3};
-use trueaxis_leastsquares::{
-    Adjustment, Arrowhead, BlockRows, Correction, Datum, Error as LeastSquaresError,
-};
+use trueaxis_leastsquares::BlockRows;
 
-use crate::network::{Network, Visit};
+use crate::network::{Network, Visit, VisitsByGroup};
 use crate::noise::{Beam, factor_len, whiten};
 
 /// Position and orientation.
@@ -49,54 +46,48 @@ impl State {
         let distance = beam.norm();
         (beam / distance, distance)
     }
+
+    /// Observed minus computed length of every reading, mm.
+    pub(crate) fn residuals_mm(&self, network: &Network) -> Vec<f64> {
+        let zeros = network.zero_of_readings();
+        let mut residuals = Vec::with_capacity(network.readings.len());
+        for visit in &network.visits {
+            for i in visit.readings.clone() {
+                let reading = &network.readings[i];
+                let point = network.point(visit.group, reading.point);
+                let (_, distance) = self.beam(visit.station, point);
+                residuals.push(reading.length_mm + self.dead_paths_mm[zeros[i]] - distance);
+            }
+        }
+        residuals
+    }
 }
 
 /// The model with its weights, which stay as they are while it is adjusted.
 pub(crate) struct FreePoints<'a> {
     network: &'a Network,
-    visits_by_group: Vec<Vec<usize>>,
+    visits_by_group: VisitsByGroup,
     /// The dead path of every reading.
     zeros: Vec<usize>,
     factors: Vec<f64>,
     factor_starts: Vec<usize>,
-    centroid: Point3<f64>,
-    /// Rms distance of the nominal points from their centroid, mm: makes rotations of the datum
-    /// comparable with translations.
-    radius_mm: f64,
 }
 
 impl<'a> FreePoints<'a> {
     pub(crate) fn new(network: &'a Network, state: &State) -> Self {
-        let count = network.nominal_mm.len().max(1) as f64;
-        let sum: Vector3<f64> = network.nominal_mm.iter().map(|p| p.coords).sum();
-        let centroid = Point3::from(sum / count);
-        let squares: f64 = network
-            .nominal_mm
-            .iter()
-            .map(|p| (p - centroid).norm_squared())
-            .sum();
         let mut model = Self {
             network,
             visits_by_group: network.visits_by_group(),
             zeros: network.zero_of_readings(),
             factors: Vec::new(),
             factor_starts: Vec::new(),
-            centroid,
-            radius_mm: (squares / count).sqrt().max(f64::MIN_POSITIVE),
         };
-        model.update_weights(state);
+        model.take_weights(state);
         model
     }
 
-    /// Rms distance of the nominal points from their centroid, mm.
-    pub(crate) fn radius_mm(&self) -> f64 {
-        self.radius_mm
-    }
-
     /// Takes the weights from the beams at `state`.
-    pub(crate) fn update_weights(&mut self, state: &State) {
-        self.factors.clear();
-        self.factor_starts.clear();
+    fn take_weights(&mut self, state: &State) {
         let mut beams = Vec::new();
         for visit in &self.network.visits {
             beams.clear();
@@ -135,19 +126,6 @@ impl<'a> FreePoints<'a> {
         })
     }
 
-    /// The motion of a point at `p` under the six free motions: translations along x, y, z, then
-    /// rotations about them (scaled to the size of the network).
-    fn free_motions_at(&self, p: Point3<f64>) -> [Vector3<f64>; DATUM] {
-        let r = self.lever(p);
-        let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
-        [x, y, z, x.cross(&r), y.cross(&r), z.cross(&r)]
-    }
-
-    /// Lever arm of the rotations of the datum at `p`, in units of the radius.
-    pub(crate) fn lever(&self, p: Point3<f64>) -> Vector3<f64> {
-        (p - self.centroid) / self.radius_mm
-    }
-
     /// Number of shared unknowns.
     pub(crate) fn shared(&self) -> usize {
         PER_STATION * self.network.stations.len() + self.network.interruptions.len()
@@ -155,7 +133,7 @@ impl<'a> FreePoints<'a> {
 
     /// The visits of a group, in the order of its rows.
     pub(crate) fn visits_of(&self, group: usize) -> &[usize] {
-        &self.visits_by_group[group]
+        self.visits_by_group.of(group)
     }
 
     /// The dead path of a reading.
@@ -165,7 +143,7 @@ impl<'a> FreePoints<'a> {
 
     /// The whitened rows of a group, visit after visit.
     pub(crate) fn fill_rows(&self, state: &State, group: usize, rows: &mut BlockRows) {
-        let visits = &self.visits_by_group[group];
+        let visits = self.visits_by_group.of(group);
         let count = visits
             .iter()
             .map(|&v| self.network.visits[v].readings.len())
@@ -180,19 +158,16 @@ impl<'a> FreePoints<'a> {
             let readings = self.network.readings_of(visit);
             let (end, shared) = (first + readings.len(), PER_STATION * visit.station);
             for (i, reading) in readings.iter().enumerate() {
-                let (u, _) = state.beam(visit.station, self.network.point(group, reading.point));
+                let point = self.network.point(group, reading.point);
+                let (u, distance) = state.beam(visit.station, point);
                 for axis in 0..3 {
                     rows.block_mut(3 * reading.point + axis)[first + i] = u[axis];
                     rows.shared_mut(shared + axis)[first + i] = -u[axis];
                 }
-                let zero = zero_column(self.zeros[visit.readings.start + i], stations);
-                rows.shared_mut(zero)[first + i] = -1.0;
-            }
-            for (r, value) in rows.residual_mut()[first..end]
-                .iter_mut()
-                .zip(self.residuals_mm(state, visit))
-            {
-                *r = value;
+                let zero = self.zeros[visit.readings.start + i];
+                rows.shared_mut(zero_column(zero, stations))[first + i] = -1.0;
+                let observed = reading.length_mm + state.dead_paths_mm[zero];
+                rows.residual_mut()[first + i] = observed - distance;
             }
             let factor = self.factor(v);
             for k in 0..unknowns {
@@ -204,102 +179,6 @@ impl<'a> FreePoints<'a> {
             whiten(factor, &mut rows.residual_mut()[first..end]);
             first = end;
         }
-    }
-
-    /// `H` of a group's points, best fit to the nominal ones n: `Σ (p - n) = 0` and
-    /// `Σ n × (p - n) = 0`. Appends its columns and takes what the points miss from the closure.
-    pub(crate) fn datum_of(
-        &self,
-        state: &State,
-        group: Range<usize>,
-        columns: &mut Vec<f64>,
-        closure: &mut [f64],
-    ) {
-        let first = columns.len();
-        columns.resize(first + 3 * group.len() * DATUM, 0.0);
-        for (k, point) in group.clone().enumerate() {
-            let nominal = self.network.nominal_mm[point];
-            let deviation = state.points[point] - nominal;
-            for (c, motion) in self.free_motions_at(nominal).iter().enumerate() {
-                let start = first + 3 * (c * group.len() + k);
-                columns[start..start + 3].copy_from_slice(motion.as_slice());
-                closure[c] -= motion.dot(&deviation);
-            }
-        }
-    }
-
-    /// What the free motions do to `shared` shared unknowns, of which the first are the stations.
-    pub(crate) fn free_motions(&self, state: &State, shared: usize) -> Vec<Vec<f64>> {
-        let mut free_motions = vec![Vec::new(); DATUM];
-        for station in &state.stations {
-            for (all, motion) in free_motions.iter_mut().zip(self.free_motions_at(*station)) {
-                all.extend([motion.x, motion.y, motion.z, 0.0]);
-            }
-        }
-        for motion in &mut free_motions {
-            motion.resize(shared, 0.0);
-        }
-        free_motions
-    }
-
-    /// Moves stations and dead paths by `factor` times the correction.
-    pub(crate) fn move_stations(&self, moved: &mut State, correction: &Correction, factor: f64) {
-        let stations = moved.stations.len();
-        for (j, position) in moved.stations.iter_mut().enumerate() {
-            let x = &correction.shared[PER_STATION * j..];
-            *position += Vector3::new(x[0], x[1], x[2]) * factor;
-        }
-        for (zero, dead_path) in moved.dead_paths_mm.iter_mut().enumerate() {
-            *dead_path += correction.shared[zero_column(zero, stations)] * factor;
-        }
-    }
-}
-
-impl Adjustment for FreePoints<'_> {
-    type State = State;
-
-    fn linearise(&self, state: &State) -> Result<(Arrowhead, Datum), LeastSquaresError> {
-        let mut system = Arrowhead::new(self.shared(), DATUM);
-        let mut closure = vec![0.0; DATUM];
-        let mut rows = BlockRows::default();
-        let mut datum = Vec::new();
-        for (g, group) in self.network.groups.iter().enumerate() {
-            self.fill_rows(state, g, &mut rows);
-            datum.clear();
-            self.datum_of(state, group.clone(), &mut datum, &mut closure);
-            system.eliminate(&mut rows, &datum)?;
-        }
-        let free_motions = self.free_motions(state, self.shared());
-        Ok((
-            system,
-            Datum {
-                free_motions,
-                closure,
-            },
-        ))
-    }
-
-    fn squares(&self, state: &State) -> f64 {
-        let mut sum = 0.0;
-        let mut residuals = Vec::new();
-        for (v, visit) in self.network.visits.iter().enumerate() {
-            residuals.clear();
-            residuals.extend(self.residuals_mm(state, visit));
-            whiten(self.factor(v), &mut residuals);
-            sum += residuals.iter().map(|r| r * r).sum::<f64>();
-        }
-        sum
-    }
-
-    fn moved(&self, state: &State, correction: &Correction, factor: f64) -> State {
-        let mut moved = state.clone();
-        self.move_stations(&mut moved, correction, factor);
-        for (g, group) in self.network.groups.iter().enumerate() {
-            for (point, x) in group.clone().zip(correction.block(g).chunks_exact(3)) {
-                moved.points[point] += Vector3::new(x[0], x[1], x[2]) * factor;
-            }
-        }
-        moved
     }
 }
 
@@ -347,11 +226,9 @@ mod tests {
         let mut rows = BlockRows::default();
         model.fill_rows(&state, 0, &mut rows);
         let residuals = |state: &State| {
-            let mut all = Vec::new();
+            let mut all = state.residuals_mm(&network);
             for (v, visit) in network.visits.iter().enumerate() {
-                let mut r: Vec<f64> = model.residuals_mm(state, visit).collect();
-                whiten(model.factor(v), &mut r);
-                all.extend(r);
+                whiten(model.factor(v), &mut all[visit.readings.clone()]);
             }
             all
         };

@@ -52,10 +52,13 @@
 //! ```
 
 mod baarda;
+mod batches;
 mod bodies;
 mod components;
+mod datum;
 mod error;
 mod estimate_noise;
+mod free_adjustment;
 mod free_points;
 mod from_campaign;
 mod guard;
@@ -63,10 +66,13 @@ mod influence;
 mod interruption;
 mod known_stations;
 mod length_noise;
+mod linearise;
 mod network;
 mod noise;
+mod passes;
 mod redundancy;
 mod reliability;
+mod rigid_adjustment;
 mod rigid_solution;
 mod rigid_stages;
 mod robust_weights;
@@ -93,6 +99,6 @@ pub use reliability::Reliability;
 pub use rigid_solution::{RigidSolution, estimate_rigid_noise, solve_rigid};
 pub use screen::{Jump, Removed, Screened, screen};
 pub use solution::{Solution, Station};
-pub use solve::{Settings, solve};
+pub use solve::{Settings, solve, solve_near};
 pub use trials::{Corrections, Trials, Workspace};
 pub use whitened::Whitened;

@@ -196,11 +196,35 @@ impl Network {
     }
 
     /// The visits of every group, in order.
-    pub(crate) fn visits_by_group(&self) -> Vec<Vec<usize>> {
-        let mut by_group = vec![Vec::new(); self.groups.len()];
-        for (i, visit) in self.visits.iter().enumerate() {
-            by_group[visit.group].push(i);
+    pub(crate) fn visits_by_group(&self) -> VisitsByGroup {
+        let mut starts = vec![0; self.groups.len() + 1];
+        for visit in &self.visits {
+            starts[visit.group + 1] += 1;
         }
-        by_group
+        for g in 0..self.groups.len() {
+            starts[g + 1] += starts[g];
+        }
+        let mut next = starts.clone();
+        let mut visits = vec![0; self.visits.len()];
+        for (i, visit) in self.visits.iter().enumerate() {
+            visits[next[visit.group]] = i;
+            next[visit.group] += 1;
+        }
+        VisitsByGroup { starts, visits }
+    }
+}
+
+/// The visits of every group.
+#[derive(Debug, Clone)]
+pub(crate) struct VisitsByGroup {
+    /// Where those of each group start, and behind them their number.
+    starts: Vec<usize>,
+    visits: Vec<usize>,
+}
+
+impl VisitsByGroup {
+    /// The visits of a group, in order.
+    pub(crate) fn of(&self, group: usize) -> &[usize] {
+        &self.visits[self.starts[group]..self.starts[group + 1]]
     }
 }

@@ -10,7 +10,8 @@ use crate::components::{Components, components};
 use crate::estimate_noise::{Weighted, estimate};
 use crate::free_points::State;
 use crate::influence::Influence;
-use crate::rigid_stages::{RigidStages, RigidState};
+use crate::rigid_adjustment::RigidAdjustment;
+use crate::rigid_stages::RigidState;
 use crate::{Error, Network, Noise, NoiseEstimate, Settings, Solution, Station};
 
 /// Adjusted stations, poses and shapes in the datum of the nominal points.
@@ -109,8 +110,8 @@ fn adjust_from(
     start: RigidState,
     settings: &Settings,
 ) -> Result<RigidSolution, Error> {
-    let mut model = RigidStages::new(network, bodies, &start);
-    let run = |model: &RigidStages<'_>, start| {
+    let mut model = RigidAdjustment::new(network, bodies, &start.free);
+    let run = |model: &RigidAdjustment<'_>, start| {
         adjust(model, start, &settings.iteration).map_err(|error| match error {
             LeastSquaresError::BlockRank { block, .. }
             | LeastSquaresError::TooFewRows { block, .. } => Error::NotRigid {
@@ -122,29 +123,28 @@ fn adjust_from(
     };
     let mut adjusted = run(&model, start)?;
     let mut iterations = adjusted.iterations;
-    for _ in 0..MAX_WEIGHT_UPDATES {
-        model.update_weights(&adjusted.state);
-        adjusted = run(&model, adjusted.state)?;
-        iterations += adjusted.iterations;
-        if adjusted.iterations == 1 || !adjusted.termination.is_converged() {
-            break;
+    if model.weights_follow_beams() {
+        for _ in 0..MAX_WEIGHT_UPDATES {
+            model.update_weights(&adjusted.state.free);
+            adjusted = run(&model, adjusted.state)?;
+            iterations += adjusted.iterations;
+            if adjusted.iterations == 1 || !adjusted.termination.is_converged() {
+                break;
+            }
         }
     }
-    Ok(solution(network, &model, adjusted, iterations))
+    let covariance = adjusted.covariance(&model).map_err(Error::LeastSquares)?;
+    Ok(solution(network, adjusted, covariance, iterations))
 }
 
 fn solution(
     network: &Network,
-    model: &RigidStages<'_>,
     adjusted: Adjusted<RigidState>,
+    covariance: Covariance,
     iterations: usize,
 ) -> RigidSolution {
     let state = adjusted.state;
-    let residuals_mm = network
-        .visits
-        .iter()
-        .flat_map(|visit| model.free().residuals_mm(&state.free, visit))
-        .collect();
+    let residuals_mm = state.free.residuals_mm(network);
     let stations = state.free.stations.iter().zip(&state.free.dead_paths_mm);
     RigidSolution {
         stations: stations
@@ -159,7 +159,7 @@ fn solution(
         unknowns: adjusted.unknowns,
         iterations,
         termination: adjusted.termination,
-        covariance: adjusted.covariance,
+        covariance,
         poses: state.poses,
         shapes_mm: state.shapes_mm,
         points_mm: state.free.points,
@@ -179,7 +179,7 @@ pub fn estimate_rigid_noise(
     settings: &Settings,
 ) -> Result<NoiseEstimate, Error> {
     estimate(
-        &mut RigidAdjustment {
+        &mut RigidNoise {
             network,
             bodies,
             solution,
@@ -189,14 +189,14 @@ pub fn estimate_rigid_noise(
     )
 }
 
-struct RigidAdjustment<'a> {
+struct RigidNoise<'a> {
     network: &'a mut Network,
     bodies: &'a Bodies,
     solution: &'a mut RigidSolution,
     settings: &'a Settings,
 }
 
-impl Weighted for RigidAdjustment<'_> {
+impl Weighted for RigidNoise<'_> {
     fn noise(&self) -> Noise {
         self.network.noise
     }

@@ -12,14 +12,12 @@
 //! ([`crate::free_points`]) and behind them the deformations of all bodies. Against free points this
 //! ties nine coordinates of a triangle to six unknowns.
 
-use nalgebra::{DMatrix, DVector, Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use trueaxis_leastsquares::{
-    Adjustment, Arrowhead, BlockRows, Correction, Datum, Error as LeastSquaresError,
-};
+use nalgebra::{DMatrix, DVector, Isometry3, Point3, Vector3};
+use trueaxis_leastsquares::BlockRows;
 
 use crate::Network;
 use crate::bodies::{Bodies, rigid_motions};
-use crate::free_points::{DATUM, FreePoints, State};
+use crate::free_points::{FreePoints, State};
 
 /// Unknowns of a pose.
 pub(crate) const POSE: usize = 6;
@@ -35,15 +33,38 @@ pub(crate) struct RigidState {
     pub(crate) shapes_mm: Vec<Vec<Point3<f64>>>,
 }
 
-/// The model with its weights, which stay as they are while it is adjusted.
+/// The deformations of all bodies as shared unknowns.
+pub(crate) struct Deformations {
+    /// For each body the deformations that no motion makes, as displacements of its targets.
+    pub(crate) of_bodies: Vec<Vec<DVector<f64>>>,
+    /// Where the deformations of each body are among the shared unknowns.
+    pub(crate) first: Vec<usize>,
+    /// Number of all shared unknowns.
+    pub(crate) shared: usize,
+}
+
+impl Deformations {
+    /// Behind as many shared unknowns as the model with free points has.
+    pub(crate) fn new(bodies: &Bodies, with_free_points: usize) -> Self {
+        let mut new = Self {
+            of_bodies: bodies.bodies.iter().map(|b| b.deformations()).collect(),
+            first: Vec::new(),
+            shared: with_free_points,
+        };
+        for own in &new.of_bodies {
+            new.first.push(new.shared);
+            new.shared += own.len();
+        }
+        new
+    }
+}
+
+/// Whitened rows of rigid stages, group by group in measuring order.
 pub(crate) struct RigidStages<'a> {
     free: FreePoints<'a>,
     network: &'a Network,
     bodies: &'a Bodies,
-    deformations: Vec<Vec<DVector<f64>>>,
-    /// Where the deformations of each body are among the shared unknowns.
-    first_deformation: Vec<usize>,
-    shared: usize,
+    deformations: Deformations,
 }
 
 impl RigidState {
@@ -58,7 +79,7 @@ impl RigidState {
         state
     }
 
-    fn place_points(&mut self, network: &Network, bodies: &Bodies) {
+    pub(crate) fn place_points(&mut self, network: &Network, bodies: &Bodies) {
         for (g, group) in network.groups.iter().enumerate() {
             let shape_mm = &self.shapes_mm[bodies.body_of_group[g]];
             for (point, &place) in group.clone().zip(&bodies.places[g]) {
@@ -68,7 +89,7 @@ impl RigidState {
     }
 
     /// Centroid of the points of a group.
-    fn centroid(&self, network: &Network, group: usize) -> Point3<f64> {
+    pub(crate) fn centroid(&self, network: &Network, group: usize) -> Point3<f64> {
         let points = &self.free.points[network.groups[group].clone()];
         let sum: Vector3<f64> = points.iter().map(|p| p.coords).sum();
         Point3::from(sum / points.len() as f64)
@@ -78,25 +99,12 @@ impl RigidState {
 impl<'a> RigidStages<'a> {
     pub(crate) fn new(network: &'a Network, bodies: &'a Bodies, state: &RigidState) -> Self {
         let free = FreePoints::new(network, &state.free);
-        let deformations: Vec<_> = bodies.bodies.iter().map(|b| b.deformations()).collect();
-        let mut shared = free.shared();
-        let mut first_deformation = Vec::new();
-        for own in &deformations {
-            first_deformation.push(shared);
-            shared += own.len();
-        }
         Self {
+            deformations: Deformations::new(bodies, free.shared()),
             free,
             network,
             bodies,
-            deformations,
-            first_deformation,
-            shared,
         }
-    }
-
-    pub(crate) fn update_weights(&mut self, state: &RigidState) {
-        self.free.update_weights(&state.free);
     }
 
     pub(crate) fn free(&self) -> &FreePoints<'a> {
@@ -109,7 +117,7 @@ impl<'a> RigidStages<'a> {
         let points = &state.free.points[self.network.groups[group].clone()];
         let arms_mm: Vec<Vector3<f64>> = points.iter().map(|p| p - centroid).collect();
         let places = &self.bodies.places[group];
-        let deformations = &self.deformations[self.bodies.body_of_group[group]];
+        let deformations = &self.deformations.of_bodies[self.bodies.body_of_group[group]];
         let rotation = state.poses[group].rotation;
         let deformed = DMatrix::from_fn(3 * points.len(), deformations.len(), |row, k| {
             let at_home = deformations[k].fixed_rows::<3>(3 * places[row / 3]);
@@ -128,9 +136,9 @@ impl<'a> RigidStages<'a> {
     ) {
         self.free.fill_rows(&state.free, group, memory);
         let count = memory.rows();
-        rows.reset(count, POSE, self.shared);
+        rows.reset(count, POSE, self.deformations.shared);
         let (moved, deformed) = self.ties(state, group);
-        let first = self.first_deformation[self.bodies.body_of_group[group]];
+        let first = self.deformations.first[self.bodies.body_of_group[group]];
         for coordinate in 0..moved.nrows() {
             let column = memory.block_mut(coordinate);
             for k in 0..POSE {
@@ -155,68 +163,5 @@ impl<'a> RigidStages<'a> {
 fn add(sum: &mut [f64], column: &[f64], factor: f64) {
     for (s, x) in sum.iter_mut().zip(column) {
         *s += factor * x;
-    }
-}
-
-impl Adjustment for RigidStages<'_> {
-    type State = RigidState;
-
-    fn linearise(&self, state: &RigidState) -> Result<(Arrowhead, Datum), LeastSquaresError> {
-        let mut system = Arrowhead::new(self.shared, DATUM);
-        let (mut memory, mut rows) = (BlockRows::default(), BlockRows::default());
-        let mut closure = vec![0.0; DATUM];
-        let mut of_points = Vec::new();
-        for (g, group) in self.network.groups.iter().enumerate() {
-            self.fill_rows(state, g, &mut memory, &mut rows);
-            // The datum of the points, by way of the pose. That the shape moves them, too, the next
-            // iteration sees in the closure.
-            of_points.clear();
-            self.free
-                .datum_of(&state.free, group.clone(), &mut of_points, &mut closure);
-            let (moved, _) = self.ties(state, g);
-            let datum: Vec<f64> = of_points
-                .chunks_exact(3 * group.len())
-                .flat_map(|h| {
-                    (0..POSE)
-                        .map(|k| moved.column(k).iter().zip(h).map(|(m, h)| m * h).sum())
-                        .collect::<Vec<f64>>()
-                })
-                .collect();
-            system.eliminate(&mut rows, &datum)?;
-        }
-        let free_motions = self.free.free_motions(&state.free, self.shared);
-        Ok((
-            system,
-            Datum {
-                free_motions,
-                closure,
-            },
-        ))
-    }
-
-    fn squares(&self, state: &RigidState) -> f64 {
-        self.free.squares(&state.free)
-    }
-
-    fn moved(&self, state: &RigidState, correction: &Correction, factor: f64) -> RigidState {
-        let mut moved = state.clone();
-        self.free.move_stations(&mut moved.free, correction, factor);
-        for (g, pose) in moved.poses.iter_mut().enumerate() {
-            let x = correction.block(g);
-            let centre = state.centroid(self.network, g).coords;
-            let turn = UnitQuaternion::from_scaled_axis(Vector3::new(x[3], x[4], x[5]) * factor);
-            let shift = Vector3::new(x[0], x[1], x[2]) * factor;
-            *pose = Translation3::from(shift + centre) * turn * Translation3::from(-centre) * *pose;
-        }
-        for (b, shape_mm) in moved.shapes_mm.iter_mut().enumerate() {
-            for (k, deformation) in self.deformations[b].iter().enumerate() {
-                let amount = correction.shared[self.first_deformation[b] + k] * factor;
-                for (place, point) in shape_mm.iter_mut().enumerate() {
-                    *point += deformation.fixed_rows::<3>(3 * place) * amount;
-                }
-            }
-        }
-        moved.place_points(self.network, self.bodies);
-        moved
     }
 }

@@ -1,8 +1,10 @@
 //! The headline verb: lengths to points.
 
+use nalgebra::Point3;
 use trueaxis_leastsquares::{Adjusted, Adjustment, Error as LeastSquaresError, adjust};
 
-use crate::free_points::{DATUM, FreePoints, PER_STATION, State};
+use crate::free_adjustment::FreeAdjustment;
+use crate::free_points::{DATUM, PER_STATION, State};
 use crate::start::{Image, Start, start};
 use crate::{Error, Network, Solution, Station, StationUnknown};
 
@@ -42,9 +44,53 @@ pub fn solve(network: &Network, settings: &Settings) -> Result<Solution, Error> 
     let Start { state, images } = start(network)?;
     let first = adjust_from(network, state.clone(), settings);
     if images.iter().all(Option::is_none) {
-        return Ok(solution(network, first?, false));
+        return solution(network, first?, false);
     }
     choose_sides(network, settings, &state, &images, first)
+}
+
+/// Finds all points, stations and dead paths of a network from where they are known to be nearly:
+/// without the search for a start, and without doubt about mirror images.
+///
+/// `points_mm` are in the order of the network. Lengths are linear in dead paths, so those of the
+/// `stations` may be far off; dead paths after interruptions start like their station's.
+///
+/// # Errors
+/// Those of [`solve`]; [`Error::Malformed`] if the numbers of stations or points are not the network's
+/// or one of their coordinates is not finite.
+pub fn solve_near(
+    network: &Network,
+    stations: &[Station],
+    points_mm: &[Point3<f64>],
+    settings: &Settings,
+) -> Result<Solution, Error> {
+    network.check()?;
+    check_counts(network)?;
+    let mut state = State {
+        stations: stations.iter().map(|s| s.position_mm).collect(),
+        dead_paths_mm: stations.iter().map(|s| s.dead_path_mm).collect(),
+        points: points_mm.to_vec(),
+    };
+    let (found, need) = (
+        (stations.len(), points_mm.len()),
+        (network.stations.len(), network.nominal_mm.len()),
+    );
+    let coordinates = state.stations.iter().chain(&state.points);
+    let mut values = coordinates
+        .flat_map(|p| p.iter())
+        .chain(&state.dead_paths_mm);
+    if found != need || !values.all(|x| x.is_finite()) {
+        let what = format!(
+            "a start of {} stations and {} points, all finite, is needed; found {} and {}",
+            need.0, need.1, found.0, found.1
+        );
+        return Err(Error::Malformed { what });
+    }
+    for interruption in &network.interruptions {
+        let before = state.dead_paths_mm[interruption.station];
+        state.dead_paths_mm.push(before);
+    }
+    solution(network, adjust_from(network, state, settings)?, false)
 }
 
 /// Solves a network again from the solution of a similar one: the same stations and groups, other
@@ -63,7 +109,7 @@ pub(crate) fn solve_from(
         state.dead_paths_mm.push(before);
     }
     let attempt = adjust_from(network, state, settings)?;
-    Ok(solution(network, attempt, near.mirror_image_open))
+    solution(network, attempt, near.mirror_image_open)
 }
 
 /// How far a length is from what the nominal positions let expect, in units of what is typical,
@@ -76,11 +122,10 @@ pub(crate) fn far_at_start(network: &Network) -> Result<Vec<(usize, f64)>, Error
     network.check()?;
     check_counts(network)?;
     let Start { state, .. } = start(network)?;
-    let model = FreePoints::new(network, &state);
-    let visits = network.visits.iter();
-    let sizes_mm: Vec<f64> = visits
-        .flat_map(|visit| model.residuals_mm(&state, visit))
-        .map(f64::abs)
+    let sizes_mm: Vec<f64> = state
+        .residuals_mm(network)
+        .iter()
+        .map(|r| r.abs())
         .collect();
     let mut sorted = sizes_mm.clone();
     let middle = sorted.len() / 2;
@@ -92,7 +137,7 @@ pub(crate) fn far_at_start(network: &Network) -> Result<Vec<(usize, f64)>, Error
 
 /// An adjustment with the weights that belong to it.
 struct Attempt<'a> {
-    model: FreePoints<'a>,
+    model: FreeAdjustment<'a>,
     adjusted: Adjusted<State>,
     iterations: usize,
 }
@@ -102,16 +147,18 @@ fn adjust_from<'a>(
     start: State,
     settings: &Settings,
 ) -> Result<Attempt<'a>, Error> {
-    let mut model = FreePoints::new(network, &start);
+    let mut model = FreeAdjustment::new(network, &start);
     let mut adjusted = run(network, &model, start.clone(), settings)
         .map_err(|error| ran_away(network, &model, &start, error))?;
     let mut iterations = adjusted.iterations;
-    for _ in 0..MAX_WEIGHT_UPDATES {
-        model.update_weights(&adjusted.state);
-        adjusted = run(network, &model, adjusted.state, settings)?;
-        iterations += adjusted.iterations;
-        if adjusted.iterations == 1 || !adjusted.termination.is_converged() {
-            break;
+    if model.weights_follow_beams() {
+        for _ in 0..MAX_WEIGHT_UPDATES {
+            model.update_weights(&adjusted.state);
+            adjusted = run(network, &model, adjusted.state, settings)?;
+            iterations += adjusted.iterations;
+            if adjusted.iterations == 1 || !adjusted.termination.is_converged() {
+                break;
+            }
         }
     }
     Ok(Attempt {
@@ -126,24 +173,22 @@ fn adjust_from<'a>(
 const CONTRADICTION: f64 = 0.02;
 
 /// Tells a station that is not determined from one that contradictory lengths drove away.
-fn ran_away(network: &Network, model: &FreePoints<'_>, start: &State, error: Error) -> Error {
+fn ran_away(network: &Network, model: &FreeAdjustment<'_>, start: &State, error: Error) -> Error {
     if !matches!(error, Error::StationsNotDetermined { .. }) {
         return error;
     }
     let determined = model
-        .linearise(start)
-        .and_then(|(system, datum)| system.solve(&datum))
+        .reduce(start)
+        .and_then(|system| system.solve(|| model.free_motions(start)))
         .is_ok();
-    let residuals = network
-        .visits
-        .iter()
-        .flat_map(|visit| model.residuals_mm(start, visit));
-    let worst = residuals
+    let worst = start
+        .residuals_mm(network)
+        .into_iter()
         .enumerate()
         .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     match worst {
         Some((reading, residual_mm))
-            if determined || residual_mm.abs() > CONTRADICTION * model.radius_mm() =>
+            if determined || residual_mm.abs() > CONTRADICTION * model.datum().radius_mm =>
         {
             Error::RanAway {
                 reading,
@@ -197,7 +242,7 @@ fn choose_sides<'a>(
             && with_sides(all ^ chosen).is_ok_and(|image| {
                 (image.adjusted.squares - best.adjusted.squares).abs() < SAME_SQUARES
             });
-    Ok(solution(network, best, image_open))
+    solution(network, best, image_open)
 }
 
 fn check_counts(network: &Network) -> Result<(), Error> {
@@ -215,18 +260,21 @@ fn check_counts(network: &Network) -> Result<(), Error> {
     if let Some(station) = used.iter().position(|used| !used) {
         return Err(Error::StationWithoutReadings { station });
     }
-    for (group, visits) in network.visits_by_group().iter().enumerate() {
-        let mut seen = vec![Vec::new(); network.groups[group].len()];
-        for &v in visits {
+    let by_group = network.visits_by_group();
+    let mut seen = Vec::new();
+    for (group, points) in network.groups.iter().enumerate() {
+        // Which station saw which point of the group.
+        seen.clear();
+        seen.resize(points.len() * network.stations.len(), false);
+        for &v in by_group.of(group) {
             let visit = &network.visits[v];
             for reading in network.readings_of(visit) {
-                if !seen[reading.point].contains(&visit.station) {
-                    seen[reading.point].push(visit.station);
-                }
+                seen[reading.point * network.stations.len() + visit.station] = true;
             }
         }
-        for (point, stations) in seen.iter().enumerate() {
-            let (seen, need) = (stations.len(), MIN_STATIONS_PER_POINT);
+        for (point, stations) in seen.chunks_exact(network.stations.len()).enumerate() {
+            let seen = stations.iter().filter(|&&seen| seen).count();
+            let need = MIN_STATIONS_PER_POINT;
             if seen < need {
                 return Err(Error::PointSeenTooRarely {
                     group,
@@ -248,11 +296,16 @@ fn check_counts(network: &Network) -> Result<(), Error> {
 
 fn run(
     network: &Network,
-    model: &FreePoints<'_>,
+    model: &FreeAdjustment<'_>,
     start: State,
     settings: &Settings,
 ) -> Result<Adjusted<State>, Error> {
-    adjust(model, start, &settings.iteration).map_err(|error| match error {
+    adjust(model, start, &settings.iteration).map_err(|error| named(network, error))
+}
+
+/// The error in the words of the network.
+fn named(network: &Network, error: LeastSquaresError) -> Error {
+    match error {
         LeastSquaresError::BlockRank {
             block,
             unknown,
@@ -304,23 +357,25 @@ fn run(
             }
         }
         other => Error::LeastSquares(other),
-    })
+    }
 }
 
-fn solution(network: &Network, attempt: Attempt<'_>, mirror_image_open: bool) -> Solution {
+fn solution(
+    network: &Network,
+    attempt: Attempt<'_>,
+    mirror_image_open: bool,
+) -> Result<Solution, Error> {
     let Attempt {
         model,
         adjusted,
         iterations,
     } = attempt;
+    let covariance = adjusted.covariance(&model);
+    let covariance = covariance.map_err(|error| named(network, error))?;
     let state = &adjusted.state;
     let stations = state.stations.iter().zip(&state.dead_paths_mm);
-    let residuals_mm = network
-        .visits
-        .iter()
-        .flat_map(|visit| model.residuals_mm(state, visit))
-        .collect();
-    Solution {
+    let residuals_mm = state.residuals_mm(network);
+    Ok(Solution {
         stations: stations
             .map(|(&position_mm, &dead_path_mm)| Station {
                 position_mm,
@@ -335,7 +390,7 @@ fn solution(network: &Network, attempt: Attempt<'_>, mirror_image_open: bool) ->
         iterations,
         mirror_image_open,
         termination: adjusted.termination,
-        covariance: adjusted.covariance,
+        covariance,
         points_mm: adjusted.state.points,
-    }
+    })
 }

@@ -41,6 +41,7 @@ use self::errors::{ErrorNoise, is_correlated};
 use self::point_blocks::PointBlocks;
 use self::tracks::{Row, Tracks};
 use self::unknowns::Unknowns;
+use crate::datum::Datum;
 use crate::free_points::{DATUM, FreePoints, PER_STATION, zero_column};
 use crate::network::Network;
 use crate::noise::unwhiten_row;
@@ -137,7 +138,8 @@ impl Trials {
             let block = solution.covariance.block_given_shared(g);
             blocks.push(points.clone(), &block, is_coupled[g]);
         }
-        let levers = network.nominal_mm.iter().map(|&n| model.lever(n));
+        let datum = Datum::new(network);
+        let levers = network.nominal_mm.iter().map(|&n| datum.lever(n));
         let sigma = solution.covariance.reduced_inverse();
         let shared = model.shared();
         let rows = (0..sigma.nrows()).flat_map(|i| (0..sigma.ncols()).map(move |j| sigma[(i, j)]));

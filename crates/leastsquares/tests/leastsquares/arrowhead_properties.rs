@@ -3,7 +3,7 @@
 use faer::Mat;
 use faer::linalg::solvers::{DenseSolveCore, Solve};
 use proptest::prelude::*;
-use trueaxis_leastsquares::{Arrowhead, BlockRows, Datum, Error};
+use trueaxis_leastsquares::{BlockBatch, Covariance, Error, Factors, LaneSums, Lanes, Shape};
 
 const SHARED: usize = 3;
 
@@ -30,28 +30,66 @@ fn blocks() -> impl Strategy<Value = Vec<Block>> {
     prop::collection::vec(block, 3..6)
 }
 
-fn solve_arrowhead(blocks: &[Block], closure: f64) -> Result<trueaxis_leastsquares::Solved, Error> {
-    let mut system = Arrowhead::new(SHARED, 1);
-    for block in blocks {
-        let mut rows = BlockRows::new(block.rows.len(), block.unknowns, SHARED);
-        for (i, row) in block.rows.iter().enumerate() {
-            let (own, shared) = row.split_at(block.unknowns);
+/// All unknowns (blocks, then shared) and their covariance.
+struct Solved {
+    unknowns: Vec<f64>,
+    covariance: Covariance,
+}
+
+/// Each block is the only one of its batch.
+fn solve_arrowhead(blocks: &[Block], closure: f64) -> Result<Solved, Error> {
+    let fill = |(i, block): (usize, &Block)| {
+        let mut batch = BlockBatch::default();
+        batch.reset(Shape {
+            rows: block.rows.len(),
+            unknowns: block.unknowns,
+            in_runs: 0,
+            shared: SHARED,
+            datum: 1,
+        });
+        for (row, values) in block.rows.iter().enumerate() {
+            let (own, shared) = values.split_at(block.unknowns);
             for (k, value) in own.iter().enumerate() {
-                rows.block_mut(k)[i] = *value;
+                batch.own_mut(k)[row] = Lanes::splat(*value);
             }
             for (k, value) in shared[..SHARED].iter().enumerate() {
-                rows.shared_mut(k)[i] = *value;
+                batch.other_mut(k)[row] = Lanes::splat(*value);
             }
-            rows.residual_mut()[i] = row[block.unknowns + SHARED];
+            batch.residual_mut()[row] = Lanes::splat(shared[SHARED]);
         }
-        let mut datum = vec![0.0; block.unknowns];
-        datum[0] = 1.0;
-        system.eliminate(&mut rows, &datum)?;
+        batch.datum_mut(0)[0] = Lanes::splat(1.0);
+        if i == 0 {
+            batch.closure_mut()[0] = Lanes::splat(closure);
+        }
+        batch.use_only(1);
+        batch.eliminate(|_| (i, block.rows.len()))?;
+        Ok(batch)
+    };
+    let batches: Vec<BlockBatch> = blocks
+        .iter()
+        .enumerate()
+        .map(fill)
+        .collect::<Result<_, Error>>()?;
+    let mut sums = LaneSums::new(SHARED, 1);
+    for (block, batch) in blocks.iter().zip(&batches) {
+        sums.count(block.rows.len(), block.unknowns);
+        batch.clone().add_to(&mut sums);
     }
-    let free_motions = vec![vec![-1.0; SHARED]];
-    system.solve(&Datum {
-        free_motions,
-        closure: vec![closure],
+    let solution = sums.into_reduced().solve(|| vec![vec![-1.0; SHARED]])?;
+    let mut factors = Factors::zeros(SHARED + 1, blocks.iter().map(|block| block.unknowns));
+    let mut unknowns = Vec::new();
+    for (i, mut batch) in batches.into_iter().enumerate() {
+        let x = batch.correction(&solution.unknowns);
+        unknowns.extend(x.iter().map(|x| x.0[0]));
+        let own = i..i + 1;
+        for part in &mut factors.split_mut(&[0..i, own])[1..] {
+            batch.write_factors(i, 1, part);
+        }
+    }
+    unknowns.extend(&solution.unknowns[..SHARED]);
+    Ok(Solved {
+        unknowns,
+        covariance: Covariance::new(factors, &solution),
     })
 }
 
@@ -105,7 +143,7 @@ proptest! {
         let mut first = 0;
         for (i, block) in blocks.iter().enumerate() {
             for k in 0..block.unknowns {
-                let found = solved.correction.block(i)[k];
+                let found = solved.unknowns[first + k];
                 prop_assert!((found - expected[(first + k, 0)]).abs() < tol);
             }
             let covariance = solved.covariance.block(i);
@@ -131,7 +169,7 @@ proptest! {
             }
         }
         for k in 0..SHARED {
-            prop_assert!((solved.correction.shared[k] - expected[(own + k, 0)]).abs() < tol);
+            prop_assert!((solved.unknowns[own + k] - expected[(own + k, 0)]).abs() < tol);
             for j in 0..SHARED {
                 let found = solved.covariance.shared()[(k, j)];
                 prop_assert!((found - inverse[(own + k, own + j)]).abs() < tol);

@@ -8,7 +8,8 @@ use rand_chacha::ChaCha8Rng;
 use trueaxis_leastsquares::{Settings as Iteration, adjust};
 
 use super::{Corrections, Trials};
-use crate::free_points::{FreePoints, State};
+use crate::free_adjustment::FreeAdjustment;
+use crate::free_points::State;
 use crate::{Interruption, Network, Noise, Reading, Settings, Solution, Visit, solve};
 
 const STATIONS_MM: [[f64; 3]; 4] = [
@@ -91,7 +92,7 @@ fn full_solution(network: &Network, solution: &Solution, errors_mm: &[f64]) -> S
         reading.length_mm += error - residual;
     }
     let state = solution.state();
-    let model = FreePoints::new(&disturbed, &state);
+    let model = FreeAdjustment::new(&disturbed, &state);
     let adjusted = adjust(&model, state, &Iteration::default()).unwrap();
     assert!(adjusted.termination.is_converged());
     adjusted.state

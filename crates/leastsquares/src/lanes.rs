@@ -1,0 +1,107 @@
+//! Eight numbers side by side: the arithmetic of eight blocks at once.
+//!
+//! Loops over the rows of one small block are too short for wide registers, and sums along them are
+//! chains that a compiler may not regroup. With one block in each lane every operation is eight
+//! independent ones. No operation is fused, so results are the same bits with any instruction set;
+//! [`pulp::Arch::dispatch`] around a pass chooses the widest one at run time.
+
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// Blocks that are worked on side by side.
+pub const LANES: usize = 8;
+
+/// One number of each of [`LANES`] blocks.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(align(64))]
+pub struct Lanes(pub [f64; LANES]);
+
+impl Lanes {
+    /// Zero in every lane.
+    pub const ZERO: Self = Self([0.0; LANES]);
+
+    /// The same number in every lane.
+    #[inline(always)]
+    pub fn splat(x: f64) -> Self {
+        Self([x; LANES])
+    }
+
+    /// The number of each lane.
+    #[inline(always)]
+    pub fn from_fn(of_lane: impl FnMut(usize) -> f64) -> Self {
+        Self(std::array::from_fn(of_lane))
+    }
+
+    /// Square roots.
+    #[inline(always)]
+    pub fn sqrt(self) -> Self {
+        Self(self.0.map(f64::sqrt))
+    }
+
+    /// Absolute values.
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        Self(self.0.map(f64::abs))
+    }
+
+    /// The sizes of these with the signs of others.
+    #[inline(always)]
+    pub fn copysign(self, sign: Self) -> Self {
+        Self::from_fn(|i| self.0[i].copysign(sign.0[i]))
+    }
+
+    /// Sum over the lanes, always in the same order.
+    #[inline(always)]
+    pub fn sum(self) -> f64 {
+        let [a, b, c, d, e, f, g, h] = self.0;
+        ((a + e) + (c + g)) + ((b + f) + (d + h))
+    }
+}
+
+macro_rules! lane_by_lane {
+    ($trait:ident, $method:ident, $operator:tt) => {
+        impl $trait for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self::from_fn(|i| self.0[i] $operator other.0[i])
+            }
+        }
+    };
+}
+
+lane_by_lane!(Add, add, +);
+lane_by_lane!(Sub, sub, -);
+lane_by_lane!(Mul, mul, *);
+lane_by_lane!(Div, div, /);
+
+impl Neg for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(self.0.map(|x| -x))
+    }
+}
+
+impl AddAssign for Lanes {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl SubAssign for Lanes {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+/// `Σ a_i b_i`.
+#[inline(always)]
+pub(crate) fn dot(a: &[Lanes], b: &[Lanes]) -> Lanes {
+    let mut sum = Lanes::ZERO;
+    for (a, b) in a.iter().zip(b) {
+        sum += *a * *b;
+    }
+    sum
+}

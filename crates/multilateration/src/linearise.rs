@@ -1,0 +1,251 @@
+//! The whitened equations of eight groups with free points.
+//!
+//! With the beam `u = (p - S) / |p - S|`:
+//!
+//! ```text
+//! dl = uᵀ dp - uᵀ dS - dL
+//! ```
+//!
+//! and rows multiplied by the weights `W = L⁻¹` of their visit, `C = L Lᵀ` ([`crate::noise`]).
+
+use nalgebra::Point3;
+use trueaxis_leastsquares::{BlockBatch, LANES, Lanes, Shape};
+
+use crate::batches::{Batch, SlotVisit};
+use crate::datum::Datum;
+use crate::free_points::{DATUM, PER_STATION, State};
+use crate::noise::{Noise, factor_len};
+
+/// Beams and misclosures of the slots of a batch.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Beams {
+    /// The points of the groups, x y z of each, mm.
+    pub(crate) points: Vec<Lanes>,
+    /// Unit vectors from the stations to the points.
+    pub(crate) units: Vec<[Lanes; 3]>,
+    pub(crate) distances_mm: Vec<Lanes>,
+    /// Observed minus computed lengths, mm.
+    pub(crate) residuals_mm: Vec<Lanes>,
+}
+
+impl Beams {
+    #[inline(always)]
+    pub(crate) fn fill(&mut self, batch: &Batch, state: &State) {
+        self.take_points(batch, &state.points);
+        self.units.clear();
+        self.distances_mm.clear();
+        self.residuals_mm.clear();
+        for visit in &batch.visits {
+            let station = state.stations[visit.station];
+            let station = [station.x, station.y, station.z].map(Lanes::splat);
+            let dead_path = Lanes::splat(state.dead_paths_mm[visit.station]);
+            for slot in visit.slots.clone() {
+                let point = &self.points[3 * batch.point_of_slot[slot]..];
+                let [x, y, z] = [0, 1, 2].map(|axis| point[axis] - station[axis]);
+                let distance = (x * x + y * y + z * z).sqrt();
+                let per_distance = Lanes::splat(1.0) / distance;
+                let dead_path = match batch.zeros.get(slot) {
+                    Some(zeros) => Lanes::from_fn(|lane| state.dead_paths_mm[zeros[lane]]),
+                    None => dead_path,
+                };
+                self.units.push([x, y, z].map(|x| x * per_distance));
+                self.distances_mm.push(distance);
+                let observed = batch.lengths_mm[slot] + dead_path;
+                self.residuals_mm.push(observed - distance);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn take_points(&mut self, batch: &Batch, points: &[Point3<f64>]) {
+        self.points.clear();
+        for point in 0..batch.points {
+            let of_lanes = batch.first_points.map(|first| &points[first + point]);
+            for axis in 0..3 {
+                let of_lane = |lane: usize| of_lanes[lane][axis];
+                self.points.push(Lanes::from_fn(of_lane));
+            }
+        }
+    }
+}
+
+/// Appends the weights of a batch: `L⁻¹` of each visit row by row, with zero rows where there is no
+/// reading.
+#[inline(always)]
+pub(crate) fn append_weights(
+    batch: &Batch,
+    noise: &Noise,
+    beams: &Beams,
+    memory: &mut Vec<Lanes>,
+    weights: &mut Vec<Lanes>,
+) {
+    for SlotVisit { slots, .. } in &batch.visits {
+        let (first, count) = (slots.start, slots.len());
+        memory.clear();
+        for i in 0..count {
+            append_factor_row(batch, noise, beams, (first, i), memory);
+        }
+        // L⁻¹ by rows: (L⁻¹)_ij = -Σ_k L_ik (L⁻¹)_kj / L_ii, and zero for what is missing.
+        let start = weights.len();
+        for i in 0..count {
+            let row = &memory[factor_len(i)..factor_len(i + 1)];
+            let reciprocal = Lanes::splat(1.0) / row[i];
+            for j in 0..i {
+                let mut sum = Lanes::ZERO;
+                for k in j..i {
+                    sum += row[k] * weights[start + factor_len(k) + j];
+                }
+                weights.push(-sum * reciprocal);
+            }
+            weights.push(reciprocal);
+        }
+        for i in 0..count {
+            let there = is_read(batch, first + i);
+            for weight in &mut weights[start + factor_len(i)..start + factor_len(i + 1)] {
+                *weight = *weight * there;
+            }
+        }
+    }
+}
+
+/// Appends row `i` of the Cholesky factor of a visit whose slots start at `first`; a reading that is
+/// missing has unit variance and correlates with nothing.
+#[inline(always)]
+fn append_factor_row(
+    batch: &Batch,
+    noise: &Noise,
+    beams: &Beams,
+    (first, i): (usize, usize),
+    factor: &mut Vec<Lanes>,
+) {
+    let return_variance = Lanes::splat(noise.return_sigma_mm * noise.return_sigma_mm);
+    let constant = Lanes::splat(noise.length_sigma_mm * noise.length_sigma_mm);
+    let relative = Lanes::splat(noise.length_sigma_relative * noise.length_sigma_relative);
+    let there = is_read(batch, first + i);
+    let start = factor.len();
+    for j in 0..i {
+        let [u, other] = [beams.units[first + i], beams.units[first + j]];
+        let cosine = u[0] * other[0] + u[1] * other[1] + u[2] * other[2];
+        let mut c = return_variance * cosine * there * is_read(batch, first + j);
+        let above = factor_len(j);
+        for k in 0..j {
+            c -= factor[start + k] * factor[above + k];
+        }
+        factor.push(c / factor[above + j]);
+    }
+    let distance = beams.distances_mm[first + i];
+    let own = constant + relative * (distance * distance);
+    let own = own * batch.variance_factors[first + i] + return_variance;
+    let mut c = own * there + (Lanes::splat(1.0) - there);
+    for x in &factor[start..] {
+        c -= *x * *x;
+    }
+    factor.push(c.sqrt());
+}
+
+/// One where there is a reading, zero where there is none.
+#[inline(always)]
+fn is_read(batch: &Batch, slot: usize) -> Lanes {
+    let factors = batch.variance_factors[slot];
+    Lanes::from_fn(|lane| f64::from(u8::from(factors.0[lane] > 0.0)))
+}
+
+/// Fills the equations of a batch; `weights` are those of [`append_weights`], and `shared` is the number
+/// of all shared unknowns.
+#[inline(always)]
+pub(crate) fn fill(
+    (batch, weights): (&Batch, &[Lanes]),
+    datum: &Datum,
+    beams: &Beams,
+    (stations, shared): (usize, usize),
+    equations: &mut BlockBatch,
+) {
+    equations.reset(Shape {
+        rows: batch.point_of_slot.len(),
+        unknowns: 3 * batch.points,
+        in_runs: PER_STATION * stations,
+        shared,
+        datum: DATUM,
+    });
+    let mut weights = weights.iter();
+    for visit in &batch.visits {
+        let first = visit.slots.start;
+        for i in visit.slots.clone() {
+            let (mut run, mut residual) = ([Lanes::ZERO; PER_STATION], Lanes::ZERO);
+            for (j, &w) in (first..=i).zip(&mut weights) {
+                let unit = beams.units[j];
+                let own = 3 * batch.point_of_slot[j];
+                for (axis, u) in unit.into_iter().enumerate() {
+                    let x = w * u;
+                    equations.own_mut(own + axis)[i] += x;
+                    run[axis] -= x;
+                }
+                residual += w * beams.residuals_mm[j];
+                run[PER_STATION - 1] -= match batch.zeros.get(j) {
+                    None => w,
+                    Some(zeros) => after_interruption(equations, (stations, i), zeros, w),
+                };
+            }
+            equations.residual_mut()[i] = residual;
+            let (start, own) = equations.run_mut(i);
+            (*start, *own) = (PER_STATION * visit.station, run);
+        }
+    }
+    fill_datum(batch, datum, &beams.points, equations);
+    equations.use_only(batch.groups.len());
+}
+
+/// Writes the weights to the columns of dead paths after interruptions; what is left for the station's.
+#[inline(always)]
+fn after_interruption(
+    equations: &mut BlockBatch,
+    (stations, row): (usize, usize),
+    zeros: &[usize; LANES],
+    weights: Lanes,
+) -> Lanes {
+    let mut own = weights;
+    for (lane, &zero) in zeros.iter().enumerate() {
+        if zero >= stations {
+            let column = PER_STATION * stations + zero - stations;
+            equations.other_mut(column)[row].0[lane] -= weights.0[lane];
+            own.0[lane] = 0.0;
+        }
+    }
+    own
+}
+
+/// `H` of the points and what they miss of the closure.
+#[inline(always)]
+fn fill_datum(batch: &Batch, datum: &Datum, points: &[Lanes], equations: &mut BlockBatch) {
+    let centroid = [datum.centroid.x, datum.centroid.y, datum.centroid.z];
+    let per_radius = Lanes::splat(1.0 / datum.radius_mm);
+    let one = Lanes::splat(1.0);
+    for point in 0..batch.points {
+        let place = 3 * point;
+        let nominal = &batch.nominal_mm[place..place + 3];
+        let [rx, ry, rz] =
+            [0, 1, 2].map(|axis| (nominal[axis] - Lanes::splat(centroid[axis])) * per_radius);
+        let [dx, dy, dz] = [0, 1, 2].map(|axis| points[place + axis] - nominal[axis]);
+        let zero = Lanes::ZERO;
+        let motions = [
+            [one, zero, zero],
+            [zero, one, zero],
+            [zero, zero, one],
+            [zero, -rz, ry],
+            [rz, zero, -rx],
+            [-ry, rx, zero],
+        ];
+        let missed = [
+            dx,
+            dy,
+            dz,
+            ry * dz - rz * dy,
+            rz * dx - rx * dz,
+            rx * dy - ry * dx,
+        ];
+        for (k, (motion, missed)) in motions.into_iter().zip(missed).enumerate() {
+            equations.datum_mut(k)[place..place + 3].copy_from_slice(&motion);
+            equations.closure_mut()[k] -= missed;
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! Passes over the batches of a network: the equations are made, used and forgotten.
+//!
+//! Threads take pieces that depend on the number of batches alone, and sums are added up in their order:
+//! the same bits on any number of threads. [`Arch::dispatch`] compiles a pass once more for wider
+//! registers and takes the widest that the processor has.
+
+use std::ops::Range;
+
+use pulp::Arch;
+use rayon::prelude::*;
+use trueaxis_leastsquares::{BlockBatch, Error as LeastSquaresError, Factors, LaneSums, Reduced};
+
+use crate::batches::Batch;
+use crate::free_points::DATUM;
+use crate::linearise::Beams;
+
+/// Batches of a piece: enough work, some 50 µs, to be worth handing out.
+const LEAST_BATCHES: usize = 64;
+
+/// Most pieces: more would not spread the work better and each has a reduced system of its own.
+const MOST_PIECES: usize = 64;
+
+/// An adjustment model whose blocks are the groups of a network.
+pub(crate) trait GroupModel: Sync {
+    type State: Sync;
+
+    fn batches(&self) -> &[Batch];
+
+    /// Unknowns of each group of a batch.
+    fn unknowns(&self, batch: &Batch) -> usize;
+
+    /// Number of shared unknowns.
+    fn shared(&self) -> usize;
+
+    /// Makes the equations of batch `b` at `state`.
+    fn fill(&self, state: &Self::State, b: usize, memory: &mut Memory);
+}
+
+/// Memory for one batch after the other.
+#[derive(Debug, Default)]
+pub(crate) struct Memory {
+    pub(crate) beams: Beams,
+    pub(crate) equations: BlockBatch,
+    /// The equations of free points, where others are made from them.
+    pub(crate) of_points: BlockBatch,
+}
+
+/// The pieces of so many batches, in order.
+pub(crate) fn pieces(batches: usize) -> Vec<Range<usize>> {
+    let size = batches.div_ceil(MOST_PIECES).max(LEAST_BATCHES);
+    let starts = (0..batches).step_by(size);
+    starts
+        .map(|start| start..batches.min(start + size))
+        .collect()
+}
+
+/// What `work` makes of each item, in order; of several errors the first.
+pub(crate) fn in_parallel<I: Send, T: Send>(
+    items: Vec<I>,
+    work: impl Fn(I) -> Result<T, LeastSquaresError> + Sync + Send,
+) -> Result<Vec<T>, LeastSquaresError> {
+    let work = |item| {
+        Arch::new().dispatch(
+            #[inline(always)]
+            || work(item),
+        )
+    };
+    if items.len() <= 1 {
+        return items.into_iter().map(work).collect();
+    }
+    let results: Vec<Result<T, LeastSquaresError>> = items.into_par_iter().map(work).collect();
+    results.into_iter().collect()
+}
+
+/// Fills and eliminates the equations of batch `b`.
+#[inline(always)]
+pub(crate) fn eliminate<M: GroupModel>(
+    model: &M,
+    state: &M::State,
+    b: usize,
+    memory: &mut Memory,
+) -> Result<(), LeastSquaresError> {
+    model.fill(state, b, memory);
+    let batch = &model.batches()[b];
+    memory.equations.eliminate(|lane| batch.number(lane))
+}
+
+/// The reduced system of all batches.
+pub(crate) fn reduce<M: GroupModel>(
+    model: &M,
+    state: &M::State,
+) -> Result<Reduced, LeastSquaresError> {
+    let sums = in_parallel(
+        pieces(model.batches().len()),
+        #[inline(always)]
+        |piece| {
+            let mut memory = Memory::default();
+            let mut sums = LaneSums::new(model.shared(), DATUM);
+            for b in piece {
+                eliminate(model, state, b, &mut memory)?;
+                memory.equations.add_to(&mut sums);
+                let batch = &model.batches()[b];
+                sums.count(batch.readings, model.unknowns(batch) * batch.groups.len());
+            }
+            Ok(sums.into_reduced())
+        },
+    )?;
+    let sum = sums.into_iter().reduce(|mut sum, piece| {
+        sum.merge(&piece);
+        sum
+    });
+    Ok(sum.unwrap_or_else(|| Reduced::new(model.shared(), DATUM)))
+}
+
+/// The factors of all groups.
+pub(crate) fn factors<M: GroupModel>(
+    model: &M,
+    state: &M::State,
+) -> Result<Factors, LeastSquaresError> {
+    let batches = model.batches();
+    let unknowns = batches
+        .iter()
+        .flat_map(|batch| batch.groups.clone().map(|_| model.unknowns(batch)));
+    let mut factors = Factors::zeros(model.shared() + DATUM, unknowns);
+    let pieces = pieces(batches.len());
+    let groups: Vec<_> = pieces
+        .iter()
+        .map(|piece| batches[piece.start].groups.start..batches[piece.end - 1].groups.end)
+        .collect();
+    let parts = factors.split_mut(&groups);
+    in_parallel(
+        pieces.into_iter().zip(parts).collect(),
+        #[inline(always)]
+        |(piece, mut part)| {
+            let mut memory = Memory::default();
+            for b in piece {
+                eliminate(model, state, b, &mut memory)?;
+                let groups = &batches[b].groups;
+                memory
+                    .equations
+                    .write_factors(groups.start, groups.len(), &mut part);
+            }
+            Ok(())
+        },
+    )?;
+    Ok(factors)
+}
+
+/// Splits a slice into parts of these lengths.
+pub(crate) fn split_mut<T>(
+    mut all: &mut [T],
+    lengths: impl IntoIterator<Item = usize>,
+) -> Vec<&mut [T]> {
+    let mut parts = Vec::new();
+    for length in lengths {
+        let (part, rest) = all.split_at_mut(length);
+        all = rest;
+        parts.push(part);
+    }
+    parts
+}
