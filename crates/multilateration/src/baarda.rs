@@ -16,7 +16,8 @@
 use rayon::prelude::*;
 
 use crate::influence::Influence;
-use crate::visit_terms::{VisitTerms, dot, times_symmetric};
+use crate::row_products::{append_product, dot};
+use crate::visit_terms::VisitTerms;
 
 /// The test of one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -190,7 +191,13 @@ fn largest_step(turn: &[(usize, usize)], influence: &Influence<'_>) -> Option<St
     let mut sums = Sums::new(influence);
     for (place, &(reading, visit)) in turn.iter().enumerate().skip(1).rev() {
         sums.add(influence, reading, visit);
-        times_symmetric(&sigma, &sums.shared, &mut sums.memory);
+        sums.memory.clear();
+        append_product(
+            &mut sums.memory,
+            &sums.shared,
+            &sigma,
+            [sums.shared.len(); 2],
+        );
         let through_shared = dot(&sums.memory, &sums.shared);
         let kept = sums.squares - sums.own_squares - through_shared;
         if kept <= CHECKED_TOL * sums.squares {

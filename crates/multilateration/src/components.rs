@@ -11,12 +11,17 @@
 //! repeatedly; the inverse of the left side is the covariance of the estimates. `P` never appears as
 //! a matrix: with the factors of [`crate::influence`] every trace is a sum over groups.
 
+use std::ops::Range;
+
 use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
 
 use crate::influence::Influence;
 use crate::length_noise::LengthPart;
-use crate::visit_terms::{VisitTerms, add_transposed_product, dot, product, times_symmetric};
+use crate::row_products::{
+    add_symmetric_product, add_transposed_product, append_product, dot, mirror,
+};
+use crate::visit_terms::VisitTerms;
 
 /// One step towards the restricted maximum of the likelihood.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,9 +42,9 @@ pub(crate) fn components(influence: &Influence<'_>) -> Option<Components> {
     let sigma = influence.sigma();
     // Σ G_k of both parts, G_2 = G - G_1.
     let mut through = Vec::with_capacity(width * width);
-    product(&sigma, &sums.length, width, &mut through);
+    append_product(&mut through, &sigma, &sums.length, [width; 2]);
     let mut through_all = Vec::new();
-    product(&sigma, &sums.all, width, &mut through_all);
+    append_product(&mut through_all, &sigma, &sums.all, [width; 2]);
     let through_return: Vec<f64> = through_all
         .iter()
         .zip(&through)
@@ -102,6 +107,8 @@ fn sums(influence: &Influence<'_>) -> Sums {
             for group in piece * PIECE..groups.min((piece + 1) * PIECE) {
                 memory.add(influence, &sigma, group, &mut sums);
             }
+            mirror(&mut sums.length, width);
+            mirror(&mut sums.all, width);
             sums
         })
         .collect();
@@ -123,14 +130,13 @@ fn sums(influence: &Influence<'_>) -> Sums {
 /// What a group adds: memory to work in. `V_1` is the lengths' own part, `V_2 = I - V_1`.
 #[derive(Default)]
 struct GroupSums {
-    terms: Vec<VisitTerms>,
+    terms: VisitTerms,
     part: LengthPart,
-    /// `V_1 O`, `V_1 T`, `T Σ` of a visit.
+    /// `V_1 O`, `V_1 T`, `T Σ`.
     own_part: Vec<f64>,
     shared_part: Vec<f64>,
     through: Vec<f64>,
-    row: Vec<f64>,
-    /// Of the group for `V_1` and for the identity: `Oᵀ V O`, `Oᵀ V T`, `Oᵀ V T Σ`.
+    /// For `V_1` and for the identity: `Oᵀ V O`, `Oᵀ V T`, `Oᵀ V T Σ`.
     own: [Vec<f64>; 2],
     cross: [Vec<f64>; 2],
     cross_through: [Vec<f64>; 2],
@@ -139,71 +145,37 @@ struct GroupSums {
 impl GroupSums {
     fn add(&mut self, influence: &Influence<'_>, sigma: &[f64], group: usize, sums: &mut Sums) {
         influence.visits(group, &mut self.terms);
-        let width = influence.width();
-        let unknowns = self.terms.first().map_or(0, VisitTerms::own_width);
-        for (memory, size) in [
-            (&mut self.own, unknowns * unknowns),
-            (&mut self.cross, unknowns * width),
-            (&mut self.cross_through, unknowns * width),
-        ] {
-            for memory in memory {
-                memory.clear();
-                memory.resize(size, 0.0);
-            }
+        let (width, unknowns) = (influence.width(), self.terms.own_width());
+        self.through.clear();
+        append_product(
+            &mut self.through,
+            self.terms.shared_rows(),
+            sigma,
+            [width; 2],
+        );
+        self.own_part.clear();
+        self.shared_part.clear();
+        let mut first = 0;
+        for &visit in influence.model().visits_of(group) {
+            let rows = first..first + influence.network().visits[visit].readings.len();
+            self.add_visit(influence, visit, rows.clone(), sums);
+            first = rows.end;
         }
-        let visits = influence.model().visits_of(group);
-        for (&visit, terms) in visits.iter().zip(&self.terms) {
-            let count = terms.count();
-            let (own, shared) = (terms.own_rows(), terms.shared_rows());
-            let v = self.part.of(influence, visit, count);
-            product(v, own, unknowns, &mut self.own_part);
-            product(v, shared, width, &mut self.shared_part);
-            self.through.clear();
-            for i in 0..count {
-                times_symmetric(sigma, terms.shared(i), &mut self.row);
-                self.through.extend_from_slice(&self.row);
-            }
 
-            // Residuals and traces of the visit alone.
-            let mut length = 0.0;
-            let (mut all, mut once, mut twice) = ([0.0; 2], [0.0; 2], [0.0; 2]);
-            let squares = dot(terms.residuals(), terms.residuals());
-            for i in 0..count {
-                for j in 0..count {
-                    let v_ij = v[i * count + j];
-                    length += v_ij * terms.residuals()[i] * terms.residuals()[j];
-                    let v_v = (0..count).map(|k| v[i * count + k] * v[k * count + j]);
-                    let v_v: f64 = v_v.sum();
-                    // tr(V V), and the same with O Oᵀ and T Σ Tᵀ between them.
-                    let rows = |i: usize| i * width..(i + 1) * width;
-                    let adjusted = dot(terms.own(i), terms.own(j));
-                    let through = dot(&self.through[rows(i)], terms.shared(j));
-                    let between = adjusted + through;
-                    if i == j {
-                        all[0] += 1.0;
-                        all[1] += between;
-                        once[0] += v_ij;
-                        twice[0] += v_v;
-                    }
-                    once[1] += v_ij * between;
-                    twice[1] += v_v * between;
-                }
-            }
-            sums.right += Vector2::new(length, squares - length) * 0.5;
-            // ½ tr(V_k V_l) - tr(V_k (O Oᵀ + T Σ Tᵀ) V_l), by V_2 = I - V_1.
-            let noise = pairs(twice[0], once[0], all[0]);
-            let absorbed = pairs(twice[1], once[1], all[1]);
-            for (sum, (noise, absorbed)) in sums.left.iter_mut().zip(noise.iter().zip(absorbed)) {
-                *sum += 0.5 * noise - absorbed;
-            }
-
-            add_transposed_product(&mut sums.all, shared, shared, [width; 2]);
-            add_transposed_product(&mut sums.length, shared, &self.shared_part, [width; 2]);
-            for (k, part) in [self.own_part.as_slice(), own].into_iter().enumerate() {
-                add_transposed_product(&mut self.own[k], own, part, [unknowns; 2]);
-                let columns = [unknowns, width];
-                add_transposed_product(&mut self.cross[k], part, shared, columns);
-                add_transposed_product(&mut self.cross_through[k], part, &self.through, columns);
+        let (own, shared) = (self.terms.own_rows(), self.terms.shared_rows());
+        add_symmetric_product(&mut sums.all, shared, shared, width);
+        add_symmetric_product(&mut sums.length, shared, &self.shared_part, width);
+        for (k, part) in [self.own_part.as_slice(), own].into_iter().enumerate() {
+            let products = [
+                (&mut self.own[k], own),
+                (&mut self.cross[k], shared),
+                (&mut self.cross_through[k], &self.through),
+            ];
+            for (product, right) in products {
+                let columns = right.len() / self.terms.count().max(1);
+                product.clear();
+                product.resize(unknowns * columns, 0.0);
+                add_transposed_product(product, part, right, [unknowns, columns]);
             }
         }
         // ½ tr(H_k H_l) + tr(Σ K_kᵀ K_l) with H = OᵀVO, K = OᵀVT of the whole group.
@@ -213,6 +185,58 @@ impl GroupSums {
         let c = pairs(c(0, 0), c(0, 1), c(1, 1));
         for (sum, (h, c)) in sums.left.iter_mut().zip(h.into_iter().zip(c)) {
             *sum += 0.5 * h + c;
+        }
+    }
+
+    /// The residuals and traces of a visit alone; appends its `V_1 O` and `V_1 T`.
+    fn add_visit(
+        &mut self,
+        influence: &Influence<'_>,
+        visit: usize,
+        rows: Range<usize>,
+        sums: &mut Sums,
+    ) {
+        let terms = &self.terms;
+        let (count, unknowns, width) = (rows.len(), terms.own_width(), influence.width());
+        let of = |columns: usize| rows.start * columns..rows.end * columns;
+        let own = &terms.own_rows()[of(unknowns)];
+        let shared = &terms.shared_rows()[of(width)];
+        let v = self.part.of(influence, visit, count);
+        append_product(&mut self.own_part, v, own, [count, unknowns]);
+        append_product(&mut self.shared_part, v, shared, [count, width]);
+
+        let residuals = &terms.residuals()[rows.clone()];
+        let mut length = 0.0;
+        let (mut all, mut once, mut twice) = ([0.0; 2], [0.0; 2], [0.0; 2]);
+        for i in 0..count {
+            let through = &self.through[(rows.start + i) * width..][..width];
+            for j in 0..=i {
+                // All forms are symmetric.
+                let times = if i == j { 1.0 } else { 2.0 };
+                let v_ij = times * v[i * count + j];
+                length += v_ij * residuals[i] * residuals[j];
+                let v_v = (0..count).map(|k| v[i * count + k] * v[k * count + j]);
+                let v_v = times * v_v.sum::<f64>();
+                // tr(V V), and the same with O Oᵀ and T Σ Tᵀ between them.
+                let (row, other) = (rows.start + i, rows.start + j);
+                let adjusted = dot(terms.own(row), terms.own(other));
+                let between = adjusted + dot(through, terms.shared(other));
+                if i == j {
+                    all[0] += 1.0;
+                    all[1] += between;
+                    once[0] += v_ij;
+                    twice[0] += v_v;
+                }
+                once[1] += v_ij * between;
+                twice[1] += v_v * between;
+            }
+        }
+        sums.right += Vector2::new(length, dot(residuals, residuals) - length) * 0.5;
+        // ½ tr(V_k V_l) - tr(V_k (O Oᵀ + T Σ Tᵀ) V_l), by V_2 = I - V_1.
+        let noise = pairs(twice[0], once[0], all[0]);
+        let absorbed = pairs(twice[1], once[1], all[1]);
+        for (sum, (noise, absorbed)) in sums.left.iter_mut().zip(noise.iter().zip(absorbed)) {
+            *sum += 0.5 * noise - absorbed;
         }
     }
 }

@@ -126,7 +126,7 @@ impl<'a> Influence<'a> {
         self.covariance.reduced_inverse()
     }
 
-    /// The columns of `Σ`, one after the other.
+    /// The rows of `Σ`, which are its columns, one after the other.
     pub(crate) fn sigma(&self) -> Vec<f64> {
         let sigma = self.reduced_inverse();
         let columns = (0..sigma.ncols()).flat_map(|j| (0..sigma.nrows()).map(move |i| (i, j)));
@@ -217,34 +217,33 @@ impl<'a> Influence<'a> {
         unit
     }
 
-    /// The rows of every visit of a group in the order of [`FreePoints::visits_of`]; `terms` is
+    /// The rows of all visits of a group in the order of [`FreePoints::visits_of`]; `terms` is
     /// memory to work in.
-    pub(crate) fn visits(&self, group: usize, terms: &mut Vec<VisitTerms>) {
-        let visits = self.model().visits_of(group);
-        terms.resize_with(visits.len(), VisitTerms::default);
+    pub(crate) fn visits(&self, group: usize, terms: &mut VisitTerms) {
         match &self.model {
-            Model::Free(_) => {
-                for (&visit, terms) in visits.iter().zip(terms) {
-                    self.visit(visit, terms);
+            Model::Free(model) => {
+                terms.clear(self.covariance, group);
+                for &visit in model.visits_of(group) {
+                    terms.append(self.network, model, &self.state, self.covariance, visit);
                 }
             }
             Model::Rigid(_) => {
                 let rows = self.group(group, &mut BlockRows::default());
-                for (visit, terms) in rows.visits.iter().zip(terms) {
-                    terms.copy(&rows, visit.first..visit.first + visit.count);
-                }
+                terms.copy(&rows, 0..rows.residuals.len());
             }
         }
     }
 
     /// The rows of one visit; `terms` is memory to work in.
     pub(crate) fn visit(&self, visit: usize, terms: &mut VisitTerms) {
+        let group = self.network.visits[visit].group;
         match &self.model {
             Model::Free(model) => {
-                terms.fill(self.network, model, &self.state, self.covariance, visit);
+                terms.clear(self.covariance, group);
+                terms.append(self.network, model, &self.state, self.covariance, visit);
             }
             Model::Rigid(_) => {
-                let group = self.group(self.network.visits[visit].group, &mut BlockRows::default());
+                let group = self.group(group, &mut BlockRows::default());
                 let rows = group.visits.iter().find(|rows| rows.visit == visit);
                 terms.copy(&group, rows.map_or(0..0, |r| r.first..r.first + r.count));
             }

@@ -22,7 +22,8 @@ use faer::{Mat, MatRef};
 use rayon::prelude::*;
 
 use crate::influence::Influence;
-use crate::visit_terms::{VisitTerms, add_transposed_product, product};
+use crate::row_products::{add_symmetric_product, add_transposed_product, append_product, mirror};
+use crate::visit_terms::VisitTerms;
 use crate::{Network, Solution};
 
 /// Covariance of points and stations for the lengths' own noise alone, mm².
@@ -44,15 +45,13 @@ impl Solution {
                 let mut sum = vec![0.0; width * width];
                 let mut memory = Memory::default();
                 for group in piece * PIECE..groups.min((piece + 1) * PIECE) {
-                    influence.visits(group, &mut memory.terms);
-                    let visits = influence.model().visits_of(group);
-                    for (&visit, terms) in visits.iter().zip(&memory.terms) {
-                        let v = memory.part.of(&influence, visit, terms.count());
-                        product(v, terms.shared_rows(), width, &mut memory.times_part);
-                        let shared = terms.shared_rows();
-                        add_transposed_product(&mut sum, shared, &memory.times_part, [width; 2]);
-                    }
+                    let Memory { terms, part, times } = &mut memory;
+                    influence.visits(group, terms);
+                    times.clear();
+                    part.append_times(&influence, group, terms.shared_rows(), width, times);
+                    add_symmetric_product(&mut sum, terms.shared_rows(), times, width);
                 }
+                mirror(&mut sum, width);
                 sum
             })
             .collect();
@@ -85,21 +84,16 @@ impl LengthNoise<'_> {
     pub fn group(&self, group: usize) -> (Mat<f64>, Mat<f64>) {
         let influence = &self.influence;
         let covariance = influence.covariance();
-        let mut memory = Memory::default();
-        influence.visits(group, &mut memory.terms);
+        let Memory { terms, part, times } = &mut Memory::default();
+        influence.visits(group, terms);
         let factor = covariance.inverse_factor(group);
         let (unknowns, width) = (factor.ncols(), influence.width());
         // Oᵀ V O and Oᵀ V T.
         let mut own = vec![0.0; unknowns * unknowns];
         let mut cross = vec![0.0; unknowns * width];
-        let visits = influence.model().visits_of(group);
-        for (&visit, terms) in visits.iter().zip(&memory.terms) {
-            let v = memory.part.of(influence, visit, terms.count());
-            product(v, terms.own_rows(), unknowns, &mut memory.times_part);
-            let (part, columns) = (&memory.times_part, [unknowns; 2]);
-            add_transposed_product(&mut own, part, terms.own_rows(), columns);
-            add_transposed_product(&mut cross, part, terms.shared_rows(), [unknowns, width]);
-        }
+        part.append_times(influence, group, terms.own_rows(), unknowns, times);
+        add_transposed_product(&mut own, times, terms.own_rows(), [unknowns; 2]);
+        add_transposed_product(&mut cross, times, terms.shared_rows(), [unknowns, width]);
         let own = MatRef::from_row_major_slice(&own, unknowns, unknowns);
         let own = factor * own * factor.transpose();
         let cross = factor * MatRef::from_row_major_slice(&cross, unknowns, width);
@@ -128,9 +122,9 @@ const PIECE: usize = 256;
 /// Memory to work in.
 #[derive(Default)]
 struct Memory {
-    terms: Vec<VisitTerms>,
+    terms: VisitTerms,
     part: LengthPart,
-    times_part: Vec<f64>,
+    times: Vec<f64>,
 }
 
 /// `V = L⁻¹ diag(σ_l²) L⁻ᵀ` of one visit: memory to work in.
@@ -157,5 +151,22 @@ impl LengthPart {
             }
         }
         part
+    }
+
+    /// Appends `V X` to `out`, visit after visit of a group, for rows of `columns` elements.
+    fn append_times(
+        &mut self,
+        influence: &Influence<'_>,
+        group: usize,
+        mut rows: &[f64],
+        columns: usize,
+        out: &mut Vec<f64>,
+    ) {
+        for &visit in influence.model().visits_of(group) {
+            let count = influence.network().visits[visit].readings.len();
+            let (own, rest) = rows.split_at(count * columns);
+            append_product(out, self.of(influence, visit, count), own, [count, columns]);
+            rows = rest;
+        }
     }
 }

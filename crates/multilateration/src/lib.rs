@@ -76,6 +76,7 @@ mod rigid_adjustment;
 mod rigid_solution;
 mod rigid_stages;
 mod robust_weights;
+mod row_products;
 mod screen;
 mod screening;
 mod solution;

@@ -1,5 +1,7 @@
 //! The work of [`crate::screen`]: weights, tests and removals.
 
+use std::rc::Rc;
+
 use trueaxis_leastsquares::student_two_sided;
 
 use crate::baarda::{ReadingTest, Tests, test_all};
@@ -42,6 +44,8 @@ fn critical(level: f64, tests: usize, degrees_of_freedom: f64) -> f64 {
 pub(crate) struct Screening<'a> {
     pub(crate) network: Network,
     pub(crate) solution: Option<Solution>,
+    /// The tests at the solution, once they were asked for.
+    tests: Option<Rc<Tests>>,
     settings: &'a Settings,
     /// Whether the network's noise is more than a guess.
     declared: bool,
@@ -83,6 +87,7 @@ impl<'a> Screening<'a> {
                 ..network.clone()
             },
             solution: None,
+            tests: None,
             settings,
             declared,
             far,
@@ -113,6 +118,7 @@ impl<'a> Screening<'a> {
             None => solve(&self.network, self.settings).map_err(|error| self.driven_away(error))?,
         };
         self.solution = Some(solution);
+        self.tests = None;
         Ok(())
     }
 
@@ -142,11 +148,15 @@ impl<'a> Screening<'a> {
     }
 
     /// The tests at the present solution, and their scale.
-    pub(crate) fn tests(&mut self) -> Result<(Tests, f64), Error> {
+    pub(crate) fn tests(&mut self) -> Result<(Rc<Tests>, f64), Error> {
         if self.solution.is_none() {
             self.solve()?;
         }
-        let tests = self.with_influence(test_all);
+        let tests = match &self.tests {
+            Some(tests) => Rc::clone(tests),
+            None => Rc::new(self.with_influence(test_all)),
+        };
+        self.tests = Some(Rc::clone(&tests));
         let scale = match (self.noise_known, self.declared) {
             (Some(_), _) => 1.0,
             // With few lengths the median may be small by chance; what is declared is not.

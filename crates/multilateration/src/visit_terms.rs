@@ -1,4 +1,4 @@
-//! The whitened rows of one visit, as [`crate::influence`] defines them for a group.
+//! The whitened rows of visits, as [`crate::influence`] defines them for a group.
 //!
 //! A length sees one point only, so a row of `A` has three elements, and before whitening
 //!
@@ -8,14 +8,16 @@
 //!
 //! take three rows of `R⁻¹` and `Z`. Nothing is allocated from visit to visit.
 
+use faer::MatRef;
 use trueaxis_leastsquares::Covariance;
 
 use crate::free_points::{FreePoints, PER_STATION, State, zero_column};
 use crate::influence::GroupRows;
 use crate::network::Network;
 use crate::noise::whiten;
+use crate::row_products::{append_product, dot};
 
-/// One visit's rows, one after the other.
+/// The rows of one visit or of several visits to one group, one after the other.
 #[derive(Debug, Default)]
 pub(crate) struct VisitTerms {
     /// Number of rows, and of columns of `O` and `T`.
@@ -25,6 +27,9 @@ pub(crate) struct VisitTerms {
     own: Vec<f64>,
     shared: Vec<f64>,
     residuals: Vec<f64>,
+    /// Of the readings of the present visit: unit vector from the station, first unknown of the
+    /// point.
+    beams: Vec<([f64; 3], usize)>,
 }
 
 impl VisitTerms {
@@ -48,8 +53,14 @@ impl VisitTerms {
         &self.residuals
     }
 
-    /// The rows of free points.
-    pub(crate) fn fill(
+    /// Starts again without rows, for visits to a group of free points.
+    pub(crate) fn clear(&mut self, covariance: &Covariance, group: usize) {
+        let own_width = covariance.inverse_factor(group).ncols();
+        self.reset(0, own_width, covariance.coupling(group).ncols());
+    }
+
+    /// Appends the rows of a visit to free points.
+    pub(crate) fn append(
         &mut self,
         network: &Network,
         model: &FreePoints<'_>,
@@ -58,41 +69,52 @@ impl VisitTerms {
         visit: usize,
     ) {
         let content = &network.visits[visit];
-        let stations = network.stations.len();
-        let factor = covariance.inverse_factor(content.group);
-        let coupling = covariance.coupling(content.group);
-        self.reset(content.readings.len(), factor.ncols(), coupling.ncols());
-        let readings = content.readings.clone().zip(network.readings_of(content));
-        for (i, (number, reading)) in readings.enumerate() {
+        self.beams.clear();
+        for reading in network.readings_of(content) {
             let point = network.point(content.group, reading.point);
-            let u = state.beam(content.station, point).0;
-            let first = 3 * reading.point;
-            let own = &mut self.own[i * self.own_width..(i + 1) * self.own_width];
-            // R⁻¹ is upper triangular.
-            for (k, own) in own.iter_mut().enumerate().skip(first) {
-                *own = (0..3).map(|c| u[c] * factor[(first + c, k)]).sum();
-            }
-            let shared = &mut self.shared[i * self.width..(i + 1) * self.width];
-            for (k, shared) in shared.iter_mut().enumerate() {
-                *shared = -(0..3).map(|c| u[c] * coupling[(first + c, k)]).sum::<f64>();
-            }
-            let station = PER_STATION * content.station;
-            for (c, shared) in shared[station..station + 3].iter_mut().enumerate() {
-                *shared -= u[c];
-            }
-            shared[zero_column(model.zero_of(number), stations)] -= 1.0;
+            let (u, _) = state.beam(content.station, point);
+            self.beams.push((u.into(), 3 * reading.point));
         }
-        for (value, residual) in self
-            .residuals
-            .iter_mut()
-            .zip(model.residuals_mm(state, content))
+        let first = self.count;
+        let (own_width, width) = (self.own_width, self.width);
+        self.resize(first + self.beams.len());
+        let own = &mut self.own[first * own_width..];
+        let shared = &mut self.shared[first * width..];
+        let residuals = &mut self.residuals[first..];
+
+        let factor = covariance.inverse_factor(content.group);
+        for k in 0..own_width {
+            let column = column(factor, k);
+            // R⁻¹ is upper triangular.
+            let rows = own.chunks_exact_mut(own_width).zip(&self.beams);
+            for (row, (u, first)) in rows.filter(|(_, (_, first))| *first <= k) {
+                row[k] = along(u, &column[*first..]);
+            }
+        }
+        let coupling = covariance.coupling(content.group);
+        for k in 0..width {
+            let column = column(coupling, k);
+            for (row, (u, first)) in shared.chunks_exact_mut(width).zip(&self.beams) {
+                row[k] = -along(u, &column[*first..]);
+            }
+        }
+        let stations = network.stations.len();
+        let station = PER_STATION * content.station;
+        let numbers = content.readings.clone();
+        for ((row, (u, _)), number) in shared.chunks_exact_mut(width).zip(&self.beams).zip(numbers)
         {
+            for (shared, u) in row[station..station + 3].iter_mut().zip(u) {
+                *shared -= u;
+            }
+            row[zero_column(model.zero_of(number), stations)] -= 1.0;
+        }
+        for (value, residual) in residuals.iter_mut().zip(model.residuals_mm(state, content)) {
             *value = residual;
         }
         let factor = model.factor(visit);
-        whiten_rows(factor, &mut self.own, self.own_width);
-        whiten_rows(factor, &mut self.shared, self.width);
-        whiten(factor, &mut self.residuals);
+        whiten_rows(factor, own, own_width);
+        whiten_rows(factor, shared, width);
+        whiten(factor, residuals);
     }
 
     /// Some rows of a group.
@@ -110,15 +132,19 @@ impl VisitTerms {
     }
 
     fn reset(&mut self, count: usize, own_width: usize, width: usize) {
-        (self.count, self.own_width, self.width) = (count, own_width, width);
-        for (memory, width) in [
-            (&mut self.own, own_width),
-            (&mut self.shared, width),
-            (&mut self.residuals, 1),
-        ] {
-            memory.clear();
-            memory.resize(count * width, 0.0);
-        }
+        (self.own_width, self.width) = (own_width, width);
+        self.own.clear();
+        self.shared.clear();
+        self.residuals.clear();
+        self.resize(count);
+    }
+
+    /// So many rows; those that are new are zero.
+    fn resize(&mut self, count: usize) {
+        self.count = count;
+        self.own.resize(count * self.own_width, 0.0);
+        self.shared.resize(count * self.width, 0.0);
+        self.residuals.resize(count, 0.0);
     }
 
     /// Number of columns of `O`.
@@ -136,15 +162,16 @@ impl VisitTerms {
     }
 
     /// `I - O Oᵀ - T Σ Tᵀ`, rows contiguous: the part of the rows' noise that the residuals keep.
-    /// `sigma` holds the columns of `Σ`.
+    /// `sigma` holds the rows of `Σ`.
     pub(crate) fn kept(&self, sigma: &[f64], kept: &mut Vec<f64>, memory: &mut Vec<f64>) {
         let n = self.count;
         kept.clear();
         kept.resize(n * n, 0.0);
-        for i in 0..n {
-            times_symmetric(sigma, self.shared(i), memory);
+        memory.clear();
+        append_product(memory, &self.shared, sigma, [self.width; 2]);
+        for (i, through) in memory.chunks_exact(self.width.max(1)).enumerate() {
             for j in 0..=i {
-                let adjusted = dot(self.own(i), self.own(j)) + dot(memory, self.shared(j));
+                let adjusted = dot(self.own(i), self.own(j)) + dot(through, self.shared(j));
                 let value = f64::from(u8::from(i == j)) - adjusted;
                 kept[i * n + j] = value;
                 kept[j * n + i] = value;
@@ -174,44 +201,13 @@ fn whiten_rows(factor: &[f64], x: &mut [f64], width: usize) {
     }
 }
 
-/// `out = Σ x` for a symmetric matrix with contiguous columns.
-pub(crate) fn times_symmetric(sigma: &[f64], x: &[f64], out: &mut Vec<f64>) {
-    out.clear();
-    out.resize(x.len(), 0.0);
-    for (column, x) in sigma.chunks_exact(x.len().max(1)).zip(x) {
-        for (o, s) in out.iter_mut().zip(column) {
-            *o += s * x;
-        }
-    }
+/// A column of a matrix with contiguous columns.
+fn column(matrix: MatRef<'_, f64>, k: usize) -> &[f64] {
+    let column = matrix.col(k).try_as_col_major();
+    column.map_or(&[], |column| column.as_slice())
 }
 
-/// `sum += Aᵀ B` for matrices with contiguous rows, `columns` of them in `a` and `b`.
-pub(crate) fn add_transposed_product(sum: &mut [f64], a: &[f64], b: &[f64], columns: [usize; 2]) {
-    let [n, m] = columns.map(|columns| columns.max(1));
-    for (a, b) in a.chunks_exact(n).zip(b.chunks_exact(m)) {
-        for (sum, a) in sum.chunks_exact_mut(m).zip(a) {
-            for (sum, b) in sum.iter_mut().zip(b) {
-                *sum += a * b;
-            }
-        }
-    }
-}
-
-/// `out = A B` for a square `A` and `B` with `columns` columns, rows contiguous.
-pub(crate) fn product(a: &[f64], b: &[f64], columns: usize, out: &mut Vec<f64>) {
-    out.clear();
-    out.resize(b.len(), 0.0);
-    let m = columns.max(1);
-    let count = b.len() / m;
-    for (a, out) in a.chunks_exact(count.max(1)).zip(out.chunks_exact_mut(m)) {
-        for (a, b) in a.iter().zip(b.chunks_exact(m)) {
-            for (out, b) in out.iter_mut().zip(b) {
-                *out += a * b;
-            }
-        }
-    }
-}
-
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+/// `uᵀ x` for the first three elements.
+fn along(u: &[f64; 3], x: &[f64]) -> f64 {
+    u.iter().zip(x).map(|(u, x)| u * x).sum()
 }
