@@ -42,6 +42,13 @@ pub(crate) struct Record {
     pub(crate) targets: Vec<(usize, usize)>,
 }
 
+impl Record {
+    /// Whether the targets are all those of a group of so many, in order.
+    pub(crate) fn has_whole_group(&self, targets: usize) -> bool {
+        self.targets.iter().map(|&(_, place)| place).eq(0..targets)
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Node {
     /// mm or rad.

@@ -44,10 +44,7 @@ impl PointNoise<'_> {
                     dense(covariance.coupling(group)),
                 )
             }
-            NoiseSource::Lengths(noise) => {
-                let (own, coupling) = noise.group(group);
-                (dense(own.as_ref()), dense(coupling.as_ref()))
-            }
+            NoiseSource::Lengths(noise) => noise.group(group),
             NoiseSource::Independent(blocks) => {
                 let own = blocks[group].clone();
                 let rows = own.nrows();
@@ -60,6 +57,9 @@ impl PointNoise<'_> {
     /// `D` and `Z` of a record's points, in the order of its targets.
     pub(crate) fn of_record(&self, record: &Record) -> (DMatrix<f64>, DMatrix<f64>) {
         let (own, coupling) = self.group(record.group);
+        if record.has_whole_group(own.nrows() / 3) {
+            return (own, coupling);
+        }
         (select_targets(&own, record), select_rows(&coupling, record))
     }
 
@@ -85,5 +85,6 @@ impl PointNoise<'_> {
 }
 
 fn dense(matrix: faer::MatRef<'_, f64>) -> DMatrix<f64> {
-    DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)])
+    let elements = matrix.col_iter().flat_map(|column| column.iter());
+    DMatrix::from_iterator(matrix.nrows(), matrix.ncols(), elements.copied())
 }

@@ -18,7 +18,8 @@
 //!
 //! The machine's part is the rest.
 
-use faer::{Mat, MatRef};
+use faer::Mat;
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::influence::Influence;
@@ -81,32 +82,35 @@ impl LengthNoise<'_> {
     /// Covariance of the points of a group with all stations held (3 rows and columns each), and
     /// its coupling to the shared sources: twice as many columns as
     /// [`trueaxis_leastsquares::Covariance::coupling`] has.
-    pub fn group(&self, group: usize) -> (Mat<f64>, Mat<f64>) {
+    pub fn group(&self, group: usize) -> (DMatrix<f64>, DMatrix<f64>) {
         let influence = &self.influence;
         let covariance = influence.covariance();
         let Memory { terms, part, times } = &mut Memory::default();
         influence.visits(group, terms);
         let factor = covariance.inverse_factor(group);
         let (unknowns, width) = (factor.ncols(), influence.width());
-        // Oᵀ V O and Oᵀ V T.
+        // R⁻ᵀ with contiguous rows.
+        let factor: Vec<f64> = factor.col_iter().flat_map(|c| c.iter().copied()).collect();
+        // O R⁻ᵀ and V O R⁻ᵀ.
+        let mut own_rows = Vec::new();
+        append_product(&mut own_rows, terms.own_rows(), &factor, [unknowns; 2]);
+        part.append_times(influence, group, &own_rows, unknowns, times);
         let mut own = vec![0.0; unknowns * unknowns];
-        let mut cross = vec![0.0; unknowns * width];
-        part.append_times(influence, group, terms.own_rows(), unknowns, times);
-        add_transposed_product(&mut own, times, terms.own_rows(), [unknowns; 2]);
-        add_transposed_product(&mut cross, times, terms.shared_rows(), [unknowns, width]);
-        let own = MatRef::from_row_major_slice(&own, unknowns, unknowns);
-        let own = factor * own * factor.transpose();
-        let cross = factor * MatRef::from_row_major_slice(&cross, unknowns, width);
-        let z = covariance.coupling(group);
-        let width = z.ncols();
-        let coupling = Mat::from_fn(z.nrows(), 2 * width, |i, j| {
-            if j < width {
-                z[(i, j)]
-            } else {
-                cross[(i, j - width)]
-            }
-        });
-        (own, coupling)
+        add_transposed_product(&mut own, times, &own_rows, [unknowns; 2]);
+        // Columns of [Z N]; those of N are the rows of Tᵀ V O R⁻ᵀ.
+        let mut coupling = vec![0.0; 2 * width * unknowns];
+        let (z, n) = coupling.split_at_mut(width * unknowns);
+        let columns = covariance.coupling(group).col_iter();
+        for (to, from) in z.chunks_exact_mut(unknowns.max(1)).zip(columns) {
+            to.iter_mut()
+                .zip(from.iter())
+                .for_each(|(to, from)| *to = *from);
+        }
+        add_transposed_product(n, terms.shared_rows(), times, [width, unknowns]);
+        (
+            DMatrix::from_vec(unknowns, unknowns, own),
+            DMatrix::from_vec(unknowns, 2 * width, coupling),
+        )
     }
 
     /// `S`: covariance of the shared sources. The first of them are the stations (x y z L each);

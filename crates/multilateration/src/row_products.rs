@@ -5,33 +5,41 @@
 //! ```
 //!
 //! A tile of a few elements of the result stays in registers while the sum runs over the rows: a
-//! sum in memory would be loaded and stored for every product.
+//! sum in memory would be loaded and stored for every product. [`pulp`] chooses the widest registers
+//! that the processor has; products are not fused with sums, so the bits are the same on all.
 
-/// Rows and columns of a tile: what the sixteen registers of the least processor hold.
-const TILE: usize = 4;
+use pulp::Arch;
+
+/// Rows of a tile, and the most columns: sixteen registers of four numbers hold it with its factors.
+const ROWS: usize = 4;
+const COLUMNS: usize = 8;
 
 /// `sum += Aᵀ B`, `columns` of them in `a` and `b`.
 pub(crate) fn add_transposed_product(sum: &mut [f64], a: &[f64], b: &[f64], columns: [usize; 2]) {
     let [n, m] = columns;
-    for i in (0..n).step_by(TILE) {
-        add_band(sum, Rows::transposed(a, n, i), b, m, 0);
-    }
+    Arch::new().dispatch(|| {
+        for i in (0..n).step_by(ROWS) {
+            add_band(sum, Rows::transposed(a, n, i), b, m, 0);
+        }
+    });
 }
 
 /// The upper triangle (and some of the lower) of `sum += Aᵀ B`, for a product that is symmetric;
 /// both have `columns` columns.
 pub(crate) fn add_symmetric_product(sum: &mut [f64], a: &[f64], b: &[f64], columns: usize) {
-    for i in (0..columns).step_by(TILE) {
-        add_band(sum, Rows::transposed(a, columns, i), b, columns, i);
-    }
+    Arch::new().dispatch(|| {
+        for i in (0..columns).step_by(ROWS) {
+            add_band(sum, Rows::transposed(a, columns, i), b, columns, i);
+        }
+    });
 }
 
 /// `aᵀ b`, in four sums that do not wait for each other.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; TILE];
-    let (a_tiles, a_rest) = a.as_chunks::<TILE>();
-    let (b_tiles, b_rest) = b.as_chunks::<TILE>();
-    for (a, b) in a_tiles.iter().zip(b_tiles) {
+    let mut sums = [0.0; 4];
+    let (a_fours, a_rest) = a.as_chunks::<4>();
+    let (b_fours, b_rest) = b.as_chunks::<4>();
+    for (a, b) in a_fours.iter().zip(b_fours) {
         for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
             *sum += a * b;
         }
@@ -60,12 +68,14 @@ pub(crate) fn append_product(
     let rows = a.len() / inner.max(1);
     out.resize(first + rows * columns, 0.0);
     let out = &mut out[first..];
-    for i in (0..rows).step_by(TILE) {
-        add_band(out, Rows::plain(a, inner, i), b, columns, 0);
-    }
+    Arch::new().dispatch(|| {
+        for i in (0..rows).step_by(ROWS) {
+            add_band(out, Rows::plain(a, inner, i), b, columns, 0);
+        }
+    });
 }
 
-/// Up to [`TILE`] rows of the left factor, as the product needs them.
+/// Up to [`ROWS`] rows of the left factor, as the product needs them.
 #[derive(Clone, Copy)]
 struct Rows<'a> {
     elements: &'a [f64],
@@ -82,7 +92,7 @@ impl<'a> Rows<'a> {
         Self {
             elements: &a[first * columns..],
             first,
-            count: (a.len() / columns - first).min(TILE),
+            count: (a.len() / columns - first).min(ROWS),
             along: 1,
             down: columns,
         }
@@ -93,36 +103,46 @@ impl<'a> Rows<'a> {
         Self {
             elements: &a[first.min(a.len())..],
             first,
-            count: (columns - first).min(TILE),
+            count: (columns - first).min(ROWS),
             along: columns,
             down: 1,
         }
     }
 }
 
-/// Adds the product of `rows` with the columns from `from` on of `b`, which has `m` columns.
-fn add_band(sum: &mut [f64], rows: Rows<'_>, b: &[f64], m: usize, from: usize) {
-    for j in (from..m).step_by(TILE) {
-        match m - j {
-            1 => add_columns::<1>(sum, rows, b, [m, j]),
-            2 => add_columns::<2>(sum, rows, b, [m, j]),
-            3 => add_columns::<3>(sum, rows, b, [m, j]),
-            _ => add_columns::<TILE>(sum, rows, b, [m, j]),
-        }
+/// Adds the product of `rows` with the columns from `j` on of `b`, which has `m` columns.
+#[inline(always)]
+fn add_band(sum: &mut [f64], rows: Rows<'_>, b: &[f64], m: usize, mut j: usize) {
+    while j < m {
+        let columns = match m - j {
+            COLUMNS.. => add_columns::<COLUMNS>(sum, rows, b, [m, j]),
+            4.. => add_columns::<4>(sum, rows, b, [m, j]),
+            2.. => add_columns::<2>(sum, rows, b, [m, j]),
+            _ => add_columns::<1>(sum, rows, b, [m, j]),
+        };
+        j += columns;
     }
 }
 
-fn add_columns<const C: usize>(sum: &mut [f64], rows: Rows<'_>, b: &[f64], place: [usize; 2]) {
+/// Returns the number of columns.
+#[inline(always)]
+fn add_columns<const C: usize>(
+    sum: &mut [f64],
+    rows: Rows<'_>,
+    b: &[f64],
+    place: [usize; 2],
+) -> usize {
     match rows.count {
         1 => add_tile::<1, C>(sum, rows, b, place),
         2 => add_tile::<2, C>(sum, rows, b, place),
         3 => add_tile::<3, C>(sum, rows, b, place),
-        _ => add_tile::<TILE, C>(sum, rows, b, place),
+        _ => add_tile::<ROWS, C>(sum, rows, b, place),
     }
+    C
 }
 
 /// One tile: `R` rows and `C` columns from `j` on.
-#[inline]
+#[inline(always)]
 fn add_tile<const R: usize, const C: usize>(
     sum: &mut [f64],
     rows: Rows<'_>,

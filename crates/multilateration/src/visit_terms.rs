@@ -27,9 +27,9 @@ pub(crate) struct VisitTerms {
     own: Vec<f64>,
     shared: Vec<f64>,
     residuals: Vec<f64>,
-    /// Of the readings of the present visit: unit vector from the station, first unknown of the
-    /// point.
-    beams: Vec<([f64; 3], usize)>,
+    /// `R⁻¹` and `Z` of the group with contiguous rows.
+    factor: Vec<f64>,
+    coupling: Vec<f64>,
 }
 
 impl VisitTerms {
@@ -55,58 +55,47 @@ impl VisitTerms {
 
     /// Starts again without rows, for visits to a group of free points.
     pub(crate) fn clear(&mut self, covariance: &Covariance, group: usize) {
-        let own_width = covariance.inverse_factor(group).ncols();
-        self.reset(0, own_width, covariance.coupling(group).ncols());
+        let (factor, coupling) = (covariance.inverse_factor(group), covariance.coupling(group));
+        self.reset(0, factor.ncols(), coupling.ncols());
+        copy_rows(factor, &mut self.factor);
+        copy_rows(coupling, &mut self.coupling);
     }
 
-    /// Appends the rows of a visit to free points.
+    /// Appends the rows of a visit to the group of free points that it was cleared for.
     pub(crate) fn append(
         &mut self,
         network: &Network,
         model: &FreePoints<'_>,
         state: &State,
-        covariance: &Covariance,
         visit: usize,
     ) {
         let content = &network.visits[visit];
-        self.beams.clear();
-        for reading in network.readings_of(content) {
-            let point = network.point(content.group, reading.point);
-            let (u, _) = state.beam(content.station, point);
-            self.beams.push((u.into(), 3 * reading.point));
-        }
         let first = self.count;
         let (own_width, width) = (self.own_width, self.width);
-        self.resize(first + self.beams.len());
+        self.resize(first + content.readings.len());
         let own = &mut self.own[first * own_width..];
         let shared = &mut self.shared[first * width..];
         let residuals = &mut self.residuals[first..];
 
-        let factor = covariance.inverse_factor(content.group);
-        for k in 0..own_width {
-            let column = column(factor, k);
-            // R⁻¹ is upper triangular.
-            let rows = own.chunks_exact_mut(own_width).zip(&self.beams);
-            for (row, (u, first)) in rows.filter(|(_, (_, first))| *first <= k) {
-                row[k] = along(u, &column[*first..]);
-            }
-        }
-        let coupling = covariance.coupling(content.group);
-        for k in 0..width {
-            let column = column(coupling, k);
-            for (row, (u, first)) in shared.chunks_exact_mut(width).zip(&self.beams) {
-                row[k] = -along(u, &column[*first..]);
-            }
-        }
         let stations = network.stations.len();
         let station = PER_STATION * content.station;
-        let numbers = content.readings.clone();
-        for ((row, (u, _)), number) in shared.chunks_exact_mut(width).zip(&self.beams).zip(numbers)
-        {
-            for (shared, u) in row[station..station + 3].iter_mut().zip(u) {
+        let rows = own
+            .chunks_exact_mut(own_width)
+            .zip(shared.chunks_exact_mut(width));
+        for ((own, shared), number) in rows.zip(content.readings.clone()) {
+            let point = network.readings[number].point;
+            let (u, _) = state.beam(content.station, network.point(content.group, point));
+            let u: [f64; 3] = u.into();
+            let first = 3 * point;
+            // R⁻¹ is upper triangular.
+            let factor = &self.factor[first * own_width..];
+            add_rows(&mut own[first..], &u, factor, own_width, first);
+            let coupling = &self.coupling[first * width..];
+            add_rows(shared, &u.map(|u| -u), coupling, width, 0);
+            for (shared, u) in shared[station..station + 3].iter_mut().zip(u) {
                 *shared -= u;
             }
-            row[zero_column(model.zero_of(number), stations)] -= 1.0;
+            shared[zero_column(model.zero_of(number), stations)] -= 1.0;
         }
         for (value, residual) in residuals.iter_mut().zip(model.residuals_mm(state, content)) {
             *value = residual;
@@ -201,13 +190,23 @@ fn whiten_rows(factor: &[f64], x: &mut [f64], width: usize) {
     }
 }
 
-/// A column of a matrix with contiguous columns.
-fn column(matrix: MatRef<'_, f64>, k: usize) -> &[f64] {
-    let column = matrix.col(k).try_as_col_major();
-    column.map_or(&[], |column| column.as_slice())
+/// A matrix with contiguous columns, row by row.
+fn copy_rows(matrix: MatRef<'_, f64>, rows: &mut Vec<f64>) {
+    let (count, width) = (matrix.nrows(), matrix.ncols());
+    rows.clear();
+    rows.resize(count * width, 0.0);
+    for (k, column) in matrix.col_iter().enumerate() {
+        let column = column.try_as_col_major().map_or(&[][..], |c| c.as_slice());
+        for (row, x) in rows.chunks_exact_mut(width).zip(column) {
+            row[k] = *x;
+        }
+    }
 }
 
-/// `uᵀ x` for the first three elements.
-fn along(u: &[f64; 3], x: &[f64]) -> f64 {
-    u.iter().zip(x).map(|(u, x)| u * x).sum()
+/// `sum += uᵀ X`, of three rows of `width` elements from element `from` on.
+fn add_rows(sum: &mut [f64], u: &[f64; 3], rows: &[f64], width: usize, from: usize) {
+    let [x, y, z] = [0, 1, 2].map(|c| &rows[c * width + from..(c + 1) * width]);
+    for (((sum, x), y), z) in sum.iter_mut().zip(x).zip(y).zip(z) {
+        *sum += u[0] * x + u[1] * y + u[2] * z;
+    }
 }
