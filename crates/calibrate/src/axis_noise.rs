@@ -14,6 +14,8 @@
 
 use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
 
+use trueaxis_multilateration::GroupNoise;
+
 use crate::axis_data::AxisData;
 use crate::in_order;
 use crate::point_noise::PointNoise;
@@ -129,11 +131,11 @@ impl<'a> AxisNoise<'a> {
                 DMatrix::zeros(width, shared_sources),
             )
         };
-        let add = |(own, shared): &mut (DMatrix<f64>, DMatrix<f64>), i: usize| {
-            let (d, z) = noise.of_record(&axis.records[i]);
+        let add = |(own, shared): &mut (DMatrix<f64>, DMatrix<f64>), errors: &mut _, i: usize| {
+            let (d, z) = noise.of_record(&axis.records[i], errors);
             let parameters = &sensitivity.parameters[i];
-            *own += parameters * d * parameters.transpose();
-            shared.gemm(1.0, parameters, &z, 1.0);
+            own.gemm(1.0, &(parameters * d), &parameters.transpose(), 1.0);
+            shared.gemm(1.0, parameters, z, 1.0);
         };
         let records = axis.records.len();
         let (parameters, parameters_shared) = in_order::sum(records, zero, add, |whole, part| {
@@ -152,7 +154,7 @@ impl<'a> AxisNoise<'a> {
         }
     }
 
-    fn node(&self, node: usize) -> NodeNoise {
+    fn node(&self, node: usize, errors: &mut GroupNoise) -> NodeNoise {
         let mut sum = NodeNoise {
             own: Matrix6::zeros(),
             cross: Matrix6xX::zeros(self.sensitivity.width()),
@@ -161,34 +163,42 @@ impl<'a> AxisNoise<'a> {
         let records = self.records.of(node);
         let weight = 1.0 / records.len() as f64;
         for &i in records {
-            let (d, z) = self.noise.of_record(&self.axis.records[i]);
+            let (d, z) = self.noise.of_record(&self.axis.records[i], errors);
             let from_points = &self.fits[i].from_points;
             let pose_noise = from_points * d * weight;
             sum.own += &pose_noise * from_points.transpose() * weight;
-            sum.cross += pose_noise * self.sensitivity.parameters[i].transpose();
-            sum.shared += from_points * z * weight;
+            let parameters = self.sensitivity.parameters[i].transpose();
+            sum.cross.gemm(1.0, &pose_noise, &parameters, 1.0);
+            sum.shared.gemm(weight, from_points, z, 1.0);
         }
         sum
     }
 
-    /// The noise of the component errors of a node, its base standing still.
-    pub(crate) fn component_errors(&self, node: usize) -> ComponentNoise {
+    /// The noise of the component errors of a node, its base standing still; `errors` is memory to
+    /// work in.
+    pub(crate) fn component_errors(&self, node: usize, errors: &mut GroupNoise) -> ComponentNoise {
         let effect = &self.sensitivity.node_effects[node];
-        let NodeNoise { own, cross, shared } = self.node(node);
+        let NodeNoise {
+            own,
+            cross,
+            mut shared,
+        } = self.node(node, errors);
+        shared.gemm(1.0, effect, &self.parameters_shared, -1.0);
         let through: Matrix6<f64> = effect * &self.parameters * effect.transpose();
         let cross: Matrix6<f64> = cross * effect.transpose();
         ComponentNoise {
             uncancelled: through.diagonal() + own.diagonal(),
             own: through - cross - cross.transpose() + own,
-            shared: effect * &self.parameters_shared - shared,
+            shared,
         }
     }
 
     /// Own part of the covariance between functions `a` (rows) and `b` (columns).
     pub(crate) fn own(&self, a: &AxisForm, b: &AxisForm) -> DMatrix<f64> {
+        let mut errors = GroupNoise::default();
         let mut covariance = &a.parameters * &self.parameters * b.parameters.transpose();
         for pose in &a.poses {
-            let node = self.node(pose.node);
+            let node = self.node(pose.node, &mut errors);
             let mut rows = covariance.rows_mut(pose.row, 6);
             rows += &node.cross * b.parameters.transpose() * pose.weight;
             for second in b.poses.iter().filter(|other| other.node == pose.node) {
@@ -197,7 +207,7 @@ impl<'a> AxisNoise<'a> {
             }
         }
         for pose in &b.poses {
-            let cross = self.node(pose.node).cross.transpose() * pose.weight;
+            let cross = self.node(pose.node, &mut errors).cross.transpose() * pose.weight;
             let mut columns = covariance.columns_mut(pose.row, 6);
             columns += &a.parameters * cross;
         }
@@ -206,10 +216,11 @@ impl<'a> AxisNoise<'a> {
 
     /// Coefficients of the shared sources `s` in the functions.
     pub(crate) fn shared(&self, form: &AxisForm) -> DMatrix<f64> {
+        let mut errors = GroupNoise::default();
         let mut coefficients = -(&form.parameters * &self.parameters_shared);
         for pose in &form.poses {
             let mut rows = coefficients.rows_mut(pose.row, 6);
-            rows -= self.node(pose.node).shared * pose.weight;
+            rows -= self.node(pose.node, &mut errors).shared * pose.weight;
         }
         coefficients
     }

@@ -46,13 +46,18 @@ impl FrameForms {
         }
     }
 
+    /// Whether the base of axis `k` may have stood elsewhere in another run.
+    pub(crate) fn has_moving_base(&self, k: usize) -> bool {
+        self.bases[k].1.len() > 1
+    }
+
     /// What functions of axis `k` owe to the errors of its base; `None` if it had one run, so that
     /// its base stood still.
     pub(crate) fn through_base(&self, k: usize, form: &AxisForm) -> Option<DMatrix<f64>> {
-        let (response, motions) = &self.bases[k];
-        if motions.len() < 2 {
+        if !self.has_moving_base(k) {
             return None;
         }
+        let (response, motions) = &self.bases[k];
         let answer = |(run, motion): (usize, &Matrix6xX<f64>)| -(response.of(form, run) * motion);
         let runs = motions.iter().enumerate().map(answer);
         runs.reduce(|sum, answer| sum + answer)

@@ -12,6 +12,15 @@ pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -
     items.map(f).collect()
 }
 
+/// The same with memory to work in.
+pub(crate) fn map_with<M: Default, T: Send>(
+    count: usize,
+    f: impl Fn(&mut M, usize) -> T + Sync + Send,
+) -> Vec<T> {
+    let items = (0..count).into_par_iter().with_min_len(PIECE);
+    items.map_init(M::default, f).collect()
+}
+
 /// `f` of each of `count` items, or the error of the first that fails.
 pub(crate) fn try_map<T: Send, E: Send>(
     count: usize,
@@ -20,24 +29,24 @@ pub(crate) fn try_map<T: Send, E: Send>(
     map(count, f).into_iter().collect()
 }
 
-/// Sum over `count` items: `add` adds an item to a partial sum that started at `zero`, `join` adds
-/// partial sums, in order.
-pub(crate) fn sum<T: Send>(
+/// Sum over `count` items: `add` adds an item to a partial sum that started at `zero`, with memory
+/// to work in; `join` adds partial sums, in order.
+pub(crate) fn sum<M: Default, T: Send>(
     count: usize,
     zero: impl Fn() -> T + Sync,
-    add: impl Fn(&mut T, usize) + Sync,
+    add: impl Fn(&mut T, &mut M, usize) + Sync,
     join: impl Fn(&mut T, T),
 ) -> T {
-    let of_piece = |piece: usize| {
+    let of_piece = |memory: &mut M, piece: usize| {
         let mut part = zero();
         let first = piece * PIECE;
         for item in first..count.min(first + PIECE) {
-            add(&mut part, item);
+            add(&mut part, memory, item);
         }
         part
     };
     let pieces = (0..count.div_ceil(PIECE)).into_par_iter();
-    let parts: Vec<T> = pieces.map(of_piece).collect();
+    let parts: Vec<T> = pieces.map_init(M::default, of_piece).collect();
     let mut whole = zero();
     for part in parts {
         join(&mut whole, part);

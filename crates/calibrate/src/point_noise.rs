@@ -10,8 +10,9 @@
 
 use std::sync::Arc;
 
+use faer::MatRef;
 use nalgebra::DMatrix;
-use trueaxis_multilateration::{LengthNoise, Screened};
+use trueaxis_multilateration::{GroupNoise, LengthNoise, Screened};
 
 use crate::axis_data::Record;
 use crate::records::{select_rows, select_targets};
@@ -34,33 +35,43 @@ pub(crate) enum NoiseSource<'a> {
 
 impl PointNoise<'_> {
     /// `D` and `Z` of a group.
-    fn group(&self, group: usize) -> (DMatrix<f64>, DMatrix<f64>) {
-        let (own, coupling) = match &self.source {
+    fn group(&self, group: usize, errors: &mut GroupNoise) {
+        match &self.source {
             NoiseSource::Adjusted(screened) => {
                 let covariance = &screened.solution.covariance;
-                let factor = dense(covariance.inverse_factor(group));
-                (
-                    &factor * factor.transpose(),
-                    dense(covariance.coupling(group)),
-                )
+                square_of_upper(covariance.inverse_factor(group), &mut errors.own);
+                let z = covariance.coupling(group);
+                errors.coupling.resize_mut(z.nrows(), z.ncols(), 0.0);
+                let columns = errors.coupling.as_mut_slice();
+                let columns = columns.chunks_exact_mut(z.nrows().max(1));
+                for (to, from) in columns.zip(z.col_iter()) {
+                    to.iter_mut()
+                        .zip(from.iter())
+                        .for_each(|(to, from)| *to = *from);
+                }
             }
-            NoiseSource::Lengths(noise) => noise.group(group),
+            NoiseSource::Lengths(noise) => noise.group(group, errors),
             NoiseSource::Independent(blocks) => {
-                let own = blocks[group].clone();
-                let rows = own.nrows();
-                (own, DMatrix::zeros(rows, 0))
+                errors.own.clone_from(&blocks[group]);
+                errors.coupling.resize_mut(blocks[group].nrows(), 0, 0.0);
             }
-        };
-        (own * self.variance_factor, coupling)
+        }
+        errors.own *= self.variance_factor;
     }
 
-    /// `D` and `Z` of a record's points, in the order of its targets.
-    pub(crate) fn of_record(&self, record: &Record) -> (DMatrix<f64>, DMatrix<f64>) {
-        let (own, coupling) = self.group(record.group);
-        if record.has_whole_group(own.nrows() / 3) {
-            return (own, coupling);
+    /// `D` and `Z` of a record's points, in the order of its targets; `errors` is memory to work
+    /// in.
+    pub(crate) fn of_record<'m>(
+        &self,
+        record: &Record,
+        errors: &'m mut GroupNoise,
+    ) -> (&'m DMatrix<f64>, &'m DMatrix<f64>) {
+        self.group(record.group, errors);
+        if !record.has_whole_group(errors.own.nrows() / 3) {
+            errors.own = select_targets(&errors.own, record);
+            errors.coupling = select_rows(&errors.coupling, record);
         }
-        (select_targets(&own, record), select_rows(&coupling, record))
+        (&errors.own, &errors.coupling)
     }
 
     /// `Σ`. It is indefinite and makes sense only between couplings, but for the stations.
@@ -77,14 +88,30 @@ impl PointNoise<'_> {
 
     /// `D_i + Z_i Σ Z_iᵀ` of a group.
     pub(crate) fn total(&self, group: usize) -> DMatrix<f64> {
-        let (own, coupling) = self.group(group);
+        let mut errors = GroupNoise::default();
+        self.group(group, &mut errors);
+        let GroupNoise { own, coupling, .. } = errors;
         let total = own + &coupling * self.shared() * coupling.transpose();
         // Symmetric to the last bit, as the identification asks.
         (&total + total.transpose()) * 0.5
     }
 }
 
-fn dense(matrix: faer::MatRef<'_, f64>) -> DMatrix<f64> {
-    let elements = matrix.col_iter().flat_map(|column| column.iter());
-    DMatrix::from_iterator(matrix.nrows(), matrix.ncols(), elements.copied())
+/// `R Rᵀ` for an upper triangular `R`.
+fn square_of_upper(factor: MatRef<'_, f64>, square: &mut DMatrix<f64>) {
+    let size = factor.ncols();
+    square.resize_mut(size, size, 0.0);
+    square.fill(0.0);
+    for (k, column) in factor.col_iter().enumerate() {
+        for (j, x) in column.iter().enumerate().take(k + 1) {
+            let sums = &mut square.as_mut_slice()[j * size..j * size + k + 1];
+            for (sum, y) in sums.iter_mut().zip(column.iter()) {
+                *sum += x * y;
+            }
+        }
+    }
+}
+
+fn dense(matrix: MatRef<'_, f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)])
 }

@@ -90,7 +90,7 @@ impl Sensitivity {
     fn add_records(&mut self, axis: &AxisData, gauge: &Gauge, fits: &[RecordFit]) {
         // x = Σ Γ P dp - (Σ Γ P Qᵀ) w
         let zero = || DMatrix::zeros(self.gauge_parameters, self.width);
-        let add = |sum: &mut DMatrix<f64>, i: usize| {
+        let add = |sum: &mut DMatrix<f64>, (): &mut (), i: usize| {
             *sum += &gauge.shares[i] * self.shape_effect(axis, i, &fits[i]);
         };
         let by_shape = in_order::sum(fits.len(), zero, add, |whole, part| *whole += part);

@@ -8,6 +8,7 @@
 //! whole. Location errors and stations do ([`crate::frame_forms`]).
 
 use nalgebra::{DMatrix, Matrix2, Point3};
+use trueaxis_multilateration::GroupNoise;
 
 use crate::axis_data::AxisData;
 use crate::axis_noise::{AxisForm, AxisNoise, ComponentNoise};
@@ -73,11 +74,17 @@ impl<'a> Propagation<'a> {
     /// Of the component errors of axis `k`: for each node δ and ε.
     pub(crate) fn components(&self, k: usize) -> Vec<[Uncertainty; 6]> {
         let sensitivity = &self.identified.sensitivities[k];
-        in_order::map(sensitivity.node_effects.len(), |node| {
-            let form = AxisForm::component_errors(sensitivity, node..node + 1);
-            let through_base = self.forms.through_base(k, &form);
-            let of_node = |noise: &Noise<'_>| {
-                noise.of_node(k, node, &form, &self.sources.axes[k], through_base.as_ref())
+        in_order::map_with(sensitivity.node_effects.len(), |errors, node| {
+            // Most axes have one run, during which their base stands still.
+            let form = || AxisForm::component_errors(sensitivity, node..node + 1);
+            let through_base = self.forms.has_moving_base(k).then(form);
+            let through_base = through_base.and_then(|form| {
+                let rows = self.forms.through_base(k, &form)?;
+                Some((form, rows))
+            });
+            let mut of_node = |noise: &Noise<'_>| {
+                let through_base = through_base.as_ref();
+                noise.of_node(k, node, &self.sources.axes[k], through_base, errors)
             };
             let (whole, instrument) = (of_node(&self.whole), of_node(&self.instrument));
             std::array::from_fn(|c| self.stated(&whole[c], &instrument[c]))
@@ -141,24 +148,24 @@ impl<'a> Noise<'a> {
         }
     }
 
-    /// Variances of the component errors of a node of axis `k`, `form` of its parameters and
-    /// mean pose errors; its sources are `sources`. With what they owe to all sources through its
-    /// base.
+    /// Variances of the component errors of a node of axis `k`, whose sources are `sources`; with
+    /// what they (a form of its parameters and mean pose errors) owe to all sources through its
+    /// base. `errors` is memory to work in.
     fn of_node(
         &self,
         k: usize,
         node: usize,
-        form: &AxisForm,
         sources: &OwnSources,
-        through_base: Option<&DMatrix<f64>>,
+        through_base: Option<&(AxisForm, DMatrix<f64>)>,
+        errors: &mut GroupNoise,
     ) -> Vec<Variance> {
         let noise = &self.axes[k];
         let ComponentNoise {
             mut own,
             uncancelled,
             shared: mut coefficients,
-        } = noise.component_errors(node);
-        if let Some(rows) = through_base {
+        } = noise.component_errors(node, errors);
+        if let Some((form, rows)) = through_base {
             let of_own_sources = rows.select_columns(&sources.places);
             let cross = noise.own(form, &sources.form) * of_own_sources.transpose();
             own += &cross + cross.transpose() + rows * &self.sources.own * rows.transpose();

@@ -28,20 +28,20 @@ pub(crate) fn weights(context: &Context<'_>, data: &AxisData) -> Vec<DMatrix<f64
     let shapes: Vec<Option<ShapeNoise>> = (0..data.runs.len())
         .map(|run| ShapeNoise::new(context, data, run))
         .collect();
-    in_order::map(data.records.len(), |i| {
+    in_order::map_with(data.records.len(), |errors, i| {
         let record = &data.records[i];
-        let (d, z) = noise.of_record(record);
+        let (d, z) = noise.of_record(record, errors);
         let covariance = match &shapes[record.run] {
             Some(shape) => {
                 let back = repeated(&stage_from_datum(context, data, i), d.nrows()).transpose();
                 // G, which is symmetric as Π is.
                 let own_shape = &back * &shape.projection * back.transpose();
-                let cross = &d * own_shape / shape.records;
+                let cross = d * own_shape / shape.records;
                 let through = z - &back * &shape.coupling;
                 d + &back * &shape.own * back.transpose() - &cross - cross.transpose()
                     + &through * &shared * through.transpose()
             }
-            None => d + &z * &shared * z.transpose(),
+            None => d + z * &shared * z.transpose(),
         };
         // Symmetric to the last bit, as the identification asks.
         (&covariance + covariance.transpose()) * 0.5
@@ -75,13 +75,13 @@ impl ShapeNoise {
         let size = projection.nrows();
         let sources = noise.shared().nrows();
         let zero = || (DMatrix::zeros(size, size), DMatrix::zeros(size, sources));
-        let add = |(own, coupling): &mut (DMatrix<f64>, DMatrix<f64>), n: usize| {
+        let add = |(own, coupling): &mut (DMatrix<f64>, DMatrix<f64>), errors: &mut _, n: usize| {
             let i = records[n];
             let turn = stage_from_datum(context, data, i);
             let to_shape = &projection * repeated(&turn, size);
-            let (d, z) = noise.of_record(&data.records[i]);
+            let (d, z) = noise.of_record(&data.records[i], errors);
             *own += &to_shape * d * to_shape.transpose();
-            *coupling += to_shape * z;
+            coupling.gemm(1.0, &to_shape, z, 1.0);
         };
         let (own, coupling) = in_order::sum(records.len(), zero, add, |whole, part| {
             whole.0 += part.0;

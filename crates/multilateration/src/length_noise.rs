@@ -33,6 +33,16 @@ pub struct LengthNoise<'a> {
     shared: Mat<f64>,
 }
 
+/// The points' part of [`LengthNoise`]: memory that serves one group after the other.
+#[derive(Default)]
+pub struct GroupNoise {
+    /// Covariance of the points with all stations held (3 rows and columns each), mm².
+    pub own: DMatrix<f64>,
+    /// `[Z N]`: twice as many columns as [`trueaxis_leastsquares::Covariance::coupling`] has.
+    pub coupling: DMatrix<f64>,
+    memory: Memory,
+}
+
 impl Solution {
     /// What the lengths' own noise alone does to the unknowns; `network` must be the one that was
     /// solved.
@@ -46,7 +56,9 @@ impl Solution {
                 let mut sum = vec![0.0; width * width];
                 let mut memory = Memory::default();
                 for group in piece * PIECE..groups.min((piece + 1) * PIECE) {
-                    let Memory { terms, part, times } = &mut memory;
+                    let Memory {
+                        terms, part, times, ..
+                    } = &mut memory;
                     influence.visits(group, terms);
                     times.clear();
                     part.append_times(&influence, group, terms.shared_rows(), width, times);
@@ -79,38 +91,45 @@ impl Solution {
 }
 
 impl LengthNoise<'_> {
-    /// Covariance of the points of a group with all stations held (3 rows and columns each), and
-    /// its coupling to the shared sources: twice as many columns as
-    /// [`trueaxis_leastsquares::Covariance::coupling`] has.
-    pub fn group(&self, group: usize) -> (DMatrix<f64>, DMatrix<f64>) {
+    /// What the lengths' own noise does to the points of a group.
+    pub fn group(&self, group: usize, noise: &mut GroupNoise) {
         let influence = &self.influence;
         let covariance = influence.covariance();
-        let Memory { terms, part, times } = &mut Memory::default();
-        influence.visits(group, terms);
-        let factor = covariance.inverse_factor(group);
-        let (unknowns, width) = (factor.ncols(), influence.width());
+        let GroupNoise {
+            own,
+            coupling,
+            memory,
+        } = noise;
+        influence.visits(group, &mut memory.terms);
+        let terms = &memory.terms;
+        let (unknowns, width) = (terms.own_width(), influence.width());
         // R⁻ᵀ with contiguous rows.
-        let factor: Vec<f64> = factor.col_iter().flat_map(|c| c.iter().copied()).collect();
+        memory.factor.clear();
+        for column in covariance.inverse_factor(group).col_iter() {
+            memory.factor.extend(column.iter());
+        }
         // O R⁻ᵀ and V O R⁻ᵀ.
-        let mut own_rows = Vec::new();
-        append_product(&mut own_rows, terms.own_rows(), &factor, [unknowns; 2]);
-        part.append_times(influence, group, &own_rows, unknowns, times);
-        let mut own = vec![0.0; unknowns * unknowns];
-        add_transposed_product(&mut own, times, &own_rows, [unknowns; 2]);
+        let (rows, times) = (&mut memory.rows, &mut memory.times);
+        rows.clear();
+        append_product(rows, terms.own_rows(), &memory.factor, [unknowns; 2]);
+        times.clear();
+        memory
+            .part
+            .append_times(influence, group, rows, unknowns, times);
+        own.resize_mut(unknowns, unknowns, 0.0);
+        own.fill(0.0);
+        add_transposed_product(own.as_mut_slice(), times, rows, [unknowns; 2]);
         // Columns of [Z N]; those of N are the rows of Tᵀ V O R⁻ᵀ.
-        let mut coupling = vec![0.0; 2 * width * unknowns];
-        let (z, n) = coupling.split_at_mut(width * unknowns);
+        coupling.resize_mut(unknowns, 2 * width, 0.0);
+        let (z, n) = coupling.as_mut_slice().split_at_mut(width * unknowns);
         let columns = covariance.coupling(group).col_iter();
         for (to, from) in z.chunks_exact_mut(unknowns.max(1)).zip(columns) {
             to.iter_mut()
                 .zip(from.iter())
                 .for_each(|(to, from)| *to = *from);
         }
+        n.fill(0.0);
         add_transposed_product(n, terms.shared_rows(), times, [width, unknowns]);
-        (
-            DMatrix::from_vec(unknowns, unknowns, own),
-            DMatrix::from_vec(unknowns, 2 * width, coupling),
-        )
     }
 
     /// `S`: covariance of the shared sources. The first of them are the stations (x y z L each);
@@ -128,6 +147,8 @@ const PIECE: usize = 256;
 struct Memory {
     terms: VisitTerms,
     part: LengthPart,
+    factor: Vec<f64>,
+    rows: Vec<f64>,
     times: Vec<f64>,
 }
 

@@ -93,7 +93,7 @@ pub use estimate_noise::{NoiseBasis, NoiseEstimate, PartEstimate, estimate_noise
 pub use from_campaign::{CampaignNetwork, Group, network_from_campaign};
 pub use guard::MOST_OF_A_PART;
 pub use known_stations::{KnownStation, Located, locate};
-pub use length_noise::LengthNoise;
+pub use length_noise::{GroupNoise, LengthNoise};
 pub use network::{Interruption, Network, Reading, Visit};
 pub use noise::Noise;
 pub use reliability::Reliability;

@@ -8,7 +8,7 @@
 //! sum in memory would be loaded and stored for every product. [`pulp`] chooses the widest registers
 //! that the processor has; products are not fused with sums, so the bits are the same on all.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Rows of a tile, and the most columns: sixteen registers of four numbers hold it with its factors.
 const ROWS: usize = 4;
@@ -17,20 +17,52 @@ const COLUMNS: usize = 8;
 /// `sum += Aᵀ B`, `columns` of them in `a` and `b`.
 pub(crate) fn add_transposed_product(sum: &mut [f64], a: &[f64], b: &[f64], columns: [usize; 2]) {
     let [n, m] = columns;
-    Arch::new().dispatch(|| {
-        for i in (0..n).step_by(ROWS) {
-            add_band(sum, Rows::transposed(a, n, i), b, m, 0);
-        }
+    Arch::new().dispatch(Product {
+        sum,
+        a,
+        b,
+        rows: n,
+        columns: m,
+        along: n,
+        down: 1,
+        only_upper: false,
     });
 }
 
 /// The upper triangle (and some of the lower) of `sum += Aᵀ B`, for a product that is symmetric;
 /// both have `columns` columns.
 pub(crate) fn add_symmetric_product(sum: &mut [f64], a: &[f64], b: &[f64], columns: usize) {
-    Arch::new().dispatch(|| {
-        for i in (0..columns).step_by(ROWS) {
-            add_band(sum, Rows::transposed(a, columns, i), b, columns, i);
-        }
+    Arch::new().dispatch(Product {
+        sum,
+        a,
+        b,
+        rows: columns,
+        columns,
+        along: columns,
+        down: 1,
+        only_upper: true,
+    });
+}
+
+/// Appends `A B` to `out`; `a` has `inner` columns and `b` has `columns`.
+pub(crate) fn append_product(
+    out: &mut Vec<f64>,
+    a: &[f64],
+    b: &[f64],
+    [inner, columns]: [usize; 2],
+) {
+    let first = out.len();
+    let rows = a.len() / inner.max(1);
+    out.resize(first + rows * columns, 0.0);
+    Arch::new().dispatch(Product {
+        sum: &mut out[first..],
+        a,
+        b,
+        rows,
+        columns,
+        along: 1,
+        down: inner,
+        only_upper: false,
     });
 }
 
@@ -57,116 +89,75 @@ pub(crate) fn mirror(sum: &mut [f64], columns: usize) {
     }
 }
 
-/// Appends `A B` to `out`; `a` has `inner` columns and `b` has `columns`.
-pub(crate) fn append_product(
-    out: &mut Vec<f64>,
-    a: &[f64],
-    b: &[f64],
-    [inner, columns]: [usize; 2],
-) {
-    let first = out.len();
-    let rows = a.len() / inner.max(1);
-    out.resize(first + rows * columns, 0.0);
-    let out = &mut out[first..];
-    Arch::new().dispatch(|| {
-        for i in (0..rows).step_by(ROWS) {
-            add_band(out, Rows::plain(a, inner, i), b, columns, 0);
-        }
-    });
-}
-
-/// Up to [`ROWS`] rows of the left factor, as the product needs them.
-#[derive(Clone, Copy)]
-struct Rows<'a> {
-    elements: &'a [f64],
-    /// First of the rows, their number, and how far the elements of a row and of a column are apart.
-    first: usize,
-    count: usize,
+/// `sum += A B` or `sum += Aᵀ B`.
+struct Product<'a> {
+    sum: &'a mut [f64],
+    a: &'a [f64],
+    b: &'a [f64],
+    /// Of the sum.
+    rows: usize,
+    columns: usize,
+    /// How far the elements of the left factor are apart in a row of it, and in a column.
     along: usize,
     down: usize,
+    only_upper: bool,
 }
 
-impl<'a> Rows<'a> {
-    /// Rows of `A` with `columns` columns.
-    fn plain(a: &'a [f64], columns: usize, first: usize) -> Self {
-        Self {
-            elements: &a[first * columns..],
-            first,
-            count: (a.len() / columns - first).min(ROWS),
-            along: 1,
-            down: columns,
-        }
-    }
+impl WithSimd for Product<'_> {
+    type Output = ();
 
-    /// Rows of `Aᵀ`, columns of `A`.
-    fn transposed(a: &'a [f64], columns: usize, first: usize) -> Self {
-        Self {
-            elements: &a[first.min(a.len())..],
-            first,
-            count: (columns - first).min(ROWS),
-            along: columns,
-            down: 1,
-        }
-    }
-}
-
-/// Adds the product of `rows` with the columns from `j` on of `b`, which has `m` columns.
-#[inline(always)]
-fn add_band(sum: &mut [f64], rows: Rows<'_>, b: &[f64], m: usize, mut j: usize) {
-    while j < m {
-        let columns = match m - j {
-            COLUMNS.. => add_columns::<COLUMNS>(sum, rows, b, [m, j]),
-            4.. => add_columns::<4>(sum, rows, b, [m, j]),
-            2.. => add_columns::<2>(sum, rows, b, [m, j]),
-            _ => add_columns::<1>(sum, rows, b, [m, j]),
-        };
-        j += columns;
-    }
-}
-
-/// Returns the number of columns.
-#[inline(always)]
-fn add_columns<const C: usize>(
-    sum: &mut [f64],
-    rows: Rows<'_>,
-    b: &[f64],
-    place: [usize; 2],
-) -> usize {
-    match rows.count {
-        1 => add_tile::<1, C>(sum, rows, b, place),
-        2 => add_tile::<2, C>(sum, rows, b, place),
-        3 => add_tile::<3, C>(sum, rows, b, place),
-        _ => add_tile::<ROWS, C>(sum, rows, b, place),
-    }
-    C
-}
-
-/// One tile: `R` rows and `C` columns from `j` on.
-#[inline(always)]
-fn add_tile<const R: usize, const C: usize>(
-    sum: &mut [f64],
-    rows: Rows<'_>,
-    b: &[f64],
-    [m, j]: [usize; 2],
-) {
-    let mut tile = [[0.0; C]; R];
-    let mut place = 0;
-    for b in b.chunks_exact(m) {
-        let Some(b) = b[j..].first_chunk::<C>() else {
-            break;
-        };
-        for (i, tile) in tile.iter_mut().enumerate() {
-            let a = rows.elements[place + i * rows.down];
-            for (t, b) in tile.iter_mut().zip(b) {
-                *t += a * b;
+    // All of it is inlined here: only then it is compiled for the registers that were chosen.
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, _: S) {
+        for i in (0..self.rows).step_by(ROWS) {
+            let mut j = if self.only_upper { i } else { 0 };
+            while j < self.columns {
+                j += match self.columns - j {
+                    COLUMNS.. => self.add_columns::<COLUMNS>(i, j),
+                    4.. => self.add_columns::<4>(i, j),
+                    2.. => self.add_columns::<2>(i, j),
+                    _ => self.add_columns::<1>(i, j),
+                };
             }
         }
-        place += rows.along;
     }
-    for (i, tile) in tile.iter().enumerate() {
-        let start = (rows.first + i) * m + j;
-        for (sum, t) in sum[start..start + C].iter_mut().zip(tile) {
-            *sum += t;
+}
+
+impl Product<'_> {
+    /// Returns the number of columns.
+    #[inline(always)]
+    fn add_columns<const C: usize>(&mut self, i: usize, j: usize) -> usize {
+        match self.rows - i {
+            ROWS.. => self.add_tile::<ROWS, C>(i, j),
+            3 => self.add_tile::<3, C>(i, j),
+            2 => self.add_tile::<2, C>(i, j),
+            _ => self.add_tile::<1, C>(i, j),
+        }
+        C
+    }
+
+    /// The tile of `R` rows and `C` columns from `i` and `j` on.
+    #[inline(always)]
+    fn add_tile<const R: usize, const C: usize>(&mut self, i: usize, j: usize) {
+        let mut tile = [[0.0; C]; R];
+        let mut place = i * self.down;
+        for b in self.b.chunks_exact(self.columns) {
+            let Some(b) = b[j..].first_chunk::<C>() else {
+                break;
+            };
+            for (r, tile) in tile.iter_mut().enumerate() {
+                let a = self.a[place + r * self.down];
+                for (t, b) in tile.iter_mut().zip(b) {
+                    *t += a * b;
+                }
+            }
+            place += self.along;
+        }
+        for (r, tile) in tile.iter().enumerate() {
+            let start = (i + r) * self.columns + j;
+            for (sum, t) in self.sum[start..start + C].iter_mut().zip(tile) {
+                *sum += t;
+            }
         }
     }
 }
