@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
+use rayon::prelude::*;
+
 use crate::reading::readings_of;
 use crate::rows::Rows;
 use crate::steps::Steps;
 use crate::table::{Column, Row, Table};
-use crate::text_file::newlines;
-use crate::visits::{Sighting, VisitRows, Visits, required_columns};
-use crate::{Campaign, Environment, Error, LengthReading, Lengths};
+use crate::visits::{Sighting, VisitRows, Visits, append, required_columns};
+use crate::{Campaign, Environment, Error, LengthReading, Lengths, Stop};
 
 /// Columns of air and machine state, in the order of [`Environment`].
 const ENVIRONMENT_COLUMNS: [&str; 4] = [
@@ -31,15 +32,48 @@ pub(crate) fn read(
     campaign: &Campaign,
 ) -> Result<(Lengths, Steps), Error> {
     let required = required_columns(&FIRST_COLUMNS, &campaign.machine, &LAST_COLUMNS);
-    let mut table = Table::open(file, text, &required, &ENVIRONMENT_COLUMNS)?;
+    let table = Table::open(file, text, &required, &ENVIRONMENT_COLUMNS)?;
+    let no_rows = table.no_rows();
+    let pieces: Vec<Result<Piece, Error>> = table
+        .pieces()
+        .into_par_iter()
+        .map(|table| read_piece(table, campaign))
+        .collect();
+    let mut all = Piece::default();
+    for piece in pieces {
+        let piece = piece?;
+        append(&mut all.visits, piece.visits, all.readings.len());
+        all.readings.extend(piece.readings);
+        all.environment.extend(piece.environment);
+    }
+    if all.readings.is_empty() {
+        return Err(no_rows);
+    }
+    let (stops, steps) = all.visits;
+    let lengths = Lengths {
+        stops,
+        readings: all.readings,
+        environment: Some(all.environment).filter(|environment| !environment.is_empty()),
+    };
+    Ok((lengths, steps))
+}
+
+/// What some of the rows hold.
+#[derive(Default)]
+struct Piece {
+    visits: (Vec<Stop>, Steps),
+    readings: Vec<LengthReading>,
+    /// Of every reading, or nothing if the file has no such column.
+    environment: Vec<Environment>,
+}
+
+fn read_piece(mut table: Table<'_>, campaign: &Campaign) -> Result<Piece, Error> {
     let mut visits = Visits::of(&table, campaign)?;
     let length = table.column("length_mm")?;
     let state = ENVIRONMENT_COLUMNS.map(|name| table.optional_column(name));
     let has_state = state.iter().any(Option::is_some);
-
-    let rows = newlines(text.as_bytes());
-    let mut readings = Vec::with_capacity(rows);
-    let mut environment = Vec::with_capacity(if has_state { rows } else { 0 });
+    let mut readings = Vec::new();
+    let mut environment = Vec::new();
     while let Some(row) = table.next_row()? {
         let sighting = visits.read(&row, readings.len())?;
         readings.push(LengthReading {
@@ -52,16 +86,11 @@ pub(crate) fn read(
             environment.push(read_environment(&row, state)?);
         }
     }
-    if readings.is_empty() {
-        return Err(table.no_rows());
-    }
-    let (stops, steps) = visits.finish();
-    let lengths = Lengths {
-        stops,
+    Ok(Piece {
+        visits: visits.finish(),
         readings,
-        environment: has_state.then_some(environment),
-    };
-    Ok((lengths, steps))
+        environment,
+    })
 }
 
 fn read_environment(row: &Row<'_>, state: [Option<Column>; 4]) -> Result<Environment, Error> {

@@ -31,12 +31,18 @@ pub(crate) const FIXED_COLUMNS: [&str; 18] = [
     "delta_um",
 ];
 
+/// Least size of a piece of a table: some milliseconds of work, beside which the hand-over to
+/// another thread is nothing.
+const PIECE_BYTES: usize = 1 << 20;
+
 /// A CSV file that is read row by row.
 pub(crate) struct Table<'a> {
     file: &'a Path,
     text: &'a [u8],
     header: Vec<&'a str>,
     header_line: usize,
+    /// Where the rows begin.
+    header_end: usize,
     reader: csv::Reader<&'a [u8]>,
     record: ByteRecord,
     /// Where the current record starts, and the number of line ends before it.
@@ -67,14 +73,42 @@ impl<'a> Table<'a> {
             text: text.as_bytes(),
             header,
             header_line: line,
-            reader: csv::ReaderBuilder::new()
-                .has_headers(true)
-                .flexible(true)
-                .from_reader(text.as_bytes()),
+            // Before the header are blank lines only.
+            header_end: text.find(first).unwrap_or(0) + first.len(),
+            reader: reader(text.as_bytes(), true),
             record: ByteRecord::new(),
             start: 0,
             lines_before: 0,
         })
+    }
+
+    /// The same table in pieces of some size each, to be read in any order. Where text is quoted it
+    /// stays in one piece: line ends may then be part of a cell.
+    pub(crate) fn pieces(self) -> Vec<Self> {
+        let text = self.text;
+        if text.contains(&b'"') {
+            return vec![self];
+        }
+        let mut pieces = Vec::new();
+        let (mut start, mut lines_before) = (0, 0);
+        while start < text.len() {
+            let least = (start + PIECE_BYTES).max(self.header_end).min(text.len());
+            let line_end = text[least..].iter().position(|&b| b == b'\n');
+            let end = line_end.map_or(text.len(), |length| least + length + 1);
+            let piece = &text[start..end];
+            pieces.push(Self {
+                text: piece,
+                header: self.header.clone(),
+                reader: reader(piece, start == 0),
+                record: ByteRecord::new(),
+                start: 0,
+                lines_before,
+                ..self
+            });
+            lines_before += newlines(piece);
+            start = end;
+        }
+        pieces
     }
 
     /// The column of that name, which must be there.
@@ -145,6 +179,13 @@ impl<'a> Table<'a> {
             place: Place::file(self.file),
         }
     }
+}
+
+fn reader(text: &[u8], has_headers: bool) -> csv::Reader<&[u8]> {
+    csv::ReaderBuilder::new()
+        .has_headers(has_headers)
+        .flexible(true)
+        .from_reader(text)
 }
 
 /// Names of columns hold no commas, so the header needs no more of CSV than this.
@@ -293,6 +334,27 @@ mod tests {
             lines.push(row.line());
         }
         lines
+    }
+
+    #[test]
+    fn pieces_are_the_whole() {
+        let row = "1234567,8901234\r\n";
+        let rows = 3 * PIECE_BYTES / row.len();
+        for (quoted, pieces) in [("", 3), ("\"5\",6\n", 1)] {
+            let text = format!("\n a, b\n\n{quoted}{}", row.repeat(rows));
+            let open = || Table::open(Path::new("t.csv"), &text, &["a", "b"], &[]).unwrap();
+            let found = open().pieces();
+            assert_eq!(found.len(), pieces);
+            let mut lines = Vec::new();
+            for mut piece in found {
+                while let Some(row) = piece.next_row().unwrap() {
+                    lines.push(row.line());
+                }
+            }
+            let first = 4;
+            let count = rows + usize::from(!quoted.is_empty());
+            assert!(lines.into_iter().eq(first..first + count));
+        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::names::Names;
 use crate::rows::{Rows, position_cells};
 use crate::steps::Steps;
 use crate::table::{Column, Row, Table};
-use crate::{Campaign, Direction, Error, Stop};
+use crate::{Campaign, Error, Step, Stop};
 
 /// Groups rows into stops and steps.
 ///
@@ -84,38 +84,51 @@ impl<'a> Visits<'a> {
                 self.steps.add(run, &self.positions, row.line())
             }
         };
-        self.stay_or_arrive(station, repeat, step, direction, reading);
+        let stop = Stop {
+            station,
+            repeat,
+            step,
+            direction,
+            readings: reading..reading + 1,
+        };
+        stay_or_arrive(&mut self.stops, stop);
         Ok(Sighting { time_s, target })
-    }
-
-    fn stay_or_arrive(
-        &mut self,
-        station: usize,
-        repeat: u32,
-        step: usize,
-        direction: Direction,
-        reading: usize,
-    ) {
-        match self.stops.last_mut() {
-            Some(stop)
-                if (stop.station, stop.repeat, stop.step, stop.direction)
-                    == (station, repeat, step, direction) =>
-            {
-                stop.readings.end = reading + 1;
-            }
-            _ => self.stops.push(Stop {
-                station,
-                repeat,
-                step,
-                direction,
-                readings: reading..reading + 1,
-            }),
-        }
     }
 
     /// The stops, and the steps that they refer to.
     pub(crate) fn finish(self) -> (Vec<Stop>, Steps) {
         (self.stops, self.steps)
+    }
+}
+
+/// Appends what the next rows of a file hold, of which the first is reading number `first`.
+pub(crate) fn append(
+    (stops, steps): &mut (Vec<Stop>, Steps),
+    (next_stops, next_steps): (Vec<Stop>, Steps),
+    first: usize,
+) {
+    let next = next_steps.steps.iter().zip(next_steps.lines);
+    let number = |(step, line): (&Step, usize)| match steps.find(step.run, &step.positions) {
+        Some(number) => number,
+        None => steps.add(step.run, &step.positions, line),
+    };
+    let numbers: Vec<usize> = next.map(number).collect();
+    for stop in next_stops {
+        let stop = Stop {
+            step: numbers[stop.step],
+            readings: first + stop.readings.start..first + stop.readings.end,
+            ..stop
+        };
+        stay_or_arrive(stops, stop);
+    }
+}
+
+/// Appends readings that follow, at the last stop or at a new one.
+fn stay_or_arrive(stops: &mut Vec<Stop>, next: Stop) {
+    let key = |stop: &Stop| (stop.station, stop.repeat, stop.step, stop.direction);
+    match stops.last_mut() {
+        Some(stop) if key(stop) == key(&next) => stop.readings.end = next.readings.end,
+        _ => stops.push(next),
     }
 }
 
