@@ -9,6 +9,7 @@ use nalgebra::{Isometry3, Matrix6, MatrixXx6};
 
 use crate::axis_data::{AxisData, points_of};
 use crate::axis_noise::AxisForm;
+use crate::in_order;
 use crate::measured::Measured;
 use crate::records::RecordFit;
 use crate::sensitivity::Sensitivity;
@@ -36,7 +37,8 @@ impl BaseResponse {
             parameters: vec![MatrixXx6::zeros(sensitivity.width()); axis.runs.len()],
             poses: vec![Vec::new(); axis.nodes.len()],
         };
-        for (i, record) in axis.records.iter().enumerate() {
+        let answers = in_order::map(axis.records.len(), |i| {
+            let record = &axis.records[i];
             // Displacements v + ρ × p of the points in the datum.
             let mut displacements = MatrixXx6::zeros(3 * record.targets.len());
             for (place, (_, point)) in points_of(measured, &measured.points_mm, record).enumerate()
@@ -48,9 +50,12 @@ impl BaseResponse {
                 rows.fixed_columns_mut::<3>(3)
                     .copy_from(&(-datum_from_ref.matrix() * lever));
             }
-            new.parameters[record.run] += &sensitivity.parameters[i] * &displacements;
             let weight = 1.0 / axis.nodes[record.node].records as f64;
-            let pose = &fits[i].from_points * displacements * weight;
+            let pose: Matrix6<f64> = &fits[i].from_points * &displacements * weight;
+            (&sensitivity.parameters[i] * displacements, pose)
+        });
+        for (record, (parameters, pose)) in axis.records.iter().zip(answers) {
+            new.parameters[record.run] += parameters;
             new.poses[record.node].push((record.run, pose));
         }
         new

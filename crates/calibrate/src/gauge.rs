@@ -28,6 +28,7 @@ use trueaxis_kinematics::{Axis, AxisKind};
 
 use crate::axis_data::AxisData;
 use crate::basis::Basis;
+use crate::in_order;
 
 /// The gauge of one axis.
 pub(crate) struct Gauge {
@@ -68,21 +69,18 @@ impl Gauge {
             AxisKind::Rotary => 4,
         };
         let width = location_parameters + PER_RUN * data.runs.len();
-        let effects: Vec<Matrix6xX<f64>> = data
-            .records
-            .iter()
-            .map(|record| {
-                let position = data.nodes[record.node].position;
-                let mut effect = Matrix6xX::zeros(width);
-                effect
-                    .columns_mut(0, location_parameters)
-                    .copy_from(&location_effect(axis, position));
-                effect
-                    .columns_mut(location_parameters + PER_RUN * record.run, PER_RUN)
-                    .copy_from(&target_effect(axis, position));
-                effect
-            })
-            .collect();
+        let effects = in_order::map(data.records.len(), |i| {
+            let record = &data.records[i];
+            let position = data.nodes[record.node].position;
+            let mut effect = Matrix6xX::zeros(width);
+            effect
+                .columns_mut(0, location_parameters)
+                .copy_from(&location_effect(axis, position));
+            effect
+                .columns_mut(location_parameters + PER_RUN * record.run, PER_RUN)
+                .copy_from(&target_effect(axis, position));
+            effect
+        });
         let conditions = conditions(axis, data);
 
         // Means over the records of each node.
@@ -95,27 +93,22 @@ impl Gauge {
         for (condition, effect) in conditions.iter().zip(&node_effects) {
             constraint += condition * effect;
         }
-        let mut agreement = DMatrix::zeros(width, width);
-        let deviations: Vec<Matrix6xX<f64>> = data
-            .records
-            .iter()
-            .zip(&effects)
-            .map(|(record, effect)| effect - &node_effects[record.node])
-            .collect();
-        for deviation in &deviations {
-            agreement += deviation.transpose() * deviation;
-        }
+        let deviation = |i: usize| &effects[i] - &node_effects[data.records[i].node];
+        let zero = || DMatrix::zeros(width, width);
+        let add = |sum: &mut DMatrix<f64>, (): &mut (), i: usize| {
+            let deviation = deviation(i);
+            sum.gemm_tr(1.0, &deviation, &deviation, 1.0);
+        };
+        let records = data.records.len();
+        let agreement = in_order::sum(records, zero, add, |whole, part| *whole += part);
         let solver = bordered_inverse(&agreement, &constraint)?;
-        let shares = data
-            .records
-            .iter()
-            .zip(&deviations)
-            .map(|(record, deviation)| {
-                let condition = &conditions[record.node] / data.nodes[record.node].records as f64;
-                solver.columns(0, width) * deviation.transpose()
-                    + solver.columns(width, count) * condition
-            })
-            .collect();
+        let (of_agreement, of_constraint) =
+            (solver.columns(0, width), solver.columns(width, count));
+        let shares = in_order::map(records, |i| {
+            let node = data.records[i].node;
+            let condition = &conditions[node] / data.nodes[node].records as f64;
+            of_agreement * deviation(i).transpose() + of_constraint * condition
+        });
         Ok(Self {
             location_parameters,
             effects,

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, Point3, Vector3, Vector6};
 use trueaxis_kinematics::{Axis, AxisKind, LocationComponent, MotionError};
 
 use crate::Error;
-use crate::axis_data::AxisData;
+use crate::axis_data::{AxisData, RunData};
 use crate::basis::Basis;
 use crate::frame::FrameRule;
 use crate::gauge::{Gauge, GaugeDefect, PER_RUN};
@@ -222,6 +222,7 @@ fn improve(
     // Targets: their twist on the stage and the mean of what is not rigid.
     let reference = axis.reference_at_home_mm(&state.axes[k].location);
     let errors = ModelErrors { data, state };
+    let distortions = mean_distortions(own, poses);
     for (r, run) in own.runs.iter().enumerate() {
         let first = gauge.location_parameters + PER_RUN * r;
         let twist = MotionError::new(
@@ -237,8 +238,7 @@ fn improve(
             );
             let inside = context.machine.chain_motion(&errors, inner, positions);
             let on_stage = inside * state.axes[k].targets_mm[r][place];
-            let shift =
-                twist.displacement_mm(on_stage - reference) + mean_distortion(own, poses, r, place);
+            let shift = twist.displacement_mm(on_stage - reference) + distortions[r][place];
             next.targets_mm[r][place] = inside.inverse() * (on_stage + shift);
             changed(shift, Vector3::zeros());
         }
@@ -246,15 +246,20 @@ fn improve(
     change_mm
 }
 
-/// Mean over the records of a run of what no rigid motion explains of a target's position.
-fn mean_distortion(own: &AxisData, poses: &[&PoseFit], run: usize, place: usize) -> Vector3<f64> {
-    let poses = own
-        .records
-        .iter()
-        .zip(poses)
-        .filter(|(record, _)| record.run == run);
-    let sum: Vector3<f64> = poses.map(|(_, pose)| pose.distortion_mm[place]).sum();
-    sum / own.runs[run].records as f64
+/// For each run and target the mean over the run's records of what no rigid motion explains of the
+/// target's position.
+fn mean_distortions(own: &AxisData, poses: &[&PoseFit]) -> Vec<Vec<Vector3<f64>>> {
+    let of_run = |run: &RunData| vec![Vector3::zeros(); run.targets.len()];
+    let mut sums: Vec<Vec<Vector3<f64>>> = own.runs.iter().map(of_run).collect();
+    for (record, pose) in own.records.iter().zip(poses) {
+        for (sum, distortion_mm) in sums[record.run].iter_mut().zip(&pose.distortion_mm) {
+            *sum += distortion_mm;
+        }
+    }
+    for (sums, run) in sums.iter_mut().zip(&own.runs) {
+        sums.iter_mut().for_each(|sum| *sum /= run.records as f64);
+    }
+    sums
 }
 
 /// Moves the reference frame and the axial places of rotary axes to where the rule wants them;
