@@ -127,7 +127,7 @@ pub fn screen(network: &Network, declared: bool, settings: &Settings) -> Result<
         work.clean()?;
         let mut screened = work.finished(network)?;
         work.noise_is_known(&screened.noise);
-        work.solve()?;
+        work.solve_near(&screened.solution)?;
         if !work.suspicious()? {
             screened.removed = work.removed()?;
             return Ok(screened);

@@ -110,14 +110,22 @@ impl<'a> Screening<'a> {
     }
 
     pub(crate) fn solve(&mut self) -> Result<(), Error> {
-        let solution = match &self.solution {
-            // With all lengths at full weight it could be solved: what is left is too little.
-            Some(near) => {
-                solve_from(&self.network, near, self.settings).map_err(|_| self.nothing_left())?
+        match self.solution.take() {
+            Some(near) => self.solve_near(&near),
+            None => {
+                let solution = solve(&self.network, self.settings);
+                self.solution = Some(solution.map_err(|error| self.driven_away(error))?);
+                self.tests = None;
+                Ok(())
             }
-            None => solve(&self.network, self.settings).map_err(|error| self.driven_away(error))?,
-        };
-        self.solution = Some(solution);
+        }
+    }
+
+    /// Solves again from the solution of a similar network.
+    pub(crate) fn solve_near(&mut self, near: &Solution) -> Result<(), Error> {
+        let solution = solve_from(&self.network, near, self.settings);
+        // With all lengths at full weight it could be solved: what is left is too little.
+        self.solution = Some(solution.map_err(|_| self.nothing_left())?);
         self.tests = None;
         Ok(())
     }
@@ -385,7 +393,8 @@ impl<'a> Screening<'a> {
             .collect())
     }
 
-    /// The clean adjustment of what is left of the original network.
+    /// The clean adjustment of what is left of the original network. The work's own solution is gone
+    /// then: both together are most of the memory that a large network takes.
     pub(crate) fn finished(&mut self, original: &Network) -> Result<Screened, Error> {
         self.merge_empty_turns()?;
         let removed = self.removed()?;
@@ -401,8 +410,8 @@ impl<'a> Screening<'a> {
                 ..*i
             })
             .collect();
-        let mut solution = match &self.solution {
-            Some(near) => solve_from(&network, near, self.settings)?,
+        let mut solution = match self.solution.take() {
+            Some(near) => solve_from(&network, &near, self.settings)?,
             None => solve(&network, self.settings)?,
         };
         let given_squares = solution.squares;
