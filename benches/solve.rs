@@ -1,12 +1,12 @@
-//! One self-calibrating solve with covariance: from a given start, over the size of the network and
-//! the number of threads, and with the search for a start.
+//! One self-calibrating solve: from a given start, over the size of the network and the number of
+//! threads, without and with the covariance of everything; and with the search for a start.
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use rayon::ThreadPoolBuilder;
 use trueaxis_benches::{network, network_from, stations_near};
-use trueaxis_multilateration::{Settings, solve, solve_near};
+use trueaxis_multilateration::{Settings, refine, solve};
 
 /// Name, stations, points.
 const SIZES: [(&str, usize, usize); 4] = [
@@ -21,7 +21,7 @@ const NOISES: [(&str, f64); 2] = [("independent", 0.0), ("per-stop", 1e-3)];
 /// The peers' work: stations 5 mm and points 20 µm off, converged to rounding.
 fn from_a_start(c: &mut Criterion) {
     for (noise, return_sigma_mm) in NOISES {
-        let mut group = c.benchmark_group(format!("solve_near/{noise}"));
+        let mut group = c.benchmark_group(format!("refine/{noise}"));
         for (name, stations, points) in SIZES {
             let network = network_from(stations, points, return_sigma_mm);
             let near = stations_near(stations);
@@ -32,15 +32,16 @@ fn from_a_start(c: &mut Criterion) {
             for threads in [1, 2] {
                 let pool = ThreadPoolBuilder::new().num_threads(threads);
                 let pool = pool.build().unwrap();
+                let settings = Settings::default();
+                let from_start =
+                    || refine(black_box(&network), &near, &network.nominal_mm, &settings).unwrap();
                 let id = BenchmarkId::new(name, format!("{threads} threads"));
                 group.bench_function(id, |b| {
-                    let settings = Settings::default();
-                    let points_mm = &network.nominal_mm;
-                    pool.install(|| {
-                        b.iter(|| {
-                            solve_near(black_box(&network), &near, points_mm, &settings).unwrap()
-                        });
-                    });
+                    pool.install(|| b.iter(|| black_box(from_start().termination())));
+                });
+                let id = BenchmarkId::new(name, format!("{threads} threads, with covariance"));
+                group.bench_function(id, |b| {
+                    pool.install(|| b.iter(|| from_start().solution().unwrap()));
                 });
             }
         }

@@ -75,7 +75,7 @@ fn generate(stations: usize, points: usize) -> Problem {
 
 /// From the minimum of `problem`: the lengths that follow from it, and errors for every trial.
 fn monte_carlo(mut problem: Problem) -> Result<Problem> {
-    let solution = solve(&problem)?;
+    let solution = solve(&problem)?.solution()?;
     let residuals = &solution.residuals_mm;
     for (reading, residual) in problem.network.readings.iter_mut().zip(residuals) {
         reading.length_mm -= residual;

@@ -7,8 +7,7 @@ use std::time::Instant;
 use anyhow::Result;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use trueaxis_multilateration as multilateration;
-use trueaxis_multilateration::{Settings, Trials};
+use trueaxis_multilateration::{Refined, Settings, Trials, refine};
 
 use crate::problem::Problem;
 use crate::solution::Solution;
@@ -16,11 +15,10 @@ use crate::solution::Solution;
 /// Trials of one timing: a clock is too coarse for one of them.
 const TRIALS: u32 = 5_000;
 
-/// The one place that says which solver of trueaxis is compared: from the start that the peers get.
-///
-/// It adds the covariance of all points, which no peer does.
-pub(crate) fn solve(problem: &Problem) -> Result<multilateration::Solution> {
-    Ok(multilateration::solve_near(
+/// The one place that says which solver of trueaxis is compared: from the start that the peers get, and
+/// without uncertainties, as they do.
+pub(crate) fn solve(problem: &Problem) -> Result<Refined<'_>> {
+    Ok(refine(
         &problem.network,
         &problem.stations,
         &problem.points,
@@ -39,14 +37,14 @@ pub(crate) fn run(folder: &Path, name: &str, times: usize) -> Result<()> {
         let start = Instant::now();
         let solved = solve(black_box(&problem))?;
         println!("{}", start.elapsed().as_secs_f64());
-        solution = Some(Solution::of(&solved.points_mm, &solved.stations));
+        solution = Some(Solution::of(solved.points_mm(), &solved.stations()));
     }
     solution.map_or(Ok(()), |solution| solution.write(folder, name))
 }
 
 /// Seconds per trial, drawing included; the solution is that of the last trial in the files.
 fn run_trials(problem: &Problem, folder: &Path, name: &str, times: usize) -> Result<()> {
-    let solved = solve(problem)?;
+    let solved = solve(problem)?.solution()?;
     let trials = Trials::new(&problem.network, &solved);
     let mut workspace = trials.workspace();
     let mut errors_mm = vec![0.0; trials.readings()];

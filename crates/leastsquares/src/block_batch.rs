@@ -17,7 +17,7 @@
 use crate::error::Error;
 use crate::factors::FactorsMut;
 use crate::lane_sums::LaneSums;
-use crate::lanes::{LANES, Lanes, dot};
+use crate::lanes::{LANES, Lanes, dot, lanes_only};
 use crate::reflections::{BLOCK_RANK_TOL, Reflections, WeakPivot};
 
 /// Shared unknowns that stand side by side in a row.
@@ -238,11 +238,12 @@ impl BlockBatch {
         } = self.shape;
         zeros(&mut self.column, rows);
         self.column[row] = Lanes::splat(1.0);
-        self.own.from_reflected(&mut self.column);
+        self.own.reflect_back(&mut self.column);
         zeros(&mut self.free_row, shared + 1);
         let runs = self.runs.iter().zip(&self.starts);
         for (q, (run, &start)) in self.column.iter().zip(runs) {
             for (m, b) in self.free_row[start..start + RUN].iter_mut().zip(run) {
+                lanes_only();
                 *m += *q * *b;
             }
         }
@@ -268,7 +269,7 @@ impl BlockBatch {
             self.own.solve_transposed(column);
         }
         self.column.clone_from(&self.residual);
-        self.own.to_reflected(&mut self.column);
+        self.own.reflect(&mut self.column);
         let offset = &self.column[..unknowns];
         sums.add_to_corner(dot(offset, offset));
         for (k, weighted) in self.datum.chunks_exact(unknowns).enumerate() {
@@ -282,10 +283,11 @@ impl BlockBatch {
             zeros(&mut self.column, rows);
             let weighted = &self.datum[k * unknowns..(k + 1) * unknowns];
             self.column[..unknowns].copy_from_slice(weighted);
-            self.own.from_reflected(&mut self.column);
+            self.own.reflect_back(&mut self.column);
             let runs = self.runs.iter().zip(&self.starts);
             for (q, (run, &start)) in self.column.iter().zip(runs) {
                 for (i, b) in run.iter().enumerate() {
+                    lanes_only();
                     sums.add_to_border(start + i, k, *q * *b);
                 }
             }
@@ -311,23 +313,27 @@ impl BlockBatch {
         let runs = self.runs.iter().zip(&self.starts);
         for (r, (run, &start)) in self.column.iter_mut().zip(runs) {
             for (b, s) in run.iter().zip(&s[start..start + RUN]) {
+                lanes_only();
                 *r -= *b * Lanes::splat(*s);
             }
         }
         for (column, s) in self.others.chunks_exact(rows).zip(&s[in_runs..]) {
             for (r, b) in self.column.iter_mut().zip(column) {
+                lanes_only();
                 *r -= *b * Lanes::splat(*s);
             }
         }
-        self.own.to_reflected(&mut self.column);
+        self.own.reflect(&mut self.column);
         zeros(&mut self.free_row, unknowns);
         for (column, multiplier) in self.datum.chunks_exact(unknowns).zip(multipliers) {
             for (y, h) in self.free_row.iter_mut().zip(column) {
+                lanes_only();
                 *y += *h * Lanes::splat(*multiplier);
             }
         }
         self.own.solve_transposed(&mut self.free_row);
         for (x, y) in self.column.iter_mut().zip(&self.free_row) {
+            lanes_only();
             *x -= *y;
         }
         self.own.solve(&mut self.column[..unknowns]);
@@ -357,10 +363,11 @@ impl BlockBatch {
             for (j, x) in self.column[..unknowns].iter_mut().enumerate().skip(k) {
                 *x = self.inverse_factor[j * unknowns + k];
             }
-            self.own.from_reflected(&mut self.column);
+            self.own.reflect_back(&mut self.column);
             let runs = self.runs.iter().zip(&self.starts);
             for (q, (run, &start)) in self.column.iter().zip(runs) {
                 for (i, b) in run.iter().enumerate() {
+                    lanes_only();
                     self.coupling[(start + i) * unknowns + k] += *q * *b;
                 }
             }

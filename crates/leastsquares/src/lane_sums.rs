@@ -1,6 +1,6 @@
 //! The sums of the reduced system, one for each lane of the batches that are added.
 
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, lanes_only};
 use crate::reduced::Reduced;
 
 /// Sums over batches of blocks; [`LaneSums::into_reduced`] adds up the lanes.
@@ -61,6 +61,7 @@ impl LaneSums {
         let rows = self.matrix.chunks_exact_mut(width);
         for (i, (sums, &own)) in rows.zip(m).enumerate() {
             for (sum, other) in sums[i..shared].iter_mut().zip(&m[i..]) {
+                lanes_only();
                 *sum += own * *other;
             }
             sums[width - 1] += own * r;

@@ -34,13 +34,13 @@ impl Lanes {
     /// Square roots.
     #[inline(always)]
     pub fn sqrt(self) -> Self {
-        Self(self.0.map(f64::sqrt))
+        Self::from_fn(|i| self.0[i].sqrt())
     }
 
     /// Absolute values.
     #[inline(always)]
     pub fn abs(self) -> Self {
-        Self(self.0.map(f64::abs))
+        Self::from_fn(|i| self.0[i].abs())
     }
 
     /// The sizes of these with the signs of others.
@@ -78,7 +78,7 @@ impl Neg for Lanes {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self(self.0.map(|x| -x))
+        Self::from_fn(|i| -self.0[i])
     }
 }
 
@@ -96,11 +96,19 @@ impl SubAssign for Lanes {
     }
 }
 
+/// Keeps a loop over rows or columns from being vectorised itself, which would gather one number of each
+/// [`Lanes`] instead of taking eight as they lie. It makes no instruction.
+#[inline(always)]
+pub(crate) fn lanes_only() {
+    std::hint::black_box(());
+}
+
 /// `Σ a_i b_i`.
 #[inline(always)]
 pub(crate) fn dot(a: &[Lanes], b: &[Lanes]) -> Lanes {
     let mut sum = Lanes::ZERO;
     for (a, b) in a.iter().zip(b) {
+        lanes_only();
         sum += *a * *b;
     }
     sum

@@ -4,7 +4,7 @@
 //! never form `AᵀA`: what a column has left after those before it is known to a few units of the last
 //! place, so that rank can be judged from it (G. Golub and C. Van Loan, *Matrix Computations*, 5.2).
 
-use crate::lanes::{LANES, Lanes, dot};
+use crate::lanes::{LANES, Lanes, dot, lanes_only};
 
 /// What is left of a column after the columns before it, relative to its length, below which an
 /// unknown counts as free: its uncertainty would be a million times that of a direct reading.
@@ -65,7 +65,8 @@ impl Reflections {
             let all = squares + dot(above, above);
             let slack = squares - limit * all;
             // Not a number is no slack, too.
-            if let Some(lane) = (0..LANES).find(|&lane| !(slack.0[lane] > 0.0)) {
+            let is_weak = |slack: f64| slack <= 0.0 || slack.is_nan();
+            if let Some(lane) = (0..LANES).find(|&lane| is_weak(slack.0[lane])) {
                 let (left, all) = (squares.0[lane], all.0[lane]);
                 let pivot = if all > 0.0 || all.is_nan() {
                     (left / all).sqrt()
@@ -85,7 +86,7 @@ impl Reflections {
             let factor = one / (squares + left * v[0].abs());
             v[0] -= diagonal;
             for column in tail.chunks_exact_mut(self.rows) {
-                reflect(v, factor, &mut column[k..]);
+                reflect_once(v, factor, &mut column[k..]);
             }
             self.reciprocals.push(one / diagonal);
             self.factors.push(factor);
@@ -95,17 +96,17 @@ impl Reflections {
 
     /// `x <- Qᵀ x`.
     #[inline(always)]
-    pub(crate) fn to_reflected(&self, x: &mut [Lanes]) {
+    pub(crate) fn reflect(&self, x: &mut [Lanes]) {
         for (k, &factor) in self.factors.iter().enumerate() {
-            reflect(&self.column(k)[k..], factor, &mut x[k..]);
+            reflect_once(&self.column(k)[k..], factor, &mut x[k..]);
         }
     }
 
     /// `x <- Q x`.
     #[inline(always)]
-    pub(crate) fn from_reflected(&self, x: &mut [Lanes]) {
+    pub(crate) fn reflect_back(&self, x: &mut [Lanes]) {
         for (k, &factor) in self.factors.iter().enumerate().rev() {
-            reflect(&self.column(k)[k..], factor, &mut x[k..]);
+            reflect_once(&self.column(k)[k..], factor, &mut x[k..]);
         }
     }
 
@@ -116,6 +117,7 @@ impl Reflections {
             let value = x[k] * self.reciprocals[k];
             x[k] = value;
             for (x, r) in x[..k].iter_mut().zip(self.column(k)) {
+                lanes_only();
                 *x -= *r * value;
             }
         }
@@ -133,9 +135,10 @@ impl Reflections {
 
 /// `x <- x - β v vᵀ x`.
 #[inline(always)]
-fn reflect(v: &[Lanes], factor: Lanes, x: &mut [Lanes]) {
+fn reflect_once(v: &[Lanes], factor: Lanes, x: &mut [Lanes]) {
     let along = dot(v, x) * factor;
     for (x, v) in x.iter_mut().zip(v) {
+        lanes_only();
         *x -= along * *v;
     }
 }
@@ -150,7 +153,7 @@ mod tests {
         matrices.reset(4, 3);
         for k in 0..3 {
             for (i, x) in matrices.column_mut(k).iter_mut().enumerate() {
-                *x = Lanes::from_fn(|lane| ((7 * lane + 3 * i + k * k + 1) as f64 * 1.7).sin());
+                *x = Lanes::from_fn(|lane| (((lane + 2) * (i + 3) * (k + 5)) as f64 * 1.7).sin());
             }
         }
         matrices
@@ -166,14 +169,14 @@ mod tests {
             let mut x = vec![Lanes::ZERO; 4];
             x[..k].copy_from_slice(&after.column(k)[..k]);
             x[k] = Lanes::splat(1.0) / after.reciprocals[k];
-            after.from_reflected(&mut x);
+            after.reflect_back(&mut x);
             for (found, expected) in x.iter().zip(before.column(k)) {
                 for lane in 0..LANES {
                     assert!((found.0[lane] - expected.0[lane]).abs() < 1e-14);
                 }
             }
             // And Qᵀ takes it back; R⁻¹ makes a unit vector of it, R⁻ᵀ the same from its row.
-            after.to_reflected(&mut x);
+            after.reflect(&mut x);
             after.solve(&mut x[..3]);
             let mut row: Vec<Lanes> = (0..3)
                 .map(|j| match j {

@@ -6,6 +6,7 @@
 //! space, and a campaign measured by a plan has full slots.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 use trueaxis_leastsquares::{LANES, Lanes};
@@ -19,19 +20,23 @@ pub(crate) struct Batch {
     pub(crate) points: usize,
     /// The first point of the group in each lane; lanes without a group repeat the last one.
     pub(crate) first_points: [usize; LANES],
+    pub(crate) layout: Arc<Layout>,
+    /// Of each slot the incremental length, mm, then of each the factor on the variance of a reading's
+    /// own noise, zero without a reading; then the nominal places of the points, x y z of each, mm.
+    numbers: Vec<Lanes>,
+    /// The dead path of each slot; empty in a network without interruptions.
+    pub(crate) zeros: Vec<[usize; LANES]>,
+    /// Number of readings.
+    pub(crate) readings: usize,
+}
+
+/// What slots a batch has; batches of a campaign measured by a plan share one.
+#[derive(Debug, Default)]
+pub(crate) struct Layout {
+    keys: Vec<Key>,
     pub(crate) visits: Vec<SlotVisit>,
     /// The point within the group of each slot.
     pub(crate) point_of_slot: Vec<usize>,
-    /// Incremental lengths of each slot, mm.
-    pub(crate) lengths_mm: Vec<Lanes>,
-    /// Factors on the variance of a reading's own noise; zero without a reading.
-    pub(crate) variance_factors: Vec<Lanes>,
-    /// The dead path of each slot; empty in a network without interruptions.
-    pub(crate) zeros: Vec<[usize; LANES]>,
-    /// Nominal places of the points, x y z of each, mm.
-    pub(crate) nominal_mm: Vec<Lanes>,
-    /// Number of readings.
-    pub(crate) readings: usize,
 }
 
 /// The slots of a visit.
@@ -60,15 +65,33 @@ pub(crate) fn batches(network: &Network) -> Vec<Batch> {
     } else {
         network.zero_of_readings()
     };
-    let batches = ranges(network).into_par_iter();
-    batches
-        .with_min_len(MIN_BATCHES)
-        .map(|groups| Batch::new(network, &by_group, &zeros, groups))
-        .collect()
+    let ranges = ranges(network);
+    let pieces: Vec<_> = ranges
+        .par_chunks(PIECE)
+        .map(|piece| {
+            let mut memory = Memory::default();
+            let batch = |groups: &Range<usize>| {
+                Batch::new(network, &by_group, &zeros, groups.clone(), &mut memory)
+            };
+            piece.iter().map(batch).collect::<Vec<_>>()
+        })
+        .collect();
+    pieces.into_iter().flatten().collect()
+}
+
+/// Memory for one batch after the other.
+#[derive(Default)]
+struct Memory {
+    /// The slots of all readings, group after group, and the readings.
+    keys: Vec<(Key, usize)>,
+    /// Where those of each group end.
+    ends: Vec<usize>,
+    slots: Vec<Key>,
+    layout: Arc<Layout>,
 }
 
 /// Batches that are worth handing to a thread.
-const MIN_BATCHES: usize = 256;
+const PIECE: usize = 256;
 
 /// Up to eight groups in a row with as many points each.
 fn ranges(network: &Network) -> Vec<Range<usize>> {
@@ -90,72 +113,113 @@ impl Batch {
         by_group: &VisitsByGroup,
         zero_of_readings: &[usize],
         groups: Range<usize>,
+        memory: &mut Memory,
     ) -> Self {
-        let mut readings = Vec::new();
-        let mut slots: Vec<Key> = Vec::new();
-        for group in groups.clone() {
-            let own = keys(network, by_group.of(group));
-            if !own.iter().map(|(key, _)| key).eq(&slots) {
-                slots.extend(own.iter().map(|(key, _)| key));
-                slots.sort_unstable();
-                slots.dedup();
-            }
-            readings.push(own);
-        }
-        let last = groups.len() - 1;
-        let lane_of = |lane: usize| lane.min(last);
+        memory.take_slots(network, by_group, &groups);
+        let Memory {
+            keys, ends, layout, ..
+        } = memory;
+        let (slots, last) = (layout.keys.len(), groups.len() - 1);
+        let points = network.groups[groups.start].len();
         let mut batch = Self {
-            points: network.groups[groups.start].len(),
+            points,
             first_points: std::array::from_fn(|lane| {
-                network.groups[groups.start + lane_of(lane)].start
+                network.groups[groups.start + lane.min(last)].start
             }),
-            visits: slot_visits(&slots),
-            point_of_slot: slots.iter().map(|key| key.point).collect(),
-            lengths_mm: vec![Lanes::ZERO; slots.len()],
-            variance_factors: vec![Lanes::ZERO; slots.len()],
+            layout: Arc::clone(layout),
+            numbers: vec![Lanes::ZERO; 2 * slots + 3 * points],
             zeros: Vec::new(),
-            nominal_mm: Vec::new(),
-            readings: readings.iter().map(Vec::len).sum(),
+            readings: keys.len(),
             groups,
         };
         if !zero_of_readings.is_empty() {
-            let stations = slots.iter().map(|key| [key.station; LANES]);
+            let stations = layout.keys.iter().map(|key| [key.station; LANES]);
             batch.zeros = stations.collect();
         }
         for lane in 0..LANES {
-            let mut own = readings[lane_of(lane)].iter().peekable();
-            for (slot, key) in slots.iter().enumerate() {
+            let group = lane.min(last);
+            let first = group.checked_sub(1).map_or(0, |before| ends[before]);
+            let mut own = keys[first..ends[group]].iter().peekable();
+            for (slot, key) in layout.keys.iter().enumerate() {
                 let Some(&(_, i)) = own.next_if(|(own, _)| own == key) else {
                     continue;
                 };
-                batch.lengths_mm[slot].0[lane] = network.readings[i].length_mm;
-                batch.variance_factors[slot].0[lane] = network.variance_factor(i);
+                batch.numbers[slot].0[lane] = network.readings[i].length_mm;
+                batch.numbers[slots + slot].0[lane] = network.variance_factor(i);
                 if let Some(zeros) = batch.zeros.get_mut(slot) {
                     zeros[lane] = zero_of_readings[i];
                 }
             }
-        }
-        for point in 0..batch.points {
-            for axis in 0..3 {
-                let of_lane =
-                    |lane: usize| network.nominal_mm[batch.first_points[lane] + point][axis];
-                batch.nominal_mm.push(Lanes::from_fn(of_lane));
+            let nominal = &network.nominal_mm[batch.first_points[lane]..][..points];
+            let nominal = nominal.iter().flat_map(|p| p.iter());
+            for (x, value) in batch.numbers[2 * slots..].iter_mut().zip(nominal) {
+                x.0[lane] = *value;
             }
         }
         batch
     }
 
+    #[inline(always)]
+    pub(crate) fn slots(&self) -> usize {
+        self.layout.point_of_slot.len()
+    }
+
+    /// Incremental lengths of each slot, mm.
+    #[inline(always)]
+    pub(crate) fn lengths_mm(&self) -> &[Lanes] {
+        &self.numbers[..self.slots()]
+    }
+
+    /// Factors on the variance of a reading's own noise; zero without a reading.
+    #[inline(always)]
+    pub(crate) fn variance_factors(&self) -> &[Lanes] {
+        &self.numbers[self.slots()..2 * self.slots()]
+    }
+
+    /// Nominal places of the points, x y z of each, mm.
+    #[inline(always)]
+    pub(crate) fn nominal_mm(&self) -> &[Lanes] {
+        &self.numbers[2 * self.slots()..]
+    }
+
     /// Number of the group in a lane, and of its readings.
     pub(crate) fn number(&self, lane: usize) -> (usize, usize) {
         let lane = lane.min(self.groups.len() - 1);
-        let read = self.variance_factors.iter().filter(|f| f.0[lane] > 0.0);
+        let read = self.variance_factors().iter().filter(|f| f.0[lane] > 0.0);
         (self.groups.start + lane, read.count())
     }
 }
 
-/// The readings of a group in the order of their slots.
-fn keys(network: &Network, visits: &[usize]) -> Vec<(Key, usize)> {
-    let mut keys: Vec<(Key, usize)> = Vec::new();
+impl Memory {
+    /// Takes the slots of some groups; makes another layout only if they differ from the ones before.
+    fn take_slots(&mut self, network: &Network, by_group: &VisitsByGroup, groups: &Range<usize>) {
+        self.keys.clear();
+        self.ends.clear();
+        self.slots.clear();
+        for group in groups.clone() {
+            let first = self.keys.len();
+            append_keys(network, by_group.of(group), &mut self.keys);
+            self.ends.push(self.keys.len());
+            let own = &self.keys[first..];
+            if !own.iter().map(|(key, _)| key).eq(&self.slots) {
+                self.slots.extend(own.iter().map(|(key, _)| key));
+                self.slots.sort_unstable();
+                self.slots.dedup();
+            }
+        }
+        if self.slots != self.layout.keys {
+            self.layout = Arc::new(Layout {
+                visits: slot_visits(&self.slots),
+                point_of_slot: self.slots.iter().map(|key| key.point).collect(),
+                keys: self.slots.clone(),
+            });
+        }
+    }
+}
+
+/// Appends the readings of a group in the order of their slots.
+fn append_keys(network: &Network, visits: &[usize], keys: &mut Vec<(Key, usize)>) {
+    let first = keys.len();
     for (k, &v) in visits.iter().enumerate() {
         let visit = &network.visits[v];
         let same = |&&before: &&usize| network.visits[before].station == visit.station;
@@ -173,8 +237,7 @@ fn keys(network: &Network, visits: &[usize]) -> Vec<(Key, usize)> {
             keys.push((key, i));
         }
     }
-    keys.sort_unstable();
-    keys
+    keys[first..].sort_unstable();
 }
 
 fn slot_visits(slots: &[Key]) -> Vec<SlotVisit> {

@@ -11,7 +11,7 @@ use crate::batches::{Batch, batches};
 use crate::datum::Datum;
 use crate::free_points::{PER_STATION, State, zero_column};
 use crate::linearise::{Beams, append_weights, fill};
-use crate::passes::{self, GroupModel, Memory, in_parallel, pieces, split_mut};
+use crate::passes::{self, GroupModel, Memories, Memory, in_parallel, pieces, split_mut};
 
 /// The model with its weights, which stay as they are while it is adjusted.
 pub(crate) struct FreeAdjustment<'a> {
@@ -20,6 +20,7 @@ pub(crate) struct FreeAdjustment<'a> {
     batches: Vec<Batch>,
     /// Weights of each batch as [`append_weights`] makes them.
     weights: Vec<Vec<Lanes>>,
+    memories: Memories,
 }
 
 impl<'a> FreeAdjustment<'a> {
@@ -30,6 +31,7 @@ impl<'a> FreeAdjustment<'a> {
             datum: Datum::new(network),
             batches: batches(network),
             weights: Vec::new(),
+            memories: Memories::default(),
         };
         model.update_weights(state);
         model
@@ -107,6 +109,10 @@ impl GroupModel for FreeAdjustment<'_> {
         &self.batches
     }
 
+    fn memories(&self) -> &Memories {
+        &self.memories
+    }
+
     fn unknowns(&self, batch: &Batch) -> usize {
         3 * batch.points
     }
@@ -157,22 +163,27 @@ impl Adjustment for FreeAdjustment<'_> {
             pieces.into_iter().zip(moved).collect(),
             #[inline(always)]
             |(piece, moved)| {
-                let mut memory = Memory::default();
-                let mut moved = moved.iter_mut();
-                for b in piece {
-                    passes::eliminate(self, state, b, &mut memory)?;
-                    let x = memory.equations.correction(t);
-                    let batch = &self.batches[b];
-                    for lane in 0..batch.groups.len() {
-                        let points = &state.points[batch.first_points[lane]..][..batch.points];
-                        let x = x.as_chunks::<3>().0;
-                        for ((point, x), moved) in points.iter().zip(x).zip(&mut moved) {
-                            let x = x.map(|x| x.0[lane]);
-                            *moved = point + Vector3::from(x) * factor;
+                self.memories.lend(
+                    #[inline(always)]
+                    |memory| {
+                        let mut moved = moved.iter_mut();
+                        for b in piece {
+                            passes::eliminate(self, state, b, memory)?;
+                            let x = memory.equations.correction(t);
+                            let batch = &self.batches[b];
+                            for lane in 0..batch.groups.len() {
+                                let points =
+                                    &state.points[batch.first_points[lane]..][..batch.points];
+                                let x = x.as_chunks::<3>().0;
+                                for ((point, x), moved) in points.iter().zip(x).zip(&mut moved) {
+                                    let x = x.map(|x| x.0[lane]);
+                                    *moved = point + Vector3::from(x) * factor;
+                                }
+                            }
                         }
-                    }
-                }
-                Ok(())
+                        Ok(())
+                    },
+                )
             },
         )?;
         Ok(())

@@ -35,12 +35,12 @@ impl Beams {
         self.units.clear();
         self.distances_mm.clear();
         self.residuals_mm.clear();
-        for visit in &batch.visits {
+        for visit in &batch.layout.visits {
             let station = state.stations[visit.station];
             let station = [station.x, station.y, station.z].map(Lanes::splat);
             let dead_path = Lanes::splat(state.dead_paths_mm[visit.station]);
             for slot in visit.slots.clone() {
-                let point = &self.points[3 * batch.point_of_slot[slot]..];
+                let point = &self.points[3 * batch.layout.point_of_slot[slot]..];
                 let [x, y, z] = [0, 1, 2].map(|axis| point[axis] - station[axis]);
                 let distance = (x * x + y * y + z * z).sqrt();
                 let per_distance = Lanes::splat(1.0) / distance;
@@ -50,7 +50,7 @@ impl Beams {
                 };
                 self.units.push([x, y, z].map(|x| x * per_distance));
                 self.distances_mm.push(distance);
-                let observed = batch.lengths_mm[slot] + dead_path;
+                let observed = batch.lengths_mm()[slot] + dead_path;
                 self.residuals_mm.push(observed - distance);
             }
         }
@@ -61,7 +61,7 @@ impl Beams {
         self.points.clear();
         for point in 0..batch.points {
             let of_lanes = batch.first_points.map(|first| &points[first + point]);
-            for axis in 0..3 {
+            for axis in [0, 1, 2] {
                 let of_lane = |lane: usize| of_lanes[lane][axis];
                 self.points.push(Lanes::from_fn(of_lane));
             }
@@ -79,7 +79,7 @@ pub(crate) fn append_weights(
     memory: &mut Vec<Lanes>,
     weights: &mut Vec<Lanes>,
 ) {
-    for SlotVisit { slots, .. } in &batch.visits {
+    for SlotVisit { slots, .. } in &batch.layout.visits {
         let (first, count) = (slots.start, slots.len());
         memory.clear();
         for i in 0..count {
@@ -135,7 +135,7 @@ fn append_factor_row(
     }
     let distance = beams.distances_mm[first + i];
     let own = constant + relative * (distance * distance);
-    let own = own * batch.variance_factors[first + i] + return_variance;
+    let own = own * batch.variance_factors()[first + i] + return_variance;
     let mut c = own * there + (Lanes::splat(1.0) - there);
     for x in &factor[start..] {
         c -= *x * *x;
@@ -146,7 +146,7 @@ fn append_factor_row(
 /// One where there is a reading, zero where there is none.
 #[inline(always)]
 fn is_read(batch: &Batch, slot: usize) -> Lanes {
-    let factors = batch.variance_factors[slot];
+    let factors = batch.variance_factors()[slot];
     Lanes::from_fn(|lane| f64::from(u8::from(factors.0[lane] > 0.0)))
 }
 
@@ -161,20 +161,20 @@ pub(crate) fn fill(
     equations: &mut BlockBatch,
 ) {
     equations.reset(Shape {
-        rows: batch.point_of_slot.len(),
+        rows: batch.slots(),
         unknowns: 3 * batch.points,
         in_runs: PER_STATION * stations,
         shared,
         datum: DATUM,
     });
     let mut weights = weights.iter();
-    for visit in &batch.visits {
+    for visit in &batch.layout.visits {
         let first = visit.slots.start;
         for i in visit.slots.clone() {
             let (mut run, mut residual) = ([Lanes::ZERO; PER_STATION], Lanes::ZERO);
             for (j, &w) in (first..=i).zip(&mut weights) {
                 let unit = beams.units[j];
-                let own = 3 * batch.point_of_slot[j];
+                let own = 3 * batch.layout.point_of_slot[j];
                 for (axis, u) in unit.into_iter().enumerate() {
                     let x = w * u;
                     equations.own_mut(own + axis)[i] += x;
@@ -222,7 +222,7 @@ fn fill_datum(batch: &Batch, datum: &Datum, points: &[Lanes], equations: &mut Bl
     let one = Lanes::splat(1.0);
     for point in 0..batch.points {
         let place = 3 * point;
-        let nominal = &batch.nominal_mm[place..place + 3];
+        let nominal = &batch.nominal_mm()[place..place + 3];
         let [rx, ry, rz] =
             [0, 1, 2].map(|axis| (nominal[axis] - Lanes::splat(centroid[axis])) * per_radius);
         let [dx, dy, dz] = [0, 1, 2].map(|axis| points[place + axis] - nominal[axis]);

@@ -5,6 +5,7 @@
 //! registers and takes the widest that the processor has.
 
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 use pulp::Arch;
 use rayon::prelude::*;
@@ -32,6 +33,8 @@ pub(crate) trait GroupModel: Sync {
     /// Number of shared unknowns.
     fn shared(&self) -> usize;
 
+    fn memories(&self) -> &Memories;
+
     /// Makes the equations of batch `b` at `state`.
     fn fill(&self, state: &Self::State, b: usize, memory: &mut Memory);
 }
@@ -43,6 +46,22 @@ pub(crate) struct Memory {
     pub(crate) equations: BlockBatch,
     /// The equations of free points, where others are made from them.
     pub(crate) of_points: BlockBatch,
+}
+
+/// Memory that one pass leaves to the next.
+#[derive(Debug, Default)]
+pub(crate) struct Memories(Mutex<Vec<Memory>>);
+
+impl Memories {
+    /// Work with some memory; what is in it means nothing.
+    #[inline(always)]
+    pub(crate) fn lend<T>(&self, work: impl FnOnce(&mut Memory) -> T) -> T {
+        let pool = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut memory = pool().pop().unwrap_or_default();
+        let result = work(&mut memory);
+        pool().push(memory);
+        result
+    }
 }
 
 /// The pieces of so many batches, in order.
@@ -94,14 +113,19 @@ pub(crate) fn reduce<M: GroupModel>(
         pieces(model.batches().len()),
         #[inline(always)]
         |piece| {
-            let mut memory = Memory::default();
             let mut sums = LaneSums::new(model.shared(), DATUM);
-            for b in piece {
-                eliminate(model, state, b, &mut memory)?;
-                memory.equations.add_to(&mut sums);
-                let batch = &model.batches()[b];
-                sums.count(batch.readings, model.unknowns(batch) * batch.groups.len());
-            }
+            model.memories().lend(
+                #[inline(always)]
+                |memory| {
+                    for b in piece {
+                        eliminate(model, state, b, memory)?;
+                        memory.equations.add_to(&mut sums);
+                        let batch = &model.batches()[b];
+                        sums.count(batch.readings, model.unknowns(batch) * batch.groups.len());
+                    }
+                    Ok(())
+                },
+            )?;
             Ok(sums.into_reduced())
         },
     )?;
@@ -132,15 +156,19 @@ pub(crate) fn factors<M: GroupModel>(
         pieces.into_iter().zip(parts).collect(),
         #[inline(always)]
         |(piece, mut part)| {
-            let mut memory = Memory::default();
-            for b in piece {
-                eliminate(model, state, b, &mut memory)?;
-                let groups = &batches[b].groups;
-                memory
-                    .equations
-                    .write_factors(groups.start, groups.len(), &mut part);
-            }
-            Ok(())
+            model.memories().lend(
+                #[inline(always)]
+                |memory| {
+                    for b in piece {
+                        eliminate(model, state, b, memory)?;
+                        let groups = &batches[b].groups;
+                        memory
+                            .equations
+                            .write_factors(groups.start, groups.len(), &mut part);
+                    }
+                    Ok(())
+                },
+            )
         },
     )?;
     Ok(factors)

@@ -13,7 +13,7 @@ use crate::batches::Batch;
 use crate::bodies::Bodies;
 use crate::free_adjustment::FreeAdjustment;
 use crate::free_points::{DATUM, State};
-use crate::passes::{self, GroupModel, Memory, in_parallel, pieces};
+use crate::passes::{self, GroupModel, Memories, Memory, in_parallel, pieces};
 use crate::rigid_stages::{Deformations, POSE, RigidState};
 
 /// The model with its weights, which stay as they are while it is adjusted.
@@ -144,6 +144,10 @@ impl GroupModel for RigidAdjustment<'_> {
         self.free.batches()
     }
 
+    fn memories(&self) -> &Memories {
+        self.free.memories()
+    }
+
     fn unknowns(&self, _: &Batch) -> usize {
         POSE
     }
@@ -190,19 +194,30 @@ impl Adjustment for RigidAdjustment<'_> {
             pieces(batches.len()),
             #[inline(always)]
             |piece| {
-                let (mut memory, mut poses) = (Memory::default(), Vec::new());
-                for b in piece {
-                    passes::eliminate(self, state, b, &mut memory)?;
-                    let x = memory.equations.correction(t);
-                    for (lane, group) in batches[b].groups.clone().enumerate() {
-                        let x = |k: usize| x[k].0[lane] * factor;
-                        let centre = state.centroid(self.network, group).coords;
-                        let turn = UnitQuaternion::from_scaled_axis(Vector3::new(x(3), x(4), x(5)));
-                        let shift = Translation3::from(Vector3::new(x(0), x(1), x(2)) + centre);
-                        let pose = shift * turn * Translation3::from(-centre);
-                        poses.push(pose * state.poses[group]);
-                    }
-                }
+                let mut poses = Vec::new();
+                self.memories().lend(
+                    #[inline(always)]
+                    |memory| {
+                        for b in piece {
+                            passes::eliminate(self, state, b, memory)?;
+                            let x = memory.equations.correction(t);
+                            for (lane, group) in batches[b].groups.clone().enumerate() {
+                                let x = |k: usize| x[k].0[lane] * factor;
+                                let centre = state.centroid(self.network, group).coords;
+                                let turn = UnitQuaternion::from_scaled_axis(Vector3::new(
+                                    x(3),
+                                    x(4),
+                                    x(5),
+                                ));
+                                let shift =
+                                    Translation3::from(Vector3::new(x(0), x(1), x(2)) + centre);
+                                let pose = shift * turn * Translation3::from(-centre);
+                                poses.push(pose * state.poses[group]);
+                            }
+                        }
+                        Ok(())
+                    },
+                )?;
                 Ok(poses)
             },
         )?;

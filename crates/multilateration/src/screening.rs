@@ -26,6 +26,9 @@ const LEAST_SCALE: f64 = 0.05;
 const WELSCH_ITERATIONS: usize = 3;
 const MAX_ROUNDS: usize = 60;
 
+/// Solutions in a row that do not reach the minimum before the search ends: their tests mean nothing.
+const MOST_LOST: usize = 3;
+
 /// A reading whose variance has grown by more plays no part.
 const WEIGHTLESS: f64 = 100.0;
 
@@ -57,6 +60,8 @@ pub(crate) struct Screening<'a> {
     pub(crate) never_split: bool,
     /// Whether the snooping came to an end.
     settled: bool,
+    /// Solutions in a row that did not reach the minimum.
+    lost: usize,
     /// Once the network's noise is estimated, so that w has unit variance, its degrees of freedom.
     noise_known: Option<f64>,
 }
@@ -94,6 +99,7 @@ impl<'a> Screening<'a> {
             unchecked: vec![false; readings],
             never_split: false,
             settled: true,
+            lost: 0,
             noise_known: None,
         }
     }
@@ -114,8 +120,7 @@ impl<'a> Screening<'a> {
             Some(near) => self.solve_near(&near),
             None => {
                 let solution = solve(&self.network, self.settings);
-                self.solution = Some(solution.map_err(|error| self.driven_away(error))?);
-                self.tests = None;
+                self.take(solution.map_err(|error| self.driven_away(error))?);
                 Ok(())
             }
         }
@@ -125,9 +130,21 @@ impl<'a> Screening<'a> {
     pub(crate) fn solve_near(&mut self, near: &Solution) -> Result<(), Error> {
         let solution = solve_from(&self.network, near, self.settings);
         // With all lengths at full weight it could be solved: what is left is too little.
-        self.solution = Some(solution.map_err(|_| self.nothing_left())?);
-        self.tests = None;
+        self.take(solution.map_err(|_| self.nothing_left())?);
         Ok(())
+    }
+
+    fn take(&mut self, solution: Solution) {
+        self.lost = match solution.termination.is_converged() {
+            true => 0,
+            false => self.lost + 1,
+        };
+        self.solution = Some(solution);
+        self.tests = None;
+    }
+
+    fn is_lost(&self) -> bool {
+        self.lost >= MOST_LOST
     }
 
     /// A reading may be so wrong that even without weight it drives the adjustment away.
@@ -200,6 +217,9 @@ impl<'a> Screening<'a> {
 
     /// Whether the tests ask for a change.
     pub(crate) fn suspicious(&mut self) -> Result<bool, Error> {
+        if self.is_lost() {
+            return Ok(false);
+        }
         let (tests, scale) = self.tests()?;
         let changes = self.changes(&tests, scale);
         Ok(!changes.is_empty()
@@ -268,7 +288,7 @@ impl<'a> Screening<'a> {
         let mut width = f64::INFINITY;
         let mut settled = 0;
         for _ in 0..MAX_ROUNDS {
-            if settled == WELSCH_ITERATIONS {
+            if settled == WELSCH_ITERATIONS || self.is_lost() {
                 break;
             }
             let (tests, _) = self.tests()?;
@@ -298,6 +318,9 @@ impl<'a> Screening<'a> {
         // A reading that keeps leaving and coming back stays out.
         let mut returns = vec![0_u8; self.network.readings.len()];
         for _ in 0..MAX_ROUNDS {
+            if self.is_lost() {
+                break;
+            }
             let (tests, scale) = self.tests()?;
             if let Some(step) = self.step(&tests.readings, scale) {
                 self.split(step.station, step.first_reading);

@@ -1,6 +1,5 @@
 //! The headline verb: lengths to points.
 
-use nalgebra::Point3;
 use trueaxis_leastsquares::{Adjusted, Adjustment, Error as LeastSquaresError, adjust};
 
 use crate::free_adjustment::FreeAdjustment;
@@ -49,50 +48,6 @@ pub fn solve(network: &Network, settings: &Settings) -> Result<Solution, Error> 
     choose_sides(network, settings, &state, &images, first)
 }
 
-/// Finds all points, stations and dead paths of a network from where they are known to be nearly:
-/// without the search for a start, and without doubt about mirror images.
-///
-/// `points_mm` are in the order of the network. Lengths are linear in dead paths, so those of the
-/// `stations` may be far off; dead paths after interruptions start like their station's.
-///
-/// # Errors
-/// Those of [`solve`]; [`Error::Malformed`] if the numbers of stations or points are not the network's
-/// or one of their coordinates is not finite.
-pub fn solve_near(
-    network: &Network,
-    stations: &[Station],
-    points_mm: &[Point3<f64>],
-    settings: &Settings,
-) -> Result<Solution, Error> {
-    network.check()?;
-    check_counts(network)?;
-    let mut state = State {
-        stations: stations.iter().map(|s| s.position_mm).collect(),
-        dead_paths_mm: stations.iter().map(|s| s.dead_path_mm).collect(),
-        points: points_mm.to_vec(),
-    };
-    let (found, need) = (
-        (stations.len(), points_mm.len()),
-        (network.stations.len(), network.nominal_mm.len()),
-    );
-    let coordinates = state.stations.iter().chain(&state.points);
-    let mut values = coordinates
-        .flat_map(|p| p.iter())
-        .chain(&state.dead_paths_mm);
-    if found != need || !values.all(|x| x.is_finite()) {
-        let what = format!(
-            "a start of {} stations and {} points, all finite, is needed; found {} and {}",
-            need.0, need.1, found.0, found.1
-        );
-        return Err(Error::Malformed { what });
-    }
-    for interruption in &network.interruptions {
-        let before = state.dead_paths_mm[interruption.station];
-        state.dead_paths_mm.push(before);
-    }
-    solution(network, adjust_from(network, state, settings)?, false)
-}
-
 /// Solves a network again from the solution of a similar one: the same stations and groups, other
 /// weights or interruptions.
 pub(crate) fn solve_from(
@@ -136,13 +91,13 @@ pub(crate) fn far_at_start(network: &Network) -> Result<Vec<(usize, f64)>, Error
 }
 
 /// An adjustment with the weights that belong to it.
-struct Attempt<'a> {
+pub(crate) struct Attempt<'a> {
     model: FreeAdjustment<'a>,
-    adjusted: Adjusted<State>,
+    pub(crate) adjusted: Adjusted<State>,
     iterations: usize,
 }
 
-fn adjust_from<'a>(
+pub(crate) fn adjust_from<'a>(
     network: &'a Network,
     start: State,
     settings: &Settings,
@@ -245,7 +200,7 @@ fn choose_sides<'a>(
     solution(network, best, image_open)
 }
 
-fn check_counts(network: &Network) -> Result<(), Error> {
+pub(crate) fn check_counts(network: &Network) -> Result<(), Error> {
     let mut used = vec![false; network.stations.len()];
     for visit in &network.visits {
         used[visit.station] |= !visit.readings.is_empty();
@@ -360,7 +315,7 @@ fn named(network: &Network, error: LeastSquaresError) -> Error {
     }
 }
 
-fn solution(
+pub(crate) fn solution(
     network: &Network,
     attempt: Attempt<'_>,
     mirror_image_open: bool,

@@ -1,0 +1,91 @@
+//! A network solved from where everything is known to be nearly.
+
+use nalgebra::Point3;
+use trueaxis_leastsquares::Termination;
+
+use crate::free_points::State;
+use crate::solve::{Attempt, adjust_from, check_counts, solution};
+use crate::{Error, Network, Settings, Solution, Station};
+
+/// Adjusted points, stations and dead paths, yet without uncertainties.
+pub struct Refined<'a> {
+    network: &'a Network,
+    attempt: Attempt<'a>,
+}
+
+/// Finds all points, stations and dead paths of a network from where they are known to be nearly:
+/// without the search for a start, and without doubt about mirror images.
+///
+/// `points_mm` are in the order of the network. Lengths are linear in dead paths, so those of the
+/// `stations` may be far off; dead paths after interruptions start like their station's.
+///
+/// # Errors
+/// Those of [`crate::solve`]; [`Error::Malformed`] if the numbers of stations or points are not the
+/// network's or one of their coordinates is not finite.
+pub fn refine<'a>(
+    network: &'a Network,
+    stations: &[Station],
+    points_mm: &[Point3<f64>],
+    settings: &Settings,
+) -> Result<Refined<'a>, Error> {
+    network.check()?;
+    check_counts(network)?;
+    let mut state = State {
+        stations: stations.iter().map(|s| s.position_mm).collect(),
+        dead_paths_mm: stations.iter().map(|s| s.dead_path_mm).collect(),
+        points: points_mm.to_vec(),
+    };
+    let (found, need) = (
+        (stations.len(), points_mm.len()),
+        (network.stations.len(), network.nominal_mm.len()),
+    );
+    let coordinates = state.stations.iter().chain(&state.points);
+    let mut values = coordinates
+        .flat_map(|p| p.iter())
+        .chain(&state.dead_paths_mm);
+    if found != need || !values.all(|x| x.is_finite()) {
+        let what = format!(
+            "a start of {} stations and {} points, all finite, is needed; found {} and {}",
+            need.0, need.1, found.0, found.1
+        );
+        return Err(Error::Malformed { what });
+    }
+    for interruption in &network.interruptions {
+        let before = state.dead_paths_mm[interruption.station];
+        state.dead_paths_mm.push(before);
+    }
+    let attempt = adjust_from(network, state, settings)?;
+    Ok(Refined { network, attempt })
+}
+
+impl Refined<'_> {
+    /// Adjusted points in the order of the network, mm.
+    pub fn points_mm(&self) -> &[Point3<f64>] {
+        &self.attempt.adjusted.state.points
+    }
+
+    /// Adjusted stations with their (first) dead paths.
+    pub fn stations(&self) -> Vec<Station> {
+        let state = &self.attempt.adjusted.state;
+        let stations = state.stations.iter().zip(&state.dead_paths_mm);
+        stations
+            .map(|(&position_mm, &dead_path_mm)| Station {
+                position_mm,
+                dead_path_mm,
+            })
+            .collect()
+    }
+
+    /// Why the iteration stopped. Look at it: a result that is not converged is returned, not hidden.
+    pub fn termination(&self) -> Termination {
+        self.attempt.adjusted.termination
+    }
+
+    /// The whole solution with the covariance of everything.
+    ///
+    /// # Errors
+    /// Those of [`crate::solve`].
+    pub fn solution(self) -> Result<Solution, Error> {
+        solution(self.network, self.attempt, false)
+    }
+}
