@@ -13,13 +13,6 @@ pub struct BlockRows {
 }
 
 impl BlockRows {
-    /// Zero rows for `block` own and `shared` shared unknowns.
-    pub fn new(rows: usize, block: usize, shared: usize) -> Self {
-        let mut new = Self::default();
-        new.reset(rows, block, shared);
-        new
-    }
-
     /// Makes these zero rows of another shape; keeps the memory.
     pub fn reset(&mut self, rows: usize, block: usize, shared: usize) {
         (self.rows, self.block, self.shared) = (rows, block, shared);
