@@ -4,14 +4,18 @@
 //! each: `x y z L`, and behind them the dead paths after interruptions.
 
 use nalgebra::Vector3;
-use trueaxis_leastsquares::{Adjustment, Error as LeastSquaresError, Factors, Lanes, Reduced};
+use trueaxis_leastsquares::{
+    Adjustment, BlockBatch, Error as LeastSquaresError, Factors, Lanes, Reduced,
+};
 
 use crate::Network;
 use crate::batches::{Batch, batches};
 use crate::datum::Datum;
 use crate::free_points::{PER_STATION, State, zero_column};
 use crate::linearise::{Beams, append_weights, fill};
-use crate::passes::{self, GroupModel, Memories, Memory, in_parallel, pieces, split_mut};
+use crate::passes::{
+    self, GroupModel, Memories, Memory, in_parallel, pieces, split_mut, try_in_parallel,
+};
 
 /// The model with its weights, which stay as they are while it is adjusted.
 pub(crate) struct FreeAdjustment<'a> {
@@ -67,10 +71,10 @@ impl<'a> FreeAdjustment<'a> {
                     );
                     weights
                 };
-                Ok(self.batches[piece].iter().map(of_batch).collect::<Vec<_>>())
+                self.batches[piece].iter().map(of_batch).collect::<Vec<_>>()
             },
         );
-        self.weights = of_piece.into_iter().flatten().flatten().collect();
+        self.weights = of_piece.into_iter().flatten().collect();
     }
 
     /// Makes the equations of batch `b` for a model with `shared` shared unknowns.
@@ -80,7 +84,7 @@ impl<'a> FreeAdjustment<'a> {
         (state, b): (&State, usize),
         shared: usize,
         beams: &mut Beams,
-        equations: &mut trueaxis_leastsquares::BlockBatch,
+        equations: &mut BlockBatch,
     ) {
         let (batch, stations) = (&self.batches[b], self.network.stations.len());
         beams.fill(batch, state);
@@ -159,7 +163,7 @@ impl Adjustment for FreeAdjustment<'_> {
             .iter()
             .map(|piece| self.batches[piece.clone()].iter().map(points).sum());
         let moved = split_mut(&mut next.points, lengths);
-        in_parallel(
+        try_in_parallel(
             pieces.into_iter().zip(moved).collect(),
             #[inline(always)]
             |(piece, moved)| {

@@ -12,7 +12,7 @@
 use nalgebra::{Point3, Vector3};
 use trueaxis_leastsquares::BlockRows;
 
-use crate::network::{Network, Visit, VisitsByGroup};
+use crate::network::{Network, VisitsByGroup};
 use crate::noise::{Beam, factor_len, whiten};
 
 /// Position and orientation.
@@ -47,6 +47,11 @@ impl State {
         (beam / distance, distance)
     }
 
+    /// Observed minus computed length of a reading with the dead path `zero` over a distance, mm.
+    pub(crate) fn residual_mm(&self, length_mm: f64, zero: usize, distance_mm: f64) -> f64 {
+        length_mm + self.dead_paths_mm[zero] - distance_mm
+    }
+
     /// Observed minus computed length of every reading, mm.
     pub(crate) fn residuals_mm(&self, network: &Network) -> Vec<f64> {
         let zeros = network.zero_of_readings();
@@ -56,7 +61,7 @@ impl State {
                 let reading = &network.readings[i];
                 let point = network.point(visit.group, reading.point);
                 let (_, distance) = self.beam(visit.station, point);
-                residuals.push(reading.length_mm + self.dead_paths_mm[zeros[i]] - distance);
+                residuals.push(self.residual_mm(reading.length_mm, zeros[i], distance));
             }
         }
         residuals
@@ -112,20 +117,6 @@ impl<'a> FreePoints<'a> {
         &self.factors[start..start + factor_len(self.network.visits[visit].readings.len())]
     }
 
-    /// Observed minus computed lengths of a visit, mm.
-    pub(crate) fn residuals_mm<'b>(
-        &'b self,
-        state: &'b State,
-        visit: &'b Visit,
-    ) -> impl Iterator<Item = f64> + 'b {
-        visit.readings.clone().map(move |i| {
-            let reading = &self.network.readings[i];
-            let point = self.network.point(visit.group, reading.point);
-            let (_, distance) = state.beam(visit.station, point);
-            reading.length_mm + state.dead_paths_mm[self.zeros[i]] - distance
-        })
-    }
-
     /// Number of shared unknowns.
     pub(crate) fn shared(&self) -> usize {
         PER_STATION * self.network.stations.len() + self.network.interruptions.len()
@@ -166,8 +157,8 @@ impl<'a> FreePoints<'a> {
                 }
                 let zero = self.zeros[visit.readings.start + i];
                 rows.shared_mut(zero_column(zero, stations))[first + i] = -1.0;
-                let observed = reading.length_mm + state.dead_paths_mm[zero];
-                rows.residual_mut()[first + i] = observed - distance;
+                let residual = state.residual_mm(reading.length_mm, zero, distance);
+                rows.residual_mut()[first + i] = residual;
             }
             let factor = self.factor(v);
             for k in 0..unknowns {
@@ -185,7 +176,7 @@ impl<'a> FreePoints<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Interruption, Noise, Reading};
+    use crate::{Interruption, Noise, Reading, Visit};
 
     /// Analytic rows against central differences of the whitened residuals.
     #[test]

@@ -73,11 +73,11 @@ pub(crate) fn pieces(batches: usize) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// What `work` makes of each item, in order; of several errors the first.
+/// What `work` makes of each item, in order.
 pub(crate) fn in_parallel<I: Send, T: Send>(
     items: Vec<I>,
-    work: impl Fn(I) -> Result<T, LeastSquaresError> + Sync + Send,
-) -> Result<Vec<T>, LeastSquaresError> {
+    work: impl Fn(I) -> T + Sync + Send,
+) -> Vec<T> {
     let work = |item| {
         Arch::new().dispatch(
             #[inline(always)]
@@ -87,8 +87,15 @@ pub(crate) fn in_parallel<I: Send, T: Send>(
     if items.len() <= 1 {
         return items.into_iter().map(work).collect();
     }
-    let results: Vec<Result<T, LeastSquaresError>> = items.into_par_iter().map(work).collect();
-    results.into_iter().collect()
+    items.into_par_iter().map(work).collect()
+}
+
+/// The same for work that may fail; of several errors the first.
+pub(crate) fn try_in_parallel<I: Send, T: Send>(
+    items: Vec<I>,
+    work: impl Fn(I) -> Result<T, LeastSquaresError> + Sync + Send,
+) -> Result<Vec<T>, LeastSquaresError> {
+    in_parallel(items, work).into_iter().collect()
 }
 
 /// Fills and eliminates the equations of batch `b`.
@@ -109,7 +116,7 @@ pub(crate) fn reduce<M: GroupModel>(
     model: &M,
     state: &M::State,
 ) -> Result<Reduced, LeastSquaresError> {
-    let sums = in_parallel(
+    let sums = try_in_parallel(
         pieces(model.batches().len()),
         #[inline(always)]
         |piece| {
@@ -152,7 +159,7 @@ pub(crate) fn factors<M: GroupModel>(
         .map(|piece| batches[piece.start].groups.start..batches[piece.end - 1].groups.end)
         .collect();
     let parts = factors.split_mut(&groups);
-    in_parallel(
+    try_in_parallel(
         pieces.into_iter().zip(parts).collect(),
         #[inline(always)]
         |(piece, mut part)| {

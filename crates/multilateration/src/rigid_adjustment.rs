@@ -13,7 +13,7 @@ use crate::batches::Batch;
 use crate::bodies::Bodies;
 use crate::free_adjustment::FreeAdjustment;
 use crate::free_points::{DATUM, State};
-use crate::passes::{self, GroupModel, Memories, Memory, in_parallel, pieces};
+use crate::passes::{self, GroupModel, Memories, Memory, pieces, try_in_parallel};
 use crate::rigid_stages::{Deformations, POSE, RigidState};
 
 /// The model with its weights, which stay as they are while it is adjusted.
@@ -190,7 +190,7 @@ impl Adjustment for RigidAdjustment<'_> {
         self.free
             .step_stations(&state.free, t, factor, &mut next.free);
         let batches = self.free.batches();
-        let poses = in_parallel(
+        let poses = try_in_parallel(
             pieces(batches.len()),
             #[inline(always)]
             |piece| {

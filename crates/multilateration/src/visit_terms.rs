@@ -81,10 +81,14 @@ impl VisitTerms {
         let station = PER_STATION * content.station;
         let rows = own
             .chunks_exact_mut(own_width)
-            .zip(shared.chunks_exact_mut(width));
-        for ((own, shared), number) in rows.zip(content.readings.clone()) {
-            let point = network.readings[number].point;
-            let (u, _) = state.beam(content.station, network.point(content.group, point));
+            .zip(shared.chunks_exact_mut(width))
+            .zip(&mut *residuals);
+        for (((own, shared), residual), number) in rows.zip(content.readings.clone()) {
+            let reading = &network.readings[number];
+            let point = reading.point;
+            let (u, distance_mm) = state.beam(content.station, network.point(content.group, point));
+            let zero = model.zero_of(number);
+            *residual = state.residual_mm(reading.length_mm, zero, distance_mm);
             let u: [f64; 3] = u.into();
             let first = 3 * point;
             // R⁻¹ is upper triangular.
@@ -95,10 +99,7 @@ impl VisitTerms {
             for (shared, u) in shared[station..station + 3].iter_mut().zip(u) {
                 *shared -= u;
             }
-            shared[zero_column(model.zero_of(number), stations)] -= 1.0;
-        }
-        for (value, residual) in residuals.iter_mut().zip(model.residuals_mm(state, content)) {
-            *value = residual;
+            shared[zero_column(zero, stations)] -= 1.0;
         }
         let factor = model.factor(visit);
         whiten_rows(factor, own, own_width);
