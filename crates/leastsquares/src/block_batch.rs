@@ -39,8 +39,8 @@ pub struct BlockBatch {
     closure: Vec<Lanes>,
     /// A column in the space of the rows.
     column: Vec<Lanes>,
-    /// One row of `M`.
-    free_row: Vec<Lanes>,
+    /// A column in the space of the blocks' unknowns.
+    own_column: Vec<Lanes>,
     /// `R⁻¹` and `Z`, columns contiguous, for [`BlockBatch::write_factors`].
     inverse_factor: Vec<Lanes>,
     coupling: Vec<Lanes>,
@@ -221,15 +221,14 @@ impl BlockBatch {
     pub fn add_to(&mut self, sums: &mut LaneSums) {
         sums.add_squares(dot(&self.residual, &self.residual));
         for row in self.shape.unknowns..self.shape.rows {
-            self.take_free_row(row);
-            sums.add_row(&self.free_row);
+            self.fill_free_row(row, sums.next_row());
         }
         self.add_datum(sums);
     }
 
-    /// Takes row `row - unknowns` of `M`.
+    /// Fills row `row - unknowns` of `M`, zeros before.
     #[inline(always)]
-    fn take_free_row(&mut self, row: usize) {
+    fn fill_free_row(&mut self, row: usize, free_row: &mut [Lanes]) {
         let Shape {
             rows,
             in_runs,
@@ -239,19 +238,18 @@ impl BlockBatch {
         zeros(&mut self.column, rows);
         self.column[row] = Lanes::splat(1.0);
         self.own.reflect_back(&mut self.column);
-        zeros(&mut self.free_row, shared + 1);
         let runs = self.runs.iter().zip(&self.starts);
         for (q, (run, &start)) in self.column.iter().zip(runs) {
-            for (m, b) in self.free_row[start..start + RUN].iter_mut().zip(run) {
+            for (m, b) in free_row[start..start + RUN].iter_mut().zip(run) {
                 lanes_only();
-                *m += *q * *b;
+                *m = q.mul_add(*b, *m);
             }
         }
         let others = self.others.chunks_exact(rows);
-        for (m, column) in self.free_row[in_runs..shared].iter_mut().zip(others) {
+        for (m, column) in free_row[in_runs..shared].iter_mut().zip(others) {
             *m = dot(&self.column, column);
         }
-        self.free_row[shared] = dot(&self.column, &self.residual);
+        free_row[shared] = dot(&self.column, &self.residual);
     }
 
     /// Adds what the datum gives.
@@ -271,7 +269,7 @@ impl BlockBatch {
         self.column.clone_from(&self.residual);
         self.own.reflect(&mut self.column);
         let offset = &self.column[..unknowns];
-        sums.add_to_corner(dot(offset, offset));
+        sums.add_taken(dot(offset, offset));
         for (k, weighted) in self.datum.chunks_exact(unknowns).enumerate() {
             sums.add_to_closure(k, self.closure[k] - dot(weighted, offset));
             let others = self.datum.chunks_exact(unknowns).enumerate();
@@ -314,27 +312,29 @@ impl BlockBatch {
         for (r, (run, &start)) in self.column.iter_mut().zip(runs) {
             for (b, s) in run.iter().zip(&s[start..start + RUN]) {
                 lanes_only();
-                *r -= *b * Lanes::splat(*s);
+                *r = b.mul_add(Lanes::splat(-*s), *r);
             }
         }
         for (column, s) in self.others.chunks_exact(rows).zip(&s[in_runs..]) {
             for (r, b) in self.column.iter_mut().zip(column) {
                 lanes_only();
-                *r -= *b * Lanes::splat(*s);
+                *r = b.mul_add(Lanes::splat(-*s), *r);
             }
         }
         self.own.reflect(&mut self.column);
-        zeros(&mut self.free_row, unknowns);
-        for (column, multiplier) in self.datum.chunks_exact(unknowns).zip(multipliers) {
-            for (y, h) in self.free_row.iter_mut().zip(column) {
-                lanes_only();
-                *y += *h * Lanes::splat(*multiplier);
+        if !multipliers.is_empty() {
+            zeros(&mut self.own_column, unknowns);
+            for (column, multiplier) in self.datum.chunks_exact(unknowns).zip(multipliers) {
+                for (y, h) in self.own_column.iter_mut().zip(column) {
+                    lanes_only();
+                    *y = h.mul_add(Lanes::splat(*multiplier), *y);
+                }
             }
-        }
-        self.own.solve_transposed(&mut self.free_row);
-        for (x, y) in self.column.iter_mut().zip(&self.free_row) {
-            lanes_only();
-            *x -= *y;
+            self.own.solve_transposed(&mut self.own_column);
+            for (x, y) in self.column.iter_mut().zip(&self.own_column) {
+                lanes_only();
+                *x -= *y;
+            }
         }
         self.own.solve(&mut self.column[..unknowns]);
         &self.column[..unknowns]
@@ -368,7 +368,8 @@ impl BlockBatch {
             for (q, (run, &start)) in self.column.iter().zip(runs) {
                 for (i, b) in run.iter().enumerate() {
                     lanes_only();
-                    self.coupling[(start + i) * unknowns + k] += *q * *b;
+                    let sum = &mut self.coupling[(start + i) * unknowns + k];
+                    *sum = q.mul_add(*b, *sum);
                 }
             }
             for (i, other) in (in_runs..shared).zip(self.others.chunks_exact(rows)) {

@@ -3,37 +3,46 @@
 use crate::covariance::Covariance;
 use crate::error::Error;
 use crate::factors::Factors;
-use crate::reduced::{Reduced, ReducedSolution};
+use crate::free_gauge::Correction;
+use crate::reduced::Reduced;
 
 /// A model that linearises itself.
 ///
 /// An iteration is two passes over the blocks: one that linearises and [reduces](Self::reduce) them,
 /// and when the shared unknowns are known, one that [moves](Self::step) each. Both work on one block at
-/// a time, and nothing of a block is kept from one pass to the next; [factors](Self::factors) for the
-/// covariance are made once, at the end.
+/// a time, and nothing of a block is kept from one pass to the next. The datum decides only among
+/// results that fit as well: they are [settled](Self::settle) on it when they are found, and its
+/// [constraints](Self::reduce_with_datum) and the [factors](Self::factors) are needed for the
+/// covariance alone.
 pub trait Adjustment {
     /// Values of all unknowns.
     type State: Clone;
 
-    /// The reduced system linearised at `state`, with the sum of squares there; bits must not depend on
-    /// the number of threads.
+    /// The reduced system without constraints, linearised at `state`, with the sum of squares there;
+    /// bits must not depend on the number of threads.
     ///
     /// # Errors
     /// Those of [`BlockBatch::eliminate`](crate::BlockBatch::eliminate).
     fn reduce(&self, state: &Self::State) -> Result<Reduced, Error>;
 
+    /// The same with the constraints of the datum.
+    ///
+    /// # Errors
+    /// As [`Adjustment::reduce`].
+    fn reduce_with_datum(&self, state: &Self::State) -> Result<Reduced, Error>;
+
     /// Sum of squares of the whitened residuals at `state`, whether or not it can be reduced there.
     fn squares(&self, state: &Self::State) -> f64;
 
-    /// Writes to `next` the `state` moved by `factor` times the correction that belongs to the solution
-    /// `t = (s, λ)` of the reduced system at `state`.
+    /// Writes to `next` the `state` moved by `factor` times the correction that belongs to that of the
+    /// shared unknowns, `s`, from the reduced system at `state`.
     ///
     /// # Errors
     /// As [`Adjustment::reduce`].
     fn step(
         &self,
         state: &Self::State,
-        t: &[f64],
+        s: &[f64],
         factor: f64,
         next: &mut Self::State,
     ) -> Result<(), Error>;
@@ -47,6 +56,9 @@ pub trait Adjustment {
     /// For each constraint of the datum a motion that changes no observation: its part in the shared
     /// unknowns.
     fn free_motions(&self, state: &Self::State) -> Vec<Vec<f64>>;
+
+    /// Takes everything as a whole to where the constraints of the datum hold; no observation changes.
+    fn settle(&self, state: &mut Self::State);
 }
 
 /// When to stop.
@@ -54,7 +66,7 @@ pub trait Adjustment {
 pub struct Settings {
     /// Most iterations.
     pub max_iterations: usize,
-    /// Converged when the whole correction is shorter than this, in units of standard
+    /// Converged when the correction that would follow is shorter than this, in units of standard
     /// uncertainty: no result then moves by more than this fraction of its `u`.
     pub correction_tol: f64,
 }
@@ -71,9 +83,10 @@ impl Default for Settings {
 /// Why the iteration stopped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Termination {
-    /// The last correction, in units of standard uncertainty, was below the tolerance.
+    /// The correction that would follow, in units of standard uncertainty, is below the tolerance.
     Converged {
-        /// Its length.
+        /// Its length: that of the last one times the rate at which they become shorter, or if that
+        /// is not known of the last one itself.
         correction: f64,
         /// The tolerance.
         tolerance: f64,
@@ -106,7 +119,7 @@ impl std::fmt::Display for Termination {
                 tolerance,
             } => write!(
                 f,
-                "converged: last correction {correction:.1e} standard uncertainties, limit {tolerance:.0e}"
+                "converged: next correction {correction:.1e} standard uncertainties, limit {tolerance:.0e}"
             ),
             Self::NoDecrease { correction } => write!(
                 f,
@@ -135,17 +148,17 @@ pub struct Adjusted<S> {
     pub iterations: usize,
     /// Why it stopped. A result that is not converged is returned, not hidden.
     pub termination: Termination,
-    /// The last reduced system, solved.
-    pub reduced: ReducedSolution,
 }
 
 impl<S: Clone> Adjusted<S> {
     /// Covariance of all unknowns for unit variance of the whitened rows of the adjusted `model`.
     ///
     /// # Errors
-    /// Those of [`Adjustment::factors`].
+    /// Those of [`Adjustment::reduce`] and [`Reduced::solve`].
     pub fn covariance<M: Adjustment<State = S>>(&self, model: &M) -> Result<Covariance, Error> {
-        Ok(Covariance::new(model.factors(&self.state)?, &self.reduced))
+        let system = model.reduce_with_datum(&self.state)?;
+        let reduced = system.solve(|| model.free_motions(&self.state))?;
+        Ok(Covariance::new(model.factors(&self.state)?, &reduced))
     }
 }
 
@@ -155,13 +168,19 @@ const MAX_HALVINGS: usize = 20;
 /// A cost may rise by this fraction from rounding alone.
 const COST_ROUNDING: f64 = 1e-10;
 
+/// Corrections that become shorter by less than this factor say nothing of those that follow.
+const MOST_RATE: f64 = 0.1;
+
 /// Adjusts the unknowns of `model` from `start`.
 ///
 /// A step is judged by the true cost where it leads, which comes with the system of the next
-/// iteration. The last correction, below the tolerance, is made without looking back.
+/// iteration. One that is followed by none above the tolerance is made without looking back: near the
+/// minimum the corrections of Gauss–Newton become shorter by a factor that becomes smaller, so that
+/// the next one is not above the last times its ratio to the one before (P. Deuflhard, *Newton Methods
+/// for Nonlinear Problems*, chapter 4).
 ///
 /// # Errors
-/// Those of [`Adjustment::reduce`] and [`Reduced::solve`]. Not converging is no error; see
+/// Those of [`Adjustment::reduce`] and [`Reduced::shortest_correction`]. Not converging is no error; see
 /// [`Adjusted::termination`].
 pub fn adjust<M: Adjustment>(
     model: &M,
@@ -170,28 +189,34 @@ pub fn adjust<M: Adjustment>(
 ) -> Result<Adjusted<M::State>, Error> {
     let (mut state, mut next) = (start.clone(), start);
     let mut system = model.reduce(&state)?;
-    let mut iterations = 0;
+    let (mut iterations, mut before) = (0, f64::INFINITY);
     loop {
-        let reduced = system.solve(|| model.free_motions(&state))?;
-        let correction = reduced.decrease.max(0.0).sqrt();
+        let motions = model.free_motions(&state);
+        let shortest = system.shortest_correction(&motions)?;
+        let correction = shortest.decrease.max(0.0).sqrt();
+        let rate = match correction / before {
+            rate if iterations > 0 && rate < MOST_RATE => rate,
+            _ => 1.0,
+        };
         let mut squares = system.squares();
         iterations += 1;
 
         let tolerance = settings.correction_tol;
-        let termination = if correction <= tolerance {
-            model.step(&state, &reduced.unknowns, 1.0, &mut next)?;
+        let termination = if rate * correction <= tolerance {
+            model.step(&state, &shortest.shared, 1.0, &mut next)?;
             std::mem::swap(&mut state, &mut next);
-            squares -= reduced.decrease;
+            squares -= shortest.decrease;
             Termination::Converged {
-                correction,
+                correction: rate * correction,
                 tolerance,
             }
         } else {
-            match descend(model, &state, &reduced, squares, &mut next)? {
+            match descend(model, &state, &shortest, squares, &mut next)? {
                 Some(system_there) => {
                     std::mem::swap(&mut state, &mut next);
                     system = system_there;
                     squares = system.squares();
+                    before = correction;
                     if iterations < settings.max_iterations {
                         continue;
                     }
@@ -205,14 +230,14 @@ pub fn adjust<M: Adjustment>(
                 None => Termination::NoDecrease { correction },
             }
         };
+        model.settle(&mut state);
         return Ok(Adjusted {
             state,
             squares: squares.max(0.0),
             observations: system.observations(),
-            unknowns: system.determined_unknowns(),
+            unknowns: system.unknowns() - motions.len(),
             iterations,
             termination,
-            reduced,
         });
     }
 }
@@ -225,14 +250,14 @@ pub fn adjust<M: Adjustment>(
 fn descend<M: Adjustment>(
     model: &M,
     state: &M::State,
-    reduced: &ReducedSolution,
+    shortest: &Correction,
     squares: f64,
     next: &mut M::State,
 ) -> Result<Option<Reduced>, Error> {
     let limit = squares * (1.0 + COST_ROUNDING) + f64::MIN_POSITIVE;
     let mut factor = 1.0;
     for _ in 0..=MAX_HALVINGS {
-        model.step(state, &reduced.unknowns, factor, next)?;
+        model.step(state, &shortest.shared, factor, next)?;
         // The whole step mostly is right; of a shorter one the cost alone is asked first.
         let whole = factor >= 1.0;
         if whole || model.squares(next) <= limit {

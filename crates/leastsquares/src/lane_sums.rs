@@ -8,20 +8,35 @@ use crate::reduced::Reduced;
 pub struct LaneSums {
     shared: usize,
     datum: usize,
-    /// The bordered matrix of [`Reduced`], of the symmetric part the upper triangle.
+    /// Rows `[m | r]` whose products are not yet added, one after the other.
+    rows: Vec<Lanes>,
+    /// Length of a row: `shared + 1`, or one more so that it is even.
+    row_len: usize,
+    /// `[m | r]ᵀ [m | r]` for pairs of columns, upper triangle: the four products of each two pairs.
+    products: Vec<[Lanes; 4]>,
+    /// What the datum adds to the bordered matrix of [`Reduced`], and its last element.
     matrix: Vec<Lanes>,
     squares: Lanes,
     observations: usize,
     block_unknowns: usize,
 }
 
+/// Rows whose products are added together: they are summed in registers. More would not stay in the
+/// nearest cache.
+const WAITING: usize = 16;
+
 impl LaneSums {
     /// Zero sums for `shared` shared unknowns and `datum` constraints.
     pub fn new(shared: usize, datum: usize) -> Self {
         let width = shared + datum + 1;
+        let row_len = (shared + 1).next_multiple_of(2);
+        let pairs = row_len / 2;
         Self {
             shared,
             datum,
+            rows: Vec::with_capacity(WAITING * row_len),
+            row_len,
+            products: vec![[Lanes::ZERO; 4]; pairs * (pairs + 1) / 2],
             matrix: vec![Lanes::ZERO; width * width],
             squares: Lanes::ZERO,
             observations: 0,
@@ -36,8 +51,22 @@ impl LaneSums {
     }
 
     /// The sums over all lanes.
-    pub fn into_reduced(self) -> Reduced {
-        let matrix = self.matrix.iter().map(|x| x.sum()).collect();
+    #[inline(always)]
+    pub fn into_reduced(mut self) -> Reduced {
+        self.add_products();
+        let width = self.width();
+        let mut matrix: Vec<f64> = self.matrix.iter().map(|x| x.sum()).collect();
+        let pairs = self.row_len / 2;
+        let of_pairs = (0..pairs).flat_map(|p| (p..pairs).map(move |q| (p, q)));
+        for ((p, q), products) in of_pairs.zip(&self.products) {
+            for (k, product) in products.iter().enumerate() {
+                let (i, j) = (2 * p + k / 2, 2 * q + k % 2);
+                if i < self.shared && i <= j && j <= self.shared {
+                    let column = if j == self.shared { width - 1 } else { j };
+                    matrix[i * width + column] += product.sum();
+                }
+            }
+        }
         let mut reduced = Reduced::from_sums(self.shared, self.datum, matrix);
         reduced.count(self.observations, self.block_unknowns, self.squares.sum());
         reduced
@@ -48,24 +77,42 @@ impl LaneSums {
         self.shared + self.datum + 1
     }
 
+    /// Adds whitened residuals of the blocks, `Σ r²`.
     #[inline(always)]
-    pub(crate) fn add_squares(&mut self, squares: Lanes) {
+    pub fn add_squares(&mut self, squares: Lanes) {
         self.squares += squares;
     }
 
-    /// `[m | r]ᵀ [m | r]` of a row that is free of the blocks' unknowns, without `r²`.
+    /// A row `[m | r]` that is free of the blocks' unknowns, to be filled: zeros.
     #[inline(always)]
-    pub(crate) fn add_row(&mut self, row: &[Lanes]) {
-        let (width, shared) = (self.width(), self.shared);
-        let (m, r) = (&row[..shared], row[shared]);
-        let rows = self.matrix.chunks_exact_mut(width);
-        for (i, (sums, &own)) in rows.zip(m).enumerate() {
-            for (sum, other) in sums[i..shared].iter_mut().zip(&m[i..]) {
-                lanes_only();
-                *sum += own * *other;
-            }
-            sums[width - 1] += own * r;
+    pub fn next_row(&mut self) -> &mut [Lanes] {
+        if self.rows.len() == WAITING * self.row_len {
+            self.add_products();
         }
+        let first = self.rows.len();
+        self.rows.resize(first + self.row_len, Lanes::ZERO);
+        &mut self.rows[first..][..self.shared + 1]
+    }
+
+    /// Adds the products of the rows that wait.
+    #[inline(always)]
+    fn add_products(&mut self) {
+        let mut sums = self.products.iter_mut();
+        for left in (0..self.row_len).step_by(2) {
+            for (right, sums) in (left..self.row_len).step_by(2).zip(&mut sums) {
+                let [mut ac, mut ad, mut bc, mut bd] = *sums;
+                for row in self.rows.chunks_exact(self.row_len) {
+                    lanes_only();
+                    let ([a, b], [c, d]) = (pair(row, left), pair(row, right));
+                    ac = a.mul_add(c, ac);
+                    ad = a.mul_add(d, ad);
+                    bc = b.mul_add(c, bc);
+                    bd = b.mul_add(d, bd);
+                }
+                *sums = [ac, ad, bc, bd];
+            }
+        }
+        self.rows.clear();
     }
 
     /// `-q b` between a shared unknown and a constraint.
@@ -89,11 +136,16 @@ impl LaneSums {
         self.matrix[place] += value;
     }
 
-    /// `-cᵀ c`.
+    /// Adds what the blocks take off the sum of squares whatever the shared unknowns are, `Σ c²`.
     #[inline(always)]
-    pub(crate) fn add_to_corner(&mut self, squares: Lanes) {
+    pub fn add_taken(&mut self, squares: Lanes) {
         if let Some(corner) = self.matrix.last_mut() {
             *corner -= squares;
         }
     }
+}
+
+#[inline(always)]
+fn pair(row: &[Lanes], first: usize) -> [Lanes; 2] {
+    [row[first], row[first + 1]]
 }

@@ -2,8 +2,9 @@
 //!
 //! Loops over the rows of one small block are too short for wide registers, and sums along them are
 //! chains that a compiler may not regroup. With one block in each lane every operation is eight
-//! independent ones. No operation is fused, so results are the same bits with any instruction set;
-//! [`pulp::Arch::dispatch`] around a pass chooses the widest one at run time.
+//! independent ones. Which products are fused with a sum is written out ([`Lanes::mul_add`]), so
+//! results are the same bits with any instruction set; [`pulp::Arch::dispatch`] around a pass chooses
+//! the widest one at run time.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -29,6 +30,12 @@ impl Lanes {
     #[inline(always)]
     pub fn from_fn(of_lane: impl FnMut(usize) -> f64) -> Self {
         Self(std::array::from_fn(of_lane))
+    }
+
+    /// `self · factor + sum`, rounded once. Without an instruction for it (x86 before 2013) it is slow.
+    #[inline(always)]
+    pub fn mul_add(self, factor: Self, sum: Self) -> Self {
+        Self::from_fn(|i| self.0[i].mul_add(factor.0[i], sum.0[i]))
     }
 
     /// Square roots.
@@ -109,7 +116,7 @@ pub(crate) fn dot(a: &[Lanes], b: &[Lanes]) -> Lanes {
     let mut sum = Lanes::ZERO;
     for (a, b) in a.iter().zip(b) {
         lanes_only();
-        sum += *a * *b;
+        sum = a.mul_add(*b, sum);
     }
     sum
 }

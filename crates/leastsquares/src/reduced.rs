@@ -14,9 +14,7 @@
 //!
 //! A combination of shared unknowns counts as free if the scaled matrix has an eigenvalue below
 //! [`SHARED_RANK_TOL`]. Eigenvalues cost more than all the rest, so they are looked at only if the
-//! inverse does not rule it out: if more directions are free than the datum has constraints, one of
-//! them meets all constraints, the matrix takes a unit vector to less than the limit, and its inverse
-//! has at least the limit's reciprocal as norm.
+//! inverse does not rule it out ([`Reduced::rules_out_free`]).
 
 use faer::{Mat, Side};
 
@@ -44,15 +42,12 @@ pub struct ReducedSolution {
     pub unknowns: Vec<f64>,
     /// Symmetric inverse of the matrix, rows contiguous.
     pub(crate) inverse: Vec<f64>,
-    /// By how much the linear model says that the correction of all unknowns lowers the sum of
-    /// squares.
-    pub decrease: f64,
 }
 
 /// Relative eigenvalue of the scaled normal matrix below which a combination of shared unknowns
 /// counts as free. Rounding leaves about 1e-15; a combination at the limit would be known a
 /// million times worse than the best one, so nothing usable is refused.
-const SHARED_RANK_TOL: f64 = 1e-12;
+pub(crate) const SHARED_RANK_TOL: f64 = 1e-12;
 
 /// An unknown's share in a free combination below which it is not worth a name.
 const FREE_SHARE_TOL: f64 = 0.05;
@@ -95,9 +90,9 @@ impl Reduced {
         self.observations
     }
 
-    /// Number of unknowns, blocks and shared, less the free motions that the datum fixes.
-    pub fn determined_unknowns(&self) -> usize {
-        self.block_unknowns + self.shared - self.datum
+    /// Number of unknowns, blocks and shared.
+    pub fn unknowns(&self) -> usize {
+        self.block_unknowns + self.shared
     }
 
     /// Counts rows of so many blocks' unknowns and their part of the sum of squares.
@@ -130,36 +125,12 @@ impl Reduced {
         &self,
         free_motions: impl FnOnce() -> Vec<Vec<f64>>,
     ) -> Result<ReducedSolution, Error> {
-        let width = self.shared + self.datum;
-        let at = |i: usize, j: usize| self.matrix[i.min(j) * (width + 1) + i.max(j)];
-        let right = |i: usize| at(i, width);
-        if !self.is_finite() {
-            return Err(Error::NotFinite {
-                what: "the reduced system",
-            });
-        }
-        // Unit diagonal: unknowns of different units become comparable.
-        let scale: Vec<f64> = (0..width)
-            .map(|i| match at(i, i).abs().sqrt() {
-                s if s > 0.0 => 1.0 / s,
-                _ => 1.0,
-            })
-            .collect();
-        let mut inverse = vec![0.0; width * width];
-        for (i, row) in inverse.chunks_exact_mut(width.max(1)).enumerate() {
-            for (j, x) in row.iter_mut().enumerate() {
-                *x = scale[i] * at(i, j) * scale[j];
-            }
-        }
+        let width = self.width();
+        let (scale, mut inverse) = self.scaled(width)?;
         let inverted = invert(&mut inverse, width);
-        let norm = dot(&inverse, &inverse).sqrt();
-        // The largest eigenvalue is not above the sum of all, the number of shared unknowns.
-        let full_rank = inverted && norm * SHARED_RANK_TOL * (self.shared as f64) < 1.0;
-        if !full_rank {
-            let scaled = Mat::from_fn(self.shared, self.shared, |i, j| {
-                scale[i] * at(i, j) * scale[j]
-            });
-            self.check_rank(&scaled, &scale, &free_motions())?;
+        if !inverted || !self.rules_out_free(&inverse) {
+            let motions = orthonormal(&free_motions(), &scale);
+            self.check_rank(&scale, &motions)?;
         }
         if !inverted {
             return Err(Error::NotFinite {
@@ -171,32 +142,67 @@ impl Reduced {
                 *x *= scale[i] * s;
             }
         }
+        let right: Vec<f64> = (0..width).map(|i| self.at(i, width)).collect();
         let unknowns: Vec<f64> = inverse
             .chunks_exact(width.max(1))
-            .map(|row| (0..width).map(|j| row[j] * right(j)).sum())
+            .map(|row| dot(row, &right))
             .collect();
         if !unknowns.iter().all(|x| x.is_finite()) {
             return Err(Error::NotFinite {
                 what: "the solution of the reduced system",
             });
         }
-        // What the blocks take whatever s is, Σ|c|², and what s takes.
-        let by_shared: f64 = (0..self.shared).map(|i| unknowns[i] * right(i)).sum();
-        let decrease = by_shared - at(width, width);
         Ok(ReducedSolution {
             shared: self.shared,
             unknowns,
             inverse,
-            decrease,
         })
     }
 
-    fn check_rank(
-        &self,
-        scaled: &Mat<f64>,
-        scale: &[f64],
-        free_motions: &[Vec<f64>],
-    ) -> Result<(), Error> {
+    /// Number of shared unknowns and constraints.
+    pub(crate) fn width(&self) -> usize {
+        self.shared + self.datum
+    }
+
+    /// Element of the bordered matrix.
+    pub(crate) fn at(&self, i: usize, j: usize) -> f64 {
+        self.matrix[i.min(j) * (self.width() + 1) + i.max(j)]
+    }
+
+    /// What the blocks take off the sum of squares whatever `s` is, `Σ|c|²`.
+    pub(crate) fn decrease_by_blocks(&self) -> f64 {
+        -self.at(self.width(), self.width())
+    }
+
+    /// The first `n` rows and columns of the matrix with unit diagonal, which makes unknowns of
+    /// different units comparable, and the scales for it.
+    pub(crate) fn scaled(&self, n: usize) -> Result<(Vec<f64>, Vec<f64>), Error> {
+        if !self.is_finite() {
+            return Err(Error::NotFinite {
+                what: "the reduced system",
+            });
+        }
+        let scale: Vec<f64> = (0..n)
+            .map(|i| match self.at(i, i).abs().sqrt() {
+                s if s > 0.0 => 1.0 / s,
+                _ => 1.0,
+            })
+            .collect();
+        let mut matrix = vec![0.0; n * n];
+        for (i, row) in matrix.chunks_exact_mut(n.max(1)).enumerate() {
+            for (j, x) in row.iter_mut().enumerate() {
+                *x = scale[i] * self.at(i, j) * scale[j];
+            }
+        }
+        Ok((scale, matrix))
+    }
+
+    /// Checks that nothing is free but `motions`, an orthonormal basis, and what else the datum fixes.
+    pub(crate) fn check_rank(&self, scale: &[f64], motions: &[Vec<f64>]) -> Result<(), Error> {
+        let expected = motions.len().max(self.datum);
+        let scaled = Mat::from_fn(self.shared, self.shared, |i, j| {
+            scale[i] * self.at(i, j) * scale[j]
+        });
         let eigen = scaled
             .self_adjoint_eigen(Side::Lower)
             .map_err(|_| Error::Decomposition {
@@ -208,19 +214,14 @@ impl Reduced {
         let free: Vec<usize> = (0..self.shared)
             .filter(|&i| values[i] <= limit * largest)
             .collect();
-        if free.len() <= self.datum {
+        if free.len() <= expected {
             return Ok(());
         }
-        // Shares of the unknowns in what is free beyond the datum's own motions.
-        let motions = orthonormal(
-            free_motions
-                .iter()
-                .map(|motion| motion.iter().zip(scale).map(|(m, s)| m / s).collect()),
-        );
+        // Shares of the unknowns in what is free beyond the motions.
         let mut shares = vec![0.0; self.shared];
         for &i in &free {
             let mut vector: Vec<f64> = (0..self.shared).map(|k| eigen.U()[(k, i)]).collect();
-            for motion in &motions {
+            for motion in motions {
                 remove(&mut vector, motion);
             }
             for (share, v) in shares.iter_mut().zip(&vector) {
@@ -238,7 +239,7 @@ impl Reduced {
         let eigenvalue = free
             .iter()
             .fold(0.0_f64, |max, &i| max.max(values[i] / largest));
-        let defect = free.len() - self.datum;
+        let defect = free.len() - expected;
         Err(Error::SharedRank {
             defect,
             eigenvalue,
@@ -248,14 +249,24 @@ impl Reduced {
     }
 }
 
-fn orthonormal(vectors: impl Iterator<Item = Vec<f64>>) -> Vec<Vec<f64>> {
+/// What is left of a motion after those before it, relative to its length, below which it depends on
+/// them: it would be rounding.
+const DEPENDENT_MOTION: f64 = 1e-9;
+
+/// An orthonormal basis of motions, in units in which the matrix has a unit diagonal.
+pub(crate) fn orthonormal(motions: &[Vec<f64>], scale: &[f64]) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
-    for mut vector in vectors {
-        for other in &basis {
-            remove(&mut vector, other);
+    for motion in motions {
+        let mut vector: Vec<f64> = motion.iter().zip(scale).map(|(m, s)| m / s).collect();
+        let before = dot(&vector, &vector).sqrt();
+        // Once more takes away what rounding has left of the others.
+        for _ in 0..2 {
+            for other in &basis {
+                remove(&mut vector, other);
+            }
         }
         let length = dot(&vector, &vector).sqrt();
-        if length > 0.0 {
+        if length > DEPENDENT_MOTION * before {
             vector.iter_mut().for_each(|v| *v /= length);
             basis.push(vector);
         }
@@ -270,6 +281,6 @@ fn remove(vector: &mut [f64], unit: &[f64]) {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

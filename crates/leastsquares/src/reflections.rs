@@ -79,16 +79,16 @@ impl Reflections {
                     pivot,
                 });
             }
-            // v = x + sign(x0) |x| e0, so that v·v / 2 = |x| (|x| + |x0|).
+            // v = x + sign(x0) |x| e0, so that v·v / 2 = |x| (|x| + |x0|); |v0| = |x| + |x0|.
             let left = squares.sqrt();
-            let diagonal = -left.copysign(v[0]);
-            let one = Lanes::splat(1.0);
-            let factor = one / (squares + left * v[0].abs());
-            v[0] -= diagonal;
+            let head = left + v[0].abs();
+            let factor = Lanes::splat(1.0) / (left * head);
+            let reciprocal = -(factor * head).copysign(v[0]);
+            v[0] = head.copysign(v[0]);
             for column in tail.chunks_exact_mut(self.rows) {
                 reflect_once(v, factor, &mut column[k..]);
             }
-            self.reciprocals.push(one / diagonal);
+            self.reciprocals.push(reciprocal);
             self.factors.push(factor);
         }
         Ok(())
@@ -118,7 +118,7 @@ impl Reflections {
             x[k] = value;
             for (x, r) in x[..k].iter_mut().zip(self.column(k)) {
                 lanes_only();
-                *x -= *r * value;
+                *x = r.mul_add(-value, *x);
             }
         }
     }
@@ -136,10 +136,10 @@ impl Reflections {
 /// `x <- x - β v vᵀ x`.
 #[inline(always)]
 fn reflect_once(v: &[Lanes], factor: Lanes, x: &mut [Lanes]) {
-    let along = dot(v, x) * factor;
+    let along = -(dot(v, x) * factor);
     for (x, v) in x.iter_mut().zip(v) {
         lanes_only();
-        *x -= along * *v;
+        *x = along.mul_add(*v, *x);
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! `Σ (p - n) = 0` and `Σ n × (p - n) = 0`, six constraints that stand for the six free motions.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use crate::free_points::{DATUM, State};
 use crate::network::Network;
@@ -15,6 +15,9 @@ pub(crate) struct Datum {
     /// comparable with translations.
     pub(crate) radius_mm: f64,
 }
+
+/// A decomposition of nine numbers needs a few.
+const MOST_SWEEPS: usize = 100;
 
 impl Datum {
     pub(crate) fn new(network: &Network) -> Self {
@@ -35,6 +38,30 @@ impl Datum {
     /// Lever arm of the rotations at `p`, in units of the radius.
     pub(crate) fn lever(&self, p: Point3<f64>) -> Vector3<f64> {
         (p - self.centroid) / self.radius_mm
+    }
+
+    /// The motion that takes points to where they fit the nominal ones best: about the centroids the
+    /// rotation `R = V diag(1, 1, det VUᵀ) Uᵀ` from `Σ (p - p̄)(n - n̄)ᵀ = U S Vᵀ` (W. Kabsch, *Acta
+    /// Crystallographica* A 32, 922, 1976).
+    pub(crate) fn motion(&self, network: &Network, points: &[Point3<f64>]) -> Isometry3<f64> {
+        let sum: Vector3<f64> = points.iter().map(|p| p.coords).sum();
+        let centroid = Point3::from(sum / points.len().max(1) as f64);
+        let mut products = Matrix3::zeros();
+        for (p, n) in points.iter().zip(&network.nominal_mm) {
+            products += (p - centroid) * self.lever(*n).transpose();
+        }
+        let svd = products.try_svd(true, true, f64::EPSILON, MOST_SWEEPS);
+        let turn = match svd.map(|svd| (svd.u, svd.v_t)) {
+            Some((Some(u), Some(v_t))) => {
+                let sides = Vector3::new(1.0, 1.0, (u * v_t).determinant());
+                let turn = v_t.transpose() * Matrix3::from_diagonal(&sides) * u.transpose();
+                UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(turn))
+            }
+            // Points that are not finite.
+            _ => UnitQuaternion::identity(),
+        };
+        let shift = self.centroid.coords - turn * centroid.coords;
+        Isometry3::from_parts(Translation3::from(shift), turn)
     }
 
     /// What the free motions, translations along x, y, z, then rotations about them (scaled to the

@@ -3,38 +3,51 @@
 //! Block unknowns are the coordinates of a group's points, shared ones the stations and dead paths, four
 //! each: `x y z L`, and behind them the dead paths after interruptions.
 
-use nalgebra::Vector3;
+use std::ops::Range;
+use std::sync::Arc;
+
+use nalgebra::{Point3, Vector3};
 use trueaxis_leastsquares::{
-    Adjustment, BlockBatch, Error as LeastSquaresError, Factors, Lanes, Reduced,
+    Adjustment, BlockBatch, Error as LeastSquaresError, Factors, LaneSums, Lanes, Reduced,
 };
 
 use crate::Network;
-use crate::batches::{Batch, batches};
+use crate::batches::Batch;
 use crate::datum::Datum;
 use crate::free_points::{PER_STATION, State, zero_column};
-use crate::linearise::{Beams, append_weights, fill};
+use crate::linearise::{Beams, fill, fill_weights};
 use crate::passes::{
-    self, GroupModel, Memories, Memory, in_parallel, pieces, split_mut, try_in_parallel,
+    self, Gauge, GroupModel, Memories, Memory, in_parallel, pieces, split_mut, try_in_parallel,
 };
+use crate::plain_batches;
 
 /// The model with its weights, which stay as they are while it is adjusted.
 pub(crate) struct FreeAdjustment<'a> {
     network: &'a Network,
     datum: Datum,
-    batches: Vec<Batch>,
-    /// Weights of each batch as [`append_weights`] makes them.
-    weights: Vec<Vec<Lanes>>,
+    batches: Arc<Vec<Batch>>,
+    /// Weights of all batches as [`fill_weights`] makes them.
+    weights: Vec<Lanes>,
+    /// Where those of each batch start, and behind them their number.
+    weight_starts: Vec<usize>,
     memories: Memories,
 }
 
 impl<'a> FreeAdjustment<'a> {
     /// The model with the weights that belong to the beams at `state`.
-    pub(crate) fn new(network: &'a Network, state: &State) -> Self {
+    pub(crate) fn new(network: &'a Network, batches: &Arc<Vec<Batch>>, state: &State) -> Self {
+        let mut weight_starts = vec![0];
+        let mut weights = 0;
+        for batch in batches.iter() {
+            weights += batch.weights();
+            weight_starts.push(weights);
+        }
         let mut model = Self {
             network,
             datum: Datum::new(network),
-            batches: batches(network),
-            weights: Vec::new(),
+            batches: Arc::clone(batches),
+            weights: vec![Lanes::ZERO; weights],
+            weight_starts,
             memories: Memories::default(),
         };
         model.update_weights(state);
@@ -47,34 +60,37 @@ impl<'a> FreeAdjustment<'a> {
 
     /// Whether weights depend on the beams.
     pub(crate) fn weights_follow_beams(&self) -> bool {
-        let noise = &self.network.noise;
-        let correlated = || self.network.visits.iter().any(|v| v.readings.len() > 1);
-        noise.length_sigma_relative > 0.0 || noise.return_sigma_mm > 0.0 && correlated()
+        follow_beams(self.network)
     }
 
     /// Takes the weights from the beams at `state`.
     pub(crate) fn update_weights(&mut self, state: &State) {
-        let of_piece = in_parallel(
-            pieces(self.batches.len()),
+        let pieces = pieces(self.batches.len());
+        let starts = &self.weight_starts;
+        let lengths = pieces.iter().map(|p| starts[p.end] - starts[p.start]);
+        let parts = split_mut(&mut self.weights, lengths);
+        let (batches, noise) = (&self.batches, &self.network.noise);
+        let with_beams = follow_beams(self.network);
+        in_parallel(
+            pieces.into_iter().zip(parts).collect(),
             #[inline(always)]
-            |piece| {
-                let (mut beams, mut memory) = (Beams::default(), Vec::new());
-                let of_batch = |batch: &Batch| {
-                    let mut weights = Vec::new();
-                    beams.fill(batch, state);
-                    append_weights(
-                        batch,
-                        &self.network.noise,
-                        &beams,
-                        &mut memory,
-                        &mut weights,
-                    );
-                    weights
-                };
-                self.batches[piece].iter().map(of_batch).collect::<Vec<_>>()
+            |(piece, mut part): (Range<usize>, &mut [Lanes])| {
+                let (mut beams, mut factor) = (Beams::default(), Vec::new());
+                for batch in &batches[piece] {
+                    let (own, others) = part.split_at_mut(batch.weights());
+                    part = others;
+                    if with_beams {
+                        beams.fill(batch, state);
+                    }
+                    let beams = with_beams.then_some(&beams);
+                    fill_weights(batch, noise, beams, &mut factor, own);
+                }
             },
         );
-        self.weights = of_piece.into_iter().flatten().collect();
+    }
+
+    fn weights_of(&self, b: usize) -> &[Lanes] {
+        &self.weights[self.weight_starts[b]..self.weight_starts[b + 1]]
     }
 
     /// Makes the equations of batch `b` for a model with `shared` shared unknowns.
@@ -82,14 +98,42 @@ impl<'a> FreeAdjustment<'a> {
     pub(crate) fn fill_for(
         &self,
         (state, b): (&State, usize),
-        shared: usize,
+        (shared, gauge): (usize, Gauge),
         beams: &mut Beams,
         equations: &mut BlockBatch,
     ) {
         let (batch, stations) = (&self.batches[b], self.network.stations.len());
         beams.fill(batch, state);
-        let content = (batch, &self.weights[b][..]);
-        fill(content, &self.datum, beams, (stations, shared), equations);
+        let content = (batch, self.weights_of(b));
+        let datum = (gauge == Gauge::Datum).then_some((&self.datum, &self.network.nominal_mm[..]));
+        fill(content, datum, beams, (stations, shared), equations);
+    }
+
+    /// Moves the points of batch `b` by `factor` times what follows from the correction `s`.
+    #[inline(always)]
+    fn move_points(
+        &self,
+        (state, b): (&State, usize),
+        (s, factor): (&[f64], f64),
+        memory: &mut Memory,
+        moved: &mut [Point3<f64>],
+    ) -> Result<(), LeastSquaresError> {
+        let batch = &self.batches[b];
+        let step = (s, factor);
+        if plain_batches::is_plain(batch)
+            && plain_batches::move_points(batch, self.weights_of(b), state, step, moved)
+        {
+            return Ok(());
+        }
+        passes::eliminate(self, state, b, Gauge::Free, memory)?;
+        let x = memory.equations.correction(s).as_chunks::<3>().0;
+        for (lane, moved) in moved.chunks_exact_mut(batch.points).enumerate() {
+            let points = &state.points[batch.first_points[lane]..];
+            for ((point, x), moved) in points.iter().zip(x).zip(moved) {
+                *moved = point + Vector3::from(x.map(|x| x.0[lane])) * factor;
+            }
+        }
+        Ok(())
     }
 
     /// Writes to `next` the stations and dead paths moved by `factor` times the correction.
@@ -104,6 +148,13 @@ impl<'a> FreeAdjustment<'a> {
             *dead_path += s[zero_column(zero, stations)] * factor;
         }
     }
+}
+
+/// Whether weights depend on the beams.
+fn follow_beams(network: &Network) -> bool {
+    let noise = &network.noise;
+    let correlated = || network.visits.iter().any(|v| v.readings.len() > 1);
+    noise.length_sigma_relative > 0.0 || noise.return_sigma_mm > 0.0 && correlated()
 }
 
 impl GroupModel for FreeAdjustment<'_> {
@@ -126,9 +177,22 @@ impl GroupModel for FreeAdjustment<'_> {
     }
 
     #[inline(always)]
-    fn fill(&self, state: &State, b: usize, memory: &mut Memory) {
-        let shared = self.shared();
-        self.fill_for((state, b), shared, &mut memory.beams, &mut memory.equations);
+    fn fill(&self, state: &State, b: usize, gauge: Gauge, memory: &mut Memory) {
+        let content = (self.shared(), gauge);
+        self.fill_for(
+            (state, b),
+            content,
+            &mut memory.beams,
+            &mut memory.equations,
+        );
+    }
+
+    #[inline(always)]
+    fn add_shortly(&self, state: &State, b: usize, gauge: Gauge, sums: &mut LaneSums) -> bool {
+        let batch = &self.batches[b];
+        gauge == Gauge::Free
+            && plain_batches::is_plain(batch)
+            && plain_batches::add_to(batch, self.weights_of(b), state, sums)
     }
 }
 
@@ -136,27 +200,44 @@ impl Adjustment for FreeAdjustment<'_> {
     type State = State;
 
     fn reduce(&self, state: &State) -> Result<Reduced, LeastSquaresError> {
-        passes::reduce(self, state)
+        passes::reduce(self, state, Gauge::Free)
+    }
+
+    fn reduce_with_datum(&self, state: &State) -> Result<Reduced, LeastSquaresError> {
+        passes::reduce(self, state, Gauge::Datum)
     }
 
     fn squares(&self, state: &State) -> f64 {
-        let mut memory = Memory::default();
-        let of_batch = |b| {
-            self.fill(state, b, &mut memory);
-            let residuals = memory.equations.residual_mut().iter();
-            residuals.map(|r| (*r * *r).sum()).sum::<f64>()
-        };
-        (0..self.batches.len()).map(of_batch).sum()
+        let of_pieces = in_parallel(
+            pieces(self.batches.len()),
+            #[inline(always)]
+            |piece| {
+                self.memories.lend(
+                    #[inline(always)]
+                    |memory| {
+                        let mut sum = Lanes::ZERO;
+                        for b in piece {
+                            self.fill(state, b, Gauge::Free, memory);
+                            for r in memory.equations.residual_mut() {
+                                sum = r.mul_add(*r, sum);
+                            }
+                        }
+                        sum.sum()
+                    },
+                )
+            },
+        );
+        of_pieces.into_iter().sum()
     }
 
     fn step(
         &self,
         state: &State,
-        t: &[f64],
+        s: &[f64],
         factor: f64,
         next: &mut State,
     ) -> Result<(), LeastSquaresError> {
-        self.step_stations(state, t, factor, next);
+        self.step_stations(state, s, factor, next);
         let pieces = pieces(self.batches.len());
         let points = |batch: &Batch| batch.points * batch.groups.len();
         let lengths = pieces
@@ -166,24 +247,17 @@ impl Adjustment for FreeAdjustment<'_> {
         try_in_parallel(
             pieces.into_iter().zip(moved).collect(),
             #[inline(always)]
-            |(piece, moved)| {
+            |(piece, moved): (Range<usize>, &mut [Point3<f64>])| {
                 self.memories.lend(
                     #[inline(always)]
                     |memory| {
-                        let mut moved = moved.iter_mut();
+                        let mut rest = moved;
                         for b in piece {
-                            passes::eliminate(self, state, b, memory)?;
-                            let x = memory.equations.correction(t);
                             let batch = &self.batches[b];
-                            for lane in 0..batch.groups.len() {
-                                let points =
-                                    &state.points[batch.first_points[lane]..][..batch.points];
-                                let x = x.as_chunks::<3>().0;
-                                for ((point, x), moved) in points.iter().zip(x).zip(&mut moved) {
-                                    let x = x.map(|x| x.0[lane]);
-                                    *moved = point + Vector3::from(x) * factor;
-                                }
-                            }
+                            let (moved, others) =
+                                rest.split_at_mut(batch.points * batch.groups.len());
+                            rest = others;
+                            self.move_points((state, b), (s, factor), memory, moved)?;
                         }
                         Ok(())
                     },
@@ -199,5 +273,10 @@ impl Adjustment for FreeAdjustment<'_> {
 
     fn free_motions(&self, state: &State) -> Vec<Vec<f64>> {
         self.datum.free_motions(state, self.shared())
+    }
+
+    fn settle(&self, state: &mut State) {
+        let motion = self.datum.motion(self.network, &state.points);
+        state.move_by(&motion);
     }
 }

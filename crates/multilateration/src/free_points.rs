@@ -9,7 +9,7 @@
 //! dl = uᵀ dp - uᵀ dS - dL
 //! ```
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use trueaxis_leastsquares::BlockRows;
 
 use crate::network::{Network, VisitsByGroup};
@@ -40,6 +40,13 @@ pub(crate) struct State {
 }
 
 impl State {
+    /// Moves stations and points as a whole; dead paths stay.
+    pub(crate) fn move_by(&mut self, motion: &Isometry3<f64>) {
+        for place in self.stations.iter_mut().chain(&mut self.points) {
+            *place = motion * *place;
+        }
+    }
+
     /// Beam and distance from a station to a point.
     pub(crate) fn beam(&self, station: usize, point: usize) -> (Vector3<f64>, f64) {
         let beam = self.points[point] - self.stations[station];

@@ -11,97 +11,116 @@
 use nalgebra::Point3;
 use trueaxis_leastsquares::{BlockBatch, LANES, Lanes, Shape};
 
-use crate::batches::{Batch, SlotVisit};
+use crate::batches::Batch;
 use crate::datum::Datum;
 use crate::free_points::{DATUM, PER_STATION, State};
 use crate::noise::{Noise, factor_len};
+use crate::slots::SlotVisit;
 
 /// Beams and misclosures of the slots of a batch.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Beams {
     /// The points of the groups, x y z of each, mm.
     pub(crate) points: Vec<Lanes>,
-    /// Unit vectors from the stations to the points.
-    pub(crate) units: Vec<[Lanes; 3]>,
-    pub(crate) distances_mm: Vec<Lanes>,
-    /// Observed minus computed lengths, mm.
-    pub(crate) residuals_mm: Vec<Lanes>,
+    /// Their nominal places, where the datum is asked for.
+    nominal: Vec<Lanes>,
+    of_slots: Vec<Beam>,
+}
+
+/// The beam of a slot.
+#[derive(Debug, Clone, Copy, Default)]
+struct Beam {
+    /// Unit vector from the station to the point.
+    unit: [Lanes; 3],
+    distance_mm: Lanes,
+    /// Observed minus computed length, mm.
+    residual_mm: Lanes,
 }
 
 impl Beams {
     #[inline(always)]
     pub(crate) fn fill(&mut self, batch: &Batch, state: &State) {
-        self.take_points(batch, &state.points);
-        self.units.clear();
-        self.distances_mm.clear();
-        self.residuals_mm.clear();
+        take_points(batch, &state.points, &mut self.points);
+        self.of_slots.resize(batch.slots(), Beam::default());
+        let lengths_mm = batch.lengths_mm();
         for visit in &batch.layout.visits {
             let station = state.stations[visit.station];
             let station = [station.x, station.y, station.z].map(Lanes::splat);
             let dead_path = Lanes::splat(state.dead_paths_mm[visit.station]);
             for slot in visit.slots.clone() {
-                let point = &self.points[3 * batch.layout.point_of_slot[slot]..];
+                let point = &self.points[3 * batch.layout.point_of_slot[slot]..][..3];
                 let [x, y, z] = [0, 1, 2].map(|axis| point[axis] - station[axis]);
-                let distance = (x * x + y * y + z * z).sqrt();
-                let per_distance = Lanes::splat(1.0) / distance;
+                let distance_mm = z.mul_add(z, y.mul_add(y, x * x)).sqrt();
+                let per_distance = Lanes::splat(1.0) / distance_mm;
                 let dead_path = match batch.zeros.get(slot) {
                     Some(zeros) => Lanes::from_fn(|lane| state.dead_paths_mm[zeros[lane]]),
                     None => dead_path,
                 };
-                self.units.push([x, y, z].map(|x| x * per_distance));
-                self.distances_mm.push(distance);
-                let observed = batch.lengths_mm()[slot] + dead_path;
-                self.residuals_mm.push(observed - distance);
+                self.of_slots[slot] = Beam {
+                    unit: [x, y, z].map(|x| x * per_distance),
+                    distance_mm,
+                    residual_mm: lengths_mm[slot] + dead_path - distance_mm,
+                };
             }
         }
     }
 
+    /// Cosine of the angle between the beams of two slots.
     #[inline(always)]
-    fn take_points(&mut self, batch: &Batch, points: &[Point3<f64>]) {
-        self.points.clear();
-        for point in 0..batch.points {
-            let of_lanes = batch.first_points.map(|first| &points[first + point]);
-            for axis in [0, 1, 2] {
-                let of_lane = |lane: usize| of_lanes[lane][axis];
-                self.points.push(Lanes::from_fn(of_lane));
-            }
+    fn cosine(&self, slot: usize, other: usize) -> Lanes {
+        let ([x, y, z], [a, b, c]) = (self.of_slots[slot].unit, self.of_slots[other].unit);
+        x * a + y * b + z * c
+    }
+}
+
+/// Fills the coordinates of the points of a batch, x y z of each.
+#[inline(always)]
+pub(crate) fn take_points(batch: &Batch, points: &[Point3<f64>], coordinates: &mut Vec<Lanes>) {
+    coordinates.clear();
+    for point in 0..batch.points {
+        let of_lanes = batch.first_points.map(|first| &points[first + point]);
+        for axis in [0, 1, 2] {
+            let of_lane = |lane: usize| of_lanes[lane][axis];
+            coordinates.push(Lanes::from_fn(of_lane));
         }
     }
 }
 
-/// Appends the weights of a batch: `L⁻¹` of each visit row by row, with zero rows where there is no
-/// reading.
+/// The weights of a batch: `L⁻¹` of each visit row by row, with zero rows where there is no reading.
+/// Without beams those of noise that is the same for all.
 #[inline(always)]
-pub(crate) fn append_weights(
+pub(crate) fn fill_weights(
     batch: &Batch,
     noise: &Noise,
-    beams: &Beams,
-    memory: &mut Vec<Lanes>,
-    weights: &mut Vec<Lanes>,
+    beams: Option<&Beams>,
+    factor: &mut Vec<Lanes>,
+    weights: &mut [Lanes],
 ) {
+    let mut rest = weights;
     for SlotVisit { slots, .. } in &batch.layout.visits {
         let (first, count) = (slots.start, slots.len());
-        memory.clear();
+        let (own, others) = rest.split_at_mut(factor_len(count));
+        rest = others;
+        factor.clear();
         for i in 0..count {
-            append_factor_row(batch, noise, beams, (first, i), memory);
+            append_factor_row(batch, noise, beams, (first, i), factor);
         }
         // L⁻¹ by rows: (L⁻¹)_ij = -Σ_k L_ik (L⁻¹)_kj / L_ii, and zero for what is missing.
-        let start = weights.len();
         for i in 0..count {
-            let row = &memory[factor_len(i)..factor_len(i + 1)];
+            let row = &factor[factor_len(i)..factor_len(i + 1)];
             let reciprocal = Lanes::splat(1.0) / row[i];
             for j in 0..i {
                 let mut sum = Lanes::ZERO;
                 for k in j..i {
-                    sum += row[k] * weights[start + factor_len(k) + j];
+                    sum = row[k].mul_add(own[factor_len(k) + j], sum);
                 }
-                weights.push(-sum * reciprocal);
+                own[factor_len(i) + j] = -sum * reciprocal;
             }
-            weights.push(reciprocal);
+            own[factor_len(i) + i] = reciprocal;
         }
         for i in 0..count {
             let there = is_read(batch, first + i);
-            for weight in &mut weights[start + factor_len(i)..start + factor_len(i + 1)] {
+            for weight in &mut own[factor_len(i)..factor_len(i + 1)] {
                 *weight = *weight * there;
             }
         }
@@ -114,7 +133,7 @@ pub(crate) fn append_weights(
 fn append_factor_row(
     batch: &Batch,
     noise: &Noise,
-    beams: &Beams,
+    beams: Option<&Beams>,
     (first, i): (usize, usize),
     factor: &mut Vec<Lanes>,
 ) {
@@ -124,21 +143,20 @@ fn append_factor_row(
     let there = is_read(batch, first + i);
     let start = factor.len();
     for j in 0..i {
-        let [u, other] = [beams.units[first + i], beams.units[first + j]];
-        let cosine = u[0] * other[0] + u[1] * other[1] + u[2] * other[2];
+        let cosine = beams.map_or(Lanes::ZERO, |beams| beams.cosine(first + i, first + j));
         let mut c = return_variance * cosine * there * is_read(batch, first + j);
         let above = factor_len(j);
         for k in 0..j {
-            c -= factor[start + k] * factor[above + k];
+            c = factor[start + k].mul_add(-factor[above + k], c);
         }
         factor.push(c / factor[above + j]);
     }
-    let distance = beams.distances_mm[first + i];
+    let distance = beams.map_or(Lanes::ZERO, |beams| beams.of_slots[first + i].distance_mm);
     let own = constant + relative * (distance * distance);
-    let own = own * batch.variance_factors()[first + i] + return_variance;
+    let own = own * batch.variance_factor(first + i) + return_variance;
     let mut c = own * there + (Lanes::splat(1.0) - there);
     for x in &factor[start..] {
-        c -= *x * *x;
+        c = x.mul_add(-*x, c);
     }
     factor.push(c.sqrt());
 }
@@ -146,17 +164,18 @@ fn append_factor_row(
 /// One where there is a reading, zero where there is none.
 #[inline(always)]
 fn is_read(batch: &Batch, slot: usize) -> Lanes {
-    let factors = batch.variance_factors()[slot];
+    let factors = batch.variance_factor(slot);
     Lanes::from_fn(|lane| f64::from(u8::from(factors.0[lane] > 0.0)))
 }
 
-/// Fills the equations of a batch; `weights` are those of [`append_weights`], and `shared` is the number
-/// of all shared unknowns.
+/// Fills the equations of a batch; `weights` are those of [`fill_weights`], and `shared` is the number
+/// of all shared unknowns. The datum comes with the nominal points; without it there are no
+/// constraints.
 #[inline(always)]
 pub(crate) fn fill(
     (batch, weights): (&Batch, &[Lanes]),
-    datum: &Datum,
-    beams: &Beams,
+    datum: Option<(&Datum, &[Point3<f64>])>,
+    beams: &mut Beams,
     (stations, shared): (usize, usize),
     equations: &mut BlockBatch,
 ) {
@@ -165,7 +184,7 @@ pub(crate) fn fill(
         unknowns: 3 * batch.points,
         in_runs: PER_STATION * stations,
         shared,
-        datum: DATUM,
+        datum: if datum.is_some() { DATUM } else { 0 },
     });
     let mut weights = weights.iter();
     for visit in &batch.layout.visits {
@@ -173,14 +192,14 @@ pub(crate) fn fill(
         for i in visit.slots.clone() {
             let (mut run, mut residual) = ([Lanes::ZERO; PER_STATION], Lanes::ZERO);
             for (j, &w) in (first..=i).zip(&mut weights) {
-                let unit = beams.units[j];
+                let beam = &beams.of_slots[j];
                 let own = 3 * batch.layout.point_of_slot[j];
-                for (axis, u) in unit.into_iter().enumerate() {
+                for (axis, u) in beam.unit.into_iter().enumerate() {
                     let x = w * u;
                     equations.own_mut(own + axis)[i] += x;
                     run[axis] -= x;
                 }
-                residual += w * beams.residuals_mm[j];
+                residual = w.mul_add(beam.residual_mm, residual);
                 run[PER_STATION - 1] -= match batch.zeros.get(j) {
                     None => w,
                     Some(zeros) => after_interruption(equations, (stations, i), zeros, w),
@@ -191,7 +210,10 @@ pub(crate) fn fill(
             (*start, *own) = (PER_STATION * visit.station, run);
         }
     }
-    fill_datum(batch, datum, &beams.points, equations);
+    if let Some((datum, nominal_mm)) = datum {
+        take_points(batch, nominal_mm, &mut beams.nominal);
+        fill_datum(datum, beams, equations);
+    }
     equations.use_only(batch.groups.len());
 }
 
@@ -216,16 +238,16 @@ fn after_interruption(
 
 /// `H` of the points and what they miss of the closure.
 #[inline(always)]
-fn fill_datum(batch: &Batch, datum: &Datum, points: &[Lanes], equations: &mut BlockBatch) {
+fn fill_datum(datum: &Datum, beams: &Beams, equations: &mut BlockBatch) {
     let centroid = [datum.centroid.x, datum.centroid.y, datum.centroid.z];
     let per_radius = Lanes::splat(1.0 / datum.radius_mm);
     let one = Lanes::splat(1.0);
-    for point in 0..batch.points {
+    let of_points = beams.points.chunks_exact(3);
+    for (point, (places, nominal)) in of_points.zip(beams.nominal.chunks_exact(3)).enumerate() {
         let place = 3 * point;
-        let nominal = &batch.nominal_mm()[place..place + 3];
         let [rx, ry, rz] =
             [0, 1, 2].map(|axis| (nominal[axis] - Lanes::splat(centroid[axis])) * per_radius);
-        let [dx, dy, dz] = [0, 1, 2].map(|axis| points[place + axis] - nominal[axis]);
+        let [dx, dy, dz] = [0, 1, 2].map(|axis| places[axis] - nominal[axis]);
         let zero = Lanes::ZERO;
         let motions = [
             [one, zero, zero],

@@ -36,7 +36,30 @@ pub(crate) trait GroupModel: Sync {
     fn memories(&self) -> &Memories;
 
     /// Makes the equations of batch `b` at `state`.
-    fn fill(&self, state: &Self::State, b: usize, memory: &mut Memory);
+    fn fill(&self, state: &Self::State, b: usize, gauge: Gauge, memory: &mut Memory);
+
+    /// Adds batch `b` to the sums in a shorter way than by its equations; false if there is none.
+    fn add_shortly(&self, state: &Self::State, b: usize, gauge: Gauge, sums: &mut LaneSums)
+    -> bool;
+}
+
+/// What decides among results that differ by a motion of the whole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Gauge {
+    /// Nothing: the equations of the lengths alone.
+    Free,
+    /// The constraints of the datum.
+    Datum,
+}
+
+impl Gauge {
+    /// Number of constraints.
+    pub(crate) fn constraints(self) -> usize {
+        match self {
+            Self::Free => 0,
+            Self::Datum => DATUM,
+        }
+    }
 }
 
 /// Memory for one batch after the other.
@@ -104,9 +127,10 @@ pub(crate) fn eliminate<M: GroupModel>(
     model: &M,
     state: &M::State,
     b: usize,
+    gauge: Gauge,
     memory: &mut Memory,
 ) -> Result<(), LeastSquaresError> {
-    model.fill(state, b, memory);
+    model.fill(state, b, gauge, memory);
     let batch = &model.batches()[b];
     memory.equations.eliminate(|lane| batch.number(lane))
 }
@@ -115,18 +139,21 @@ pub(crate) fn eliminate<M: GroupModel>(
 pub(crate) fn reduce<M: GroupModel>(
     model: &M,
     state: &M::State,
+    gauge: Gauge,
 ) -> Result<Reduced, LeastSquaresError> {
     let sums = try_in_parallel(
         pieces(model.batches().len()),
         #[inline(always)]
         |piece| {
-            let mut sums = LaneSums::new(model.shared(), DATUM);
+            let mut sums = LaneSums::new(model.shared(), gauge.constraints());
             model.memories().lend(
                 #[inline(always)]
                 |memory| {
                     for b in piece {
-                        eliminate(model, state, b, memory)?;
-                        memory.equations.add_to(&mut sums);
+                        if !model.add_shortly(state, b, gauge, &mut sums) {
+                            eliminate(model, state, b, gauge, memory)?;
+                            memory.equations.add_to(&mut sums);
+                        }
                         let batch = &model.batches()[b];
                         sums.count(batch.readings, model.unknowns(batch) * batch.groups.len());
                     }
@@ -140,7 +167,7 @@ pub(crate) fn reduce<M: GroupModel>(
         sum.merge(&piece);
         sum
     });
-    Ok(sum.unwrap_or_else(|| Reduced::new(model.shared(), DATUM)))
+    Ok(sum.unwrap_or_else(|| Reduced::new(model.shared(), gauge.constraints())))
 }
 
 /// The factors of all groups.
@@ -167,7 +194,7 @@ pub(crate) fn factors<M: GroupModel>(
                 #[inline(always)]
                 |memory| {
                     for b in piece {
-                        eliminate(model, state, b, memory)?;
+                        eliminate(model, state, b, Gauge::Datum, memory)?;
                         let groups = &batches[b].groups;
                         memory
                             .equations

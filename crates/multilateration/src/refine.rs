@@ -4,7 +4,7 @@ use nalgebra::Point3;
 use trueaxis_leastsquares::Termination;
 
 use crate::free_points::State;
-use crate::solve::{Attempt, adjust_from, check_counts, solution};
+use crate::solve::{Attempt, adjust_from, batches_of, solution};
 use crate::{Error, Network, Settings, Solution, Station};
 
 /// Adjusted points, stations and dead paths, yet without uncertainties.
@@ -29,7 +29,7 @@ pub fn refine<'a>(
     settings: &Settings,
 ) -> Result<Refined<'a>, Error> {
     network.check()?;
-    check_counts(network)?;
+    let batches = batches_of(network)?;
     let mut state = State {
         stations: stations.iter().map(|s| s.position_mm).collect(),
         dead_paths_mm: stations.iter().map(|s| s.dead_path_mm).collect(),
@@ -54,7 +54,7 @@ pub fn refine<'a>(
         let before = state.dead_paths_mm[interruption.station];
         state.dead_paths_mm.push(before);
     }
-    let attempt = adjust_from(network, state, settings)?;
+    let attempt = adjust_from(network, &batches, state, settings)?;
     Ok(Refined { network, attempt })
 }
 

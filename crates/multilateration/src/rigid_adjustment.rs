@@ -3,18 +3,21 @@
 //! The equations are those of free points ([`crate::linearise`]), tied to poses and shapes
 //! ([`crate::rigid_stages`]).
 
+use std::sync::Arc;
+
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use trueaxis_leastsquares::{
-    Adjustment, BlockBatch, Error as LeastSquaresError, Factors, LANES, Lanes, Reduced, Shape,
+    Adjustment, BlockBatch, Error as LeastSquaresError, Factors, LANES, LaneSums, Lanes, Reduced,
+    Shape,
 };
 
-use crate::Network;
-use crate::batches::Batch;
+use crate::batches::{Batch, batches};
 use crate::bodies::Bodies;
 use crate::free_adjustment::FreeAdjustment;
-use crate::free_points::{DATUM, State};
-use crate::passes::{self, GroupModel, Memories, Memory, pieces, try_in_parallel};
+use crate::free_points::State;
+use crate::passes::{self, Gauge, GroupModel, Memories, Memory, pieces, try_in_parallel};
 use crate::rigid_stages::{Deformations, POSE, RigidState};
+use crate::{Error, Network};
 
 /// The model with its weights, which stay as they are while it is adjusted.
 pub(crate) struct RigidAdjustment<'a> {
@@ -26,14 +29,23 @@ pub(crate) struct RigidAdjustment<'a> {
 
 impl<'a> RigidAdjustment<'a> {
     /// The model with the weights that belong to the beams at `state`.
-    pub(crate) fn new(network: &'a Network, bodies: &'a Bodies, state: &State) -> Self {
-        let free = FreeAdjustment::new(network, state);
-        Self {
+    ///
+    /// # Errors
+    /// Those of [`batches`].
+    pub(crate) fn new(
+        network: &'a Network,
+        bodies: &'a Bodies,
+        state: &State,
+    ) -> Result<Self, Error> {
+        // Points that few stations see are tied to others.
+        let batches = Arc::new(batches(network, 0)?);
+        let free = FreeAdjustment::new(network, &batches, state);
+        Ok(Self {
             deformations: Deformations::new(bodies, GroupModel::shared(&free)),
             free,
             network,
             bodies,
-        }
+        })
     }
 
     pub(crate) fn weights_follow_beams(&self) -> bool {
@@ -62,12 +74,13 @@ impl RigidAdjustment<'_> {
             ..of_points.shape()
         });
         equations.take_shared(of_points);
+        let constraints = of_points.shape().datum;
         let centre = centroid(&beams.points);
         for coordinate in 0..beams.points.len() {
             let axis = coordinate % 3;
             let column = of_points.own(coordinate);
             add(equations.own_mut(axis), column, Lanes::splat(1.0));
-            for k in 0..DATUM {
+            for k in 0..constraints {
                 equations.datum_mut(k)[axis] += of_points.datum(k)[coordinate];
             }
             // Row `axis` of -[arm]×: the rotations about the other two axes move this coordinate.
@@ -75,7 +88,7 @@ impl RigidAdjustment<'_> {
             let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
             for (about, lever) in [(next, arm(last)), (last, -arm(next))] {
                 add(equations.own_mut(3 + about), column, lever);
-                for k in 0..DATUM {
+                for k in 0..constraints {
                     equations.datum_mut(k)[3 + about] += of_points.datum(k)[coordinate] * lever;
                 }
             }
@@ -133,7 +146,7 @@ fn centroid(points: &[Lanes]) -> [Lanes; 3] {
 #[inline(always)]
 fn add(sum: &mut [Lanes], column: &[Lanes], factor: Lanes) {
     for (s, x) in sum.iter_mut().zip(column) {
-        *s += factor * *x;
+        *s = factor.mul_add(*x, *s);
     }
 }
 
@@ -157,15 +170,20 @@ impl GroupModel for RigidAdjustment<'_> {
     }
 
     #[inline(always)]
-    fn fill(&self, state: &RigidState, b: usize, memory: &mut Memory) {
+    fn fill(&self, state: &RigidState, b: usize, gauge: Gauge, memory: &mut Memory) {
         let shared = GroupModel::shared(&self.free);
         self.free.fill_for(
             (&state.free, b),
-            shared,
+            (shared, gauge),
             &mut memory.beams,
             &mut memory.of_points,
         );
         self.tie(state, &self.free.batches()[b], memory);
+    }
+
+    #[inline(always)]
+    fn add_shortly(&self, _: &RigidState, _: usize, _: Gauge, _: &mut LaneSums) -> bool {
+        false
     }
 }
 
@@ -173,7 +191,11 @@ impl Adjustment for RigidAdjustment<'_> {
     type State = RigidState;
 
     fn reduce(&self, state: &RigidState) -> Result<Reduced, LeastSquaresError> {
-        passes::reduce(self, state)
+        passes::reduce(self, state, Gauge::Free)
+    }
+
+    fn reduce_with_datum(&self, state: &RigidState) -> Result<Reduced, LeastSquaresError> {
+        passes::reduce(self, state, Gauge::Datum)
     }
 
     fn squares(&self, state: &RigidState) -> f64 {
@@ -183,12 +205,12 @@ impl Adjustment for RigidAdjustment<'_> {
     fn step(
         &self,
         state: &RigidState,
-        t: &[f64],
+        s: &[f64],
         factor: f64,
         next: &mut RigidState,
     ) -> Result<(), LeastSquaresError> {
         self.free
-            .step_stations(&state.free, t, factor, &mut next.free);
+            .step_stations(&state.free, s, factor, &mut next.free);
         let batches = self.free.batches();
         let poses = try_in_parallel(
             pieces(batches.len()),
@@ -199,8 +221,8 @@ impl Adjustment for RigidAdjustment<'_> {
                     #[inline(always)]
                     |memory| {
                         for b in piece {
-                            passes::eliminate(self, state, b, memory)?;
-                            let x = memory.equations.correction(t);
+                            passes::eliminate(self, state, b, Gauge::Free, memory)?;
+                            let x = memory.equations.correction(s);
                             for (lane, group) in batches[b].groups.clone().enumerate() {
                                 let x = |k: usize| x[k].0[lane] * factor;
                                 let centre = state.centroid(self.network, group).coords;
@@ -226,7 +248,7 @@ impl Adjustment for RigidAdjustment<'_> {
         next.shapes_mm.clone_from(&state.shapes_mm);
         for (b, shape_mm) in next.shapes_mm.iter_mut().enumerate() {
             for (k, deformation) in self.deformations.of_bodies[b].iter().enumerate() {
-                let amount = t[self.deformations.first[b] + k] * factor;
+                let amount = s[self.deformations.first[b] + k] * factor;
                 for (place, point) in shape_mm.iter_mut().enumerate() {
                     *point += deformation.fixed_rows::<3>(3 * place) * amount;
                 }
@@ -244,5 +266,13 @@ impl Adjustment for RigidAdjustment<'_> {
         self.free
             .datum()
             .free_motions(&state.free, self.deformations.shared)
+    }
+
+    fn settle(&self, state: &mut RigidState) {
+        let motion = self.free.datum().motion(self.network, &state.free.points);
+        state.free.move_by(&motion);
+        for pose in &mut state.poses {
+            *pose = motion * *pose;
+        }
     }
 }

@@ -110,7 +110,7 @@ fn adjust_from(
     start: RigidState,
     settings: &Settings,
 ) -> Result<RigidSolution, Error> {
-    let mut model = RigidAdjustment::new(network, bodies, &start.free);
+    let mut model = RigidAdjustment::new(network, bodies, &start.free)?;
     let run = |model: &RigidAdjustment<'_>, start| {
         adjust(model, start, &settings.iteration).map_err(|error| match error {
             LeastSquaresError::BlockRank { block, .. }

@@ -130,7 +130,7 @@ impl<'a> Screening<'a> {
     pub(crate) fn solve_near(&mut self, near: &Solution) -> Result<(), Error> {
         let solution = solve_from(&self.network, near, self.settings);
         // With all lengths at full weight it could be solved: what is left is too little.
-        self.take(solution.map_err(|_| self.nothing_left())?);
+        self.take(solution.map_err(|error| self.nothing_left(error))?);
         Ok(())
     }
 
@@ -149,24 +149,32 @@ impl<'a> Screening<'a> {
 
     /// A reading may be so wrong that even without weight it drives the adjustment away.
     fn driven_away(&self, error: Error) -> Error {
-        let farthest = self.far.iter().max_by(|a, b| a.1.total_cmp(&b.1));
-        match (farthest, error) {
-            (Some(&(reading, residual_mm)), Error::StationsNotDetermined { .. }) => {
-                Error::RanAway {
-                    reading,
-                    residual_mm,
-                }
-            }
-            (_, error) => error,
+        match error {
+            Error::StationsNotDetermined { .. } => self.ran_away().unwrap_or(error),
+            error => error,
         }
     }
 
-    /// So many readings have lost their weight that the others do not determine the network.
-    fn nothing_left(&self) -> Error {
+    /// That the reading that was farthest off at the start drove the adjustment away, if one was far.
+    fn ran_away(&self) -> Option<Error> {
+        let farthest = self.far.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        farthest.map(|&(reading, residual_mm)| Error::RanAway {
+            reading,
+            residual_mm,
+        })
+    }
+
+    /// So many readings have lost their weight that the others do not determine the network; if none
+    /// has, one that was far off did it.
+    fn nothing_left(&self, error: Error) -> Error {
         let factors = self.network.variance_factors.iter().enumerate();
         let without_weight = factors.filter(|&(_, &factor)| factor > WEIGHTLESS);
+        let removed: Vec<usize> = without_weight.map(|(reading, _)| reading).collect();
+        if removed.is_empty() {
+            return self.ran_away().unwrap_or(error);
+        }
         Error::TooManyGrossErrors {
-            removed: without_weight.map(|(reading, _)| reading).collect(),
+            removed,
             readings: self.network.readings.len(),
             limit: guard::MOST_REMOVED,
         }

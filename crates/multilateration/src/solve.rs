@@ -1,7 +1,10 @@
 //! The headline verb: lengths to points.
 
+use std::sync::Arc;
+
 use trueaxis_leastsquares::{Adjusted, Adjustment, Error as LeastSquaresError, adjust};
 
+use crate::batches::{Batch, batches};
 use crate::free_adjustment::FreeAdjustment;
 use crate::free_points::{DATUM, PER_STATION, State};
 use crate::start::{Image, Start, start};
@@ -39,13 +42,13 @@ const MAX_WEIGHT_UPDATES: usize = 10;
 /// converging is no error but a [`Solution::termination`].
 pub fn solve(network: &Network, settings: &Settings) -> Result<Solution, Error> {
     network.check()?;
-    check_counts(network)?;
+    let batches = batches_of(network)?;
     let Start { state, images } = start(network)?;
-    let first = adjust_from(network, state.clone(), settings);
+    let first = adjust_from(network, &batches, state.clone(), settings);
     if images.iter().all(Option::is_none) {
         return solution(network, first?, false);
     }
-    choose_sides(network, settings, &state, &images, first)
+    choose_sides((network, &batches), settings, &state, &images, first)
 }
 
 /// Solves a network again from the solution of a similar one: the same stations and groups, other
@@ -55,7 +58,7 @@ pub(crate) fn solve_from(
     near: &Solution,
     settings: &Settings,
 ) -> Result<Solution, Error> {
-    check_counts(network)?;
+    let batches = batches_of(network)?;
     let mut state = near.state();
     // Lengths are linear in dead paths: where those after interruptions start does not matter.
     state.dead_paths_mm.truncate(network.stations.len());
@@ -63,7 +66,7 @@ pub(crate) fn solve_from(
         let before = state.dead_paths_mm[interruption.station];
         state.dead_paths_mm.push(before);
     }
-    let attempt = adjust_from(network, state, settings)?;
+    let attempt = adjust_from(network, &batches, state, settings)?;
     solution(network, attempt, near.mirror_image_open)
 }
 
@@ -75,7 +78,7 @@ const FAR_MM: f64 = 1.0;
 /// Readings that are far off at the start, and by how much (mm).
 pub(crate) fn far_at_start(network: &Network) -> Result<Vec<(usize, f64)>, Error> {
     network.check()?;
-    check_counts(network)?;
+    batches_of(network)?;
     let Start { state, .. } = start(network)?;
     let sizes_mm: Vec<f64> = state
         .residuals_mm(network)
@@ -99,10 +102,11 @@ pub(crate) struct Attempt<'a> {
 
 pub(crate) fn adjust_from<'a>(
     network: &'a Network,
+    batches: &Arc<Vec<Batch>>,
     start: State,
     settings: &Settings,
 ) -> Result<Attempt<'a>, Error> {
-    let mut model = FreeAdjustment::new(network, &start);
+    let mut model = FreeAdjustment::new(network, batches, &start);
     let mut adjusted = run(network, &model, start.clone(), settings)
         .map_err(|error| ran_away(network, &model, &start, error))?;
     let mut iterations = adjusted.iterations;
@@ -134,7 +138,7 @@ fn ran_away(network: &Network, model: &FreeAdjustment<'_>, start: &State, error:
     }
     let determined = model
         .reduce(start)
-        .and_then(|system| system.solve(|| model.free_motions(start)))
+        .and_then(|system| system.shortest_correction(&model.free_motions(start)))
         .is_ok();
     let worst = start
         .residuals_mm(network)
@@ -159,7 +163,7 @@ fn ran_away(network: &Network, model: &FreeAdjustment<'_>, start: &State, error:
 ///
 /// Moving one station at a time would be cheaper, but gets stuck with two on the wrong side.
 fn choose_sides<'a>(
-    network: &'a Network,
+    (network, batches): (&'a Network, &Arc<Vec<Batch>>),
     settings: &Settings,
     start: &State,
     images: &[Option<Image>],
@@ -175,7 +179,7 @@ fn choose_sides<'a>(
                 state.dead_paths_mm[j] = image.dead_path_mm;
             }
         }
-        adjust_from(network, state, settings)
+        adjust_from(network, batches, state, settings)
     };
     let (mut best, mut chosen) = (first, 0);
     let all = (1 << tried) - 1;
@@ -200,7 +204,8 @@ fn choose_sides<'a>(
     solution(network, best, image_open)
 }
 
-pub(crate) fn check_counts(network: &Network) -> Result<(), Error> {
+/// The groups of a network, after checking that there are enough lengths of every station and point.
+pub(crate) fn batches_of(network: &Network) -> Result<Arc<Vec<Batch>>, Error> {
     let mut used = vec![false; network.stations.len()];
     for visit in &network.visits {
         used[visit.station] |= !visit.readings.is_empty();
@@ -215,38 +220,14 @@ pub(crate) fn check_counts(network: &Network) -> Result<(), Error> {
     if let Some(station) = used.iter().position(|used| !used) {
         return Err(Error::StationWithoutReadings { station });
     }
-    let by_group = network.visits_by_group();
-    let mut seen = Vec::new();
-    for (group, points) in network.groups.iter().enumerate() {
-        // Which station saw which point of the group.
-        seen.clear();
-        seen.resize(points.len() * network.stations.len(), false);
-        for &v in by_group.of(group) {
-            let visit = &network.visits[v];
-            for reading in network.readings_of(visit) {
-                seen[reading.point * network.stations.len() + visit.station] = true;
-            }
-        }
-        for (point, stations) in seen.chunks_exact(network.stations.len()).enumerate() {
-            let seen = stations.iter().filter(|&&seen| seen).count();
-            let need = MIN_STATIONS_PER_POINT;
-            if seen < need {
-                return Err(Error::PointSeenTooRarely {
-                    group,
-                    point,
-                    seen,
-                    need,
-                });
-            }
-        }
-    }
+    let batches = batches(network, MIN_STATIONS_PER_POINT)?;
     let readings = network.readings.len();
     let shared = PER_STATION * found + network.interruptions.len();
     let unknowns = 3 * network.nominal_mm.len() + shared - DATUM;
     if readings < unknowns {
         return Err(Error::TooFewReadings { readings, unknowns });
     }
-    Ok(())
+    Ok(Arc::new(batches))
 }
 
 fn run(

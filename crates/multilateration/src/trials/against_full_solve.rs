@@ -2,12 +2,15 @@
 
 #![expect(clippy::print_stdout, reason = "shows what each correction leaves")]
 
+use std::sync::Arc;
+
 use nalgebra::{Point3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use trueaxis_leastsquares::{Settings as Iteration, adjust};
 
 use super::{Corrections, Trials};
+use crate::batches::batches;
 use crate::free_adjustment::FreeAdjustment;
 use crate::free_points::State;
 use crate::{Interruption, Network, Noise, Reading, Settings, Solution, Visit, solve};
@@ -92,7 +95,8 @@ fn full_solution(network: &Network, solution: &Solution, errors_mm: &[f64]) -> S
         reading.length_mm += error - residual;
     }
     let state = solution.state();
-    let model = FreeAdjustment::new(&disturbed, &state);
+    let batches = Arc::new(batches(&disturbed, 0).unwrap());
+    let model = FreeAdjustment::new(&disturbed, &batches, &state);
     let adjusted = adjust(&model, state, &Iteration::default()).unwrap();
     assert!(adjusted.termination.is_converged());
     adjusted.state

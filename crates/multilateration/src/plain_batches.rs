@@ -1,0 +1,301 @@
+//! Batches of single points, read once from each of some stations, without a datum.
+//!
+//! The plain case of [`crate::linearise`] and [`trueaxis_leastsquares::BlockBatch`]: a group is a point
+//! with three unknowns `x`, and each row is a reading of its own with the weight `w`,
+//!
+//! ```text
+//! w uᵀ x = w (r + uᵀ dS + dL)
+//! ```
+//!
+//! The number of rows is known when it is compiled, nothing is stored but results, and a pass takes a
+//! third of the time. A point that is not determined is left to the general way, which names it.
+
+use nalgebra::Point3;
+use trueaxis_leastsquares::{LANES, LaneSums, Lanes, SmallReflections};
+
+use crate::batches::Batch;
+use crate::free_points::{PER_STATION, State};
+
+/// The most rows that are compiled for.
+const MOST_ROWS: usize = 8;
+
+/// Whether a batch is one of the plain ones.
+#[inline(always)]
+pub(crate) fn is_plain(batch: &Batch) -> bool {
+    batch.layout.is_plain
+        && batch.points == 1
+        && batch.zeros.is_empty()
+        && (PER_STATION..=MOST_ROWS).contains(&batch.slots())
+}
+
+/// Adds a plain batch to the sums of the reduced system; false if a point is not determined, with the
+/// sums as they were.
+#[inline(always)]
+pub(crate) fn add_to(batch: &Batch, weights: &[Lanes], state: &State, sums: &mut LaneSums) -> bool {
+    match batch.slots() {
+        4 => add_rows::<4>(batch, weights, state, sums),
+        5 => add_rows::<5>(batch, weights, state, sums),
+        6 => add_rows::<6>(batch, weights, state, sums),
+        7 => add_rows::<7>(batch, weights, state, sums),
+        MOST_ROWS => add_rows::<MOST_ROWS>(batch, weights, state, sums),
+        _ => false,
+    }
+}
+
+/// Moves the points of a plain batch by `factor` times what follows from the correction `s` of the
+/// stations; false if one of them is not determined.
+#[inline(always)]
+pub(crate) fn move_points(
+    batch: &Batch,
+    weights: &[Lanes],
+    state: &State,
+    step: (&[f64], f64),
+    moved: &mut [Point3<f64>],
+) -> bool {
+    match batch.slots() {
+        4 => move_rows::<4>(batch, weights, state, step, moved),
+        5 => move_rows::<5>(batch, weights, state, step, moved),
+        6 => move_rows::<6>(batch, weights, state, step, moved),
+        7 => move_rows::<7>(batch, weights, state, step, moved),
+        MOST_ROWS => move_rows::<MOST_ROWS>(batch, weights, state, step, moved),
+        _ => false,
+    }
+}
+
+/// The rows of a batch and their elimination.
+struct Rows<'a, const ROWS: usize> {
+    weights: &'a [Lanes; ROWS],
+    point: [Lanes; 3],
+    columns: [[Lanes; ROWS]; 3],
+    residual: [Lanes; ROWS],
+    reflections: SmallReflections<ROWS, 3>,
+}
+
+impl<'a, const ROWS: usize> Rows<'a, ROWS> {
+    #[inline(always)]
+    fn new(weights: &'a [Lanes; ROWS]) -> Self {
+        Self {
+            weights,
+            point: [Lanes::ZERO; 3],
+            columns: [[Lanes::ZERO; ROWS]; 3],
+            residual: [Lanes::ZERO; ROWS],
+            reflections: SmallReflections::new(),
+        }
+    }
+
+    /// False if a point is not determined.
+    #[inline(always)]
+    fn eliminate(&mut self, batch: &Batch, state: &State) -> bool {
+        for lane in 0..LANES {
+            let point = &state.points[batch.first_points[lane]];
+            for axis in 0..3 {
+                self.point[axis].0[lane] = point[axis];
+            }
+        }
+        let lengths_mm = &batch.lengths_mm()[..ROWS];
+        let visits = &batch.layout.visits[..ROWS];
+        for i in 0..ROWS {
+            let station = state.stations[visits[i].station];
+            let dead_path = Lanes::splat(state.dead_paths_mm[visits[i].station]);
+            let x = self.point[0] - Lanes::splat(station.x);
+            let y = self.point[1] - Lanes::splat(station.y);
+            let z = self.point[2] - Lanes::splat(station.z);
+            let distance_mm = z.mul_add(z, y.mul_add(y, x * x)).sqrt();
+            let scale = self.weights[i] / distance_mm;
+            self.columns[0][i] = x * scale;
+            self.columns[1][i] = y * scale;
+            self.columns[2][i] = z * scale;
+            self.residual[i] = self.weights[i] * (lengths_mm[i] + dead_path - distance_mm);
+        }
+        self.reflections.eliminate(&self.columns)
+    }
+}
+
+#[inline(always)]
+fn add_rows<const ROWS: usize>(
+    batch: &Batch,
+    weights: &[Lanes],
+    state: &State,
+    sums: &mut LaneSums,
+) -> bool {
+    let Ok(weights) = weights.try_into() else {
+        return false;
+    };
+    let mut rows = Rows::<ROWS>::new(weights);
+    if !rows.eliminate(batch, state) {
+        return false;
+    }
+    // Lanes without a group count for nothing.
+    let used = batch.groups.len();
+    let mask = Lanes::from_fn(|lane| f64::from(u8::from(lane < used)));
+    for r in &mut rows.residual {
+        *r = *r * mask;
+    }
+    sums.add_squares(squares(&rows.residual));
+    rows.reflections.reflect(&mut rows.residual);
+    sums.add_taken(squares(&rows.residual[..3]));
+    for k in 3..ROWS {
+        let q = rows.reflections.column(k);
+        let free_row = sums.next_row();
+        for i in 0..ROWS {
+            let first = PER_STATION * batch.layout.visits[i].station;
+            let own = &mut free_row[first..first + PER_STATION];
+            let q = -(q[i] * mask);
+            for (x, column) in own.iter_mut().zip(&rows.columns) {
+                *x = q * column[i];
+            }
+            own[PER_STATION - 1] = q * weights[i];
+        }
+        if let Some(last) = free_row.last_mut() {
+            *last = rows.residual[k];
+        }
+    }
+    true
+}
+
+#[inline(always)]
+fn move_rows<const ROWS: usize>(
+    batch: &Batch,
+    weights: &[Lanes],
+    state: &State,
+    (s, factor): (&[f64], f64),
+    moved: &mut [Point3<f64>],
+) -> bool {
+    let Ok(weights) = weights.try_into() else {
+        return false;
+    };
+    let mut rows = Rows::<ROWS>::new(weights);
+    if !rows.eliminate(batch, state) {
+        return false;
+    }
+    for (i, weight) in weights.iter().enumerate() {
+        let first = PER_STATION * batch.layout.visits[i].station;
+        let own = &s[first..first + PER_STATION];
+        let dead_path = Lanes::splat(own[PER_STATION - 1]);
+        let mut right = weight.mul_add(dead_path, rows.residual[i]);
+        for (column, x) in rows.columns.iter().zip(own) {
+            right = column[i].mul_add(Lanes::splat(*x), right);
+        }
+        rows.residual[i] = right;
+    }
+    rows.reflections.reflect(&mut rows.residual);
+    let correction = rows.reflections.solve(&rows.residual);
+    let factor = Lanes::splat(factor);
+    for (x, correction) in rows.point.iter_mut().zip(&correction) {
+        *x = correction.mul_add(factor, *x);
+    }
+    let [x, y, z] = &rows.point;
+    for (lane, moved) in moved.iter_mut().enumerate() {
+        *moved = Point3::new(x.0[lane], y.0[lane], z.0[lane]);
+    }
+    true
+}
+
+#[inline(always)]
+fn squares(x: &[Lanes]) -> Lanes {
+    let mut sum = Lanes::ZERO;
+    for x in x {
+        sum = x.mul_add(*x, sum);
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use trueaxis_leastsquares::Adjustment;
+
+    use super::*;
+    use crate::batches::batches;
+    use crate::free_adjustment::FreeAdjustment;
+    use crate::passes::{self, Gauge, Memory};
+    use crate::{Network, Reading, Visit};
+
+    /// Thirty points, four batches of which the last is not full, not all seen from all of `stations`.
+    fn network(stations: usize) -> (Network, State) {
+        let wave = |i: usize, k: f64| (k * (i as f64 + 0.7)).sin();
+        let place = |i: usize, size: f64| {
+            Point3::new(wave(i, 1.3), wave(i, 2.9), wave(i, 4.7)) * size + nalgebra::Vector3::x()
+        };
+        let mut network = Network {
+            stations: vec![None; stations],
+            nominal_mm: (0..30).map(|i| place(i, 400.0)).collect(),
+            groups: (0..30).map(|i| i..i + 1).collect(),
+            ..Network::default()
+        };
+        let state = State {
+            stations: (0..stations).map(|i| place(i + 20, 2000.0)).collect(),
+            dead_paths_mm: (0..stations).map(|i| 10.0 * i as f64).collect(),
+            points: network.nominal_mm.clone(),
+        };
+        for station in 0..stations {
+            for group in 0..30 {
+                if stations > 4 && (group + station) % 9 == 4 {
+                    continue;
+                }
+                let distance = (state.points[group] - state.stations[station]).norm();
+                let first = network.readings.len();
+                network.readings.push(Reading {
+                    point: 0,
+                    length_mm: distance + wave(first, 3.3),
+                });
+                network.visits.push(Visit {
+                    station,
+                    group,
+                    readings: first..first + 1,
+                });
+            }
+        }
+        (network, state)
+    }
+
+    /// Sums and steps against those of the general equations.
+    #[test]
+    fn agrees_with_the_general_way() {
+        for stations in 4..=MOST_ROWS {
+            let (network, state) = network(stations);
+            let batches = Arc::new(batches(&network, 3).unwrap());
+            assert!(batches.iter().all(is_plain));
+            let model = FreeAdjustment::new(&network, &batches, &state);
+            let mut general = LaneSums::new(PER_STATION * stations, 0);
+            let mut memory = Memory::default();
+            let mut corrections = Vec::new();
+            let s: Vec<f64> = (0..PER_STATION * stations)
+                .map(|k| (k as f64).cos())
+                .collect();
+            for (b, batch) in batches.iter().enumerate() {
+                passes::eliminate(&model, &state, b, Gauge::Free, &mut memory).unwrap();
+                let x = memory.equations.correction(&s);
+                for lane in 0..batch.groups.len() {
+                    corrections.push([0, 1, 2].map(|axis| x[axis].0[lane]));
+                }
+                memory.equations.add_to(&mut general);
+            }
+            let motions = model.free_motions(&state);
+            let general = general.into_reduced();
+            let plain = model.reduce(&state).unwrap();
+            let same = |a: f64, b: f64, size: f64| (a - b).abs() < 1e-9 * size;
+            assert!(same(plain.squares(), general.squares(), general.squares()));
+            let general = general.shortest_correction(&motions).unwrap();
+            let plain = plain.shortest_correction(&motions).unwrap();
+            assert!(same(plain.decrease, general.decrease, general.decrease));
+            let size = general
+                .shared
+                .iter()
+                .fold(0.0_f64, |max, x| max.max(x.abs()));
+            assert!(size > 0.1, "{size}");
+            for (a, b) in plain.shared.iter().zip(&general.shared) {
+                assert!(same(*a, *b, size), "{a} {b}");
+            }
+            let mut next = state.clone();
+            model.step(&state, &s, 0.5, &mut next).unwrap();
+            for ((moved, point), x) in next.points.iter().zip(&state.points).zip(&corrections) {
+                for axis in 0..3 {
+                    let expected = point[axis] + 0.5 * x[axis];
+                    assert!(same(moved[axis], expected, 1.0), "{moved} {expected}");
+                }
+            }
+        }
+    }
+}

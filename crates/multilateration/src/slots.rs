@@ -1,0 +1,246 @@
+//! Where the readings of groups stand in their batch.
+//!
+//! A *slot* is a station, the how manieth visit of the station to the group, and a point. The slots of a
+//! batch are those of any of its groups. Most groups of a campaign are measured by one plan: the places
+//! of their readings are found once, and the others only compared with it.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use crate::Error;
+use crate::network::{Network, VisitsByGroup};
+
+/// What slots a batch has; batches of a campaign measured by a plan share one.
+#[derive(Debug, Default)]
+pub(crate) struct Layout {
+    pub(crate) visits: Vec<SlotVisit>,
+    /// The point within the group of each slot.
+    pub(crate) point_of_slot: Vec<usize>,
+    /// Whether every slot is the only one of its visit and of its station, of groups of one point.
+    pub(crate) is_plain: bool,
+}
+
+/// The slots of a visit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct SlotVisit {
+    pub(crate) station: usize,
+    pub(crate) slots: Range<usize>,
+}
+
+/// What tells slots apart, in their order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Key {
+    station: usize,
+    /// Visits of the station to the group before this one.
+    ordinal: usize,
+    point: usize,
+    /// Readings of the point in the visit before this one.
+    again: usize,
+}
+
+/// The slots of one batch after the other.
+#[derive(Debug, Default)]
+pub(crate) struct Slots {
+    /// Stations from which each point must be seen.
+    stations_per_point: usize,
+    layout: Arc<Layout>,
+    /// Slot and reading, group after group.
+    places: Vec<(usize, usize)>,
+    /// Where those of each group end.
+    ends: Vec<usize>,
+    plan: Plan,
+    keys: Vec<(Key, usize)>,
+}
+
+/// The readings of a group that has all slots of its batch, in measuring order.
+#[derive(Debug, Default)]
+struct Plan {
+    /// The station of each visit and its readings.
+    visits: Vec<(usize, Range<usize>)>,
+    /// Point and slot of each reading.
+    readings: Vec<(usize, usize)>,
+}
+
+impl Slots {
+    /// Of groups whose points are seen from at least so many stations each.
+    pub(crate) fn new(stations_per_point: usize) -> Self {
+        Self {
+            stations_per_point,
+            ..Self::default()
+        }
+    }
+
+    /// Takes the slots of some groups.
+    ///
+    /// # Errors
+    /// [`Error::PointSeenTooRarely`].
+    pub(crate) fn take(
+        &mut self,
+        network: &Network,
+        by_group: &VisitsByGroup,
+        groups: Range<usize>,
+    ) -> Result<(), Error> {
+        self.places.clear();
+        self.ends.clear();
+        let mut of_groups = groups.clone().map(|group| by_group.of(group));
+        if !of_groups.all(|visits| self.place_by_plan(network, visits)) {
+            self.place_by_keys(network, by_group, groups)?;
+        }
+        Ok(())
+    }
+
+    /// The slots of the batch.
+    pub(crate) fn layout(&self) -> &Arc<Layout> {
+        &self.layout
+    }
+
+    /// Slot and index of each reading of the `k`th group.
+    pub(crate) fn places(&self, k: usize) -> &[(usize, usize)] {
+        let first = k.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.places[first..self.ends[k]]
+    }
+
+    /// Number of readings of all groups.
+    pub(crate) fn readings(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Appends the places of a group; false if it was not measured by the plan.
+    fn place_by_plan(&mut self, network: &Network, visits: &[usize]) -> bool {
+        if visits.len() != self.plan.visits.len() {
+            return false;
+        }
+        for (&v, (station, readings)) in visits.iter().zip(&self.plan.visits) {
+            let visit = &network.visits[v];
+            if visit.station != *station || visit.readings.len() != readings.len() {
+                return false;
+            }
+            let planned = &self.plan.readings[readings.clone()];
+            for (i, &(point, slot)) in visit.readings.clone().zip(planned) {
+                if network.readings[i].point != point {
+                    return false;
+                }
+                self.places.push((slot, i));
+            }
+        }
+        self.ends.push(self.places.len());
+        true
+    }
+
+    /// Finds the slots of groups that differ, and makes the first group the plan if all have the same.
+    fn place_by_keys(
+        &mut self,
+        network: &Network,
+        by_group: &VisitsByGroup,
+        groups: Range<usize>,
+    ) -> Result<(), Error> {
+        self.keys.clear();
+        self.places.clear();
+        self.ends.clear();
+        for group in groups.clone() {
+            let first = self.keys.len();
+            append_keys(network, by_group.of(group), &mut self.keys);
+            self.check_seen(network, group, &self.keys[first..])?;
+            self.ends.push(self.keys.len());
+        }
+        let mut slots: Vec<Key> = self.keys.iter().map(|&(key, _)| key).collect();
+        slots.sort_unstable();
+        slots.dedup();
+        let place = |&(key, i): &(Key, usize)| (slots.partition_point(|slot| *slot < key), i);
+        self.places.extend(self.keys.iter().map(place));
+        self.layout = Arc::new(Layout {
+            is_plain: slots.windows(2).all(|s| s[0].station < s[1].station)
+                && slots.iter().all(|slot| slot.point == 0),
+            visits: slot_visits(&slots),
+            point_of_slot: slots.iter().map(|key| key.point).collect(),
+        });
+        self.plan = Plan::default();
+        if self.places.len() == slots.len() * groups.len() {
+            self.plan = Plan::new(network, by_group.of(groups.start), self.places(0));
+        }
+        Ok(())
+    }
+
+    /// Checks that each point of a group is seen from enough stations.
+    fn check_seen(
+        &self,
+        network: &Network,
+        group: usize,
+        keys: &[(Key, usize)],
+    ) -> Result<(), Error> {
+        let need = self.stations_per_point;
+        for point in 0..network.groups[group].len() {
+            let own = keys.iter().filter(|(key, _)| key.point == point);
+            let mut stations: Vec<usize> = own.map(|(key, _)| key.station).collect();
+            stations.sort_unstable();
+            stations.dedup();
+            let seen = stations.len();
+            if seen < need {
+                return Err(Error::PointSeenTooRarely {
+                    group,
+                    point,
+                    seen,
+                    need,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Plan {
+    fn new(network: &Network, visits: &[usize], places: &[(usize, usize)]) -> Self {
+        let mut plan = Self::default();
+        for &v in visits {
+            let visit = &network.visits[v];
+            let first = plan.readings.len();
+            let own = &places[first..first + visit.readings.len()];
+            let readings = own
+                .iter()
+                .map(|&(slot, i)| (network.readings[i].point, slot));
+            plan.readings.extend(readings);
+            plan.visits
+                .push((visit.station, first..plan.readings.len()));
+        }
+        plan
+    }
+}
+
+/// Appends the readings of a group in measuring order.
+fn append_keys(network: &Network, visits: &[usize], keys: &mut Vec<(Key, usize)>) {
+    for (k, &v) in visits.iter().enumerate() {
+        let visit = &network.visits[v];
+        let same = |&&before: &&usize| network.visits[before].station == visit.station;
+        let ordinal = visits[..k].iter().filter(same).count();
+        for i in visit.readings.clone() {
+            let point = network.readings[i].point;
+            let before = &network.readings[visit.readings.start..i];
+            let again = before.iter().filter(|r| r.point == point).count();
+            let key = Key {
+                station: visit.station,
+                ordinal,
+                point,
+                again,
+            };
+            keys.push((key, i));
+        }
+    }
+}
+
+fn slot_visits(slots: &[Key]) -> Vec<SlotVisit> {
+    let mut visits: Vec<SlotVisit> = Vec::new();
+    for (slot, key) in slots.iter().enumerate() {
+        let goes_on = slot > 0 && {
+            let before = &slots[slot - 1];
+            (before.station, before.ordinal) == (key.station, key.ordinal)
+        };
+        match visits.last_mut() {
+            Some(visit) if goes_on => visit.slots.end = slot + 1,
+            _ => visits.push(SlotVisit {
+                station: key.station,
+                slots: slot..slot + 1,
+            }),
+        }
+    }
+    visits
+}
