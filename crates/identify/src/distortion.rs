@@ -35,7 +35,7 @@ pub(crate) type Covariance9 = SMatrix<f64, 9, 9>;
 const ROOT_HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
 const ROOT_SIXTH: f64 = 0.408_248_290_463_863;
 
-impl ThreeTargets {
+impl ThreeTargets<f64> {
     /// An orthonormal basis of what no rigid motion of the targets reaches.
     pub(crate) fn distortions(&self) -> Distortions {
         let [a, b] = self.sides_mm();

@@ -117,3 +117,14 @@ pub enum Error {
         measured: usize,
     },
 }
+
+/// A step whose component errors cannot be had.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("step number {step} (from 0)")]
+pub struct StepError {
+    /// Index of the step.
+    pub step: usize,
+    /// What is wrong with it.
+    #[source]
+    pub error: Error,
+}

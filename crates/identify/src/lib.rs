@@ -14,6 +14,7 @@
 //!
 //! - [`nine`] and [`nine_weighted`]: all equations by least squares, for three targets or more;
 //!   [`nine_closed_form`] does it without an operator where the targets differ from step to step;
+//! - [`Operator::apply_steps`] and [`nine_steps`]: the same for all steps of a run at once;
 //! - [`SixRows`]: any six of the nine, for comparison; [`closed_form`] is the paper's Eq. 18.
 //!
 //! Lengths are mm, angles rad, right-hand rule. δ belongs to the point that `r` is measured from,
@@ -55,6 +56,7 @@
 //! location errors in what it finds: separating them needs all steps of a run.
 
 mod closed_form;
+mod coordinates;
 mod covariance;
 mod design;
 mod distortion;
@@ -63,15 +65,17 @@ mod misfit;
 mod nine;
 mod operator;
 mod six_rows;
+mod steps;
 mod three_targets;
 mod triangle;
 
 pub use closed_form::closed_form;
 pub use design::equations;
-pub use error::Error;
+pub use error::{Error, StepError};
 pub use misfit::{RigidMisfit, rigid_misfit};
 pub use nine::{nine, nine_weighted};
 pub use operator::Operator;
 pub use six_rows::{SixRows, UnseenMotion};
+pub use steps::nine_steps;
 pub use three_targets::nine_closed_form;
 pub use triangle::{SideMismatch, triangle_mismatch};

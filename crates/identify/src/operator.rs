@@ -100,6 +100,11 @@ impl Operator {
         matrix
     }
 
+    /// The columns of P that belong to each target.
+    pub(crate) fn blocks(&self) -> &[Matrix6x3<f64>] {
+        &self.blocks
+    }
+
     /// The generalised coordinates of the targets it was made for, mm.
     pub fn targets_mm(&self) -> &[Vector3<f64>] {
         &self.targets

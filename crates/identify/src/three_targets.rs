@@ -23,9 +23,13 @@
 
 use nalgebra::{Matrix3, Matrix6x3, Vector3};
 use trueaxis_kinematics::MotionError;
+use trueaxis_leastsquares::{LANES, Lanes};
 
 use crate::Error;
+use crate::coordinates::{Coordinates, Number};
 use crate::design::{Extent, GEOMETRY_TOL, require_finite};
+
+const THIRD: f64 = 1.0 / 3.0;
 
 /// The six component errors of a step by least squares over its nine equations: what
 /// [`crate::nine`] and [`Operator::apply`](crate::Operator::apply) give, for targets that are at
@@ -52,100 +56,145 @@ pub fn nine_closed_form(
     r: &[Vector3<f64>; 3],
     delta: &[Vector3<f64>; 3],
 ) -> Result<MotionError, Error> {
-    Ok(ThreeTargets::new(r)?.motion(delta))
+    let delta = delta.map(|delta| Coordinates(delta.into()));
+    let [translation, rotation] = ThreeTargets::new(r)?.motion(&delta).map(|v| v.0.into());
+    Ok(MotionError::new(translation, rotation))
 }
 
 /// Three targets that span a plane.
-pub(crate) struct ThreeTargets {
-    centroid_mm: Vector3<f64>,
+pub(crate) struct ThreeTargets<T> {
+    centroid_mm: Coordinates<T>,
     /// From P to Q, and from P to K.
-    sides_mm: [Vector3<f64>; 2],
+    sides_mm: [Coordinates<T>; 2],
     /// `a × b`.
-    normal_mm2: Vector3<f64>,
+    normal_mm2: Coordinates<T>,
     /// Sum of the squares of all three sides.
-    squares_mm2: f64,
+    squares_mm2: T,
     /// `1 / |N|²`, mm⁻⁴.
-    inverse_square: f64,
+    inverse_square: T,
 }
 
-impl ThreeTargets {
+/// `|N|²`, and what it must exceed, mm⁴.
+pub(crate) struct Span<T> {
+    square: T,
+    least: T,
+}
+
+impl Span<f64> {
+    #[inline(always)]
+    pub(crate) fn is_plane(&self) -> bool {
+        self.square > self.least && self.square < f64::INFINITY
+    }
+}
+
+impl Span<Lanes> {
+    #[inline(always)]
+    fn of_lane(&self, k: usize) -> Span<f64> {
+        Span {
+            square: self.square.0[k],
+            least: self.least.0[k],
+        }
+    }
+
+    /// Whether it is in all lanes.
+    #[inline(always)]
+    pub(crate) fn is_plane(&self) -> bool {
+        // Without a branch for each lane.
+        (0..LANES).fold(true, |all, k| all & self.of_lane(k).is_plane())
+    }
+}
+
+impl ThreeTargets<f64> {
     /// # Errors
     /// [`Error::NotFinite`], [`Error::Collinear`].
-    #[inline]
     pub(crate) fn new(r: &[Vector3<f64>; 3]) -> Result<Self, Error> {
-        let [p, q, k] = r;
-        let (a, b) = (q - p, k - p);
-        let squares = [a, b, b - a].map(|side| side.norm_squared());
-        let normal_mm2 = a.cross(&b);
-        let longest_mm2 = squares[0].max(squares[1]).max(squares[2]);
-        // The distance of the third target from the longest side is |N| over its length.
-        let least = GEOMETRY_TOL * longest_mm2;
-        let square = normal_mm2.norm_squared();
-        let spans_a_plane = square > least * least && square.is_finite();
-        if !spans_a_plane {
-            require_finite("position", r)?;
-            return Err(Extent::of(r).collinear());
+        let (targets, span) = Self::unchecked(&r.map(|r| Coordinates(r.into())));
+        if span.is_plane() {
+            return Ok(targets);
         }
-        Ok(Self {
-            centroid_mm: p + (a + b) / 3.0,
-            sides_mm: [a, b],
-            normal_mm2,
-            squares_mm2: squares.iter().sum(),
-            inverse_square: square.recip(),
-        })
+        require_finite("position", r)?;
+        Err(Extent::of(r).collinear())
     }
 
     /// From P to Q, and from P to K.
-    pub(crate) fn sides_mm(&self) -> &[Vector3<f64>; 2] {
-        &self.sides_mm
+    pub(crate) fn sides_mm(&self) -> [Vector3<f64>; 2] {
+        self.sides_mm.map(|side| side.0.into())
     }
 
     /// Unit normal of the plane.
     pub(crate) fn normal(&self) -> Vector3<f64> {
-        self.normal_mm2 * self.inverse_square.sqrt()
-    }
-
-    /// The component errors that fit the volumetric errors best.
-    #[inline]
-    pub(crate) fn motion(&self, delta: &[Vector3<f64>; 3]) -> MotionError {
-        let [delta_p, delta_q, delta_k] = delta;
-        let [a, b] = &self.sides_mm;
-        let (u, v) = (delta_q - delta_p, delta_k - delta_p);
-        // Σ s_j × Δ_j with s_Q = (2a - b)/3, s_K = (2b - a)/3 and s_P the rest.
-        let moment = (a.cross(&(u * 2.0 - v)) + b.cross(&(v * 2.0 - u))) / 3.0;
-        let rotation = self.inverse_inertia_times(&moment);
-        let mean = delta_p + (u + v) / 3.0;
-        MotionError::new(mean - rotation.cross(&self.centroid_mm), rotation)
+        Vector3::from(self.normal_mm2.0) * self.inverse_square.sqrt()
     }
 
     /// The columns of the operator that belong to each target:
     /// `ε = J⁻¹ Σ s_j × Δ_j` and `δ = Δ_c + c × ε`.
     pub(crate) fn blocks(&self) -> [Matrix6x3<f64>; 3] {
-        let [a, b] = &self.sides_mm;
+        let [a, b] = self.sides_mm();
         let offsets = [-(a + b), a * 2.0 - b, b * 2.0 - a].map(|sum| sum / 3.0);
         offsets.map(|offset| {
-            let turned_by = |delta: Vector3<f64>| self.inverse_inertia_times(&offset.cross(&delta));
+            let turned_by = |delta: Vector3<f64>| {
+                let moment = Coordinates(offset.cross(&delta).into());
+                Vector3::from(self.inverse_inertia_times(&moment).0)
+            };
             let rotation =
                 Matrix3::from_columns(&[Vector3::x(), Vector3::y(), Vector3::z()].map(turned_by));
-            let translation =
-                Matrix3::identity() / 3.0 + self.centroid_mm.cross_matrix() * rotation;
+            let centroid_mm = Vector3::from(self.centroid_mm.0);
+            let translation = Matrix3::identity() / 3.0 + centroid_mm.cross_matrix() * rotation;
             let mut block = Matrix6x3::zeros();
             block.fixed_rows_mut::<3>(0).copy_from(&translation);
             block.fixed_rows_mut::<3>(3).copy_from(&rotation);
             block
         })
     }
+}
+
+impl<T: Number> ThreeTargets<T> {
+    /// Means nothing if the targets do not span a plane.
+    #[inline(always)]
+    pub(crate) fn unchecked(r: &[Coordinates<T>; 3]) -> (Self, Span<T>) {
+        let [p, q, k] = *r;
+        let (a, b) = (q - p, k - p);
+        let c = b - a;
+        let squares = [a.dot(&a), b.dot(&b), c.dot(&c)];
+        let normal_mm2 = a.cross(&b);
+        let square = normal_mm2.dot(&normal_mm2);
+        // The distance of the third target from the longest side is |N| over its length.
+        let longest_mm2 = squares[0].larger(squares[1]).larger(squares[2]);
+        let least = T::of(GEOMETRY_TOL) * longest_mm2;
+        let targets = Self {
+            centroid_mm: p + (a + b) * T::of(THIRD),
+            sides_mm: [a, b],
+            normal_mm2,
+            squares_mm2: squares[0] + squares[1] + squares[2],
+            inverse_square: T::of(1.0) / square,
+        };
+        let least = least * least;
+        (targets, Span { square, least })
+    }
+
+    /// The translation δ and the rotation ε that fit the volumetric errors best.
+    #[inline(always)]
+    pub(crate) fn motion(&self, delta: &[Coordinates<T>; 3]) -> [Coordinates<T>; 2] {
+        let [delta_p, delta_q, delta_k] = *delta;
+        let [a, b] = self.sides_mm;
+        let (u, v) = (delta_q - delta_p, delta_k - delta_p);
+        // Σ s_j × Δ_j with s_Q = (2a - b)/3, s_K = (2b - a)/3 and s_P the rest.
+        let moment = (a.cross(&(u + u - v)) + b.cross(&(v + v - u))) * T::of(THIRD);
+        let rotation = self.inverse_inertia_times(&moment);
+        let mean = delta_p + (u + v) * T::of(THIRD);
+        [mean - rotation.cross(&self.centroid_mm), rotation]
+    }
 
     /// `J⁻¹ m`.
-    #[inline]
-    fn inverse_inertia_times(&self, m: &Vector3<f64>) -> Vector3<f64> {
-        let [a, b] = &self.sides_mm;
+    #[inline(always)]
+    fn inverse_inertia_times(&self, m: &Coordinates<T>) -> Coordinates<T> {
+        let [a, b] = self.sides_mm;
         let (along_a, along_b) = (a.dot(m), b.dot(m));
         // (b - a) ((b - a)·m) is taken apart into multiples of a and b.
         let difference = along_b - along_a;
         let in_plane = a * (along_a - difference) + b * (along_b + difference);
-        let across = self.normal_mm2 * (3.0 * self.normal_mm2.dot(m) / self.squares_mm2);
-        (in_plane + across) * self.inverse_square
+        let share = T::of(3.0) * self.normal_mm2.dot(m) / self.squares_mm2;
+        (in_plane + self.normal_mm2 * share) * self.inverse_square
     }
 }
 
