@@ -1,10 +1,13 @@
-//! One Monte Carlo trial of a solved network: drawing the errors, solving with them, both.
+//! One Monte Carlo trial of a solved network: drawing the errors, solving with them, both; and many
+//! trials, each from its own random stream, on one thread and on two.
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use rayon::ThreadPoolBuilder;
+use rayon::prelude::*;
 use trueaxis_benches::network;
 use trueaxis_multilateration::{Network, Settings, Trials, Visit, solve};
 
@@ -53,5 +56,36 @@ fn one_trial(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, one_trial);
+fn many_trials(c: &mut Criterion) {
+    const TRIALS: usize = 4_096;
+    let network = with_single_visits(network(195, 1e-3));
+    let solution = solve(&network, &Settings::default()).unwrap();
+    let trials = Trials::new(&network, &solution);
+    let root = ChaCha8Rng::seed_from_u64(1);
+    let memory = || (trials.workspace(), vec![0.0; trials.readings()]);
+    let mut group = c.benchmark_group("montecarlo/threads");
+    group.throughput(Throughput::Elements(TRIALS as u64));
+    for threads in [1, 2] {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.unwrap();
+        group.bench_function(BenchmarkId::new("single-length", threads), |b| {
+            b.iter(|| {
+                pool.install(|| {
+                    (0..TRIALS).into_par_iter().with_min_len(128).for_each_init(
+                        memory,
+                        |(workspace, errors_mm), trial| {
+                            let mut rng = root.clone();
+                            rng.set_stream(trial as u64);
+                            trials.draw(&mut rng, errors_mm);
+                            black_box(trials.solve(errors_mm, workspace));
+                        },
+                    );
+                });
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, one_trial, many_trials);
 criterion_main!(benches);

@@ -33,9 +33,11 @@ mod tracks;
 mod unknowns;
 
 use nalgebra::Vector3;
+use pulp::{Arch, Simd, WithSimd};
 use rand::Rng;
+use trueaxis_leastsquares::{LANES, Lanes};
 
-use self::coordinates::{Coordinates, Lanes, dot, sum};
+use self::coordinates::{Coordinates, dot, lanes_only, sum};
 use self::correlated::CorrelatedVisits;
 use self::errors::{ErrorNoise, is_correlated};
 use self::point_blocks::PointBlocks;
@@ -60,8 +62,8 @@ pub struct Trials {
     blocks: PointBlocks,
     /// Lever arms of the rotations of the datum at the nominal points.
     levers: Coordinates,
-    /// `Σ`, row by row.
-    reduced_inverse: Vec<f64>,
+    /// `Σ`, column by column, eight rows side by side and zeros below the last.
+    reduced_inverse: Vec<Lanes>,
     shared: usize,
     stations: usize,
 }
@@ -85,6 +87,8 @@ pub struct Workspace {
     points: Coordinates,
     /// What is left of the gradient at the shared unknowns, and the right side of the datum.
     right_side: Vec<f64>,
+    /// `(s, λ)`.
+    solved: Vec<Lanes>,
     /// `λ`.
     multipliers: [f64; DATUM],
 }
@@ -142,14 +146,19 @@ impl Trials {
         let levers = network.nominal_mm.iter().map(|&n| datum.lever(n));
         let sigma = solution.covariance.reduced_inverse();
         let shared = model.shared();
-        let rows = (0..sigma.nrows()).flat_map(|i| (0..sigma.ncols()).map(move |j| sigma[(i, j)]));
+        let size = sigma.nrows();
+        let eight = |j: usize, first: usize| {
+            let row = |k: usize| (first + k < size).then(|| sigma[(first + k, j)]);
+            Lanes::from_fn(|k| row(k).unwrap_or_default())
+        };
+        let columns = (0..size).flat_map(|j| (0..size).step_by(LANES).map(move |i| eight(j, i)));
         Self {
             noise,
             tracks: Tracks::new(independent),
             correlated,
             blocks,
             levers: Coordinates::from_vectors(levers),
-            reduced_inverse: rows.collect(),
+            reduced_inverse: columns.collect(),
             shared,
             stations,
         }
@@ -180,6 +189,7 @@ impl Trials {
             step: unknowns,
             points: Coordinates::zeros(points),
             right_side: vec![0.0; self.shared + DATUM],
+            solved: vec![Lanes::ZERO; (self.shared + DATUM).div_ceil(LANES)],
             multipliers: [0.0; DATUM],
         }
     }
@@ -207,20 +217,11 @@ impl Trials {
     /// # Panics
     /// If there is not one error for each reading.
     pub fn solve<'w>(&self, errors_mm: &[f64], workspace: &'w mut Workspace) -> &'w Corrections {
-        self.start(errors_mm, workspace);
-        // Corrections shrink by a constant factor: what is left out after the last is about its
-        // square over the one before. The linear solution counts with one unknown's share, because
-        // the direction that shrinks least is one of many.
-        let mut before = self.correct(workspace) / (self.unknowns() as f64).sqrt();
-        for _ in 0..MAX_CORRECTIONS {
-            self.take_gradient(errors_mm, workspace);
-            let length = self.correct(workspace);
-            if length * length <= LEFT_OUT * before {
-                return &workspace.corrections;
-            }
-            before = length;
-        }
-        workspace.corrections.unknowns.fill(f64::NAN);
+        Arch::new().dispatch(Solve {
+            trials: self,
+            errors_mm,
+            workspace,
+        });
         &workspace.corrections
     }
 
@@ -229,6 +230,7 @@ impl Trials {
     }
 
     /// Forgets the corrections of the trial before, and takes the gradient without any.
+    #[inline(always)]
     fn start(&self, errors_mm: &[f64], workspace: &mut Workspace) {
         assert_eq!(errors_mm.len(), self.readings(), "one error per reading");
         let Workspace {
@@ -247,6 +249,7 @@ impl Trials {
     }
 
     /// Takes the exact gradient where the corrections have led.
+    #[inline(always)]
     fn take_gradient(&self, errors_mm: &[f64], workspace: &mut Workspace) {
         let Workspace {
             corrections: Corrections { unknowns, .. },
@@ -262,6 +265,7 @@ impl Trials {
     }
 
     /// Adds the correction that follows from the gradient; its length in standard uncertainties.
+    #[inline(always)]
     fn correct(&self, workspace: &mut Workspace) -> f64 {
         let Workspace {
             corrections: Corrections { unknowns, .. },
@@ -270,6 +274,7 @@ impl Trials {
             step,
             points,
             right_side,
+            solved,
             multipliers,
             ..
         } = workspace;
@@ -280,14 +285,14 @@ impl Trials {
         self.tracks.reduce_shared(&step.points, shared);
         self.correlated.reduce_shared(&step.points, shared, storage);
         self.close_datum(&step.points, datum);
-        let rows = self.reduced_inverse.chunks_exact(right_side.len());
-        let solved = step.shared.iter_mut().chain(&mut *multipliers);
-        for (value, row) in solved.zip(rows) {
-            *value = dot(row, right_side);
+        self.solve_reduced(right_side, solved);
+        let values = solved.iter().flat_map(|eight| eight.0);
+        for (value, solved) in step.shared.iter_mut().chain(&mut *multipliers).zip(values) {
+            *value = solved;
         }
 
         // Points with the stations moved.
-        points.clone_from(&gradient.points);
+        points.copy_from(&gradient.points);
         self.tracks.reduce_points(&step.shared, points);
         self.correlated.reduce_points(&step.shared, points, storage);
         self.reduce_by_datum(multipliers, points);
@@ -297,10 +302,25 @@ impl Trials {
         gradient.dot(step).abs().sqrt()
     }
 
+    /// `Σ` times the right side.
+    #[inline(always)]
+    fn solve_reduced(&self, right_side: &[f64], solved: &mut [Lanes]) {
+        solved.fill(Lanes::ZERO);
+        let columns = self.reduced_inverse.chunks_exact(solved.len());
+        for (column, value) in columns.zip(right_side) {
+            let value = Lanes::splat(*value);
+            for (sum, element) in solved.iter_mut().zip(column) {
+                lanes_only();
+                *sum += *element * value;
+            }
+        }
+    }
+
     /// `-Hᵀ y`: takes translations and rotations out of the points.
+    #[inline(always)]
     fn close_datum(&self, points: &Coordinates, right_side: &mut [f64]) {
-        let [x, y, z] = points.all();
-        let [rx, ry, rz] = self.levers.all();
+        let [x, y, z] = points.eights();
+        let [rx, ry, rz] = self.levers.eights();
         let motions = [
             sum(x),
             sum(y),
@@ -310,20 +330,60 @@ impl Trials {
             dot(rx, y) - dot(ry, x),
         ];
         for (value, motion) in right_side.iter_mut().zip(motions) {
-            *value = -motion;
+            *value = -motion.sum();
         }
     }
 
     /// Takes `H λ` off `points`.
+    #[inline(always)]
     fn reduce_by_datum(&self, multipliers: &[f64; DATUM], points: &mut Coordinates) {
-        let [tx, ty, tz, ax, ay, az] = *multipliers;
-        let [rx, ry, rz] = self.levers.all();
-        let [x, y, z] = points.all_mut();
-        for i in 0..x.len() {
-            x[i] -= tx + ay * rz[i] - az * ry[i];
-            y[i] -= ty + az * rx[i] - ax * rz[i];
-            z[i] -= tz + ax * ry[i] - ay * rx[i];
+        let splat = |i: usize| Lanes::splat(multipliers[i]);
+        let (tx, ty, tz) = (splat(0), splat(1), splat(2));
+        let (ax, ay, az) = (splat(3), splat(4), splat(5));
+        let [rx, ry, rz] = self.levers.eights();
+        let [x, y, z] = points.eights_mut();
+        let levers = rx.iter().zip(ry).zip(rz);
+        for (((rx, ry), rz), ((x, y), z)) in levers.zip(x.iter_mut().zip(y).zip(z)) {
+            lanes_only();
+            let (rx, ry, rz) = (Lanes(*rx), Lanes(*ry), Lanes(*rz));
+            *x = (Lanes(*x) - (tx + ay * rz - az * ry)).0;
+            *y = (Lanes(*y) - (ty + az * rx - ax * rz)).0;
+            *z = (Lanes(*z) - (tz + ax * ry - ay * rx)).0;
         }
+    }
+}
+
+/// One trial, with the widest registers that the processor has.
+struct Solve<'a> {
+    trials: &'a Trials,
+    errors_mm: &'a [f64],
+    workspace: &'a mut Workspace,
+}
+
+impl WithSimd for Solve<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self {
+            trials,
+            errors_mm,
+            workspace,
+        } = self;
+        trials.start(errors_mm, workspace);
+        // Corrections shrink by a constant factor: what is left out after the last is about its
+        // square over the one before. The linear solution counts with one unknown's share, because
+        // the direction that shrinks least is one of many.
+        let mut before = trials.correct(workspace) / (trials.unknowns() as f64).sqrt();
+        for _ in 0..MAX_CORRECTIONS {
+            trials.take_gradient(errors_mm, workspace);
+            let length = trials.correct(workspace);
+            if length * length <= LEFT_OUT * before {
+                return;
+            }
+            before = length;
+        }
+        workspace.corrections.unknowns.fill(f64::NAN);
     }
 }
 

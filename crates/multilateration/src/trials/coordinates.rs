@@ -1,12 +1,7 @@
-//! Vectors as three arrays, so that loops over many of them use vector registers.
+//! Vectors as three arrays, so that loops over many of them work on eight at a time.
 
 use nalgebra::Vector3;
-
-/// Neighbours that a loop takes together. Two vector registers of the plain x86-64, one with AVX.
-pub(crate) const LANES: usize = 4;
-
-/// As many values as a loop takes together.
-pub(crate) type Lanes = [f64; LANES];
+use trueaxis_leastsquares::{LANES, Lanes};
 
 /// Vectors at all points: all x, all y, all z. Zeros behind the last point fill up the lanes that
 /// start with it.
@@ -18,7 +13,8 @@ pub(crate) struct Coordinates {
 
 impl Coordinates {
     pub(crate) fn zeros(count: usize) -> Self {
-        let values = [(); 3].map(|()| vec![0.0; count + LANES - 1]);
+        let length = (count + LANES - 1).next_multiple_of(LANES);
+        let values = [(); 3].map(|()| vec![0.0; length]);
         Self { count, values }
     }
 
@@ -36,46 +32,95 @@ impl Coordinates {
         self.count
     }
 
+    #[inline(always)]
     pub(crate) fn get(&self, i: usize) -> Vector3<f64> {
-        Vector3::from(self.values.each_ref().map(|values| values[i]))
+        let [x, y, z] = &self.values;
+        Vector3::new(x[i], y[i], z[i])
     }
 
+    #[inline(always)]
     pub(crate) fn add_at(&mut self, i: usize, vector: Vector3<f64>) {
-        for (values, value) in self.values.iter_mut().zip(vector.iter()) {
-            values[i] += value;
-        }
+        let [x, y, z] = &mut self.values;
+        x[i] += vector.x;
+        y[i] += vector.y;
+        z[i] += vector.z;
     }
 
     /// x, y and z of all points.
+    #[inline(always)]
     pub(crate) fn all(&self) -> [&[f64]; 3] {
-        self.values.each_ref().map(|values| &values[..self.count])
+        let [x, y, z] = &self.values;
+        [&x[..self.count], &y[..self.count], &z[..self.count]]
     }
 
+    #[inline(always)]
     pub(crate) fn all_mut(&mut self) -> [&mut [f64]; 3] {
-        self.values
-            .each_mut()
-            .map(|values| &mut values[..self.count])
+        let [x, y, z] = &mut self.values;
+        let count = self.count;
+        [&mut x[..count], &mut y[..count], &mut z[..count]]
     }
 
-    /// So many lanes from a point on.
-    pub(crate) fn lanes(&self, first: usize, lanes: usize) -> [&[Lanes]; 3] {
-        let values = self.values.each_ref();
-        values.map(|values| &values[first..][..lanes * LANES].as_chunks().0[..lanes])
+    /// All points, and the zeros behind them, in eights.
+    #[inline(always)]
+    pub(crate) fn eights(&self) -> [&[[f64; LANES]]; 3] {
+        let [x, y, z] = &self.values;
+        [x.as_chunks().0, y.as_chunks().0, z.as_chunks().0]
     }
 
-    pub(crate) fn lanes_mut(&mut self, first: usize, lanes: usize) -> [&mut [Lanes]; 3] {
-        let values = self.values.each_mut();
-        values.map(|values| &mut values[first..][..lanes * LANES].as_chunks_mut().0[..lanes])
+    #[inline(always)]
+    pub(crate) fn eights_mut(&mut self) -> [&mut [[f64; LANES]]; 3] {
+        let [x, y, z] = &mut self.values;
+        [
+            x.as_chunks_mut().0,
+            y.as_chunks_mut().0,
+            z.as_chunks_mut().0,
+        ]
     }
 
+    /// So many eights from a point on.
+    #[inline(always)]
+    pub(crate) fn eights_from(&self, first: usize, eights: usize) -> [&[[f64; LANES]]; 3] {
+        let [x, y, z] = &self.values;
+        let places = first..first + eights * LANES;
+        [
+            x[places.clone()].as_chunks().0,
+            y[places.clone()].as_chunks().0,
+            z[places].as_chunks().0,
+        ]
+    }
+
+    #[inline(always)]
+    pub(crate) fn eights_from_mut(
+        &mut self,
+        first: usize,
+        eights: usize,
+    ) -> [&mut [[f64; LANES]]; 3] {
+        let [x, y, z] = &mut self.values;
+        let places = first..first + eights * LANES;
+        [
+            x[places.clone()].as_chunks_mut().0,
+            y[places.clone()].as_chunks_mut().0,
+            z[places].as_chunks_mut().0,
+        ]
+    }
+
+    #[inline(always)]
     pub(crate) fn fill(&mut self, value: f64) {
-        for values in self.all_mut() {
+        for values in &mut self.values {
             values.fill(value);
         }
     }
 
+    #[inline(always)]
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        for (values, others) in self.values.iter_mut().zip(&other.values) {
+            values.copy_from_slice(others);
+        }
+    }
+
+    #[inline(always)]
     pub(crate) fn add(&mut self, other: &Self) {
-        for (values, others) in self.all_mut().into_iter().zip(other.all()) {
+        for (values, others) in self.values.iter_mut().zip(&other.values) {
             for (value, other) in values.iter_mut().zip(others) {
                 *value += other;
             }
@@ -83,45 +128,38 @@ impl Coordinates {
     }
 
     /// `Σ aᵀ b` over all points.
+    #[inline(always)]
     pub(crate) fn dot(&self, other: &Self) -> f64 {
-        let [x, y, z] = self.all();
-        let [u, v, w] = other.all();
-        dot(x, u) + dot(y, v) + dot(z, w)
+        let ([x, y, z], [u, v, w]) = (self.eights(), other.eights());
+        (dot(x, u) + dot(y, v) + dot(z, w)).sum()
     }
 }
 
-/// `Σ a_i b_i`, summed lane by lane: an order of additions that vector registers can follow.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (a_lanes, a_rest) = a.as_chunks::<LANES>();
-    let (b_lanes, b_rest) = b.as_chunks::<LANES>();
-    let mut sums: Lanes = [0.0; LANES];
-    for (a, b) in a_lanes.iter().zip(b_lanes) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
+/// `Σ a_i b_i` of each lane.
+#[inline(always)]
+pub(crate) fn dot(a: &[[f64; LANES]], b: &[[f64; LANES]]) -> Lanes {
+    let mut sum = Lanes::ZERO;
+    for (a, b) in a.iter().zip(b) {
+        lanes_only();
+        sum += Lanes(*a) * Lanes(*b);
     }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    total(sums) + rest
+    sum
 }
 
-/// `Σ a_i`, lane by lane.
-pub(crate) fn sum(a: &[f64]) -> f64 {
-    let (lanes, rest) = a.as_chunks::<LANES>();
-    let mut sums = [0.0; LANES];
-    for a in lanes {
-        for (sum, a) in sums.iter_mut().zip(a) {
-            *sum += a;
-        }
+/// `Σ a_i` of each lane.
+#[inline(always)]
+pub(crate) fn sum(a: &[[f64; LANES]]) -> Lanes {
+    let mut sum = Lanes::ZERO;
+    for a in a {
+        lanes_only();
+        sum += Lanes(*a);
     }
-    total(sums) + rest.iter().sum::<f64>()
+    sum
 }
 
-/// A value for each lane.
-pub(crate) fn lanes(value: impl FnMut(usize) -> f64) -> Lanes {
-    std::array::from_fn(value)
-}
-
-/// Sum of the lanes.
-pub(crate) fn total(lanes: Lanes) -> f64 {
-    lanes.iter().sum()
+/// Keeps a loop over eights from being vectorised otherwise than lane by lane. It makes no
+/// instruction.
+#[inline(always)]
+pub(crate) fn lanes_only() {
+    std::hint::black_box(());
 }

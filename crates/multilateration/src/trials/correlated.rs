@@ -49,6 +49,7 @@ impl CorrelatedVisits {
     }
 
     /// Adds the exact gradient at the corrections `at`.
+    #[inline(always)]
     pub(crate) fn add_gradient(
         &self,
         errors_mm: &[f64],
@@ -72,6 +73,7 @@ impl CorrelatedVisits {
     }
 
     /// Takes `Bᵀ P A y` off `shared`.
+    #[inline(always)]
     pub(crate) fn reduce_shared(
         &self,
         points: &Coordinates,
@@ -88,6 +90,7 @@ impl CorrelatedVisits {
     }
 
     /// Takes `Aᵀ P B s` off `points`.
+    #[inline(always)]
     pub(crate) fn reduce_points(
         &self,
         shared: &[f64],
@@ -104,6 +107,7 @@ impl CorrelatedVisits {
     }
 
     /// `P` times the lengths.
+    #[inline(always)]
     fn weigh(&self, storage: &mut Storage) {
         let mut weights = self.weights.as_slice();
         for visit in &self.visits {
@@ -122,15 +126,18 @@ impl CorrelatedVisits {
 }
 
 impl Row {
+    #[inline(always)]
     fn beam(&self) -> Vector3<f64> {
         self.beam.into()
     }
 
+    #[inline(always)]
     fn station(&self, shared: &[f64]) -> Vector3<f64> {
         let first = self.station;
         Vector3::new(shared[first], shared[first + 1], shared[first + 2])
     }
 
+    #[inline(always)]
     fn add_to_shared(&self, weighted: f64, beam: &Vector3<f64>, shared: &mut [f64]) {
         for (axis, u) in beam.iter().enumerate() {
             shared[self.station + axis] += weighted * u;

@@ -5,14 +5,16 @@
 use std::ops::Range;
 
 use faer::Mat;
+use trueaxis_leastsquares::{LANES, Lanes};
 
-use super::coordinates::Coordinates;
+use super::coordinates::{Coordinates, lanes_only};
 
 /// `D` of all points.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct PointBlocks {
-    /// xx xy xz yy yz zz of each point; zero where a coupled group takes its place.
-    own: [Vec<f64>; 6],
+    /// xx xy xz yy yz zz of each point, eight points side by side; zero where a coupled group takes
+    /// its place.
+    own: [Vec<Lanes>; 6],
     coupled: Vec<CoupledPoints>,
 }
 
@@ -27,13 +29,17 @@ struct CoupledPoints {
 const ELEMENTS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
 impl PointBlocks {
-    /// Adds the next group; `block` has rows and columns x y z of each point.
+    /// Adds the next group, whose points follow those before; `block` has rows and columns x y z of each point.
     pub(crate) fn push(&mut self, points: Range<usize>, block: &Mat<f64>, is_coupled: bool) {
         let count = points.len();
-        for point in 0..count {
+        for (k, point) in points.clone().enumerate() {
             for (all, (i, j)) in self.own.iter_mut().zip(ELEMENTS) {
-                let element = block[(3 * point + i, 3 * point + j)];
-                all.push(if is_coupled { 0.0 } else { element });
+                if point % LANES == 0 {
+                    all.push(Lanes::ZERO);
+                }
+                if !is_coupled {
+                    all[point / LANES].0[point % LANES] = block[(3 * k + i, 3 * k + j)];
+                }
             }
         }
         if is_coupled {
@@ -46,16 +52,22 @@ impl PointBlocks {
     }
 
     /// `D g`.
+    #[inline(always)]
     pub(crate) fn times(&self, gradient: &Coordinates, product: &mut Coordinates) {
         let [xx, xy, xz, yy, yz, zz] = &self.own;
         let count = xx.len();
-        let [gx, gy, gz] = gradient.all().map(|values| &values[..count]);
-        let [x, y, z] = product.all_mut().map(|values| &mut values[..count]);
+        let [xy, xz, yy] = [&xy[..count], &xz[..count], &yy[..count]];
+        let [yz, zz] = [&yz[..count], &zz[..count]];
+        let [gx, gy, gz] = gradient.eights();
+        let (gx, gy, gz) = (&gx[..count], &gy[..count], &gz[..count]);
+        let [x, y, z] = product.eights_mut();
+        let (x, y, z) = (&mut x[..count], &mut y[..count], &mut z[..count]);
         for i in 0..count {
-            let g = [gx[i], gy[i], gz[i]];
-            x[i] = xx[i] * g[0] + xy[i] * g[1] + xz[i] * g[2];
-            y[i] = xy[i] * g[0] + yy[i] * g[1] + yz[i] * g[2];
-            z[i] = xz[i] * g[0] + yz[i] * g[1] + zz[i] * g[2];
+            lanes_only();
+            let (a, b, c) = (Lanes(gx[i]), Lanes(gy[i]), Lanes(gz[i]));
+            x[i] = (xx[i] * a + xy[i] * b + xz[i] * c).0;
+            y[i] = (xy[i] * a + yy[i] * b + yz[i] * c).0;
+            z[i] = (xz[i] * a + yz[i] * b + zz[i] * c).0;
         }
         for group in &self.coupled {
             group.times(gradient, product);
@@ -64,11 +76,13 @@ impl PointBlocks {
 }
 
 impl CoupledPoints {
+    #[inline(always)]
     fn times(&self, gradient: &Coordinates, product: &mut Coordinates) {
-        let gradient = gradient.all().map(|values| &values[self.points.clone()]);
-        let product = product
-            .all_mut()
-            .map(|values| &mut values[self.points.clone()]);
+        let [x, y, z] = gradient.all();
+        let points = || self.points.clone();
+        let gradient = [&x[points()], &y[points()], &z[points()]];
+        let [x, y, z] = product.all_mut();
+        let product = [&mut x[points()], &mut y[points()], &mut z[points()]];
         // Three targets are usual, and loops of a known length are three times as fast.
         match self.points.len() {
             3 => self.times_three(gradient, product),
@@ -76,6 +90,7 @@ impl CoupledPoints {
         }
     }
 
+    #[inline(always)]
     fn times_three(&self, g: [&[f64]; 3], product: [&mut [f64]; 3]) {
         let g: [f64; 9] = std::array::from_fn(|k| g[k / 3][k % 3]);
         let columns = self.matrix.as_chunks::<9>().0;
@@ -90,6 +105,7 @@ impl CoupledPoints {
         }
     }
 
+    #[inline(always)]
     fn times_any(&self, count: usize, gradient: [&[f64]; 3], product: [&mut [f64]; 3]) {
         let mut rows = self.matrix.chunks_exact(3 * count);
         for values in product {

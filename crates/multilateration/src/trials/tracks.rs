@@ -6,9 +6,12 @@
 //! side by side, some lanes at a time.
 
 use std::collections::BTreeMap;
+use std::hint::black_box;
 use std::ops::Range;
 
-use super::coordinates::{Coordinates, LANES, Lanes, lanes, total};
+use trueaxis_leastsquares::{LANES, Lanes};
+
+use super::coordinates::{Coordinates, lanes_only};
 use super::unknowns::Unknowns;
 use crate::free_points::PER_STATION;
 
@@ -73,8 +76,8 @@ impl Tracks {
 
     fn push(&mut self, rows: &[(Row, f64)]) {
         let of_rows = |value: &dyn Fn(&Row, f64) -> f64, filling: f64| {
-            let mut lanes = [filling; LANES];
-            for (lane, (row, sigma_mm)) in lanes.iter_mut().zip(rows) {
+            let mut lanes = Lanes::splat(filling);
+            for (lane, (row, sigma_mm)) in lanes.0.iter_mut().zip(rows) {
                 *lane = value(row, *sigma_mm);
             }
             lanes
@@ -93,40 +96,46 @@ impl Tracks {
 
     /// Storage for the errors of the rows.
     pub(crate) fn storage(&self) -> Vec<Lanes> {
-        vec![[0.0; LANES]; self.readings.len()]
+        vec![Lanes::ZERO; self.readings.len()]
     }
 
     /// Brings the errors of all readings into the order of the rows.
+    #[inline(always)]
     pub(crate) fn arrange(&self, errors_mm: &[f64], arranged: &mut [Lanes]) {
         for (lanes, readings) in arranged.iter_mut().zip(&self.readings) {
-            *lanes = readings.map(|reading| errors_mm[reading]);
+            *lanes = Lanes::from_fn(|k| errors_mm[readings[k]]);
         }
     }
 
     /// Adds the gradient without any corrections, where residuals are the errors.
+    #[inline(always)]
     pub(crate) fn add_gradient_of_errors(&self, errors: &[Lanes], gradient: &mut Unknowns) {
         for track in &self.tracks {
             let count = track.rows.len();
             let [ux, uy, uz] = self.beams(track);
             let weights = &self.weights[track.rows.clone()][..count];
             let errors = &errors[track.rows.clone()][..count];
-            let [gx, gy, gz] = gradient.points.lanes_mut(track.first_point, count);
-            let mut sums = [[0.0; LANES]; 4];
+            let [gx, gy, gz] = gradient.points.eights_from_mut(track.first_point, count);
+            let mut sums = [Lanes::ZERO; 4];
+            let sums = black_box(&mut sums);
             for i in 0..count {
-                let weighted = lanes(|k| weights[i][k] * errors[i][k]);
-                let [x, y, z] = [ux[i], uy[i], uz[i]].map(|u| lanes(|k| weighted[k] * u[k]));
-                gx[i] = lanes(|k| gx[i][k] + x[k]);
-                gy[i] = lanes(|k| gy[i][k] + y[k]);
-                gz[i] = lanes(|k| gz[i][k] + z[k]);
-                for (sum, v) in sums.iter_mut().zip([x, y, z, weighted]) {
-                    *sum = lanes(|k| sum[k] - v[k]);
-                }
+                lanes_only();
+                let weighted = weights[i] * errors[i];
+                let (x, y, z) = (weighted * ux[i], weighted * uy[i], weighted * uz[i]);
+                gx[i] = (Lanes(gx[i]) + x).0;
+                gy[i] = (Lanes(gy[i]) + y).0;
+                gz[i] = (Lanes(gz[i]) + z).0;
+                sums[0] -= x;
+                sums[1] -= y;
+                sums[2] -= z;
+                sums[3] -= weighted;
             }
             track.add_to_shared(sums, &mut gradient.shared);
         }
     }
 
     /// Adds the exact gradient at the corrections `at`.
+    #[inline(always)]
     pub(crate) fn add_gradient(&self, errors: &[Lanes], at: &Unknowns, gradient: &mut Unknowns) {
         for track in &self.tracks {
             let count = track.rows.len();
@@ -134,88 +143,107 @@ impl Tracks {
             let distances = &self.distances_mm[track.rows.clone()][..count];
             let weights = &self.weights[track.rows.clone()][..count];
             let errors = &errors[track.rows.clone()][..count];
-            let [px, py, pz] = at.points.lanes(track.first_point, count);
-            let [gx, gy, gz] = gradient.points.lanes_mut(track.first_point, count);
+            let [px, py, pz] = at.points.eights_from(track.first_point, count);
+            let [gx, gy, gz] = gradient.points.eights_from_mut(track.first_point, count);
             let [sx, sy, sz, dead_path] = track.shared(&at.shared);
-            let mut sums = [[0.0; LANES]; 4];
+            let mut sums = [Lanes::ZERO; 4];
+            let sums = black_box(&mut sums);
             for i in 0..count {
+                lanes_only();
                 let d = distances[i];
-                let x = lanes(|k| d[k] * ux[i][k] + (px[i][k] - sx));
-                let y = lanes(|k| d[k] * uy[i][k] + (py[i][k] - sy));
-                let z = lanes(|k| d[k] * uz[i][k] + (pz[i][k] - sz));
-                let distance = lanes(|k| (x[k] * x[k] + y[k] * y[k] + z[k] * z[k]).sqrt());
-                let residual = lanes(|k| errors[i][k] - (distance[k] - d[k] - dead_path));
-                let weighted = lanes(|k| weights[i][k] * residual[k]);
-                let along = lanes(|k| weighted[k] / distance[k]);
-                let [x, y, z] = [x, y, z].map(|v| lanes(|k| along[k] * v[k]));
-                gx[i] = lanes(|k| gx[i][k] + x[k]);
-                gy[i] = lanes(|k| gy[i][k] + y[k]);
-                gz[i] = lanes(|k| gz[i][k] + z[k]);
-                for (sum, v) in sums.iter_mut().zip([x, y, z, weighted]) {
-                    *sum = lanes(|k| sum[k] - v[k]);
-                }
+                let x = d * ux[i] + (Lanes(px[i]) - sx);
+                let y = d * uy[i] + (Lanes(py[i]) - sy);
+                let z = d * uz[i] + (Lanes(pz[i]) - sz);
+                let distance = (x * x + y * y + z * z).sqrt();
+                let weighted = weights[i] * (errors[i] - (distance - d - dead_path));
+                let along = weighted / distance;
+                let (x, y, z) = (along * x, along * y, along * z);
+                gx[i] = (Lanes(gx[i]) + x).0;
+                gy[i] = (Lanes(gy[i]) + y).0;
+                gz[i] = (Lanes(gz[i]) + z).0;
+                sums[0] -= x;
+                sums[1] -= y;
+                sums[2] -= z;
+                sums[3] -= weighted;
             }
             track.add_to_shared(sums, &mut gradient.shared);
         }
     }
 
     /// Takes `Bᵀ P A y` off `shared`.
+    #[inline(always)]
     pub(crate) fn reduce_shared(&self, points: &Coordinates, shared: &mut [f64]) {
         for track in &self.tracks {
             let count = track.rows.len();
             let [ux, uy, uz] = self.beams(track);
             let weights = &self.weights[track.rows.clone()][..count];
-            let [px, py, pz] = points.lanes(track.first_point, count);
-            let mut sums = [[0.0; LANES]; 4];
+            let [px, py, pz] = points.eights_from(track.first_point, count);
+            let mut sums = [Lanes::ZERO; 4];
+            let sums = black_box(&mut sums);
             for i in 0..count {
+                lanes_only();
                 let (x, y, z) = (ux[i], uy[i], uz[i]);
-                let length = lanes(|k| x[k] * px[i][k] + y[k] * py[i][k] + z[k] * pz[i][k]);
-                let weighted = lanes(|k| weights[i][k] * length[k]);
-                for (sum, v) in sums.iter_mut().zip([x, y, z, [1.0; LANES]]) {
-                    *sum = lanes(|k| sum[k] + weighted[k] * v[k]);
-                }
+                let length = x * Lanes(px[i]) + y * Lanes(py[i]) + z * Lanes(pz[i]);
+                let weighted = weights[i] * length;
+                sums[0] += weighted * x;
+                sums[1] += weighted * y;
+                sums[2] += weighted * z;
+                sums[3] += weighted;
             }
             track.add_to_shared(sums, shared);
         }
     }
 
     /// Takes `Aᵀ P B s` off `points`.
+    #[inline(always)]
     pub(crate) fn reduce_points(&self, shared: &[f64], points: &mut Coordinates) {
         for track in &self.tracks {
             let count = track.rows.len();
-            let [ux, uy, uz] = self.beams(track).map(<[Lanes]>::as_flattened);
-            let weights = self.weights[track.rows.clone()].as_flattened();
-            let sums = points.lanes_mut(track.first_point, count);
-            let [gx, gy, gz] = sums.map(<[Lanes]>::as_flattened_mut);
+            let [ux, uy, uz] = self.beams(track);
+            let weights = &self.weights[track.rows.clone()][..count];
+            let [gx, gy, gz] = points.eights_from_mut(track.first_point, count);
             let [sx, sy, sz, dead_path] = track.shared(shared);
-            let beams = ux.iter().zip(uy).zip(uz).zip(weights);
-            let sums = gx.iter_mut().zip(gy).zip(gz);
-            for ((((x, y), z), weight), ((gx, gy), gz)) in beams.zip(sums) {
-                let weighted = weight * (x * sx + y * sy + z * sz + dead_path);
-                *gx += weighted * x;
-                *gy += weighted * y;
-                *gz += weighted * z;
+            for i in 0..count {
+                lanes_only();
+                let (x, y, z) = (ux[i], uy[i], uz[i]);
+                let weighted = weights[i] * (x * sx + y * sy + z * sz + dead_path);
+                gx[i] = (Lanes(gx[i]) + weighted * x).0;
+                gy[i] = (Lanes(gy[i]) + weighted * y).0;
+                gz[i] = (Lanes(gz[i]) + weighted * z).0;
             }
         }
     }
 
+    #[inline(always)]
     fn beams(&self, track: &Track) -> [&[Lanes]; 3] {
-        let beams = self.beams.each_ref();
-        beams.map(|all| &all[track.rows.clone()][..track.rows.len()])
+        let [x, y, z] = &self.beams;
+        let count = track.rows.len();
+        [
+            &x[track.rows.clone()][..count],
+            &y[track.rows.clone()][..count],
+            &z[track.rows.clone()][..count],
+        ]
     }
 }
 
 impl Track {
     /// What belongs to the station, and to its dead path.
-    fn shared(&self, shared: &[f64]) -> [f64; 4] {
-        let station = &shared[self.station.clone()];
-        [station[0], station[1], station[2], shared[self.dead_path]]
+    #[inline(always)]
+    fn shared(&self, shared: &[f64]) -> [Lanes; 4] {
+        let first = self.station.start;
+        [
+            Lanes::splat(shared[first]),
+            Lanes::splat(shared[first + 1]),
+            Lanes::splat(shared[first + 2]),
+            Lanes::splat(shared[self.dead_path]),
+        ]
     }
 
-    fn add_to_shared(&self, sums: [Lanes; 4], shared: &mut [f64]) {
+    #[inline(always)]
+    fn add_to_shared(&self, sums: &[Lanes; 4], shared: &mut [f64]) {
         let columns = self.station.clone().chain([self.dead_path]);
         for (column, sums) in columns.zip(sums) {
-            shared[column] += total(sums);
+            shared[column] += sums.sum();
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A value for every unknown: a correction, a step, a gradient.
 
-use super::coordinates::{Coordinates, dot};
+use super::coordinates::Coordinates;
 
 /// Points and shared unknowns.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,11 +18,13 @@ impl Unknowns {
         }
     }
 
+    #[inline(always)]
     pub(crate) fn fill(&mut self, value: f64) {
         self.points.fill(value);
         self.shared.fill(value);
     }
 
+    #[inline(always)]
     pub(crate) fn add(&mut self, other: &Self) {
         self.points.add(&other.points);
         for (value, other) in self.shared.iter_mut().zip(&other.shared) {
@@ -30,7 +32,9 @@ impl Unknowns {
         }
     }
 
+    #[inline(always)]
     pub(crate) fn dot(&self, other: &Self) -> f64 {
-        self.points.dot(&other.points) + dot(&self.shared, &other.shared)
+        let shared = self.shared.iter().zip(&other.shared);
+        self.points.dot(&other.points) + shared.map(|(a, b)| a * b).sum::<f64>()
     }
 }
