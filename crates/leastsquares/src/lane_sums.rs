@@ -1,5 +1,6 @@
 //! The sums of the reduced system, one for each lane of the batches that are added.
 
+use crate::block_batch::RUN;
 use crate::lanes::{Lanes, lanes_only};
 use crate::reduced::Reduced;
 
@@ -14,7 +15,7 @@ pub struct LaneSums {
     row_len: usize,
     /// `[m | r]ᵀ [m | r]` for pairs of columns, upper triangle: the four products of each two pairs.
     products: Vec<[Lanes; 4]>,
-    /// What the datum adds to the bordered matrix of [`Reduced`], and its last element.
+    /// What is added to the bordered matrix of [`Reduced`] besides.
     matrix: Vec<Lanes>,
     squares: Lanes,
     observations: usize,
@@ -92,6 +93,34 @@ impl LaneSums {
         let first = self.rows.len();
         self.rows.resize(first + self.row_len, Lanes::ZERO);
         &mut self.rows[first..][..self.shared + 1]
+    }
+
+    /// Adds `left rightᵀ` of two runs of shared unknowns that start at these places: part of `MᵀM`, of
+    /// which the upper triangle is kept.
+    #[inline(always)]
+    pub fn add_runs(
+        &mut self,
+        (i, left): (usize, &[Lanes; RUN]),
+        (j, right): (usize, &[Lanes; RUN]),
+    ) {
+        let width = self.width();
+        let rows = self.matrix[i * width..].chunks_exact_mut(width);
+        for (row, a) in rows.zip(left) {
+            lanes_only();
+            for (sum, b) in row[j..j + RUN].iter_mut().zip(right) {
+                *sum = a.mul_add(*b, *sum);
+            }
+        }
+    }
+
+    /// Adds a run's part of `Mᵀr`.
+    #[inline(always)]
+    pub fn add_run_residual(&mut self, first: usize, products: &[Lanes; RUN]) {
+        let width = self.width();
+        let rows = self.matrix[first * width..].chunks_exact_mut(width);
+        for (row, x) in rows.zip(products) {
+            row[width - 1] += *x;
+        }
     }
 
     /// Adds the products of the rows that wait.

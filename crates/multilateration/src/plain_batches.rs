@@ -134,23 +134,87 @@ fn add_rows<const ROWS: usize>(
     sums.add_squares(squares(&rows.residual));
     rows.reflections.reflect(&mut rows.residual);
     sums.add_taken(squares(&rows.residual[..3]));
-    for k in 3..ROWS {
-        let q = rows.reflections.column(k);
-        let free_row = sums.next_row();
-        for i in 0..ROWS {
-            let first = PER_STATION * batch.layout.visits[i].station;
-            let own = &mut free_row[first..first + PER_STATION];
-            let q = -(q[i] * mask);
-            for (x, column) in own.iter_mut().zip(&rows.columns) {
-                *x = q * column[i];
-            }
-            own[PER_STATION - 1] = q * weights[i];
+    // Minus the derivatives by the stations, of the lanes that count.
+    let mut runs = [[Lanes::ZERO; PER_STATION]; ROWS];
+    for (i, run) in runs.iter_mut().enumerate() {
+        for (x, column) in run.iter_mut().zip(&rows.columns) {
+            *x = column[i] * mask;
         }
-        if let Some(last) = free_row.last_mut() {
-            *last = rows.residual[k];
-        }
+        run[PER_STATION - 1] = weights[i] * mask;
+    }
+    let free = &rows.residual[3..];
+    if ROWS == 4 {
+        add_free_row(batch, &runs, (&rows.reflections.column(3), free[0]), sums);
+    } else {
+        add_by_pairs(batch, &runs, &rows.reflections, free, sums);
     }
     true
+}
+
+/// First shared unknown of the station of a row.
+#[inline(always)]
+fn first_unknown(batch: &Batch, row: usize) -> usize {
+    PER_STATION * batch.layout.visits[row].station
+}
+
+/// Adds the only row of `M = Q₂ᵀ [B | r]`.
+#[inline(always)]
+fn add_free_row<const ROWS: usize>(
+    batch: &Batch,
+    runs: &[[Lanes; PER_STATION]; ROWS],
+    (q, residual): (&[Lanes; ROWS], Lanes),
+    sums: &mut LaneSums,
+) {
+    let free_row = sums.next_row();
+    for (i, run) in runs.iter().enumerate() {
+        let first = first_unknown(batch, i);
+        for (m, x) in free_row[first..first + PER_STATION].iter_mut().zip(run) {
+            *m = -(q[i] * *x);
+        }
+    }
+    if let Some(last) = free_row.last_mut() {
+        *last = residual;
+    }
+}
+
+/// Adds `MᵀM` of several rows station by station, `B_iᵀ P_ij B_j` with `P = Q₂ Q₂ᵀ`: a row of `B` has
+/// four elements, so that this is less work than the products of whole rows.
+#[inline(always)]
+fn add_by_pairs<const ROWS: usize>(
+    batch: &Batch,
+    runs: &[[Lanes; PER_STATION]; ROWS],
+    reflections: &SmallReflections<ROWS, 3>,
+    residual: &[Lanes],
+    sums: &mut LaneSums,
+) {
+    let mut free = [[Lanes::ZERO; ROWS]; MOST_ROWS - 3];
+    for (k, q) in free[..ROWS - 3].iter_mut().enumerate() {
+        *q = reflections.column(3 + k);
+    }
+    let free = &free[..ROWS - 3];
+    for i in 0..ROWS {
+        let mut own = Lanes::ZERO;
+        for (q, r) in free.iter().zip(residual) {
+            own = q[i].mul_add(*r, own);
+        }
+        let first = first_unknown(batch, i);
+        let mut products = runs[i];
+        for x in &mut products {
+            *x = -(*x * own);
+        }
+        sums.add_run_residual(first, &products);
+        for j in i..ROWS {
+            let mut p = Lanes::ZERO;
+            for q in free {
+                p = q[i].mul_add(q[j], p);
+            }
+            let mut left = runs[i];
+            for x in &mut left {
+                *x = *x * p;
+            }
+            sums.add_runs((first, &left), (first_unknown(batch, j), &runs[j]));
+        }
+    }
 }
 
 #[inline(always)]
