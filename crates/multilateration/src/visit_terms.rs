@@ -27,9 +27,6 @@ pub(crate) struct VisitTerms {
     own: Vec<f64>,
     shared: Vec<f64>,
     residuals: Vec<f64>,
-    /// `R⁻¹` and `Z` of the group with contiguous rows.
-    factor: Vec<f64>,
-    coupling: Vec<f64>,
 }
 
 impl VisitTerms {
@@ -57,19 +54,19 @@ impl VisitTerms {
     pub(crate) fn clear(&mut self, covariance: &Covariance, group: usize) {
         let (factor, coupling) = (covariance.inverse_factor(group), covariance.coupling(group));
         self.reset(0, factor.ncols(), coupling.ncols());
-        copy_rows(factor, &mut self.factor);
-        copy_rows(coupling, &mut self.coupling);
     }
 
     /// Appends the rows of a visit to the group of free points that it was cleared for.
     pub(crate) fn append(
         &mut self,
         network: &Network,
-        model: &FreePoints<'_>,
-        state: &State,
+        covariance: &Covariance,
+        (model, state): (&FreePoints<'_>, &State),
         visit: usize,
     ) {
         let content = &network.visits[visit];
+        let factor = covariance.inverse_factor(content.group);
+        let coupling = covariance.coupling(content.group);
         let first = self.count;
         let (own_width, width) = (self.own_width, self.width);
         self.resize(first + content.readings.len());
@@ -92,10 +89,13 @@ impl VisitTerms {
             let u: [f64; 3] = u.into();
             let first = 3 * point;
             // R⁻¹ is upper triangular.
-            let factor = &self.factor[first * own_width..];
-            add_rows(&mut own[first..], &u, factor, own_width, first);
-            let coupling = &self.coupling[first * width..];
-            add_rows(shared, &u.map(|u| -u), coupling, width, 0);
+            fill_product(
+                &mut own[first..],
+                &u,
+                factor.subcols(first, own_width - first),
+                first,
+            );
+            fill_product(shared, &u.map(|u| -u), coupling, first);
             for (shared, u) in shared[station..station + 3].iter_mut().zip(u) {
                 *shared -= u;
             }
@@ -191,23 +191,12 @@ fn whiten_rows(factor: &[f64], x: &mut [f64], width: usize) {
     }
 }
 
-/// A matrix with contiguous columns, row by row.
-fn copy_rows(matrix: MatRef<'_, f64>, rows: &mut Vec<f64>) {
-    let (count, width) = (matrix.nrows(), matrix.ncols());
-    rows.clear();
-    rows.resize(count * width, 0.0);
-    for (k, column) in matrix.col_iter().enumerate() {
+/// `uᵀ X` with three rows of a matrix of contiguous columns, from row `first` on.
+fn fill_product(product: &mut [f64], u: &[f64; 3], matrix: MatRef<'_, f64>, first: usize) {
+    for (value, column) in product.iter_mut().zip(matrix.col_iter()) {
         let column = column.try_as_col_major().map_or(&[][..], |c| c.as_slice());
-        for (row, x) in rows.chunks_exact_mut(width).zip(column) {
-            row[k] = *x;
+        if let [x, y, z, ..] = column[first..] {
+            *value = u[0] * x + u[1] * y + u[2] * z;
         }
-    }
-}
-
-/// `sum += uᵀ X`, of three rows of `width` elements from element `from` on.
-fn add_rows(sum: &mut [f64], u: &[f64; 3], rows: &[f64], width: usize, from: usize) {
-    let [x, y, z] = [0, 1, 2].map(|c| &rows[c * width + from..(c + 1) * width]);
-    for (((sum, x), y), z) in sum.iter_mut().zip(x).zip(y).zip(z) {
-        *sum += u[0] * x + u[1] * y + u[2] * z;
     }
 }
