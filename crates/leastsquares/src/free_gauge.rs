@@ -32,6 +32,7 @@ impl Reduced {
     /// # Errors
     /// [`Error::SharedRank`], [`Error::NotFinite`].
     pub fn shortest_correction(&self, free_motions: &[Vec<f64>]) -> Result<Correction, Error> {
+        debug_assert_eq!(self.datum(), 0, "constraints");
         let n = self.shared();
         let (scale, mut inverse) = self.scaled(n)?;
         let motions = orthonormal(free_motions, &scale);
@@ -44,7 +45,7 @@ impl Reduced {
         }
         let inverted = invert(&mut inverse, n);
         if !inverted || !self.rules_out_free(&inverse) {
-            self.check_rank(&scale, &motions)?;
+            self.check_rank(&scale, &motions, motions.len())?;
         }
         if !inverted {
             return Err(Error::NotFinite {

@@ -66,8 +66,8 @@ pub trait Adjustment {
 pub struct Settings {
     /// Most iterations.
     pub max_iterations: usize,
-    /// Converged when the correction that would follow is shorter than this, in units of standard
-    /// uncertainty: no result then moves by more than this fraction of its `u`.
+    /// Converged when the correction that would follow, by estimate, is shorter than this, in units of
+    /// standard uncertainty: no result would then move by more than about this fraction of its `u`.
     pub correction_tol: f64,
 }
 
@@ -85,8 +85,8 @@ impl Default for Settings {
 pub enum Termination {
     /// The correction that would follow, in units of standard uncertainty, is below the tolerance.
     Converged {
-        /// Its length: that of the last one times the rate at which they become shorter, or if that
-        /// is not known of the last one itself.
+        /// Its length by estimate: that of the last one times the rate at which they become shorter,
+        /// or of the last one itself where no rate is known.
         correction: f64,
         /// The tolerance.
         tolerance: f64,
@@ -168,16 +168,17 @@ const MAX_HALVINGS: usize = 20;
 /// A cost may rise by this fraction from rounding alone.
 const COST_ROUNDING: f64 = 1e-10;
 
-/// Corrections that become shorter by less than this factor say nothing of those that follow.
+/// Corrections of which each is more than this part of the one before say nothing of those that follow.
 const MOST_RATE: f64 = 0.1;
 
 /// Adjusts the unknowns of `model` from `start`.
 ///
 /// A step is judged by the true cost where it leads, which comes with the system of the next
-/// iteration. One that is followed by none above the tolerance is made without looking back: near the
-/// minimum the corrections of Gauss–Newton become shorter by a factor that becomes smaller, so that
-/// the next one is not above the last times its ratio to the one before (P. Deuflhard, *Newton Methods
-/// for Nonlinear Problems*, chapter 4).
+/// iteration. One that by all signs is followed by none above the tolerance is made without looking
+/// back: the next one is estimated as the last one times its ratio to the one before (P. Deuflhard,
+/// *Newton Methods for Nonlinear Problems*, chapter 4). In the end the ratio is that of the direction
+/// that shrinks least; the first ratio says little of it, because a start may lie in any direction, so
+/// that it takes two whole steps before.
 ///
 /// # Errors
 /// Those of [`Adjustment::reduce`] and [`Reduced::shortest_correction`]. Not converging is no error; see
@@ -189,13 +190,15 @@ pub fn adjust<M: Adjustment>(
 ) -> Result<Adjusted<M::State>, Error> {
     let (mut state, mut next) = (start.clone(), start);
     let mut system = model.reduce(&state)?;
-    let (mut iterations, mut before) = (0, f64::INFINITY);
+    let mut iterations = 0;
+    // Lengths of the corrections since a step was shortened.
+    let mut whole_steps: Vec<f64> = Vec::new();
     loop {
         let motions = model.free_motions(&state);
         let shortest = system.shortest_correction(&motions)?;
         let correction = shortest.decrease.max(0.0).sqrt();
-        let rate = match correction / before {
-            rate if iterations > 0 && rate < MOST_RATE => rate,
+        let rate = match whole_steps[..] {
+            [.., _, last] if correction < MOST_RATE * last => correction / last,
             _ => 1.0,
         };
         let mut squares = system.squares();
@@ -212,11 +215,14 @@ pub fn adjust<M: Adjustment>(
             }
         } else {
             match descend(model, &state, &shortest, squares, &mut next)? {
-                Some(system_there) => {
+                Some((system_there, factor)) => {
                     std::mem::swap(&mut state, &mut next);
                     system = system_there;
                     squares = system.squares();
-                    before = correction;
+                    match factor < 1.0 {
+                        true => whole_steps.clear(),
+                        false => whole_steps.push(correction),
+                    }
                     if iterations < settings.max_iterations {
                         continue;
                     }
@@ -243,7 +249,7 @@ pub fn adjust<M: Adjustment>(
 }
 
 /// Takes to `next` the longest of the steps 1, 1/2, 1/4, … that does not raise the cost; the system
-/// there.
+/// there, and the step.
 ///
 /// # Errors
 /// Of a step that does not raise the cost, those of [`Adjustment::reduce`] where it leads.
@@ -253,7 +259,7 @@ fn descend<M: Adjustment>(
     shortest: &Correction,
     squares: f64,
     next: &mut M::State,
-) -> Result<Option<Reduced>, Error> {
+) -> Result<Option<(Reduced, f64)>, Error> {
     let limit = squares * (1.0 + COST_ROUNDING) + f64::MIN_POSITIVE;
     let mut factor = 1.0;
     for _ in 0..=MAX_HALVINGS {
@@ -263,7 +269,7 @@ fn descend<M: Adjustment>(
         if whole || model.squares(next) <= limit {
             match model.reduce(next) {
                 // Without a finite cost this is false, too.
-                Ok(system) if system.squares() <= limit => return Ok(Some(system)),
+                Ok(system) if system.squares() <= limit => return Ok(Some((system, factor))),
                 Err(error) if !whole || model.squares(next) <= limit => return Err(error),
                 _ => {}
             }

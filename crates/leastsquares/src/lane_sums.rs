@@ -95,14 +95,15 @@ impl LaneSums {
         &mut self.rows[first..][..self.shared + 1]
     }
 
-    /// Adds `left rightᵀ` of two runs of shared unknowns that start at these places: part of `MᵀM`, of
-    /// which the upper triangle is kept.
+    /// Adds `left rightᵀ` of two runs of shared unknowns that start at these places, the first not behind
+    /// the other: part of `MᵀM`, of which the upper triangle is kept.
     #[inline(always)]
     pub fn add_runs(
         &mut self,
         (i, left): (usize, &[Lanes; RUN]),
         (j, right): (usize, &[Lanes; RUN]),
     ) {
+        debug_assert!(i <= j, "the lower triangle");
         let width = self.width();
         let rows = self.matrix[i * width..].chunks_exact_mut(width);
         for (row, a) in rows.zip(left) {

@@ -106,7 +106,7 @@ impl SubAssign for Lanes {
 /// Keeps a loop over rows or columns from being vectorised itself, which would gather one number of each
 /// [`Lanes`] instead of taking eight as they lie. It makes no instruction.
 #[inline(always)]
-pub(crate) fn lanes_only() {
+pub fn lanes_only() {
     std::hint::black_box(());
 }
 

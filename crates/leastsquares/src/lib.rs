@@ -75,7 +75,7 @@ pub use factors::{Factors, FactorsMut};
 pub use free_gauge::Correction;
 pub use gauss_newton::{Adjusted, Adjustment, Settings, Termination, adjust};
 pub use lane_sums::LaneSums;
-pub use lanes::{LANES, Lanes};
+pub use lanes::{LANES, Lanes, lanes_only};
 pub use reduced::{Reduced, ReducedSolution};
 pub use reflections::BLOCK_RANK_TOL;
 pub use small_reflections::SmallReflections;

@@ -130,7 +130,7 @@ impl Reduced {
         let inverted = invert(&mut inverse, width);
         if !inverted || !self.rules_out_free(&inverse) {
             let motions = orthonormal(&free_motions(), &scale);
-            self.check_rank(&scale, &motions)?;
+            self.check_rank(&scale, &motions, self.datum)?;
         }
         if !inverted {
             return Err(Error::NotFinite {
@@ -197,9 +197,14 @@ impl Reduced {
         Ok((scale, matrix))
     }
 
-    /// Checks that nothing is free but `motions`, an orthonormal basis, and what else the datum fixes.
-    pub(crate) fn check_rank(&self, scale: &[f64], motions: &[Vec<f64>]) -> Result<(), Error> {
-        let expected = motions.len().max(self.datum);
+    /// Checks that no more than `expected` combinations of the shared unknowns are free; `motions`,
+    /// an orthonormal basis, are those that may be.
+    pub(crate) fn check_rank(
+        &self,
+        scale: &[f64],
+        motions: &[Vec<f64>],
+        expected: usize,
+    ) -> Result<(), Error> {
         let scaled = Mat::from_fn(self.shared, self.shared, |i, j| {
             scale[i] * self.at(i, j) * scale[j]
         });

@@ -50,7 +50,7 @@ impl<const ROWS: usize, const COLUMNS: usize> SmallReflections<ROWS, COLUMNS> {
             }
             let squares = dot(&v, &v);
             let slack = squares - limit * (squares + above);
-            // What is not a number stays one: `least < slack` is false.
+            // A column that is not finite leaves none to the right of it finite: the last slack tells.
             least_slack = Lanes::from_fn(|lane| {
                 let (least, slack) = (least_slack.0[lane], slack.0[lane]);
                 if least < slack { least } else { slack }

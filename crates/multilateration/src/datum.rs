@@ -55,7 +55,8 @@ impl Datum {
             Some((Some(u), Some(v_t))) => {
                 let sides = Vector3::new(1.0, 1.0, (u * v_t).determinant());
                 let turn = v_t.transpose() * Matrix3::from_diagonal(&sides) * u.transpose();
-                UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(turn))
+                let turn = Rotation3::from_matrix_unchecked(turn);
+                polished(UnitQuaternion::from_rotation_matrix(&turn), &products)
             }
             // Points that are not finite.
             _ => UnitQuaternion::identity(),
@@ -80,5 +81,61 @@ impl Datum {
             motion.resize(shared, 0.0);
         }
         free_motions
+    }
+}
+
+/// The rotation `R` that makes `R Σ q nᵀ` symmetric, from one that nearly does: the decomposition knows
+/// a turn about the long axis of a thin network to rounding times the square of how thin it is, this
+/// to rounding times that. With `C = R Σ q nᵀ` the turn that is left is `(tr C - C)⁻¹ Σ Rq × n`.
+fn polished(turn: UnitQuaternion<f64>, products: &Matrix3<f64>) -> UnitQuaternion<f64> {
+    let c = turn.to_rotation_matrix() * products;
+    let symmetric = (c + c.transpose()) * 0.5;
+    let hessian = Matrix3::from_diagonal_element(c.trace()) - symmetric;
+    let moment = Vector3::new(
+        c[(1, 2)] - c[(2, 1)],
+        c[(2, 0)] - c[(0, 2)],
+        c[(0, 1)] - c[(1, 0)],
+    );
+    match hessian.try_inverse() {
+        Some(inverse) => UnitQuaternion::from_scaled_axis(inverse * moment) * turn,
+        // Points on a line: any turn about it is as good.
+        None => turn,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A thin network, turned and shifted, comes back: what is left of the constraints is rounding.
+    #[test]
+    fn thin_and_plane_networks_return() {
+        for thin in [1.0, 1e-2, 1e-3] {
+            for thick in [thin, 0.0] {
+                let place = |i: usize| {
+                    let wave = |k: f64| (k * (i as f64 + 0.3)).sin();
+                    Point3::new(
+                        500.0 * wave(1.7),
+                        500.0 * thin * wave(2.9),
+                        500.0 * thick * wave(4.3),
+                    )
+                };
+                let network = Network {
+                    nominal_mm: (0..40).map(place).collect(),
+                    ..Network::default()
+                };
+                let away = Isometry3::new(
+                    Vector3::new(3.0, -7.0, 2.0),
+                    Vector3::new(0.02, -0.01, 0.03),
+                );
+                let moved: Vec<_> = network.nominal_mm.iter().map(|p| away * p).collect();
+                let datum = Datum::new(&network);
+                let back = datum.motion(&network, &moved);
+                for (moved, nominal) in moved.iter().zip(&network.nominal_mm) {
+                    let left = (back * moved - nominal).norm();
+                    assert!(left < 1e-10, "{left} of {thin} and {thick}");
+                }
+            }
+        }
     }
 }

@@ -39,8 +39,10 @@ pub(crate) trait GroupModel: Sync {
     fn fill(&self, state: &Self::State, b: usize, gauge: Gauge, memory: &mut Memory);
 
     /// Adds batch `b` to the sums in a shorter way than by its equations; false if there is none.
-    fn add_shortly(&self, state: &Self::State, b: usize, gauge: Gauge, sums: &mut LaneSums)
-    -> bool;
+    #[inline(always)]
+    fn add_shortly(&self, _: &Self::State, _b: usize, _: Gauge, _: &mut LaneSums) -> bool {
+        false
+    }
 }
 
 /// What decides among results that differ by a motion of the whole.

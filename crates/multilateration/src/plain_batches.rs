@@ -16,7 +16,8 @@ use trueaxis_leastsquares::{LANES, LaneSums, Lanes, SmallReflections};
 use crate::batches::Batch;
 use crate::free_points::{PER_STATION, State};
 
-/// The most rows that are compiled for.
+/// The numbers of rows that are compiled for: with one more than unknowns, and up to eight.
+const LEAST_ROWS: usize = 4;
 const MOST_ROWS: usize = 8;
 
 /// Whether a batch is one of the plain ones.
@@ -25,7 +26,7 @@ pub(crate) fn is_plain(batch: &Batch) -> bool {
     batch.layout.is_plain
         && batch.points == 1
         && batch.zeros.is_empty()
-        && (PER_STATION..=MOST_ROWS).contains(&batch.slots())
+        && (LEAST_ROWS..=MOST_ROWS).contains(&batch.slots())
 }
 
 /// Adds a plain batch to the sums of the reduced system; false if a point is not determined, with the
@@ -33,7 +34,7 @@ pub(crate) fn is_plain(batch: &Batch) -> bool {
 #[inline(always)]
 pub(crate) fn add_to(batch: &Batch, weights: &[Lanes], state: &State, sums: &mut LaneSums) -> bool {
     match batch.slots() {
-        4 => add_rows::<4>(batch, weights, state, sums),
+        LEAST_ROWS => add_rows::<LEAST_ROWS>(batch, weights, state, sums),
         5 => add_rows::<5>(batch, weights, state, sums),
         6 => add_rows::<6>(batch, weights, state, sums),
         7 => add_rows::<7>(batch, weights, state, sums),
@@ -53,7 +54,7 @@ pub(crate) fn move_points(
     moved: &mut [Point3<f64>],
 ) -> bool {
     match batch.slots() {
-        4 => move_rows::<4>(batch, weights, state, step, moved),
+        LEAST_ROWS => move_rows::<LEAST_ROWS>(batch, weights, state, step, moved),
         5 => move_rows::<5>(batch, weights, state, step, moved),
         6 => move_rows::<6>(batch, weights, state, step, moved),
         7 => move_rows::<7>(batch, weights, state, step, moved),
@@ -143,7 +144,7 @@ fn add_rows<const ROWS: usize>(
         run[PER_STATION - 1] = weights[i] * mask;
     }
     let free = &rows.residual[3..];
-    if ROWS == 4 {
+    if ROWS == LEAST_ROWS {
         add_free_row(batch, &runs, (&rows.reflections.column(3), free[0]), sums);
     } else {
         add_by_pairs(batch, &runs, &rows.reflections, free, sums);
@@ -317,7 +318,7 @@ mod tests {
     /// Sums and steps against those of the general equations.
     #[test]
     fn agrees_with_the_general_way() {
-        for stations in 4..=MOST_ROWS {
+        for stations in LEAST_ROWS..=MOST_ROWS {
             let (network, state) = network(stations);
             let batches = Arc::new(batches(&network, 3).unwrap());
             assert!(batches.iter().all(is_plain));

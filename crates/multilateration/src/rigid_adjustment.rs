@@ -7,8 +7,7 @@ use std::sync::Arc;
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use trueaxis_leastsquares::{
-    Adjustment, BlockBatch, Error as LeastSquaresError, Factors, LANES, LaneSums, Lanes, Reduced,
-    Shape,
+    Adjustment, BlockBatch, Error as LeastSquaresError, Factors, LANES, Lanes, Reduced, Shape,
 };
 
 use crate::batches::{Batch, batches};
@@ -59,8 +58,7 @@ impl<'a> RigidAdjustment<'a> {
 
 impl RigidAdjustment<'_> {
     /// Ties the points of a batch to their poses: `A_pose = A T`, `B_deformation = A D`,
-    /// `H_pose = Tᵀ H`. That shapes move the points of the datum, too, the next iteration sees in the
-    /// closure.
+    /// `H_pose = Tᵀ H`. The datum of the covariance takes shapes as they are.
     #[inline(always)]
     fn tie(&self, state: &RigidState, batch: &Batch, memory: &mut Memory) {
         let Memory {
@@ -179,11 +177,6 @@ impl GroupModel for RigidAdjustment<'_> {
             &mut memory.of_points,
         );
         self.tie(state, &self.free.batches()[b], memory);
-    }
-
-    #[inline(always)]
-    fn add_shortly(&self, _: &RigidState, _: usize, _: Gauge, _: &mut LaneSums) -> bool {
-        false
     }
 }
 

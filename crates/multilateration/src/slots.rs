@@ -55,6 +55,8 @@ pub(crate) struct Slots {
 /// The readings of a group that has all slots of its batch, in measuring order.
 #[derive(Debug, Default)]
 struct Plan {
+    /// Points of the group.
+    points: usize,
     /// The station of each visit and its readings.
     visits: Vec<(usize, Range<usize>)>,
     /// Point and slot of each reading.
@@ -82,8 +84,8 @@ impl Slots {
     ) -> Result<(), Error> {
         self.places.clear();
         self.ends.clear();
-        let mut of_groups = groups.clone().map(|group| by_group.of(group));
-        if !of_groups.all(|visits| self.place_by_plan(network, visits)) {
+        let mut of_groups = groups.clone();
+        if !of_groups.all(|group| self.place_by_plan(network, group, by_group.of(group))) {
             self.place_by_keys(network, by_group, groups)?;
         }
         Ok(())
@@ -106,8 +108,9 @@ impl Slots {
     }
 
     /// Appends the places of a group; false if it was not measured by the plan.
-    fn place_by_plan(&mut self, network: &Network, visits: &[usize]) -> bool {
-        if visits.len() != self.plan.visits.len() {
+    fn place_by_plan(&mut self, network: &Network, group: usize, visits: &[usize]) -> bool {
+        let points = network.groups[group].len();
+        if (points, visits.len()) != (self.plan.points, self.plan.visits.len()) {
             return false;
         }
         for (&v, (station, readings)) in visits.iter().zip(&self.plan.visits) {
@@ -156,7 +159,7 @@ impl Slots {
         });
         self.plan = Plan::default();
         if self.places.len() == slots.len() * groups.len() {
-            self.plan = Plan::new(network, by_group.of(groups.start), self.places(0));
+            self.plan = Plan::new(network, groups.start, by_group, self.places(0));
         }
         Ok(())
     }
@@ -189,9 +192,17 @@ impl Slots {
 }
 
 impl Plan {
-    fn new(network: &Network, visits: &[usize], places: &[(usize, usize)]) -> Self {
-        let mut plan = Self::default();
-        for &v in visits {
+    fn new(
+        network: &Network,
+        group: usize,
+        by_group: &VisitsByGroup,
+        places: &[(usize, usize)],
+    ) -> Self {
+        let mut plan = Self {
+            points: network.groups[group].len(),
+            ..Self::default()
+        };
+        for &v in by_group.of(group) {
             let visit = &network.visits[v];
             let first = plan.readings.len();
             let own = &places[first..first + visit.readings.len()];
@@ -243,4 +254,86 @@ fn slot_visits(slots: &[Key]) -> Vec<SlotVisit> {
         }
     }
     visits
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point3;
+
+    use super::*;
+    use crate::{Reading, Visit};
+
+    /// Groups of three points read from four stations, the first one without one of the readings.
+    fn network(groups: usize) -> Network {
+        let mut network = Network {
+            stations: vec![None; 4],
+            ..Network::default()
+        };
+        for group in 0..groups {
+            network.groups.push(3 * group..3 * group + 3);
+            network.nominal_mm.extend([Point3::origin(); 3]);
+            for station in 0..4 {
+                let first = network.readings.len();
+                let read = (0..3).filter(|&point| (group, station, point) != (0, 3, 2));
+                network.readings.extend(read.map(|point| Reading {
+                    point,
+                    length_mm: 0.0,
+                }));
+                network.visits.push(Visit {
+                    station,
+                    group,
+                    readings: first..network.readings.len(),
+                });
+            }
+        }
+        network
+    }
+
+    /// What comes last is refused, whatever plan was followed before.
+    fn refused(network: &Network) -> Option<Error> {
+        let (mut slots, by_group) = (Slots::new(3), network.visits_by_group());
+        let groups = network.groups.len();
+        for first in (0..groups - 1).step_by(8) {
+            let last = (first + 8).min(groups - 1);
+            slots.take(network, &by_group, first..last).unwrap();
+        }
+        slots.take(network, &by_group, groups - 1..groups).err()
+    }
+
+    #[test]
+    fn groups_without_visits_follow_no_plan() {
+        for planned in [8, 16] {
+            let mut network = network(planned);
+            network.groups.push(3 * planned..3 * planned + 1);
+            network.nominal_mm.push(Point3::origin());
+            let found = refused(&network);
+            let expected = Error::PointSeenTooRarely {
+                group: planned,
+                point: 0,
+                seen: 0,
+                need: 3,
+            };
+            assert_eq!(format!("{found:?}"), format!("{:?}", Some(expected)));
+        }
+    }
+
+    #[test]
+    fn a_point_more_than_planned_is_seen_too_rarely() {
+        let mut network = network(17);
+        network.groups[16].end += 1;
+        network.nominal_mm.push(Point3::origin());
+        let found = refused(&network);
+        assert!(
+            matches!(
+                found,
+                Some(Error::PointSeenTooRarely {
+                    group: 16,
+                    point: 3,
+                    seen: 0,
+                    ..
+                })
+            ),
+            "{found:?}"
+        );
+    }
 }

@@ -35,9 +35,9 @@ mod unknowns;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use rand::Rng;
-use trueaxis_leastsquares::{LANES, Lanes};
+use trueaxis_leastsquares::{LANES, Lanes, lanes_only};
 
-use self::coordinates::{Coordinates, dot, lanes_only, sum};
+use self::coordinates::{Coordinates, dot, sum};
 use self::correlated::CorrelatedVisits;
 use self::errors::{ErrorNoise, is_correlated};
 use self::point_blocks::PointBlocks;

@@ -1,7 +1,7 @@
 //! Vectors as three arrays, so that loops over many of them work on eight at a time.
 
 use nalgebra::Vector3;
-use trueaxis_leastsquares::{LANES, Lanes};
+use trueaxis_leastsquares::{LANES, Lanes, lanes_only};
 
 /// Vectors at all points: all x, all y, all z. Zeros behind the last point fill up the lanes that
 /// start with it.
@@ -155,11 +155,4 @@ pub(crate) fn sum(a: &[[f64; LANES]]) -> Lanes {
         sum += Lanes(*a);
     }
     sum
-}
-
-/// Keeps a loop over eights from being vectorised otherwise than lane by lane. It makes no
-/// instruction.
-#[inline(always)]
-pub(crate) fn lanes_only() {
-    std::hint::black_box(());
 }

@@ -5,9 +5,9 @@
 use std::ops::Range;
 
 use faer::Mat;
-use trueaxis_leastsquares::{LANES, Lanes};
+use trueaxis_leastsquares::{LANES, Lanes, lanes_only};
 
-use super::coordinates::{Coordinates, lanes_only};
+use super::coordinates::Coordinates;
 
 /// `D` of all points.
 #[derive(Debug, Clone, Default)]

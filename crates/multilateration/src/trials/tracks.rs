@@ -9,9 +9,9 @@ use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::ops::Range;
 
-use trueaxis_leastsquares::{LANES, Lanes};
+use trueaxis_leastsquares::{LANES, Lanes, lanes_only};
 
-use super::coordinates::{Coordinates, lanes_only};
+use super::coordinates::Coordinates;
 use super::unknowns::Unknowns;
 use crate::free_points::PER_STATION;
 
@@ -117,7 +117,7 @@ impl Tracks {
             let errors = &errors[track.rows.clone()][..count];
             let [gx, gy, gz] = gradient.points.eights_from_mut(track.first_point, count);
             let mut sums = [Lanes::ZERO; 4];
-            let sums = black_box(&mut sums);
+            let sums = side_by_side(&mut sums);
             for i in 0..count {
                 lanes_only();
                 let weighted = weights[i] * errors[i];
@@ -147,7 +147,7 @@ impl Tracks {
             let [gx, gy, gz] = gradient.points.eights_from_mut(track.first_point, count);
             let [sx, sy, sz, dead_path] = track.shared(&at.shared);
             let mut sums = [Lanes::ZERO; 4];
-            let sums = black_box(&mut sums);
+            let sums = side_by_side(&mut sums);
             for i in 0..count {
                 lanes_only();
                 let d = distances[i];
@@ -179,7 +179,7 @@ impl Tracks {
             let weights = &self.weights[track.rows.clone()][..count];
             let [px, py, pz] = points.eights_from(track.first_point, count);
             let mut sums = [Lanes::ZERO; 4];
-            let sums = black_box(&mut sums);
+            let sums = side_by_side(&mut sums);
             for i in 0..count {
                 lanes_only();
                 let (x, y, z) = (ux[i], uy[i], uz[i]);
@@ -262,4 +262,11 @@ fn sorted(rows: Vec<(Row, f64)>) -> Vec<(Row, f64)> {
         .collect();
     keyed.sort_by_key(|(key, _)| *key);
     keyed.into_iter().map(|(_, row)| row).collect()
+}
+
+/// Keeps sums from being taken together in one register, lane by lane, where they are added up after a
+/// loop: then each product of the loop would be taken apart.
+#[inline(always)]
+fn side_by_side(sums: &mut [Lanes; 4]) -> &mut [Lanes; 4] {
+    black_box(sums)
 }
