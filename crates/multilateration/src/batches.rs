@@ -7,12 +7,12 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use rayon::prelude::*;
 use trueaxis_leastsquares::{LANES, Lanes};
 
 use crate::Error;
 use crate::network::{Network, VisitsByGroup};
 use crate::noise::factor_len;
+use crate::passes::{in_parallel, pieces};
 use crate::slots::{Layout, Slots};
 
 /// Up to eight groups.
@@ -35,9 +35,6 @@ pub(crate) struct Batch {
     pub(crate) readings: usize,
 }
 
-/// Batches that are worth handing to a thread.
-const PIECE: usize = 256;
-
 /// All batches of a network, in the order of its groups; each point must be seen from at least
 /// `stations_per_point` stations.
 ///
@@ -50,12 +47,13 @@ pub(crate) fn batches(network: &Network, stations_per_point: usize) -> Result<Ve
     } else {
         network.zero_of_readings()
     };
-    let pieces: Vec<_> = ranges(network)
-        .par_chunks(PIECE)
-        .map(|groups| piece((network, &by_group), &zeros, stations_per_point, groups))
-        .collect();
-    let mut batches = Vec::with_capacity(pieces.len() * PIECE);
-    for piece in pieces {
+    let ranges = ranges(network);
+    let of_pieces = in_parallel(pieces(ranges.len()), |numbers| {
+        let groups = &ranges[numbers];
+        piece((network, &by_group), &zeros, stations_per_point, groups)
+    });
+    let mut batches = Vec::with_capacity(ranges.len());
+    for piece in of_pieces {
         batches.append(&mut piece?);
     }
     Ok(batches)

@@ -98,6 +98,15 @@ pub(crate) fn pieces(batches: usize) -> Vec<Range<usize>> {
         .collect()
 }
 
+/// Does what has many passes over so many batches in a thread of the pool, if they are worth several:
+/// handing out pieces from outside costs more, each time.
+pub(crate) fn within_pool<T: Send>(batches: usize, work: impl FnOnce() -> T + Send) -> T {
+    match batches > LEAST_BATCHES {
+        true => rayon::scope(|_| work()),
+        false => work(),
+    }
+}
+
 /// What `work` makes of each item, in order.
 pub(crate) fn in_parallel<I: Send, T: Send>(
     items: Vec<I>,

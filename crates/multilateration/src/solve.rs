@@ -7,6 +7,7 @@ use trueaxis_leastsquares::{Adjusted, Adjustment, Error as LeastSquaresError, ad
 use crate::batches::{Batch, batches};
 use crate::free_adjustment::FreeAdjustment;
 use crate::free_points::{DATUM, PER_STATION, State};
+use crate::passes::within_pool;
 use crate::start::{Image, Start, start};
 use crate::{Error, Network, Solution, Station, StationUnknown};
 
@@ -106,24 +107,26 @@ pub(crate) fn adjust_from<'a>(
     start: State,
     settings: &Settings,
 ) -> Result<Attempt<'a>, Error> {
-    let mut model = FreeAdjustment::new(network, batches, &start);
-    let mut adjusted = run(network, &model, start.clone(), settings)
-        .map_err(|error| ran_away(network, &model, &start, error))?;
-    let mut iterations = adjusted.iterations;
-    if model.weights_follow_beams() {
-        for _ in 0..MAX_WEIGHT_UPDATES {
-            model.update_weights(&adjusted.state);
-            adjusted = run(network, &model, adjusted.state, settings)?;
-            iterations += adjusted.iterations;
-            if adjusted.iterations == 1 || !adjusted.termination.is_converged() {
-                break;
+    within_pool(batches.len(), || {
+        let mut model = FreeAdjustment::new(network, batches, &start);
+        let mut adjusted = run(network, &model, start.clone(), settings)
+            .map_err(|error| ran_away(network, &model, &start, error))?;
+        let mut iterations = adjusted.iterations;
+        if model.weights_follow_beams() {
+            for _ in 0..MAX_WEIGHT_UPDATES {
+                model.update_weights(&adjusted.state);
+                adjusted = run(network, &model, adjusted.state, settings)?;
+                iterations += adjusted.iterations;
+                if adjusted.iterations == 1 || !adjusted.termination.is_converged() {
+                    break;
+                }
             }
         }
-    }
-    Ok(Attempt {
-        model,
-        adjusted,
-        iterations,
+        Ok(Attempt {
+            model,
+            adjusted,
+            iterations,
+        })
     })
 }
 
