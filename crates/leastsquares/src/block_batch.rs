@@ -41,6 +41,8 @@ pub struct BlockBatch {
     column: Vec<Lanes>,
     /// A column in the space of the blocks' unknowns.
     own_column: Vec<Lanes>,
+    /// One element for each shared unknown.
+    shared_row: Vec<Lanes>,
     /// `R⁻¹` and `Z`, columns contiguous, for [`BlockBatch::write_factors`].
     inverse_factor: Vec<Lanes>,
     coupling: Vec<Lanes>,
@@ -229,27 +231,29 @@ impl BlockBatch {
     /// Fills row `row - unknowns` of `M`, zeros before.
     #[inline(always)]
     fn fill_free_row(&mut self, row: usize, free_row: &mut [Lanes]) {
-        let Shape {
-            rows,
-            in_runs,
-            shared,
-            ..
-        } = self.shape;
+        let Shape { rows, shared, .. } = self.shape;
         zeros(&mut self.column, rows);
         self.column[row] = Lanes::splat(1.0);
         self.own.reflect_back(&mut self.column);
+        self.add_times_shared(&mut free_row[..shared]);
+        free_row[shared] = dot(&self.column, &self.residual);
+    }
+
+    /// Adds `qᵀ B` of the column `q` in the space of the rows.
+    #[inline(always)]
+    fn add_times_shared(&self, product: &mut [Lanes]) {
+        let Shape { rows, in_runs, .. } = self.shape;
         let runs = self.runs.iter().zip(&self.starts);
         for (q, (run, &start)) in self.column.iter().zip(runs) {
-            for (m, b) in free_row[start..start + RUN].iter_mut().zip(run) {
+            for (sum, b) in product[start..start + RUN].iter_mut().zip(run) {
                 lanes_only();
-                *m = q.mul_add(*b, *m);
+                *sum = q.mul_add(*b, *sum);
             }
         }
         let others = self.others.chunks_exact(rows);
-        for (m, column) in free_row[in_runs..shared].iter_mut().zip(others) {
-            *m = dot(&self.column, column);
+        for (sum, column) in product[in_runs..].iter_mut().zip(others) {
+            *sum += dot(&self.column, column);
         }
-        free_row[shared] = dot(&self.column, &self.residual);
     }
 
     /// Adds what the datum gives.
@@ -258,9 +262,9 @@ impl BlockBatch {
         let Shape {
             rows,
             unknowns,
-            in_runs,
             shared,
             datum,
+            ..
         } = self.shape;
         // H becomes W, the residuals' copy becomes c.
         for column in self.datum.chunks_exact_mut(unknowns) {
@@ -277,22 +281,17 @@ impl BlockBatch {
                 sums.add_to_datum(k, l, dot(weighted, other));
             }
         }
+        let mut product = std::mem::take(&mut self.shared_row);
         for k in 0..datum {
             zeros(&mut self.column, rows);
             let weighted = &self.datum[k * unknowns..(k + 1) * unknowns];
             self.column[..unknowns].copy_from_slice(weighted);
             self.own.reflect_back(&mut self.column);
-            let runs = self.runs.iter().zip(&self.starts);
-            for (q, (run, &start)) in self.column.iter().zip(runs) {
-                for (i, b) in run.iter().enumerate() {
-                    lanes_only();
-                    sums.add_to_border(start + i, k, *q * *b);
-                }
-            }
-            for (i, other) in (in_runs..shared).zip(self.others.chunks_exact(rows)) {
-                sums.add_to_border(i, k, dot(&self.column, other));
-            }
+            zeros(&mut product, shared);
+            self.add_times_shared(&mut product);
+            sums.add_to_border(k, &product);
         }
+        self.shared_row = product;
     }
 
     /// The corrections to the blocks' unknowns that belong to the solution `t = (s, λ)` of the reduced
@@ -347,9 +346,9 @@ impl BlockBatch {
         let Shape {
             rows,
             unknowns,
-            in_runs,
             shared,
             datum,
+            ..
         } = self.shape;
         zeros(&mut self.inverse_factor, unknowns * unknowns);
         zeros(&mut self.coupling, unknowns * (shared + datum));
@@ -357,6 +356,7 @@ impl BlockBatch {
             column[k] = Lanes::splat(1.0);
             self.own.solve(column);
         }
+        let mut product = std::mem::take(&mut self.shared_row);
         for k in 0..unknowns {
             // Row k of R⁻¹Q₁ᵀ.
             zeros(&mut self.column, rows);
@@ -364,18 +364,13 @@ impl BlockBatch {
                 *x = self.inverse_factor[j * unknowns + k];
             }
             self.own.reflect_back(&mut self.column);
-            let runs = self.runs.iter().zip(&self.starts);
-            for (q, (run, &start)) in self.column.iter().zip(runs) {
-                for (i, b) in run.iter().enumerate() {
-                    lanes_only();
-                    let sum = &mut self.coupling[(start + i) * unknowns + k];
-                    *sum = q.mul_add(*b, *sum);
-                }
-            }
-            for (i, other) in (in_runs..shared).zip(self.others.chunks_exact(rows)) {
-                self.coupling[i * unknowns + k] = dot(&self.column, other);
+            zeros(&mut product, shared);
+            self.add_times_shared(&mut product);
+            for (column, x) in self.coupling.chunks_exact_mut(unknowns).zip(&product) {
+                column[k] = *x;
             }
         }
+        self.shared_row = product;
         let of_datum = &mut self.coupling[shared * unknowns..];
         of_datum.copy_from_slice(&self.datum);
         for column in of_datum.chunks_exact_mut(unknowns) {

@@ -12,13 +12,13 @@
 //! is free of them, and `N + G Gᵀ` has an inverse if nothing else is free.
 
 use crate::Error;
-use crate::inverse::invert;
-use crate::reduced::{Reduced, SHARED_RANK_TOL, dot, orthonormal};
+use crate::reduced::{Reduced, dot, finite, orthonormal, times};
 
 /// A correction of the shared unknowns.
 #[derive(Debug, Clone)]
 pub struct Correction {
-    /// The shortest one, in units in which the matrix has a unit diagonal.
+    /// Of all that are as good the shortest one, lengths being measured in units in which the matrix has
+    /// a unit diagonal.
     pub shared: Vec<f64>,
     /// By how much the linear model says that the correction of all unknowns lowers the sum of
     /// squares.
@@ -34,46 +34,24 @@ impl Reduced {
     pub fn shortest_correction(&self, free_motions: &[Vec<f64>]) -> Result<Correction, Error> {
         debug_assert_eq!(self.datum(), 0, "constraints");
         let n = self.shared();
-        let (scale, mut inverse) = self.scaled(n)?;
+        let (scale, mut matrix) = self.scaled(n)?;
         let motions = orthonormal(free_motions, &scale);
         for motion in &motions {
-            for (row, a) in inverse.chunks_exact_mut(n.max(1)).zip(motion) {
+            for (row, a) in matrix.chunks_exact_mut(n.max(1)).zip(motion) {
                 for (x, b) in row.iter_mut().zip(motion) {
                     *x += a * b;
                 }
             }
         }
-        let inverted = invert(&mut inverse, n);
-        if !inverted || !self.rules_out_free(&inverse) {
-            self.check_rank(&scale, &motions, motions.len())?;
-        }
-        if !inverted {
-            return Err(Error::NotFinite {
-                what: "the inverse of the reduced system",
-            });
-        }
+        let inverse = self.inverse_of(matrix, n, || {
+            self.check_rank(&scale, &motions, motions.len())
+        })?;
         let right: Vec<f64> = (0..n)
             .map(|i| scale[i] * self.at(i, self.width()))
             .collect();
-        let scaled: Vec<f64> = inverse
-            .chunks_exact(n.max(1))
-            .map(|row| dot(row, &right))
-            .collect();
+        let scaled = times(&inverse, &right);
         let decrease = dot(&scaled, &right) + self.decrease_by_blocks();
-        let shared: Vec<f64> = scaled.iter().zip(&scale).map(|(x, s)| x * s).collect();
-        if !shared.iter().all(|x| x.is_finite()) {
-            return Err(Error::NotFinite {
-                what: "the solution of the reduced system",
-            });
-        }
+        let shared = finite(scaled.iter().zip(&scale).map(|(x, s)| x * s).collect())?;
         Ok(Correction { shared, decrease })
-    }
-
-    /// Whether the inverse of the scaled matrix says that nothing is free: a free unit vector that
-    /// meets all constraints is taken to less than the limit, so that the norm of the inverse is at
-    /// least the limit's reciprocal.
-    pub(crate) fn rules_out_free(&self, inverse: &[f64]) -> bool {
-        // The largest eigenvalue is not above the sum of all, the number of shared unknowns.
-        dot(inverse, inverse).sqrt() * SHARED_RANK_TOL * (self.shared() as f64) < 1.0
     }
 }

@@ -145,11 +145,13 @@ impl LaneSums {
         self.rows.clear();
     }
 
-    /// `-q b` between a shared unknown and a constraint.
+    /// `-Bᵀ q` between the shared unknowns and a constraint.
     #[inline(always)]
-    pub(crate) fn add_to_border(&mut self, shared: usize, datum: usize, product: Lanes) {
-        let place = shared * self.width() + self.shared + datum;
-        self.matrix[place] -= product;
+    pub(crate) fn add_to_border(&mut self, datum: usize, products: &[Lanes]) {
+        let (width, column) = (self.width(), self.shared + datum);
+        for (row, product) in self.matrix.chunks_exact_mut(width).zip(products) {
+            row[column] -= *product;
+        }
     }
 
     /// `-Wᵀ W` between two constraints.

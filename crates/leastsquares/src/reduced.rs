@@ -47,7 +47,7 @@ pub struct ReducedSolution {
 /// Relative eigenvalue of the scaled normal matrix below which a combination of shared unknowns
 /// counts as free. Rounding leaves about 1e-15; a combination at the limit would be known a
 /// million times worse than the best one, so nothing usable is refused.
-pub(crate) const SHARED_RANK_TOL: f64 = 1e-12;
+const SHARED_RANK_TOL: f64 = 1e-12;
 
 /// An unknown's share in a free combination below which it is not worth a name.
 const FREE_SHARE_TOL: f64 = 0.05;
@@ -126,32 +126,18 @@ impl Reduced {
         free_motions: impl FnOnce() -> Vec<Vec<f64>>,
     ) -> Result<ReducedSolution, Error> {
         let width = self.width();
-        let (scale, mut inverse) = self.scaled(width)?;
-        let inverted = invert(&mut inverse, width);
-        if !inverted || !self.rules_out_free(&inverse) {
+        let (scale, matrix) = self.scaled(width)?;
+        let mut inverse = self.inverse_of(matrix, width, || {
             let motions = orthonormal(&free_motions(), &scale);
-            self.check_rank(&scale, &motions, self.datum)?;
-        }
-        if !inverted {
-            return Err(Error::NotFinite {
-                what: "the inverse of the reduced system",
-            });
-        }
+            self.check_rank(&scale, &motions, self.datum)
+        })?;
         for (i, row) in inverse.chunks_exact_mut(width.max(1)).enumerate() {
             for (x, s) in row.iter_mut().zip(&scale) {
                 *x *= scale[i] * s;
             }
         }
         let right: Vec<f64> = (0..width).map(|i| self.at(i, width)).collect();
-        let unknowns: Vec<f64> = inverse
-            .chunks_exact(width.max(1))
-            .map(|row| dot(row, &right))
-            .collect();
-        if !unknowns.iter().all(|x| x.is_finite()) {
-            return Err(Error::NotFinite {
-                what: "the solution of the reduced system",
-            });
-        }
+        let unknowns = finite(times(&inverse, &right))?;
         Ok(ReducedSolution {
             shared: self.shared,
             unknowns,
@@ -195,6 +181,34 @@ impl Reduced {
             }
         }
         Ok((scale, matrix))
+    }
+
+    /// The inverse of a scaled matrix of `n` rows; `check_rank` is asked if it does not rule out that
+    /// something is free.
+    pub(crate) fn inverse_of(
+        &self,
+        mut matrix: Vec<f64>,
+        n: usize,
+        check_rank: impl FnOnce() -> Result<(), Error>,
+    ) -> Result<Vec<f64>, Error> {
+        let inverted = invert(&mut matrix, n);
+        if !inverted || !self.rules_out_free(&matrix) {
+            check_rank()?;
+        }
+        match inverted {
+            true => Ok(matrix),
+            false => Err(Error::NotFinite {
+                what: "the inverse of the reduced system",
+            }),
+        }
+    }
+
+    /// Whether the inverse of the scaled matrix says that nothing is free: a free unit vector that
+    /// meets all constraints is taken to less than the limit, so that the norm of the inverse is at
+    /// least the limit's reciprocal.
+    fn rules_out_free(&self, inverse: &[f64]) -> bool {
+        // The largest eigenvalue is not above the sum of all, the number of shared unknowns.
+        dot(inverse, inverse).sqrt() * SHARED_RANK_TOL * (self.shared() as f64) < 1.0
     }
 
     /// Checks that no more than `expected` combinations of the shared unknowns are free; `motions`,
@@ -288,4 +302,20 @@ fn remove(vector: &mut [f64], unit: &[f64]) {
 
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Product of a matrix with contiguous rows and a vector.
+pub(crate) fn times(matrix: &[f64], vector: &[f64]) -> Vec<f64> {
+    let rows = matrix.chunks_exact(vector.len().max(1));
+    rows.map(|row| dot(row, vector)).collect()
+}
+
+/// A solution, if it is finite.
+pub(crate) fn finite(solution: Vec<f64>) -> Result<Vec<f64>, Error> {
+    match solution.iter().all(|x| x.is_finite()) {
+        true => Ok(solution),
+        false => Err(Error::NotFinite {
+            what: "the solution of the reduced system",
+        }),
+    }
 }

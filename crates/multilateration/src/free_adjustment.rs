@@ -60,17 +60,19 @@ impl<'a> FreeAdjustment<'a> {
 
     /// Whether weights depend on the beams.
     pub(crate) fn weights_follow_beams(&self) -> bool {
-        follow_beams(self.network)
+        let noise = &self.network.noise;
+        let correlated = || self.network.visits.iter().any(|v| v.readings.len() > 1);
+        noise.length_sigma_relative > 0.0 || noise.return_sigma_mm > 0.0 && correlated()
     }
 
     /// Takes the weights from the beams at `state`.
     pub(crate) fn update_weights(&mut self, state: &State) {
+        let with_beams = self.weights_follow_beams();
         let pieces = pieces(self.batches.len());
         let starts = &self.weight_starts;
         let lengths = pieces.iter().map(|p| starts[p.end] - starts[p.start]);
         let parts = split_mut(&mut self.weights, lengths);
         let (batches, noise) = (&self.batches, &self.network.noise);
-        let with_beams = follow_beams(self.network);
         in_parallel(
             pieces.into_iter().zip(parts).collect(),
             #[inline(always)]
@@ -148,13 +150,6 @@ impl<'a> FreeAdjustment<'a> {
             *dead_path += s[zero_column(zero, stations)] * factor;
         }
     }
-}
-
-/// Whether weights depend on the beams.
-fn follow_beams(network: &Network) -> bool {
-    let noise = &network.noise;
-    let correlated = || network.visits.iter().any(|v| v.readings.len() > 1);
-    noise.length_sigma_relative > 0.0 || noise.return_sigma_mm > 0.0 && correlated()
 }
 
 impl GroupModel for FreeAdjustment<'_> {

@@ -234,7 +234,7 @@ fn move_rows<const ROWS: usize>(
         return false;
     }
     for (i, weight) in weights.iter().enumerate() {
-        let first = PER_STATION * batch.layout.visits[i].station;
+        let first = first_unknown(batch, i);
         let own = &s[first..first + PER_STATION];
         let dead_path = Lanes::splat(own[PER_STATION - 1]);
         let mut right = weight.mul_add(dead_path, rows.residual[i]);
