@@ -18,6 +18,8 @@ use trueaxis_multilateration::GroupNoise;
 
 use crate::axis_data::AxisData;
 use crate::in_order;
+use crate::matrix_products::{add_product, add_product_transposed};
+use crate::node_records::NodeRecords;
 use crate::point_noise::PointNoise;
 use crate::records::RecordFit;
 use crate::sensitivity::Sensitivity;
@@ -75,29 +77,6 @@ pub(crate) struct AxisNoise<'a> {
     parameters_shared: DMatrix<f64>,
 }
 
-/// The records of every node.
-struct NodeRecords {
-    /// Where those of each node start, and behind them their number.
-    starts: Vec<usize>,
-    records: Vec<usize>,
-}
-
-impl NodeRecords {
-    fn new(axis: &AxisData) -> Self {
-        let mut records: Vec<usize> = (0..axis.records.len()).collect();
-        records.sort_by_key(|&i| axis.records[i].node);
-        let mut starts = vec![0];
-        for node in &axis.nodes {
-            starts.push(starts[starts.len() - 1] + node.records);
-        }
-        Self { starts, records }
-    }
-
-    fn of(&self, node: usize) -> &[usize] {
-        &self.records[self.starts[node]..self.starts[node + 1]]
-    }
-}
-
 /// The same of one node's mean pose error `m`.
 struct NodeNoise {
     own: Matrix6<f64>,
@@ -134,8 +113,10 @@ impl<'a> AxisNoise<'a> {
         let add = |(own, shared): &mut (DMatrix<f64>, DMatrix<f64>), errors: &mut _, i: usize| {
             let (d, z) = noise.of_record(&axis.records[i], errors);
             let parameters = &sensitivity.parameters[i];
-            own.gemm(1.0, &(parameters * d), &parameters.transpose(), 1.0);
-            shared.gemm(1.0, parameters, z, 1.0);
+            let mut with_noise = DMatrix::zeros(width, d.ncols());
+            add_product(&mut with_noise, parameters, d);
+            add_product_transposed(own, &with_noise, parameters);
+            add_product(shared, parameters, z);
         };
         let records = axis.records.len();
         let (parameters, parameters_shared) = in_order::sum(records, zero, add, |whole, part| {
@@ -164,12 +145,12 @@ impl<'a> AxisNoise<'a> {
         let weight = 1.0 / records.len() as f64;
         for &i in records {
             let (d, z) = self.noise.of_record(&self.axis.records[i], errors);
-            let from_points = &self.fits[i].from_points;
-            let pose_noise = from_points * d * weight;
-            sum.own += &pose_noise * from_points.transpose() * weight;
-            let parameters = self.sensitivity.parameters[i].transpose();
-            sum.cross.gemm(1.0, &pose_noise, &parameters, 1.0);
-            sum.shared.gemm(weight, from_points, z, 1.0);
+            let from_points = &self.fits[i].from_points * weight;
+            let mut with_noise = Matrix6xX::zeros(d.ncols());
+            add_product(&mut with_noise, &from_points, d);
+            add_product_transposed(&mut sum.own, &with_noise, &from_points);
+            add_product_transposed(&mut sum.cross, &with_noise, &self.sensitivity.parameters[i]);
+            add_product(&mut sum.shared, &from_points, z);
         }
         sum
     }
@@ -183,12 +164,17 @@ impl<'a> AxisNoise<'a> {
             cross,
             mut shared,
         } = self.node(node, errors);
-        shared.gemm(1.0, effect, &self.parameters_shared, -1.0);
-        let through: Matrix6<f64> = effect * &self.parameters * effect.transpose();
-        let cross: Matrix6<f64> = cross * effect.transpose();
+        shared.neg_mut();
+        add_product(&mut shared, effect, &self.parameters_shared);
+        let mut with_noise = Matrix6xX::zeros(effect.ncols());
+        add_product(&mut with_noise, effect, &self.parameters);
+        let mut through = Matrix6::zeros();
+        add_product_transposed(&mut through, &with_noise, effect);
+        let mut mixed = Matrix6::zeros();
+        add_product_transposed(&mut mixed, &cross, effect);
         ComponentNoise {
             uncancelled: through.diagonal() + own.diagonal(),
-            own: through - cross - cross.transpose() + own,
+            own: through - mixed - mixed.transpose() + own,
             shared,
         }
     }

@@ -72,7 +72,7 @@ pub(crate) fn calibrate_in_parts(
         ),
         (None, None) => return Err(Error::NothingMeasured),
     };
-    let solution = screened.as_ref().map(|screened| &screened.solution);
+    let solution = screened.as_ref().map(|screened| &*screened.solution);
     let machine = with_reference_points(campaign, settings.reference_point);
     let data = by_axis(campaign, &measured)?;
     if data.is_empty() {

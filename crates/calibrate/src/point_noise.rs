@@ -42,13 +42,9 @@ impl PointNoise<'_> {
                 square_of_upper(covariance.inverse_factor(group), &mut errors.own);
                 let z = covariance.coupling(group);
                 errors.coupling.resize_mut(z.nrows(), z.ncols(), 0.0);
-                let columns = errors.coupling.as_mut_slice();
-                let columns = columns.chunks_exact_mut(z.nrows().max(1));
-                for (to, from) in columns.zip(z.col_iter()) {
-                    to.iter_mut()
-                        .zip(from.iter())
-                        .for_each(|(to, from)| *to = *from);
-                }
+                errors
+                    .coupling
+                    .copy_from_slice(covariance.coupling_columns(group));
             }
             NoiseSource::Lengths(noise) => noise.group(group, errors),
             NoiseSource::Independent(blocks) => {

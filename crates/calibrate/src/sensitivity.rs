@@ -16,6 +16,8 @@ use nalgebra::{DMatrix, Matrix6xX};
 use crate::axis_data::AxisData;
 use crate::gauge::Gauge;
 use crate::in_order;
+use crate::matrix_products::add_product;
+use crate::node_records::NodeRecords;
 use crate::records::RecordFit;
 
 /// The linear maps of one axis.
@@ -75,23 +77,24 @@ impl Sensitivity {
     }
 
     fn add_nodes(&mut self, axis: &AxisData, gauge: &Gauge, fits: &[RecordFit]) {
-        let mut effects: Vec<Matrix6xX<f64>> = gauge
-            .node_effects
-            .iter()
-            .map(|effect| effect.clone().resize_horizontally(self.width, 0.0))
-            .collect();
-        for (i, fit) in fits.iter().enumerate() {
-            let node = axis.records[i].node;
-            effects[node] += self.shape_effect(axis, i, fit) / axis.nodes[node].records as f64;
-        }
-        self.node_effects = effects;
+        let records = NodeRecords::new(axis);
+        self.node_effects = in_order::map(axis.nodes.len(), |node| {
+            let mut effect = Matrix6xX::zeros(self.width);
+            let of_gauge = &gauge.node_effects[node];
+            effect.columns_mut(0, of_gauge.ncols()).copy_from(of_gauge);
+            let records = records.of(node);
+            for &i in records {
+                effect += self.shape_effect(axis, i, &fits[i]) / records.len() as f64;
+            }
+            effect
+        });
     }
 
     fn add_records(&mut self, axis: &AxisData, gauge: &Gauge, fits: &[RecordFit]) {
         // x = Σ Γ P dp - (Σ Γ P Qᵀ) w
         let zero = || DMatrix::zeros(self.gauge_parameters, self.width);
         let add = |sum: &mut DMatrix<f64>, (): &mut (), i: usize| {
-            *sum += &gauge.shares[i] * self.shape_effect(axis, i, &fits[i]);
+            add_product(sum, &gauge.shares[i], &self.shape_effect(axis, i, &fits[i]));
         };
         let by_shape = in_order::sum(fits.len(), zero, add, |whole, part| *whole += part);
         self.parameters = in_order::map(fits.len(), |i| {
@@ -103,7 +106,10 @@ impl Sensitivity {
                 y.rows_mut(first, 3)
                     .copy_from(&(rows / axis.runs[run].records as f64));
             }
-            let x = &gauge.shares[i] * &fit.from_points - &by_shape * &y;
+            let mut x = DMatrix::zeros(self.gauge_parameters, y.ncols());
+            add_product(&mut x, &by_shape, &y);
+            x.neg_mut();
+            add_product(&mut x, &gauge.shares[i], &fit.from_points);
             y.rows_mut(0, self.gauge_parameters).copy_from(&x);
             y
         });

@@ -7,7 +7,7 @@
 //! Component errors do not depend on the reference frame: the gauge removes a rigid motion of the
 //! whole. Location errors and stations do ([`crate::frame_forms`]).
 
-use nalgebra::{DMatrix, Matrix2, Point3};
+use nalgebra::{DMatrix, Matrix2, Matrix6xX, Point3};
 use trueaxis_multilateration::GroupNoise;
 
 use crate::axis_data::AxisData;
@@ -16,6 +16,7 @@ use crate::budget::Budget;
 use crate::frame_forms::FrameForms;
 use crate::identify_axes::Identified;
 use crate::in_order;
+use crate::matrix_products::add_product;
 use crate::point_noise::PointNoise;
 use crate::records::Context;
 use crate::sources::{OwnSources, SourceNoise, Sources};
@@ -171,7 +172,8 @@ impl<'a> Noise<'a> {
             own += &cross + cross.transpose() + rows * &self.sources.own * rows.transpose();
             coefficients += rows * &self.sources.shared;
         }
-        let times_shared = &coefficients * &self.shared;
+        let mut times_shared = Matrix6xX::zeros(coefficients.ncols());
+        add_product(&mut times_shared, &coefficients, &self.shared);
         let variance = |c: usize| Variance {
             own: own[(c, c)],
             through: times_shared.row(c).dot(&coefficients.row(c)),

@@ -12,13 +12,16 @@
 //! Weighting with the covariance of the points alone would trust the shape as if it were exact, and
 //! take what the stations' errors do to the shape for a rotation.
 
+use std::ops::SubAssign;
+
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use trueaxis_identify::{equations, nine};
 use trueaxis_kinematics::{Ideal, LocationError};
 
 use crate::axis_data::{AxisData, RunData};
 use crate::in_order;
-use crate::records::{Context, around};
+use crate::matrix_products::{add_product, add_product_transposed};
+use crate::records::{Context, around, rotated};
 
 /// Covariances of all records of an axis in datum coordinates, mm². They serve as weights, so the
 /// nominal geometry is good enough.
@@ -31,18 +34,24 @@ pub(crate) fn weights(context: &Context<'_>, data: &AxisData) -> Vec<DMatrix<f64
     in_order::map_with(data.records.len(), |errors, i| {
         let record = &data.records[i];
         let (d, z) = noise.of_record(record, errors);
-        let covariance = match &shapes[record.run] {
-            Some(shape) => {
-                let back = repeated(&stage_from_datum(context, data, i), d.nrows()).transpose();
-                // G, which is symmetric as Π is.
-                let own_shape = &back * &shape.projection * back.transpose();
-                let cross = d * own_shape / shape.records;
-                let through = z - &back * &shape.coupling;
-                d + &back * &shape.own * back.transpose() - &cross - cross.transpose()
-                    + &through * &shared * through.transpose()
+        let mut covariance = d.clone();
+        let mut through = z.clone();
+        if let Some(shape) = &shapes[record.run] {
+            let back = stage_from_datum(context, data, i).transpose();
+            covariance += rotated(&shape.own, &back);
+            let mut cross = DMatrix::zeros(d.nrows(), d.ncols());
+            add_product(&mut cross, d, &rotated(&shape.projection, &back));
+            cross /= -shape.records;
+            covariance += cross.transpose();
+            covariance += cross;
+            for first in (0..z.nrows()).step_by(3) {
+                let turned = back * shape.coupling.fixed_rows::<3>(first);
+                through.fixed_rows_mut::<3>(first).sub_assign(turned);
             }
-            None => d + z * &shared * z.transpose(),
-        };
+        }
+        let mut with_noise = DMatrix::zeros(through.nrows(), through.ncols());
+        add_product(&mut with_noise, &through, &shared);
+        add_product_transposed(&mut covariance, &with_noise, &through);
         // Symmetric to the last bit, as the identification asks.
         (&covariance + covariance.transpose()) * 0.5
     })
@@ -78,10 +87,16 @@ impl ShapeNoise {
         let add = |(own, coupling): &mut (DMatrix<f64>, DMatrix<f64>), errors: &mut _, n: usize| {
             let i = records[n];
             let turn = stage_from_datum(context, data, i);
-            let to_shape = &projection * repeated(&turn, size);
+            let mut to_shape = projection.clone();
+            for first in (0..size).step_by(3) {
+                let turned = projection.fixed_columns::<3>(first) * turn;
+                to_shape.fixed_columns_mut::<3>(first).copy_from(&turned);
+            }
             let (d, z) = noise.of_record(&data.records[i], errors);
-            *own += &to_shape * d * to_shape.transpose();
-            coupling.gemm(1.0, &to_shape, z, 1.0);
+            let mut with_noise = DMatrix::zeros(size, size);
+            add_product(&mut with_noise, &to_shape, d);
+            add_product_transposed(own, &with_noise, &to_shape);
+            add_product(coupling, &to_shape, z);
         };
         let (own, coupling) = in_order::sum(records.len(), zero, add, |whole, part| {
             whole.0 += part.0;
@@ -132,13 +147,4 @@ fn stage_from_datum(context: &Context<'_>, data: &AxisData, record: usize) -> Ma
         .inverse()
         .to_rotation_matrix()
         .into_inner()
-}
-
-/// The same rotation for every point.
-fn repeated(turn: &Matrix3<f64>, size: usize) -> DMatrix<f64> {
-    let mut all = DMatrix::zeros(size, size);
-    for i in 0..size / 3 {
-        all.fixed_view_mut::<3, 3>(3 * i, 3 * i).copy_from(turn);
-    }
-    all
 }

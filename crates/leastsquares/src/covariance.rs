@@ -62,6 +62,16 @@ impl Covariance {
         MatRef::from_column_major_slice(self.factors.coupling(i), self.size(i), width)
     }
 
+    /// The columns of `R⁻¹` of block `i`, one after the other.
+    pub fn inverse_factor_columns(&self, i: usize) -> &[f64] {
+        self.factors.inverse_factor(i)
+    }
+
+    /// The columns of `Z` of block `i`, one after the other.
+    pub fn coupling_columns(&self, i: usize) -> &[f64] {
+        self.factors.coupling(i)
+    }
+
     /// Covariance of block `i` with all shared unknowns held: `D = R⁻¹R⁻ᵀ`.
     pub fn block_given_shared(&self, i: usize) -> Mat<f64> {
         let factor = self.inverse_factor(i);

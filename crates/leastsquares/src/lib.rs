@@ -63,6 +63,7 @@ mod lane_sums;
 mod lanes;
 mod reduced;
 mod reflections;
+pub mod row_products;
 mod small_reflections;
 mod student;
 

@@ -13,11 +13,13 @@
 //! then its distance from what the others predict, and `1/den - (f - 1) σ²` the variance of that if
 //! nothing were wrong. So readings are tested alike whether they take part or not.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::influence::Influence;
-use crate::row_products::{append_product, dot};
 use crate::visit_terms::VisitTerms;
+use trueaxis_leastsquares::row_products::{append_product, dot};
 
 /// The test of one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,39 +61,47 @@ pub(crate) struct Tests {
     pub(crate) visits: Vec<f64>,
 }
 
-/// Visits that one thread takes at a time.
-const PIECE: usize = 1024;
+/// Groups that one thread takes at a time.
+const PIECE: usize = 256;
 
 /// Tests every reading and every visit.
 pub(crate) fn test_all(influence: &Influence<'_>) -> Tests {
     let network = influence.network();
     let sigma = influence.sigma();
-    let visits = network.visits.len();
-    let pieces = (0..visits.div_ceil(PIECE)).into_par_iter();
+    let groups = influence.groups();
+    let of_piece = |piece: usize| piece * PIECE..groups.min((piece + 1) * PIECE);
+    let pieces = (0..groups.div_ceil(PIECE)).into_par_iter();
     let tested: Vec<Tests> = pieces
         .map(|piece| {
             let mut tests = Tests::default();
             let mut work = VisitTest::default();
-            for visit in piece * PIECE..visits.min((piece + 1) * PIECE) {
-                work.test(influence, &sigma, visit, &mut tests);
+            for group in of_piece(piece) {
+                influence.visits(group, &mut work.terms);
+                let mut first = 0;
+                for &visit in influence.model().visits_of(group) {
+                    let rows = first..first + network.visits[visit].readings.len();
+                    first = rows.end;
+                    work.test(influence, &sigma, (visit, rows), &mut tests);
+                }
             }
             tests
         })
         .collect();
-    let unchecked = ReadingTest::UNCHECKED;
     let mut tests = Tests {
-        readings: vec![unchecked; network.readings.len()],
-        visits: Vec::with_capacity(visits),
+        readings: vec![ReadingTest::UNCHECKED; network.readings.len()],
+        visits: vec![0.0; network.visits.len()],
     };
-    let mut content = network.visits.iter();
-    for part in tested {
+    // From the order of the groups to that of measuring.
+    for (piece, part) in tested.into_iter().enumerate() {
+        let visits = of_piece(piece).flat_map(|group| influence.model().visits_of(group));
         let mut readings = part.readings.as_slice();
-        for visit in content.by_ref().take(part.visits.len()) {
-            let (own, rest) = readings.split_at(visit.readings.len());
-            tests.readings[visit.readings.clone()].copy_from_slice(own);
+        for (&visit, w) in visits.zip(part.visits) {
+            let content = network.visits[visit].readings.clone();
+            let (own, rest) = readings.split_at(content.len());
+            tests.readings[content].copy_from_slice(own);
+            tests.visits[visit] = w;
             readings = rest;
         }
-        tests.visits.extend(part.visits);
     }
     tests
 }
@@ -116,7 +126,14 @@ struct VisitTest {
 }
 
 impl VisitTest {
-    fn test(&mut self, influence: &Influence<'_>, sigma: &[f64], visit: usize, tests: &mut Tests) {
+    /// Appends the tests of a visit with these rows of the present terms.
+    fn test(
+        &mut self,
+        influence: &Influence<'_>,
+        sigma: &[f64],
+        (visit, rows): (usize, Range<usize>),
+        tests: &mut Tests,
+    ) {
         let network = influence.network();
         let Self {
             terms,
@@ -125,9 +142,9 @@ impl VisitTest {
             unit,
             all,
         } = self;
-        influence.visit(visit, terms);
-        terms.kept(sigma, kept, memory);
-        let count = terms.count();
+        terms.kept(rows.clone(), sigma, kept, memory);
+        let count = rows.len();
+        let residuals = &terms.residuals()[rows];
         all.clear();
         all.resize(count, 0.0);
         for (i, reading) in network.visits[visit].readings.clone().enumerate() {
@@ -135,7 +152,7 @@ impl VisitTest {
             for (sum, unit) in all.iter_mut().zip(&*unit) {
                 *sum += unit;
             }
-            let numerator: f64 = dot(unit, terms.residuals());
+            let numerator: f64 = dot(unit, residuals);
             let denominator = quadratic(kept, unit);
             if denominator <= CHECKED_TOL * dot(unit, unit) {
                 tests.readings.push(ReadingTest::UNCHECKED);
@@ -158,7 +175,7 @@ impl VisitTest {
         let denominator = quadratic(kept, all);
         let is_checked = count > 1 && denominator > CHECKED_TOL * dot(all, all);
         tests.visits.push(match is_checked {
-            true => dot(all, terms.residuals()) / denominator.sqrt(),
+            true => dot(all, residuals) / denominator.sqrt(),
             false => 0.0,
         });
     }

@@ -18,10 +18,10 @@ use rayon::prelude::*;
 
 use crate::influence::Influence;
 use crate::length_noise::LengthPart;
-use crate::row_products::{
+use crate::visit_terms::VisitTerms;
+use trueaxis_leastsquares::row_products::{
     add_symmetric_product, add_transposed_product, append_product, dot, mirror,
 };
-use crate::visit_terms::VisitTerms;
 
 /// One step towards the restricted maximum of the likelihood.
 #[derive(Debug, Clone, Copy, PartialEq)]

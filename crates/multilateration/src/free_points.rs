@@ -9,11 +9,14 @@
 //! dl = uᵀ dp - uᵀ dS - dL
 //! ```
 
+use std::ops::Range;
+
 use nalgebra::{Isometry3, Point3, Vector3};
 use trueaxis_leastsquares::BlockRows;
 
-use crate::network::{Network, VisitsByGroup};
+use crate::network::{Network, Visit, VisitsByGroup};
 use crate::noise::{Beam, factor_len, whiten};
+use crate::passes::{in_parallel, pieces};
 
 /// Position and orientation.
 pub(crate) const DATUM: usize = 6;
@@ -87,35 +90,20 @@ pub(crate) struct FreePoints<'a> {
 
 impl<'a> FreePoints<'a> {
     pub(crate) fn new(network: &'a Network, state: &State) -> Self {
-        let mut model = Self {
+        let factors = in_parallel(pieces(network.visits.len()), |visits| {
+            factors_of(network, state, visits)
+        });
+        let mut length = 0;
+        let start = |visit: &Visit| {
+            length += factor_len(visit.readings.len());
+            length - factor_len(visit.readings.len())
+        };
+        Self {
             network,
             visits_by_group: network.visits_by_group(),
             zeros: network.zero_of_readings(),
-            factors: Vec::new(),
-            factor_starts: Vec::new(),
-        };
-        model.take_weights(state);
-        model
-    }
-
-    /// Takes the weights from the beams at `state`.
-    fn take_weights(&mut self, state: &State) {
-        let mut beams = Vec::new();
-        for visit in &self.network.visits {
-            beams.clear();
-            for i in visit.readings.clone() {
-                let point = self
-                    .network
-                    .point(visit.group, self.network.readings[i].point);
-                let (direction, distance_mm) = state.beam(visit.station, point);
-                beams.push(Beam {
-                    direction,
-                    distance_mm,
-                    variance_factor: self.network.variance_factor(i),
-                });
-            }
-            self.factor_starts.push(self.factors.len());
-            self.network.noise.append_factor(&beams, &mut self.factors);
+            factor_starts: network.visits.iter().map(start).collect(),
+            factors: factors.concat(),
         }
     }
 
@@ -178,6 +166,26 @@ impl<'a> FreePoints<'a> {
             first = end;
         }
     }
+}
+
+/// The factors of the covariances of some visits with the beams at `state`, one after the other.
+fn factors_of(network: &Network, state: &State, visits: Range<usize>) -> Vec<f64> {
+    let mut factors = Vec::new();
+    let mut beams = Vec::new();
+    for visit in &network.visits[visits] {
+        beams.clear();
+        for i in visit.readings.clone() {
+            let point = network.point(visit.group, network.readings[i].point);
+            let (direction, distance_mm) = state.beam(visit.station, point);
+            beams.push(Beam {
+                direction,
+                distance_mm,
+                variance_factor: network.variance_factor(i),
+            });
+        }
+        network.noise.append_factor(&beams, &mut factors);
+    }
+    factors
 }
 
 #[cfg(test)]

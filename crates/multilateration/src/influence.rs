@@ -224,7 +224,7 @@ impl<'a> Influence<'a> {
             Model::Free(model) => {
                 terms.clear(self.covariance, group);
                 for &visit in model.visits_of(group) {
-                    terms.append(self.network, self.covariance, (model, &self.state), visit);
+                    terms.append(self.network, (model, &self.state), visit);
                 }
             }
             Model::Rigid(_) => {
@@ -240,7 +240,7 @@ impl<'a> Influence<'a> {
         match &self.model {
             Model::Free(model) => {
                 terms.clear(self.covariance, group);
-                terms.append(self.network, self.covariance, (model, &self.state), visit);
+                terms.append(self.network, (model, &self.state), visit);
             }
             Model::Rigid(_) => {
                 let group = self.group(group, &mut BlockRows::default());

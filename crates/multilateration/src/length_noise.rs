@@ -23,9 +23,11 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::influence::Influence;
-use crate::row_products::{add_symmetric_product, add_transposed_product, append_product, mirror};
 use crate::visit_terms::VisitTerms;
 use crate::{Network, Solution};
+use trueaxis_leastsquares::row_products::{
+    add_symmetric_product, add_transposed_product, append_product, mirror,
+};
 
 /// Covariance of points and stations for the lengths' own noise alone, mm².
 pub struct LengthNoise<'a> {

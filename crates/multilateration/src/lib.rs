@@ -78,7 +78,6 @@ mod rigid_adjustment;
 mod rigid_solution;
 mod rigid_stages;
 mod robust_weights;
-mod row_products;
 mod screen;
 mod screening;
 mod slots;

@@ -17,8 +17,10 @@
 //!
 //! A campaign without gross errors passes after one adjustment and its tests.
 
+use std::sync::Arc;
+
 use crate::screening::Screening;
-use crate::solve::{Settings, far_at_start, solve};
+use crate::solve::{Settings, solve};
 use crate::{Error, Network, NoiseEstimate, Solution, estimate_noise};
 
 /// A network that was cleaned and solved.
@@ -27,7 +29,7 @@ pub struct Screened {
     /// The lengths that were kept, with the interruptions found and the estimated noise.
     pub network: Network,
     /// Its solution.
-    pub solution: Solution,
+    pub solution: Arc<Solution>,
     /// The estimated noise.
     pub noise: NoiseEstimate,
     /// Sum of squares of the whitened residuals with the given noise: chi-squared with the degrees of
@@ -83,7 +85,7 @@ impl Screened {
         Ok(Self {
             kept: (0..network.readings.len()).collect(),
             network,
-            solution,
+            solution: Arc::new(solution),
             noise,
             given_squares,
             removed: Vec::new(),
@@ -105,9 +107,6 @@ impl Screened {
     }
 }
 
-/// Readings that may be far off at the start before the nominal positions are to blame.
-const MOST_FAR: f64 = 0.05;
-
 /// Estimates of the noise, each followed by another look at the tests.
 const MAX_NOISE_UPDATES: usize = 5;
 
@@ -118,16 +117,11 @@ const MAX_NOISE_UPDATES: usize = 5;
 /// Those of [`solve`]; [`Error::TooManyGrossErrors`], [`Error::PartLost`] and
 /// [`Error::Undecidable`] if too much would have to be removed or nothing tells what.
 pub fn screen(network: &Network, declared: bool, settings: &Settings) -> Result<Screened, Error> {
-    let mut far = far_at_start(network)?;
-    if far.len() as f64 > MOST_FAR * network.readings.len() as f64 {
-        far.clear();
-    }
-    let mut work = Screening::new(network, declared, settings, far);
+    let mut work = Screening::new(network, declared, settings)?;
     for _ in 0..MAX_NOISE_UPDATES {
         work.clean()?;
         let mut screened = work.finished(network)?;
-        work.noise_is_known(&screened.noise);
-        work.solve_near(&screened.solution)?;
+        work.go_on_from(&screened)?;
         if !work.suspicious()? {
             screened.removed = work.removed()?;
             return Ok(screened);

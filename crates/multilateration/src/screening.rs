@@ -1,6 +1,7 @@
 //! The work of [`crate::screen`]: weights, tests and removals.
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use trueaxis_leastsquares::student_two_sided;
 
@@ -10,7 +11,8 @@ use crate::guard;
 use crate::influence::Influence;
 use crate::robust_weights::{REMOVED, scale, welsch};
 use crate::screen::{Removed, Screened};
-use crate::solve::{Settings, solve, solve_from};
+use crate::solve::{Settings, batches_of, far_at, solve, solve_from, solve_from_start};
+use crate::start::{Start, start};
 use crate::{Error, Interruption, Network, NoiseEstimate, Solution, estimate_noise};
 
 /// Probability that a network without gross errors loses any reading.
@@ -21,6 +23,9 @@ const MEDIAN_EFFICIENCY: f64 = 0.37;
 
 /// Calculated lengths have residuals of rounding, whose tails mean nothing.
 const LEAST_SCALE: f64 = 0.05;
+
+/// Readings that may be far off at the start before the nominal positions are to blame.
+const MOST_FAR: f64 = 0.05;
 
 /// Solutions at the final width.
 const WELSCH_ITERATIONS: usize = 3;
@@ -46,7 +51,9 @@ fn critical(level: f64, tests: usize, degrees_of_freedom: f64) -> f64 {
 /// The work in progress: removed readings stay in the network without weight.
 pub(crate) struct Screening<'a> {
     pub(crate) network: Network,
-    pub(crate) solution: Option<Solution>,
+    pub(crate) solution: Option<Arc<Solution>>,
+    /// Where the first solution starts.
+    start: Option<Start>,
     /// The tests at the solution, once they were asked for.
     tests: Option<Rc<Tests>>,
     settings: &'a Settings,
@@ -67,13 +74,20 @@ pub(crate) struct Screening<'a> {
 }
 
 impl<'a> Screening<'a> {
-    /// Work on a copy of `network`; readings that are `far` off have left already.
+    /// Work on a copy of `network`; readings that are far off at the start have left already.
     pub(crate) fn new(
         network: &Network,
         declared: bool,
         settings: &'a Settings,
-        far: Vec<(usize, f64)>,
-    ) -> Self {
+    ) -> Result<Self, Error> {
+        network.check()?;
+        // Too few lengths are named before a start is sought in them.
+        batches_of(network)?;
+        let start = start(network)?;
+        let mut far = far_at(&start, network);
+        if far.len() as f64 > MOST_FAR * network.readings.len() as f64 {
+            far.clear();
+        }
         let readings = network.readings.len();
         let mut variance_factors = vec![1.0; readings];
         // A guess allows for a machine that does not return exactly: lengths of a visit that are off
@@ -85,13 +99,14 @@ impl<'a> Screening<'a> {
         for &(reading, _) in &far {
             variance_factors[reading] = REMOVED;
         }
-        Self {
+        Ok(Self {
             network: Network {
                 variance_factors,
                 noise,
                 ..network.clone()
             },
             solution: None,
+            start: Some(start),
             tests: None,
             settings,
             declared,
@@ -101,12 +116,12 @@ impl<'a> Screening<'a> {
             settled: true,
             lost: 0,
             noise_known: None,
-        }
+        })
     }
 
     /// From now on the tests use this noise. A part with few degrees of freedom is small beside the
     /// other one, which then counts.
-    pub(crate) fn noise_is_known(&mut self, noise: &NoiseEstimate) {
+    fn noise_is_known(&mut self, noise: &NoiseEstimate) {
         self.network.noise = noise.noise;
         let (length, machine_return) = (noise.length, noise.machine_return);
         let degrees = length
@@ -119,22 +134,54 @@ impl<'a> Screening<'a> {
         match self.solution.take() {
             Some(near) => self.solve_near(&near),
             None => {
-                let solution = solve(&self.network, self.settings);
-                self.take(solution.map_err(|error| self.driven_away(error))?);
+                let solution = self.solved_from_start();
+                self.take(Arc::new(solution.map_err(|error| self.driven_away(error))?));
                 Ok(())
             }
         }
+    }
+
+    fn solved_from_start(&mut self) -> Result<Solution, Error> {
+        let Some(start) = self.start.take() else {
+            return solve(&self.network, self.settings);
+        };
+        let batches = batches_of(&self.network)?;
+        solve_from_start((&self.network, &batches), start, self.settings)
     }
 
     /// Solves again from the solution of a similar network.
     pub(crate) fn solve_near(&mut self, near: &Solution) -> Result<(), Error> {
         let solution = solve_from(&self.network, near, self.settings);
         // With all lengths at full weight it could be solved: what is left is too little.
-        self.take(solution.map_err(|error| self.nothing_left(error))?);
+        self.take(Arc::new(
+            solution.map_err(|error| self.nothing_left(error))?,
+        ));
         Ok(())
     }
 
-    fn take(&mut self, solution: Solution) {
+    /// Goes on from the clean adjustment with the noise that was estimated in it.
+    pub(crate) fn go_on_from(&mut self, screened: &Screened) -> Result<(), Error> {
+        self.noise_is_known(&screened.noise);
+        if self.is_whole(&screened.network) {
+            self.take(Arc::clone(&screened.solution));
+            return Ok(());
+        }
+        self.solve_near(&screened.solution)
+    }
+
+    /// Whether the work has all lengths with full weight, so that it is the adjustment of `clean`.
+    fn is_whole(&self, clean: &Network) -> bool {
+        self.network.noise == clean.noise
+            && self.network.interruptions == clean.interruptions
+            && self.network.readings.len() == clean.readings.len()
+            && self
+                .network
+                .variance_factors
+                .iter()
+                .all(|f| f.total_cmp(&1.0).is_eq())
+    }
+
+    fn take(&mut self, solution: Arc<Solution>) {
         self.lost = match solution.termination.is_converged() {
             true => 0,
             false => self.lost + 1,
@@ -209,7 +256,7 @@ impl<'a> Screening<'a> {
         let redundancy = self
             .solution
             .as_ref()
-            .map_or(0, Solution::degrees_of_freedom);
+            .map_or(0, |solution| solution.degrees_of_freedom());
         let degrees_of_freedom = match (self.noise_known, self.declared) {
             (Some(degrees_of_freedom), _) => degrees_of_freedom,
             (None, true) => f64::INFINITY,
@@ -441,7 +488,9 @@ impl<'a> Screening<'a> {
                 ..*i
             })
             .collect();
-        let mut solution = match self.solution.take() {
+        let whole = self.is_whole(&network);
+        let mut solution = match self.solution.take().map(Arc::unwrap_or_clone) {
+            Some(solved) if whole => solved,
             Some(near) => solve_from(&network, &near, self.settings)?,
             None => solve(&network, self.settings)?,
         };
@@ -452,7 +501,7 @@ impl<'a> Screening<'a> {
             jumps: self.found_jumps(&network, &solution),
             settled: self.settled,
             network,
-            solution,
+            solution: Arc::new(solution),
             noise,
             kept,
             removed,

@@ -43,13 +43,23 @@ const MAX_WEIGHT_UPDATES: usize = 10;
 /// converging is no error but a [`Solution::termination`].
 pub fn solve(network: &Network, settings: &Settings) -> Result<Solution, Error> {
     network.check()?;
+    // Too few lengths are named before a start is sought in them.
     let batches = batches_of(network)?;
-    let Start { state, images } = start(network)?;
-    let first = adjust_from(network, &batches, state.clone(), settings);
+    solve_from_start((network, &batches), start(network)?, settings)
+}
+
+/// Solves a checked network of these groups.
+pub(crate) fn solve_from_start(
+    (network, batches): (&Network, &Arc<Vec<Batch>>),
+    start: Start,
+    settings: &Settings,
+) -> Result<Solution, Error> {
+    let Start { state, images } = start;
+    let first = adjust_from(network, batches, state.clone(), settings);
     if images.iter().all(Option::is_none) {
         return solution(network, first?, false);
     }
-    choose_sides((network, &batches), settings, &state, &images, first)
+    choose_sides((network, batches), settings, &state, &images, first)
 }
 
 /// Solves a network again from the solution of a similar one: the same stations and groups, other
@@ -77,11 +87,9 @@ const FAR: f64 = 10.0;
 const FAR_MM: f64 = 1.0;
 
 /// Readings that are far off at the start, and by how much (mm).
-pub(crate) fn far_at_start(network: &Network) -> Result<Vec<(usize, f64)>, Error> {
-    network.check()?;
-    batches_of(network)?;
-    let Start { state, .. } = start(network)?;
-    let sizes_mm: Vec<f64> = state
+pub(crate) fn far_at(start: &Start, network: &Network) -> Vec<(usize, f64)> {
+    let sizes_mm: Vec<f64> = start
+        .state
         .residuals_mm(network)
         .iter()
         .map(|r| r.abs())
@@ -91,7 +99,7 @@ pub(crate) fn far_at_start(network: &Network) -> Result<Vec<(usize, f64)>, Error
     let (_, &mut median, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
     let limit_mm = (FAR * median).max(FAR_MM);
     let sizes = sizes_mm.into_iter().enumerate();
-    Ok(sizes.filter(|&(_, size_mm)| size_mm > limit_mm).collect())
+    sizes.filter(|&(_, size_mm)| size_mm > limit_mm).collect()
 }
 
 /// An adjustment with the weights that belong to it.

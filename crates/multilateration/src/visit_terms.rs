@@ -8,6 +8,8 @@
 //!
 //! take three rows of `R⁻¹` and `Z`. Nothing is allocated from visit to visit.
 
+use std::ops::Range;
+
 use faer::MatRef;
 use trueaxis_leastsquares::Covariance;
 
@@ -15,7 +17,7 @@ use crate::free_points::{FreePoints, PER_STATION, State, zero_column};
 use crate::influence::GroupRows;
 use crate::network::Network;
 use crate::noise::whiten;
-use crate::row_products::{append_product, dot};
+use trueaxis_leastsquares::row_products::{append_product, dot};
 
 /// The rows of one visit or of several visits to one group, one after the other.
 #[derive(Debug, Default)]
@@ -27,6 +29,9 @@ pub(crate) struct VisitTerms {
     own: Vec<f64>,
     shared: Vec<f64>,
     residuals: Vec<f64>,
+    /// The rows of `R⁻¹` and `Z` of the group, one after the other.
+    factor: Vec<f64>,
+    coupling: Vec<f64>,
 }
 
 impl VisitTerms {
@@ -54,22 +59,22 @@ impl VisitTerms {
     pub(crate) fn clear(&mut self, covariance: &Covariance, group: usize) {
         let (factor, coupling) = (covariance.inverse_factor(group), covariance.coupling(group));
         self.reset(0, factor.ncols(), coupling.ncols());
+        copy_rows(factor, &mut self.factor);
+        copy_rows(coupling, &mut self.coupling);
     }
 
     /// Appends the rows of a visit to the group of free points that it was cleared for.
     pub(crate) fn append(
         &mut self,
         network: &Network,
-        covariance: &Covariance,
         (model, state): (&FreePoints<'_>, &State),
         visit: usize,
     ) {
         let content = &network.visits[visit];
-        let factor = covariance.inverse_factor(content.group);
-        let coupling = covariance.coupling(content.group);
         let first = self.count;
         let (own_width, width) = (self.own_width, self.width);
         self.resize(first + content.readings.len());
+        let (factor, coupling) = (&self.factor, &self.coupling);
         let own = &mut self.own[first * own_width..];
         let shared = &mut self.shared[first * width..];
         let residuals = &mut self.residuals[first..];
@@ -88,14 +93,9 @@ impl VisitTerms {
             *residual = state.residual_mm(reading.length_mm, zero, distance_mm);
             let u: [f64; 3] = u.into();
             let first = 3 * point;
-            // R⁻¹ is upper triangular.
-            fill_product(
-                &mut own[first..],
-                &u,
-                factor.subcols(first, own_width - first),
-                first,
-            );
-            fill_product(shared, &u.map(|u| -u), coupling, first);
+            let of_point = |columns: usize| first * columns..(first + 3) * columns;
+            fill_product(own, &u, &factor[of_point(own_width)]);
+            fill_product(shared, &u.map(|u| -u), &coupling[of_point(width)]);
             for (shared, u) in shared[station..station + 3].iter_mut().zip(u) {
                 *shared -= u;
             }
@@ -108,7 +108,7 @@ impl VisitTerms {
     }
 
     /// Some rows of a group.
-    pub(crate) fn copy(&mut self, group: &GroupRows, rows: std::ops::Range<usize>) {
+    pub(crate) fn copy(&mut self, group: &GroupRows, rows: Range<usize>) {
         self.reset(rows.len(), group.own.ncols(), group.shared.ncols());
         for (i, row) in rows.enumerate() {
             for k in 0..self.own_width {
@@ -151,17 +151,26 @@ impl VisitTerms {
         &self.shared
     }
 
-    /// `I - O Oᵀ - T Σ Tᵀ`, rows contiguous: the part of the rows' noise that the residuals keep.
-    /// `sigma` holds the rows of `Σ`.
-    pub(crate) fn kept(&self, sigma: &[f64], kept: &mut Vec<f64>, memory: &mut Vec<f64>) {
-        let n = self.count;
+    /// `I - O Oᵀ - T Σ Tᵀ` of some rows, its rows contiguous: the part of their noise that the
+    /// residuals keep. `sigma` holds the rows of `Σ`.
+    pub(crate) fn kept(
+        &self,
+        of: Range<usize>,
+        sigma: &[f64],
+        kept: &mut Vec<f64>,
+        memory: &mut Vec<f64>,
+    ) {
+        let n = of.len();
         kept.clear();
         kept.resize(n * n, 0.0);
         memory.clear();
-        append_product(memory, &self.shared, sigma, [self.width; 2]);
+        let shared = &self.shared[of.start * self.width..of.end * self.width];
+        append_product(memory, shared, sigma, [self.width; 2]);
         for (i, through) in memory.chunks_exact(self.width.max(1)).enumerate() {
-            for j in 0..=i {
-                let adjusted = dot(self.own(i), self.own(j)) + dot(through, self.shared(j));
+            let row = of.start + i;
+            for (j, other) in (of.start..=row).enumerate() {
+                let adjusted =
+                    dot(self.own(row), self.own(other)) + dot(through, self.shared(other));
                 let value = f64::from(u8::from(i == j)) - adjusted;
                 kept[i * n + j] = value;
                 kept[j * n + i] = value;
@@ -191,12 +200,21 @@ fn whiten_rows(factor: &[f64], x: &mut [f64], width: usize) {
     }
 }
 
-/// `uᵀ X` with three rows of a matrix of contiguous columns, from row `first` on.
-fn fill_product(product: &mut [f64], u: &[f64; 3], matrix: MatRef<'_, f64>, first: usize) {
-    for (value, column) in product.iter_mut().zip(matrix.col_iter()) {
-        let column = column.try_as_col_major().map_or(&[][..], |c| c.as_slice());
-        if let [x, y, z, ..] = column[first..] {
-            *value = u[0] * x + u[1] * y + u[2] * z;
-        }
+/// `uᵀ X` with the three rows of a matrix one after the other.
+fn fill_product(product: &mut [f64], u: &[f64; 3], rows: &[f64]) {
+    let (x, rest) = rows.split_at(product.len());
+    let (y, z) = rest.split_at(product.len());
+    for (((value, x), y), z) in product.iter_mut().zip(x).zip(y).zip(z) {
+        *value = u[0] * x + u[1] * y + u[2] * z;
+    }
+}
+
+/// The rows of a matrix, one after the other.
+fn copy_rows(matrix: MatRef<'_, f64>, rows: &mut Vec<f64>) {
+    rows.clear();
+    rows.resize(matrix.nrows() * matrix.ncols(), 0.0);
+    for (k, column) in matrix.col_iter().enumerate() {
+        let places = rows[k..].iter_mut().step_by(matrix.ncols());
+        places.zip(column.iter()).for_each(|(row, x)| *row = *x);
     }
 }

@@ -1,12 +1,15 @@
-//! Products of small matrices with contiguous rows, as sums over a group are made of.
+//! Products of small matrices with contiguous rows, as sums over many blocks are made of.
 //!
 //! ```text
-//! S += Aᵀ B     S += the upper part of Aᵀ B     C = A B
+//! S += Aᵀ B     S += the upper part of Aᵀ B     S += A B
 //! ```
 //!
 //! A tile of a few elements of the result stays in registers while the sum runs over the rows: a
 //! sum in memory would be loaded and stored for every product. [`pulp`] chooses the widest registers
-//! that the processor has; products are not fused with sums, so the bits are the same on all.
+//! that the processor has; products are fused with their sums on all of them, so the bits are the
+//! same. A matrix whose columns are contiguous is one whose transpose has contiguous rows.
+//!
+//! Matrices are slices; sizes that do not fit panic.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -15,7 +18,7 @@ const ROWS: usize = 4;
 const COLUMNS: usize = 8;
 
 /// `sum += Aᵀ B`, `columns` of them in `a` and `b`.
-pub(crate) fn add_transposed_product(sum: &mut [f64], a: &[f64], b: &[f64], columns: [usize; 2]) {
+pub fn add_transposed_product(sum: &mut [f64], a: &[f64], b: &[f64], columns: [usize; 2]) {
     let [n, m] = columns;
     Arch::new().dispatch(Product {
         sum,
@@ -31,7 +34,7 @@ pub(crate) fn add_transposed_product(sum: &mut [f64], a: &[f64], b: &[f64], colu
 
 /// The upper triangle (and some of the lower) of `sum += Aᵀ B`, for a product that is symmetric;
 /// both have `columns` columns.
-pub(crate) fn add_symmetric_product(sum: &mut [f64], a: &[f64], b: &[f64], columns: usize) {
+pub fn add_symmetric_product(sum: &mut [f64], a: &[f64], b: &[f64], columns: usize) {
     Arch::new().dispatch(Product {
         sum,
         a,
@@ -45,20 +48,20 @@ pub(crate) fn add_symmetric_product(sum: &mut [f64], a: &[f64], b: &[f64], colum
 }
 
 /// Appends `A B` to `out`; `a` has `inner` columns and `b` has `columns`.
-pub(crate) fn append_product(
-    out: &mut Vec<f64>,
-    a: &[f64],
-    b: &[f64],
-    [inner, columns]: [usize; 2],
-) {
+pub fn append_product(out: &mut Vec<f64>, a: &[f64], b: &[f64], [inner, columns]: [usize; 2]) {
     let first = out.len();
     let rows = a.len() / inner.max(1);
     out.resize(first + rows * columns, 0.0);
+    add_product(&mut out[first..], a, b, [inner, columns]);
+}
+
+/// `sum += A B`; `a` has `inner` columns and `b` has `columns`.
+pub fn add_product(sum: &mut [f64], a: &[f64], b: &[f64], [inner, columns]: [usize; 2]) {
     Arch::new().dispatch(Product {
-        sum: &mut out[first..],
+        sum,
         a,
         b,
-        rows,
+        rows: a.len() / inner.max(1),
         columns,
         along: 1,
         down: inner,
@@ -67,7 +70,7 @@ pub(crate) fn append_product(
 }
 
 /// `aᵀ b`, in four sums that do not wait for each other.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (a_fours, a_rest) = a.as_chunks::<4>();
     let (b_fours, b_rest) = b.as_chunks::<4>();
@@ -81,7 +84,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Copies the upper triangle to the lower.
-pub(crate) fn mirror(sum: &mut [f64], columns: usize) {
+pub fn mirror(sum: &mut [f64], columns: usize) {
     for i in 0..columns {
         for j in 0..i {
             sum[i * columns + j] = sum[j * columns + i];
@@ -148,7 +151,7 @@ impl Product<'_> {
             for (r, tile) in tile.iter_mut().enumerate() {
                 let a = self.a[place + r * self.down];
                 for (t, b) in tile.iter_mut().zip(b) {
-                    *t += a * b;
+                    *t = a.mul_add(*b, *t);
                 }
             }
             place += self.along;
@@ -165,19 +168,21 @@ impl Product<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::DMatrix;
+    use faer::Mat;
 
-    fn matrix(rows: usize, columns: usize, seed: f64) -> DMatrix<f64> {
-        DMatrix::from_fn(rows, columns, |i, j| {
+    fn matrix(rows: usize, columns: usize, seed: f64) -> Mat<f64> {
+        Mat::from_fn(rows, columns, |i, j| {
             (seed + 1.7 * i as f64 - 0.9 * j as f64).sin()
         })
     }
 
-    fn rows_of(matrix: &DMatrix<f64>) -> Vec<f64> {
-        matrix.transpose().as_slice().to_vec()
+    fn rows_of(matrix: &Mat<f64>) -> Vec<f64> {
+        let rows = matrix.row_iter();
+        rows.flat_map(|row| row.iter().copied().collect::<Vec<_>>())
+            .collect()
     }
 
-    fn close(found: &[f64], expected: &DMatrix<f64>) {
+    fn close(found: &[f64], expected: &Mat<f64>) {
         let expected = rows_of(expected);
         assert_eq!(found.len(), expected.len());
         for (f, e) in found.iter().zip(expected) {
@@ -198,15 +203,17 @@ mod tests {
             let (a, b) = (matrix(k, n, 0.3), matrix(k, m, 1.1));
             let mut sum = vec![1.0; n * m];
             add_transposed_product(&mut sum, &rows_of(&a), &rows_of(&b), [n, m]);
-            close(&sum, &(a.tr_mul(&b).add_scalar(1.0)));
+            close(&sum, &(a.transpose() * &b + Mat::full(n, m, 1.0)));
             let right = matrix(n, m, 2.0);
             let mut out = Vec::new();
             append_product(&mut out, &rows_of(&a), &rows_of(&right), [n, m]);
-            close(&out, &(&a * right));
+            close(&out, &(&a * &right));
+            add_product(&mut out, &rows_of(&a), &rows_of(&right), [n, m]);
+            close(&out, &(2.0 * &a * &right));
             let mut sum = vec![0.0; n * n];
             add_symmetric_product(&mut sum, &rows_of(&a), &rows_of(&a), n);
             mirror(&mut sum, n);
-            close(&sum, &a.tr_mul(&a));
+            close(&sum, &(a.transpose() * &a));
         }
     }
 
