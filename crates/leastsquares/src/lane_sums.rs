@@ -3,6 +3,7 @@
 use crate::block_batch::RUN;
 use crate::lanes::{Lanes, lanes_only};
 use crate::reduced::Reduced;
+use crate::run_pairs::RunPairs;
 
 /// Sums over batches of blocks; [`LaneSums::into_reduced`] adds up the lanes.
 #[derive(Debug, Clone)]
@@ -13,11 +14,16 @@ pub struct LaneSums {
     rows: Vec<Lanes>,
     /// Length of a row: `shared + 1`, or one more so that it is even.
     row_len: usize,
-    /// `[m | r]ᵀ [m | r]` for pairs of columns, upper triangle: the four products of each two pairs.
+    /// `[m | r]ᵀ [m | r]` for pairs of columns, upper triangle: the four products of each two pairs. Empty
+    /// before the first row.
     products: Vec<[Lanes; 4]>,
-    /// What is added to the bordered matrix of [`Reduced`] besides.
+    /// The same for rows that have a run of shared unknowns each.
+    run_pairs: RunPairs,
+    /// What is added to the bordered matrix of [`Reduced`] for the constraints; empty if there are none.
     matrix: Vec<Lanes>,
     squares: Lanes,
+    /// `Σ c²`.
+    taken: Lanes,
     observations: usize,
     block_unknowns: usize,
 }
@@ -29,17 +35,17 @@ const WAITING: usize = 16;
 impl LaneSums {
     /// Zero sums for `shared` shared unknowns and `datum` constraints.
     pub fn new(shared: usize, datum: usize) -> Self {
-        let width = shared + datum + 1;
-        let row_len = (shared + 1).next_multiple_of(2);
-        let pairs = row_len / 2;
+        let width = if datum == 0 { 0 } else { shared + datum + 1 };
         Self {
             shared,
             datum,
-            rows: Vec::with_capacity(WAITING * row_len),
-            row_len,
-            products: vec![[Lanes::ZERO; 4]; pairs * (pairs + 1) / 2],
+            rows: Vec::new(),
+            row_len: (shared + 1).next_multiple_of(2),
+            products: Vec::new(),
+            run_pairs: RunPairs::default(),
             matrix: vec![Lanes::ZERO; width * width],
             squares: Lanes::ZERO,
+            taken: Lanes::ZERO,
             observations: 0,
             block_unknowns: 0,
         }
@@ -57,6 +63,7 @@ impl LaneSums {
         self.add_products();
         let width = self.width();
         let mut matrix: Vec<f64> = self.matrix.iter().map(|x| x.sum()).collect();
+        matrix.resize(width * width, 0.0);
         let pairs = self.row_len / 2;
         let of_pairs = (0..pairs).flat_map(|p| (p..pairs).map(move |q| (p, q)));
         for ((p, q), products) in of_pairs.zip(&self.products) {
@@ -67,6 +74,10 @@ impl LaneSums {
                     matrix[i * width + column] += product.sum();
                 }
             }
+        }
+        self.run_pairs.add_to(width, &mut matrix);
+        if let Some(corner) = matrix.last_mut() {
+            *corner -= self.taken.sum();
         }
         let mut reduced = Reduced::from_sums(self.shared, self.datum, matrix);
         reduced.count(self.observations, self.block_unknowns, self.squares.sum());
@@ -87,6 +98,10 @@ impl LaneSums {
     /// A row `[m | r]` that is free of the blocks' unknowns, to be filled: zeros.
     #[inline(always)]
     pub fn next_row(&mut self) -> &mut [Lanes] {
+        if self.products.is_empty() {
+            let pairs = self.row_len / 2;
+            self.products = vec![[Lanes::ZERO; 4]; pairs * (pairs + 1) / 2];
+        }
         if self.rows.len() == WAITING * self.row_len {
             self.add_products();
         }
@@ -95,33 +110,23 @@ impl LaneSums {
         &mut self.rows[first..][..self.shared + 1]
     }
 
-    /// Adds `left rightᵀ` of two runs of shared unknowns that start at these places, the first not behind
-    /// the other: part of `MᵀM`, of which the upper triangle is kept.
+    /// Adds rows `B` that have a run of shared unknowns each, of which what the blocks leave is not
+    /// eliminated but projected: the `runs`, the upper triangle of the `projection` `P`, and what it leaves
+    /// of the `residual`. The `first` unknowns of the runs are multiples of [`RUN`] and ascend.
     #[inline(always)]
-    pub fn add_runs(
+    pub fn add_runs<const ROWS: usize>(
         &mut self,
-        (i, left): (usize, &[Lanes; RUN]),
-        (j, right): (usize, &[Lanes; RUN]),
+        first: impl Iterator<Item = usize> + Clone,
+        runs: &[[Lanes; RUN]; ROWS],
+        projection: &[[Lanes; ROWS]; ROWS],
+        residual: &[Lanes; ROWS],
     ) {
-        debug_assert!(i <= j, "the lower triangle");
-        let width = self.width();
-        let rows = self.matrix[i * width..].chunks_exact_mut(width);
-        for (row, a) in rows.zip(left) {
-            lanes_only();
-            for (sum, b) in row[j..j + RUN].iter_mut().zip(right) {
-                *sum = a.mul_add(*b, *sum);
-            }
-        }
-    }
-
-    /// Adds a run's part of `Mᵀr`.
-    #[inline(always)]
-    pub fn add_run_residual(&mut self, first: usize, products: &[Lanes; RUN]) {
-        let width = self.width();
-        let rows = self.matrix[first * width..].chunks_exact_mut(width);
-        for (row, x) in rows.zip(products) {
-            row[width - 1] += *x;
-        }
+        let run_of_row = first.map(
+            #[inline(always)]
+            |first| first / RUN,
+        );
+        let pairs = &mut self.run_pairs;
+        pairs.add(self.shared / RUN, run_of_row, runs, projection, residual);
     }
 
     /// Adds the products of the rows that wait.
@@ -171,9 +176,7 @@ impl LaneSums {
     /// Adds what the blocks take off the sum of squares whatever the shared unknowns are, `Σ c²`.
     #[inline(always)]
     pub fn add_taken(&mut self, squares: Lanes) {
-        if let Some(corner) = self.matrix.last_mut() {
-            *corner -= squares;
-        }
+        self.taken += squares;
     }
 }
 

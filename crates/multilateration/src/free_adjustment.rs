@@ -91,7 +91,8 @@ impl<'a> FreeAdjustment<'a> {
         );
     }
 
-    fn weights_of(&self, b: usize) -> &[Lanes] {
+    #[inline(always)]
+    pub(crate) fn weights_of(&self, b: usize) -> &[Lanes] {
         &self.weights[self.weight_starts[b]..self.weight_starts[b + 1]]
     }
 

@@ -8,10 +8,11 @@
 //! ```
 //!
 //! The number of rows is known when it is compiled, nothing is stored but results, and a pass takes a
-//! third of the time. A point that is not determined is left to the general way, which names it.
+//! fraction of the time. A batch with a point that is badly determined, or with a station of which the
+//! points leave next to nothing, is left to the general way, which is more exact and names what it refuses.
 
 use nalgebra::Point3;
-use trueaxis_leastsquares::{LANES, LaneSums, Lanes, SmallReflections};
+use trueaxis_leastsquares::{GramSchmidt, LANES, LaneSums, Lanes};
 
 use crate::batches::Batch;
 use crate::free_points::{PER_STATION, State};
@@ -29,7 +30,7 @@ pub(crate) fn is_plain(batch: &Batch) -> bool {
         && (LEAST_ROWS..=MOST_ROWS).contains(&batch.slots())
 }
 
-/// Adds a plain batch to the sums of the reduced system; false if a point is not determined, with the
+/// Adds a plain batch to the sums of the reduced system; false if it is left to the general way, with the
 /// sums as they were.
 #[inline(always)]
 pub(crate) fn add_to(batch: &Batch, weights: &[Lanes], state: &State, sums: &mut LaneSums) -> bool {
@@ -44,7 +45,7 @@ pub(crate) fn add_to(batch: &Batch, weights: &[Lanes], state: &State, sums: &mut
 }
 
 /// Moves the points of a plain batch by `factor` times what follows from the correction `s` of the
-/// stations; false if one of them is not determined.
+/// stations; false if one of them is badly determined.
 #[inline(always)]
 pub(crate) fn move_points(
     batch: &Batch,
@@ -69,7 +70,7 @@ struct Rows<'a, const ROWS: usize> {
     point: [Lanes; 3],
     columns: [[Lanes; ROWS]; 3],
     residual: [Lanes; ROWS],
-    reflections: SmallReflections<ROWS, 3>,
+    eliminated: GramSchmidt<ROWS, 3>,
 }
 
 impl<'a, const ROWS: usize> Rows<'a, ROWS> {
@@ -80,11 +81,11 @@ impl<'a, const ROWS: usize> Rows<'a, ROWS> {
             point: [Lanes::ZERO; 3],
             columns: [[Lanes::ZERO; ROWS]; 3],
             residual: [Lanes::ZERO; ROWS],
-            reflections: SmallReflections::new(),
+            eliminated: GramSchmidt::new(),
         }
     }
 
-    /// False if a point is not determined.
+    /// False if a point is badly determined.
     #[inline(always)]
     fn eliminate(&mut self, batch: &Batch, state: &State) -> bool {
         for lane in 0..LANES {
@@ -108,9 +109,13 @@ impl<'a, const ROWS: usize> Rows<'a, ROWS> {
             self.columns[2][i] = z * scale;
             self.residual[i] = self.weights[i] * (lengths_mm[i] + dead_path - distance_mm);
         }
-        self.reflections.eliminate(&self.columns)
+        self.eliminated.eliminate(&self.columns)
     }
 }
+
+/// Part of the variance of a station's readings that their residuals must keep in the mean. `P_ii` is one
+/// less what the point takes, so that rounding is then no more than 1e-14 of what it adds to the sums.
+const LEAST_KEPT: f64 = 1e-2;
 
 #[inline(always)]
 fn add_rows<const ROWS: usize>(
@@ -129,26 +134,33 @@ fn add_rows<const ROWS: usize>(
     // Lanes without a group count for nothing.
     let used = batch.groups.len();
     let mask = Lanes::from_fn(|lane| f64::from(u8::from(lane < used)));
+    let mut projection = [[Lanes::ZERO; ROWS]; ROWS];
+    rows.eliminated.fill_projection(&mut projection);
+    let mut least_kept = f64::INFINITY;
+    for (i, row) in projection.iter().enumerate() {
+        least_kept = least_kept.min((row[i] * mask).sum());
+    }
+    if least_kept < LEAST_KEPT * used as f64 {
+        return false;
+    }
     for r in &mut rows.residual {
         *r = *r * mask;
     }
     sums.add_squares(squares(&rows.residual));
-    rows.reflections.reflect(&mut rows.residual);
-    sums.add_taken(squares(&rows.residual[..3]));
-    // Minus the derivatives by the stations, of the lanes that count.
+    let mut along = [Lanes::ZERO; 3];
+    sums.add_taken(rows.eliminated.explain(&mut rows.residual, &mut along));
     let mut runs = [[Lanes::ZERO; PER_STATION]; ROWS];
     for (i, run) in runs.iter_mut().enumerate() {
         for (x, column) in run.iter_mut().zip(&rows.columns) {
-            *x = column[i] * mask;
+            *x = -(column[i] * mask);
         }
-        run[PER_STATION - 1] = weights[i] * mask;
+        run[PER_STATION - 1] = -(weights[i] * mask);
     }
-    let free = &rows.residual[3..];
-    if ROWS == LEAST_ROWS {
-        add_free_row(batch, &runs, (&rows.reflections.column(3), free[0]), sums);
-    } else {
-        add_by_pairs(batch, &runs, &rows.reflections, free, sums);
-    }
+    let firsts = (0..ROWS).map(
+        #[inline(always)]
+        |i| first_unknown(batch, i),
+    );
+    sums.add_runs(firsts, &runs, &projection, &rows.residual);
     true
 }
 
@@ -156,66 +168,6 @@ fn add_rows<const ROWS: usize>(
 #[inline(always)]
 fn first_unknown(batch: &Batch, row: usize) -> usize {
     PER_STATION * batch.layout.visits[row].station
-}
-
-/// Adds the only row of `M = Q₂ᵀ [B | r]`.
-#[inline(always)]
-fn add_free_row<const ROWS: usize>(
-    batch: &Batch,
-    runs: &[[Lanes; PER_STATION]; ROWS],
-    (q, residual): (&[Lanes; ROWS], Lanes),
-    sums: &mut LaneSums,
-) {
-    let free_row = sums.next_row();
-    for (i, run) in runs.iter().enumerate() {
-        let first = first_unknown(batch, i);
-        for (m, x) in free_row[first..first + PER_STATION].iter_mut().zip(run) {
-            *m = -(q[i] * *x);
-        }
-    }
-    if let Some(last) = free_row.last_mut() {
-        *last = residual;
-    }
-}
-
-/// Adds `MᵀM` of several rows station by station, `B_iᵀ P_ij B_j` with `P = Q₂ Q₂ᵀ`: a row of `B` has
-/// four elements, so that this is less work than the products of whole rows.
-#[inline(always)]
-fn add_by_pairs<const ROWS: usize>(
-    batch: &Batch,
-    runs: &[[Lanes; PER_STATION]; ROWS],
-    reflections: &SmallReflections<ROWS, 3>,
-    residual: &[Lanes],
-    sums: &mut LaneSums,
-) {
-    let mut free = [[Lanes::ZERO; ROWS]; MOST_ROWS - 3];
-    for (k, q) in free[..ROWS - 3].iter_mut().enumerate() {
-        *q = reflections.column(3 + k);
-    }
-    let free = &free[..ROWS - 3];
-    for i in 0..ROWS {
-        let mut own = Lanes::ZERO;
-        for (q, r) in free.iter().zip(residual) {
-            own = q[i].mul_add(*r, own);
-        }
-        let first = first_unknown(batch, i);
-        let mut products = runs[i];
-        for x in &mut products {
-            *x = -(*x * own);
-        }
-        sums.add_run_residual(first, &products);
-        for j in i..ROWS {
-            let mut p = Lanes::ZERO;
-            for q in free {
-                p = q[i].mul_add(q[j], p);
-            }
-            let mut left = runs[i];
-            for x in &mut left {
-                *x = *x * p;
-            }
-            sums.add_runs((first, &left), (first_unknown(batch, j), &runs[j]));
-        }
-    }
 }
 
 #[inline(always)]
@@ -243,8 +195,9 @@ fn move_rows<const ROWS: usize>(
         }
         rows.residual[i] = right;
     }
-    rows.reflections.reflect(&mut rows.residual);
-    let correction = rows.reflections.solve(&rows.residual);
+    let mut correction = [Lanes::ZERO; 3];
+    rows.eliminated.explain(&mut rows.residual, &mut correction);
+    rows.eliminated.solve(&mut correction);
     let factor = Lanes::splat(factor);
     for (x, correction) in rows.point.iter_mut().zip(&correction) {
         *x = correction.mul_add(factor, *x);
@@ -274,7 +227,7 @@ mod tests {
     use super::*;
     use crate::batches::batches;
     use crate::free_adjustment::FreeAdjustment;
-    use crate::passes::{self, Gauge, Memory};
+    use crate::passes::{self, Gauge, Memory, pieces};
     use crate::{Network, Reading, Visit};
 
     /// Thirty points, four batches of which the last is not full, not all seen from all of `stations`.
@@ -313,6 +266,49 @@ mod tests {
             }
         }
         (network, state)
+    }
+
+    /// A pass in the widest registers against one without.
+    #[test]
+    fn any_registers_give_the_same_bits() {
+        for stations in LEAST_ROWS..=MOST_ROWS {
+            let (network, state) = network(stations);
+            let batches = Arc::new(batches(&network, 3).unwrap());
+            assert_eq!(pieces(batches.len()).len(), 1);
+            let model = FreeAdjustment::new(&network, &batches, &state);
+            let mut sums = LaneSums::new(PER_STATION * stations, 0);
+            for (b, batch) in batches.iter().enumerate() {
+                assert!(add_to(batch, model.weights_of(b), &state, &mut sums));
+            }
+            let motions = model.free_motions(&state);
+            let narrow = sums.into_reduced().shortest_correction(&motions).unwrap();
+            let wide = model.reduce(&state).unwrap();
+            let wide = wide.shortest_correction(&motions).unwrap();
+            assert_eq!(narrow.shared, wide.shared);
+            assert_eq!(narrow.decrease.to_bits(), wide.decrease.to_bits());
+        }
+    }
+
+    /// Stations next to each other, seen from afar: what they tell of a point is nearly one number.
+    #[test]
+    fn badly_determined_points_are_left_to_the_general_way() {
+        for stations in LEAST_ROWS..=MOST_ROWS {
+            let (network, mut state) = network(stations);
+            for station in &mut state.stations {
+                *station = Point3::new(5000.0, 0.0, 0.0) + station.coords * 1e-5;
+            }
+            let batches = Arc::new(batches(&network, 3).unwrap());
+            let model = FreeAdjustment::new(&network, &batches, &state);
+            let mut sums = LaneSums::new(PER_STATION * stations, 0);
+            let mut moved = vec![Point3::origin(); 8];
+            let s = vec![0.0; PER_STATION * stations];
+            for (b, batch) in batches.iter().enumerate() {
+                let weights = model.weights_of(b);
+                assert!(!add_to(batch, weights, &state, &mut sums));
+                assert!(!move_points(batch, weights, &state, (&s, 1.0), &mut moved));
+            }
+            assert_eq!(sums.into_reduced().squares().to_bits(), 0);
+        }
     }
 
     /// Sums and steps against those of the general equations.
