@@ -3,8 +3,8 @@
 //! Loops over the rows of one small block are too short for wide registers, and sums along them are
 //! chains that a compiler may not regroup. With one block in each lane every operation is eight
 //! independent ones. Which products are fused with a sum is written out ([`Lanes::mul_add`]), so
-//! results are the same bits with any instruction set; [`pulp::Arch::dispatch`] around a pass chooses
-//! the widest one at run time.
+//! results are the same bits with any instruction set; a dispatch around a pass chooses the widest one at
+//! run time.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 

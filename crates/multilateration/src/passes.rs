@@ -1,12 +1,15 @@
 //! Passes over the batches of a network: the equations are made, used and forgotten.
 //!
 //! Threads take pieces that depend on the number of batches alone, and sums are added up in their order:
-//! the same bits on any number of threads. [`Arch::dispatch`] compiles a pass once more for wider
-//! registers and takes the widest that the processor has.
+//! the same bits on any number of threads. A pass is compiled once more for each kind of wider registers,
+//! and the widest that the processor has are taken: eight numbers side by side fill one of AVX-512, of
+//! which there are twice as many besides.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
+#[cfg(target_arch = "x86_64")]
+use fearless_simd::{Level, Simd};
 use pulp::Arch;
 use rayon::prelude::*;
 use trueaxis_leastsquares::{BlockBatch, Error as LeastSquaresError, Factors, LaneSums, Reduced};
@@ -107,13 +110,23 @@ pub(crate) fn within_pool<T: Send>(batches: usize, work: impl FnOnce() -> T + Se
     }
 }
 
+/// Does `work`, of which everything must be inlined, with the widest registers of the processor. Those of
+/// AVX-512 come from another crate: [`pulp`] would use them for faer as well, where a test went wrong.
+fn in_widest_registers<T>(work: impl FnOnce() -> T) -> T {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx512) = Level::new().as_avx512() {
+        return avx512.vectorize(work);
+    }
+    Arch::new().dispatch(work)
+}
+
 /// What `work` makes of each item, in order.
 pub(crate) fn in_parallel<I: Send, T: Send>(
     items: Vec<I>,
     work: impl Fn(I) -> T + Sync + Send,
 ) -> Vec<T> {
     let work = |item| {
-        Arch::new().dispatch(
+        in_widest_registers(
             #[inline(always)]
             || work(item),
         )
