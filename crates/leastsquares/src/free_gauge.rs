@@ -12,7 +12,8 @@
 //! is free of them, and `N + G Gᵀ` has an inverse if nothing else is free.
 
 use crate::Error;
-use crate::reduced::{Reduced, dot, finite, orthonormal, times};
+use crate::definite::solve_definite;
+use crate::reduced::{Reduced, finite, orthonormal};
 
 /// A correction of the shared unknowns.
 #[derive(Debug, Clone)]
@@ -37,21 +38,28 @@ impl Reduced {
         let (scale, mut matrix) = self.scaled(n)?;
         let motions = orthonormal(free_motions, &scale);
         for motion in &motions {
-            for (row, a) in matrix.chunks_exact_mut(n.max(1)).zip(motion) {
-                for (x, b) in row.iter_mut().zip(motion) {
-                    *x += a * b;
+            for (i, row) in matrix.chunks_exact_mut(n.max(1)).enumerate() {
+                for (x, b) in row[i..].iter_mut().zip(&motion[i..]) {
+                    *x += motion[i] * b;
                 }
             }
         }
-        let inverse = self.inverse_of(matrix, n, || {
-            self.check_rank(&scale, &motions, motions.len())
-        })?;
         let right: Vec<f64> = (0..n)
             .map(|i| scale[i] * self.at(i, self.width()))
             .collect();
-        let scaled = times(&inverse, &right);
-        let decrease = dot(&scaled, &right) + self.decrease_by_blocks();
-        let shared = finite(scaled.iter().zip(&scale).map(|(x, s)| x * s).collect())?;
+        let solved = solve_definite(&mut matrix, right);
+        if !solved
+            .as_ref()
+            .is_some_and(|solved| self.rules_out_free(solved.trace_of_inverse))
+        {
+            self.check_rank(&scale, &motions, motions.len())?;
+        }
+        let solved = solved.ok_or(Error::NotFinite {
+            what: "the inverse of the reduced system",
+        })?;
+        let decrease = solved.square + self.decrease_by_blocks();
+        let scaled = solved.solution.iter().zip(&scale);
+        let shared = finite(scaled.map(|(x, s)| x * s).collect())?;
         Ok(Correction { shared, decrease })
     }
 }

@@ -1,12 +1,17 @@
 //! Inverse of a small symmetric matrix that need not be definite.
 //!
-//! The reduced system has some twenty unknowns and is inverted in each iteration; a blocked
-//! factorisation spends more on its set-up than this takes.
+//! The reduced system has some twenty unknowns; a blocked factorisation spends more on its set-up than
+//! this takes.
 
-/// Inverts a matrix with contiguous rows in place by Gauss–Jordan elimination with row exchanges,
-/// and makes the inverse symmetric. False if it is singular to the last bit; the contents are then
-/// of no use.
+/// Inverts a matrix in place, of which the upper triangle is given in contiguous rows, by Gauss–Jordan
+/// elimination with row exchanges, and makes the inverse symmetric. False if it is singular to the last
+/// bit; the contents are then of no use.
 pub(crate) fn invert(matrix: &mut [f64], n: usize) -> bool {
+    for i in 0..n {
+        for j in 0..i {
+            matrix[i * n + j] = matrix[j * n + i];
+        }
+    }
     let mut exchanged = vec![0; n];
     let mut pivot_row = vec![0.0; n];
     for k in 0..n {

@@ -53,6 +53,7 @@ mod block;
 mod block_batch;
 mod chi_squared;
 mod covariance;
+mod definite;
 pub mod dense;
 mod error;
 mod factors;

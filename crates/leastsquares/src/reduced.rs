@@ -126,11 +126,18 @@ impl Reduced {
         free_motions: impl FnOnce() -> Vec<Vec<f64>>,
     ) -> Result<ReducedSolution, Error> {
         let width = self.width();
-        let (scale, matrix) = self.scaled(width)?;
-        let mut inverse = self.inverse_of(matrix, width, || {
+        let (scale, mut inverse) = self.scaled(width)?;
+        let inverted = invert(&mut inverse, width);
+        // The norm of a matrix is not below its largest eigenvalue.
+        if !inverted || !self.rules_out_free(dot(&inverse, &inverse).sqrt()) {
             let motions = orthonormal(&free_motions(), &scale);
-            self.check_rank(&scale, &motions, self.datum)
-        })?;
+            self.check_rank(&scale, &motions, self.datum)?;
+        }
+        if !inverted {
+            return Err(Error::NotFinite {
+                what: "the inverse of the reduced system",
+            });
+        }
         for (i, row) in inverse.chunks_exact_mut(width.max(1)).enumerate() {
             for (x, s) in row.iter_mut().zip(&scale) {
                 *x *= scale[i] * s;
@@ -161,7 +168,7 @@ impl Reduced {
     }
 
     /// The first `n` rows and columns of the matrix with unit diagonal, which makes unknowns of
-    /// different units comparable, and the scales for it.
+    /// different units comparable, and the scales for it; of the matrix the upper triangle.
     pub(crate) fn scaled(&self, n: usize) -> Result<(Vec<f64>, Vec<f64>), Error> {
         if !self.is_finite() {
             return Err(Error::NotFinite {
@@ -175,40 +182,21 @@ impl Reduced {
             })
             .collect();
         let mut matrix = vec![0.0; n * n];
-        for (i, row) in matrix.chunks_exact_mut(n.max(1)).enumerate() {
-            for (j, x) in row.iter_mut().enumerate() {
-                *x = scale[i] * self.at(i, j) * scale[j];
+        let rows = self.matrix.chunks_exact(self.width() + 1);
+        for ((i, row), scaled) in rows.enumerate().zip(matrix.chunks_exact_mut(n.max(1))) {
+            for ((x, m), s) in scaled[i..].iter_mut().zip(&row[i..]).zip(&scale[i..]) {
+                *x = scale[i] * m * s;
             }
         }
         Ok((scale, matrix))
     }
 
-    /// The inverse of a scaled matrix of `n` rows; `check_rank` is asked if it does not rule out that
-    /// something is free.
-    pub(crate) fn inverse_of(
-        &self,
-        mut matrix: Vec<f64>,
-        n: usize,
-        check_rank: impl FnOnce() -> Result<(), Error>,
-    ) -> Result<Vec<f64>, Error> {
-        let inverted = invert(&mut matrix, n);
-        if !inverted || !self.rules_out_free(&matrix) {
-            check_rank()?;
-        }
-        match inverted {
-            true => Ok(matrix),
-            false => Err(Error::NotFinite {
-                what: "the inverse of the reduced system",
-            }),
-        }
-    }
-
-    /// Whether the inverse of the scaled matrix says that nothing is free: a free unit vector that
-    /// meets all constraints is taken to less than the limit, so that the norm of the inverse is at
-    /// least the limit's reciprocal.
-    fn rules_out_free(&self, inverse: &[f64]) -> bool {
-        // The largest eigenvalue is not above the sum of all, the number of shared unknowns.
-        dot(inverse, inverse).sqrt() * SHARED_RANK_TOL * (self.shared() as f64) < 1.0
+    /// Whether the inverse of the scaled matrix, of which no eigenvalue is above `largest`, says that
+    /// nothing is free: a free unit vector that meets all constraints is taken to less than the limit,
+    /// so that the inverse has an eigenvalue of at least the limit's reciprocal.
+    pub(crate) fn rules_out_free(&self, largest: f64) -> bool {
+        // The largest eigenvalue of the matrix is not above the sum of all, the number of shared unknowns.
+        largest * SHARED_RANK_TOL * (self.shared() as f64) < 1.0
     }
 
     /// Checks that no more than `expected` combinations of the shared unknowns are free; `motions`,
@@ -274,7 +262,7 @@ const DEPENDENT_MOTION: f64 = 1e-9;
 
 /// An orthonormal basis of motions, in units in which the matrix has a unit diagonal.
 pub(crate) fn orthonormal(motions: &[Vec<f64>], scale: &[f64]) -> Vec<Vec<f64>> {
-    let mut basis: Vec<Vec<f64>> = Vec::new();
+    let mut basis: Vec<Vec<f64>> = Vec::with_capacity(motions.len());
     for motion in motions {
         let mut vector: Vec<f64> = motion.iter().zip(scale).map(|(m, s)| m / s).collect();
         let before = dot(&vector, &vector).sqrt();
@@ -300,12 +288,21 @@ fn remove(vector: &mut [f64], unit: &[f64]) {
     }
 }
 
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+/// `Σ a_i b_i` by four sums side by side: one alone would wait for each of its additions.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let mut sums = [0.0; 4];
+    for (a, b) in a.iter().zip(b) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
 /// Product of a matrix with contiguous rows and a vector.
-pub(crate) fn times(matrix: &[f64], vector: &[f64]) -> Vec<f64> {
+fn times(matrix: &[f64], vector: &[f64]) -> Vec<f64> {
     let rows = matrix.chunks_exact(vector.len().max(1));
     rows.map(|row| dot(row, vector)).collect()
 }
