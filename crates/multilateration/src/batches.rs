@@ -167,6 +167,11 @@ impl Batch {
         }
     }
 
+    /// Whether the weights of another batch are its own, if noise is the same for all beams.
+    pub(crate) fn is_weighted_as(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.layout, &other.layout) && !self.has_factors && !other.has_factors
+    }
+
     /// Number of weights: the triangles of all visits.
     pub(crate) fn weights(&self) -> usize {
         let visits = self.layout.visits.iter();

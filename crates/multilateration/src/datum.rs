@@ -68,7 +68,7 @@ impl Datum {
     /// What the free motions, translations along x, y, z, then rotations about them (scaled to the
     /// size of the network), do to `shared` shared unknowns, of which the first are the stations.
     pub(crate) fn free_motions(&self, state: &State, shared: usize) -> Vec<Vec<f64>> {
-        let mut free_motions = vec![Vec::new(); DATUM];
+        let mut free_motions: Vec<_> = (0..DATUM).map(|_| Vec::with_capacity(shared)).collect();
         let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
         for station in &state.stations {
             let r = self.lever(*station);

@@ -26,30 +26,37 @@ pub(crate) struct FreeAdjustment<'a> {
     network: &'a Network,
     datum: Datum,
     batches: Arc<Vec<Batch>>,
-    /// Weights of all batches as [`fill_weights`] makes them.
+    /// Weights of the batches as [`fill_weights`] makes them.
     weights: Vec<Lanes>,
-    /// Where those of each batch start, and behind them their number.
-    weight_starts: Vec<usize>,
+    /// Those of each batch: within a piece, the same ones as of the batch before if they are equal.
+    weight_ranges: Vec<Range<usize>>,
     memories: Memories,
 }
 
 impl<'a> FreeAdjustment<'a> {
     /// The model with the weights that belong to the beams at `state`.
     pub(crate) fn new(network: &'a Network, batches: &Arc<Vec<Batch>>, state: &State) -> Self {
-        let mut weight_starts = vec![0];
-        let mut weights = 0;
-        for batch in batches.iter() {
-            weights += batch.weights();
-            weight_starts.push(weights);
-        }
         let mut model = Self {
             network,
             datum: Datum::new(network),
             batches: Arc::clone(batches),
-            weights: vec![Lanes::ZERO; weights],
-            weight_starts,
+            weights: Vec::new(),
+            weight_ranges: Vec::with_capacity(batches.len()),
             memories: Memories::default(),
         };
+        let by_beams = model.weights_follow_beams();
+        let mut end = 0;
+        for piece in pieces(batches.len()) {
+            for b in piece.clone() {
+                let batch = &batches[b];
+                let is_new = by_beams || b == piece.start || !batch.is_weighted_as(&batches[b - 1]);
+                if is_new {
+                    end += batch.weights();
+                }
+                model.weight_ranges.push(end - batch.weights()..end);
+            }
+        }
+        model.weights = vec![Lanes::ZERO; end];
         model.update_weights(state);
         model
     }
@@ -69,23 +76,29 @@ impl<'a> FreeAdjustment<'a> {
     pub(crate) fn update_weights(&mut self, state: &State) {
         let with_beams = self.weights_follow_beams();
         let pieces = pieces(self.batches.len());
-        let starts = &self.weight_starts;
-        let lengths = pieces.iter().map(|p| starts[p.end] - starts[p.start]);
+        let ranges = &self.weight_ranges;
+        let lengths = pieces
+            .iter()
+            .map(|p| ranges[p.end - 1].end - ranges[p.start].start);
         let parts = split_mut(&mut self.weights, lengths);
         let (batches, noise) = (&self.batches, &self.network.noise);
         in_parallel(
             pieces.into_iter().zip(parts).collect(),
             #[inline(always)]
-            |(piece, mut part): (Range<usize>, &mut [Lanes])| {
+            |(piece, part): (Range<usize>, &mut [Lanes])| {
                 let (mut beams, mut factor) = (Beams::default(), Vec::new());
-                for batch in &batches[piece] {
-                    let (own, others) = part.split_at_mut(batch.weights());
-                    part = others;
+                let (first, mut filled) = (ranges[piece.start].start, 0);
+                for (batch, range) in batches[piece.clone()].iter().zip(&ranges[piece]) {
+                    let (start, end) = (range.start - first, range.end - first);
+                    if end == filled {
+                        continue;
+                    }
+                    filled = end;
                     if with_beams {
                         beams.fill(batch, state);
                     }
                     let beams = with_beams.then_some(&beams);
-                    fill_weights(batch, noise, beams, &mut factor, own);
+                    fill_weights(batch, noise, beams, &mut factor, &mut part[start..end]);
                 }
             },
         );
@@ -93,7 +106,7 @@ impl<'a> FreeAdjustment<'a> {
 
     #[inline(always)]
     pub(crate) fn weights_of(&self, b: usize) -> &[Lanes] {
-        &self.weights[self.weight_starts[b]..self.weight_starts[b + 1]]
+        &self.weights[self.weight_ranges[b].clone()]
     }
 
     /// Makes the equations of batch `b` for a model with `shared` shared unknowns.

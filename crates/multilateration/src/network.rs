@@ -78,7 +78,7 @@ impl Network {
         if next != self.nominal_mm.len() {
             return malformed(format!("points from {next} on belong to no group"));
         }
-        let mut next = 0;
+        let (mut next, mut finite) = (0, true);
         for (i, visit) in self.visits.iter().enumerate() {
             let range = &visit.readings;
             if range.start != next || range.end < next || range.end > self.readings.len() {
@@ -93,27 +93,20 @@ impl Network {
                 ));
             }
             let points = self.groups[visit.group].len();
-            if self.readings[range.clone()]
-                .iter()
-                .any(|reading| reading.point >= points)
-            {
-                return malformed(format!(
-                    "visit {i} reads a point that its group does not have"
-                ));
+            for reading in &self.readings[range.clone()] {
+                if reading.point >= points {
+                    return malformed(format!(
+                        "visit {i} reads a point that its group does not have"
+                    ));
+                }
+                finite &= reading.length_mm.is_finite();
             }
         }
         if next != self.readings.len() {
             return malformed(format!("readings from {next} on belong to no visit"));
         }
-        let finite = self
-            .readings
-            .iter()
-            .all(|reading| reading.length_mm.is_finite())
-            && self
-                .nominal_mm
-                .iter()
-                .all(|p| p.iter().all(|x| x.is_finite()));
-        if !finite {
+        let mut places = self.nominal_mm.iter();
+        if !finite || !places.all(|p| p.iter().all(|x| x.is_finite())) {
             return malformed("a length or a nominal position is not finite".to_owned());
         }
         let mut earlier = None;

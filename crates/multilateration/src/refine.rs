@@ -39,11 +39,10 @@ pub fn refine<'a>(
         (stations.len(), points_mm.len()),
         (network.stations.len(), network.nominal_mm.len()),
     );
-    let coordinates = state.stations.iter().chain(&state.points);
-    let mut values = coordinates
-        .flat_map(|p| p.iter())
-        .chain(&state.dead_paths_mm);
-    if found != need || !values.all(|x| x.is_finite()) {
+    let mut places = state.stations.iter().chain(&state.points);
+    let finite = places.all(|p| p.iter().all(|x| x.is_finite()))
+        && state.dead_paths_mm.iter().all(|x| x.is_finite());
+    if found != need || !finite {
         let what = format!(
             "a start of {} stations and {} points, all finite, is needed; found {} and {}",
             need.0, need.1, found.0, found.1

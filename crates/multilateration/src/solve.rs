@@ -219,7 +219,10 @@ fn choose_sides<'a>(
 pub(crate) fn batches_of(network: &Network) -> Result<Arc<Vec<Batch>>, Error> {
     let mut used = vec![false; network.stations.len()];
     for visit in &network.visits {
-        used[visit.station] |= !visit.readings.is_empty();
+        // Without a look at it each would wait for the one before.
+        if !used[visit.station] {
+            used[visit.station] = !visit.readings.is_empty();
+        }
     }
     let found = used.iter().filter(|&&used| used).count();
     if found < MIN_STATIONS {
