@@ -1,13 +1,15 @@
 //! Composes single axes to a machine: nine equations, gauge and reference frame, repeated until
 //! the exact model reproduces the measured poses.
 
+use std::convert::Infallible;
+
 use nalgebra::{DMatrix, Point3, Vector3, Vector6};
 use trueaxis_kinematics::{Axis, AxisKind, LocationComponent, MotionError};
 
 use crate::Error;
 use crate::axis_data::{AxisData, RunData};
 use crate::basis::Basis;
-use crate::frame::FrameRule;
+use crate::frame::{FrameRule, SmallMotion};
 use crate::gauge::{Gauge, GaugeDefect, PER_RUN};
 use crate::records::{Context, PoseFit, RecordFit, around};
 use crate::sensitivity::Sensitivity;
@@ -54,23 +56,17 @@ pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<
     let mut state = average_lines_and_axes(context, data);
     let mut worst = (0.0, 0);
     for _ in 0..MAX_PASSES {
-        let poses = (0..data.len())
-            .map(|k| context.fit_poses(data, &state, k, &weights[k]))
-            .collect::<Result<Vec<_>, _>>()?;
-        let mut next = state.clone();
-        let changes_mm = improve_all(context, data, &gauges, &frame, &state, &mut next, |k, i| {
-            &poses[k][i]
-        });
+        let changes_mm = improve_all(context, data, &gauges, &frame, &mut state, |state, k| {
+            context.fit_poses(data, state, k, &weights[k])
+        })?;
         worst = changes_mm.axes;
         let change_mm = worst.0.max(changes_mm.frame);
         if change_mm.is_nan() || change_mm > DIVERGED_MM {
             break;
         }
-        let before = std::mem::replace(&mut state, next);
         if change_mm <= SETTLED_MM {
-            drop(poses);
             let fits = (0..data.len())
-                .map(|k| context.fit_records(data, &before, k, &weights[k]))
+                .map(|k| context.fit_records(data, &state, k, &weights[k]))
                 .collect::<Result<Vec<_>, _>>()?;
             let sensitivities = data
                 .iter()
@@ -108,28 +104,33 @@ struct Changes {
     frame: f64,
 }
 
-/// Updates all values from the poses of all records.
-fn improve_all<'f>(
+/// Updates all values, one axis after the other from the bed outwards: each is seen from those before
+/// it as they are found. `poses` are those of the records of an axis at the present values.
+fn improve_all<E>(
     context: &Context<'_>,
     data: &[AxisData],
     gauges: &[Gauge],
     frame: &FrameRule,
-    state: &State,
-    next: &mut State,
-    pose: impl Fn(usize, usize) -> &'f PoseFit,
-) -> Changes {
+    state: &mut State,
+    poses: impl Fn(&State, usize) -> Result<Vec<PoseFit>, E>,
+) -> Result<Changes, E> {
+    let depth = |k: &usize| context.machine.chain(data[*k].axis).len();
+    let mut order: Vec<usize> = (0..data.len()).collect();
+    order.sort_by_key(depth);
     let mut worst = (0.0, 0);
-    for (k, gauge) in gauges.iter().enumerate() {
-        let poses: Vec<&PoseFit> = (0..data[k].records.len()).map(|i| pose(k, i)).collect();
-        let change_mm = improve(context, data, state, k, gauge, &poses, &mut next.axes[k]);
+    for k in order {
+        let poses = poses(state, k)?;
+        let mut next = state.axes[k].clone();
+        let change_mm = improve(context, data, state, k, &gauges[k], &poses, &mut next);
+        state.axes[k] = next;
         if change_mm > worst.0 {
             worst = (change_mm, k);
         }
     }
-    Changes {
+    Ok(Changes {
         axes: worst,
-        frame: settle_frame(context, data, frame, next),
-    }
+        frame: settle_frame(context, data, frame, state),
+    })
 }
 
 /// A replay is settled when no coordinate changes by more, mm: a millionth of what can be measured.
@@ -141,20 +142,15 @@ impl Identified {
     pub(crate) fn replayed(&self, context: &Context<'_>, data: &[AxisData]) -> Option<State> {
         let mut state = self.state.clone();
         for _ in 0..MAX_PASSES {
-            let poses: Vec<Vec<PoseFit>> = (0..data.len())
-                .map(|k| context.poses(data, &state, k, &self.fits[k]))
-                .collect();
-            let mut next = state.clone();
             let changes_mm = improve_all(
                 context,
                 data,
                 &self.gauges,
                 &self.frame,
-                &state,
-                &mut next,
-                |k, i| &poses[k][i],
+                &mut state,
+                |state, k| Ok::<_, Infallible>(context.poses(data, state, k, &self.fits[k])),
             );
-            state = next;
+            let Ok(changes_mm) = changes_mm;
             if changes_mm.axes.0.max(changes_mm.frame) <= REPLAY_SETTLED_MM {
                 return Some(state);
             }
@@ -171,7 +167,7 @@ fn improve(
     state: &State,
     k: usize,
     gauge: &Gauge,
-    poses: &[&PoseFit],
+    poses: &[PoseFit],
     next: &mut AxisState,
 ) -> f64 {
     let own = &data[k];
@@ -248,7 +244,7 @@ fn improve(
 
 /// For each run and target the mean over the run's records of what no rigid motion explains of the
 /// target's position.
-fn mean_distortions(own: &AxisData, poses: &[&PoseFit]) -> Vec<Vec<Vector3<f64>>> {
+fn mean_distortions(own: &AxisData, poses: &[PoseFit]) -> Vec<Vec<Vector3<f64>>> {
     let of_run = |run: &RunData| vec![Vector3::zeros(); run.targets.len()];
     let mut sums: Vec<Vec<Vector3<f64>>> = own.runs.iter().map(of_run).collect();
     for (record, pose) in own.records.iter().zip(poses) {
@@ -285,7 +281,7 @@ fn settle_frame(
         })
         .collect();
     let motion = frame.motion(&tilts, &shifts);
-    next.ref_from_datum = motion.removal() * next.ref_from_datum;
+    take_out(context, data, &motion, next);
     let size_mm = context
         .points_mm
         .iter()
@@ -306,6 +302,26 @@ fn settle_frame(
         }
     }
     change_mm
+}
+
+/// Takes a motion of the whole out of the frame and of what was found in it: to first order, which the
+/// next pass mends, so that it begins where this one ended.
+fn take_out(context: &Context<'_>, data: &[AxisData], motion: &SmallMotion, next: &mut State) {
+    let removal = motion.removal();
+    next.ref_from_datum = removal * next.ref_from_datum;
+    for (axis, values) in data.iter().zip(&mut next.axes) {
+        let geometry = &context.machine.axes()[axis.axis];
+        let along = geometry.direction().into_inner();
+        let across = |v: Vector3<f64>| v - along * along.dot(&v);
+        values.location.tilt_rad -= across(motion.rotation);
+        if geometry.kind() == AxisKind::Rotary {
+            let reference = geometry.reference_mm();
+            values.location.offset_mm += across(removal * reference - reference);
+        }
+        for target in values.targets_mm.iter_mut().flatten() {
+            *target = removal * *target;
+        }
+    }
 }
 
 /// How far the targets of a rotary axis are from nominal along it, in the mean.

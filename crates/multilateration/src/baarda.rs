@@ -203,42 +203,57 @@ pub(crate) fn largest_steps(influence: &Influence<'_>) -> Vec<StepTest> {
 /// of them the sum of their unit errors is the step that begins there.
 fn largest_step(turn: &[(usize, usize)], influence: &Influence<'_>) -> Option<StepTest> {
     let network = influence.network();
-    let sigma = influence.sigma();
+    let (sigma, width) = (influence.sigma(), influence.width());
     let mut largest: Option<StepTest> = None;
     let mut sums = Sums::new(influence);
+    let mut steps: Vec<(usize, Step)> = Vec::with_capacity(STEPS);
+    let (mut shared, mut through) = (Vec::with_capacity(STEPS * width), Vec::new());
     for (place, &(reading, visit)) in turn.iter().enumerate().skip(1).rev() {
         sums.add(influence, reading, visit);
-        sums.memory.clear();
-        append_product(
-            &mut sums.memory,
-            &sums.shared,
-            &sigma,
-            [sums.shared.len(); 2],
-        );
-        let through_shared = dot(&sums.memory, &sums.shared);
-        let kept = sums.squares - sums.own_squares - through_shared;
-        if kept <= CHECKED_TOL * sums.squares {
+        steps.push((place, sums.step));
+        shared.extend_from_slice(&sums.shared);
+        if steps.len() < STEPS && place > 1 {
             continue;
         }
-        let w = sums.numerator / kept.sqrt();
-        if largest.is_none_or(|best| w.abs() > best.w.abs()) {
-            largest = Some(StepTest {
-                station: network.visits[visit].station,
-                first_reading: reading,
-                before: place,
-                after: turn.len() - place,
-                w,
-            });
+        through.clear();
+        append_product(&mut through, &shared, &sigma, [width; 2]);
+        let rows = shared.chunks_exact(width).zip(through.chunks_exact(width));
+        for ((place, step), (shared, through)) in steps.drain(..).zip(rows) {
+            let kept = step.squares - step.own_squares - dot(through, shared);
+            if kept <= CHECKED_TOL * step.squares {
+                continue;
+            }
+            let w = step.numerator / kept.sqrt();
+            if largest.is_none_or(|best| w.abs() > best.w.abs()) {
+                let (first_reading, visit) = turn[place];
+                largest = Some(StepTest {
+                    station: network.visits[visit].station,
+                    first_reading,
+                    before: place,
+                    after: turn.len() - place,
+                    w,
+                });
+            }
         }
+        shared.clear();
     }
     largest
 }
 
-/// Sums of whitened unit errors `L⁻¹ e`, with what their squares need.
-struct Sums {
+/// Steps whose part through the shared unknowns is calculated at a time.
+const STEPS: usize = 32;
+
+/// Sums over the readings of a step.
+#[derive(Debug, Clone, Copy, Default)]
+struct Step {
     numerator: f64,
     squares: f64,
     own_squares: f64,
+}
+
+/// Sums of whitened unit errors `L⁻¹ e`, with what their squares need.
+struct Sums {
+    step: Step,
     /// `Tᵀ L⁻¹ e`, and `Oᵀ L⁻¹ e` of all groups.
     shared: Vec<f64>,
     own: Vec<f64>,
@@ -248,7 +263,6 @@ struct Sums {
     visit: Option<usize>,
     terms: VisitTerms,
     unit: Vec<f64>,
-    memory: Vec<f64>,
 }
 
 impl Sums {
@@ -259,9 +273,7 @@ impl Sums {
             own_starts.push(own_starts[group] + size);
         }
         Self {
-            numerator: 0.0,
-            squares: 0.0,
-            own_squares: 0.0,
+            step: Step::default(),
             shared: vec![0.0; influence.width()],
             own: vec![0.0; own_starts[influence.groups()]],
             own_starts,
@@ -269,7 +281,6 @@ impl Sums {
             visit: None,
             terms: VisitTerms::default(),
             unit: Vec::new(),
-            memory: Vec::new(),
         }
     }
 
@@ -284,13 +295,13 @@ impl Sums {
         let i = reading - content.readings.start;
         let (terms, unit) = (&self.terms, &mut self.unit);
         influence.unit_error_into(visit, terms.count(), i, unit);
-        self.numerator += dot(unit, terms.residuals());
-        self.squares += grown(&mut self.whitened, |sum| add_to(sum, unit, 1.0));
+        self.step.numerator += dot(unit, terms.residuals());
+        self.step.squares += grown(&mut self.whitened, |sum| add_to(sum, unit, 1.0));
         let start = self.own_starts[content.group];
         let own = &mut self.own[start..self.own_starts[content.group + 1]];
         // Rows before the reading's own have no part in its unit error.
         let rows = || unit.iter().enumerate().skip(i);
-        self.own_squares += grown(own, |sum| {
+        self.step.own_squares += grown(own, |sum| {
             rows().for_each(|(row, &factor)| add_to(sum, terms.own(row), factor));
         });
         for (row, &factor) in rows() {

@@ -52,16 +52,7 @@ pub(crate) struct Image {
 }
 
 pub(crate) fn start(network: &Network) -> Result<Start, Error> {
-    let mut sightings: Vec<Vec<Sighting>> = vec![Vec::new(); network.stations.len()];
-    for visit in &network.visits {
-        for reading in network.readings_of(visit) {
-            let point = network.nominal_mm[network.point(visit.group, reading.point)];
-            sightings[visit.station].push(Sighting {
-                point,
-                length_mm: reading.length_mm,
-            });
-        }
-    }
+    let seen = sightings(network);
     let mut start = Start {
         state: State {
             stations: Vec::new(),
@@ -70,9 +61,7 @@ pub(crate) fn start(network: &Network) -> Result<Start, Error> {
         },
         images: Vec::new(),
     };
-    for (j, all) in sightings.iter().enumerate() {
-        let every = all.len().div_ceil(MAX_READINGS).max(1);
-        let some: Vec<Sighting> = all.iter().step_by(every).copied().collect();
+    for (j, (readings, some)) in seen.into_iter().enumerate() {
         let mut cloud = Cloud::new(&some);
         let mut fits = find_station(&some, &cloud, network.stations[j]);
         if let Some(rest) = without_far(&some, &cloud, &fits) {
@@ -86,7 +75,7 @@ pub(crate) fn start(network: &Network) -> Result<Start, Error> {
             let rms_mm = fits.first().map_or(f64::INFINITY, |fit| fit.rms_mm);
             return Err(Error::NoStart {
                 station: j,
-                readings: all.len(),
+                readings,
                 rms_mm,
             });
         };
@@ -109,6 +98,32 @@ pub(crate) fn start(network: &Network) -> Result<Start, Error> {
         start.state.dead_paths_mm.push(before);
     }
     Ok(start)
+}
+
+/// For each station the number of its readings, and evenly spread ones of them.
+fn sightings(network: &Network) -> Vec<(usize, Vec<Sighting>)> {
+    let mut counts = vec![0; network.stations.len()];
+    for visit in &network.visits {
+        counts[visit.station] += visit.readings.len();
+    }
+    let mut seen: Vec<_> = counts.into_iter().map(|all| (all, Vec::new())).collect();
+    let mut skip = vec![0; seen.len()];
+    for visit in &network.visits {
+        let (all, some) = &mut seen[visit.station];
+        let every = all.div_ceil(MAX_READINGS).max(1);
+        let skip = &mut skip[visit.station];
+        for reading in network.readings_of(visit) {
+            if *skip == 0 {
+                *skip = every;
+                some.push(Sighting {
+                    point: network.nominal_mm[network.point(visit.group, reading.point)],
+                    length_mm: reading.length_mm,
+                });
+            }
+            *skip -= 1;
+        }
+    }
+    seen
 }
 
 /// A reading this many times the median of a poor fit spoils it.
