@@ -31,8 +31,7 @@ pub(crate) fn solve_definite(matrix: &mut [f64], mut right: Vec<f64>) -> Option<
         let (above, below) = matrix.split_at_mut((k + 1) * n);
         let row_k = &above[k * n..];
         let pivot = row_k[k];
-        // Not a number is not positive, too.
-        if !(pivot > 0.0) {
+        if pivot.is_nan() || pivot <= 0.0 {
             return None;
         }
         let reciprocal = 1.0 / pivot;

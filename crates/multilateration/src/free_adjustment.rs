@@ -20,6 +20,7 @@ use crate::passes::{
     self, Gauge, GroupModel, Memories, Memory, in_parallel, pieces, split_mut, try_in_parallel,
 };
 use crate::plain_batches;
+use crate::reweighting::Reweighted;
 
 /// The model with its weights, which stay as they are while it is adjusted.
 pub(crate) struct FreeAdjustment<'a> {
@@ -63,45 +64,6 @@ impl<'a> FreeAdjustment<'a> {
 
     pub(crate) fn datum(&self) -> &Datum {
         &self.datum
-    }
-
-    /// Whether weights depend on the beams.
-    pub(crate) fn weights_follow_beams(&self) -> bool {
-        let noise = &self.network.noise;
-        let correlated = || self.network.visits.iter().any(|v| v.readings.len() > 1);
-        noise.length_sigma_relative > 0.0 || noise.return_sigma_mm > 0.0 && correlated()
-    }
-
-    /// Takes the weights from the beams at `state`.
-    pub(crate) fn update_weights(&mut self, state: &State) {
-        let with_beams = self.weights_follow_beams();
-        let pieces = pieces(self.batches.len());
-        let ranges = &self.weight_ranges;
-        let lengths = pieces
-            .iter()
-            .map(|p| ranges[p.end - 1].end - ranges[p.start].start);
-        let parts = split_mut(&mut self.weights, lengths);
-        let (batches, noise) = (&self.batches, &self.network.noise);
-        in_parallel(
-            pieces.into_iter().zip(parts).collect(),
-            #[inline(always)]
-            |(piece, part): (Range<usize>, &mut [Lanes])| {
-                let (mut beams, mut factor) = (Beams::default(), Vec::new());
-                let (first, mut filled) = (ranges[piece.start].start, 0);
-                for (batch, range) in batches[piece.clone()].iter().zip(&ranges[piece]) {
-                    let (start, end) = (range.start - first, range.end - first);
-                    if end == filled {
-                        continue;
-                    }
-                    filled = end;
-                    if with_beams {
-                        beams.fill(batch, state);
-                    }
-                    let beams = with_beams.then_some(&beams);
-                    fill_weights(batch, noise, beams, &mut factor, &mut part[start..end]);
-                }
-            },
-        );
     }
 
     #[inline(always)]
@@ -202,6 +164,49 @@ impl GroupModel for FreeAdjustment<'_> {
         gauge == Gauge::Free
             && plain_batches::is_plain(batch)
             && plain_batches::add_to(batch, self.weights_of(b), state, sums)
+    }
+}
+
+impl Reweighted for FreeAdjustment<'_> {
+    fn weights_follow_beams(&self) -> bool {
+        let noise = &self.network.noise;
+        let correlated = || self.network.visits.iter().any(|v| v.readings.len() > 1);
+        noise.length_sigma_relative > 0.0 || noise.return_sigma_mm > 0.0 && correlated()
+    }
+
+    fn update_weights(&mut self, state: &State) {
+        let with_beams = self.weights_follow_beams();
+        let pieces = pieces(self.batches.len());
+        let ranges = &self.weight_ranges;
+        let lengths = pieces
+            .iter()
+            .map(|p| ranges[p.end - 1].end - ranges[p.start].start);
+        let parts = split_mut(&mut self.weights, lengths);
+        let (batches, noise) = (&self.batches, &self.network.noise);
+        in_parallel(
+            pieces.into_iter().zip(parts).collect(),
+            #[inline(always)]
+            |(piece, part): (Range<usize>, &mut [Lanes])| {
+                let (mut beams, mut factor) = (Beams::default(), Vec::new());
+                let (first, mut filled) = (ranges[piece.start].start, 0);
+                for (batch, range) in batches[piece.clone()].iter().zip(&ranges[piece]) {
+                    let (start, end) = (range.start - first, range.end - first);
+                    if end == filled {
+                        continue;
+                    }
+                    filled = end;
+                    if with_beams {
+                        beams.fill(batch, state);
+                    }
+                    let beams = with_beams.then_some(&beams);
+                    fill_weights(batch, noise, beams, &mut factor, &mut part[start..end]);
+                }
+            },
+        );
+    }
+
+    fn moved(&self, from: &State, to: &State) -> f64 {
+        from.farthest_move_mm(to) / self.datum.radius_mm
     }
 }
 

@@ -74,6 +74,7 @@ mod plain_batches;
 mod redundancy;
 mod refine;
 mod reliability;
+mod reweighting;
 mod rigid_adjustment;
 mod rigid_solution;
 mod rigid_stages;

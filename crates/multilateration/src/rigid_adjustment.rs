@@ -15,6 +15,7 @@ use crate::bodies::Bodies;
 use crate::free_adjustment::FreeAdjustment;
 use crate::free_points::State;
 use crate::passes::{self, Gauge, GroupModel, Memories, Memory, pieces, try_in_parallel};
+use crate::reweighting::Reweighted;
 use crate::rigid_stages::{Deformations, POSE, RigidState};
 use crate::{Error, Network};
 
@@ -45,14 +46,6 @@ impl<'a> RigidAdjustment<'a> {
             network,
             bodies,
         })
-    }
-
-    pub(crate) fn weights_follow_beams(&self) -> bool {
-        self.free.weights_follow_beams()
-    }
-
-    pub(crate) fn update_weights(&mut self, state: &State) {
-        self.free.update_weights(state);
     }
 }
 
@@ -177,6 +170,20 @@ impl GroupModel for RigidAdjustment<'_> {
             &mut memory.of_points,
         );
         self.tie(state, &self.free.batches()[b], memory);
+    }
+}
+
+impl Reweighted for RigidAdjustment<'_> {
+    fn weights_follow_beams(&self) -> bool {
+        self.free.weights_follow_beams()
+    }
+
+    fn update_weights(&mut self, state: &RigidState) {
+        self.free.update_weights(&state.free);
+    }
+
+    fn moved(&self, from: &RigidState, to: &RigidState) -> f64 {
+        self.free.moved(&from.free, &to.free)
     }
 }
 

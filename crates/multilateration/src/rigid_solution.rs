@@ -10,6 +10,8 @@ use crate::components::{Components, components};
 use crate::estimate_noise::{Weighted, estimate};
 use crate::free_points::State;
 use crate::influence::Influence;
+use crate::passes::{GroupModel, within_pool};
+use crate::reweighting::reweight;
 use crate::rigid_adjustment::RigidAdjustment;
 use crate::rigid_stages::RigidState;
 use crate::{Error, Network, Noise, NoiseEstimate, Settings, Solution, Station};
@@ -61,9 +63,6 @@ impl RigidSolution {
         }
     }
 }
-
-/// Weights follow the beams, which change by far less than matters.
-const MAX_WEIGHT_UPDATES: usize = 10;
 
 /// Adjusts the lengths of a network with its points tied to rigid bodies. The start is the solution
 /// with free points; interruptions of the network are ignored.
@@ -121,20 +120,12 @@ fn adjust_from(
             other => Error::LeastSquares(other),
         })
     };
-    let mut adjusted = run(&model, start)?;
-    let mut iterations = adjusted.iterations;
-    if model.weights_follow_beams() {
-        for _ in 0..MAX_WEIGHT_UPDATES {
-            model.update_weights(&adjusted.state.free);
-            adjusted = run(&model, adjusted.state)?;
-            iterations += adjusted.iterations;
-            if adjusted.iterations == 1 || !adjusted.termination.is_converged() {
-                break;
-            }
-        }
-    }
-    let covariance = adjusted.covariance(&model).map_err(Error::LeastSquares)?;
-    Ok(solution(network, adjusted, covariance, iterations))
+    within_pool(model.batches().len(), || {
+        let first = run(&model, start.clone())?;
+        let (adjusted, iterations) = reweight(&mut model, start, first, run)?;
+        let covariance = adjusted.covariance(&model).map_err(Error::LeastSquares)?;
+        Ok(solution(network, adjusted, covariance, iterations))
+    })
 }
 
 fn solution(

@@ -8,6 +8,7 @@ use crate::batches::{Batch, batches};
 use crate::free_adjustment::FreeAdjustment;
 use crate::free_points::{DATUM, PER_STATION, State};
 use crate::passes::within_pool;
+use crate::reweighting::reweight;
 use crate::start::{Image, Start, start};
 use crate::{Error, Network, Solution, Station, StationUnknown};
 
@@ -31,10 +32,6 @@ const SAME_SQUARES: f64 = 10.0;
 
 /// Stations whose side of a plane of points is tried; the number of attempts doubles with each.
 const MAX_OPEN_SIDES: usize = 8;
-
-/// Weights depend on the beams, which the first adjustment moves by far less than matters; the
-/// second one confirms it.
-const MAX_WEIGHT_UPDATES: usize = 10;
 
 /// Finds all points, stations and dead paths of a network.
 ///
@@ -117,19 +114,10 @@ pub(crate) fn adjust_from<'a>(
 ) -> Result<Attempt<'a>, Error> {
     within_pool(batches.len(), || {
         let mut model = FreeAdjustment::new(network, batches, &start);
-        let mut adjusted = run(network, &model, start.clone(), settings)
+        let first = run(network, &model, start.clone(), settings)
             .map_err(|error| ran_away(network, &model, &start, error))?;
-        let mut iterations = adjusted.iterations;
-        if model.weights_follow_beams() {
-            for _ in 0..MAX_WEIGHT_UPDATES {
-                model.update_weights(&adjusted.state);
-                adjusted = run(network, &model, adjusted.state, settings)?;
-                iterations += adjusted.iterations;
-                if adjusted.iterations == 1 || !adjusted.termination.is_converged() {
-                    break;
-                }
-            }
-        }
+        let again = |model: &FreeAdjustment<'_>, state| run(network, model, state, settings);
+        let (adjusted, iterations) = reweight(&mut model, start, first, again)?;
         Ok(Attempt {
             model,
             adjusted,
