@@ -126,6 +126,10 @@ fn improve_all<E>(
         if change_mm > worst.0 {
             worst = (change_mm, k);
         }
+        if change_mm > DIVERGED_MM {
+            // What is seen from an axis that went astray means nothing, and is not its fault.
+            break;
+        }
     }
     Ok(Changes {
         axes: worst,

@@ -112,7 +112,7 @@ impl LaneSums {
 
     /// Adds rows `B` that have a run of shared unknowns each, of which what the blocks leave is not
     /// eliminated but projected: the `runs`, the upper triangle of the `projection` `P`, and what it leaves
-    /// of the `residual`. The `first` unknowns of the runs are multiples of [`RUN`] and ascend.
+    /// of the `residual`. The `first` unknowns of the runs are multiples of [`RUN`] and ascend strictly.
     #[inline(always)]
     pub fn add_runs<const ROWS: usize>(
         &mut self,

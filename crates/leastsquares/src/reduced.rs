@@ -20,6 +20,7 @@ use faer::{Mat, Side};
 
 use crate::Error;
 use crate::inverse::invert;
+use crate::row_products::dot;
 
 /// Sums over some or all blocks.
 #[derive(Debug, Clone)]
@@ -286,19 +287,6 @@ fn remove(vector: &mut [f64], unit: &[f64]) {
     for (v, u) in vector.iter_mut().zip(unit) {
         *v -= along * u;
     }
-}
-
-/// `Σ a_i b_i` by four sums side by side: one alone would wait for each of its additions.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
-    let mut sums = [0.0; 4];
-    for (a, b) in a.iter().zip(b) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
-    }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
 /// Product of a matrix with contiguous rows and a vector.

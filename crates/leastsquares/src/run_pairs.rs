@@ -37,7 +37,7 @@ pub(crate) struct RunPairs {
 
 impl RunPairs {
     /// Adds the rows of a batch: `B`, the upper triangle of `P`, and `P r`. The runs of the rows must
-    /// ascend.
+    /// ascend strictly.
     #[inline(always)]
     pub(crate) fn add<const ROWS: usize>(
         &mut self,
@@ -56,6 +56,7 @@ impl RunPairs {
             self.add_products();
             self.run_of_row.clear();
             self.run_of_row.extend(run_of_row);
+            debug_assert!(self.run_of_row.is_sorted_by(|a, b| a < b), "ascending runs");
             self.waiting.resize(WAITING * self.batch_len(), Lanes::ZERO);
         }
         for ((&run, row), r) in self.run_of_row.iter().zip(rows).zip(residual) {

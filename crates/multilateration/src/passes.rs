@@ -111,7 +111,8 @@ pub(crate) fn within_pool<T: Send>(batches: usize, work: impl FnOnce() -> T + Se
 }
 
 /// Does `work`, of which everything must be inlined, with the widest registers of the processor. Those of
-/// AVX-512 come from another crate: [`pulp`] would use them for faer as well, where a test went wrong.
+/// AVX-512 (from Ice Lake and Zen 4 on) come from another crate: [`pulp`] would use them for faer as well,
+/// where a test went wrong.
 fn in_widest_registers<T>(work: impl FnOnce() -> T) -> T {
     #[cfg(target_arch = "x86_64")]
     if let Some(avx512) = Level::new().as_avx512() {

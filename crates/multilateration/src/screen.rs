@@ -28,7 +28,7 @@ use crate::{Error, Network, NoiseEstimate, Solution, estimate_noise};
 pub struct Screened {
     /// The lengths that were kept, with the interruptions found and the estimated noise.
     pub network: Network,
-    /// Its solution.
+    /// Its solution; the search shares it while it lasts.
     pub solution: Arc<Solution>,
     /// The estimated noise.
     pub noise: NoiseEstimate,

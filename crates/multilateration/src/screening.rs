@@ -162,7 +162,7 @@ impl<'a> Screening<'a> {
     /// Goes on from the clean adjustment with the noise that was estimated in it.
     pub(crate) fn go_on_from(&mut self, screened: &Screened) -> Result<(), Error> {
         self.noise_is_known(&screened.noise);
-        if self.is_whole(&screened.network) {
+        if self.is_whole(&screened.network) && screened.solution.termination.is_converged() {
             self.take(Arc::clone(&screened.solution));
             return Ok(());
         }
@@ -490,7 +490,7 @@ impl<'a> Screening<'a> {
             .collect();
         let whole = self.is_whole(&network);
         let mut solution = match self.solution.take().map(Arc::unwrap_or_clone) {
-            Some(solved) if whole => solved,
+            Some(solved) if whole && solved.termination.is_converged() => solved,
             Some(near) => solve_from(&network, &near, self.settings)?,
             None => solve(&network, self.settings)?,
         };
