@@ -1,8 +1,6 @@
 //! Composes single axes to a machine: nine equations, gauge and reference frame, repeated until
 //! the exact model reproduces the measured poses.
 
-use std::convert::Infallible;
-
 use nalgebra::{DMatrix, Point3, Vector3, Vector6};
 use trueaxis_kinematics::{Axis, AxisKind, LocationComponent, MotionError};
 
@@ -106,14 +104,14 @@ struct Changes {
 
 /// Updates all values, one axis after the other from the bed outwards: each is seen from those before
 /// it as they are found. `poses` are those of the records of an axis at the present values.
-fn improve_all<E>(
+fn improve_all(
     context: &Context<'_>,
     data: &[AxisData],
     gauges: &[Gauge],
     frame: &FrameRule,
     state: &mut State,
-    poses: impl Fn(&State, usize) -> Result<Vec<PoseFit>, E>,
-) -> Result<Changes, E> {
+    poses: impl Fn(&State, usize) -> Result<Vec<PoseFit>, Error>,
+) -> Result<Changes, Error> {
     let depth = |k: &usize| context.machine.chain(data[*k].axis).len();
     let mut order: Vec<usize> = (0..data.len()).collect();
     order.sort_by_key(depth);
@@ -152,9 +150,9 @@ impl Identified {
                 &self.gauges,
                 &self.frame,
                 &mut state,
-                |state, k| Ok::<_, Infallible>(context.poses(data, state, k, &self.fits[k])),
+                |state, k| Ok(context.poses(data, state, k, &self.fits[k])),
             );
-            let Ok(changes_mm) = changes_mm;
+            let changes_mm = changes_mm.ok()?;
             if changes_mm.axes.0.max(changes_mm.frame) <= REPLAY_SETTLED_MM {
                 return Some(state);
             }

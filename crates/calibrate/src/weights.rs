@@ -21,7 +21,7 @@ use trueaxis_kinematics::{Ideal, LocationError};
 use crate::axis_data::{AxisData, RunData};
 use crate::in_order;
 use crate::matrix_products::{add_product, add_product_transposed};
-use crate::records::{Context, around, rotated};
+use crate::records::{Context, around, rotated, rotated_columns};
 
 /// Covariances of all records of an axis in datum coordinates, mm². They serve as weights, so the
 /// nominal geometry is good enough.
@@ -87,11 +87,7 @@ impl ShapeNoise {
         let add = |(own, coupling): &mut (DMatrix<f64>, DMatrix<f64>), errors: &mut _, n: usize| {
             let i = records[n];
             let turn = stage_from_datum(context, data, i);
-            let mut to_shape = projection.clone();
-            for first in (0..size).step_by(3) {
-                let turned = projection.fixed_columns::<3>(first) * turn;
-                to_shape.fixed_columns_mut::<3>(first).copy_from(&turned);
-            }
+            let to_shape = rotated_columns(&projection, &turn);
             let (d, z) = noise.of_record(&data.records[i], errors);
             let mut with_noise = DMatrix::zeros(size, size);
             add_product(&mut with_noise, &to_shape, d);

@@ -106,14 +106,11 @@ impl LengthNoise<'_> {
         let terms = &memory.terms;
         let (unknowns, width) = (terms.own_width(), influence.width());
         // R⁻ᵀ with contiguous rows.
-        memory.factor.clear();
-        for column in covariance.inverse_factor(group).col_iter() {
-            memory.factor.extend(column.iter());
-        }
+        let factor = covariance.inverse_factor_columns(group);
         // O R⁻ᵀ and V O R⁻ᵀ.
         let (rows, times) = (&mut memory.rows, &mut memory.times);
         rows.clear();
-        append_product(rows, terms.own_rows(), &memory.factor, [unknowns; 2]);
+        append_product(rows, terms.own_rows(), factor, [unknowns; 2]);
         times.clear();
         memory
             .part
@@ -124,12 +121,7 @@ impl LengthNoise<'_> {
         // Columns of [Z N]; those of N are the rows of Tᵀ V O R⁻ᵀ.
         coupling.resize_mut(unknowns, 2 * width, 0.0);
         let (z, n) = coupling.as_mut_slice().split_at_mut(width * unknowns);
-        let columns = covariance.coupling(group).col_iter();
-        for (to, from) in z.chunks_exact_mut(unknowns.max(1)).zip(columns) {
-            to.iter_mut()
-                .zip(from.iter())
-                .for_each(|(to, from)| *to = *from);
-        }
+        z.copy_from_slice(covariance.coupling_columns(group));
         n.fill(0.0);
         add_transposed_product(n, terms.shared_rows(), times, [width, unknowns]);
     }
@@ -149,7 +141,6 @@ const PIECE: usize = 256;
 struct Memory {
     terms: VisitTerms,
     part: LengthPart,
-    factor: Vec<f64>,
     rows: Vec<f64>,
     times: Vec<f64>,
 }
