@@ -6,6 +6,7 @@ use trueaxis_kinematics::AxisKind;
 
 use crate::interpolation::{Place, sides_of, weights_at};
 use crate::measured::Measured;
+use crate::record_chunks::{Chunk, chunks};
 use crate::{Error, describe};
 
 /// All measurements of one axis.
@@ -19,6 +20,8 @@ pub(crate) struct AxisData {
     pub(crate) nodes: Vec<Node>,
     /// The sides of approach that the nodes have.
     pub(crate) sides: Vec<Option<Direction>>,
+    /// The records side by side.
+    pub(crate) chunks: Vec<Chunk>,
 }
 
 pub(crate) struct RunData {
@@ -40,13 +43,6 @@ pub(crate) struct Record {
     pub(crate) node: usize,
     /// For each moved target: its number and its place within the group.
     pub(crate) targets: Vec<(usize, usize)>,
-}
-
-impl Record {
-    /// Whether the targets are all those of a group of so many, in order.
-    pub(crate) fn has_whole_group(&self, targets: usize) -> bool {
-        self.targets.iter().map(|&(_, place)| place).eq(0..targets)
-    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,6 +77,7 @@ pub(crate) fn by_axis(campaign: &Campaign, measured: &Measured) -> Result<Vec<Ax
                     records: Vec::new(),
                     nodes: Vec::new(),
                     sides: Vec::new(),
+                    chunks: Vec::new(),
                 };
                 all.push(empty);
                 all.len() - 1
@@ -146,6 +143,7 @@ pub(crate) fn by_axis(campaign: &Campaign, measured: &Measured) -> Result<Vec<Ax
     for data in &mut all {
         keep_common_targets(data, campaign, measured)?;
         check_other_axes(data, campaign, measured)?;
+        data.chunks = chunks(&data.records, &measured.noise.batches);
     }
     // In the order of the machine's axes, whatever the order of measuring.
     all.sort_by_key(|data| data.axis);

@@ -12,15 +12,15 @@
 //! The first part, *own*, is what remains if the stations are known; it is zero between axes and
 //! between the `m` of different nodes. The second comes through the stations.
 
-use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
-
-use trueaxis_multilateration::GroupNoise;
+use nalgebra::{DMatrix, Matrix6, Matrix6xX};
+use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product};
+use trueaxis_leastsquares::{Lanes, in_widest_registers, zeros};
 
 use crate::axis_data::AxisData;
 use crate::in_order;
-use crate::matrix_products::{add_product, add_product_transposed};
 use crate::node_records::NodeRecords;
-use crate::point_noise::PointNoise;
+use crate::point_noise::{ChunkErrors, PointNoise};
+use crate::record_chunks::Chunk;
 use crate::records::RecordFit;
 use crate::sensitivity::Sensitivity;
 
@@ -65,16 +65,16 @@ impl AxisForm {
 /// Covariance of the parameters and mean pose errors of one axis. The parts of single nodes are
 /// computed when they are asked for: together they would be larger than all else.
 pub(crate) struct AxisNoise<'a> {
-    noise: &'a PointNoise<'a>,
-    shared_sources: usize,
-    axis: &'a AxisData,
-    fits: &'a [RecordFit],
-    sensitivity: &'a Sensitivity,
-    records: NodeRecords,
+    pub(crate) noise: &'a PointNoise<'a>,
+    pub(crate) shared_sources: usize,
+    pub(crate) axis: &'a AxisData,
+    pub(crate) fits: &'a [RecordFit],
+    pub(crate) sensitivity: &'a Sensitivity,
+    pub(crate) records: NodeRecords,
     /// Own part of `cov(y)`.
-    parameters: DMatrix<f64>,
+    pub(crate) parameters: DMatrix<f64>,
     /// Coefficients of `-s` in `y`.
-    parameters_shared: DMatrix<f64>,
+    pub(crate) parameters_shared: DMatrix<f64>,
 }
 
 /// The same of one node's mean pose error `m`.
@@ -83,16 +83,6 @@ struct NodeNoise {
     /// Own part of `cov(m, y)`.
     cross: Matrix6xX<f64>,
     shared: Matrix6xX<f64>,
-}
-
-/// The noise of the six component errors of one node.
-pub(crate) struct ComponentNoise {
-    /// Own part of their covariance.
-    pub(crate) own: Matrix6<f64>,
-    /// For each the sum of the variances that cancel in its own.
-    pub(crate) uncancelled: Vector6<f64>,
-    /// Coefficients of the shared sources `s`.
-    pub(crate) shared: Matrix6xX<f64>,
 }
 
 impl<'a> AxisNoise<'a> {
@@ -104,24 +94,18 @@ impl<'a> AxisNoise<'a> {
         sensitivity: &'a Sensitivity,
     ) -> Self {
         let width = sensitivity.width();
-        let zero = || {
-            (
-                DMatrix::zeros(width, width),
-                DMatrix::zeros(width, shared_sources),
-            )
+        let zero = || [width, shared_sources].map(|n| vec![Lanes::ZERO; width * n]);
+        let add = |sums: &mut [Vec<Lanes>; 2], memory: &mut ParameterMemory, i: usize| {
+            memory.add(noise, sensitivity, &axis.chunks[i], sums);
         };
-        let add = |(own, shared): &mut (DMatrix<f64>, DMatrix<f64>), errors: &mut _, i: usize| {
-            let (d, z) = noise.of_record(&axis.records[i], errors);
-            let parameters = &sensitivity.parameters[i];
-            let mut with_noise = DMatrix::zeros(width, d.ncols());
-            add_product(&mut with_noise, parameters, d);
-            add_product_transposed(own, &with_noise, parameters);
-            add_product(shared, parameters, z);
-        };
-        let records = axis.records.len();
-        let (parameters, parameters_shared) = in_order::sum(records, zero, add, |whole, part| {
-            whole.0 += part.0;
-            whole.1 += part.1;
+        let sums = in_order::sum(axis.chunks.len(), zero, add, |whole, part| {
+            for (sum, x) in whole.iter_mut().flatten().zip(part.iter().flatten()) {
+                *sum += *x;
+            }
+        });
+        let [parameters, parameters_shared] = sums.map(|sum| {
+            let columns = sum.len() / width.max(1);
+            DMatrix::from_row_iterator(width, columns, sum.into_iter().map(Lanes::sum))
         });
         Self {
             noise,
@@ -135,7 +119,7 @@ impl<'a> AxisNoise<'a> {
         }
     }
 
-    fn node(&self, node: usize, errors: &mut GroupNoise) -> NodeNoise {
+    fn node(&self, node: usize) -> NodeNoise {
         let mut sum = NodeNoise {
             own: Matrix6::zeros(),
             cross: Matrix6xX::zeros(self.sensitivity.width()),
@@ -144,47 +128,23 @@ impl<'a> AxisNoise<'a> {
         let records = self.records.of(node);
         let weight = 1.0 / records.len() as f64;
         for &i in records {
-            let (d, z) = self.noise.of_record(&self.axis.records[i], errors);
+            let record = &self.axis.records[i];
+            let places = record.targets.iter().map(|&(_, place)| place).collect();
+            let (d, z) = self.noise.of_group(record.group, places);
             let from_points = &self.fits[i].from_points * weight;
-            let mut with_noise = Matrix6xX::zeros(d.ncols());
-            add_product(&mut with_noise, &from_points, d);
-            add_product_transposed(&mut sum.own, &with_noise, &from_points);
-            add_product_transposed(&mut sum.cross, &with_noise, &self.sensitivity.parameters[i]);
-            add_product(&mut sum.shared, &from_points, z);
+            let with_noise = &from_points * d;
+            sum.own += &with_noise * from_points.transpose();
+            sum.cross += with_noise * self.sensitivity.parameters[i].transpose();
+            sum.shared += from_points * z;
         }
         sum
     }
 
-    /// The noise of the component errors of a node, its base standing still; `errors` is memory to
-    /// work in.
-    pub(crate) fn component_errors(&self, node: usize, errors: &mut GroupNoise) -> ComponentNoise {
-        let effect = &self.sensitivity.node_effects[node];
-        let NodeNoise {
-            own,
-            cross,
-            mut shared,
-        } = self.node(node, errors);
-        shared.neg_mut();
-        add_product(&mut shared, effect, &self.parameters_shared);
-        let mut with_noise = Matrix6xX::zeros(effect.ncols());
-        add_product(&mut with_noise, effect, &self.parameters);
-        let mut through = Matrix6::zeros();
-        add_product_transposed(&mut through, &with_noise, effect);
-        let mut mixed = Matrix6::zeros();
-        add_product_transposed(&mut mixed, &cross, effect);
-        ComponentNoise {
-            uncancelled: through.diagonal() + own.diagonal(),
-            own: through - mixed - mixed.transpose() + own,
-            shared,
-        }
-    }
-
     /// Own part of the covariance between functions `a` (rows) and `b` (columns).
     pub(crate) fn own(&self, a: &AxisForm, b: &AxisForm) -> DMatrix<f64> {
-        let mut errors = GroupNoise::default();
         let mut covariance = &a.parameters * &self.parameters * b.parameters.transpose();
         for pose in &a.poses {
-            let node = self.node(pose.node, &mut errors);
+            let node = self.node(pose.node);
             let mut rows = covariance.rows_mut(pose.row, 6);
             rows += &node.cross * b.parameters.transpose() * pose.weight;
             for second in b.poses.iter().filter(|other| other.node == pose.node) {
@@ -193,7 +153,7 @@ impl<'a> AxisNoise<'a> {
             }
         }
         for pose in &b.poses {
-            let cross = self.node(pose.node, &mut errors).cross.transpose() * pose.weight;
+            let cross = self.node(pose.node).cross.transpose() * pose.weight;
             let mut columns = covariance.columns_mut(pose.row, 6);
             columns += &a.parameters * cross;
         }
@@ -202,12 +162,52 @@ impl<'a> AxisNoise<'a> {
 
     /// Coefficients of the shared sources `s` in the functions.
     pub(crate) fn shared(&self, form: &AxisForm) -> DMatrix<f64> {
-        let mut errors = GroupNoise::default();
         let mut coefficients = -(&form.parameters * &self.parameters_shared);
         for pose in &form.poses {
             let mut rows = coefficients.rows_mut(pose.row, 6);
-            rows -= self.node(pose.node, &mut errors).shared * pose.weight;
+            rows -= self.node(pose.node).shared * pose.weight;
         }
         coefficients
+    }
+}
+
+/// Memory for what a chunk adds to the parameters.
+#[derive(Default)]
+struct ParameterMemory {
+    errors: ChunkErrors,
+    /// `Y` of each record, columns contiguous, and `Y D`.
+    parameters: Vec<Lanes>,
+    with_noise: Vec<Lanes>,
+}
+
+impl ParameterMemory {
+    /// Adds `Y D Yᵀ` and `Y Z`.
+    fn add(
+        &mut self,
+        noise: &PointNoise<'_>,
+        sensitivity: &Sensitivity,
+        chunk: &Chunk,
+        [own, shared]: &mut [Vec<Lanes>; 2],
+    ) {
+        let Self {
+            errors,
+            parameters,
+            with_noise,
+        } = self;
+        noise.of_chunk(chunk, errors);
+        let sizes = [sensitivity.width(), chunk.coordinates()];
+        in_widest_registers(
+            #[inline(always)]
+            || {
+                let of_record = |i: usize| sensitivity.parameters[i].as_slice();
+                chunk.take(sizes[0] * sizes[1], of_record, parameters);
+                let parameters = LaneMatrix::by_columns(parameters, sizes);
+                zeros(with_noise, sizes[0] * sizes[1]);
+                add_product(with_noise, parameters, errors.own());
+                let with_noise = LaneMatrix::by_rows(with_noise, sizes);
+                add_product(own, with_noise, parameters.transposed());
+                add_product(shared, parameters, errors.coupling());
+            },
+        );
     }
 }

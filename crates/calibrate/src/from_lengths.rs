@@ -1,10 +1,11 @@
 //! Lengths to points, with errors in the words of the campaign.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_multilateration::{
-    CampaignNetwork, MOST_OF_A_PART, Screened, network_from_campaign, screen,
+    CampaignNetwork, MOST_OF_A_PART, Screened, batches_of_groups, network_from_campaign, screen,
 };
 
 use crate::Error;
@@ -66,6 +67,7 @@ pub(crate) fn measure(
         noise: PointNoise {
             source: NoiseSource::Adjusted(Arc::clone(&screened)),
             variance_factor: 1.0,
+            batches: Arc::new(batches_of_groups(network.groups.iter().map(Range::len))),
         },
         without_return: Vec::new(),
         relative_covariance: screened.noise.relative_covariance,

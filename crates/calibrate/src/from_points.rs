@@ -1,10 +1,12 @@
 //! Measured coordinates to points: repeats averaged, brought into the datum.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, Matrix2, Point3, Vector3};
 use trueaxis_campaign::{Campaign, Points};
 use trueaxis_kinematics::{Ideal, MICROMETRE};
+use trueaxis_multilateration::batches_of_groups;
 
 use crate::measured::{Measured, MeasuredGroup};
 use crate::point_noise::{NoiseSource, PointNoise};
@@ -115,6 +117,10 @@ pub(crate) fn measure(campaign: &Campaign, points: &Points, by_direction: bool) 
         measured.push(group);
     }
     let datum_from_instrument = rigid_fit(&found, &nominal);
+    let points = measured
+        .iter()
+        .map(|group: &MeasuredGroup| group.points.len());
+    let batches = Arc::new(batches_of_groups(points));
     Measured {
         groups: measured,
         points_mm: found.iter().map(|p| datum_from_instrument * p).collect(),
@@ -122,6 +128,7 @@ pub(crate) fn measure(campaign: &Campaign, points: &Points, by_direction: bool) 
             // Equal in all directions, so that the datum's rotation does not change it.
             source: NoiseSource::Independent(covariances),
             variance_factor: 1.0,
+            batches,
         },
         without_return,
         relative_covariance: Matrix2::zeros(),

@@ -21,6 +21,14 @@ pub(crate) fn map_with<M: Default, T: Send>(
     items.map_init(M::default, f).collect()
 }
 
+/// The same for pieces that are work enough for a thread each.
+pub(crate) fn map_pieces<M: Default, T: Send>(
+    count: usize,
+    f: impl Fn(&mut M, usize) -> T + Sync + Send,
+) -> Vec<T> {
+    (0..count).into_par_iter().map_init(M::default, f).collect()
+}
+
 /// `f` of each of `count` items, or the error of the first that fails.
 pub(crate) fn try_map<T: Send, E: Send>(
     count: usize,

@@ -29,33 +29,10 @@ pub(crate) fn add_product<N, K, L, M, S, A, B>(
     row_products::add_product(sum.as_mut_slice(), b.as_slice(), a.as_slice(), sizes);
 }
 
-/// `sum += A Bᵀ`.
-///
-/// # Panics
-/// If the sizes do not fit.
-pub(crate) fn add_product_transposed<N, K, L, M, S, A, B>(
-    sum: &mut Matrix<f64, N, M, S>,
-    a: &Matrix<f64, N, K, A>,
-    b: &Matrix<f64, M, L, B>,
-) where
-    N: Dim,
-    K: Dim,
-    L: Dim,
-    M: Dim,
-    S: RawStorageMut<f64, N, M> + IsContiguous,
-    A: RawStorage<f64, N, K> + IsContiguous,
-    B: RawStorage<f64, M, L> + IsContiguous,
-{
-    assert_eq!(a.ncols(), b.ncols(), "columns of A and B");
-    assert_eq!(sum.shape(), (a.nrows(), b.nrows()), "size of A Bᵀ");
-    let sizes = [b.nrows(), a.nrows()];
-    row_products::add_transposed_product(sum.as_mut_slice(), b.as_slice(), a.as_slice(), sizes);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{DMatrix, Matrix6, Matrix6xX};
+    use nalgebra::{DMatrix, Matrix6xX};
 
     #[test]
     fn products_are_those_of_matrices() {
@@ -64,9 +41,6 @@ mod tests {
         let mut sum = Matrix6xX::repeat(22, 1.0);
         add_product(&mut sum, &a, &b);
         assert!((sum - (&a * &b).add_scalar(1.0)).amax() < 1e-14);
-        let mut square = Matrix6::identity();
-        add_product_transposed(&mut square, &a, &a);
-        assert!((square - Matrix6::identity() - &a * a.transpose()).amax() < 1e-14);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Points with their covariance, from lengths or from coordinates.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, Matrix2, Point3};
 use trueaxis_campaign::Direction;
@@ -47,6 +48,7 @@ impl Measured {
         PointNoise {
             source,
             variance_factor: self.noise.variance_factor,
+            batches: Arc::clone(&self.noise.batches),
         }
     }
 }

@@ -8,20 +8,26 @@
 //! datum; `D_i` is the covariance of the points with all stations known. This form holds for the
 //! whole noise and for the instrument's own part of it alone, so both are propagated alike.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use faer::MatRef;
 use nalgebra::DMatrix;
-use trueaxis_multilateration::{GroupNoise, LengthNoise, Screened};
+use trueaxis_leastsquares::lane_products::{Factor, LaneMatrix, add_product};
+use trueaxis_leastsquares::{
+    CovarianceLanes, LANES, Lanes, in_widest_registers, side_by_side, zeros,
+};
+use trueaxis_multilateration::{BatchNoise, LengthNoise, Screened};
 
-use crate::axis_data::Record;
-use crate::records::{select_rows, select_targets};
+use crate::record_chunks::{Chunk, batch_of};
 
 /// Covariance of the measured points, mm².
 pub(crate) struct PointNoise<'a> {
     pub(crate) source: NoiseSource<'a>,
     /// Factor on all variances.
     pub(crate) variance_factor: f64,
+    /// The groups that are worked on side by side ([`trueaxis_multilateration::batches_of_groups`]).
+    pub(crate) batches: Arc<Vec<Range<usize>>>,
 }
 
 pub(crate) enum NoiseSource<'a> {
@@ -33,41 +39,116 @@ pub(crate) enum NoiseSource<'a> {
     Independent(Vec<DMatrix<f64>>),
 }
 
-impl PointNoise<'_> {
-    /// `D` and `Z` of a group.
-    fn group(&self, group: usize, errors: &mut GroupNoise) {
-        match &self.source {
-            NoiseSource::Adjusted(screened) => {
-                let covariance = &screened.solution.covariance;
-                square_of_upper(covariance.inverse_factor(group), &mut errors.own);
-                let z = covariance.coupling(group);
-                errors.coupling.resize_mut(z.nrows(), z.ncols(), 0.0);
-                errors
-                    .coupling
-                    .copy_from_slice(covariance.coupling_columns(group));
-            }
-            NoiseSource::Lengths(noise) => noise.group(group, errors),
-            NoiseSource::Independent(blocks) => {
-                errors.own.clone_from(&blocks[group]);
-                errors.coupling.resize_mut(blocks[group].nrows(), 0, 0.0);
-            }
-        }
-        errors.own *= self.variance_factor;
+/// `D` and `Z` of the records of a chunk, rows one after the other, and memory to make them. Lanes without a
+/// record have no meaning.
+#[derive(Debug, Default)]
+pub(crate) struct ChunkErrors {
+    coordinates: usize,
+    width: usize,
+    own: Vec<Lanes>,
+    coupling: Vec<Lanes>,
+    /// Of all points of the groups, in units of the variance factor.
+    factors: CovarianceLanes,
+    of_groups: BatchNoise,
+}
+
+impl ChunkErrors {
+    /// `D`.
+    #[inline(always)]
+    pub(crate) fn own(&self) -> LaneMatrix<'_> {
+        LaneMatrix::by_rows(&self.own, [self.coordinates; 2])
     }
 
-    /// `D` and `Z` of a record's points, in the order of its targets; `errors` is memory to work
-    /// in.
-    pub(crate) fn of_record<'m>(
-        &self,
-        record: &Record,
-        errors: &'m mut GroupNoise,
-    ) -> (&'m DMatrix<f64>, &'m DMatrix<f64>) {
-        self.group(record.group, errors);
-        if !record.has_whole_group(errors.own.nrows() / 3) {
-            errors.own = select_targets(&errors.own, record);
-            errors.coupling = select_rows(&errors.coupling, record);
+    /// `Z`.
+    #[inline(always)]
+    pub(crate) fn coupling(&self) -> LaneMatrix<'_> {
+        LaneMatrix::by_rows(&self.coupling, [self.coordinates, self.width])
+    }
+
+    /// `D` and `Z` of the record in a lane.
+    pub(crate) fn in_lane(&self, lane: usize) -> (DMatrix<f64>, DMatrix<f64>) {
+        let in_lane = |matrix: LaneMatrix<'_>| {
+            DMatrix::from_fn(matrix.rows(), matrix.columns(), |i, j| {
+                matrix.at(i, j).0[lane]
+            })
+        };
+        (in_lane(self.own()), in_lane(self.coupling()))
+    }
+
+    /// Takes the points of a chunk from those of its groups.
+    fn take(&mut self, chunk: &Chunk, variance_factor: f64) {
+        let of_groups = &self.of_groups;
+        let size = of_groups.own.len().isqrt();
+        (self.coordinates, self.width) = (
+            chunk.coordinates(),
+            of_groups.coupling.len().checked_div(size).unwrap_or(0),
+        );
+        let rows = || {
+            chunk
+                .places
+                .iter()
+                .flat_map(|place| 3 * place..3 * place + 3)
+        };
+        self.own.clear();
+        self.coupling.clear();
+        let factor = Lanes::splat(variance_factor);
+        for row in rows() {
+            for column in rows() {
+                self.own.push(of_groups.own[row * size + column] * factor);
+            }
+            let row = &of_groups.coupling[row * self.width..][..self.width];
+            self.coupling.extend_from_slice(row);
         }
-        (&errors.own, &errors.coupling)
+    }
+}
+
+impl PointNoise<'_> {
+    /// `D` and `Z` of the points of a chunk, in the order of its targets.
+    pub(crate) fn of_chunk(&self, chunk: &Chunk, errors: &mut ChunkErrors) {
+        let ChunkErrors {
+            factors, of_groups, ..
+        } = errors;
+        match &self.source {
+            NoiseSource::Adjusted(screened) => in_widest_registers(
+                #[inline(always)]
+                || {
+                    let blocks = (chunk.groups.start, chunk.groups.len());
+                    factors.fill(&screened.solution.covariance, blocks);
+                    let (factor, z) = (factors.inverse_factor(), factors.coupling());
+                    zeros(&mut of_groups.own, z.rows() * z.rows());
+                    add_product(&mut of_groups.own, factor, factor.transposed());
+                    of_groups.coupling.clear();
+                    for i in 0..z.rows() {
+                        let row = (0..z.columns()).map(|j| z.at(i, j));
+                        of_groups.coupling.extend(row);
+                    }
+                },
+            ),
+            NoiseSource::Lengths(noise) => noise.batch(&chunk.groups, of_groups),
+            NoiseSource::Independent(blocks) => {
+                let mut slices: [&[f64]; LANES] = [&[]; LANES];
+                let groups = chunk.groups.clone();
+                for (slice, group) in slices.iter_mut().zip(groups.clone()) {
+                    *slice = blocks[group].as_slice();
+                }
+                side_by_side(slices, blocks[groups.start].len(), &mut of_groups.own);
+                of_groups.coupling.clear();
+            }
+        }
+        errors.take(chunk, self.variance_factor);
+    }
+
+    /// `D` and `Z` of some points of a group.
+    pub(crate) fn of_group(
+        &self,
+        group: usize,
+        places: Vec<usize>,
+    ) -> (DMatrix<f64>, DMatrix<f64>) {
+        let groups = &self.batches[batch_of(group, &self.batches)];
+        let chunk = Chunk::of_group(groups.clone(), group, places);
+        let mut errors = ChunkErrors::default();
+        self.of_chunk(&chunk, &mut errors);
+        errors.in_lane(group - groups.start)
     }
 
     /// `Σ`. It is indefinite and makes sense only between couplings, but for the stations.
@@ -82,29 +163,12 @@ impl PointNoise<'_> {
         unscaled * self.variance_factor
     }
 
-    /// `D_i + Z_i Σ Z_iᵀ` of a group.
-    pub(crate) fn total(&self, group: usize) -> DMatrix<f64> {
-        let mut errors = GroupNoise::default();
-        self.group(group, &mut errors);
-        let GroupNoise { own, coupling, .. } = errors;
+    /// `D_i + Z_i Σ Z_iᵀ` of a group of so many points.
+    pub(crate) fn total(&self, group: usize, points: usize) -> DMatrix<f64> {
+        let (own, coupling) = self.of_group(group, (0..points).collect());
         let total = own + &coupling * self.shared() * coupling.transpose();
         // Symmetric to the last bit, as the identification asks.
         (&total + total.transpose()) * 0.5
-    }
-}
-
-/// `R Rᵀ` for an upper triangular `R`.
-fn square_of_upper(factor: MatRef<'_, f64>, square: &mut DMatrix<f64>) {
-    let size = factor.ncols();
-    square.resize_mut(size, size, 0.0);
-    square.fill(0.0);
-    for (k, column) in factor.col_iter().enumerate() {
-        for (j, x) in column.iter().enumerate().take(k + 1) {
-            let sums = &mut square.as_mut_slice()[j * size..j * size + k + 1];
-            for (sum, y) in sums.iter_mut().zip(column.iter()) {
-                *sum += x * y;
-            }
-        }
     }
 }
 

@@ -417,21 +417,6 @@ fn distortion(
     turned
 }
 
-/// The rows and columns of a group's matrix that belong to a record's targets.
-pub(crate) fn select_targets(group: &DMatrix<f64>, record: &Record) -> DMatrix<f64> {
-    let place = |i: usize| 3 * record.targets[i / 3].1 + i % 3;
-    let size = 3 * record.targets.len();
-    DMatrix::from_fn(size, size, |i, j| group[(place(i), place(j))])
-}
-
-/// The rows of a group's matrix that belong to a record's targets.
-pub(crate) fn select_rows(group: &DMatrix<f64>, record: &Record) -> DMatrix<f64> {
-    let place = |i: usize| 3 * record.targets[i / 3].1 + i % 3;
-    DMatrix::from_fn(3 * record.targets.len(), group.ncols(), |i, j| {
-        group[(place(i), j)]
-    })
-}
-
 /// `exp(ε₂) exp(ε₁)` and the sum of the translations: a correction on top of an error.
 fn composed(correction: &MotionError, current: &MotionError) -> MotionError {
     let turn = |e: &MotionError| UnitQuaternion::from_scaled_axis(e.rotation_rad);

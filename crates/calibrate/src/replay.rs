@@ -108,7 +108,9 @@ pub fn calibrate_for_replay<'a>(
 fn point_factors(measured: &Measured) -> Result<Vec<DMatrix<f64>>, Error> {
     (0..measured.groups.len())
         .map(|group| {
-            let covariance = measured.noise.total(group);
+            let covariance = measured
+                .noise
+                .total(group, measured.groups[group].points.len());
             let factor = covariance.cholesky().map(|factor| factor.unpack());
             factor.ok_or_else(|| Error::Numerical {
                 axis: "all".to_owned(),

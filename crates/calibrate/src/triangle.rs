@@ -34,10 +34,11 @@ pub(crate) fn triangle(
             let Ok(sides) = triangle_mismatch(&nominal, &measured) else {
                 continue;
             };
+            let group = axis.records[run.first_record].group;
             let noise = context
                 .measured
                 .noise
-                .total(axis.records[run.first_record].group);
+                .total(group, context.measured.groups[group].points.len());
             let variance_mm2 = noise.diagonal().max() * 2.0;
             let limit_mm = TRIANGLE_TOL_MM.max(TRIANGLE_TOL_SIGMAS * variance_mm2.sqrt());
             for side in sides {

@@ -7,19 +7,17 @@
 //! Component errors do not depend on the reference frame: the gauge removes a rigid motion of the
 //! whole. Location errors and stations do ([`crate::frame_forms`]).
 
-use nalgebra::{DMatrix, Matrix2, Matrix6xX, Point3};
-use trueaxis_multilateration::GroupNoise;
+use nalgebra::{DMatrix, Matrix2, Matrix6xX, Point3, Vector6};
 
 use crate::axis_data::AxisData;
-use crate::axis_noise::{AxisForm, AxisNoise, ComponentNoise};
+use crate::axis_noise::{AxisForm, AxisNoise};
 use crate::budget::Budget;
 use crate::frame_forms::FrameForms;
 use crate::identify_axes::Identified;
-use crate::in_order;
-use crate::matrix_products::add_product;
+use crate::node_variances::{ThroughBase, Variance};
 use crate::point_noise::PointNoise;
 use crate::records::Context;
-use crate::sources::{OwnSources, SourceNoise, Sources};
+use crate::sources::{SourceNoise, Sources};
 
 /// How the results depend on the points, and the points' errors.
 pub(crate) struct Propagation<'a> {
@@ -74,22 +72,18 @@ impl<'a> Propagation<'a> {
 
     /// Of the component errors of axis `k`: for each node δ and ε.
     pub(crate) fn components(&self, k: usize) -> Vec<[Uncertainty; 6]> {
-        let sensitivity = &self.identified.sensitivities[k];
-        in_order::map_with(sensitivity.node_effects.len(), |errors, node| {
-            // Most axes have one run, during which their base stands still.
-            let form = || AxisForm::component_errors(sensitivity, node..node + 1);
-            let through_base = self.forms.has_moving_base(k).then(form);
-            let through_base = through_base.and_then(|form| {
-                let rows = self.forms.through_base(k, &form)?;
-                Some((form, rows))
-            });
-            let mut of_node = |noise: &Noise<'_>| {
-                let through_base = through_base.as_ref();
-                noise.of_node(k, node, &self.sources.axes[k], through_base, errors)
-            };
-            let (whole, instrument) = (of_node(&self.whole), of_node(&self.instrument));
+        let of_noise = |noise: &Noise<'_>| {
+            noise.axes[k].node_variances(&noise.shared, |node| noise.through_base(self, k, node))
+        };
+        let variances = [of_noise(&self.whole), of_noise(&self.instrument)];
+        let of_node = |(whole, instrument): (&[Variance; 6], &[Variance; 6])| {
             std::array::from_fn(|c| self.stated(&whole[c], &instrument[c]))
-        })
+        };
+        variances[0]
+            .iter()
+            .zip(&variances[1])
+            .map(of_node)
+            .collect()
     }
 
     /// Of the location errors of axis `k`: shift and tilt.
@@ -149,37 +143,29 @@ impl<'a> Noise<'a> {
         }
     }
 
-    /// Variances of the component errors of a node of axis `k`, whose sources are `sources`; with
-    /// what they (a form of its parameters and mean pose errors) owe to all sources through its
-    /// base. `errors` is memory to work in.
-    fn of_node(
+    /// What the component errors of a node of axis `k` owe to all sources through its base, if that moves.
+    fn through_base(
         &self,
+        propagation: &Propagation<'_>,
         k: usize,
         node: usize,
-        sources: &OwnSources,
-        through_base: Option<&(AxisForm, DMatrix<f64>)>,
-        errors: &mut GroupNoise,
-    ) -> Vec<Variance> {
-        let noise = &self.axes[k];
-        let ComponentNoise {
-            mut own,
-            uncancelled,
-            shared: mut coefficients,
-        } = noise.component_errors(node, errors);
-        if let Some((form, rows)) = through_base {
-            let of_own_sources = rows.select_columns(&sources.places);
-            let cross = noise.own(form, &sources.form) * of_own_sources.transpose();
-            own += &cross + cross.transpose() + rows * &self.sources.own * rows.transpose();
-            coefficients += rows * &self.sources.shared;
+    ) -> Option<ThroughBase> {
+        // Most axes have one run, during which their base stands still.
+        if !propagation.forms.has_moving_base(k) {
+            return None;
         }
-        let mut times_shared = Matrix6xX::zeros(coefficients.ncols());
-        add_product(&mut times_shared, &coefficients, &self.shared);
-        let variance = |c: usize| Variance {
-            own: own[(c, c)],
-            through: times_shared.row(c).dot(&coefficients.row(c)),
-            uncancelled: uncancelled[c],
-        };
-        (0..6).map(variance).collect()
+        let sensitivity = &propagation.identified.sensitivities[k];
+        let form = AxisForm::component_errors(sensitivity, node..node + 1);
+        let rows = propagation.forms.through_base(k, &form)?;
+        let own_sources = &propagation.sources.axes[k];
+        let of_own_sources = rows.select_columns(&own_sources.places);
+        let cross = self.axes[k].own(&form, &own_sources.form) * of_own_sources.transpose();
+        let own = &cross + cross.transpose() + &rows * &self.sources.own * rows.transpose();
+        let shared = rows * &self.sources.shared;
+        Some(ThroughBase {
+            own: Vector6::from_fn(|c, _| own[(c, c)]),
+            shared: Matrix6xX::from_column_slice(shared.as_slice()),
+        })
     }
 
     /// Variances of functions of the sources, one for each row.
@@ -203,16 +189,6 @@ impl<'a> Noise<'a> {
             })
             .collect()
     }
-}
-
-/// The variance of a linear function of the points' errors.
-struct Variance {
-    /// With the stations known.
-    own: f64,
-    /// What comes through the stations.
-    through: f64,
-    /// Sum of the variances whose combination `own` is.
-    uncancelled: f64,
 }
 
 /// Variance with the stations known, relative to the variances that cancel in it, below which it is

@@ -12,52 +12,154 @@
 //! Weighting with the covariance of the points alone would trust the shape as if it were exact, and
 //! take what the stations' errors do to the shape for a rotation.
 
-use std::ops::SubAssign;
-
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use trueaxis_identify::{equations, nine};
 use trueaxis_kinematics::{Ideal, LocationError};
+use trueaxis_leastsquares::lane_products::{Factor, LaneMatrix, SharedMatrix, add_product};
+use trueaxis_leastsquares::{Lanes, in_widest_registers, lanes_only, zeros};
 
 use crate::axis_data::{AxisData, RunData};
 use crate::in_order;
-use crate::matrix_products::{add_product, add_product_transposed};
-use crate::records::{Context, around, rotated, rotated_columns};
+use crate::point_noise::ChunkErrors;
+use crate::record_chunks::Chunk;
+use crate::records::{Context, around};
 
 /// Covariances of all records of an axis in datum coordinates, mm². They serve as weights, so the
 /// nominal geometry is good enough.
 pub(crate) fn weights(context: &Context<'_>, data: &AxisData) -> Vec<DMatrix<f64>> {
-    let noise = &context.measured.noise;
-    let shared = noise.shared();
-    let shapes: Vec<Option<ShapeNoise>> = (0..data.runs.len())
-        .map(|run| ShapeNoise::new(context, data, run))
+    let shared = context.measured.noise.shared();
+    let shapes: Vec<ShapeNoise> = (0..data.runs.len())
+        .map(|run| ShapeNoise::new(context, data, run, shared.nrows()))
         .collect();
-    in_order::map_with(data.records.len(), |errors, i| {
-        let record = &data.records[i];
-        let (d, z) = noise.of_record(record, errors);
-        let mut covariance = d.clone();
-        let mut through = z.clone();
-        if let Some(shape) = &shapes[record.run] {
-            let back = stage_from_datum(context, data, i).transpose();
-            covariance += rotated(&shape.own, &back);
-            let mut cross = DMatrix::zeros(d.nrows(), d.ncols());
-            add_product(&mut cross, d, &rotated(&shape.projection, &back));
-            cross /= -shape.records;
-            covariance += cross.transpose();
-            covariance += cross;
-            for first in (0..z.nrows()).step_by(3) {
-                let turned = back * shape.coupling.fixed_rows::<3>(first);
-                through.fixed_rows_mut::<3>(first).sub_assign(turned);
-            }
-        }
-        let mut with_noise = DMatrix::zeros(through.nrows(), through.ncols());
-        add_product(&mut with_noise, &through, &shared);
-        add_product_transposed(&mut covariance, &with_noise, &through);
-        // Symmetric to the last bit, as the identification asks.
-        (&covariance + covariance.transpose()) * 0.5
-    })
+    let of_chunks = in_order::map_with(data.chunks.len(), |memory: &mut Memory, c| {
+        let chunk = &data.chunks[c];
+        memory.take(context, data, &shapes, chunk);
+        in_widest_registers(
+            #[inline(always)]
+            || memory.fill(chunk.coordinates(), &shared),
+        );
+        let of_record = |(lane, i)| (i, memory.in_lane(chunk.coordinates(), lane));
+        chunk.records().map(of_record).collect::<Vec<_>>()
+    });
+    let mut weights = vec![DMatrix::zeros(0, 0); data.records.len()];
+    for (i, weight) in of_chunks.into_iter().flatten() {
+        weights[i] = weight;
+    }
+    weights
 }
 
-/// The noise of the shape of the targets of a run.
+/// A rotation for each lane, `[row][column]`.
+type Rotations = [[Lanes; 3]; 3];
+
+/// Memory for the records of a chunk.
+#[derive(Default)]
+struct Memory {
+    errors: ChunkErrors,
+    /// `1 / n`.
+    per_records: Lanes,
+    /// `Qᵀ`.
+    datum_from_stage: Rotations,
+    /// `Π`, `W` and `mean Π Q Z` of the runs, and the first two seen from the datum.
+    projection: Vec<Lanes>,
+    own: Vec<Lanes>,
+    coupling: Vec<Lanes>,
+    turned_projection: Vec<Lanes>,
+    turned_own: Vec<Lanes>,
+    half_turned: Vec<Lanes>,
+    /// `D G`, `T`, `T Σ`, and `C`.
+    cross: Vec<Lanes>,
+    through: Vec<Lanes>,
+    times_shared: Vec<Lanes>,
+    covariance: Vec<Lanes>,
+}
+
+impl Memory {
+    fn take(
+        &mut self,
+        context: &Context<'_>,
+        data: &AxisData,
+        shapes: &[ShapeNoise],
+        chunk: &Chunk,
+    ) {
+        context.measured.noise.of_chunk(chunk, &mut self.errors);
+        self.per_records = Lanes::ZERO;
+        self.datum_from_stage = Rotations::default();
+        for (lane, i) in chunk.records() {
+            self.per_records.0[lane] = 1.0 / shapes[data.records[i].run].records;
+            let turn = stage_from_datum(context, data, i);
+            put(&turn.transpose(), lane, &mut self.datum_from_stage);
+        }
+        let (size, shape) = (chunk.coordinates(), |i: usize| &shapes[data.records[i].run]);
+        let squared = size * size;
+        chunk.take(
+            squared,
+            |i| shape(i).projection.as_slice(),
+            &mut self.projection,
+        );
+        chunk.take(squared, |i| shape(i).own.as_slice(), &mut self.own);
+        let length = self.errors.coupling().columns() * size;
+        chunk.take(length, |i| shape(i).coupling.as_slice(), &mut self.coupling);
+    }
+
+    /// Makes `C` of so many coordinates.
+    #[inline(always)]
+    fn fill(&mut self, size: usize, shared: &DMatrix<f64>) {
+        let turn = &self.datum_from_stage;
+        for (matrix, turned) in [
+            (&self.projection, &mut self.turned_projection),
+            (&self.own, &mut self.turned_own),
+        ] {
+            turn_rows(
+                LaneMatrix::by_columns(matrix, [size; 2]),
+                turn,
+                &mut self.half_turned,
+            );
+            let half_turned = LaneMatrix::by_rows(&self.half_turned, [size; 2]);
+            turn_rows(half_turned.transposed(), turn, turned);
+        }
+        let (d, z) = (self.errors.own(), self.errors.coupling());
+        let sources = z.columns();
+        zeros(&mut self.cross, size * size);
+        let projection = LaneMatrix::by_columns(&self.turned_projection, [size; 2]);
+        add_product(&mut self.cross, d, projection);
+        let cross = LaneMatrix::by_rows(&self.cross, [size; 2]);
+
+        let coupling = LaneMatrix::by_columns(&self.coupling, [size, sources]);
+        turn_rows(coupling, turn, &mut self.through);
+        for (i, row) in self.through.chunks_exact_mut(sources.max(1)).enumerate() {
+            for (j, x) in row.iter_mut().enumerate() {
+                lanes_only();
+                *x = z.at(i, j) - *x;
+            }
+        }
+        let through = LaneMatrix::by_rows(&self.through, [size, sources]);
+        zeros(&mut self.times_shared, size * sources);
+        let shared = SharedMatrix::by_columns(shared.as_slice(), [sources; 2]);
+        add_product(&mut self.times_shared, through, shared);
+        let times_shared = LaneMatrix::by_rows(&self.times_shared, [size, sources]);
+
+        self.covariance.clear();
+        for i in 0..size {
+            for j in 0..size {
+                let mixed = (cross.at(i, j) + cross.at(j, i)) * self.per_records;
+                let own = d.at(i, j) + self.turned_own[i * size + j];
+                self.covariance.push(own - mixed);
+            }
+        }
+        add_product(&mut self.covariance, times_shared, through.transposed());
+    }
+
+    /// `C` of the record in a lane, symmetric to the last bit, as the identification asks.
+    fn in_lane(&self, size: usize, lane: usize) -> DMatrix<f64> {
+        DMatrix::from_fn(size, size, |i, j| {
+            let [this, mirrored] = [i * size + j, j * size + i];
+            0.5 * (self.covariance[this].0[lane] + self.covariance[mirrored].0[lane])
+        })
+    }
+}
+
+/// The noise of the shape of the targets of a run; zero for a run of a single record, which is all the
+/// shape there is.
 struct ShapeNoise {
     /// `Π`.
     projection: DMatrix<f64>,
@@ -70,40 +172,106 @@ struct ShapeNoise {
 }
 
 impl ShapeNoise {
-    /// `None` for a run of a single record, which is all the shape there is.
-    fn new(context: &Context<'_>, data: &AxisData, run: usize) -> Option<Self> {
-        let noise = &context.measured.noise;
-        let records: Vec<usize> = (0..data.records.len())
-            .filter(|&i| data.records[i].run == run)
-            .collect();
-        let projection = shape_projection(context, &data.runs[run], data)?;
-        if records.len() < 2 {
-            return None;
-        }
-        let count = records.len() as f64;
-        let size = projection.nrows();
-        let sources = noise.shared().nrows();
-        let zero = || (DMatrix::zeros(size, size), DMatrix::zeros(size, sources));
-        let add = |(own, coupling): &mut (DMatrix<f64>, DMatrix<f64>), errors: &mut _, n: usize| {
-            let i = records[n];
-            let turn = stage_from_datum(context, data, i);
-            let to_shape = rotated_columns(&projection, &turn);
-            let (d, z) = noise.of_record(&data.records[i], errors);
-            let mut with_noise = DMatrix::zeros(size, size);
-            add_product(&mut with_noise, &to_shape, d);
-            add_product_transposed(own, &with_noise, &to_shape);
-            add_product(coupling, &to_shape, z);
+    fn new(context: &Context<'_>, data: &AxisData, run: usize, sources: usize) -> Self {
+        let count = data.runs[run].records as f64;
+        let size = 3 * data.runs[run].targets.len();
+        let projection = shape_projection(context, &data.runs[run], data)
+            .filter(|_| data.runs[run].records > 1)
+            .unwrap_or_else(|| DMatrix::zeros(size, size));
+        let zero = || [size, sources].map(|columns| vec![Lanes::ZERO; size * columns]);
+        let add = |sums: &mut [Vec<Lanes>; 2], memory: &mut ShapeMemory, c: usize| {
+            let chunk = &data.chunks[c];
+            if memory.take(context, data, run, chunk) {
+                in_widest_registers(
+                    #[inline(always)]
+                    || memory.add(&projection, sums),
+                );
+            }
         };
-        let (own, coupling) = in_order::sum(records.len(), zero, add, |whole, part| {
-            whole.0 += part.0;
-            whole.1 += part.1;
+        let sums = in_order::sum(data.chunks.len(), zero, add, |whole, part| {
+            for (sum, x) in whole.iter_mut().flatten().zip(part.iter().flatten()) {
+                *sum += *x;
+            }
         });
-        Some(Self {
+        let [own, coupling] = sums.map(|sum| {
+            let columns = sum.len() / size;
+            DMatrix::from_row_iterator(size, columns, sum.into_iter().map(Lanes::sum))
+        });
+        Self {
             projection,
             records: count,
             own: own / (count * count),
             coupling: coupling / count,
-        })
+        }
+    }
+}
+
+/// Memory for what a chunk adds to the noise of a shape.
+#[derive(Default)]
+struct ShapeMemory {
+    errors: ChunkErrors,
+    /// `Q`; zero in lanes that have no record of the run.
+    stage_from_datum: Rotations,
+    /// `Π Q`, and `Π Q D`.
+    to_shape: Vec<Lanes>,
+    with_noise: Vec<Lanes>,
+}
+
+impl ShapeMemory {
+    /// Whether the chunk has records of the run.
+    fn take(&mut self, context: &Context<'_>, data: &AxisData, run: usize, chunk: &Chunk) -> bool {
+        let of_run = |&(_, i): &(usize, usize)| data.records[i].run == run;
+        if !chunk.records().any(|record| of_run(&record)) {
+            return false;
+        }
+        context.measured.noise.of_chunk(chunk, &mut self.errors);
+        self.stage_from_datum = Rotations::default();
+        for (lane, i) in chunk.records().filter(of_run) {
+            let turn = stage_from_datum(context, data, i);
+            put(&turn, lane, &mut self.stage_from_datum);
+        }
+        true
+    }
+
+    /// Adds `Π Q D Qᵀ Πᵀ` and `Π Q Z`.
+    #[inline(always)]
+    fn add(&mut self, projection: &DMatrix<f64>, [own, coupling]: &mut [Vec<Lanes>; 2]) {
+        let size = projection.nrows();
+        let turn = &self.stage_from_datum;
+        // Columns of Π Q contiguous: the rows of Qᵀ Πᵀ.
+        let datum_from_stage: Rotations =
+            std::array::from_fn(|i| std::array::from_fn(|j| turn[j][i]));
+        let projection = SharedMatrix::by_rows(projection.as_slice(), [size; 2]);
+        turn_rows(projection, &datum_from_stage, &mut self.to_shape);
+        let to_shape = LaneMatrix::by_columns(&self.to_shape, [size; 2]);
+        zeros(&mut self.with_noise, size * size);
+        add_product(&mut self.with_noise, to_shape, self.errors.own());
+        let with_noise = LaneMatrix::by_rows(&self.with_noise, [size; 2]);
+        add_product(own, with_noise, to_shape.transposed());
+        add_product(coupling, to_shape, self.errors.coupling());
+    }
+}
+
+/// The same rotation of every three rows of a matrix; rows of the result contiguous.
+#[inline(always)]
+fn turn_rows(matrix: impl Factor, turn: &Rotations, turned: &mut Vec<Lanes>) {
+    turned.clear();
+    for first in (0..matrix.rows()).step_by(3) {
+        for [x, y, z] in turn {
+            for column in 0..matrix.columns() {
+                lanes_only();
+                let of = |axis: usize| matrix.at(first + axis, column);
+                turned.push(x.mul_add(of(0), y.mul_add(of(1), *z * of(2))));
+            }
+        }
+    }
+}
+
+fn put(rotation: &Matrix3<f64>, lane: usize, rotations: &mut Rotations) {
+    for (i, row) in rotations.iter_mut().enumerate() {
+        for (j, x) in row.iter_mut().enumerate() {
+            x.0[lane] = rotation[(i, j)];
+        }
     }
 }
 

@@ -17,7 +17,7 @@
 use crate::error::Error;
 use crate::factors::FactorsMut;
 use crate::lane_sums::LaneSums;
-use crate::lanes::{LANES, Lanes, dot, lanes_only};
+use crate::lanes::{LANES, Lanes, dot, lanes_only, zeros};
 use crate::reflections::{BLOCK_RANK_TOL, Reflections, WeakPivot};
 
 /// Shared unknowns that stand side by side in a row.
@@ -121,6 +121,25 @@ impl BlockBatch {
     #[inline(always)]
     pub fn residual_mut(&mut self) -> &mut [Lanes] {
         &mut self.residual
+    }
+
+    /// The same, to be read.
+    #[inline(always)]
+    pub(crate) fn residual(&self) -> &[Lanes] {
+        &self.residual
+    }
+
+    /// Writes the shared unknowns' elements of a row to the front of `row`, which is zero.
+    #[inline(always)]
+    pub(crate) fn copy_shared_row(&self, i: usize, row: &mut [Lanes]) {
+        let Shape { rows, in_runs, .. } = self.shape;
+        if let Some(run) = self.runs.get(i) {
+            row[self.starts[i]..self.starts[i] + RUN].copy_from_slice(run);
+        }
+        let others = self.others.chunks_exact(rows);
+        for (place, column) in row[in_runs..].iter_mut().zip(others) {
+            *place = column[i];
+        }
     }
 
     /// Column `k` of `H`.
@@ -382,15 +401,12 @@ impl BlockBatch {
             for (x, lanes) in inverse_factor.iter_mut().zip(&self.inverse_factor) {
                 *x = lanes.0[lane];
             }
-            for (x, lanes) in coupling.iter_mut().zip(&self.coupling) {
-                *x = lanes.0[lane];
+            for (k, row) in coupling.chunks_exact_mut(shared + datum).enumerate() {
+                let column = self.coupling[k..].iter().step_by(unknowns);
+                for (x, lanes) in row.iter_mut().zip(column) {
+                    *x = lanes.0[lane];
+                }
             }
         }
     }
-}
-
-#[inline(always)]
-fn zeros(all: &mut Vec<Lanes>, count: usize) {
-    all.clear();
-    all.resize(count, Lanes::ZERO);
 }

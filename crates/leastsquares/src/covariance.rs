@@ -59,7 +59,7 @@ impl Covariance {
     /// `Z` of block `i`: one column for each shared unknown and datum multiplier.
     pub fn coupling(&self, i: usize) -> MatRef<'_, f64> {
         let width = self.reduced_inverse.ncols();
-        MatRef::from_column_major_slice(self.factors.coupling(i), self.size(i), width)
+        MatRef::from_row_major_slice(self.factors.coupling(i), self.size(i), width)
     }
 
     /// The columns of `R⁻¹` of block `i`, one after the other.
@@ -67,8 +67,8 @@ impl Covariance {
         self.factors.inverse_factor(i)
     }
 
-    /// The columns of `Z` of block `i`, one after the other.
-    pub fn coupling_columns(&self, i: usize) -> &[f64] {
+    /// The rows of `Z` of block `i`, one after the other.
+    pub fn coupling_rows(&self, i: usize) -> &[f64] {
         self.factors.coupling(i)
     }
 

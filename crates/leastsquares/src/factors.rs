@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// `R⁻¹` and `Z = R⁻¹ [C | W]` of every block, columns contiguous, blocks in order.
+/// `R⁻¹` (columns contiguous) and `Z = R⁻¹ [C | W]` (rows contiguous) of every block, blocks in order.
 #[derive(Debug, Clone, Default)]
 pub struct Factors {
     /// Columns of `Z`.
@@ -97,7 +97,7 @@ impl Factors {
 }
 
 impl FactorsMut<'_> {
-    /// `R⁻¹` and `Z` of block `i`, columns contiguous.
+    /// `R⁻¹` of block `i`, columns contiguous, and `Z`, rows contiguous.
     #[inline(always)]
     pub fn block_mut(&mut self, i: usize) -> (&mut [f64], &mut [f64]) {
         let i = i - self.first_block;

@@ -28,8 +28,13 @@ impl Lanes {
 
     /// The number of each lane.
     #[inline(always)]
-    pub fn from_fn(of_lane: impl FnMut(usize) -> f64) -> Self {
-        Self(std::array::from_fn(of_lane))
+    pub fn from_fn(mut of_lane: impl FnMut(usize) -> f64) -> Self {
+        // `array::from_fn` may stay a call, outside the registers that a dispatch chose.
+        let mut lanes = [0.0; LANES];
+        for (lane, x) in lanes.iter_mut().enumerate() {
+            *x = of_lane(lane);
+        }
+        Self(lanes)
     }
 
     /// `self · factor + sum`, rounded once. Without an instruction for it (x86 before 2013) it is slow.
@@ -108,6 +113,29 @@ impl SubAssign for Lanes {
 #[inline(always)]
 pub fn lanes_only() {
     std::hint::black_box(());
+}
+
+/// So many zeros in place of what was there.
+#[inline(always)]
+pub fn zeros(all: &mut Vec<Lanes>, count: usize) {
+    all.clear();
+    all.resize(count, Lanes::ZERO);
+}
+
+/// Puts eight slices side by side, an element of each in every lane; a lane whose slice is empty has zeros.
+///
+/// # Panics
+/// If a slice has another length.
+#[inline(always)]
+pub fn side_by_side(slices: [&[f64]; LANES], length: usize, lanes: &mut Vec<Lanes>) {
+    zeros(lanes, length);
+    for (lane, slice) in slices.into_iter().enumerate() {
+        assert!(slice.is_empty() || slice.len() == length, "equal slices");
+        for (place, x) in lanes.iter_mut().zip(slice) {
+            lanes_only();
+            place.0[lane] = *x;
+        }
+    }
 }
 
 /// `Σ a_i b_i`.

@@ -1,8 +1,4 @@
-//! Products of small matrices with contiguous rows, as sums over many blocks are made of.
-//!
-//! ```text
-//! S += Aᵀ B     S += the upper part of Aᵀ B     S += A B
-//! ```
+//! Products of small matrices with contiguous rows, `S += A B`.
 //!
 //! A tile of a few elements of the result stays in registers while the sum runs over the rows: a
 //! sum in memory would be loaded and stored for every product. [`pulp`] chooses the widest registers
@@ -16,36 +12,6 @@ use pulp::{Arch, Simd, WithSimd};
 /// Rows of a tile, and the most columns: sixteen registers of four numbers hold it with its factors.
 const ROWS: usize = 4;
 const COLUMNS: usize = 8;
-
-/// `sum += Aᵀ B`, `columns` of them in `a` and `b`.
-pub fn add_transposed_product(sum: &mut [f64], a: &[f64], b: &[f64], columns: [usize; 2]) {
-    let [n, m] = columns;
-    Arch::new().dispatch(Product {
-        sum,
-        a,
-        b,
-        rows: n,
-        columns: m,
-        along: n,
-        down: 1,
-        only_upper: false,
-    });
-}
-
-/// The upper triangle (and some of the lower) of `sum += Aᵀ B`, for a product that is symmetric;
-/// both have `columns` columns.
-pub fn add_symmetric_product(sum: &mut [f64], a: &[f64], b: &[f64], columns: usize) {
-    Arch::new().dispatch(Product {
-        sum,
-        a,
-        b,
-        rows: columns,
-        columns,
-        along: columns,
-        down: 1,
-        only_upper: true,
-    });
-}
 
 /// Appends `A B` to `out`; `a` has `inner` columns and `b` has `columns`.
 pub fn append_product(out: &mut Vec<f64>, a: &[f64], b: &[f64], [inner, columns]: [usize; 2]) {
@@ -62,10 +28,8 @@ pub fn add_product(sum: &mut [f64], a: &[f64], b: &[f64], [inner, columns]: [usi
         a,
         b,
         rows: a.len() / inner.max(1),
+        inner,
         columns,
-        along: 1,
-        down: inner,
-        only_upper: false,
     });
 }
 
@@ -92,18 +56,14 @@ pub fn mirror(sum: &mut [f64], columns: usize) {
     }
 }
 
-/// `sum += A B` or `sum += Aᵀ B`.
+/// `sum += A B`.
 struct Product<'a> {
     sum: &'a mut [f64],
     a: &'a [f64],
     b: &'a [f64],
-    /// Of the sum.
     rows: usize,
+    inner: usize,
     columns: usize,
-    /// How far the elements of the left factor are apart in a row of it, and in a column.
-    along: usize,
-    down: usize,
-    only_upper: bool,
 }
 
 impl WithSimd for Product<'_> {
@@ -113,7 +73,7 @@ impl WithSimd for Product<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, _: S) {
         for i in (0..self.rows).step_by(ROWS) {
-            let mut j = if self.only_upper { i } else { 0 };
+            let mut j = 0;
             while j < self.columns {
                 j += match self.columns - j {
                     COLUMNS.. => self.add_columns::<COLUMNS>(i, j),
@@ -143,18 +103,16 @@ impl Product<'_> {
     #[inline(always)]
     fn add_tile<const R: usize, const C: usize>(&mut self, i: usize, j: usize) {
         let mut tile = [[0.0; C]; R];
-        let mut place = i * self.down;
-        for b in self.b.chunks_exact(self.columns) {
+        for (place, b) in (i * self.inner..).zip(self.b.chunks_exact(self.columns)) {
             let Some(b) = b[j..].first_chunk::<C>() else {
                 break;
             };
             for (r, tile) in tile.iter_mut().enumerate() {
-                let a = self.a[place + r * self.down];
+                let a = self.a[place + r * self.inner];
                 for (t, b) in tile.iter_mut().zip(b) {
                     *t = a.mul_add(*b, *t);
                 }
             }
-            place += self.along;
         }
         for (r, tile) in tile.iter().enumerate() {
             let start = (i + r) * self.columns + j;
@@ -192,7 +150,7 @@ mod tests {
 
     #[test]
     fn products_are_those_of_matrices() {
-        for (k, n, m) in [
+        for (n, k, m) in [
             (12, 9, 22),
             (3, 3, 22),
             (3, 9, 9),
@@ -200,21 +158,20 @@ mod tests {
             (1, 7, 6),
             (4, 4, 4),
         ] {
-            let (a, b) = (matrix(k, n, 0.3), matrix(k, m, 1.1));
-            let mut sum = vec![1.0; n * m];
-            add_transposed_product(&mut sum, &rows_of(&a), &rows_of(&b), [n, m]);
-            close(&sum, &(a.transpose() * &b + Mat::full(n, m, 1.0)));
-            let right = matrix(n, m, 2.0);
+            let (a, b) = (matrix(n, k, 0.3), matrix(k, m, 1.1));
             let mut out = Vec::new();
-            append_product(&mut out, &rows_of(&a), &rows_of(&right), [n, m]);
-            close(&out, &(&a * &right));
-            add_product(&mut out, &rows_of(&a), &rows_of(&right), [n, m]);
-            close(&out, &(2.0 * &a * &right));
-            let mut sum = vec![0.0; n * n];
-            add_symmetric_product(&mut sum, &rows_of(&a), &rows_of(&a), n);
-            mirror(&mut sum, n);
-            close(&sum, &(a.transpose() * &a));
+            append_product(&mut out, &rows_of(&a), &rows_of(&b), [k, m]);
+            close(&out, &(&a * &b));
+            add_product(&mut out, &rows_of(&a), &rows_of(&b), [k, m]);
+            close(&out, &(2.0 * &a * &b));
         }
+    }
+
+    #[test]
+    fn upper_is_copied_to_lower() {
+        let mut square = vec![1.0, 2.0, 0.0, 3.0];
+        mirror(&mut square, 2);
+        assert_eq!(square, [1.0, 2.0, 2.0, 3.0]);
     }
 
     #[test]
@@ -222,7 +179,6 @@ mod tests {
         let mut out = Vec::new();
         append_product(&mut out, &[], &[], [0, 0]);
         append_product(&mut out, &[], &[1.0, 2.0], [1, 2]);
-        add_transposed_product(&mut [], &[], &[], [0, 0]);
         assert!(out.is_empty());
     }
 }

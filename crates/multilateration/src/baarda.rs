@@ -1,4 +1,4 @@
-//! Tests of single lengths and of steps in a station's zero (Baarda's w).
+//! Tests of single lengths and of visits (Baarda's w).
 //!
 //! Whether an error of the form `c ∇` is in the lengths is tested on the adjusted residuals `v`:
 //!
@@ -7,19 +7,21 @@
 //! ```
 //!
 //! `w` is standard normal if nothing is wrong (W. Baarda, A testing procedure for use in geodetic
-//! networks, 1968). `c` is one reading, or all readings of a station after an instant.
+//! networks, 1968). `c` is one reading, or all readings of a visit ([`crate::step_tests`] has another).
 //!
 //! A reading whose own variance is inflated by a factor `f` has all but left the adjustment; `∇` is
 //! then its distance from what the others predict, and `1/den - (f - 1) σ²` the variance of that if
 //! nothing were wrong. So readings are tested alike whether they take part or not.
 
-use std::ops::Range;
+use trueaxis_leastsquares::lane_products::{Factor, LaneMatrix, add_product, subtract_product};
+use trueaxis_leastsquares::{Lanes, lanes_only, zeros};
 
-use rayon::prelude::*;
-
-use crate::influence::Influence;
-use crate::visit_terms::VisitTerms;
-use trueaxis_leastsquares::row_products::{append_product, dot};
+use crate::Network;
+use crate::batch_influence::{BatchInfluence, BatchRows};
+use crate::batches::Batch;
+use crate::network::VisitsByGroup;
+use crate::passes::GroupModel;
+use crate::slots::Slots;
 
 /// The test of one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,22 +36,8 @@ pub(crate) struct ReadingTest {
     pub(crate) kept: f64,
 }
 
-/// The test of a step in a station's zero.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct StepTest {
-    /// The station.
-    pub(crate) station: usize,
-    /// First reading after the step.
-    pub(crate) first_reading: usize,
-    /// Readings of the same zero before it, and from it on.
-    pub(crate) before: usize,
-    pub(crate) after: usize,
-    /// Standardised size of the step.
-    pub(crate) w: f64,
-}
-
 /// Below this part of a reading's weight, what the residuals keep of an error in it is rounding.
-const CHECKED_TOL: f64 = 1e-9;
+pub(crate) const CHECKED_TOL: f64 = 1e-9;
 
 /// The tests of all readings and visits.
 #[derive(Debug, Default)]
@@ -61,41 +49,34 @@ pub(crate) struct Tests {
     pub(crate) visits: Vec<f64>,
 }
 
-/// Groups that one thread takes at a time.
-const PIECE: usize = 256;
-
 /// Tests every reading and every visit.
-pub(crate) fn test_all(influence: &Influence<'_>) -> Tests {
+pub(crate) fn test_all<M: GroupModel>(influence: &BatchInfluence<'_, M, M::State>) -> Tests {
     let network = influence.network();
-    let sigma = influence.sigma();
-    let groups = influence.groups();
-    let of_piece = |piece: usize| piece * PIECE..groups.min((piece + 1) * PIECE);
-    let pieces = (0..groups.div_ceil(PIECE)).into_par_iter();
-    let tested: Vec<Tests> = pieces
-        .map(|piece| {
-            let mut tests = Tests::default();
-            let mut work = VisitTest::default();
-            for group in of_piece(piece) {
-                influence.visits(group, &mut work.terms);
-                let mut first = 0;
-                for &visit in influence.model().visits_of(group) {
-                    let rows = first..first + network.visits[visit].readings.len();
-                    first = rows.end;
-                    work.test(influence, &sigma, (visit, rows), &mut tests);
-                }
+    let by_group = network.visits_by_group();
+    let batches = influence.batches();
+    let tested = influence.of_pieces(
+        #[inline(always)]
+        |piece, rows| {
+            let (mut tests, mut slots, mut work) =
+                (Tests::default(), Slots::default(), BatchTests::default());
+            for b in piece {
+                influence.fill(b, rows);
+                work.fill(influence, &batches[b], rows);
+                slots.take(network, &by_group, batches[b].groups.clone());
+                work.append((network, &by_group), &batches[b], &slots, &mut tests);
             }
             tests
-        })
-        .collect();
+        },
+    );
     let mut tests = Tests {
         readings: vec![ReadingTest::UNCHECKED; network.readings.len()],
         visits: vec![0.0; network.visits.len()],
     };
     // From the order of the groups to that of measuring.
-    for (piece, part) in tested.into_iter().enumerate() {
-        let visits = of_piece(piece).flat_map(|group| influence.model().visits_of(group));
+    let mut visits = (0..network.groups.len()).flat_map(|group| by_group.of(group));
+    for part in tested {
         let mut readings = part.readings.as_slice();
-        for (&visit, w) in visits.zip(part.visits) {
+        for (&visit, w) in visits.by_ref().zip(part.visits) {
             let content = network.visits[visit].readings.clone();
             let (own, rest) = readings.split_at(content.len());
             tests.readings[content].copy_from_slice(own);
@@ -115,219 +96,159 @@ impl ReadingTest {
     };
 }
 
-/// The tests of one visit: memory to work in.
+/// The tests of a batch, and memory to make them.
 #[derive(Default)]
-struct VisitTest {
-    terms: VisitTerms,
-    kept: Vec<f64>,
-    memory: Vec<f64>,
-    unit: Vec<f64>,
-    all: Vec<f64>,
+struct BatchTests {
+    readings: Vec<LaneTest>,
+    visits: Vec<LaneTest>,
+    through: Vec<Lanes>,
+    /// `I - O Oᵀ - T Σ Tᵀ` of a visit.
+    kept: Vec<Lanes>,
+    /// A whitened error, and that of all readings of a visit.
+    unit: Vec<Lanes>,
+    all: Vec<Lanes>,
 }
 
-impl VisitTest {
-    /// Appends the tests of a visit with these rows of the present terms.
-    fn test(
+/// The parts of the test of a whitened error `u`, in eight groups.
+struct LaneTest {
+    /// `uᵀ v`, `uᵀ K u` and `uᵀ u` with the whitened residuals `v` and the part `K` of their noise that
+    /// they keep.
+    numerator: Lanes,
+    denominator: Lanes,
+    squares: Lanes,
+    /// Variance of the length without the machine's return, mm².
+    variance: Lanes,
+}
+
+impl BatchTests {
+    /// Makes the tests of a batch with these rows.
+    #[inline(always)]
+    fn fill<M: GroupModel>(
         &mut self,
-        influence: &Influence<'_>,
-        sigma: &[f64],
-        (visit, rows): (usize, Range<usize>),
-        tests: &mut Tests,
+        influence: &BatchInfluence<'_, M, M::State>,
+        batch: &Batch,
+        rows: &BatchRows,
     ) {
-        let network = influence.network();
         let Self {
-            terms,
+            readings,
+            visits,
+            through,
             kept,
-            memory,
             unit,
             all,
         } = self;
-        terms.kept(rows.clone(), sigma, kept, memory);
-        let count = rows.len();
-        let residuals = &terms.residuals()[rows];
-        all.clear();
-        all.resize(count, 0.0);
-        for (i, reading) in network.visits[visit].readings.clone().enumerate() {
-            influence.unit_error_into(visit, count, i, unit);
-            for (sum, unit) in all.iter_mut().zip(&*unit) {
-                *sum += unit;
+        readings.clear();
+        visits.clear();
+        let (own, shared) = (rows.hat.own(), rows.hat.shared());
+        let width = influence.width();
+        zeros(through, batch.slots() * width);
+        add_product(through, shared, influence.shared_sigma());
+        let through = LaneMatrix::by_rows(through, [batch.slots(), width]);
+        for visit in rows.visits(batch) {
+            let count = visit.slots.len();
+            zeros(kept, count * count);
+            kept.iter_mut()
+                .step_by(count + 1)
+                .for_each(|diagonal| *diagonal = Lanes::splat(1.0));
+            let [own, shared, through] =
+                [own, shared, through].map(|all| all.part(visit.slots.clone()));
+            subtract_product(kept, own, own.transposed());
+            subtract_product(kept, through, shared.transposed());
+            let residual = &rows.hat.residual()[visit.slots.clone()];
+            zeros(all, count);
+            for (i, slot) in visit.slots.clone().enumerate() {
+                unit.clear();
+                for (r, sum) in all.iter_mut().enumerate() {
+                    let x = visit.unit_errors.at(r, i);
+                    unit.push(x);
+                    *sum += x;
+                }
+                readings.push(LaneTest::new(unit, kept, residual, rows.variances[slot]));
             }
-            let numerator: f64 = dot(unit, residuals);
-            let denominator = quadratic(kept, unit);
-            if denominator <= CHECKED_TOL * dot(unit, unit) {
-                tests.readings.push(ReadingTest::UNCHECKED);
-                continue;
-            }
-            let factor = network.variance_factor(reading);
-            let sigma_mm = influence.length_sigma_mm(visit, reading);
-            let inflation = sigma_mm.powi(2) * (1.0 - 1.0 / factor);
-            let error_mm = numerator / denominator;
-            let sigma_mm = (1.0 / denominator - inflation)
-                .max(f64::MIN_POSITIVE)
-                .sqrt();
-            tests.readings.push(ReadingTest {
-                w: error_mm / sigma_mm,
-                error_mm,
-                sigma_mm,
-                kept: denominator / dot(unit, unit),
-            });
+            visits.push(LaneTest::new(all, kept, residual, Lanes::ZERO));
         }
-        let denominator = quadratic(kept, all);
-        let is_checked = count > 1 && denominator > CHECKED_TOL * dot(all, all);
-        tests.visits.push(match is_checked {
-            true => dot(all, residuals) / denominator.sqrt(),
+    }
+
+    /// Appends the tests of the groups of a batch, whose readings are in these slots.
+    fn append(
+        &self,
+        (network, by_group): (&Network, &VisitsByGroup),
+        batch: &Batch,
+        slots: &Slots,
+        tests: &mut Tests,
+    ) {
+        for (lane, group) in batch.groups.clone().enumerate() {
+            let mut places = slots.places(lane);
+            for &visit in by_group.of(group) {
+                let count = network.visits[visit].readings.len();
+                let (own, rest) = places.split_at(count);
+                places = rest;
+                let of_slot = |&(slot, reading): &(usize, usize)| {
+                    self.readings[slot].reading(lane, network.variance_factor(reading))
+                };
+                tests.readings.extend(own.iter().map(of_slot));
+                let of_visit = |&(slot, _): &(usize, usize)| {
+                    let visit = batch.layout.visit_of(slot);
+                    self.visits[visit].w(lane)
+                };
+                let w = own.first().filter(|_| count > 1).map_or(0.0, of_visit);
+                tests.visits.push(w);
+            }
+        }
+    }
+}
+
+impl LaneTest {
+    #[inline(always)]
+    fn new(u: &[Lanes], kept: &[Lanes], residual: &[Lanes], variance: Lanes) -> Self {
+        let mut test = Self {
+            numerator: Lanes::ZERO,
+            denominator: Lanes::ZERO,
+            squares: Lanes::ZERO,
+            variance,
+        };
+        for ((x, row), r) in u.iter().zip(kept.chunks_exact(u.len())).zip(residual) {
+            test.numerator = x.mul_add(*r, test.numerator);
+            test.squares = x.mul_add(*x, test.squares);
+            let mut along = Lanes::ZERO;
+            for (k, other) in row.iter().zip(u) {
+                lanes_only();
+                along = k.mul_add(*other, along);
+            }
+            test.denominator = x.mul_add(along, test.denominator);
+        }
+        test
+    }
+
+    /// Whether the residuals keep more of the error than rounding.
+    fn is_checked(&self, lane: usize) -> bool {
+        self.denominator.0[lane] > CHECKED_TOL * self.squares.0[lane]
+    }
+
+    /// The test of a reading whose own variance is inflated by `factor`.
+    fn reading(&self, lane: usize, factor: f64) -> ReadingTest {
+        if !self.is_checked(lane) {
+            return ReadingTest::UNCHECKED;
+        }
+        let denominator = self.denominator.0[lane];
+        let inflation = self.variance.0[lane] * (1.0 - 1.0 / factor);
+        let error_mm = self.numerator.0[lane] / denominator;
+        let sigma_mm = (1.0 / denominator - inflation)
+            .max(f64::MIN_POSITIVE)
+            .sqrt();
+        ReadingTest {
+            w: error_mm / sigma_mm,
+            error_mm,
+            sigma_mm,
+            kept: denominator / self.squares.0[lane],
+        }
+    }
+
+    /// Baarda's w of an error that nothing inflates.
+    fn w(&self, lane: usize) -> f64 {
+        match self.is_checked(lane) {
+            true => self.numerator.0[lane] / self.denominator.0[lane].sqrt(),
             false => 0.0,
-        });
-    }
-}
-
-/// For every zero the instant at which a step of it is most significant.
-pub(crate) fn largest_steps(influence: &Influence<'_>) -> Vec<StepTest> {
-    let network = influence.network();
-    let mut turns: Vec<Vec<(usize, usize)>> = vec![Vec::new(); network.zeros()];
-    for (number, visit) in network.visits.iter().enumerate() {
-        for reading in visit.readings.clone() {
-            turns[influence.model().zero_of(reading)].push((reading, number));
         }
     }
-    turns
-        .par_iter()
-        .map(|turn| largest_step(turn, influence))
-        .collect::<Vec<_>>()
-        .into_iter()
-        .flatten()
-        .collect()
-}
-
-/// Adds the readings of a zero (with their visits) one by one from the last to the first; after each
-/// of them the sum of their unit errors is the step that begins there.
-fn largest_step(turn: &[(usize, usize)], influence: &Influence<'_>) -> Option<StepTest> {
-    let network = influence.network();
-    let (sigma, width) = (influence.sigma(), influence.width());
-    let mut largest: Option<StepTest> = None;
-    let mut sums = Sums::new(influence);
-    let mut steps: Vec<(usize, Step)> = Vec::with_capacity(STEPS);
-    let (mut shared, mut through) = (Vec::with_capacity(STEPS * width), Vec::new());
-    for (place, &(reading, visit)) in turn.iter().enumerate().skip(1).rev() {
-        sums.add(influence, reading, visit);
-        steps.push((place, sums.step));
-        shared.extend_from_slice(&sums.shared);
-        if steps.len() < STEPS && place > 1 {
-            continue;
-        }
-        through.clear();
-        append_product(&mut through, &shared, &sigma, [width; 2]);
-        let rows = shared.chunks_exact(width).zip(through.chunks_exact(width));
-        for ((place, step), (shared, through)) in steps.drain(..).zip(rows) {
-            let kept = step.squares - step.own_squares - dot(through, shared);
-            if kept <= CHECKED_TOL * step.squares {
-                continue;
-            }
-            let w = step.numerator / kept.sqrt();
-            if largest.is_none_or(|best| w.abs() > best.w.abs()) {
-                let (first_reading, visit) = turn[place];
-                largest = Some(StepTest {
-                    station: network.visits[visit].station,
-                    first_reading,
-                    before: place,
-                    after: turn.len() - place,
-                    w,
-                });
-            }
-        }
-        shared.clear();
-    }
-    largest
-}
-
-/// Steps whose part through the shared unknowns is calculated at a time.
-const STEPS: usize = 32;
-
-/// Sums over the readings of a step.
-#[derive(Debug, Clone, Copy, Default)]
-struct Step {
-    numerator: f64,
-    squares: f64,
-    own_squares: f64,
-}
-
-/// Sums of whitened unit errors `L⁻¹ e`, with what their squares need.
-struct Sums {
-    step: Step,
-    /// `Tᵀ L⁻¹ e`, and `Oᵀ L⁻¹ e` of all groups.
-    shared: Vec<f64>,
-    own: Vec<f64>,
-    own_starts: Vec<usize>,
-    /// Of the present visit.
-    whitened: Vec<f64>,
-    visit: Option<usize>,
-    terms: VisitTerms,
-    unit: Vec<f64>,
-}
-
-impl Sums {
-    fn new(influence: &Influence<'_>) -> Self {
-        let mut own_starts = vec![0];
-        for group in 0..influence.groups() {
-            let size = influence.covariance().inverse_factor(group).ncols();
-            own_starts.push(own_starts[group] + size);
-        }
-        Self {
-            step: Step::default(),
-            shared: vec![0.0; influence.width()],
-            own: vec![0.0; own_starts[influence.groups()]],
-            own_starts,
-            whitened: Vec::new(),
-            visit: None,
-            terms: VisitTerms::default(),
-            unit: Vec::new(),
-        }
-    }
-
-    fn add(&mut self, influence: &Influence<'_>, reading: usize, visit: usize) {
-        let content = &influence.network().visits[visit];
-        if self.visit != Some(visit) {
-            self.visit = Some(visit);
-            influence.visit(visit, &mut self.terms);
-            self.whitened.clear();
-            self.whitened.resize(self.terms.count(), 0.0);
-        }
-        let i = reading - content.readings.start;
-        let (terms, unit) = (&self.terms, &mut self.unit);
-        influence.unit_error_into(visit, terms.count(), i, unit);
-        self.step.numerator += dot(unit, terms.residuals());
-        self.step.squares += grown(&mut self.whitened, |sum| add_to(sum, unit, 1.0));
-        let start = self.own_starts[content.group];
-        let own = &mut self.own[start..self.own_starts[content.group + 1]];
-        // Rows before the reading's own have no part in its unit error.
-        let rows = || unit.iter().enumerate().skip(i);
-        self.step.own_squares += grown(own, |sum| {
-            rows().for_each(|(row, &factor)| add_to(sum, terms.own(row), factor));
-        });
-        for (row, &factor) in rows() {
-            add_to(&mut self.shared, terms.shared(row), factor);
-        }
-    }
-}
-
-/// Changes a vector; returns by how much its square grows.
-fn grown(sum: &mut [f64], change: impl Fn(&mut [f64])) -> f64 {
-    let before = dot(sum, sum);
-    change(sum);
-    dot(sum, sum) - before
-}
-
-fn add_to(sum: &mut [f64], x: &[f64], factor: f64) {
-    for (sum, x) in sum.iter_mut().zip(x) {
-        *sum += factor * x;
-    }
-}
-
-/// `xᵀ A x` with the rows of `A` contiguous.
-fn quadratic(matrix: &[f64], x: &[f64]) -> f64 {
-    matrix
-        .chunks_exact(x.len().max(1))
-        .zip(x)
-        .map(|(row, x_i)| x_i * dot(row, x))
-        .sum()
 }

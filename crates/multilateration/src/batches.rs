@@ -13,7 +13,7 @@ use crate::Error;
 use crate::network::{Network, VisitsByGroup};
 use crate::noise::factor_len;
 use crate::passes::{in_parallel, pieces};
-use crate::slots::{Layout, Slots};
+use crate::slots::{Layout, SlotVisit, Slots};
 
 /// Up to eight groups.
 pub(crate) struct Batch {
@@ -35,40 +35,40 @@ pub(crate) struct Batch {
     pub(crate) readings: usize,
 }
 
-/// All batches of a network, in the order of its groups; each point must be seen from at least
-/// `stations_per_point` stations.
-///
-/// # Errors
-/// [`Error::PointSeenTooRarely`].
-pub(crate) fn batches(network: &Network, stations_per_point: usize) -> Result<Vec<Batch>, Error> {
+/// All batches of a network, in the order of its groups.
+pub(crate) fn batches(network: &Network) -> Vec<Batch> {
     let by_group = network.visits_by_group();
     let zeros = if network.interruptions.is_empty() {
         Vec::new()
     } else {
         network.zero_of_readings()
     };
-    let ranges = ranges(network);
+    let ranges = batches_of_groups(network.groups.iter().map(Range::len));
+    let is_inflated = network
+        .variance_factors
+        .iter()
+        .any(|f| f.total_cmp(&1.0).is_ne());
     let of_pieces = in_parallel(pieces(ranges.len()), |numbers| {
         let groups = &ranges[numbers];
-        piece((network, &by_group), &zeros, stations_per_point, groups)
+        piece((network, &by_group), &zeros, is_inflated, groups)
     });
     let mut batches = Vec::with_capacity(ranges.len());
-    for piece in of_pieces {
-        batches.append(&mut piece?);
+    for mut piece in of_pieces {
+        batches.append(&mut piece);
     }
-    Ok(batches)
+    batches
 }
 
-/// Up to eight groups in a row with as many points each.
-fn ranges(network: &Network) -> Vec<Range<usize>> {
-    let mut ranges: Vec<Range<usize>> = Vec::with_capacity(network.groups.len() / LANES + 1);
-    for (g, group) in network.groups.iter().enumerate() {
+/// The groups that are worked on side by side, for groups of so many points: up to eight in a row of as many.
+pub fn batches_of_groups(points: impl IntoIterator<Item = usize>) -> Vec<Range<usize>> {
+    let mut ranges: Vec<Range<usize>> = Vec::new();
+    let mut of_last = 0;
+    for (g, points) in points.into_iter().enumerate() {
         match ranges.last_mut() {
-            Some(last) if last.len() < LANES && network.groups[last.start].len() == group.len() => {
-                last.end = g + 1;
-            }
+            Some(last) if last.len() < LANES && of_last == points => last.end = g + 1,
             _ => ranges.push(g..g + 1),
         }
+        of_last = points;
     }
     ranges
 }
@@ -77,13 +77,13 @@ fn ranges(network: &Network) -> Vec<Range<usize>> {
 fn piece(
     (network, by_group): (&Network, &VisitsByGroup),
     zero_of_readings: &[usize],
-    stations_per_point: usize,
+    is_inflated: bool,
     ranges: &[Range<usize>],
-) -> Result<Vec<Batch>, Error> {
-    let (mut slots, mut numbers) = (Slots::new(stations_per_point), Vec::new());
+) -> Vec<Batch> {
+    let (mut slots, mut numbers) = (Slots::default(), Vec::new());
     let none = Arc::new(Vec::new());
     let batch = |groups: &Range<usize>| {
-        slots.take(network, by_group, groups.clone())?;
+        slots.take(network, by_group, groups.clone());
         let layout = Arc::clone(slots.layout());
         let first = network.groups[groups.start].start;
         let points = network.groups[groups.start].len();
@@ -95,8 +95,8 @@ fn piece(
             layout,
             numbers: Arc::clone(&none),
             first_number: numbers.len(),
-            has_factors: slots.readings() < groups.len() * slots.layout().point_of_slot.len()
-                || !network.variance_factors.is_empty(),
+            has_factors: is_inflated
+                || slots.readings() < groups.len() * slots.layout().point_of_slot.len(),
             zeros: Vec::new(),
             readings: slots.readings(),
         };
@@ -104,14 +104,44 @@ fn piece(
         if !zero_of_readings.is_empty() {
             batch.take_zeros(&slots, zero_of_readings);
         }
-        Ok(batch)
+        batch
     };
-    let mut batches: Vec<Batch> = ranges.iter().map(batch).collect::<Result<_, Error>>()?;
+    let mut batches: Vec<Batch> = ranges.iter().map(batch).collect();
     let numbers = Arc::new(numbers);
     for batch in &mut batches {
         batch.numbers = Arc::clone(&numbers);
     }
-    Ok(batches)
+    batches
+}
+
+/// Checks that each point is seen from at least `need` stations.
+///
+/// # Errors
+/// [`Error::PointSeenTooRarely`].
+pub(crate) fn check_seen(batches: &[Batch], need: usize) -> Result<(), Error> {
+    let mut full: Option<&Arc<Layout>> = None;
+    for batch in batches {
+        // Where nothing is missing, batches of one layout are alike.
+        let is_full = !batch.has_factors;
+        if is_full && full.is_some_and(|layout| Arc::ptr_eq(layout, &batch.layout)) {
+            continue;
+        }
+        full = is_full.then_some(&batch.layout).or(full);
+        for (lane, group) in batch.groups.clone().enumerate() {
+            for point in 0..batch.points {
+                let seen = batch.stations_that_see(lane, point);
+                if seen < need {
+                    return Err(Error::PointSeenTooRarely {
+                        group,
+                        point,
+                        seen,
+                        need,
+                    });
+                }
+            }
+        }
+    }
+    Ok(())
 }
 
 impl Batch {
@@ -167,6 +197,21 @@ impl Batch {
         }
     }
 
+    /// Number of the stations that see a point of the group in a lane.
+    fn stations_that_see(&self, lane: usize, point: usize) -> usize {
+        let sees = |visit: &&SlotVisit| {
+            visit.slots.clone().any(|slot| {
+                self.layout.point_of_slot[slot] == point && self.variance_factor(slot).0[lane] > 0.0
+            })
+        };
+        // The visits of a station follow each other.
+        let (mut seen, mut last) = (0, None);
+        for visit in self.layout.visits.iter().filter(sees) {
+            seen += usize::from(last.replace(visit.station) != Some(visit.station));
+        }
+        seen
+    }
+
     /// Whether the weights of another batch are its own, if noise is the same for all beams.
     pub(crate) fn is_weighted_as(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.layout, &other.layout) && !self.has_factors && !other.has_factors
@@ -183,5 +228,81 @@ impl Batch {
         let lane = lane.min(self.groups.len() - 1);
         let read = (0..self.slots()).filter(|&slot| self.variance_factor(slot).0[lane] > 0.0);
         (self.groups.start + lane, read.count())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point3;
+
+    use super::*;
+    use crate::{Reading, Visit};
+
+    /// Groups of three points read from four stations, the first one without one of the readings.
+    fn network(groups: usize) -> Network {
+        let mut network = Network {
+            stations: vec![None; 4],
+            ..Network::default()
+        };
+        for group in 0..groups {
+            network.groups.push(3 * group..3 * group + 3);
+            network.nominal_mm.extend([Point3::origin(); 3]);
+            for station in 0..4 {
+                let first = network.readings.len();
+                let read = (0..3).filter(|&point| (group, station, point) != (0, 3, 2));
+                network.readings.extend(read.map(|point| Reading {
+                    point,
+                    length_mm: 0.0,
+                }));
+                network.visits.push(Visit {
+                    station,
+                    group,
+                    readings: first..network.readings.len(),
+                });
+            }
+        }
+        network
+    }
+
+    /// The error of a network that is not seen enough.
+    fn refused(network: &Network) -> Option<Error> {
+        check_seen(&batches(network), 3).err()
+    }
+
+    #[test]
+    fn groups_without_visits_follow_no_plan() {
+        for planned in [8, 16] {
+            let mut network = network(planned);
+            network.groups.push(3 * planned..3 * planned + 1);
+            network.nominal_mm.push(Point3::origin());
+            let found = refused(&network);
+            let expected = Error::PointSeenTooRarely {
+                group: planned,
+                point: 0,
+                seen: 0,
+                need: 3,
+            };
+            assert_eq!(format!("{found:?}"), format!("{:?}", Some(expected)));
+        }
+    }
+
+    #[test]
+    fn a_point_more_than_planned_is_seen_too_rarely() {
+        let mut network = network(17);
+        network.groups[16].end += 1;
+        network.nominal_mm.push(Point3::origin());
+        let found = refused(&network);
+        assert!(
+            matches!(
+                found,
+                Some(Error::PointSeenTooRarely {
+                    group: 16,
+                    point: 3,
+                    seen: 0,
+                    ..
+                })
+            ),
+            "{found:?}"
+        );
     }
 }

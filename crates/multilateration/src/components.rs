@@ -9,19 +9,23 @@
 //! ```
 //!
 //! repeatedly; the inverse of the left side is the covariance of the estimates. `P` never appears as
-//! a matrix: with the factors of [`crate::influence`] every trace is a sum over groups.
-
-use std::ops::Range;
+//! a matrix: with the whitened parts `V_1` (visit by visit) and `V_2 = I - V_1` of the noise, and the hat
+//! matrix `[same group] H + G`, `H = O Oᵀ`, `G = T Σ Tᵀ` ([`crate::batch_influence`]), every trace is a
+//! sum over groups:
+//!
+//! ```text
+//! tr(P V_k P V_l) = Σ tr(V_k V_l) - 2 tr(V_k (H + G) V_l) + tr(V_k H V_l H) + 2 tr(V_k H V_l G)
+//!                   + tr(Σ M_k Σ M_l)                       M_k = Σ Tᵀ V_k T
+//! ```
 
 use nalgebra::{Matrix2, Vector2};
-use rayon::prelude::*;
+use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product, add_symmetric_product};
+use trueaxis_leastsquares::row_products::{append_product, mirror};
+use trueaxis_leastsquares::{Lanes, lanes_only, zeros};
 
-use crate::influence::Influence;
-use crate::length_noise::LengthPart;
-use crate::visit_terms::VisitTerms;
-use trueaxis_leastsquares::row_products::{
-    add_symmetric_product, add_transposed_product, append_product, dot, mirror,
-};
+use crate::batch_influence::{BatchInfluence, BatchRows, VisitPart};
+use crate::batches::Batch;
+use crate::passes::GroupModel;
 
 /// One step towards the restricted maximum of the likelihood.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,15 +40,17 @@ pub(crate) struct Components {
 
 /// Estimates the factors on both parts of the noise with which the network was solved; the return
 /// must not be zero. `None` if the residuals say nothing.
-pub(crate) fn components(influence: &Influence<'_>) -> Option<Components> {
+pub(crate) fn components<M: GroupModel>(
+    influence: &BatchInfluence<'_, M, M::State>,
+) -> Option<Components> {
     let sums = sums(influence);
     let width = influence.width();
     let sigma = influence.sigma();
-    // Σ G_k of both parts, G_2 = G - G_1.
+    // Σ M_k of both parts, M_2 = M - M_1.
     let mut through = Vec::with_capacity(width * width);
-    append_product(&mut through, &sigma, &sums.length, [width; 2]);
+    append_product(&mut through, sigma, &sums.length, [width; 2]);
     let mut through_all = Vec::new();
-    append_product(&mut through_all, &sigma, &sums.all, [width; 2]);
+    append_product(&mut through_all, sigma, &sums.all, [width; 2]);
     let through_return: Vec<f64> = through_all
         .iter()
         .zip(&through)
@@ -87,32 +93,22 @@ struct Sums {
     all: Vec<f64>,
 }
 
-/// Groups that one thread takes at a time.
-const PIECE: usize = 256;
-
-fn sums(influence: &Influence<'_>) -> Sums {
-    let (groups, width) = (influence.groups(), influence.width());
-    let sigma = influence.sigma();
-    let zero = || Sums {
-        right: Vector2::zeros(),
-        left: [0.0; 3],
-        length: vec![0.0; width * width],
-        all: vec![0.0; width * width],
-    };
-    let parts: Vec<Sums> = (0..groups.div_ceil(PIECE))
-        .into_par_iter()
-        .map(|piece| {
-            let mut sums = zero();
-            let mut memory = GroupSums::default();
-            for group in piece * PIECE..groups.min((piece + 1) * PIECE) {
-                memory.add(influence, &sigma, group, &mut sums);
+fn sums<M: GroupModel>(influence: &BatchInfluence<'_, M, M::State>) -> Sums {
+    let width = influence.width();
+    let parts = influence.of_pieces(
+        #[inline(always)]
+        |piece, rows| {
+            let mut sums = LaneSums::new(width);
+            let mut memory = Products::default();
+            for b in piece {
+                influence.fill(b, rows);
+                memory.add(influence, &influence.batches()[b], rows, &mut sums);
             }
-            mirror(&mut sums.length, width);
-            mirror(&mut sums.all, width);
-            sums
-        })
-        .collect();
+            sums.over_lanes(width)
+        },
+    );
     // In order, so that the bits do not depend on the number of threads.
+    let zero = || LaneSums::new(width).over_lanes(width);
     parts.into_iter().fold(zero(), |mut sums, part| {
         sums.right += part.right;
         for (sum, x) in sums.left.iter_mut().zip(part.left) {
@@ -127,122 +123,177 @@ fn sums(influence: &Influence<'_>) -> Sums {
     })
 }
 
-/// What a group adds: memory to work in. `V_1` is the lengths' own part, `V_2 = I - V_1`.
-#[derive(Default)]
-struct GroupSums {
-    terms: VisitTerms,
-    part: LengthPart,
-    /// `V_1 O`, `V_1 T`, `T Σ`.
-    own_part: Vec<f64>,
-    shared_part: Vec<f64>,
-    through: Vec<f64>,
-    /// For `V_1` and for the identity: `Oᵀ V O`, `Oᵀ V T`, `Oᵀ V T Σ`.
-    own: [Vec<f64>; 2],
-    cross: [Vec<f64>; 2],
-    cross_through: [Vec<f64>; 2],
+/// The sums of a piece, lane by lane.
+struct LaneSums {
+    /// `rᵀ V_1 r` and `rᵀ r` of the whitened residuals.
+    residuals: [Lanes; 2],
+    /// Forms that are linear in both parts of the noise.
+    noise: Form,
+    absorbed: Form,
+    own: Form,
+    mixed: Form,
+    /// Upper triangles of `Tᵀ V_1 T` and `Tᵀ T`.
+    length: Vec<Lanes>,
+    all: Vec<Lanes>,
 }
 
-impl GroupSums {
-    fn add(&mut self, influence: &Influence<'_>, sigma: &[f64], group: usize, sums: &mut Sums) {
-        influence.visits(group, &mut self.terms);
-        let (width, unknowns) = (influence.width(), self.terms.own_width());
-        self.through.clear();
-        append_product(
-            &mut self.through,
-            self.terms.shared_rows(),
-            sigma,
-            [width; 2],
-        );
-        self.own_part.clear();
-        self.shared_part.clear();
-        let mut first = 0;
-        for &visit in influence.model().visits_of(group) {
-            let rows = first..first + influence.network().visits[visit].readings.len();
-            self.add_visit(influence, visit, rows.clone(), sums);
-            first = rows.end;
-        }
+/// A symmetric form that is linear in both parts of the noise: its values for `V_1` twice, for `V_1` and
+/// the identity, and for the identity twice.
+#[derive(Debug, Clone, Copy, Default)]
+struct Form {
+    twice: Lanes,
+    once: Lanes,
+    all: Lanes,
+}
 
-        let (own, shared) = (self.terms.own_rows(), self.terms.shared_rows());
-        add_symmetric_product(&mut sums.all, shared, shared, width);
-        add_symmetric_product(&mut sums.length, shared, &self.shared_part, width);
-        for (k, part) in [self.own_part.as_slice(), own].into_iter().enumerate() {
-            let products = [
-                (&mut self.own[k], own),
-                (&mut self.cross[k], shared),
-                (&mut self.cross_through[k], &self.through),
-            ];
-            for (product, right) in products {
-                let columns = right.len() / self.terms.count().max(1);
-                product.clear();
-                product.resize(unknowns * columns, 0.0);
-                add_transposed_product(product, part, right, [unknowns, columns]);
-            }
-        }
-        // ½ tr(H_k H_l) + tr(Σ K_kᵀ K_l) with H = OᵀVO, K = OᵀVT of the whole group.
-        let h = |k: usize, l: usize| dot(&self.own[k], &self.own[l]);
-        let c = |k: usize, l: usize| dot(&self.cross_through[k], &self.cross[l]);
-        let h = pairs(h(0, 0), h(0, 1), h(1, 1));
-        let c = pairs(c(0, 0), c(0, 1), c(1, 1));
-        for (sum, (h, c)) in sums.left.iter_mut().zip(h.into_iter().zip(c)) {
-            *sum += 0.5 * h + c;
+impl Form {
+    /// For the pairs 11, 12, 22, by `V_2 = I - V_1`.
+    fn pairs(&self) -> [f64; 3] {
+        let [twice, once, all] = [self.twice, self.once, self.all].map(Lanes::sum);
+        [twice, once - twice, all - 2.0 * once + twice]
+    }
+}
+
+impl LaneSums {
+    fn new(width: usize) -> Self {
+        Self {
+            residuals: [Lanes::ZERO; 2],
+            noise: Form::default(),
+            absorbed: Form::default(),
+            own: Form::default(),
+            mixed: Form::default(),
+            length: vec![Lanes::ZERO; width * width],
+            all: vec![Lanes::ZERO; width * width],
         }
     }
 
-    /// The residuals and traces of a visit alone; appends its `V_1 O` and `V_1 T`.
+    fn over_lanes(self, width: usize) -> Sums {
+        let [noise, absorbed, own, mixed] =
+            [self.noise, self.absorbed, self.own, self.mixed].map(|form| form.pairs());
+        let whole = |upper: Vec<Lanes>| {
+            let mut matrix: Vec<f64> = upper.into_iter().map(Lanes::sum).collect();
+            mirror(&mut matrix, width);
+            matrix
+        };
+        let [length, all] = self.residuals.map(Lanes::sum);
+        Sums {
+            right: Vector2::new(length, all - length) * 0.5,
+            left: std::array::from_fn(|k| 0.5 * (noise[k] + own[k]) - absorbed[k] + mixed[k]),
+            length: whole(self.length),
+            all: whole(self.all),
+        }
+    }
+}
+
+/// The products of a batch: memory to work in.
+#[derive(Default)]
+struct Products {
+    /// `V_1` of a visit.
+    part: Vec<Lanes>,
+    /// `V_1 T`, `T Σ`.
+    shared_part: Vec<Lanes>,
+    through: Vec<Lanes>,
+    /// `H` and `G`, and `V_1 H` and `V_1 G`.
+    own: Vec<Lanes>,
+    mixed: Vec<Lanes>,
+    own_part: Vec<Lanes>,
+    mixed_part: Vec<Lanes>,
+}
+
+impl Products {
+    #[inline(always)]
+    fn add<M: GroupModel>(
+        &mut self,
+        influence: &BatchInfluence<'_, M, M::State>,
+        batch: &Batch,
+        rows: &BatchRows,
+        sums: &mut LaneSums,
+    ) {
+        let (count, width) = (batch.slots(), influence.width());
+        let (own, shared) = (rows.hat.own(), rows.hat.shared());
+        zeros(&mut self.through, count * width);
+        add_product(&mut self.through, shared, influence.shared_sigma());
+        let through = LaneMatrix::by_rows(&self.through, [count, width]);
+        for product in [&mut self.own, &mut self.mixed] {
+            zeros(product, count * count);
+        }
+        add_product(&mut self.own, own, own.transposed());
+        add_product(&mut self.mixed, through, shared.transposed());
+        for product in [&mut self.own_part, &mut self.mixed_part] {
+            zeros(product, count * count);
+        }
+        zeros(&mut self.shared_part, count * width);
+        for visit in rows.visits(batch) {
+            self.add_visit(rows, &visit, (count, width), sums);
+        }
+        // tr(V H V H) and tr(V H V G); products of symmetric matrices have the traces of their transposes.
+        let [h, g, vh, vg] = [&self.own, &self.mixed, &self.own_part, &self.mixed_part];
+        add_trace(&mut sums.own.twice, vh, vh, count);
+        add_trace(&mut sums.own.once, vh, h, count);
+        add_trace(&mut sums.own.all, h, h, count);
+        add_trace(&mut sums.mixed.twice, vh, vg, count);
+        add_trace(&mut sums.mixed.once, vh, g, count);
+        add_trace(&mut sums.mixed.all, h, g, count);
+        let part = LaneMatrix::by_rows(&self.shared_part, [count, width]);
+        add_symmetric_product(&mut sums.all, shared.transposed(), shared);
+        add_symmetric_product(&mut sums.length, shared.transposed(), part);
+    }
+
+    /// The residuals and traces of a visit alone; makes its rows of `V_1 H`, `V_1 G` and `V_1 T`.
+    #[inline(always)]
     fn add_visit(
         &mut self,
-        influence: &Influence<'_>,
-        visit: usize,
-        rows: Range<usize>,
-        sums: &mut Sums,
+        rows: &BatchRows,
+        visit: &VisitPart<'_>,
+        (all_rows, width): (usize, usize),
+        sums: &mut LaneSums,
     ) {
-        let terms = &self.terms;
-        let (count, unknowns, width) = (rows.len(), terms.own_width(), influence.width());
-        let of = |columns: usize| rows.start * columns..rows.end * columns;
-        let own = &terms.own_rows()[of(unknowns)];
-        let shared = &terms.shared_rows()[of(width)];
-        let v = self.part.of(influence, visit, count);
-        append_product(&mut self.own_part, v, own, [count, unknowns]);
-        append_product(&mut self.shared_part, v, shared, [count, width]);
-
-        let residuals = &terms.residuals()[rows.clone()];
-        let mut length = 0.0;
-        let (mut all, mut once, mut twice) = ([0.0; 2], [0.0; 2], [0.0; 2]);
-        for i in 0..count {
-            let through = &self.through[(rows.start + i) * width..][..width];
-            for j in 0..=i {
-                // All forms are symmetric.
-                let times = if i == j { 1.0 } else { 2.0 };
-                let v_ij = times * v[i * count + j];
-                length += v_ij * residuals[i] * residuals[j];
-                let v_v = (0..count).map(|k| v[i * count + k] * v[k * count + j]);
-                let v_v = times * v_v.sum::<f64>();
-                // tr(V V), and the same with O Oᵀ and T Σ Tᵀ between them.
-                let (row, other) = (rows.start + i, rows.start + j);
-                let adjusted = dot(terms.own(row), terms.own(other));
-                let between = adjusted + dot(through, terms.shared(other));
-                if i == j {
-                    all[0] += 1.0;
-                    all[1] += between;
-                    once[0] += v_ij;
-                    twice[0] += v_v;
-                }
-                once[1] += v_ij * between;
-                twice[1] += v_v * between;
-            }
+        let count = visit.slots.len();
+        visit.fill_length_part(rows, &mut self.part);
+        let part = LaneMatrix::by_rows(&self.part, [count; 2]);
+        let of = |columns: usize| visit.slots.start * columns..visit.slots.end * columns;
+        for (product, right) in [
+            (&mut self.own_part, &self.own),
+            (&mut self.mixed_part, &self.mixed),
+        ] {
+            let right = LaneMatrix::by_rows(&right[of(all_rows)], [count, all_rows]);
+            add_product(&mut product[of(all_rows)], part, right);
         }
-        sums.right += Vector2::new(length, dot(residuals, residuals) - length) * 0.5;
-        // ½ tr(V_k V_l) - tr(V_k (O Oᵀ + T Σ Tᵀ) V_l), by V_2 = I - V_1.
-        let noise = pairs(twice[0], once[0], all[0]);
-        let absorbed = pairs(twice[1], once[1], all[1]);
-        for (sum, (noise, absorbed)) in sums.left.iter_mut().zip(noise.iter().zip(absorbed)) {
-            *sum += 0.5 * noise - absorbed;
+        let shared = rows.hat.shared().part(visit.slots.clone());
+        add_product(&mut self.shared_part[of(width)], part, shared);
+
+        let residual = &rows.hat.residual()[visit.slots.clone()];
+        for (i, v) in self.part.chunks_exact(count).enumerate() {
+            let row = visit.slots.start + i;
+            let first = row * all_rows + visit.slots.start;
+            let (own, mixed) = (&self.own[first..], &self.mixed[first..]);
+            sums.residuals[1] = residual[i].mul_add(residual[i], sums.residuals[1]);
+            sums.noise.all += rows.there[row];
+            sums.noise.once += v[i];
+            sums.absorbed.all += own[i] + mixed[i];
+            for (j, &v_ij) in v.iter().enumerate() {
+                let adjusted = own[j] + mixed[j];
+                let squares = residual[i] * residual[j];
+                sums.residuals[0] = v_ij.mul_add(squares, sums.residuals[0]);
+                sums.noise.twice = v_ij.mul_add(v_ij, sums.noise.twice);
+                sums.absorbed.once = v_ij.mul_add(adjusted, sums.absorbed.once);
+                let mut v_v = Lanes::ZERO;
+                for (k, &v_ik) in v.iter().enumerate() {
+                    v_v = v_ik.mul_add(self.part[k * count + j], v_v);
+                }
+                sums.absorbed.twice = v_v.mul_add(adjusted, sums.absorbed.twice);
+            }
         }
     }
 }
 
-/// A form that is linear in both parts, for the pairs 11, 12, 22, from its values for `V_1 V_1`,
-/// `V_1` and the identity.
-fn pairs(twice: f64, once: f64, all: f64) -> [f64; 3] {
-    [twice, once - twice, all - 2.0 * once + twice]
+/// `sum += tr(A B)` with the rows of both contiguous.
+#[inline(always)]
+fn add_trace(sum: &mut Lanes, a: &[Lanes], b: &[Lanes], count: usize) {
+    for (i, row) in a.chunks_exact(count.max(1)).enumerate() {
+        for (j, x) in row.iter().enumerate() {
+            lanes_only();
+            *sum = x.mul_add(b[j * count + i], *sum);
+        }
+    }
 }

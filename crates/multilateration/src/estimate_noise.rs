@@ -3,8 +3,8 @@
 use nalgebra::Matrix2;
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
+use crate::batch_influence::BatchInfluence;
 use crate::components::{Components, components};
-use crate::influence::Influence;
 use crate::solve::{Settings, solve_from};
 use crate::{Error, Network, Noise, Solution};
 
@@ -150,7 +150,7 @@ impl Weighted for FreeAdjustment<'_> {
     }
 
     fn components(&self) -> Option<Components> {
-        components(&Influence::new(self.network, self.solution))
+        components(&BatchInfluence::new(self.network, self.solution))
     }
 }
 

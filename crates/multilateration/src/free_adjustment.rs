@@ -66,11 +66,6 @@ impl<'a> FreeAdjustment<'a> {
         &self.datum
     }
 
-    #[inline(always)]
-    pub(crate) fn weights_of(&self, b: usize) -> &[Lanes] {
-        &self.weights[self.weight_ranges[b].clone()]
-    }
-
     /// Makes the equations of batch `b` for a model with `shared` shared unknowns.
     #[inline(always)]
     pub(crate) fn fill_for(
@@ -137,6 +132,11 @@ impl GroupModel for FreeAdjustment<'_> {
 
     fn memories(&self) -> &Memories {
         &self.memories
+    }
+
+    #[inline(always)]
+    fn weights_of(&self, b: usize) -> &[Lanes] {
+        &self.weights[self.weight_ranges[b].clone()]
     }
 
     fn unknowns(&self, batch: &Batch) -> usize {

@@ -1,7 +1,6 @@
 //! The network of a measuring campaign.
 
-use std::collections::HashMap;
-
+use rayon::prelude::*;
 use trueaxis_campaign::{Campaign, Direction, Lengths};
 use trueaxis_kinematics::Ideal;
 
@@ -40,15 +39,16 @@ pub fn network_from_campaign(
     lengths: &Lengths,
     by_direction: bool,
 ) -> CampaignNetwork {
-    let mut number_of = HashMap::new();
+    // The group of each step, or of each side of approach to it.
+    let mut number_of = vec![[None; 2]; campaign.steps.len()];
     let mut groups: Vec<Group> = Vec::new();
     let mut group_of_stop = Vec::with_capacity(lengths.stops.len());
     for stop in &lengths.stops {
-        let key = (stop.step, by_direction.then_some(stop.direction));
-        let number = *number_of.entry(key).or_insert_with(|| {
+        let side = usize::from(by_direction && stop.direction == Direction::Backward);
+        let number = *number_of[stop.step][side].get_or_insert_with(|| {
             groups.push(Group {
-                step: key.0,
-                direction: key.1,
+                step: stop.step,
+                direction: by_direction.then_some(stop.direction),
                 targets: Vec::new(),
             });
             groups.len() - 1
@@ -62,22 +62,29 @@ pub fn network_from_campaign(
         group_of_stop.push(number);
     }
 
+    let positions_of = |group: &Group| {
+        let positions = &campaign.steps[group.step].positions;
+        let position = |&target: &usize| {
+            let target = &campaign.targets[target];
+            let (carrier, home_mm) = (target.carrier, target.home_mm);
+            campaign
+                .machine
+                .position(&Ideal, carrier, positions, home_mm)
+        };
+        group.targets.iter().map(position).collect::<Vec<_>>()
+    };
     let mut network = Network {
         stations: campaign.stations.iter().map(|s| s.approx_mm).collect(),
         noise: declared_noise(campaign),
+        nominal_mm: groups.par_iter().flat_map_iter(positions_of).collect(),
+        readings: Vec::with_capacity(lengths.readings.len()),
+        visits: Vec::with_capacity(lengths.stops.len()),
         ..Network::default()
     };
+    let mut first = 0;
     for group in &groups {
-        let first = network.nominal_mm.len();
-        let positions = &campaign.steps[group.step].positions;
-        for &target in &group.targets {
-            let target = &campaign.targets[target];
-            let p = campaign
-                .machine
-                .position(&Ideal, target.carrier, positions, target.home_mm);
-            network.nominal_mm.push(p);
-        }
-        network.groups.push(first..network.nominal_mm.len());
+        network.groups.push(first..first + group.targets.len());
+        first += group.targets.len();
     }
     for (stop, &group) in lengths.stops.iter().zip(&group_of_stop) {
         let first = network.readings.len();

@@ -18,7 +18,6 @@ use crate::free_points::{FreePoints, State};
 use crate::network::Network;
 use crate::noise::whiten;
 use crate::rigid_stages::{RigidStages, RigidState};
-use crate::visit_terms::VisitTerms;
 use crate::{RigidSolution, Solution};
 
 /// The solved network, ready to say what each group contributed.
@@ -106,31 +105,9 @@ impl<'a> Influence<'a> {
         self.state.beam(content.station, point).0.into()
     }
 
-    pub(crate) fn covariance(&self) -> &'a Covariance {
-        self.covariance
-    }
-
-    /// Standard deviation of a length of a visit without the machine's return, mm.
-    pub(crate) fn length_sigma_mm(&self, visit: usize, reading: usize) -> f64 {
-        let content = &self.network.visits[visit];
-        let point = self
-            .network
-            .point(content.group, self.network.readings[reading].point);
-        let (_, distance_mm) = self.state.beam(content.station, point);
-        self.network.noise.length_sigma_at_mm(distance_mm)
-            * self.network.variance_factor(reading).sqrt()
-    }
-
     /// `Σ`.
     pub(crate) fn reduced_inverse(&self) -> MatRef<'a, f64> {
         self.covariance.reduced_inverse()
-    }
-
-    /// The rows of `Σ`, which are its columns, one after the other.
-    pub(crate) fn sigma(&self) -> Vec<f64> {
-        let sigma = self.reduced_inverse();
-        let columns = (0..sigma.ncols()).flat_map(|j| (0..sigma.nrows()).map(move |i| (i, j)));
-        columns.map(|place| sigma[place]).collect()
     }
 
     /// Number of columns of `T`.
@@ -215,38 +192,5 @@ impl<'a> Influence<'a> {
         let mut unit = Vec::new();
         self.unit_error_into(visit.visit, visit.count, reading, &mut unit);
         unit
-    }
-
-    /// The rows of all visits of a group in the order of [`FreePoints::visits_of`]; `terms` is
-    /// memory to work in.
-    pub(crate) fn visits(&self, group: usize, terms: &mut VisitTerms) {
-        match &self.model {
-            Model::Free(model) => {
-                terms.clear(self.covariance, group);
-                for &visit in model.visits_of(group) {
-                    terms.append(self.network, (model, &self.state), visit);
-                }
-            }
-            Model::Rigid(_) => {
-                let rows = self.group(group, &mut BlockRows::default());
-                terms.copy(&rows, 0..rows.residuals.len());
-            }
-        }
-    }
-
-    /// The rows of one visit; `terms` is memory to work in.
-    pub(crate) fn visit(&self, visit: usize, terms: &mut VisitTerms) {
-        let group = self.network.visits[visit].group;
-        match &self.model {
-            Model::Free(model) => {
-                terms.clear(self.covariance, group);
-                terms.append(self.network, (model, &self.state), visit);
-            }
-            Model::Rigid(_) => {
-                let group = self.group(group, &mut BlockRows::default());
-                let rows = group.visits.iter().find(|rows| rows.visit == visit);
-                terms.copy(&group, rows.map_or(0..0, |r| r.first..r.first + r.count));
-            }
-        }
     }
 }

@@ -8,9 +8,9 @@
 use faer::Mat;
 use trueaxis_leastsquares::BlockRows;
 
-use crate::baarda::StepTest;
 use crate::influence::Influence;
 use crate::noise::whiten;
+use crate::step_tests::StepTest;
 
 /// What a step must be ahead of other explanations, as a difference of squares of standardised
 /// sizes: a likelihood ratio of e⁵.

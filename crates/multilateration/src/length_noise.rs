@@ -18,30 +18,37 @@
 //!
 //! The machine's part is the rest.
 
-use faer::Mat;
-use nalgebra::DMatrix;
-use rayon::prelude::*;
+use std::ops::Range;
 
-use crate::influence::Influence;
-use crate::visit_terms::VisitTerms;
-use crate::{Network, Solution};
-use trueaxis_leastsquares::row_products::{
-    add_symmetric_product, add_transposed_product, append_product, mirror,
+use faer::Mat;
+use trueaxis_leastsquares::lane_products::{
+    Factor, LaneMatrix, add_product, add_symmetric_product,
 };
+use trueaxis_leastsquares::row_products::mirror;
+use trueaxis_leastsquares::{Lanes, in_widest_registers, zeros};
+
+use crate::batch_influence::{BatchInfluence, BatchRows};
+use crate::batches::Batch;
+use crate::free_adjustment::FreeAdjustment;
+use crate::free_points::State;
+use crate::{Network, Solution};
 
 /// Covariance of points and stations for the lengths' own noise alone, mm².
 pub struct LengthNoise<'a> {
-    influence: Influence<'a>,
+    influence: BatchInfluence<'a, FreeAdjustment<'a>, State>,
     shared: Mat<f64>,
 }
 
-/// The points' part of [`LengthNoise`]: memory that serves one group after the other.
-#[derive(Default)]
-pub struct GroupNoise {
-    /// Covariance of the points with all stations held (3 rows and columns each), mm².
-    pub own: DMatrix<f64>,
-    /// `[Z N]`: twice as many columns as [`trueaxis_leastsquares::Covariance::coupling`] has.
-    pub coupling: DMatrix<f64>,
+/// The points' part of [`LengthNoise`] for the groups of a batch, one in each lane: memory that serves one
+/// batch after the other. Lanes behind the last group have no meaning.
+#[derive(Debug, Default)]
+pub struct BatchNoise {
+    /// Covariance of the points with all stations held (3 rows and columns each, rows one after the
+    /// other), mm².
+    pub own: Vec<Lanes>,
+    /// `[Z N]`, rows one after the other: twice as many columns as
+    /// [`trueaxis_leastsquares::Covariance::coupling`] has.
+    pub coupling: Vec<Lanes>,
     memory: Memory,
 }
 
@@ -49,27 +56,25 @@ impl Solution {
     /// What the lengths' own noise alone does to the unknowns; `network` must be the one that was
     /// solved.
     pub fn length_noise<'a>(&'a self, network: &'a Network) -> LengthNoise<'a> {
-        let influence = Influence::new(network, self);
+        let influence = BatchInfluence::new(network, self);
         let width = influence.width();
-        let groups = influence.groups();
-        let parts: Vec<Vec<f64>> = (0..groups.div_ceil(PIECE))
-            .into_par_iter()
-            .map(|piece| {
-                let mut sum = vec![0.0; width * width];
+        let parts = influence.of_pieces(
+            #[inline(always)]
+            |piece, rows| {
+                let mut sum = vec![Lanes::ZERO; width * width];
                 let mut memory = Memory::default();
-                for group in piece * PIECE..groups.min((piece + 1) * PIECE) {
-                    let Memory {
-                        terms, part, times, ..
-                    } = &mut memory;
-                    influence.visits(group, terms);
-                    times.clear();
-                    part.append_times(&influence, group, terms.shared_rows(), width, times);
-                    add_symmetric_product(&mut sum, terms.shared_rows(), times, width);
+                for b in piece {
+                    influence.fill(b, rows);
+                    let (batch, shared) = (&influence.batches()[b], rows.hat.shared());
+                    memory.fill_part_of(shared, batch, rows);
+                    let part = LaneMatrix::by_rows(&memory.part_of, [batch.slots(), width]);
+                    add_symmetric_product(&mut sum, shared.transposed(), part);
                 }
+                let mut sum: Vec<f64> = sum.into_iter().map(Lanes::sum).collect();
                 mirror(&mut sum, width);
                 sum
-            })
-            .collect();
+            },
+        );
         let mut middle = Mat::<f64>::zeros(width, width);
         for part in parts {
             for i in 0..width {
@@ -78,7 +83,7 @@ impl Solution {
                 }
             }
         }
-        let sigma = influence.reduced_inverse();
+        let sigma = self.covariance.reduced_inverse();
         let mut shared = Mat::zeros(2 * width, 2 * width);
         shared
             .submatrix_mut(0, 0, width, width)
@@ -93,37 +98,53 @@ impl Solution {
 }
 
 impl LengthNoise<'_> {
-    /// What the lengths' own noise does to the points of a group.
-    pub fn group(&self, group: usize, noise: &mut GroupNoise) {
-        let influence = &self.influence;
-        let covariance = influence.covariance();
-        let GroupNoise {
+    /// What the lengths' own noise does to the points of these groups, which must be those of a batch
+    /// ([`crate::batches_of_groups`]).
+    ///
+    /// # Panics
+    /// If they are not.
+    pub fn batch(&self, groups: &Range<usize>, noise: &mut BatchNoise) {
+        let batches = self.influence.batches();
+        let b = batches.partition_point(|batch| batch.groups.start < groups.start);
+        assert_eq!(&batches[b].groups, groups, "groups of a batch");
+        in_widest_registers(
+            #[inline(always)]
+            || self.fill(b, noise),
+        );
+    }
+
+    #[inline(always)]
+    fn fill(&self, b: usize, noise: &mut BatchNoise) {
+        let BatchNoise {
             own,
             coupling,
             memory,
         } = noise;
-        influence.visits(group, &mut memory.terms);
-        let terms = &memory.terms;
-        let (unknowns, width) = (terms.own_width(), influence.width());
-        // R⁻ᵀ with contiguous rows.
-        let factor = covariance.inverse_factor_columns(group);
+        let mut rows = std::mem::take(&mut memory.rows);
+        self.influence.fill(b, &mut rows);
+        let (batch, width) = (&self.influence.batches()[b], self.influence.width());
+        let (count, unknowns) = (batch.slots(), rows.hat.own().columns());
+        let factors = rows.hat.factors();
         // O R⁻ᵀ and V O R⁻ᵀ.
-        let (rows, times) = (&mut memory.rows, &mut memory.times);
-        rows.clear();
-        append_product(rows, terms.own_rows(), factor, [unknowns; 2]);
-        times.clear();
-        memory
-            .part
-            .append_times(influence, group, rows, unknowns, times);
-        own.resize_mut(unknowns, unknowns, 0.0);
-        own.fill(0.0);
-        add_transposed_product(own.as_mut_slice(), times, rows, [unknowns; 2]);
-        // Columns of [Z N]; those of N are the rows of Tᵀ V O R⁻ᵀ.
-        coupling.resize_mut(unknowns, 2 * width, 0.0);
-        let (z, n) = coupling.as_mut_slice().split_at_mut(width * unknowns);
-        z.copy_from_slice(covariance.coupling_columns(group));
-        n.fill(0.0);
-        add_transposed_product(n, terms.shared_rows(), times, [width, unknowns]);
+        let mut errors = std::mem::take(&mut memory.errors);
+        zeros(&mut errors, count * unknowns);
+        let factor = factors.inverse_factor();
+        add_product(&mut errors, rows.hat.own(), factor.transposed());
+        let of_points = LaneMatrix::by_rows(&errors, [count, unknowns]);
+        memory.fill_part_of(of_points, batch, &rows);
+        let part = LaneMatrix::by_rows(&memory.part_of, [count, unknowns]).transposed();
+        zeros(own, unknowns * unknowns);
+        add_product(own, part, of_points);
+        zeros(&mut memory.mixed, unknowns * width);
+        add_product(&mut memory.mixed, part, rows.hat.shared());
+        coupling.clear();
+        for (i, mixed) in memory.mixed.chunks_exact(width.max(1)).enumerate() {
+            for k in 0..width {
+                coupling.push(factors.coupling().at(i, k));
+            }
+            coupling.extend_from_slice(mixed);
+        }
+        (memory.rows, memory.errors) = (rows, errors);
     }
 
     /// `S`: covariance of the shared sources. The first of them are the stations (x y z L each);
@@ -133,58 +154,31 @@ impl LengthNoise<'_> {
     }
 }
 
-/// Groups that one thread takes at a time.
-const PIECE: usize = 256;
-
 /// Memory to work in.
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Memory {
-    terms: VisitTerms,
-    part: LengthPart,
-    rows: Vec<f64>,
-    times: Vec<f64>,
+    rows: BatchRows,
+    errors: Vec<Lanes>,
+    /// `V` of a visit.
+    part: Vec<Lanes>,
+    /// `V X`.
+    part_of: Vec<Lanes>,
+    /// `N`.
+    mixed: Vec<Lanes>,
 }
 
-/// `V = L⁻¹ diag(σ_l²) L⁻ᵀ` of one visit: memory to work in.
-#[derive(Default)]
-pub(crate) struct LengthPart {
-    unit: Vec<f64>,
-    part: Vec<f64>,
-}
-
-impl LengthPart {
-    /// `V` of a visit with `count` readings, rows contiguous.
-    pub(crate) fn of(&mut self, influence: &Influence<'_>, visit: usize, count: usize) -> &[f64] {
-        let Self { unit, part } = self;
-        part.clear();
-        part.resize(count * count, 0.0);
-        let readings = influence.network().visits[visit].readings.clone();
-        for (i, reading) in readings.enumerate() {
-            influence.unit_error_into(visit, count, i, unit);
-            let variance = influence.length_sigma_mm(visit, reading).powi(2);
-            for (row, u) in part.chunks_exact_mut(count).zip(&*unit) {
-                for (v, other) in row.iter_mut().zip(&*unit) {
-                    *v += variance * u * other;
-                }
-            }
-        }
-        part
-    }
-
-    /// Appends `V X` to `out`, visit after visit of a group, for rows of `columns` elements.
-    fn append_times(
-        &mut self,
-        influence: &Influence<'_>,
-        group: usize,
-        mut rows: &[f64],
-        columns: usize,
-        out: &mut Vec<f64>,
-    ) {
-        for &visit in influence.model().visits_of(group) {
-            let count = influence.network().visits[visit].readings.len();
-            let (own, rest) = rows.split_at(count * columns);
-            append_product(out, self.of(influence, visit, count), own, [count, columns]);
-            rows = rest;
+impl Memory {
+    /// Makes `V X`, visit after visit, for the rows `X` of a batch.
+    #[inline(always)]
+    fn fill_part_of(&mut self, x: LaneMatrix<'_>, batch: &Batch, rows: &BatchRows) {
+        let columns = x.columns();
+        zeros(&mut self.part_of, batch.slots() * columns);
+        for visit in rows.visits(batch) {
+            let slots = visit.slots.clone();
+            visit.fill_length_part(rows, &mut self.part);
+            let part = LaneMatrix::by_rows(&self.part, [slots.len(); 2]);
+            let product = &mut self.part_of[slots.start * columns..slots.end * columns];
+            add_product(product, part, x.part(slots));
         }
     }
 }

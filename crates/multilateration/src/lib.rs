@@ -52,6 +52,7 @@
 //! ```
 
 mod baarda;
+mod batch_influence;
 mod batches;
 mod bodies;
 mod components;
@@ -63,6 +64,8 @@ mod free_points;
 mod from_campaign;
 mod guard;
 mod influence;
+#[cfg(test)]
+mod influence_tests;
 mod interruption;
 mod known_stations;
 mod length_noise;
@@ -86,17 +89,18 @@ mod solution;
 mod solve;
 mod splits;
 mod start;
+mod step_tests;
 mod trials;
-mod visit_terms;
 mod whitened;
 
+pub use batches::batches_of_groups;
 pub use bodies::{Bodies, Body};
 pub use error::{Error, Part, StationUnknown};
 pub use estimate_noise::{NoiseBasis, NoiseEstimate, PartEstimate, estimate_noise};
 pub use from_campaign::{CampaignNetwork, Group, network_from_campaign};
 pub use guard::MOST_OF_A_PART;
 pub use known_stations::{KnownStation, Located, locate};
-pub use length_noise::{GroupNoise, LengthNoise};
+pub use length_noise::{BatchNoise, LengthNoise};
 pub use network::{Interruption, Network, Reading, Visit};
 pub use noise::Noise;
 pub use refine::{Refined, refine};

@@ -65,6 +65,11 @@ impl Beams {
         }
     }
 
+    #[inline(always)]
+    pub(crate) fn distance_mm(&self, slot: usize) -> Lanes {
+        self.of_slots[slot].distance_mm
+    }
+
     /// Cosine of the angle between the beams of two slots.
     #[inline(always)]
     fn cosine(&self, slot: usize, other: usize) -> Lanes {
@@ -138,8 +143,6 @@ fn append_factor_row(
     factor: &mut Vec<Lanes>,
 ) {
     let return_variance = Lanes::splat(noise.return_sigma_mm * noise.return_sigma_mm);
-    let constant = Lanes::splat(noise.length_sigma_mm * noise.length_sigma_mm);
-    let relative = Lanes::splat(noise.length_sigma_relative * noise.length_sigma_relative);
     let there = is_read(batch, first + i);
     let start = factor.len();
     for j in 0..i {
@@ -152,8 +155,7 @@ fn append_factor_row(
         factor.push(c / factor[above + j]);
     }
     let distance = beams.map_or(Lanes::ZERO, |beams| beams.of_slots[first + i].distance_mm);
-    let own = constant + relative * (distance * distance);
-    let own = own * batch.variance_factor(first + i) + return_variance;
+    let own = own_variance(batch, noise, first + i, distance) + return_variance;
     let mut c = own * there + (Lanes::splat(1.0) - there);
     for x in &factor[start..] {
         c = x.mul_add(-*x, c);
@@ -161,9 +163,17 @@ fn append_factor_row(
     factor.push(c.sqrt());
 }
 
+/// Variance of the length of a slot without the machine's return, mm².
+#[inline(always)]
+pub(crate) fn own_variance(batch: &Batch, noise: &Noise, slot: usize, distance_mm: Lanes) -> Lanes {
+    let constant = Lanes::splat(noise.length_sigma_mm * noise.length_sigma_mm);
+    let relative = Lanes::splat(noise.length_sigma_relative * noise.length_sigma_relative);
+    (constant + relative * (distance_mm * distance_mm)) * batch.variance_factor(slot)
+}
+
 /// One where there is a reading, zero where there is none.
 #[inline(always)]
-fn is_read(batch: &Batch, slot: usize) -> Lanes {
+pub(crate) fn is_read(batch: &Batch, slot: usize) -> Lanes {
     let factors = batch.variance_factor(slot);
     Lanes::from_fn(|lane| f64::from(u8::from(factors.0[lane] > 0.0)))
 }

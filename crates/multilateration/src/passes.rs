@@ -1,18 +1,16 @@
 //! Passes over the batches of a network: the equations are made, used and forgotten.
 //!
 //! Threads take pieces that depend on the number of batches alone, and sums are added up in their order:
-//! the same bits on any number of threads. A pass is compiled once more for each kind of wider registers,
-//! and the widest that the processor has are taken: eight numbers side by side fill one of AVX-512, of
-//! which there are twice as many besides.
+//! the same bits on any number of threads. Each takes the widest registers that the processor has
+//! ([`in_widest_registers`]).
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-#[cfg(target_arch = "x86_64")]
-use fearless_simd::{Level, Simd};
-use pulp::Arch;
 use rayon::prelude::*;
-use trueaxis_leastsquares::{BlockBatch, Error as LeastSquaresError, Factors, LaneSums, Reduced};
+use trueaxis_leastsquares::{
+    BlockBatch, Error as LeastSquaresError, Factors, LaneSums, Lanes, Reduced, in_widest_registers,
+};
 
 use crate::batches::Batch;
 use crate::free_points::DATUM;
@@ -37,6 +35,9 @@ pub(crate) trait GroupModel: Sync {
     fn shared(&self) -> usize;
 
     fn memories(&self) -> &Memories;
+
+    /// The weights of a batch: `L⁻¹` of each visit, the rows of its triangle one after the other.
+    fn weights_of(&self, b: usize) -> &[Lanes];
 
     /// Makes the equations of batch `b` at `state`.
     fn fill(&self, state: &Self::State, b: usize, gauge: Gauge, memory: &mut Memory);
@@ -108,17 +109,6 @@ pub(crate) fn within_pool<T: Send>(batches: usize, work: impl FnOnce() -> T + Se
         true => rayon::scope(|_| work()),
         false => work(),
     }
-}
-
-/// Does `work`, of which everything must be inlined, with the widest registers of the processor. Those of
-/// AVX-512 (from Ice Lake and Zen 4 on) come from another crate: [`pulp`] would use them for faer as well,
-/// where a test went wrong.
-fn in_widest_registers<T>(work: impl FnOnce() -> T) -> T {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(avx512) = Level::new().as_avx512() {
-        return avx512.vectorize(work);
-    }
-    Arch::new().dispatch(work)
 }
 
 /// What `work` makes of each item, in order.

@@ -229,7 +229,7 @@ mod tests {
     use super::*;
     use crate::batches::batches;
     use crate::free_adjustment::FreeAdjustment;
-    use crate::passes::{self, Gauge, Memory, pieces};
+    use crate::passes::{self, Gauge, GroupModel, Memory, pieces};
     use crate::{Network, Reading, Visit};
 
     /// Points in batches of which the last is not full, not all seen from all of `stations`; the sixth
@@ -280,7 +280,7 @@ mod tests {
     fn any_registers_give_the_same_bits() {
         for stations in LEAST_ROWS..=MOST_ROWS {
             let (network, state) = network(stations, 30);
-            let batches = Arc::new(batches(&network, 3).unwrap());
+            let batches = Arc::new(batches(&network));
             assert_eq!(pieces(batches.len()).len(), 1);
             let model = FreeAdjustment::new(&network, &batches, &state);
             let mut sums = LaneSums::new(PER_STATION * stations, 0);
@@ -304,7 +304,7 @@ mod tests {
             for station in &mut state.stations {
                 *station = Point3::new(5000.0, 0.0, 0.0) + station.coords * 1e-5;
             }
-            let batches = Arc::new(batches(&network, 3).unwrap());
+            let batches = Arc::new(batches(&network));
             let model = FreeAdjustment::new(&network, &batches, &state);
             let mut sums = LaneSums::new(PER_STATION * stations, 0);
             let mut moved = vec![Point3::origin(); 8];
@@ -323,7 +323,7 @@ mod tests {
     fn agrees_with_the_general_way() {
         for stations in LEAST_ROWS..=MOST_ROWS {
             let (network, state) = network(stations, 150);
-            let batches = Arc::new(batches(&network, 3).unwrap());
+            let batches = Arc::new(batches(&network));
             assert!(batches.iter().all(is_plain));
             let model = FreeAdjustment::new(&network, &batches, &state);
             let mut general = LaneSums::new(PER_STATION * stations, 0);

@@ -13,7 +13,7 @@
 use trueaxis_leastsquares::chi_squared_quantile;
 
 use crate::baarda::test_all;
-use crate::influence::Influence;
+use crate::batch_influence::BatchInfluence;
 use crate::screening::reading_limit;
 use crate::{Network, Solution};
 
@@ -36,7 +36,7 @@ impl Solution {
         // z_p is the root of the chi-squared quantile of 2p - 1 with one degree of freedom.
         let power = chi_squared_quantile(2.0 * POWER - 1.0, 1.0).sqrt();
         let factor = reading_limit(network.readings.len()) + power;
-        let tests = test_all(&Influence::new(network, self)).readings;
+        let tests = test_all(&BatchInfluence::new(network, self)).readings;
         let numbers = self.redundancy_numbers(network);
         let all = tests.iter().zip(numbers);
         all.map(|(test, redundancy)| Reliability {

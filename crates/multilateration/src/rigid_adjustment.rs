@@ -10,6 +10,7 @@ use trueaxis_leastsquares::{
     Adjustment, BlockBatch, Error as LeastSquaresError, Factors, LANES, Lanes, Reduced, Shape,
 };
 
+use crate::Network;
 use crate::batches::{Batch, batches};
 use crate::bodies::Bodies;
 use crate::free_adjustment::FreeAdjustment;
@@ -17,7 +18,6 @@ use crate::free_points::State;
 use crate::passes::{self, Gauge, GroupModel, Memories, Memory, pieces, try_in_parallel};
 use crate::reweighting::Reweighted;
 use crate::rigid_stages::{Deformations, POSE, RigidState};
-use crate::{Error, Network};
 
 /// The model with its weights, which stay as they are while it is adjusted.
 pub(crate) struct RigidAdjustment<'a> {
@@ -29,23 +29,16 @@ pub(crate) struct RigidAdjustment<'a> {
 
 impl<'a> RigidAdjustment<'a> {
     /// The model with the weights that belong to the beams at `state`.
-    ///
-    /// # Errors
-    /// Those of [`batches`].
-    pub(crate) fn new(
-        network: &'a Network,
-        bodies: &'a Bodies,
-        state: &State,
-    ) -> Result<Self, Error> {
+    pub(crate) fn new(network: &'a Network, bodies: &'a Bodies, state: &State) -> Self {
         // Points that few stations see are tied to others.
-        let batches = Arc::new(batches(network, 0)?);
+        let batches = Arc::new(batches(network));
         let free = FreeAdjustment::new(network, &batches, state);
-        Ok(Self {
+        Self {
             deformations: Deformations::new(bodies, GroupModel::shared(&free)),
             free,
             network,
             bodies,
-        })
+        }
     }
 }
 
@@ -150,6 +143,11 @@ impl GroupModel for RigidAdjustment<'_> {
 
     fn memories(&self) -> &Memories {
         self.free.memories()
+    }
+
+    #[inline(always)]
+    fn weights_of(&self, b: usize) -> &[Lanes] {
+        self.free.weights_of(b)
     }
 
     fn unknowns(&self, _: &Batch) -> usize {

@@ -5,11 +5,11 @@ use trueaxis_leastsquares::{
     Adjusted, Covariance, Error as LeastSquaresError, Termination, adjust,
 };
 
+use crate::batch_influence::BatchInfluence;
 use crate::bodies::Bodies;
 use crate::components::{Components, components};
 use crate::estimate_noise::{Weighted, estimate};
 use crate::free_points::State;
-use crate::influence::Influence;
 use crate::passes::{GroupModel, within_pool};
 use crate::reweighting::reweight;
 use crate::rigid_adjustment::RigidAdjustment;
@@ -109,7 +109,7 @@ fn adjust_from(
     start: RigidState,
     settings: &Settings,
 ) -> Result<RigidSolution, Error> {
-    let mut model = RigidAdjustment::new(network, bodies, &start.free)?;
+    let mut model = RigidAdjustment::new(network, bodies, &start.free);
     let run = |model: &RigidAdjustment<'_>, start| {
         adjust(model, start, &settings.iteration).map_err(|error| match error {
             LeastSquaresError::BlockRank { block, .. }
@@ -209,6 +209,7 @@ impl Weighted for RigidNoise<'_> {
     }
 
     fn components(&self) -> Option<Components> {
-        components(&Influence::rigid(self.network, self.bodies, self.solution))
+        let (network, bodies) = (&*self.network, self.bodies);
+        components(&BatchInfluence::rigid(network, bodies, self.solution))
     }
 }

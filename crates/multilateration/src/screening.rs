@@ -6,6 +6,7 @@ use std::sync::Arc;
 use trueaxis_leastsquares::student_two_sided;
 
 use crate::baarda::{ReadingTest, Tests, test_all};
+use crate::batch_influence::BatchInfluence;
 use crate::estimate_noise::level;
 use crate::guard;
 use crate::influence::Influence;
@@ -234,7 +235,13 @@ impl<'a> Screening<'a> {
         }
         let tests = match &self.tests {
             Some(tests) => Rc::clone(tests),
-            None => Rc::new(self.with_influence(test_all)),
+            None => Rc::new(
+                self.solution
+                    .as_ref()
+                    .map_or_else(Tests::default, |solution| {
+                        test_all(&BatchInfluence::new(&self.network, solution))
+                    }),
+            ),
         };
         self.tests = Some(Rc::clone(&tests));
         let scale = match (self.noise_known, self.declared) {

@@ -7,7 +7,6 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::Error;
 use crate::network::{Network, VisitsByGroup};
 
 /// What slots a batch has; batches of a campaign measured by a plan share one.
@@ -18,6 +17,13 @@ pub(crate) struct Layout {
     pub(crate) point_of_slot: Vec<usize>,
     /// Whether every slot is the only one of its visit and of its station, of groups of one point.
     pub(crate) is_plain: bool,
+}
+
+impl Layout {
+    /// The visit that a slot belongs to.
+    pub(crate) fn visit_of(&self, slot: usize) -> usize {
+        self.visits.partition_point(|visit| visit.slots.end <= slot)
+    }
 }
 
 /// The slots of a visit.
@@ -41,8 +47,6 @@ struct Key {
 /// The slots of one batch after the other.
 #[derive(Debug, Default)]
 pub(crate) struct Slots {
-    /// Stations from which each point must be seen.
-    stations_per_point: usize,
     layout: Arc<Layout>,
     /// Slot and reading, group after group.
     places: Vec<(usize, usize)>,
@@ -64,31 +68,19 @@ struct Plan {
 }
 
 impl Slots {
-    /// Of groups whose points are seen from at least so many stations each.
-    pub(crate) fn new(stations_per_point: usize) -> Self {
-        Self {
-            stations_per_point,
-            ..Self::default()
-        }
-    }
-
     /// Takes the slots of some groups.
-    ///
-    /// # Errors
-    /// [`Error::PointSeenTooRarely`].
     pub(crate) fn take(
         &mut self,
         network: &Network,
         by_group: &VisitsByGroup,
         groups: Range<usize>,
-    ) -> Result<(), Error> {
+    ) {
         self.places.clear();
         self.ends.clear();
         let mut of_groups = groups.clone();
         if !of_groups.all(|group| self.place_by_plan(network, group, by_group.of(group))) {
-            self.place_by_keys(network, by_group, groups)?;
+            self.place_by_keys(network, by_group, groups);
         }
-        Ok(())
     }
 
     /// The slots of the batch.
@@ -131,19 +123,12 @@ impl Slots {
     }
 
     /// Finds the slots of groups that differ, and makes the first group the plan if all have the same.
-    fn place_by_keys(
-        &mut self,
-        network: &Network,
-        by_group: &VisitsByGroup,
-        groups: Range<usize>,
-    ) -> Result<(), Error> {
+    fn place_by_keys(&mut self, network: &Network, by_group: &VisitsByGroup, groups: Range<usize>) {
         self.keys.clear();
         self.places.clear();
         self.ends.clear();
         for group in groups.clone() {
-            let first = self.keys.len();
             append_keys(network, by_group.of(group), &mut self.keys);
-            self.check_seen(network, group, &self.keys[first..])?;
             self.ends.push(self.keys.len());
         }
         let mut slots: Vec<Key> = self.keys.iter().map(|&(key, _)| key).collect();
@@ -161,33 +146,6 @@ impl Slots {
         if self.places.len() == slots.len() * groups.len() {
             self.plan = Plan::new(network, groups.start, by_group, self.places(0));
         }
-        Ok(())
-    }
-
-    /// Checks that each point of a group is seen from enough stations.
-    fn check_seen(
-        &self,
-        network: &Network,
-        group: usize,
-        keys: &[(Key, usize)],
-    ) -> Result<(), Error> {
-        let need = self.stations_per_point;
-        for point in 0..network.groups[group].len() {
-            let own = keys.iter().filter(|(key, _)| key.point == point);
-            let mut stations: Vec<usize> = own.map(|(key, _)| key.station).collect();
-            stations.sort_unstable();
-            stations.dedup();
-            let seen = stations.len();
-            if seen < need {
-                return Err(Error::PointSeenTooRarely {
-                    group,
-                    point,
-                    seen,
-                    need,
-                });
-            }
-        }
-        Ok(())
     }
 }
 
@@ -254,86 +212,4 @@ fn slot_visits(slots: &[Key]) -> Vec<SlotVisit> {
         }
     }
     visits
-}
-
-#[cfg(test)]
-mod tests {
-    use nalgebra::Point3;
-
-    use super::*;
-    use crate::{Reading, Visit};
-
-    /// Groups of three points read from four stations, the first one without one of the readings.
-    fn network(groups: usize) -> Network {
-        let mut network = Network {
-            stations: vec![None; 4],
-            ..Network::default()
-        };
-        for group in 0..groups {
-            network.groups.push(3 * group..3 * group + 3);
-            network.nominal_mm.extend([Point3::origin(); 3]);
-            for station in 0..4 {
-                let first = network.readings.len();
-                let read = (0..3).filter(|&point| (group, station, point) != (0, 3, 2));
-                network.readings.extend(read.map(|point| Reading {
-                    point,
-                    length_mm: 0.0,
-                }));
-                network.visits.push(Visit {
-                    station,
-                    group,
-                    readings: first..network.readings.len(),
-                });
-            }
-        }
-        network
-    }
-
-    /// What comes last is refused, whatever plan was followed before.
-    fn refused(network: &Network) -> Option<Error> {
-        let (mut slots, by_group) = (Slots::new(3), network.visits_by_group());
-        let groups = network.groups.len();
-        for first in (0..groups - 1).step_by(8) {
-            let last = (first + 8).min(groups - 1);
-            slots.take(network, &by_group, first..last).unwrap();
-        }
-        slots.take(network, &by_group, groups - 1..groups).err()
-    }
-
-    #[test]
-    fn groups_without_visits_follow_no_plan() {
-        for planned in [8, 16] {
-            let mut network = network(planned);
-            network.groups.push(3 * planned..3 * planned + 1);
-            network.nominal_mm.push(Point3::origin());
-            let found = refused(&network);
-            let expected = Error::PointSeenTooRarely {
-                group: planned,
-                point: 0,
-                seen: 0,
-                need: 3,
-            };
-            assert_eq!(format!("{found:?}"), format!("{:?}", Some(expected)));
-        }
-    }
-
-    #[test]
-    fn a_point_more_than_planned_is_seen_too_rarely() {
-        let mut network = network(17);
-        network.groups[16].end += 1;
-        network.nominal_mm.push(Point3::origin());
-        let found = refused(&network);
-        assert!(
-            matches!(
-                found,
-                Some(Error::PointSeenTooRarely {
-                    group: 16,
-                    point: 3,
-                    seen: 0,
-                    ..
-                })
-            ),
-            "{found:?}"
-        );
-    }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use trueaxis_leastsquares::{Adjusted, Adjustment, Error as LeastSquaresError, adjust};
 
-use crate::batches::{Batch, batches};
+use crate::batches::{Batch, batches, check_seen};
 use crate::free_adjustment::FreeAdjustment;
 use crate::free_points::{DATUM, PER_STATION, State};
 use crate::passes::within_pool;
@@ -222,7 +222,8 @@ pub(crate) fn batches_of(network: &Network) -> Result<Arc<Vec<Batch>>, Error> {
     if let Some(station) = used.iter().position(|used| !used) {
         return Err(Error::StationWithoutReadings { station });
     }
-    let batches = batches(network, MIN_STATIONS_PER_POINT)?;
+    let batches = batches(network);
+    check_seen(&batches, MIN_STATIONS_PER_POINT)?;
     let readings = network.readings.len();
     let shared = PER_STATION * found + network.interruptions.len();
     let unknowns = 3 * network.nominal_mm.len() + shared - DATUM;

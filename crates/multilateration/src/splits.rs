@@ -1,10 +1,11 @@
 //! Where turns are split because the zero of a station jumped: found, placed, and taken back.
 
-use crate::baarda::{ReadingTest, StepTest, largest_steps};
+use crate::baarda::ReadingTest;
 use crate::interruption::is_interruption;
 use crate::robust_weights::{REMOVED, distances_from_neighbours};
 use crate::screen::Jump;
 use crate::screening::Screening;
+use crate::step_tests::{StepTest, largest_steps};
 use crate::{Error, Interruption, Network, Solution};
 
 /// Probability that any of its turns is split.
@@ -51,12 +52,17 @@ impl Screening<'_> {
             .filter(|&(_, &factor)| factor <= 1.0)
             .fold(0.0_f64, |largest, (test, _)| largest.max(test.w.abs()));
         let limit = (self.limit(STEPS_LEVEL) * scale).max(largest_reading);
-        let mut steps = self.with_influence(largest_steps);
+        let mut steps = self.largest_steps();
         steps.retain(|step| step.w.abs() > limit && step.before.min(step.after) >= LEAST_STEP);
         steps.sort_by(|a, b| b.w.abs().total_cmp(&a.w.abs()));
         steps
             .into_iter()
             .find(|step| self.with_influence(|influence| is_interruption(influence, step, scale)))
+    }
+
+    fn largest_steps(&self) -> Vec<StepTest> {
+        let solution = self.solution.as_ref();
+        solution.map_or_else(Vec::new, |solution| largest_steps(&self.network, solution))
     }
 
     pub(crate) fn split(&mut self, station: usize, first_reading: usize) {
@@ -77,7 +83,7 @@ impl Screening<'_> {
         for interruption in self.network.interruptions.clone() {
             self.network.interruptions.retain(|i| *i != interruption);
             self.solve()?;
-            let steps = self.with_influence(largest_steps);
+            let steps = self.largest_steps();
             let of_station = steps
                 .into_iter()
                 .filter(|s| s.station == interruption.station);

@@ -95,7 +95,7 @@ fn full_solution(network: &Network, solution: &Solution, errors_mm: &[f64]) -> S
         reading.length_mm += error - residual;
     }
     let state = solution.state();
-    let batches = Arc::new(batches(&disturbed, 0).unwrap());
+    let batches = Arc::new(batches(&disturbed));
     let model = FreeAdjustment::new(&disturbed, &batches, &state);
     let adjusted = adjust(&model, state, &Iteration::default()).unwrap();
     assert!(adjusted.termination.is_converged());

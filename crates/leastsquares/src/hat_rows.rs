@@ -1,0 +1,89 @@
+//! The hat matrix of solved blocks, factored, eight blocks side by side.
+//!
+//! With the whitened rows `[A | B]` of a block and the factors `R⁻¹`, `Z`, `Σ` of the covariance
+//! ([`Covariance`]):
+//!
+//! ```text
+//! J Q Jᵀ = [same block] O Oᵀ + T Σ Tᵀ      O = A R⁻¹      T = B - A Z
+//! ```
+//!
+//! so what needs the hat matrix (redundancy, tests of single rows, variance components) is linear in the
+//! number of rows.
+
+use crate::block_batch::{BlockBatch, Shape};
+use crate::covariance::Covariance;
+use crate::covariance_lanes::CovarianceLanes;
+use crate::lane_products::{LaneMatrix, add_product, subtract_product};
+use crate::lanes::{Lanes, zeros};
+
+/// `O`, `T` and the residuals of eight blocks, and memory to make them.
+#[derive(Debug, Clone, Default)]
+pub struct HatRows {
+    /// Columns of `O`, and of `T`.
+    unknowns: usize,
+    width: usize,
+    own: Vec<Lanes>,
+    shared: Vec<Lanes>,
+    residual: Vec<Lanes>,
+    /// `A`, rows contiguous.
+    rows: Vec<Lanes>,
+    factors: CovarianceLanes,
+}
+
+impl HatRows {
+    /// Takes the rows of the first `used` blocks of a batch, which is not eliminated yet; they are numbered
+    /// from `first` in the covariance. Lanes from `used` on have rows of zeros.
+    #[inline(always)]
+    pub fn fill(
+        &mut self,
+        batch: &BlockBatch,
+        covariance: &Covariance,
+        (first, used): (usize, usize),
+    ) {
+        let Shape { rows, unknowns, .. } = batch.shape();
+        (self.unknowns, self.width) = (unknowns, covariance.reduced_inverse().ncols());
+        self.factors.fill(covariance, (first, used));
+        let mask = Lanes::from_fn(|lane| f64::from(u8::from(lane < used)));
+        zeros(&mut self.rows, rows * unknowns);
+        for k in 0..unknowns {
+            let places = self.rows[k..].iter_mut().step_by(unknowns);
+            for (place, x) in places.zip(batch.own(k)) {
+                *place = *x * mask;
+            }
+        }
+        let a = LaneMatrix::by_rows(&self.rows, [rows, unknowns]);
+        zeros(&mut self.own, rows * unknowns);
+        add_product(&mut self.own, a, self.factors.inverse_factor());
+        zeros(&mut self.shared, rows * self.width);
+        for (i, row) in self.shared.chunks_exact_mut(self.width.max(1)).enumerate() {
+            batch.copy_shared_row(i, row);
+        }
+        subtract_product(&mut self.shared, a, self.factors.coupling());
+        self.residual.clear();
+        self.residual.extend_from_slice(batch.residual());
+    }
+
+    /// `O`: one column for each unknown of the blocks.
+    #[inline(always)]
+    pub fn own(&self) -> LaneMatrix<'_> {
+        LaneMatrix::by_rows(&self.own, [self.residual.len(), self.unknowns])
+    }
+
+    /// `T`: one column for each shared unknown and datum multiplier.
+    #[inline(always)]
+    pub fn shared(&self) -> LaneMatrix<'_> {
+        LaneMatrix::by_rows(&self.shared, [self.residual.len(), self.width])
+    }
+
+    /// The covariance factors of the blocks; lanes without one repeat the last.
+    #[inline(always)]
+    pub fn factors(&self) -> &CovarianceLanes {
+        &self.factors
+    }
+
+    /// The whitened residuals, observed minus computed.
+    #[inline(always)]
+    pub fn residual(&self) -> &[Lanes] {
+        &self.residual
+    }
+}

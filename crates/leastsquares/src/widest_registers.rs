@@ -1,0 +1,25 @@
+//! The widest registers of the processor.
+
+#[cfg(target_arch = "x86_64")]
+use fearless_simd::{Level, Simd};
+
+/// Does `work`, of which everything must be inlined, with the widest registers of the processor: it is
+/// compiled once more for each kind of them. One of AVX-512 (from Ice Lake and Zen 4 on) holds a
+/// [`crate::Lanes`], and there are twice as many besides. Results are the same bits with all of them.
+///
+/// [`pulp`], which serves the rest of this crate, would use those for faer as well, where a test went
+/// wrong, and its dispatch leaves larger work outside the registers it chose.
+#[inline]
+pub fn in_widest_registers<T>(work: impl FnOnce() -> T) -> T {
+    #[cfg(target_arch = "x86_64")]
+    {
+        let level = Level::new();
+        if let Some(avx512) = level.as_avx512() {
+            return avx512.vectorize(work);
+        }
+        if let Some(avx2) = level.as_avx2() {
+            return avx2.vectorize(work);
+        }
+    }
+    work()
+}

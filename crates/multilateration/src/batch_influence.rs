@@ -1,0 +1,210 @@
+//! The hat matrix of a solved network, batch by batch: [`crate::influence`] eight groups at a time.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+use trueaxis_leastsquares::lane_products::{Factor, LaneMatrix, SharedMatrix};
+use trueaxis_leastsquares::{Covariance, HatRows, Lanes, in_widest_registers, lanes_only, zeros};
+
+use crate::batches::{Batch, batches};
+use crate::bodies::Bodies;
+use crate::free_adjustment::FreeAdjustment;
+use crate::free_points::State;
+use crate::linearise::{is_read, own_variance};
+use crate::noise::factor_len;
+use crate::passes::{Gauge, GroupModel, Memory};
+use crate::rigid_adjustment::RigidAdjustment;
+use crate::rigid_stages::RigidState;
+use crate::slots::SlotVisit;
+use crate::{Network, RigidSolution, Solution};
+
+/// Batches that one thread takes at a time, and that one partial sum is made of.
+const PIECE: usize = 32;
+
+/// A solved network, ready to say what each batch contributed.
+pub(crate) struct BatchInfluence<'a, M, S> {
+    network: &'a Network,
+    model: M,
+    /// The state of the model.
+    state: S,
+    covariance: &'a Covariance,
+    /// The rows of `Σ`, one after the other.
+    sigma: Vec<f64>,
+}
+
+/// What a batch contributed, and memory to make it.
+#[derive(Debug, Default)]
+pub(crate) struct BatchRows {
+    /// `O`, `T` and the residuals, rows in the order of the slots.
+    pub(crate) hat: HatRows,
+    memory: Memory,
+    /// `L⁻¹` of each visit, all its elements row by row, one visit after the other.
+    unit_errors: Vec<Lanes>,
+    /// Variance of the length of each slot without the machine's return, mm².
+    pub(crate) variances: Vec<Lanes>,
+    /// One where there is a reading, zero where there is none.
+    pub(crate) there: Vec<Lanes>,
+}
+
+impl<'a> BatchInfluence<'a, FreeAdjustment<'a>, State> {
+    /// Of free points; `network` must be the one that `solution` solved.
+    pub(crate) fn new(network: &'a Network, solution: &'a Solution) -> Self {
+        let state = solution.state();
+        let batches = std::sync::Arc::new(batches(network));
+        let model = FreeAdjustment::new(network, &batches, &state);
+        Self::of_model(network, (model, state), &solution.covariance)
+    }
+}
+
+impl<'a> BatchInfluence<'a, RigidAdjustment<'a>, RigidState> {
+    /// Of rigid stages; `network` must be the one that `solution` solved.
+    pub(crate) fn rigid(
+        network: &'a Network,
+        bodies: &'a Bodies,
+        solution: &'a RigidSolution,
+    ) -> Self {
+        let state = solution.state();
+        let model = RigidAdjustment::new(network, bodies, &state.free);
+        Self::of_model(network, (model, state), &solution.covariance)
+    }
+}
+
+impl<'a, M: GroupModel<State = S>, S: Sync> BatchInfluence<'a, M, S> {
+    fn of_model(network: &'a Network, (model, state): (M, S), covariance: &'a Covariance) -> Self {
+        let sigma = covariance.reduced_inverse();
+        let rows = sigma.row_iter().map(|row| row.iter().copied().collect());
+        Self {
+            network,
+            model,
+            state,
+            sigma: rows.collect::<Vec<Vec<f64>>>().concat(),
+            covariance,
+        }
+    }
+
+    pub(crate) fn network(&self) -> &'a Network {
+        self.network
+    }
+
+    pub(crate) fn batches(&self) -> &[Batch] {
+        self.model.batches()
+    }
+
+    /// Number of columns of `T`.
+    pub(crate) fn width(&self) -> usize {
+        self.covariance.reduced_inverse().ncols()
+    }
+
+    /// `Σ`: symmetric.
+    pub(crate) fn sigma(&self) -> &[f64] {
+        &self.sigma
+    }
+
+    /// The same for products in lanes.
+    #[inline(always)]
+    pub(crate) fn shared_sigma(&self) -> SharedMatrix<'_> {
+        SharedMatrix::by_rows(&self.sigma, [self.width(); 2])
+    }
+
+    /// What `work` makes of pieces of the batches, in order, on all threads; it is compiled for the widest
+    /// registers, so everything in it must be inlined.
+    pub(crate) fn of_pieces<T: Send>(
+        &self,
+        work: impl Fn(Range<usize>, &mut BatchRows) -> T + Sync + Send,
+    ) -> Vec<T> {
+        let batches = self.batches().len();
+        let of_piece = |rows: &mut BatchRows, piece: usize| {
+            let piece = piece * PIECE..batches.min((piece + 1) * PIECE);
+            in_widest_registers(
+                #[inline(always)]
+                || work(piece, rows),
+            )
+        };
+        let pieces = (0..batches.div_ceil(PIECE)).into_par_iter();
+        pieces.map_init(BatchRows::default, of_piece).collect()
+    }
+
+    /// Takes the rows of batch `b`.
+    #[inline(always)]
+    pub(crate) fn fill(&self, b: usize, rows: &mut BatchRows) {
+        let BatchRows {
+            hat,
+            memory,
+            unit_errors,
+            variances,
+            there,
+        } = rows;
+        self.model.fill(&self.state, b, Gauge::Free, memory);
+        let batch = &self.batches()[b];
+        let used = batch.groups.len();
+        let groups = (batch.groups.start, used);
+        hat.fill(&memory.equations, self.covariance, groups);
+
+        let mask = Lanes::from_fn(|lane| f64::from(u8::from(lane < used)));
+        variances.clear();
+        there.clear();
+        for slot in 0..batch.slots() {
+            let distance_mm = memory.beams.distance_mm(slot);
+            variances.push(own_variance(batch, &self.network.noise, slot, distance_mm));
+            there.push(is_read(batch, slot) * mask);
+        }
+        unit_errors.clear();
+        let mut weights = self.model.weights_of(b);
+        for SlotVisit { slots, .. } in &batch.layout.visits {
+            for i in 0..slots.len() {
+                let row = &weights[factor_len(i)..factor_len(i + 1)];
+                unit_errors.extend_from_slice(row);
+                unit_errors.resize(unit_errors.len() + slots.len() - row.len(), Lanes::ZERO);
+            }
+            weights = &weights[factor_len(slots.len())..];
+        }
+    }
+}
+
+/// The rows of one visit.
+pub(crate) struct VisitPart<'a> {
+    pub(crate) slots: Range<usize>,
+    /// `L⁻¹`: column `i` is a unit error of slot `i` of the visit, whitened; zero where there is no
+    /// reading. Lanes without a group repeat another one's.
+    pub(crate) unit_errors: LaneMatrix<'a>,
+}
+
+impl VisitPart<'_> {
+    /// `V = L⁻¹ diag(σ_l²) L⁻ᵀ`: the lengths' own part of the whitened noise, rows contiguous; zero in
+    /// lanes without a group.
+    #[inline(always)]
+    pub(crate) fn fill_length_part(&self, rows: &BatchRows, part: &mut Vec<Lanes>) {
+        let count = self.slots.len();
+        zeros(part, count * count);
+        for (i, slot) in self.slots.clone().enumerate() {
+            let variance = rows.variances[slot] * rows.there[slot];
+            for (r, row) in part.chunks_exact_mut(count).enumerate() {
+                let factor = variance * self.unit_errors.at(r, i);
+                for (c, v) in row.iter_mut().enumerate() {
+                    lanes_only();
+                    *v = factor.mul_add(self.unit_errors.at(c, i), *v);
+                }
+            }
+        }
+    }
+}
+
+impl BatchRows {
+    /// The visits of the batch that was taken.
+    #[inline(always)]
+    pub(crate) fn visits<'r>(&'r self, batch: &'r Batch) -> impl Iterator<Item = VisitPart<'r>> {
+        let mut rest = self.unit_errors.as_slice();
+        batch.layout.visits.iter().map(
+            #[inline(always)]
+            move |visit| {
+                let count = visit.slots.len();
+                let (own, others) = rest.split_at(count * count);
+                rest = others;
+                VisitPart {
+                    slots: visit.slots.clone(),
+                    unit_errors: LaneMatrix::by_rows(own, [count; 2]),
+                }
+            },
+        )
+    }
+}
