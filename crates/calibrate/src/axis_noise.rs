@@ -17,7 +17,7 @@ use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product};
 use trueaxis_leastsquares::{Lanes, in_widest_registers, zeros};
 
 use crate::axis_data::AxisData;
-use crate::in_order;
+use crate::in_order::{self, CHUNKS};
 use crate::node_records::NodeRecords;
 use crate::point_noise::{ChunkErrors, PointNoise};
 use crate::record_chunks::Chunk;
@@ -98,13 +98,13 @@ impl<'a> AxisNoise<'a> {
         let add = |sums: &mut [Vec<Lanes>; 2], memory: &mut ParameterMemory, i: usize| {
             memory.add(noise, sensitivity, &axis.chunks[i], sums);
         };
-        let sums = in_order::sum(axis.chunks.len(), zero, add, |whole, part| {
+        let sums = in_order::sum((axis.chunks.len(), CHUNKS), zero, add, |whole, part| {
             for (sum, x) in whole.iter_mut().flatten().zip(part.iter().flatten()) {
                 *sum += *x;
             }
         });
         let [parameters, parameters_shared] = sums.map(|sum| {
-            let columns = sum.len() / width.max(1);
+            let columns = sum.len().checked_div(width).unwrap_or(shared_sources);
             DMatrix::from_row_iterator(width, columns, sum.into_iter().map(Lanes::sum))
         });
         Self {

@@ -42,10 +42,7 @@ const ABSURD_RAD: f64 = 5e-3;
 /// # Errors
 /// See [`Error`]; nothing is returned that is not converged or not determined.
 pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration, Error> {
-    let (calibration, parts) = calibrate_in_parts(campaign, settings)?;
-    // What a large campaign leaves takes a while to be freed: nobody need wait for that.
-    rayon::spawn(|| drop(parts));
-    Ok(calibration)
+    calibrate_in_parts(campaign, settings).map(|(calibration, _)| calibration)
 }
 
 /// What a calibration rests on.

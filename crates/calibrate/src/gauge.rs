@@ -28,7 +28,7 @@ use trueaxis_kinematics::{Axis, AxisKind};
 
 use crate::axis_data::AxisData;
 use crate::basis::Basis;
-use crate::in_order;
+use crate::in_order::{self, RECORDS};
 
 /// The gauge of one axis.
 pub(crate) struct Gauge {
@@ -100,7 +100,7 @@ impl Gauge {
             sum.gemm_tr(1.0, &deviation, &deviation, 1.0);
         };
         let records = data.records.len();
-        let agreement = in_order::sum(records, zero, add, |whole, part| *whole += part);
+        let agreement = in_order::sum((records, RECORDS), zero, add, |whole, part| *whole += part);
         let solver = bordered_inverse(&agreement, &constraint)?;
         let (of_agreement, of_constraint) =
             (solver.columns(0, width), solver.columns(width, count));

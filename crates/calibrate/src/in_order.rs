@@ -2,31 +2,27 @@
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
-/// Items that one thread takes at a time, and that one partial sum is made of: some ten
-/// microseconds of work, beside which the hand-over is nothing.
-const PIECE: usize = 32;
+/// Records that one thread takes at a time, and that one partial sum is made of: some ten microseconds of
+/// work, beside which the hand-over is nothing.
+pub(crate) const RECORDS: usize = 32;
+
+/// The same for chunks of records.
+pub(crate) const CHUNKS: usize = 4;
 
 /// `f` of each of `count` items.
 pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-    let items = (0..count).into_par_iter().with_min_len(PIECE);
+    let items = (0..count).into_par_iter().with_min_len(RECORDS);
     items.map(f).collect()
 }
 
-/// The same with memory to work in.
+/// The same with memory to work in, at least `piece` items at a time.
 pub(crate) fn map_with<M: Default, T: Send>(
     count: usize,
+    piece: usize,
     f: impl Fn(&mut M, usize) -> T + Sync + Send,
 ) -> Vec<T> {
-    let items = (0..count).into_par_iter().with_min_len(PIECE);
+    let items = (0..count).into_par_iter().with_min_len(piece);
     items.map_init(M::default, f).collect()
-}
-
-/// The same for pieces that are work enough for a thread each.
-pub(crate) fn map_pieces<M: Default, T: Send>(
-    count: usize,
-    f: impl Fn(&mut M, usize) -> T + Sync + Send,
-) -> Vec<T> {
-    (0..count).into_par_iter().map_init(M::default, f).collect()
 }
 
 /// `f` of each of `count` items, or the error of the first that fails.
@@ -37,23 +33,23 @@ pub(crate) fn try_map<T: Send, E: Send>(
     map(count, f).into_iter().collect()
 }
 
-/// Sum over `count` items: `add` adds an item to a partial sum that started at `zero`, with memory
+/// Sum over `count` items, `piece` of them in a partial sum: `add` adds an item to a partial sum that started at `zero`, with memory
 /// to work in; `join` adds partial sums, in order.
 pub(crate) fn sum<M: Default, T: Send>(
-    count: usize,
+    (count, piece): (usize, usize),
     zero: impl Fn() -> T + Sync,
     add: impl Fn(&mut T, &mut M, usize) + Sync,
     join: impl Fn(&mut T, T),
 ) -> T {
-    let of_piece = |memory: &mut M, piece: usize| {
+    let of_piece = |memory: &mut M, number: usize| {
         let mut part = zero();
-        let first = piece * PIECE;
-        for item in first..count.min(first + PIECE) {
+        let first = number * piece;
+        for item in first..count.min(first + piece) {
             add(&mut part, memory, item);
         }
         part
     };
-    let pieces = (0..count.div_ceil(PIECE)).into_par_iter();
+    let pieces = (0..count.div_ceil(piece)).into_par_iter();
     let parts: Vec<T> = pieces.map_init(M::default, of_piece).collect();
     let mut whole = zero();
     for part in parts {

@@ -47,7 +47,7 @@ const VARIANCES: usize = 2 * COMPONENTS;
 
 /// Nodes that one thread takes at a time: many enough that few chunks have records of several pieces, which are
 /// then worked on several times.
-const NODES: usize = 64 * LANES;
+const NODES: usize = 16 * LANES;
 
 /// What the records of some chunks give to the means of their nodes.
 #[derive(Default)]
@@ -91,7 +91,7 @@ impl AxisNoise<'_> {
             }
             variances
         };
-        let variances = in_order::map_pieces(nodes.div_ceil(NODES), of_piece);
+        let variances = in_order::map_with(nodes.div_ceil(NODES), 1, of_piece);
         variances.into_iter().flatten().collect()
     }
 

@@ -19,7 +19,7 @@ use trueaxis_leastsquares::lane_products::{Factor, LaneMatrix, SharedMatrix, add
 use trueaxis_leastsquares::{Lanes, in_widest_registers, lanes_only, zeros};
 
 use crate::axis_data::{AxisData, RunData};
-use crate::in_order;
+use crate::in_order::{self, CHUNKS};
 use crate::point_noise::ChunkErrors;
 use crate::record_chunks::Chunk;
 use crate::records::{Context, around};
@@ -31,7 +31,7 @@ pub(crate) fn weights(context: &Context<'_>, data: &AxisData) -> Vec<DMatrix<f64
     let shapes: Vec<ShapeNoise> = (0..data.runs.len())
         .map(|run| ShapeNoise::new(context, data, run, shared.nrows()))
         .collect();
-    let of_chunks = in_order::map_with(data.chunks.len(), |memory: &mut Memory, c| {
+    let of_chunks = in_order::map_with(data.chunks.len(), CHUNKS, |memory: &mut Memory, c| {
         let chunk = &data.chunks[c];
         memory.take(context, data, &shapes, chunk);
         in_widest_registers(
@@ -188,13 +188,13 @@ impl ShapeNoise {
                 );
             }
         };
-        let sums = in_order::sum(data.chunks.len(), zero, add, |whole, part| {
+        let sums = in_order::sum((data.chunks.len(), CHUNKS), zero, add, |whole, part| {
             for (sum, x) in whole.iter_mut().flatten().zip(part.iter().flatten()) {
                 *sum += *x;
             }
         });
         let [own, coupling] = sums.map(|sum| {
-            let columns = sum.len() / size;
+            let columns = sum.len().checked_div(size).unwrap_or(sources);
             DMatrix::from_row_iterator(size, columns, sum.into_iter().map(Lanes::sum))
         });
         Self {

@@ -32,7 +32,8 @@ pub struct HatRows {
 
 impl HatRows {
     /// Takes the rows of the first `used` blocks of a batch, which is not eliminated yet; they are numbered
-    /// from `first` in the covariance. Lanes from `used` on have rows of zeros.
+    /// from `first` in the covariance. Lanes from `used` on have rows of zeros: the batch must have been told
+    /// so, too ([`BlockBatch::use_only`]).
     #[inline(always)]
     pub fn fill(
         &mut self,

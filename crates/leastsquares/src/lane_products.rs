@@ -112,7 +112,7 @@ impl<'a> LaneMatrix<'a> {
     #[inline(always)]
     pub fn part(self, rows: Range<usize>) -> Self {
         let columns = self.layout.columns;
-        debug_assert_eq!(self.layout.along, 1, "contiguous rows");
+        assert_eq!(self.layout.along, 1, "contiguous rows");
         let elements = &self.elements[rows.start * columns..rows.end * columns];
         Self::by_rows(elements, [rows.len(), columns])
     }

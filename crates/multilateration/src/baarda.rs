@@ -76,7 +76,8 @@ pub(crate) fn test_all<M: GroupModel>(influence: &BatchInfluence<'_, M, M::State
     let mut visits = (0..network.groups.len()).flat_map(|group| by_group.of(group));
     for part in tested {
         let mut readings = part.readings.as_slice();
-        for (&visit, w) in visits.by_ref().zip(part.visits) {
+        // The parts first: a zip asks its left side once more than its right.
+        for (w, &visit) in part.visits.into_iter().zip(visits.by_ref()) {
             let content = network.visits[visit].readings.clone();
             let (own, rest) = readings.split_at(content.len());
             tests.readings[content].copy_from_slice(own);

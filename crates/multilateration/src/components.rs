@@ -10,18 +10,22 @@
 //!
 //! repeatedly; the inverse of the left side is the covariance of the estimates. `P` never appears as
 //! a matrix: with the whitened parts `V_1` (visit by visit) and `V_2 = I - V_1` of the noise, and the hat
-//! matrix `[same group] H + G`, `H = O Oᵀ`, `G = T Σ Tᵀ` ([`crate::batch_influence`]), every trace is a
-//! sum over groups:
+//! matrix `[same group] O Oᵀ + T Σ Tᵀ` ([`crate::batch_influence`]), every trace is made of sums over groups,
+//! linear in the number of lengths:
 //!
 //! ```text
-//! tr(P V_k P V_l) = Σ tr(V_k V_l) - 2 tr(V_k (H + G) V_l) + tr(V_k H V_l H) + 2 tr(V_k H V_l G)
-//!                   + tr(Σ M_k Σ M_l)                       M_k = Σ Tᵀ V_k T
+//! tr(P V_k P V_l) = Σ_groups { tr(V_k V_l) - 2 tr(Oᵀ V_k V_l O) + tr(H_k H_l) + 2 tr(K_k Σ K_lᵀ) }
+//!                   - 2 tr(Σ M_kl) + tr(Σ M_k Σ M_l)
+//!
+//! H_k = Oᵀ V_k O     K_k = Oᵀ V_k T     M_k = Σ_groups Tᵀ V_k T     M_kl = Σ_groups Tᵀ V_k V_l T
 //! ```
 
 use nalgebra::{Matrix2, Vector2};
-use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product, add_symmetric_product};
+use trueaxis_leastsquares::lane_products::{
+    Factor, LaneMatrix, add_product, add_symmetric_product,
+};
 use trueaxis_leastsquares::row_products::{append_product, mirror};
-use trueaxis_leastsquares::{Lanes, lanes_only, zeros};
+use trueaxis_leastsquares::{Lanes, zeros};
 
 use crate::batch_influence::{BatchInfluence, BatchRows, VisitPart};
 use crate::batches::Batch;
@@ -46,11 +50,13 @@ pub(crate) fn components<M: GroupModel>(
     let sums = sums(influence);
     let width = influence.width();
     let sigma = influence.sigma();
-    // Σ M_k of both parts, M_2 = M - M_1.
-    let mut through = Vec::with_capacity(width * width);
-    append_product(&mut through, sigma, &sums.length, [width; 2]);
-    let mut through_all = Vec::new();
-    append_product(&mut through_all, sigma, &sums.all, [width; 2]);
+    // Σ M for V_1, for the identity, and for V_1 V_1.
+    let [through, through_all, through_twice] =
+        [&sums.length, &sums.all, &sums.twice].map(|middle| {
+            let mut through = Vec::with_capacity(width * width);
+            append_product(&mut through, sigma, middle, [width; 2]);
+            through
+        });
     let through_return: Vec<f64> = through_all
         .iter()
         .zip(&through)
@@ -70,7 +76,10 @@ pub(crate) fn components<M: GroupModel>(
         trace(&through, &through_return),
         trace(&through_return, &through_return),
     ];
-    let [first, mixed, second] = std::array::from_fn(|pair| sums.left[pair] + 0.5 * both[pair]);
+    let diagonal = |a: &[f64]| (0..width).map(|i| a[i * width + i]).sum::<f64>();
+    let absorbed = pairs([&through_twice, &through, &through_all].map(|a| diagonal(a)));
+    let [first, mixed, second] =
+        std::array::from_fn(|pair| sums.left[pair] - absorbed[pair] + 0.5 * both[pair]);
     let left = Matrix2::new(first, mixed, mixed, second);
     let separation = 1.0 - left[(0, 1)].powi(2) / (left[(0, 0)] * left[(1, 1)]);
     let covariance = left.try_inverse()?;
@@ -88,9 +97,10 @@ struct Sums {
     right: Vector2<f64>,
     /// What of `½ tr(P V_k P V_l)` is a sum over groups, for the pairs 11, 12, 22.
     left: [f64; 3],
-    /// `Tᵀ V_1 T` and `Tᵀ T`.
+    /// `Tᵀ V_1 T`, `Tᵀ T` and `Tᵀ V_1 V_1 T`.
     length: Vec<f64>,
     all: Vec<f64>,
+    twice: Vec<f64>,
 }
 
 fn sums<M: GroupModel>(influence: &BatchInfluence<'_, M, M::State>) -> Sums {
@@ -114,7 +124,11 @@ fn sums<M: GroupModel>(influence: &BatchInfluence<'_, M, M::State>) -> Sums {
         for (sum, x) in sums.left.iter_mut().zip(part.left) {
             *sum += x;
         }
-        for (sum, part) in [(&mut sums.length, part.length), (&mut sums.all, part.all)] {
+        for (sum, part) in [
+            (&mut sums.length, part.length),
+            (&mut sums.all, part.all),
+            (&mut sums.twice, part.twice),
+        ] {
             for (sum, x) in sum.iter_mut().zip(part) {
                 *sum += x;
             }
@@ -132,9 +146,10 @@ struct LaneSums {
     absorbed: Form,
     own: Form,
     mixed: Form,
-    /// Upper triangles of `Tᵀ V_1 T` and `Tᵀ T`.
+    /// Upper triangles of `Tᵀ V_1 T`, `Tᵀ T` and `Tᵀ V_1 V_1 T`.
     length: Vec<Lanes>,
     all: Vec<Lanes>,
+    twice: Vec<Lanes>,
 }
 
 /// A symmetric form that is linear in both parts of the noise: its values for `V_1` twice, for `V_1` and
@@ -147,11 +162,29 @@ struct Form {
 }
 
 impl Form {
-    /// For the pairs 11, 12, 22, by `V_2 = I - V_1`.
+    /// For the pairs 11, 12, 22.
     fn pairs(&self) -> [f64; 3] {
-        let [twice, once, all] = [self.twice, self.once, self.all].map(Lanes::sum);
-        [twice, once - twice, all - 2.0 * once + twice]
+        pairs([self.twice, self.once, self.all].map(Lanes::sum))
     }
+
+    /// Adds `Σ a_k a_l` of elements `a_1` for `V_1` and `a` for the identity.
+    #[inline(always)]
+    fn add_squares(&mut self, part: Lanes, all: Lanes) {
+        self.add_products([part, all], [part, all]);
+    }
+
+    /// Adds `Σ a_k b_l`, a form that is symmetric.
+    #[inline(always)]
+    fn add_products(&mut self, [a_part, a_all]: [Lanes; 2], [b_part, b_all]: [Lanes; 2]) {
+        self.twice = a_part.mul_add(b_part, self.twice);
+        self.once = a_part.mul_add(b_all, self.once);
+        self.all = a_all.mul_add(b_all, self.all);
+    }
+}
+
+/// A form that is linear in both parts, for the pairs 11, 12, 22, by `V_2 = I - V_1`.
+fn pairs([twice, once, all]: [f64; 3]) -> [f64; 3] {
+    [twice, once - twice, all - 2.0 * once + twice]
 }
 
 impl LaneSums {
@@ -164,6 +197,7 @@ impl LaneSums {
             mixed: Form::default(),
             length: vec![Lanes::ZERO; width * width],
             all: vec![Lanes::ZERO; width * width],
+            twice: vec![Lanes::ZERO; width * width],
         }
     }
 
@@ -181,6 +215,7 @@ impl LaneSums {
             left: std::array::from_fn(|k| 0.5 * (noise[k] + own[k]) - absorbed[k] + mixed[k]),
             length: whole(self.length),
             all: whole(self.all),
+            twice: whole(self.twice),
         }
     }
 }
@@ -190,14 +225,13 @@ impl LaneSums {
 struct Products {
     /// `V_1` of a visit.
     part: Vec<Lanes>,
-    /// `V_1 T`, `T Σ`.
-    shared_part: Vec<Lanes>,
-    through: Vec<Lanes>,
-    /// `H` and `G`, and `V_1 H` and `V_1 G`.
-    own: Vec<Lanes>,
-    mixed: Vec<Lanes>,
+    /// `V_1 O` and `V_1 T`.
     own_part: Vec<Lanes>,
-    mixed_part: Vec<Lanes>,
+    shared_part: Vec<Lanes>,
+    /// For `V_1` and the identity: `H`, `K` and `K Σ`.
+    own: [Vec<Lanes>; 2],
+    cross: [Vec<Lanes>; 2],
+    cross_through: [Vec<Lanes>; 2],
 }
 
 impl Products {
@@ -211,89 +245,68 @@ impl Products {
     ) {
         let (count, width) = (batch.slots(), influence.width());
         let (own, shared) = (rows.hat.own(), rows.hat.shared());
-        zeros(&mut self.through, count * width);
-        add_product(&mut self.through, shared, influence.shared_sigma());
-        let through = LaneMatrix::by_rows(&self.through, [count, width]);
-        for product in [&mut self.own, &mut self.mixed] {
-            zeros(product, count * count);
-        }
-        add_product(&mut self.own, own, own.transposed());
-        add_product(&mut self.mixed, through, shared.transposed());
-        for product in [&mut self.own_part, &mut self.mixed_part] {
-            zeros(product, count * count);
-        }
+        let unknowns = own.columns();
+        zeros(&mut self.own_part, count * unknowns);
         zeros(&mut self.shared_part, count * width);
         for visit in rows.visits(batch) {
-            self.add_visit(rows, &visit, (count, width), sums);
+            self.add_visit(rows, &visit, sums);
         }
-        // tr(V H V H) and tr(V H V G); products of symmetric matrices have the traces of their transposes.
-        let [h, g, vh, vg] = [&self.own, &self.mixed, &self.own_part, &self.mixed_part];
-        add_trace(&mut sums.own.twice, vh, vh, count);
-        add_trace(&mut sums.own.once, vh, h, count);
-        add_trace(&mut sums.own.all, h, h, count);
-        add_trace(&mut sums.mixed.twice, vh, vg, count);
-        add_trace(&mut sums.mixed.once, vh, g, count);
-        add_trace(&mut sums.mixed.all, h, g, count);
-        let part = LaneMatrix::by_rows(&self.shared_part, [count, width]);
+        let own_part = LaneMatrix::by_rows(&self.own_part, [count, unknowns]);
+        let shared_part = LaneMatrix::by_rows(&self.shared_part, [count, width]);
+        for (k, right) in [own_part, own].into_iter().enumerate() {
+            zeros(&mut self.own[k], unknowns * unknowns);
+            add_product(&mut self.own[k], own.transposed(), right);
+        }
+        for (k, right) in [shared_part, shared].into_iter().enumerate() {
+            zeros(&mut self.cross[k], unknowns * width);
+            add_product(&mut self.cross[k], own.transposed(), right);
+            zeros(&mut self.cross_through[k], unknowns * width);
+            let cross = LaneMatrix::by_rows(&self.cross[k], [unknowns, width]);
+            add_product(&mut self.cross_through[k], cross, influence.shared_sigma());
+        }
+        for i in 0..count {
+            for k in 0..unknowns {
+                sums.absorbed.add_squares(own_part.at(i, k), own.at(i, k));
+            }
+        }
+        for (part, all) in self.own[0].iter().zip(&self.own[1]) {
+            sums.own.add_squares(*part, *all);
+        }
+        let through = self.cross_through[0].iter().zip(&self.cross_through[1]);
+        let cross = self.cross[0].iter().zip(&self.cross[1]);
+        for ((a_part, a_all), (b_part, b_all)) in cross.zip(through) {
+            sums.mixed
+                .add_products([*a_part, *a_all], [*b_part, *b_all]);
+        }
         add_symmetric_product(&mut sums.all, shared.transposed(), shared);
-        add_symmetric_product(&mut sums.length, shared.transposed(), part);
+        add_symmetric_product(&mut sums.length, shared.transposed(), shared_part);
+        add_symmetric_product(&mut sums.twice, shared_part.transposed(), shared_part);
     }
 
-    /// The residuals and traces of a visit alone; makes its rows of `V_1 H`, `V_1 G` and `V_1 T`.
+    /// The residuals and traces of a visit alone; makes its rows of `V_1 O` and `V_1 T`.
     #[inline(always)]
-    fn add_visit(
-        &mut self,
-        rows: &BatchRows,
-        visit: &VisitPart<'_>,
-        (all_rows, width): (usize, usize),
-        sums: &mut LaneSums,
-    ) {
+    fn add_visit(&mut self, rows: &BatchRows, visit: &VisitPart<'_>, sums: &mut LaneSums) {
         let count = visit.slots.len();
         visit.fill_length_part(rows, &mut self.part);
         let part = LaneMatrix::by_rows(&self.part, [count; 2]);
-        let of = |columns: usize| visit.slots.start * columns..visit.slots.end * columns;
         for (product, right) in [
-            (&mut self.own_part, &self.own),
-            (&mut self.mixed_part, &self.mixed),
+            (&mut self.own_part, rows.hat.own()),
+            (&mut self.shared_part, rows.hat.shared()),
         ] {
-            let right = LaneMatrix::by_rows(&right[of(all_rows)], [count, all_rows]);
-            add_product(&mut product[of(all_rows)], part, right);
+            let columns = right.columns();
+            let own = visit.slots.start * columns..visit.slots.end * columns;
+            add_product(&mut product[own], part, right.part(visit.slots.clone()));
         }
-        let shared = rows.hat.shared().part(visit.slots.clone());
-        add_product(&mut self.shared_part[of(width)], part, shared);
-
         let residual = &rows.hat.residual()[visit.slots.clone()];
+        let there = &rows.there[visit.slots.clone()];
         for (i, v) in self.part.chunks_exact(count).enumerate() {
-            let row = visit.slots.start + i;
-            let first = row * all_rows + visit.slots.start;
-            let (own, mixed) = (&self.own[first..], &self.mixed[first..]);
             sums.residuals[1] = residual[i].mul_add(residual[i], sums.residuals[1]);
-            sums.noise.all += rows.there[row];
+            sums.noise.all += there[i];
             sums.noise.once += v[i];
-            sums.absorbed.all += own[i] + mixed[i];
-            for (j, &v_ij) in v.iter().enumerate() {
-                let adjusted = own[j] + mixed[j];
-                let squares = residual[i] * residual[j];
-                sums.residuals[0] = v_ij.mul_add(squares, sums.residuals[0]);
-                sums.noise.twice = v_ij.mul_add(v_ij, sums.noise.twice);
-                sums.absorbed.once = v_ij.mul_add(adjusted, sums.absorbed.once);
-                let mut v_v = Lanes::ZERO;
-                for (k, &v_ik) in v.iter().enumerate() {
-                    v_v = v_ik.mul_add(self.part[k * count + j], v_v);
-                }
-                sums.absorbed.twice = v_v.mul_add(adjusted, sums.absorbed.twice);
+            for (v_ij, r) in v.iter().zip(residual) {
+                sums.residuals[0] = v_ij.mul_add(residual[i] * *r, sums.residuals[0]);
+                sums.noise.twice = v_ij.mul_add(*v_ij, sums.noise.twice);
             }
-        }
-    }
-}
-
-/// `sum += tr(A B)` with the rows of both contiguous.
-#[inline(always)]
-fn add_trace(sum: &mut Lanes, a: &[Lanes], b: &[Lanes], count: usize) {
-    for (i, row) in a.chunks_exact(count.max(1)).enumerate() {
-        for (j, x) in row.iter().enumerate() {
-            lanes_only();
-            *sum = x.mul_add(b[j * count + i], *sum);
         }
     }
 }

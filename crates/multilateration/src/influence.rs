@@ -7,8 +7,8 @@
 //! J Q Jᵀ = [same group] O Oᵀ + T Σ Tᵀ      O = A R⁻¹      T = B - A Z
 //! ```
 //!
-//! so everything that needs the hat matrix (redundancy, tests of single lengths, variance
-//! components) is linear in the number of lengths.
+//! so what needs the hat matrix is linear in the number of lengths. Here it is group by group, for what is
+//! asked seldom; [`crate::batch_influence`] has eight groups at a time.
 
 use faer::{Mat, MatRef};
 use trueaxis_leastsquares::{BlockRows, Covariance};

@@ -12,7 +12,9 @@ use crate::noise::whiten;
 use crate::step_tests::largest_steps;
 use crate::{Interruption, Network, Noise, Reading, Settings, Solution, Visit, solve};
 
+/// Of the small network, and of one that several pieces are made of.
 const GROUPS: usize = 21;
+const MANY_GROUPS: usize = 600;
 const STATIONS: usize = 5;
 
 fn wave(i: usize, k: f64) -> f64 {
@@ -25,7 +27,7 @@ fn place(i: usize, size: f64) -> Point3<f64> {
 
 /// Groups of three points (the last of two) with some readings missing, one of them of little weight, an
 /// interruption in the middle of a visit, and errors of micrometres.
-fn solved(return_sigma_mm: f64) -> (Network, Solution) {
+fn solved(groups: usize, return_sigma_mm: f64) -> (Network, Solution) {
     let mut network = Network {
         stations: (0..STATIONS).map(|j| Some(place(j + 20, 2000.0))).collect(),
         noise: Noise {
@@ -35,16 +37,16 @@ fn solved(return_sigma_mm: f64) -> (Network, Solution) {
         },
         ..Network::default()
     };
-    for group in 0..GROUPS {
+    for group in 0..groups {
         let first = 3 * group;
-        let points = if group + 1 < GROUPS { 3 } else { 2 };
+        let points = if group + 1 < groups { 3 } else { 2 };
         network.groups.push(first..first + points);
         network
             .nominal_mm
             .extend((first..first + points).map(|i| place(i, 400.0)));
     }
     for station in 0..STATIONS {
-        for group in 0..GROUPS {
+        for group in 0..groups {
             let first = network.readings.len();
             for point in network.groups[group].clone() {
                 if (point + 2 * station) % 11 == 4 {
@@ -66,7 +68,7 @@ fn solved(return_sigma_mm: f64) -> (Network, Solution) {
     }
     network.variance_factors = vec![1.0; network.readings.len()];
     network.variance_factors[17] = 50.0;
-    let within = &network.visits[GROUPS + 9];
+    let within = &network.visits[groups + 9];
     network.interruptions.push(Interruption {
         station: within.station,
         first_reading: within.readings.start + 1,
@@ -77,7 +79,7 @@ fn solved(return_sigma_mm: f64) -> (Network, Solution) {
 
 #[test]
 fn rows_have_the_trace_of_the_unknowns() {
-    let (network, solution) = solved(1e-3);
+    let (network, solution) = solved(GROUPS, 1e-3);
     let influence = BatchInfluence::new(&network, &solution);
     let mut rows = BatchRows::default();
     let mut squares = 0.0;
@@ -112,11 +114,15 @@ fn rows_have_the_trace_of_the_unknowns() {
 #[test]
 fn what_is_kept_of_single_lengths_is_their_redundancy() {
     // Without a common return the weights are single numbers.
-    let (network, solution) = solved(0.0);
-    let tests = test_all(&BatchInfluence::new(&network, &solution));
-    let numbers = solution.redundancy_numbers(&network);
-    for (test, number) in tests.readings.iter().zip(&numbers) {
-        assert!((test.kept - number).abs() < 1e-9, "{} {number}", test.kept);
+    for groups in [GROUPS, MANY_GROUPS] {
+        let (network, solution) = solved(groups, 0.0);
+        let tests = test_all(&BatchInfluence::new(&network, &solution));
+        let numbers = solution.redundancy_numbers(&network);
+        for (test, number) in tests.readings.iter().zip(&numbers) {
+            assert!((test.kept - number).abs() < 1e-9, "{} {number}", test.kept);
+        }
+        let is_tested = |(visit, w): (&Visit, &f64)| (visit.readings.len() > 1) == (*w != 0.0);
+        assert!(network.visits.iter().zip(&tests.visits).all(is_tested));
     }
 }
 
@@ -152,7 +158,7 @@ fn dense_w(influence: &Influence<'_>, groups: &[GroupRows], errors: &[Vec<f64>])
 
 #[test]
 fn the_largest_step_is_that_of_all_steps() {
-    let (network, solution) = solved(1e-3);
+    let (network, solution) = solved(GROUPS, 1e-3);
     let influence = Influence::new(&network, &solution);
     let mut memory = BlockRows::default();
     let groups: Vec<GroupRows> = (0..GROUPS)

@@ -2,7 +2,7 @@
 //!
 //! The noise of a length is the laser's and the machine's return, `C = C_l + C_m`; the weights stay
 //! those of `C`. With the whitened part `V = L⁻¹ C_l L⁻ᵀ` of each visit and the factors of
-//! [`crate::influence`], the errors that it makes are
+//! [`crate::batch_influence`], the errors that it makes are
 //!
 //! ```text
 //! dp_i = ξ_i - Z_i t     ξ_i = R⁻¹ Oᵀ e_i     t = Σ Σ_i T_iᵀ e_i
