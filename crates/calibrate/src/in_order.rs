@@ -6,8 +6,8 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterato
 /// work, beside which the hand-over is nothing.
 pub(crate) const RECORDS: usize = 32;
 
-/// The same for chunks of records.
-pub(crate) const CHUNKS: usize = 4;
+/// The same for chunks of records, whose partial sums are in lanes and take much memory.
+pub(crate) const CHUNKS: usize = 16;
 
 /// `f` of each of `count` items.
 pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {

@@ -6,13 +6,14 @@
 //!
 //! A tile of a few elements of the result stays in registers while the sum runs. A factor is a
 //! [`LaneMatrix`], one matrix in each lane, or a [`SharedMatrix`], the same for all lanes; both are views
-//! with any order of elements, so a transpose costs nothing. Everything is inlined where it is called: there
-//! it is compiled for the registers that a dispatch around it chose ([`crate::in_widest_registers`]).
+//! with any order of elements, so a transpose costs nothing. Each product takes the widest registers itself
+//! ([`crate::in_widest_registers`]): inlined in all passes it would take minutes to compile.
 //!
 //! Sizes that do not fit panic.
 
 use std::ops::Range;
 
+use crate::in_widest_registers;
 use crate::lanes::{Lanes, lanes_only};
 
 /// Rows and columns of a tile: with them, sixteen of the widest registers hold sums.
@@ -174,21 +175,30 @@ impl Factor for SharedMatrix<'_> {
 }
 
 /// `S += A B`, rows of `S` one after the other.
-#[inline(always)]
+#[inline(never)]
 pub fn add_product(sum: &mut [Lanes], a: impl Factor, b: impl Factor) {
-    Product::<_, _, false>::new(sum, a, b).add_rows(false);
+    in_widest_registers(
+        #[inline(always)]
+        || Product::<_, _, false>::new(sum, a, b).add_rows(false),
+    );
 }
 
 /// `S -= A B`.
-#[inline(always)]
+#[inline(never)]
 pub fn subtract_product(sum: &mut [Lanes], a: impl Factor, b: impl Factor) {
-    Product::<_, _, true>::new(sum, a, b).add_rows(false);
+    in_widest_registers(
+        #[inline(always)]
+        || Product::<_, _, true>::new(sum, a, b).add_rows(false),
+    );
 }
 
 /// The upper triangle (and some of the lower) of `S += A B`, for a product that is symmetric.
-#[inline(always)]
+#[inline(never)]
 pub fn add_symmetric_product(sum: &mut [Lanes], a: impl Factor, b: impl Factor) {
-    Product::<_, _, false>::new(sum, a, b).add_rows(true);
+    in_widest_registers(
+        #[inline(always)]
+        || Product::<_, _, false>::new(sum, a, b).add_rows(true),
+    );
 }
 
 struct Product<'a, A, B, const NEGATIVE: bool> {
@@ -267,7 +277,6 @@ mod tests {
     use faer::Mat;
 
     use super::*;
-    use crate::in_widest_registers;
     use crate::lanes::LANES;
 
     fn lanes(count: usize, seed: f64) -> Vec<Lanes> {
@@ -299,15 +308,10 @@ mod tests {
             let shared = SharedMatrix::by_columns(&numbers, [k, m]);
             let mut sums = [(); 3].map(|()| vec![Lanes::splat(1.0); n * m]);
             let mut square = vec![Lanes::ZERO; n * n];
-            in_widest_registers(
-                #[inline(always)]
-                || {
-                    add_product(&mut sums[0], a, right);
-                    subtract_product(&mut sums[1], a, right);
-                    add_product(&mut sums[2], a, shared);
-                    add_symmetric_product(&mut square, a, a.transposed());
-                },
-            );
+            add_product(&mut sums[0], a, right);
+            subtract_product(&mut sums[1], a, right);
+            add_product(&mut sums[2], a, shared);
+            add_symmetric_product(&mut square, a, a.transposed());
             for lane in 0..LANES {
                 let [a, right, shared] = [
                     in_lane(a, lane),
