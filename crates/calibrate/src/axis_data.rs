@@ -45,6 +45,13 @@ pub(crate) struct Record {
     pub(crate) targets: Vec<(usize, usize)>,
 }
 
+impl Record {
+    /// The places of its targets within the group.
+    pub(crate) fn places(&self) -> impl Iterator<Item = usize> {
+        self.targets.iter().map(|&(_, place)| place)
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Node {
     /// mm or rad.

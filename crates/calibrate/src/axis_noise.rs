@@ -14,10 +14,10 @@
 
 use nalgebra::{DMatrix, Matrix6, Matrix6xX};
 use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product};
-use trueaxis_leastsquares::{Lanes, in_widest_registers, zeros};
+use trueaxis_leastsquares::{Lanes, zeros};
 
 use crate::axis_data::AxisData;
-use crate::in_order::{self, CHUNKS};
+use crate::chunk_sums::chunk_sums;
 use crate::node_records::NodeRecords;
 use crate::point_noise::{ChunkErrors, PointNoise};
 use crate::record_chunks::Chunk;
@@ -94,19 +94,14 @@ impl<'a> AxisNoise<'a> {
         sensitivity: &'a Sensitivity,
     ) -> Self {
         let width = sensitivity.width();
-        let zero = || [width, shared_sources].map(|n| vec![Lanes::ZERO; width * n]);
-        let add = |sums: &mut [Vec<Lanes>; 2], memory: &mut ParameterMemory, i: usize| {
-            memory.add(noise, sensitivity, &axis.chunks[i], sums);
-        };
-        let sums = in_order::sum((axis.chunks.len(), CHUNKS), zero, add, |whole, part| {
-            for (sum, x) in whole.iter_mut().flatten().zip(part.iter().flatten()) {
-                *sum += *x;
-            }
-        });
-        let [parameters, parameters_shared] = sums.map(|sum| {
-            let columns = sum.len().checked_div(width).unwrap_or(shared_sources);
-            DMatrix::from_row_iterator(width, columns, sum.into_iter().map(Lanes::sum))
-        });
+        let sizes = [[width, width], [width, shared_sources]];
+        let [parameters, parameters_shared] = chunk_sums(
+            &axis.chunks,
+            sizes,
+            |memory: &mut ParameterMemory, chunk, sums| {
+                memory.add(noise, sensitivity, chunk, sums);
+            },
+        );
         Self {
             noise,
             shared_sources,
@@ -127,10 +122,11 @@ impl<'a> AxisNoise<'a> {
         };
         let records = self.records.of(node);
         let weight = 1.0 / records.len() as f64;
+        let mut errors = ChunkErrors::default();
         for &i in records {
             let record = &self.axis.records[i];
-            let places = record.targets.iter().map(|&(_, place)| place).collect();
-            let (d, z) = self.noise.of_group(record.group, places);
+            let places: Vec<usize> = record.places().collect();
+            let (d, z) = self.noise.of_group(record.group, &places, &mut errors);
             let from_points = &self.fits[i].from_points * weight;
             let with_noise = &from_points * d;
             sum.own += &with_noise * from_points.transpose();
@@ -196,18 +192,13 @@ impl ParameterMemory {
         } = self;
         noise.of_chunk(chunk, errors);
         let sizes = [sensitivity.width(), chunk.coordinates()];
-        in_widest_registers(
-            #[inline(always)]
-            || {
-                let of_record = |i: usize| sensitivity.parameters[i].as_slice();
-                chunk.take(sizes[0] * sizes[1], of_record, parameters);
-                let parameters = LaneMatrix::by_columns(parameters, sizes);
-                zeros(with_noise, sizes[0] * sizes[1]);
-                add_product(with_noise, parameters, errors.own());
-                let with_noise = LaneMatrix::by_rows(with_noise, sizes);
-                add_product(own, with_noise, parameters.transposed());
-                add_product(shared, parameters, errors.coupling());
-            },
-        );
+        let of_record = |i: usize| sensitivity.parameters[i].as_slice();
+        chunk.take(sizes[0] * sizes[1], of_record, parameters);
+        let parameters = LaneMatrix::by_columns(parameters, sizes);
+        zeros(with_noise, sizes[0] * sizes[1]);
+        add_product(with_noise, parameters, errors.own());
+        let with_noise = LaneMatrix::by_rows(with_noise, sizes);
+        add_product(own, with_noise, parameters.transposed());
+        add_product(shared, parameters, errors.coupling());
     }
 }

@@ -28,7 +28,7 @@ use trueaxis_kinematics::{Axis, AxisKind};
 
 use crate::axis_data::AxisData;
 use crate::basis::Basis;
-use crate::in_order::{self, RECORDS};
+use crate::in_order;
 
 /// The gauge of one axis.
 pub(crate) struct Gauge {
@@ -95,12 +95,12 @@ impl Gauge {
         }
         let deviation = |i: usize| &effects[i] - &node_effects[data.records[i].node];
         let zero = || DMatrix::zeros(width, width);
-        let add = |sum: &mut DMatrix<f64>, (): &mut (), i: usize| {
+        let add = |sum: &mut DMatrix<f64>, i: usize| {
             let deviation = deviation(i);
             sum.gemm_tr(1.0, &deviation, &deviation, 1.0);
         };
         let records = data.records.len();
-        let agreement = in_order::sum((records, RECORDS), zero, add, |whole, part| *whole += part);
+        let agreement = in_order::sum(records, zero, add);
         let solver = bordered_inverse(&agreement, &constraint)?;
         let (of_agreement, of_constraint) =
             (solver.columns(0, width), solver.columns(width, count));

@@ -1,12 +1,14 @@
 //! Work on all threads with results in order: the same bits on any number of them.
 
+use std::ops::AddAssign;
+
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 /// Records that one thread takes at a time, and that one partial sum is made of: some ten microseconds of
 /// work, beside which the hand-over is nothing.
-pub(crate) const RECORDS: usize = 32;
+const RECORDS: usize = 32;
 
-/// The same for chunks of records, whose partial sums are in lanes and take much memory.
+/// The same for chunks of eight records.
 pub(crate) const CHUNKS: usize = 16;
 
 /// `f` of each of `count` items.
@@ -33,27 +35,26 @@ pub(crate) fn try_map<T: Send, E: Send>(
     map(count, f).into_iter().collect()
 }
 
-/// Sum over `count` items, `piece` of them in a partial sum: `add` adds an item to a partial sum that started at `zero`, with memory
-/// to work in; `join` adds partial sums, in order.
-pub(crate) fn sum<M: Default, T: Send>(
-    (count, piece): (usize, usize),
+/// Sum over `count` items: `add` adds an item to a partial sum that started at `zero`; partial sums are
+/// added in order.
+pub(crate) fn sum<T: Send + AddAssign>(
+    count: usize,
     zero: impl Fn() -> T + Sync,
-    add: impl Fn(&mut T, &mut M, usize) + Sync,
-    join: impl Fn(&mut T, T),
+    add: impl Fn(&mut T, usize) + Sync,
 ) -> T {
-    let of_piece = |memory: &mut M, number: usize| {
+    let of_piece = |number: usize| {
         let mut part = zero();
-        let first = number * piece;
-        for item in first..count.min(first + piece) {
-            add(&mut part, memory, item);
+        let first = number * RECORDS;
+        for item in first..count.min(first + RECORDS) {
+            add(&mut part, item);
         }
         part
     };
-    let pieces = (0..count.div_ceil(piece)).into_par_iter();
-    let parts: Vec<T> = pieces.map_init(M::default, of_piece).collect();
+    let pieces = (0..count.div_ceil(RECORDS)).into_par_iter();
+    let parts: Vec<T> = pieces.map(of_piece).collect();
     let mut whole = zero();
     for part in parts {
-        join(&mut whole, part);
+        whole += part;
     }
     whole
 }

@@ -12,24 +12,14 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, Matrix6xX, Vector6};
-use trueaxis_leastsquares::lane_products::{Factor, LaneMatrix, SharedMatrix, add_product};
+use trueaxis_leastsquares::lane_products::{LaneMatrix, SharedMatrix, add_product};
 use trueaxis_leastsquares::{LANES, Lanes, in_widest_registers, lanes_only, side_by_side, zeros};
 
 use crate::axis_noise::AxisNoise;
 use crate::in_order;
 use crate::point_noise::ChunkErrors;
 use crate::record_chunks::Chunk;
-
-/// The variance of a linear function of the points' errors.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Variance {
-    /// With the stations known.
-    pub(crate) own: f64,
-    /// What comes through the stations.
-    pub(crate) through: f64,
-    /// Sum of the variances whose combination `own` is.
-    pub(crate) uncancelled: f64,
-}
+use crate::variance::Variance;
 
 /// What component errors owe to all sources through a base that moves: its part of their own variance,
 /// and the coefficients of the shared sources.

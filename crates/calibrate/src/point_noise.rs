@@ -13,10 +13,8 @@ use std::sync::Arc;
 
 use faer::MatRef;
 use nalgebra::DMatrix;
-use trueaxis_leastsquares::lane_products::{Factor, LaneMatrix, add_product};
-use trueaxis_leastsquares::{
-    CovarianceLanes, LANES, Lanes, in_widest_registers, side_by_side, zeros,
-};
+use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product};
+use trueaxis_leastsquares::{CovarianceLanes, LANES, Lanes, side_by_side, zeros};
 use trueaxis_multilateration::{BatchNoise, LengthNoise, Screened};
 
 use crate::record_chunks::{Chunk, batch_of};
@@ -39,16 +37,16 @@ pub(crate) enum NoiseSource<'a> {
     Independent(Vec<DMatrix<f64>>),
 }
 
-/// `D` and `Z` of the records of a chunk, rows one after the other, and memory to make them. Lanes without a
-/// record have no meaning.
+/// `D` and `Z` of points that have the same places in the groups of a batch, rows one after the other, and
+/// memory to make them. Lanes behind the last group have no meaning.
 #[derive(Debug, Default)]
 pub(crate) struct ChunkErrors {
     coordinates: usize,
     width: usize,
     own: Vec<Lanes>,
     coupling: Vec<Lanes>,
-    /// Of all points of the groups, in units of the variance factor.
     factors: CovarianceLanes,
+    /// Of all points of the groups, in units of the variance factor, whatever the source.
     of_groups: BatchNoise,
 }
 
@@ -75,20 +73,15 @@ impl ChunkErrors {
         (in_lane(self.own()), in_lane(self.coupling()))
     }
 
-    /// Takes the points of a chunk from those of its groups.
-    fn take(&mut self, chunk: &Chunk, variance_factor: f64) {
+    /// Takes the points at these places from those of the groups.
+    fn take(&mut self, places: &[usize], variance_factor: f64) {
         let of_groups = &self.of_groups;
         let size = of_groups.own.len().isqrt();
         (self.coordinates, self.width) = (
-            chunk.coordinates(),
+            3 * places.len(),
             of_groups.coupling.len().checked_div(size).unwrap_or(0),
         );
-        let rows = || {
-            chunk
-                .places
-                .iter()
-                .flat_map(|place| 3 * place..3 * place + 3)
-        };
+        let rows = || places.iter().flat_map(|place| 3 * place..3 * place + 3);
         self.own.clear();
         self.coupling.clear();
         let factor = Lanes::splat(variance_factor);
@@ -105,29 +98,29 @@ impl ChunkErrors {
 impl PointNoise<'_> {
     /// `D` and `Z` of the points of a chunk, in the order of its targets.
     pub(crate) fn of_chunk(&self, chunk: &Chunk, errors: &mut ChunkErrors) {
+        self.fill(&chunk.groups, &chunk.places, errors);
+    }
+
+    /// `D` and `Z` of the points at these places of the groups of a batch.
+    fn fill(&self, groups: &Range<usize>, places: &[usize], errors: &mut ChunkErrors) {
         let ChunkErrors {
             factors, of_groups, ..
         } = errors;
         match &self.source {
-            NoiseSource::Adjusted(screened) => in_widest_registers(
-                #[inline(always)]
-                || {
-                    let blocks = (chunk.groups.start, chunk.groups.len());
-                    factors.fill(&screened.solution.covariance, blocks);
-                    let (factor, z) = (factors.inverse_factor(), factors.coupling());
-                    zeros(&mut of_groups.own, z.rows() * z.rows());
-                    add_product(&mut of_groups.own, factor, factor.transposed());
-                    of_groups.coupling.clear();
-                    for i in 0..z.rows() {
-                        let row = (0..z.columns()).map(|j| z.at(i, j));
-                        of_groups.coupling.extend(row);
-                    }
-                },
-            ),
-            NoiseSource::Lengths(noise) => noise.batch(&chunk.groups, of_groups),
+            NoiseSource::Adjusted(screened) => {
+                let blocks = (groups.start, groups.len());
+                factors.fill(&screened.solution.covariance, blocks);
+                let (factor, z) = (factors.inverse_factor(), factors.coupling());
+                zeros(&mut of_groups.own, z.rows() * z.rows());
+                add_product(&mut of_groups.own, factor, factor.transposed());
+                of_groups.coupling.clear();
+                for i in 0..z.rows() {
+                    of_groups.coupling.extend_from_slice(z.row(i));
+                }
+            }
+            NoiseSource::Lengths(noise) => noise.batch(groups, of_groups),
             NoiseSource::Independent(blocks) => {
                 let mut slices: [&[f64]; LANES] = [&[]; LANES];
-                let groups = chunk.groups.clone();
                 for (slice, group) in slices.iter_mut().zip(groups.clone()) {
                     *slice = blocks[group].as_slice();
                 }
@@ -135,19 +128,18 @@ impl PointNoise<'_> {
                 of_groups.coupling.clear();
             }
         }
-        errors.take(chunk, self.variance_factor);
+        errors.take(places, self.variance_factor);
     }
 
-    /// `D` and `Z` of some points of a group.
+    /// `D` and `Z` of the points at these places of a group; `errors` is memory to work in.
     pub(crate) fn of_group(
         &self,
         group: usize,
-        places: Vec<usize>,
+        places: &[usize],
+        errors: &mut ChunkErrors,
     ) -> (DMatrix<f64>, DMatrix<f64>) {
         let groups = &self.batches[batch_of(group, &self.batches)];
-        let chunk = Chunk::of_group(groups.clone(), group, places);
-        let mut errors = ChunkErrors::default();
-        self.of_chunk(&chunk, &mut errors);
+        self.fill(groups, places, errors);
         errors.in_lane(group - groups.start)
     }
 
@@ -165,7 +157,8 @@ impl PointNoise<'_> {
 
     /// `D_i + Z_i Σ Z_iᵀ` of a group of so many points.
     pub(crate) fn total(&self, group: usize, points: usize) -> DMatrix<f64> {
-        let (own, coupling) = self.of_group(group, (0..points).collect());
+        let places: Vec<usize> = (0..points).collect();
+        let (own, coupling) = self.of_group(group, &places, &mut ChunkErrors::default());
         let total = own + &coupling * self.shared() * coupling.transpose();
         // Symmetric to the last bit, as the identification asks.
         (&total + total.transpose()) * 0.5

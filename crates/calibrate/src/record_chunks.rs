@@ -26,18 +26,7 @@ impl Chunk {
         Self {
             groups,
             lanes: [None; LANES],
-            places: places(record).collect(),
-        }
-    }
-
-    /// A single record of a batch.
-    pub(crate) fn of_group(groups: Range<usize>, group: usize, places: Vec<usize>) -> Self {
-        let mut lanes = [None; LANES];
-        lanes[group - groups.start] = Some(0);
-        Self {
-            groups,
-            lanes,
-            places,
+            places: record.places().collect(),
         }
     }
 
@@ -71,10 +60,6 @@ impl Chunk {
     }
 }
 
-fn places(record: &Record) -> impl Iterator<Item = usize> {
-    record.targets.iter().map(|&(_, place)| place)
-}
-
 /// All records in chunks, for these batches of groups.
 pub(crate) fn chunks(records: &[Record], batches: &[Range<usize>]) -> Vec<Chunk> {
     let mut chunks: Vec<Chunk> = Vec::new();
@@ -84,7 +69,7 @@ pub(crate) fn chunks(records: &[Record], batches: &[Range<usize>]) -> Vec<Chunk>
         let fits = |last: &Chunk| {
             last.groups == *batch
                 && last.lanes[lane].is_none()
-                && places(record).eq(last.places.iter().copied())
+                && record.places().eq(last.places.iter().copied())
         };
         if !chunks.last().is_some_and(fits) {
             chunks.push(Chunk::new(batch.clone(), record));

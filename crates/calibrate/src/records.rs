@@ -10,10 +10,8 @@
 //! of the six component errors; as the prediction is exact, repeating this leaves no second-order
 //! error (Newton's method on the pose).
 
-use nalgebra::allocator::Allocator;
 use nalgebra::{
-    Const, DMatrix, DVector, DefaultAllocator, Dim, Dyn, Isometry3, Matrix3, Matrix6xX, OMatrix,
-    Point3, UnitQuaternion, Vector3, Vector6,
+    DMatrix, DVector, Isometry3, Matrix3, Matrix6xX, Point3, UnitQuaternion, Vector3, Vector6,
 };
 use trueaxis_campaign::Campaign;
 use trueaxis_identify::{Operator, RigidMisfit, equations, nine, nine_weighted, rigid_misfit};
@@ -451,13 +449,7 @@ pub(crate) fn rotated(covariance: &DMatrix<f64>, rotation: &Matrix3<f64>) -> DMa
 }
 
 /// `P Q` with the same rotation for every point.
-pub(crate) fn rotated_columns<R: Dim>(
-    matrix: &OMatrix<f64, R, Dyn>,
-    rotation: &Matrix3<f64>,
-) -> OMatrix<f64, R, Dyn>
-where
-    DefaultAllocator: Allocator<R, Dyn> + Allocator<R, Const<3>>,
-{
+fn rotated_columns(matrix: &Matrix6xX<f64>, rotation: &Matrix3<f64>) -> Matrix6xX<f64> {
     let mut turned = matrix.clone();
     for j in 0..matrix.ncols() / 3 {
         let block = matrix.fixed_columns::<3>(3 * j) * rotation;

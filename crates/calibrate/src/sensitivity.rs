@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, Matrix6xX};
 
 use crate::axis_data::AxisData;
 use crate::gauge::Gauge;
-use crate::in_order::{self, RECORDS};
+use crate::in_order;
 use crate::matrix_products::add_product;
 use crate::node_records::NodeRecords;
 use crate::records::RecordFit;
@@ -93,12 +93,10 @@ impl Sensitivity {
     fn add_records(&mut self, axis: &AxisData, gauge: &Gauge, fits: &[RecordFit]) {
         // x = Σ Γ P dp - (Σ Γ P Qᵀ) w
         let zero = || DMatrix::zeros(self.gauge_parameters, self.width);
-        let add = |sum: &mut DMatrix<f64>, (): &mut (), i: usize| {
+        let add = |sum: &mut DMatrix<f64>, i: usize| {
             add_product(sum, &gauge.shares[i], &self.shape_effect(axis, i, &fits[i]));
         };
-        let by_shape = in_order::sum((fits.len(), RECORDS), zero, add, |whole, part| {
-            *whole += part;
-        });
+        let by_shape = in_order::sum(fits.len(), zero, add);
         self.parameters = in_order::map(fits.len(), |i| {
             let fit = &fits[i];
             let mut y = DMatrix::zeros(self.width, fit.from_points.ncols());

@@ -14,10 +14,11 @@ use crate::axis_noise::{AxisForm, AxisNoise};
 use crate::budget::Budget;
 use crate::frame_forms::FrameForms;
 use crate::identify_axes::Identified;
-use crate::node_variances::{ThroughBase, Variance};
+use crate::node_variances::ThroughBase;
 use crate::point_noise::PointNoise;
 use crate::records::Context;
 use crate::sources::{SourceNoise, Sources};
+use crate::variance::Variance;
 
 /// How the results depend on the points, and the points' errors.
 pub(crate) struct Propagation<'a> {
@@ -103,7 +104,7 @@ impl<'a> Propagation<'a> {
     }
 
     fn stated(&self, whole: &Variance, instrument: &Variance) -> Uncertainty {
-        let budget = if whole.is_none() {
+        let budget = if whole.is_defined_away() {
             Budget::default()
         } else {
             let all = (whole.own + whole.through).max(0.0);
@@ -188,17 +189,5 @@ impl<'a> Noise<'a> {
                 uncancelled,
             })
             .collect()
-    }
-}
-
-/// Variance with the stations known, relative to the variances that cancel in it, below which it is
-/// rounding.
-const CANCELLED: f64 = 1e-12;
-
-impl Variance {
-    /// Whether gauge or frame define the function, so that it does not depend on the points: every
-    /// point has noise of its own, so nothing else has no variance with the stations known.
-    fn is_none(&self) -> bool {
-        self.own < CANCELLED * self.uncancelled
     }
 }

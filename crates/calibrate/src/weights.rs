@@ -15,10 +15,11 @@
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use trueaxis_identify::{equations, nine};
 use trueaxis_kinematics::{Ideal, LocationError};
-use trueaxis_leastsquares::lane_products::{Factor, LaneMatrix, SharedMatrix, add_product};
+use trueaxis_leastsquares::lane_products::{Element, LaneMatrix, SharedMatrix, View, add_product};
 use trueaxis_leastsquares::{Lanes, in_widest_registers, lanes_only, zeros};
 
 use crate::axis_data::{AxisData, RunData};
+use crate::chunk_sums::chunk_sums;
 use crate::in_order::{self, CHUNKS};
 use crate::point_noise::ChunkErrors;
 use crate::record_chunks::Chunk;
@@ -159,7 +160,7 @@ impl Memory {
 }
 
 /// The noise of the shape of the targets of a run; zero for a run of a single record, which is all the
-/// shape there is.
+/// shape there is, and for targets on a line, which the identification refuses.
 struct ShapeNoise {
     /// `Π`.
     projection: DMatrix<f64>,
@@ -173,14 +174,21 @@ struct ShapeNoise {
 
 impl ShapeNoise {
     fn new(context: &Context<'_>, data: &AxisData, run: usize, sources: usize) -> Self {
-        let count = data.runs[run].records as f64;
+        let records = data.runs[run].records as f64;
         let size = 3 * data.runs[run].targets.len();
-        let projection = shape_projection(context, &data.runs[run], data)
-            .filter(|_| data.runs[run].records > 1)
-            .unwrap_or_else(|| DMatrix::zeros(size, size));
-        let zero = || [size, sources].map(|columns| vec![Lanes::ZERO; size * columns]);
-        let add = |sums: &mut [Vec<Lanes>; 2], memory: &mut ShapeMemory, c: usize| {
-            let chunk = &data.chunks[c];
+        let sizes = [[size, size], [size, sources]];
+        let is_repeated = data.runs[run].records > 1;
+        let projection = is_repeated.then(|| shape_projection(context, &data.runs[run], data));
+        let Some(projection) = projection.flatten() else {
+            let [own, coupling] = sizes.map(|[rows, columns]| DMatrix::zeros(rows, columns));
+            return Self {
+                projection: DMatrix::zeros(size, size),
+                records,
+                own,
+                coupling,
+            };
+        };
+        let add = |memory: &mut ShapeMemory, chunk: &Chunk, sums: &mut [Vec<Lanes>; 2]| {
             if memory.take(context, data, run, chunk) {
                 in_widest_registers(
                     #[inline(always)]
@@ -188,20 +196,12 @@ impl ShapeNoise {
                 );
             }
         };
-        let sums = in_order::sum((data.chunks.len(), CHUNKS), zero, add, |whole, part| {
-            for (sum, x) in whole.iter_mut().flatten().zip(part.iter().flatten()) {
-                *sum += *x;
-            }
-        });
-        let [own, coupling] = sums.map(|sum| {
-            let columns = sum.len().checked_div(size).unwrap_or(sources);
-            DMatrix::from_row_iterator(size, columns, sum.into_iter().map(Lanes::sum))
-        });
+        let [own, coupling] = chunk_sums(&data.chunks, sizes, add);
         Self {
             projection,
-            records: count,
-            own: own / (count * count),
-            coupling: coupling / count,
+            records,
+            own: own / (records * records),
+            coupling: coupling / records,
         }
     }
 }
@@ -254,7 +254,7 @@ impl ShapeMemory {
 
 /// The same rotation of every three rows of a matrix; rows of the result contiguous.
 #[inline(always)]
-fn turn_rows(matrix: impl Factor, turn: &Rotations, turned: &mut Vec<Lanes>) {
+fn turn_rows<E: Element>(matrix: View<'_, E>, turn: &Rotations, turned: &mut Vec<Lanes>) {
     turned.clear();
     for first in (0..matrix.rows()).step_by(3) {
         for [x, y, z] in turn {

@@ -55,8 +55,10 @@ pub(crate) fn check_lengths(
     lengths: &Lengths,
 ) -> Result<Vec<String>, Error> {
     let given = Hypothesis::as_given(campaign);
-    let nominal = NominalPoints::new(campaign, &given);
-    let pairs = Pairs::of_lengths(lengths, campaign);
+    let (nominal, pairs) = rayon::join(
+        || NominalPoints::new(campaign, &given),
+        || Pairs::of_lengths(lengths, campaign),
+    );
     let explains = |hypothesis: &Hypothesis| {
         let nominal = NominalPoints::new(campaign, hypothesis);
         let too_large = pairs.judge(&nominal, hypothesis).is_pervasive();
@@ -81,7 +83,12 @@ pub(crate) fn check_lengths(
             return Err(too_large(file, campaign, worst, &nominal, mistake));
         }
     }
-    if let Some(small) = least_spread::too_small(lengths, &nominal, &given) {
+    // What is too small is said first: its distances mean nothing.
+    let (too_small, against_approx) = rayon::join(
+        || least_spread::too_small(lengths, &nominal, &given),
+        || approx::check(file, campaign, lengths, &nominal),
+    );
+    if let Some(small) = too_small {
         let runs: Vec<usize> = (0..campaign.runs.len()).collect();
         let suspects = hypothesis::for_lengths(campaign, &runs, &[small.station]);
         return Err(Error::LengthsTooSmall {
@@ -93,7 +100,7 @@ pub(crate) fn check_lengths(
             mistake: suspects.into_iter().find(explains).and_then(|h| h.mistake),
         });
     }
-    approx::check(file, campaign, lengths, &nominal)?;
+    against_approx?;
     Ok(notices)
 }
 

@@ -16,17 +16,17 @@ use crate::reduced::ReducedSolution;
 pub struct Covariance {
     shared: usize,
     factors: Factors,
-    reduced_inverse: Mat<f64>,
+    /// The rows of `Σ`, one after the other.
+    reduced_inverse: Vec<f64>,
 }
 
 impl Covariance {
     /// The covariance from the factors of all blocks and the solution of the reduced system.
-    pub fn new(factors: Factors, solution: &ReducedSolution) -> Self {
-        let width = solution.unknowns.len();
+    pub fn new(factors: Factors, solution: ReducedSolution) -> Self {
         Self {
             shared: solution.shared,
             factors,
-            reduced_inverse: Mat::from_fn(width, width, |i, j| solution.inverse[i * width + j]),
+            reduced_inverse: solution.inverse,
         }
     }
 
@@ -39,13 +39,22 @@ impl Covariance {
     /// leading part is the covariance of the shared unknowns; the whole of it is indefinite and
     /// makes sense only between couplings.
     pub fn reduced_inverse(&self) -> MatRef<'_, f64> {
-        self.reduced_inverse.as_ref()
+        MatRef::from_row_major_slice(&self.reduced_inverse, self.width(), self.width())
+    }
+
+    /// Rows and columns of `Σ`: the number of shared unknowns and datum multipliers.
+    pub fn width(&self) -> usize {
+        self.factors.width()
+    }
+
+    /// The rows of `Σ`, one after the other.
+    pub fn reduced_inverse_rows(&self) -> &[f64] {
+        &self.reduced_inverse
     }
 
     /// Covariance of the shared unknowns.
     pub fn shared(&self) -> MatRef<'_, f64> {
-        self.reduced_inverse
-            .as_ref()
+        self.reduced_inverse()
             .submatrix(0, 0, self.shared, self.shared)
     }
 
@@ -58,8 +67,7 @@ impl Covariance {
 
     /// `Z` of block `i`: one column for each shared unknown and datum multiplier.
     pub fn coupling(&self, i: usize) -> MatRef<'_, f64> {
-        let width = self.reduced_inverse.ncols();
-        MatRef::from_row_major_slice(self.factors.coupling(i), self.size(i), width)
+        MatRef::from_row_major_slice(self.factors.coupling(i), self.size(i), self.width())
     }
 
     /// The columns of `R⁻¹` of block `i`, one after the other.
@@ -85,18 +93,16 @@ impl Covariance {
 
     /// Covariance between block `i` (rows) and the shared unknowns (columns).
     pub fn block_shared(&self, i: usize) -> Mat<f64> {
-        let width = self.reduced_inverse.ncols();
         let shared_columns = self
-            .reduced_inverse
-            .as_ref()
-            .submatrix(0, 0, width, self.shared);
+            .reduced_inverse()
+            .submatrix(0, 0, self.width(), self.shared);
         -(self.coupling(i) * shared_columns)
     }
 
     /// The part of the covariance between blocks `i` and `k` that comes through the shared
     /// unknowns; for `i ≠ k` it is the whole.
     pub fn between(&self, i: usize, k: usize) -> Mat<f64> {
-        self.coupling(i) * &self.reduced_inverse * self.coupling(k).transpose()
+        self.coupling(i) * self.reduced_inverse() * self.coupling(k).transpose()
     }
 
     /// Covariance of everything: the unknowns of all blocks in order, then the shared ones. Its size

@@ -22,7 +22,7 @@ impl CovarianceLanes {
     #[inline(always)]
     pub fn fill(&mut self, covariance: &Covariance, (first, used): (usize, usize)) {
         self.unknowns = covariance.inverse_factor(first).ncols();
-        self.width = covariance.reduced_inverse().ncols();
+        self.width = covariance.width();
         let block = |lane: usize| first + lane.min(used - 1);
         let mut columns: [&[f64]; LANES] = [&[]; LANES];
         for (lane, columns) in columns.iter_mut().enumerate() {

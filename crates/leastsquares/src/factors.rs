@@ -45,6 +45,11 @@ impl Factors {
         }
     }
 
+    /// Columns of `Z`.
+    pub(crate) fn width(&self) -> usize {
+        self.width
+    }
+
     /// Splits all blocks into ranges that follow each other.
     ///
     /// # Panics

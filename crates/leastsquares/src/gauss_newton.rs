@@ -158,7 +158,7 @@ impl<S: Clone> Adjusted<S> {
     pub fn covariance<M: Adjustment<State = S>>(&self, model: &M) -> Result<Covariance, Error> {
         let system = model.reduce_with_datum(&self.state)?;
         let reduced = system.solve(|| model.free_motions(&self.state))?;
-        Ok(Covariance::new(model.factors(&self.state)?, &reduced))
+        Ok(Covariance::new(model.factors(&self.state)?, reduced))
     }
 }
 

@@ -42,7 +42,7 @@ impl HatRows {
         (first, used): (usize, usize),
     ) {
         let Shape { rows, unknowns, .. } = batch.shape();
-        (self.unknowns, self.width) = (unknowns, covariance.reduced_inverse().ncols());
+        (self.unknowns, self.width) = (unknowns, covariance.width());
         self.factors.fill(covariance, (first, used));
         let mask = Lanes::from_fn(|lane| f64::from(u8::from(lane < used)));
         zeros(&mut self.rows, rows * unknowns);

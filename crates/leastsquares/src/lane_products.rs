@@ -5,8 +5,8 @@
 //! ```
 //!
 //! A tile of a few elements of the result stays in registers while the sum runs. A factor is a
-//! [`LaneMatrix`], one matrix in each lane, or a [`SharedMatrix`], the same for all lanes; both are views
-//! with any order of elements, so a transpose costs nothing. Each product takes the widest registers itself
+//! [`View`] with any order of elements, so that a transpose costs nothing: a [`LaneMatrix`], one matrix in
+//! each lane, or a [`SharedMatrix`], the same for all lanes. Each product takes the widest registers itself
 //! ([`crate::in_widest_registers`]): inlined in all passes it would take minutes to compile.
 //!
 //! Sizes that do not fit panic.
@@ -20,35 +20,10 @@ use crate::lanes::{Lanes, lanes_only};
 const ROWS: usize = 4;
 const COLUMNS: usize = 4;
 
-/// A factor of a product.
-pub trait Factor: Copy {
-    /// Number of rows.
-    fn rows(&self) -> usize;
-
-    /// Number of columns.
-    fn columns(&self) -> usize;
-
-    /// An element, in each lane.
-    fn at(&self, row: usize, column: usize) -> Lanes;
-}
-
-/// Eight matrices of the same size, side by side.
+/// A matrix, or a part of one, in a slice.
 #[derive(Debug, Clone, Copy)]
-pub struct LaneMatrix<'a> {
-    elements: &'a [Lanes],
-    layout: Layout,
-}
-
-/// A matrix that is the same in all lanes.
-#[derive(Debug, Clone, Copy)]
-pub struct SharedMatrix<'a> {
-    elements: &'a [f64],
-    layout: Layout,
-}
-
-/// Where the elements of a matrix are.
-#[derive(Debug, Clone, Copy)]
-struct Layout {
+pub struct View<'a, E> {
+    elements: &'a [E],
     rows: usize,
     columns: usize,
     /// How far elements are apart from row to row, and from column to column.
@@ -56,11 +31,39 @@ struct Layout {
     along: usize,
 }
 
-impl Layout {
+/// Eight matrices of the same size, side by side.
+pub type LaneMatrix<'a> = View<'a, Lanes>;
+
+/// A matrix that is the same in all lanes.
+pub type SharedMatrix<'a> = View<'a, f64>;
+
+/// An element of a factor: a number in each lane, or one for all of them.
+pub trait Element: Copy {
+    /// The number in each lane.
+    fn in_lanes(self) -> Lanes;
+}
+
+impl Element for Lanes {
     #[inline(always)]
-    fn by_rows(elements: usize, [rows, columns]: [usize; 2]) -> Self {
-        assert_eq!(elements, rows * columns, "elements of a matrix");
+    fn in_lanes(self) -> Lanes {
+        self
+    }
+}
+
+impl Element for f64 {
+    #[inline(always)]
+    fn in_lanes(self) -> Lanes {
+        Lanes::splat(self)
+    }
+}
+
+impl<'a, E: Element> View<'a, E> {
+    /// So many rows and columns, rows one after the other.
+    #[inline(always)]
+    pub fn by_rows(elements: &'a [E], [rows, columns]: [usize; 2]) -> Self {
+        assert_eq!(elements.len(), rows * columns, "elements of a matrix");
         Self {
+            elements,
             rows,
             columns,
             down: columns,
@@ -68,35 +71,9 @@ impl Layout {
         }
     }
 
-    #[inline(always)]
-    fn transposed(self) -> Self {
-        Self {
-            rows: self.columns,
-            columns: self.rows,
-            down: self.along,
-            along: self.down,
-        }
-    }
-
-    #[inline(always)]
-    fn place(&self, row: usize, column: usize) -> usize {
-        row * self.down + column * self.along
-    }
-}
-
-impl<'a> LaneMatrix<'a> {
-    /// So many rows and columns, rows one after the other.
-    #[inline(always)]
-    pub fn by_rows(elements: &'a [Lanes], sizes: [usize; 2]) -> Self {
-        Self {
-            elements,
-            layout: Layout::by_rows(elements.len(), sizes),
-        }
-    }
-
     /// The same, columns one after the other.
     #[inline(always)]
-    pub fn by_columns(elements: &'a [Lanes], [rows, columns]: [usize; 2]) -> Self {
+    pub fn by_columns(elements: &'a [E], [rows, columns]: [usize; 2]) -> Self {
         Self::by_rows(elements, [columns, rows]).transposed()
     }
 
@@ -104,79 +81,54 @@ impl<'a> LaneMatrix<'a> {
     #[inline(always)]
     pub fn transposed(self) -> Self {
         Self {
-            layout: self.layout.transposed(),
+            rows: self.columns,
+            columns: self.rows,
+            down: self.along,
+            along: self.down,
             ..self
         }
     }
 
-    /// Some rows of a matrix whose rows are contiguous.
+    /// Number of rows.
+    #[inline(always)]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    #[inline(always)]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// An element, in each lane.
+    #[inline(always)]
+    pub fn at(&self, row: usize, column: usize) -> Lanes {
+        self.elements[row * self.down + column * self.along].in_lanes()
+    }
+
+    /// Some rows of a matrix whose rows are one after the other.
     #[inline(always)]
     pub fn part(self, rows: Range<usize>) -> Self {
-        let columns = self.layout.columns;
-        assert_eq!(self.layout.along, 1, "contiguous rows");
-        let elements = &self.elements[rows.start * columns..rows.end * columns];
-        Self::by_rows(elements, [rows.len(), columns])
-    }
-}
-
-impl<'a> SharedMatrix<'a> {
-    /// So many rows and columns, rows one after the other.
-    #[inline(always)]
-    pub fn by_rows(elements: &'a [f64], sizes: [usize; 2]) -> Self {
-        Self {
-            elements,
-            layout: Layout::by_rows(elements.len(), sizes),
-        }
+        Self::by_rows(self.contiguous(rows.clone()), [rows.len(), self.columns])
     }
 
-    /// The same, columns one after the other.
+    /// A row of a matrix whose rows are one after the other.
     #[inline(always)]
-    pub fn by_columns(elements: &'a [f64], [rows, columns]: [usize; 2]) -> Self {
-        let by_rows = Self::by_rows(elements, [columns, rows]);
-        Self {
-            layout: by_rows.layout.transposed(),
-            ..by_rows
-        }
-    }
-}
-
-impl Factor for LaneMatrix<'_> {
-    #[inline(always)]
-    fn rows(&self) -> usize {
-        self.layout.rows
+    pub fn row(self, row: usize) -> &'a [E] {
+        self.contiguous(row..row + 1)
     }
 
     #[inline(always)]
-    fn columns(&self) -> usize {
-        self.layout.columns
-    }
-
-    #[inline(always)]
-    fn at(&self, row: usize, column: usize) -> Lanes {
-        self.elements[self.layout.place(row, column)]
-    }
-}
-
-impl Factor for SharedMatrix<'_> {
-    #[inline(always)]
-    fn rows(&self) -> usize {
-        self.layout.rows
-    }
-
-    #[inline(always)]
-    fn columns(&self) -> usize {
-        self.layout.columns
-    }
-
-    #[inline(always)]
-    fn at(&self, row: usize, column: usize) -> Lanes {
-        Lanes::splat(self.elements[self.layout.place(row, column)])
+    fn contiguous(self, rows: Range<usize>) -> &'a [E] {
+        assert_eq!([self.down, self.along], [self.columns, 1], "rows in order");
+        &self.elements[rows.start * self.columns..rows.end * self.columns]
     }
 }
 
 /// `S += A B`, rows of `S` one after the other.
 #[inline(never)]
-pub fn add_product(sum: &mut [Lanes], a: impl Factor, b: impl Factor) {
+pub fn add_product<A: Element, B: Element>(sum: &mut [Lanes], a: View<'_, A>, b: View<'_, B>) {
     in_widest_registers(
         #[inline(always)]
         || Product::<_, _, false>::new(sum, a, b).add_rows(false),
@@ -185,7 +137,7 @@ pub fn add_product(sum: &mut [Lanes], a: impl Factor, b: impl Factor) {
 
 /// `S -= A B`.
 #[inline(never)]
-pub fn subtract_product(sum: &mut [Lanes], a: impl Factor, b: impl Factor) {
+pub fn subtract_product<A: Element, B: Element>(sum: &mut [Lanes], a: View<'_, A>, b: View<'_, B>) {
     in_widest_registers(
         #[inline(always)]
         || Product::<_, _, true>::new(sum, a, b).add_rows(false),
@@ -194,7 +146,11 @@ pub fn subtract_product(sum: &mut [Lanes], a: impl Factor, b: impl Factor) {
 
 /// The upper triangle (and some of the lower) of `S += A B`, for a product that is symmetric.
 #[inline(never)]
-pub fn add_symmetric_product(sum: &mut [Lanes], a: impl Factor, b: impl Factor) {
+pub fn add_symmetric_product<A: Element, B: Element>(
+    sum: &mut [Lanes],
+    a: View<'_, A>,
+    b: View<'_, B>,
+) {
     in_widest_registers(
         #[inline(always)]
         || Product::<_, _, false>::new(sum, a, b).add_rows(true),
@@ -203,13 +159,13 @@ pub fn add_symmetric_product(sum: &mut [Lanes], a: impl Factor, b: impl Factor) 
 
 struct Product<'a, A, B, const NEGATIVE: bool> {
     sum: &'a mut [Lanes],
-    a: A,
-    b: B,
+    a: View<'a, A>,
+    b: View<'a, B>,
 }
 
-impl<'a, A: Factor, B: Factor, const NEGATIVE: bool> Product<'a, A, B, NEGATIVE> {
+impl<'a, A: Element, B: Element, const NEGATIVE: bool> Product<'a, A, B, NEGATIVE> {
     #[inline(always)]
-    fn new(sum: &'a mut [Lanes], a: A, b: B) -> Self {
+    fn new(sum: &'a mut [Lanes], a: View<'a, A>, b: View<'a, B>) -> Self {
         assert_eq!(a.columns(), b.rows(), "columns of A and rows of B");
         assert_eq!(sum.len(), a.rows() * b.columns(), "elements of A B");
         Self { sum, a, b }
@@ -285,10 +241,35 @@ mod tests {
         (0..count).map(of_place).collect()
     }
 
-    fn in_lane(matrix: impl Factor, lane: usize) -> Mat<f64> {
+    fn in_lane<E: Element>(matrix: View<'_, E>, lane: usize) -> Mat<f64> {
         Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| {
             matrix.at(i, j).0[lane]
         })
+    }
+
+    #[test]
+    fn rows_are_those_of_the_matrix() {
+        let elements = lanes(4 * 3, 0.7);
+        let matrix = LaneMatrix::by_rows(&elements, [4, 3]);
+        let middle = matrix.part(1..3);
+        assert_eq!([middle.rows(), middle.columns()], [2, 3]);
+        for i in 0..2 {
+            for j in 0..3 {
+                assert_eq!(middle.at(i, j), elements[(i + 1) * 3 + j]);
+                assert_eq!(middle.row(i)[j], elements[(i + 1) * 3 + j]);
+                assert_eq!(matrix.transposed().at(j, i + 1), middle.at(i, j));
+            }
+        }
+        let empty = LaneMatrix::by_rows(&[], [4, 0]);
+        assert!(empty.row(3).is_empty());
+        assert_eq!(empty.part(1..3).rows(), 2);
+    }
+
+    #[test]
+    #[should_panic(expected = "rows in order")]
+    fn a_transpose_has_no_contiguous_rows() {
+        let elements = lanes(4 * 3, 0.7);
+        LaneMatrix::by_columns(&elements, [4, 3]).row(1);
     }
 
     #[test]

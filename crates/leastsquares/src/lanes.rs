@@ -29,12 +29,18 @@ impl Lanes {
     /// The number of each lane.
     #[inline(always)]
     pub fn from_fn(mut of_lane: impl FnMut(usize) -> f64) -> Self {
-        // `array::from_fn` may stay a call, outside the registers that a dispatch chose.
-        let mut lanes = [0.0; LANES];
-        for (lane, x) in lanes.iter_mut().enumerate() {
-            *x = of_lane(lane);
-        }
-        Self(lanes)
+        // Written out: `array::from_fn` may stay a call, outside the registers that a dispatch chose, and
+        // thousands of loops of eight rounds in a pass take minutes to compile.
+        Self([
+            of_lane(0),
+            of_lane(1),
+            of_lane(2),
+            of_lane(3),
+            of_lane(4),
+            of_lane(5),
+            of_lane(6),
+            of_lane(7),
+        ])
     }
 
     /// `self · factor + sum`, rounded once. Without an instruction for it (x86 before 2013) it is slow.
@@ -117,9 +123,9 @@ pub fn lanes_only() {
 
 /// So many zeros in place of what was there.
 #[inline(always)]
-pub fn zeros(all: &mut Vec<Lanes>, count: usize) {
+pub fn zeros<T: Copy + Default>(all: &mut Vec<T>, count: usize) {
     all.clear();
-    all.resize(count, Lanes::ZERO);
+    all.resize(count, T::default());
 }
 
 /// Puts eight slices side by side, an element of each in every lane; a lane whose slice is empty has zeros.

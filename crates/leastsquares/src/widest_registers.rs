@@ -9,7 +9,6 @@ use fearless_simd::{Level, Simd};
 ///
 /// [`pulp`], which serves the rest of this crate, would use those for faer as well, where a test went
 /// wrong, and its dispatch leaves larger work outside the registers it chose.
-#[inline]
 pub fn in_widest_registers<T>(work: impl FnOnce() -> T) -> T {
     #[cfg(target_arch = "x86_64")]
     {

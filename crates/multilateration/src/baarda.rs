@@ -13,7 +13,7 @@
 //! then its distance from what the others predict, and `1/den - (f - 1) σ²` the variance of that if
 //! nothing were wrong. So readings are tested alike whether they take part or not.
 
-use trueaxis_leastsquares::lane_products::{Factor, LaneMatrix, add_product, subtract_product};
+use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product, subtract_product};
 use trueaxis_leastsquares::{Lanes, lanes_only, zeros};
 
 use crate::Network;
@@ -63,7 +63,12 @@ pub(crate) fn test_all<M: GroupModel>(influence: &BatchInfluence<'_, M, M::State
                 influence.fill(b, rows);
                 work.fill(influence, &batches[b], rows);
                 slots.take(network, &by_group, batches[b].groups.clone());
-                work.append((network, &by_group), &batches[b], &slots, &mut tests);
+                work.append(
+                    (network, &by_group),
+                    (&batches[b], rows),
+                    &slots,
+                    &mut tests,
+                );
             }
             tests
         },
@@ -117,8 +122,6 @@ struct LaneTest {
     numerator: Lanes,
     denominator: Lanes,
     squares: Lanes,
-    /// Variance of the length without the machine's return, mm².
-    variance: Lanes,
 }
 
 impl BatchTests {
@@ -157,24 +160,24 @@ impl BatchTests {
             subtract_product(kept, through, shared.transposed());
             let residual = &rows.hat.residual()[visit.slots.clone()];
             zeros(all, count);
-            for (i, slot) in visit.slots.clone().enumerate() {
+            for i in 0..count {
                 unit.clear();
                 for (r, sum) in all.iter_mut().enumerate() {
                     let x = visit.unit_errors.at(r, i);
                     unit.push(x);
                     *sum += x;
                 }
-                readings.push(LaneTest::new(unit, kept, residual, rows.variances[slot]));
+                readings.push(LaneTest::new(unit, kept, residual));
             }
-            visits.push(LaneTest::new(all, kept, residual, Lanes::ZERO));
+            visits.push(LaneTest::new(all, kept, residual));
         }
     }
 
-    /// Appends the tests of the groups of a batch, whose readings are in these slots.
+    /// Appends the tests of the groups of a batch with these rows, whose readings are in these slots.
     fn append(
         &self,
         (network, by_group): (&Network, &VisitsByGroup),
-        batch: &Batch,
+        (batch, rows): (&Batch, &BatchRows),
         slots: &Slots,
         tests: &mut Tests,
     ) {
@@ -185,7 +188,9 @@ impl BatchTests {
                 let (own, rest) = places.split_at(count);
                 places = rest;
                 let of_slot = |&(slot, reading): &(usize, usize)| {
-                    self.readings[slot].reading(lane, network.variance_factor(reading))
+                    let factor = network.variance_factor(reading);
+                    let inflation = rows.variances[slot].0[lane] * (1.0 - 1.0 / factor);
+                    self.readings[slot].reading(lane, inflation)
                 };
                 tests.readings.extend(own.iter().map(of_slot));
                 let of_visit = |&(slot, _): &(usize, usize)| {
@@ -201,12 +206,11 @@ impl BatchTests {
 
 impl LaneTest {
     #[inline(always)]
-    fn new(u: &[Lanes], kept: &[Lanes], residual: &[Lanes], variance: Lanes) -> Self {
+    fn new(u: &[Lanes], kept: &[Lanes], residual: &[Lanes]) -> Self {
         let mut test = Self {
             numerator: Lanes::ZERO,
             denominator: Lanes::ZERO,
             squares: Lanes::ZERO,
-            variance,
         };
         for ((x, row), r) in u.iter().zip(kept.chunks_exact(u.len())).zip(residual) {
             test.numerator = x.mul_add(*r, test.numerator);
@@ -226,13 +230,12 @@ impl LaneTest {
         self.denominator.0[lane] > CHECKED_TOL * self.squares.0[lane]
     }
 
-    /// The test of a reading whose own variance is inflated by `factor`.
-    fn reading(&self, lane: usize, factor: f64) -> ReadingTest {
+    /// The test of a reading whose own variance is inflated by so much, mm².
+    fn reading(&self, lane: usize, inflation: f64) -> ReadingTest {
         if !self.is_checked(lane) {
             return ReadingTest::UNCHECKED;
         }
         let denominator = self.denominator.0[lane];
-        let inflation = self.variance.0[lane] * (1.0 - 1.0 / factor);
         let error_mm = self.numerator.0[lane] / denominator;
         let sigma_mm = (1.0 / denominator - inflation)
             .max(f64::MIN_POSITIVE)

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
-use trueaxis_leastsquares::lane_products::{Factor, LaneMatrix, SharedMatrix};
+use trueaxis_leastsquares::lane_products::{LaneMatrix, SharedMatrix};
 use trueaxis_leastsquares::{Covariance, HatRows, Lanes, in_widest_registers, lanes_only, zeros};
 
 use crate::batches::{Batch, batches};
@@ -22,14 +22,14 @@ use crate::{Network, RigidSolution, Solution};
 const PIECE: usize = 32;
 
 /// A solved network, ready to say what each batch contributed.
+///
+/// `S` is the state of the model `M`. As a parameter: with `M::State` the type would be invariant in its
+/// lifetime.
 pub(crate) struct BatchInfluence<'a, M, S> {
     network: &'a Network,
     model: M,
-    /// The state of the model.
     state: S,
     covariance: &'a Covariance,
-    /// The rows of `Σ`, one after the other.
-    sigma: Vec<f64>,
 }
 
 /// What a batch contributed, and memory to make it.
@@ -71,13 +71,10 @@ impl<'a> BatchInfluence<'a, RigidAdjustment<'a>, RigidState> {
 
 impl<'a, M: GroupModel<State = S>, S: Sync> BatchInfluence<'a, M, S> {
     fn of_model(network: &'a Network, (model, state): (M, S), covariance: &'a Covariance) -> Self {
-        let sigma = covariance.reduced_inverse();
-        let rows = sigma.row_iter().map(|row| row.iter().copied().collect());
         Self {
             network,
             model,
             state,
-            sigma: rows.collect::<Vec<Vec<f64>>>().concat(),
             covariance,
         }
     }
@@ -92,18 +89,18 @@ impl<'a, M: GroupModel<State = S>, S: Sync> BatchInfluence<'a, M, S> {
 
     /// Number of columns of `T`.
     pub(crate) fn width(&self) -> usize {
-        self.covariance.reduced_inverse().ncols()
+        self.covariance.width()
     }
 
-    /// `Σ`: symmetric.
+    /// The rows of `Σ`.
     pub(crate) fn sigma(&self) -> &[f64] {
-        &self.sigma
+        self.covariance.reduced_inverse_rows()
     }
 
     /// The same for products in lanes.
     #[inline(always)]
     pub(crate) fn shared_sigma(&self) -> SharedMatrix<'_> {
-        SharedMatrix::by_rows(&self.sigma, [self.width(); 2])
+        SharedMatrix::by_rows(self.sigma(), [self.width(); 2])
     }
 
     /// What `work` makes of pieces of the batches, in order, on all threads; it is compiled for the widest
@@ -124,9 +121,18 @@ impl<'a, M: GroupModel<State = S>, S: Sync> BatchInfluence<'a, M, S> {
         pieces.map_init(BatchRows::default, of_piece).collect()
     }
 
-    /// Takes the rows of batch `b`.
-    #[inline(always)]
+    /// Takes the rows of batch `b`, with the widest registers: inlined in all that needs them, it would take
+    /// minutes to compile.
+    #[inline(never)]
     pub(crate) fn fill(&self, b: usize, rows: &mut BatchRows) {
+        in_widest_registers(
+            #[inline(always)]
+            || self.fill_inlined(b, rows),
+        );
+    }
+
+    #[inline(always)]
+    fn fill_inlined(&self, b: usize, rows: &mut BatchRows) {
         let BatchRows {
             hat,
             memory,

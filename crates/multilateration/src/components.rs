@@ -21,9 +21,7 @@
 //! ```
 
 use nalgebra::{Matrix2, Vector2};
-use trueaxis_leastsquares::lane_products::{
-    Factor, LaneMatrix, add_product, add_symmetric_product,
-};
+use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product, add_symmetric_product};
 use trueaxis_leastsquares::row_products::{append_product, mirror};
 use trueaxis_leastsquares::{Lanes, zeros};
 

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! so what needs the hat matrix is linear in the number of lengths. Here it is group by group, for what is
-//! asked seldom; [`crate::batch_influence`] has eight groups at a time.
+//! asked seldom, or what it is made of, for sums of its rows ([`crate::step_tests`]);
+//! [`crate::batch_influence`] has eight groups at a time.
 
 use faer::{Mat, MatRef};
 use trueaxis_leastsquares::{BlockRows, Covariance};
@@ -96,6 +97,17 @@ impl<'a> Influence<'a> {
         self.network
     }
 
+    /// Stations, dead paths and points.
+    pub(crate) fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The factors of the covariance, whose blocks are the unknowns of the groups: coordinates only where
+    /// the points are free.
+    pub(crate) fn covariance(&self) -> &'a Covariance {
+        self.covariance
+    }
+
     /// Unit vector from the station to the point of a reading.
     pub(crate) fn beam(&self, reading: usize, visit: usize) -> [f64; 3] {
         let content = &self.network.visits[visit];
@@ -110,9 +122,14 @@ impl<'a> Influence<'a> {
         self.covariance.reduced_inverse()
     }
 
+    /// The rows of `Σ`, one after the other.
+    pub(crate) fn sigma(&self) -> &'a [f64] {
+        self.covariance.reduced_inverse_rows()
+    }
+
     /// Number of columns of `T`.
     pub(crate) fn width(&self) -> usize {
-        self.covariance.reduced_inverse().ncols()
+        self.covariance.width()
     }
 
     /// Number of groups.

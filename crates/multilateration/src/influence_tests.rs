@@ -3,7 +3,7 @@
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_leastsquares::BlockRows;
-use trueaxis_leastsquares::lane_products::{Factor, LaneMatrix};
+use trueaxis_leastsquares::lane_products::LaneMatrix;
 
 use crate::baarda::test_all;
 use crate::batch_influence::{BatchInfluence, BatchRows};
@@ -165,7 +165,7 @@ fn the_largest_step_is_that_of_all_steps() {
         .map(|g| influence.group(g, &mut memory))
         .collect();
     let zero_of = network.zero_of_readings();
-    let steps = largest_steps(&network, &solution);
+    let steps = largest_steps(&influence);
     assert_eq!(steps.len(), STATIONS + 1);
     for step in steps {
         let zero = zero_of[step.first_reading];

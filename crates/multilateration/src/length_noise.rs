@@ -21,9 +21,7 @@
 use std::ops::Range;
 
 use faer::Mat;
-use trueaxis_leastsquares::lane_products::{
-    Factor, LaneMatrix, add_product, add_symmetric_product,
-};
+use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product, add_symmetric_product};
 use trueaxis_leastsquares::row_products::mirror;
 use trueaxis_leastsquares::{Lanes, in_widest_registers, zeros};
 
@@ -49,7 +47,12 @@ pub struct BatchNoise {
     /// `[Z N]`, rows one after the other: twice as many columns as
     /// [`trueaxis_leastsquares::Covariance::coupling`] has.
     pub coupling: Vec<Lanes>,
-    memory: Memory,
+    rows: BatchRows,
+    /// `O R⁻ᵀ`.
+    errors: Vec<Lanes>,
+    memory: PartMemory,
+    /// `N`.
+    mixed: Vec<Lanes>,
 }
 
 impl Solution {
@@ -62,12 +65,11 @@ impl Solution {
             #[inline(always)]
             |piece, rows| {
                 let mut sum = vec![Lanes::ZERO; width * width];
-                let mut memory = Memory::default();
+                let mut memory = PartMemory::default();
                 for b in piece {
                     influence.fill(b, rows);
                     let (batch, shared) = (&influence.batches()[b], rows.hat.shared());
-                    memory.fill_part_of(shared, batch, rows);
-                    let part = LaneMatrix::by_rows(&memory.part_of, [batch.slots(), width]);
+                    let part = memory.part_of(shared, batch, rows);
                     add_symmetric_product(&mut sum, shared.transposed(), part);
                 }
                 let mut sum: Vec<f64> = sum.into_iter().map(Lanes::sum).collect();
@@ -118,33 +120,29 @@ impl LengthNoise<'_> {
         let BatchNoise {
             own,
             coupling,
+            rows,
+            errors,
             memory,
+            mixed,
         } = noise;
-        let mut rows = std::mem::take(&mut memory.rows);
-        self.influence.fill(b, &mut rows);
+        self.influence.fill(b, rows);
         let (batch, width) = (&self.influence.batches()[b], self.influence.width());
         let (count, unknowns) = (batch.slots(), rows.hat.own().columns());
         let factors = rows.hat.factors();
-        // O R⁻ᵀ and V O R⁻ᵀ.
-        let mut errors = std::mem::take(&mut memory.errors);
-        zeros(&mut errors, count * unknowns);
+        zeros(errors, count * unknowns);
         let factor = factors.inverse_factor();
-        add_product(&mut errors, rows.hat.own(), factor.transposed());
-        let of_points = LaneMatrix::by_rows(&errors, [count, unknowns]);
-        memory.fill_part_of(of_points, batch, &rows);
-        let part = LaneMatrix::by_rows(&memory.part_of, [count, unknowns]).transposed();
+        add_product(errors, rows.hat.own(), factor.transposed());
+        let of_points = LaneMatrix::by_rows(errors, [count, unknowns]);
+        let part = memory.part_of(of_points, batch, rows).transposed();
         zeros(own, unknowns * unknowns);
         add_product(own, part, of_points);
-        zeros(&mut memory.mixed, unknowns * width);
-        add_product(&mut memory.mixed, part, rows.hat.shared());
+        zeros(mixed, unknowns * width);
+        add_product(mixed, part, rows.hat.shared());
         coupling.clear();
-        for (i, mixed) in memory.mixed.chunks_exact(width.max(1)).enumerate() {
-            for k in 0..width {
-                coupling.push(factors.coupling().at(i, k));
-            }
-            coupling.extend_from_slice(mixed);
+        for i in 0..unknowns {
+            coupling.extend_from_slice(factors.coupling().row(i));
+            coupling.extend_from_slice(&mixed[i * width..(i + 1) * width]);
         }
-        (memory.rows, memory.errors) = (rows, errors);
     }
 
     /// `S`: covariance of the shared sources. The first of them are the stations (x y z L each);
@@ -154,23 +152,19 @@ impl LengthNoise<'_> {
     }
 }
 
-/// Memory to work in.
+/// Memory for the lengths' own part of the noise.
 #[derive(Debug, Default)]
-struct Memory {
-    rows: BatchRows,
-    errors: Vec<Lanes>,
+struct PartMemory {
     /// `V` of a visit.
     part: Vec<Lanes>,
     /// `V X`.
     part_of: Vec<Lanes>,
-    /// `N`.
-    mixed: Vec<Lanes>,
 }
 
-impl Memory {
-    /// Makes `V X`, visit after visit, for the rows `X` of a batch.
+impl PartMemory {
+    /// `V X`, visit after visit, for the rows `X` of a batch.
     #[inline(always)]
-    fn fill_part_of(&mut self, x: LaneMatrix<'_>, batch: &Batch, rows: &BatchRows) {
+    fn part_of(&mut self, x: LaneMatrix<'_>, batch: &Batch, rows: &BatchRows) -> LaneMatrix<'_> {
         let columns = x.columns();
         zeros(&mut self.part_of, batch.slots() * columns);
         for visit in rows.visits(batch) {
@@ -180,5 +174,6 @@ impl Memory {
             let product = &mut self.part_of[slots.start * columns..slots.end * columns];
             add_product(product, part, x.part(slots));
         }
+        LaneMatrix::by_rows(&self.part_of, [batch.slots(), columns])
     }
 }

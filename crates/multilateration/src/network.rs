@@ -148,9 +148,12 @@ impl Network {
         let network = Self {
             visits: visits.collect(),
             readings: kept.iter().map(|&i| self.readings[i]).collect(),
+            stations: self.stations.clone(),
+            nominal_mm: self.nominal_mm.clone(),
+            groups: self.groups.clone(),
+            noise: self.noise,
             interruptions: Vec::new(),
             variance_factors: Vec::new(),
-            ..self.clone()
         };
         (network, kept)
     }

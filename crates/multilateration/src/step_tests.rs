@@ -11,13 +11,13 @@
 //! and all sums grow reading by reading.
 
 use rayon::prelude::*;
-use trueaxis_leastsquares::Covariance;
 use trueaxis_leastsquares::row_products::{add_product, append_product, dot};
+use trueaxis_leastsquares::zeros;
 
 use crate::baarda::CHECKED_TOL;
-use crate::free_points::{FreePoints, PER_STATION, State, zero_column};
+use crate::free_points::{PER_STATION, zero_column};
+use crate::influence::Influence;
 use crate::noise::whiten;
-use crate::{Network, Solution};
 
 /// The test of a step in a station's zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,56 +36,37 @@ pub(crate) struct StepTest {
 /// Steps whose part through the shared unknowns is calculated at a time.
 const STEPS: usize = 32;
 
-/// A solved network.
-struct Solved<'a> {
-    network: &'a Network,
-    model: FreePoints<'a>,
-    state: State,
-    covariance: &'a Covariance,
-    /// The rows of `Σ`, one after the other.
-    sigma: Vec<f64>,
-}
-
-/// For every zero the instant at which a step of it is most significant; `network` must be the one that
-/// `solution` solved.
-pub(crate) fn largest_steps(network: &Network, solution: &Solution) -> Vec<StepTest> {
-    let state = solution.state();
-    let sigma = solution.covariance.reduced_inverse();
-    let rows = sigma.row_iter().map(|row| row.iter().copied().collect());
-    let solved = Solved {
-        network,
-        model: FreePoints::new(network, &state),
-        state,
-        covariance: &solution.covariance,
-        sigma: rows.collect::<Vec<Vec<f64>>>().concat(),
-    };
+/// For every zero the instant at which a step of it is most significant, in a network of free points.
+pub(crate) fn largest_steps(influence: &Influence<'_>) -> Vec<StepTest> {
+    let network = influence.network();
     let mut turns: Vec<Vec<(usize, usize)>> = vec![Vec::new(); network.zeros()];
     for (number, visit) in network.visits.iter().enumerate() {
         for reading in visit.readings.clone() {
-            turns[solved.model.zero_of(reading)].push((reading, number));
+            turns[influence.model().zero_of(reading)].push((reading, number));
         }
     }
-    let largest = turns.par_iter().map(|turn| largest_step(turn, &solved));
+    let largest = turns.par_iter().map(|turn| largest_step(turn, influence));
     largest.collect::<Vec<_>>().into_iter().flatten().collect()
 }
 
 /// Adds the readings of a zero (with their visits) one by one from the last to the first; after each
 /// of them the sum of their unit errors is the step that begins there.
-fn largest_step(turn: &[(usize, usize)], solved: &Solved<'_>) -> Option<StepTest> {
-    let width = solved.covariance.reduced_inverse().ncols();
+fn largest_step(turn: &[(usize, usize)], influence: &Influence<'_>) -> Option<StepTest> {
+    let width = influence.width();
+    let sigma = influence.sigma();
     let mut largest: Option<StepTest> = None;
-    let mut sums = Sums::new(solved);
+    let mut sums = Sums::new(influence);
     let mut steps: Vec<(usize, Step)> = Vec::with_capacity(STEPS);
     let (mut shared, mut through) = (Vec::with_capacity(STEPS * width), Vec::new());
     for (place, &(reading, visit)) in turn.iter().enumerate().skip(1).rev() {
-        sums.add(solved, reading, visit);
+        sums.add(influence, reading, visit);
         steps.push((place, sums.step));
         shared.extend_from_slice(&sums.shared);
         if steps.len() < STEPS && place > 1 {
             continue;
         }
         through.clear();
-        append_product(&mut through, &shared, &solved.sigma, [width; 2]);
+        append_product(&mut through, &shared, sigma, [width; 2]);
         let rows = shared.chunks_exact(width).zip(through.chunks_exact(width));
         for ((place, step), (shared, through)) in steps.drain(..).zip(rows) {
             let kept = step.squares - step.own_squares - dot(through, shared);
@@ -96,7 +77,7 @@ fn largest_step(turn: &[(usize, usize)], solved: &Solved<'_>) -> Option<StepTest
             if largest.is_none_or(|best| w.abs() > best.w.abs()) {
                 let (first_reading, visit) = turn[place];
                 largest = Some(StepTest {
-                    station: solved.network.visits[visit].station,
+                    station: influence.network().visits[visit].station,
                     first_reading,
                     before: place,
                     after: turn.len() - place,
@@ -132,14 +113,14 @@ struct Sums {
 }
 
 impl Sums {
-    fn new(solved: &Solved<'_>) -> Self {
+    fn new(influence: &Influence<'_>) -> Self {
         let mut own_starts = vec![0];
-        for group in &solved.network.groups {
+        for group in &influence.network().groups {
             own_starts.push(own_starts[own_starts.len() - 1] + 3 * group.len());
         }
         Self {
             step: Step::default(),
-            shared: vec![0.0; solved.covariance.reduced_inverse().ncols()],
+            shared: vec![0.0; influence.width()],
             own: vec![0.0; own_starts[own_starts.len() - 1]],
             own_starts,
             visit: None,
@@ -148,11 +129,11 @@ impl Sums {
         }
     }
 
-    fn add(&mut self, solved: &Solved<'_>, reading: usize, visit: usize) {
-        let content = &solved.network.visits[visit];
+    fn add(&mut self, influence: &Influence<'_>, reading: usize, visit: usize) {
+        let content = &influence.network().visits[visit];
         if self.visit != Some(visit) {
             self.visit = Some(visit);
-            self.rows.fill(solved, visit);
+            self.rows.fill(influence, visit);
             self.added.clear();
         }
         let i = reading - content.readings.start;
@@ -195,20 +176,15 @@ struct VisitRows {
 }
 
 impl VisitRows {
-    fn fill(&mut self, solved: &Solved<'_>, visit: usize) {
-        let Solved {
-            network,
-            model,
-            state,
-            covariance,
-            ..
-        } = solved;
+    fn fill(&mut self, influence: &Influence<'_>, visit: usize) {
+        let (network, model) = (influence.network(), influence.model());
+        let (state, covariance) = (influence.state(), influence.covariance());
         let content = &network.visits[visit];
         let count = content.readings.len();
         self.fill_inverse(model.factor(visit), count);
 
         let unknowns = 3 * network.groups[content.group].len();
-        let width = covariance.reduced_inverse().ncols();
+        let width = influence.width();
         zeros(&mut self.weighted_residuals, count);
         zeros(&mut self.coefficients, count * unknowns);
         zeros(&mut self.shared, count * width);
@@ -262,9 +238,4 @@ impl VisitRows {
             self.inverse.extend(others.map(|other| dot(unit, other)));
         }
     }
-}
-
-fn zeros(all: &mut Vec<f64>, count: usize) {
-    all.clear();
-    all.resize(count, 0.0);
 }

@@ -90,7 +90,7 @@ fn solve_arrowhead(blocks: &[Block], closure: f64) -> Result<Solved, Error> {
     unknowns.extend(&solution.unknowns[..SHARED]);
     Ok(Solved {
         unknowns,
-        covariance: Covariance::new(factors, &solution),
+        covariance: Covariance::new(factors, solution),
     })
 }
 
