@@ -33,9 +33,8 @@ mod tracks;
 mod unknowns;
 
 use nalgebra::Vector3;
-use pulp::{Arch, Simd, WithSimd};
 use rand::Rng;
-use trueaxis_leastsquares::{LANES, Lanes, lanes_only};
+use trueaxis_leastsquares::{LANES, Lanes, in_widest_registers, lanes_only};
 
 use self::coordinates::{Coordinates, dot, sum};
 use self::correlated::CorrelatedVisits;
@@ -217,12 +216,29 @@ impl Trials {
     /// # Panics
     /// If there is not one error for each reading.
     pub fn solve<'w>(&self, errors_mm: &[f64], workspace: &'w mut Workspace) -> &'w Corrections {
-        Arch::new().dispatch(Solve {
-            trials: self,
-            errors_mm,
-            workspace,
-        });
+        in_widest_registers(
+            #[inline(always)]
+            || self.fill(errors_mm, workspace),
+        );
         &workspace.corrections
+    }
+
+    #[inline(always)]
+    fn fill(&self, errors_mm: &[f64], workspace: &mut Workspace) {
+        self.start(errors_mm, workspace);
+        // Corrections shrink by a constant factor: what is left out after the last is about its
+        // square over the one before. The linear solution counts with one unknown's share, because
+        // the direction that shrinks least is one of many.
+        let mut before = self.correct(workspace) / (self.unknowns() as f64).sqrt();
+        for _ in 0..MAX_CORRECTIONS {
+            self.take_gradient(errors_mm, workspace);
+            let length = self.correct(workspace);
+            if length * length <= LEFT_OUT * before {
+                return;
+            }
+            before = length;
+        }
+        workspace.corrections.unknowns.fill(f64::NAN);
     }
 
     fn unknowns(&self) -> usize {
@@ -350,40 +366,6 @@ impl Trials {
             *y = (Lanes(*y) - (ty + az * rx - ax * rz)).0;
             *z = (Lanes(*z) - (tz + ax * ry - ay * rx)).0;
         }
-    }
-}
-
-/// One trial, with the widest registers that the processor has.
-struct Solve<'a> {
-    trials: &'a Trials,
-    errors_mm: &'a [f64],
-    workspace: &'a mut Workspace,
-}
-
-impl WithSimd for Solve<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self {
-            trials,
-            errors_mm,
-            workspace,
-        } = self;
-        trials.start(errors_mm, workspace);
-        // Corrections shrink by a constant factor: what is left out after the last is about its
-        // square over the one before. The linear solution counts with one unknown's share, because
-        // the direction that shrinks least is one of many.
-        let mut before = trials.correct(workspace) / (trials.unknowns() as f64).sqrt();
-        for _ in 0..MAX_CORRECTIONS {
-            trials.take_gradient(errors_mm, workspace);
-            let length = trials.correct(workspace);
-            if length * length <= LEFT_OUT * before {
-                return;
-            }
-            before = length;
-        }
-        workspace.corrections.unknowns.fill(f64::NAN);
     }
 }
 
