@@ -18,7 +18,7 @@ const SIZES: [(&str, usize, usize); 4] = [
 
 const NOISES: [(&str, f64); 2] = [("independent", 0.0), ("per-stop", 1e-3)];
 
-/// The peers' work: stations 5 mm and points 20 µm off, converged to rounding.
+/// From where the peers start, stations 5 mm and points 20 µm off, with exact lengths.
 fn from_a_start(c: &mut Criterion) {
     for (noise, return_sigma_mm) in NOISES {
         let mut group = c.benchmark_group(format!("refine/{noise}"));

@@ -1,6 +1,6 @@
 // Ceres on one problem: see problem.rs beside this file for the folders, `run` for the calls.
 //
-//   ceres-peer PROBLEM ceres|ceres-one-block TIMES
+//   ceres-peer PROBLEM ceres|ceres-pairs|ceres-one-block TIMES
 //
 // prints the seconds of each solve and leaves NAME.solution in the folder of the problem.
 
@@ -70,8 +70,7 @@ class Length final : public ceres::SizedCostFunction<1, 3, 4> {
   const double* length_mm_;
 };
 
-// All lengths to one point: the stations are one parameter block, and the rows of a point one block
-// of the Schur elimination.
+// Some lengths to one point: the stations are one parameter block.
 class LengthsToPoint final : public ceres::CostFunction {
  public:
   LengthsToPoint(std::vector<int> stations, std::vector<const double*> lengths_mm, int all_stations)
@@ -153,8 +152,9 @@ void AddLengths(const Data& data, State& state, ceres::Problem& problem,
   }
 }
 
-// A residual block for each point, and one parameter block for all stations.
-void AddPoints(const Data& data, State& state, ceres::Problem& problem,
+// One parameter block for all stations, and residual blocks of so many lengths to a point (or fewer): with two,
+// Ceres has an elimination that is compiled for this size.
+void AddPoints(const Data& data, size_t lengths_in_block, State& state, ceres::Problem& problem,
                ceres::ParameterBlockOrdering& ordering) {
   std::vector<std::vector<int>> stations(data.points);
   std::vector<std::vector<const double*>> lengths(data.points);
@@ -163,8 +163,14 @@ void AddPoints(const Data& data, State& state, ceres::Problem& problem,
     lengths[data.point[i]].push_back(&state.length_mm[i]);
   }
   for (int i = 0; i < data.points; ++i) {
-    problem.AddResidualBlock(new LengthsToPoint(stations[i], lengths[i], data.stations), nullptr,
-                             &state.points[3 * i], state.stations.data());
+    for (size_t first = 0; first < stations[i].size(); first += lengths_in_block) {
+      const size_t last = std::min(first + lengths_in_block, stations[i].size());
+      problem.AddResidualBlock(
+          new LengthsToPoint({stations[i].begin() + first, stations[i].begin() + last},
+                             {lengths[i].begin() + first, lengths[i].begin() + last},
+                             data.stations),
+          nullptr, &state.points[3 * i], state.stations.data());
+    }
   }
   ordering.AddElementToGroup(state.stations.data(), 1);
 }
@@ -179,7 +185,7 @@ void WriteRows(std::FILE* file, const std::vector<double>& values, size_t column
 
 int main(int count, char** words) {
   if (count != 4) {
-    std::fprintf(stderr, "usage: ceres-peer PROBLEM ceres|ceres-one-block TIMES\n");
+    std::fprintf(stderr, "usage: ceres-peer PROBLEM ceres|ceres-pairs|ceres-one-block TIMES\n");
     return 2;
   }
   const std::string folder = words[1], name = words[2];
@@ -190,7 +196,11 @@ int main(int count, char** words) {
   ceres::Problem problem;
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (int i = 0; i < data.points; ++i) ordering->AddElementToGroup(&state.points[3 * i], 0);
-  (name == "ceres-one-block" ? AddPoints : AddLengths)(data, state, problem, *ordering);
+  if (name == "ceres") {
+    AddLengths(data, state, problem, *ordering);
+  } else {
+    AddPoints(data, name == "ceres-pairs" ? 2 : data.stations, state, problem, *ordering);
+  }
 
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;

@@ -87,6 +87,8 @@ def main():
         start = time.perf_counter()
         solution = problem.solve()
         print(time.perf_counter() - start)
+        if not solution.success:
+            sys.exit(f"not converged: {solution.message}")
     points, stations = problem.split(solution.x)
     with open(folder / f"{name}.solution", "w") as file:
         np.savetxt(file, points, fmt="%.17g", delimiter=",")

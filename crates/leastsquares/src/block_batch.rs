@@ -13,6 +13,8 @@
 //!
 //! and its unknowns follow from those of the reduced system by `x = R⁻¹ (Q₁ᵀ (r - B s) - W λ)`. `MᵀM`
 //! is a sum of squares: nothing cancels in it, so what is not determined stays visible.
+//! ([`LaneSums`] has a shorter way for blocks of a kind, in which something may.) All of it belongs into
+//! [`crate::in_widest_registers`]; outside it is right, but slow.
 
 use crate::error::Error;
 use crate::factors::FactorsMut;

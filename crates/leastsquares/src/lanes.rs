@@ -43,7 +43,8 @@ impl Lanes {
         ])
     }
 
-    /// `self · factor + sum`, rounded once. Without an instruction for it (x86 before 2013) it is slow.
+    /// `self · factor + sum`, rounded once. Without an instruction for it (x86-64 outside
+    /// [`crate::in_widest_registers`], or before 2013) it is slow.
     #[inline(always)]
     pub fn mul_add(self, factor: Self, sum: Self) -> Self {
         Self::from_fn(|i| self.0[i].mul_add(factor.0[i], sum.0[i]))

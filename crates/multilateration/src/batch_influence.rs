@@ -103,8 +103,8 @@ impl<'a, M: GroupModel<State = S>, S: Sync> BatchInfluence<'a, M, S> {
         SharedMatrix::by_rows(self.sigma(), [self.width(); 2])
     }
 
-    /// What `work` makes of pieces of the batches, in order, on all threads; it is compiled for the widest
-    /// registers, so everything in it must be inlined.
+    /// What `work` makes of pieces of the batches, in order, on all threads and with the widest registers
+    /// ([`in_widest_registers`]).
     pub(crate) fn of_pieces<T: Send>(
         &self,
         work: impl Fn(Range<usize>, &mut BatchRows) -> T + Sync + Send,

@@ -111,7 +111,7 @@ pub(crate) fn within_pool<T: Send>(batches: usize, work: impl FnOnce() -> T + Se
     }
 }
 
-/// What `work` makes of each item, in order.
+/// What `work` makes of each item with the widest registers, in order.
 pub(crate) fn in_parallel<I: Send, T: Send>(
     items: Vec<I>,
     work: impl Fn(I) -> T + Sync + Send,

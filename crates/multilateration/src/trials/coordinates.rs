@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use trueaxis_leastsquares::{LANES, Lanes, lanes_only};
 
-/// Vectors at all points: all x, all y, all z. Zeros behind the last point fill up the lanes that
-/// start with it.
+/// Vectors at all points: all x, all y, all z. Behind the last point there are more, up to whole eights: zeros,
+/// or what has weight zero wherever it is used.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Coordinates {
     count: usize,

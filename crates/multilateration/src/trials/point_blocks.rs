@@ -21,7 +21,7 @@ pub(crate) struct PointBlocks {
 #[derive(Debug, Clone)]
 struct CoupledPoints {
     points: Range<usize>,
-    /// Row by row, all x before all y before all z.
+    /// Symmetric, row by row, all x before all y before all z.
     matrix: Vec<f64>,
 }
 

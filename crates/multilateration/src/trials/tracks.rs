@@ -3,7 +3,7 @@
 //! A *track* is a stretch of readings of one station under one dead path at points with consecutive
 //! numbers. Readings are sorted into as few tracks as possible, and tracks are filled up with rows
 //! of weight zero, so that one loop takes the beams and the coordinates of its points from arrays
-//! side by side, some lanes at a time.
+//! side by side, eight at a time.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
@@ -117,7 +117,6 @@ impl Tracks {
             let errors = &errors[track.rows.clone()][..count];
             let [gx, gy, gz] = gradient.points.eights_from_mut(track.first_point, count);
             let mut sums = [Lanes::ZERO; 4];
-            let sums = side_by_side(&mut sums);
             for i in 0..count {
                 lanes_only();
                 let weighted = weights[i] * errors[i];
@@ -147,7 +146,6 @@ impl Tracks {
             let [gx, gy, gz] = gradient.points.eights_from_mut(track.first_point, count);
             let [sx, sy, sz, dead_path] = track.shared(&at.shared);
             let mut sums = [Lanes::ZERO; 4];
-            let sums = side_by_side(&mut sums);
             for i in 0..count {
                 lanes_only();
                 let d = distances[i];
@@ -179,7 +177,6 @@ impl Tracks {
             let weights = &self.weights[track.rows.clone()][..count];
             let [px, py, pz] = points.eights_from(track.first_point, count);
             let mut sums = [Lanes::ZERO; 4];
-            let sums = side_by_side(&mut sums);
             for i in 0..count {
                 lanes_only();
                 let (x, y, z) = (ux[i], uy[i], uz[i]);
@@ -240,7 +237,10 @@ impl Track {
     }
 
     #[inline(always)]
-    fn add_to_shared(&self, sums: &[Lanes; 4], shared: &mut [f64]) {
+    fn add_to_shared(&self, sums: [Lanes; 4], shared: &mut [f64]) {
+        // As they are: else the loop before would be arranged for these sums over lanes, and take each of
+        // its products apart.
+        let sums = black_box(sums);
         let columns = self.station.clone().chain([self.dead_path]);
         for (column, sums) in columns.zip(sums) {
             shared[column] += sums.sum();
@@ -262,11 +262,4 @@ fn sorted(rows: Vec<(Row, f64)>) -> Vec<(Row, f64)> {
         .collect();
     keyed.sort_by_key(|(key, _)| *key);
     keyed.into_iter().map(|(_, row)| row).collect()
-}
-
-/// Keeps sums from being taken together in one register, lane by lane, where they are added up after a
-/// loop: then each product of the loop would be taken apart.
-#[inline(always)]
-fn side_by_side(sums: &mut [Lanes; 4]) -> &mut [Lanes; 4] {
-    black_box(sums)
 }
