@@ -5,12 +5,8 @@ use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::chi_squared_upper_tail;
 use trueaxis_multilateration::{NoiseBasis, PartEstimate, Screened};
 
-use crate::axis_data::AxisData;
 use crate::from_lengths;
-use crate::identify_axes::Identified;
 use crate::lengths_in_words::{length_in_words, stop_of};
-use crate::measured::Measured;
-use crate::points_report::of_points;
 
 /// What the measurement says about itself.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,25 +99,8 @@ pub struct InterruptedTurn {
 /// and at which a word is said about it: one clean campaign in a thousand.
 pub(crate) const GLOBAL_TEST_LEVEL: f64 = 1e-3;
 
-/// The report, and what a user must know of it added to `notices`.
-pub(crate) fn report(
-    campaign: &Campaign,
-    by_direction: bool,
-    measured: &Measured,
-    data: &[AxisData],
-    identified: &Identified,
-    screened: Option<&Screened>,
-    notices: &mut Vec<String>,
-) -> AdjustmentReport {
-    match (screened, &campaign.lengths) {
-        (Some(screened), Some(lengths)) => {
-            of_lengths(campaign, lengths, by_direction, screened, notices)
-        }
-        _ => of_points(campaign, by_direction, measured, data, identified, notices),
-    }
-}
-
-fn of_lengths(
+/// The report of adjusted lengths, and what a user must know of it added to `notices`.
+pub(crate) fn of_lengths(
     campaign: &Campaign,
     lengths: &Lengths,
     by_direction: bool,

@@ -2,11 +2,10 @@
 
 use nalgebra::Point3;
 use trueaxis_campaign::{Campaign, Direction};
-use trueaxis_kinematics::AxisKind;
+use trueaxis_kinematics::{AxisKind, Machine};
 
 use crate::interpolation::{Place, sides_of, weights_at};
-use crate::measured::Measured;
-use crate::record_chunks::{Chunk, chunks};
+use crate::poses::Poses;
 use crate::{Error, describe};
 
 /// All measurements of one axis.
@@ -20,36 +19,28 @@ pub(crate) struct AxisData {
     pub(crate) nodes: Vec<Node>,
     /// The sides of approach that the nodes have.
     pub(crate) sides: Vec<Option<Direction>>,
-    /// The records side by side.
-    pub(crate) chunks: Vec<Chunk>,
 }
 
 pub(crate) struct RunData {
     pub(crate) run: usize,
-    /// Targets that the axis moves in this run, ascending; every record of the run has these.
+    /// The body that the axis moves in this run.
+    pub(crate) body: usize,
+    /// Its targets, and the carrier of each.
     pub(crate) targets: Vec<usize>,
-    /// Number of records.
-    pub(crate) records: usize,
-    /// The first record: where the other axes stand.
-    pub(crate) first_record: usize,
+    carriers: Vec<usize>,
+    /// The carrier farthest from the bed, with which the body moves.
+    carrier: usize,
+    /// Where all axes stand at its first step; the others stand still.
+    pub(crate) positions: Vec<f64>,
 }
 
 pub(crate) struct Record {
     /// Index into [`AxisData::runs`].
     pub(crate) run: usize,
-    /// Measured group.
-    pub(crate) group: usize,
+    /// Index of the measured pose.
+    pub(crate) pose: usize,
     /// Index into [`AxisData::nodes`].
     pub(crate) node: usize,
-    /// For each moved target: its number and its place within the group.
-    pub(crate) targets: Vec<(usize, usize)>,
-}
-
-impl Record {
-    /// The places of its targets within the group.
-    pub(crate) fn places(&self) -> impl Iterator<Item = usize> {
-        self.targets.iter().map(|&(_, place)| place)
-    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,200 +53,87 @@ pub(crate) struct Node {
     pub(crate) records: usize,
 }
 
-/// Targets needed to see six component errors.
-const MIN_TARGETS: usize = 3;
-
 /// A rotary axis this close to home is at home, rad.
 const HOME_TOL_RAD: f64 = 1e-9;
 
-/// Sorts the measured groups by the axis under test.
-pub(crate) fn by_axis(campaign: &Campaign, measured: &Measured) -> Result<Vec<AxisData>, Error> {
+/// Sorts the measured poses by the axis under test.
+pub(crate) fn by_axis(campaign: &Campaign, poses: &Poses) -> Result<Vec<AxisData>, Error> {
     let mut all: Vec<AxisData> = Vec::new();
-    for (group, content) in measured.groups.iter().enumerate() {
-        let step = &campaign.steps[content.step];
+    for (pose, observation) in poses.observations.iter().enumerate() {
+        let step = &campaign.steps[observation.step];
         let axis = campaign.runs[step.run].axis;
-        let place = all
-            .iter()
-            .position(|data| data.axis == axis)
-            .unwrap_or_else(|| {
-                let empty = AxisData {
-                    axis,
-                    runs: Vec::new(),
-                    records: Vec::new(),
-                    nodes: Vec::new(),
-                    sides: Vec::new(),
-                    chunks: Vec::new(),
-                };
-                all.push(empty);
-                all.len() - 1
+        let place = all.iter().position(|data| data.axis == axis);
+        let place = place.unwrap_or_else(|| {
+            all.push(AxisData {
+                axis,
+                runs: Vec::new(),
+                records: Vec::new(),
+                nodes: Vec::new(),
+                sides: Vec::new(),
             });
-        let data = &mut all[place];
-        let record = data.records.len();
-        let run = data
-            .runs
-            .iter()
-            .position(|r| r.run == step.run)
-            .unwrap_or_else(|| {
-                data.runs.push(RunData {
-                    run: step.run,
-                    targets: Vec::new(),
-                    records: 0,
-                    first_record: record,
-                });
-                data.runs.len() - 1
-            });
-        let moved = |&(_, target): &(usize, &usize)| {
-            campaign
-                .machine
-                .chain(campaign.targets[*target].carrier)
-                .contains(&axis)
-        };
-        let targets: Vec<(usize, usize)> = content
-            .targets
-            .iter()
-            .enumerate()
-            .filter(moved)
-            .map(|(i, &t)| (t, i))
-            .collect();
-        if targets.len() < MIN_TARGETS {
-            return Err(Error::NotIdentifiable {
-                what: format!(
-                    "{}: {} of the targets that {} moves were measured, three are needed to see \
-                     its six component errors",
-                    describe::step(campaign, content.step),
-                    targets.len(),
-                    campaign.machine.axes()[axis].name(),
-                ),
-                mend: "measure the missing targets there, or leave out the rows of this step"
-                    .to_owned(),
-            });
-        }
-        let content = &mut data.runs[run];
-        content.records += 1;
-        for &(target, _) in &targets {
-            if let Err(place) = content.targets.binary_search(&target) {
-                content.targets.insert(place, target);
-            }
-        }
-        data.records.push(Record {
-            run,
-            group,
-            node: 0,
-            targets,
+            all.len() - 1
         });
+        let data = &mut all[place];
+        let run = data.runs.iter().position(|r| r.run == step.run);
+        let run = run.unwrap_or_else(|| {
+            let targets = &poses.bodies[observation.body].targets;
+            let run = RunData::new(campaign, step.run, observation.body, targets, &step.positions);
+            data.runs.push(run);
+            data.runs.len() - 1
+        });
+        data.records.push(Record { run, pose, node: 0 });
     }
     for data in &mut all {
-        number_nodes(data, campaign, measured);
-    }
-    for data in &mut all {
-        keep_common_targets(data, campaign, measured)?;
-        check_other_axes(data, campaign, measured)?;
-        data.chunks = chunks(&data.records, &measured.noise.batches);
+        number_nodes(data, campaign, poses);
+        check_other_axes(data, campaign, poses)?;
     }
     // In the order of the machine's axes, whatever the order of measuring.
     all.sort_by_key(|data| data.axis);
     Ok(all)
 }
 
-/// Leaves out targets that were not measured at every step of a run: the shape of the targets is
-/// the same function of the points at every step only if these are the same.
-fn keep_common_targets(
-    data: &mut AxisData,
-    campaign: &Campaign,
-    measured: &Measured,
-) -> Result<(), Error> {
-    for (r, run) in data.runs.iter_mut().enumerate() {
-        let mut counts = vec![0; run.targets.len()];
-        for record in data.records.iter().filter(|record| record.run == r) {
-            for (count, target) in counts.iter_mut().zip(&run.targets) {
-                *count += usize::from(record.targets.iter().any(|(t, _)| t == target));
-            }
-        }
-        let counted = run.targets.iter().zip(counts);
-        let common: Vec<usize> = counted
-            .filter(|&(_, count)| count == run.records)
-            .map(|(&target, _)| target)
-            .collect();
-        if common.len() < MIN_TARGETS {
-            let incomplete = data
-                .records
-                .iter()
-                .find(|record| record.run == r && record.targets.len() < run.targets.len());
-            let step = incomplete.map_or(0, |record| measured.groups[record.group].step);
-            return Err(Error::NotIdentifiable {
-                what: format!(
-                    "run {}: only {} target(s) were measured at all of its steps, three are needed \
-                     (one is missing in {})",
-                    campaign.runs[run.run].name,
-                    common.len(),
-                    describe::step(campaign, step),
-                ),
-                mend: "measure the missing targets, or leave out the rows of the steps that lack \
-                       them"
-                    .to_owned(),
-            });
-        }
-        run.targets = common;
-        for record in data.records.iter_mut().filter(|record| record.run == r) {
-            record
-                .targets
-                .retain(|(target, _)| run.targets.contains(target));
-        }
-    }
-    Ok(())
-}
-
 /// Other axes of the chain must stand still during a run, and rotary ones at home: their errors
 /// would enter those of the axis under test, or turn them.
-fn check_other_axes(
-    data: &AxisData,
-    campaign: &Campaign,
-    measured: &Measured,
-) -> Result<(), Error> {
+fn check_other_axes(data: &AxisData, campaign: &Campaign, poses: &Poses) -> Result<(), Error> {
     let machine = &campaign.machine;
-    let positions_of =
-        |record: &Record| &campaign.steps[measured.groups[record.group].step].positions;
     for record in &data.records {
-        let run = &data.runs[record.run];
-        let first = positions_of(&data.records[run.first_record]);
-        let positions = positions_of(record);
-        for &(target, _) in &record.targets {
-            for &other in machine.chain(campaign.targets[target].carrier) {
-                if other == data.axis {
-                    continue;
-                }
-                let (run, axis) = (campaign.runs[run.run].name.clone(), &machine.axes()[other]);
-                let other_name = axis.name().to_owned();
-                if positions[other].total_cmp(&first[other]).is_ne() {
-                    return Err(Error::SeveralAxesMove {
-                        run,
-                        axis: machine.axes()[data.axis].name().to_owned(),
-                        other: other_name,
-                        step: describe::step(campaign, measured.groups[record.group].step),
-                    });
-                }
-                if axis.kind() == AxisKind::Rotary && first[other].abs() > HOME_TOL_RAD {
-                    return Err(Error::NotIdentifiable {
-                        what: format!(
-                            "run {run}: rotary axis {other_name} stands at {:.4}° instead of home",
-                            first[other].to_degrees()
-                        ),
-                        mend: format!("measure this run with {other_name} at 0°"),
-                    });
-                }
+        let content = &data.runs[record.run];
+        let step = poses.observations[record.pose].step;
+        let (positions, first) = (&campaign.steps[step].positions, &content.positions);
+        for &other in content.carriers.iter().flat_map(|&c| machine.chain(c)) {
+            if other == data.axis {
+                continue;
+            }
+            let (run, axis) = (campaign.runs[content.run].name.clone(), &machine.axes()[other]);
+            let other_name = axis.name().to_owned();
+            if positions[other].total_cmp(&first[other]).is_ne() {
+                return Err(Error::SeveralAxesMove {
+                    run,
+                    axis: machine.axes()[data.axis].name().to_owned(),
+                    other: other_name,
+                    step: describe::step(campaign, step),
+                });
+            }
+            if axis.kind() == AxisKind::Rotary && first[other].abs() > HOME_TOL_RAD {
+                return Err(Error::NotIdentifiable {
+                    what: format!(
+                        "run {run}: rotary axis {other_name} stands at {:.4}° instead of home",
+                        first[other].to_degrees()
+                    ),
+                    mend: format!("measure this run with {other_name} at 0°"),
+                });
             }
         }
     }
     Ok(())
 }
 
-fn number_nodes(data: &mut AxisData, campaign: &Campaign, measured: &Measured) {
+fn number_nodes(data: &mut AxisData, campaign: &Campaign, poses: &Poses) {
     let node_of = |record: &Record| {
-        let content = &measured.groups[record.group];
-        let position = campaign.steps[content.step].positions[data.axis];
+        let observation = &poses.observations[record.pose];
         Node {
-            position,
-            direction: content.direction,
+            position: campaign.steps[observation.step].positions[data.axis],
+            direction: observation.direction,
             records: 0,
         }
     };
@@ -293,15 +171,48 @@ impl AxisData {
     }
 }
 
-/// The points of a record in the order of its targets; `points_mm` are those of all groups.
-pub(crate) fn points_of<'a>(
-    measured: &Measured,
-    points_mm: &'a [Point3<f64>],
-    record: &'a Record,
-) -> impl Iterator<Item = (usize, Point3<f64>)> + 'a {
-    let first = measured.groups[record.group].points.start;
-    record
-        .targets
-        .iter()
-        .map(move |&(target, place)| (target, points_mm[first + place]))
+impl RunData {
+    fn new(
+        campaign: &Campaign,
+        run: usize,
+        body: usize,
+        targets: &[usize],
+        positions: &[f64],
+    ) -> Self {
+        let carrier_of = |&target: &usize| campaign.targets[target].carrier;
+        let carriers: Vec<usize> = targets.iter().map(carrier_of).collect();
+        let depth = |&carrier: &usize| campaign.machine.chain(carrier).len();
+        let carrier = carriers.iter().copied().max_by_key(depth);
+        Self {
+            run,
+            body,
+            targets: targets.to_vec(),
+            carrier: carrier.unwrap_or(campaign.runs[run].axis),
+            carriers,
+            positions: positions.to_vec(),
+        }
+    }
+
+    /// The axes outside `axis`, between it and the bed, and those inside it, between it and the body.
+    pub(crate) fn around<'a>(&self, machine: &'a Machine, axis: usize) -> (&'a [usize], &'a [usize]) {
+        around(machine, self.carrier, axis)
+    }
+
+    /// The axes inside `axis`, between it and a target.
+    pub(crate) fn inside<'a>(&self, machine: &'a Machine, axis: usize, place: usize) -> &'a [usize] {
+        around(machine, self.carriers[place], axis).1
+    }
+
+    /// Nominal positions of the targets at home, mm.
+    pub(crate) fn nominal_mm(&self, campaign: &Campaign) -> Vec<Point3<f64>> {
+        let home = |&target: &usize| campaign.targets[target].home_mm;
+        self.targets.iter().map(home).collect()
+    }
+}
+
+/// The axes before and after `axis` in the chain of a carrier.
+fn around(machine: &Machine, carrier: usize, axis: usize) -> (&[usize], &[usize]) {
+    let chain = machine.chain(carrier);
+    let place = chain.iter().position(|&a| a == axis).unwrap_or(0);
+    (&chain[..place], &chain[place + 1..])
 }

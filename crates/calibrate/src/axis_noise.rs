@@ -1,28 +1,26 @@
 //! The joint covariance of what an axis' results follow from.
 //!
-//! These are its parameters `y` and, for each node, the mean pose error `m_k = mean P_i dp_i` of its
-//! records ([`crate::sensitivity`]): the component errors are `E_k = m_k - Λ̂_k y`, and what other
-//! axes need of this one is linear in `y` and `m` as well. With `dp_i = ξ_i - Z_i s`
-//! ([`crate::point_noise`]) every linear function `f` of them is
+//! These are its parameters `y` and, for each node, the mean pose error `m_k = mean A_i x_i` of its
+//! records ([`crate::identify_axes::Sensitivity`]): the component errors are `E_k = m_k - Λ_k y`, and what
+//! other axes need of this one is linear in `y` and `m` as well. With the noise of
+//! [`crate::poses`] every linear function `f` of them is
 //!
 //! ```text
 //! f = f(ξ) - F s     cov(f, g) = cov(f(ξ), g(ξ)) + F Σ Gᵀ
 //! ```
 //!
-//! The first part, *own*, is what remains if the stations are known; it is zero between axes and
-//! between the `m` of different nodes. The second comes through the stations.
+//! The first part, *own*, is what remains if the shared sources are known; it is zero between axes and
+//! between the `m` of different nodes.
 
-use nalgebra::{DMatrix, Matrix6, Matrix6xX};
-use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product};
-use trueaxis_leastsquares::{Lanes, zeros};
+use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
 
 use crate::axis_data::AxisData;
-use crate::chunk_sums::chunk_sums;
+use crate::gauge::Gauge;
+use crate::identify_axes::Sensitivity;
+use crate::in_order;
 use crate::node_records::NodeRecords;
-use crate::point_noise::{ChunkErrors, PointNoise};
-use crate::record_chunks::Chunk;
-use crate::records::RecordFit;
-use crate::sensitivity::Sensitivity;
+use crate::poses::PoseNoise;
+use crate::variance::Variance;
 
 /// Linear functions of an axis' parameters and mean pose errors.
 pub(crate) struct AxisForm {
@@ -43,14 +41,11 @@ pub(crate) struct PosePart {
 
 impl AxisForm {
     /// The component errors of some nodes: six functions each.
-    pub(crate) fn component_errors(
-        sensitivity: &Sensitivity,
-        nodes: std::ops::Range<usize>,
-    ) -> Self {
-        let mut parameters = DMatrix::zeros(6 * nodes.len(), sensitivity.width());
+    pub(crate) fn component_errors(gauge: &Gauge, nodes: std::ops::Range<usize>) -> Self {
+        let mut parameters = DMatrix::zeros(6 * nodes.len(), gauge.parameters());
         let mut poses = Vec::new();
         for (i, node) in nodes.enumerate() {
-            let effect = &sensitivity.node_effects[node];
+            let effect = &gauge.node_effects[node];
             parameters.rows_mut(6 * i, 6).copy_from(&-effect);
             poses.push(PosePart {
                 row: 6 * i,
@@ -62,19 +57,17 @@ impl AxisForm {
     }
 }
 
-/// Covariance of the parameters and mean pose errors of one axis. The parts of single nodes are
-/// computed when they are asked for: together they would be larger than all else.
+/// Covariance of the parameters and mean pose errors of one axis.
 pub(crate) struct AxisNoise<'a> {
-    pub(crate) noise: &'a PointNoise<'a>,
-    pub(crate) shared_sources: usize,
-    pub(crate) axis: &'a AxisData,
-    pub(crate) fits: &'a [RecordFit],
-    pub(crate) sensitivity: &'a Sensitivity,
-    pub(crate) records: NodeRecords,
+    noise: &'a PoseNoise,
+    axis: &'a AxisData,
+    gauge: &'a Gauge,
+    sensitivity: &'a Sensitivity,
+    records: NodeRecords,
     /// Own part of `cov(y)`.
-    pub(crate) parameters: DMatrix<f64>,
+    parameters: DMatrix<f64>,
     /// Coefficients of `-s` in `y`.
-    pub(crate) parameters_shared: DMatrix<f64>,
+    parameters_shared: DMatrix<f64>,
 }
 
 /// The same of one node's mean pose error `m`.
@@ -85,55 +78,85 @@ struct NodeNoise {
     shared: Matrix6xX<f64>,
 }
 
+/// What component errors owe to all sources through a base that moves: its part of their own variance,
+/// and the coefficients of the shared sources.
+pub(crate) struct ThroughBase {
+    pub(crate) own: Vector6<f64>,
+    pub(crate) shared: Matrix6xX<f64>,
+}
+
 impl<'a> AxisNoise<'a> {
     pub(crate) fn new(
-        noise: &'a PointNoise<'a>,
-        shared_sources: usize,
+        noise: &'a PoseNoise,
         axis: &'a AxisData,
-        fits: &'a [RecordFit],
+        gauge: &'a Gauge,
         sensitivity: &'a Sensitivity,
     ) -> Self {
-        let width = sensitivity.width();
-        let sizes = [[width, width], [width, shared_sources]];
-        let [parameters, parameters_shared] = chunk_sums(
-            &axis.chunks,
-            sizes,
-            |memory: &mut ParameterMemory, chunk, sums| {
-                memory.add(noise, sensitivity, chunk, sums);
-            },
-        );
+        let (width, sources) = (gauge.parameters(), noise.width());
+        let zero = || DMatrix::zeros(width, width + sources);
+        let both = in_order::sum(axis.records.len(), zero, |sum, i| {
+            let (y, pose) = (&sensitivity.parameters[i], axis.records[i].pose);
+            let mut own = sum.columns_mut(0, width);
+            own.gemm(1.0, &(y * noise.own[pose]), &y.transpose(), 1.0);
+            let mut shared = sum.columns_mut(width, sources);
+            shared.gemm(1.0, y, &noise.coupling[pose], 1.0);
+        });
         Self {
             noise,
-            shared_sources,
             axis,
-            fits,
+            gauge,
             sensitivity,
             records: NodeRecords::new(axis),
-            parameters,
-            parameters_shared,
+            parameters: both.columns(0, width).into_owned(),
+            parameters_shared: both.columns(width, sources).into_owned(),
         }
     }
 
     fn node(&self, node: usize) -> NodeNoise {
         let mut sum = NodeNoise {
             own: Matrix6::zeros(),
-            cross: Matrix6xX::zeros(self.sensitivity.width()),
-            shared: Matrix6xX::zeros(self.shared_sources),
+            cross: Matrix6xX::zeros(self.gauge.parameters()),
+            shared: Matrix6xX::zeros(self.noise.width()),
         };
         let records = self.records.of(node);
         let weight = 1.0 / records.len() as f64;
-        let mut errors = ChunkErrors::default();
         for &i in records {
-            let record = &self.axis.records[i];
-            let places: Vec<usize> = record.places().collect();
-            let (d, z) = self.noise.of_group(record.group, &places, &mut errors);
-            let from_points = &self.fits[i].from_points * weight;
-            let with_noise = &from_points * d;
-            sum.own += &with_noise * from_points.transpose();
+            let pose = self.axis.records[i].pose;
+            let from_pose = self.sensitivity.poses[i] * weight;
+            let with_noise = from_pose * self.noise.own[pose];
+            sum.own += with_noise * from_pose.transpose();
             sum.cross += with_noise * self.sensitivity.parameters[i].transpose();
-            sum.shared += from_points * z;
+            sum.shared += from_pose * &self.noise.coupling[pose];
         }
         sum
+    }
+
+    /// The variances of the six component errors of every node.
+    pub(crate) fn node_variances(
+        &self,
+        through_base: impl Fn(usize) -> Option<ThroughBase> + Sync,
+    ) -> Vec<[Variance; 6]> {
+        in_order::map(self.axis.nodes.len(), |k| {
+            let node = self.node(k);
+            let effect = &self.gauge.node_effects[k];
+            let mixed = &node.cross * effect.transpose();
+            let of_parameters = effect * &self.parameters * effect.transpose();
+            let mut own = (node.own + of_parameters - mixed - mixed.transpose()).diagonal();
+            let uncancelled = (node.own + of_parameters).diagonal();
+            let mut shared = effect * &self.parameters_shared - &node.shared;
+            if let Some(base) = through_base(k) {
+                own += base.own;
+                shared += base.shared;
+            }
+            std::array::from_fn(|c| {
+                let [through, of_shapes] = self.noise.through_sources(shared.row(c).into_owned());
+                Variance {
+                    own: own[c] + of_shapes,
+                    through,
+                    uncancelled: uncancelled[c],
+                }
+            })
+        })
     }
 
     /// Own part of the covariance between functions `a` (rows) and `b` (columns).
@@ -164,41 +187,5 @@ impl<'a> AxisNoise<'a> {
             rows -= self.node(pose.node).shared * pose.weight;
         }
         coefficients
-    }
-}
-
-/// Memory for what a chunk adds to the parameters.
-#[derive(Default)]
-struct ParameterMemory {
-    errors: ChunkErrors,
-    /// `Y` of each record, columns contiguous, and `Y D`.
-    parameters: Vec<Lanes>,
-    with_noise: Vec<Lanes>,
-}
-
-impl ParameterMemory {
-    /// Adds `Y D Yᵀ` and `Y Z`.
-    fn add(
-        &mut self,
-        noise: &PointNoise<'_>,
-        sensitivity: &Sensitivity,
-        chunk: &Chunk,
-        [own, shared]: &mut [Vec<Lanes>; 2],
-    ) {
-        let Self {
-            errors,
-            parameters,
-            with_noise,
-        } = self;
-        noise.of_chunk(chunk, errors);
-        let sizes = [sensitivity.width(), chunk.coordinates()];
-        let of_record = |i: usize| sensitivity.parameters[i].as_slice();
-        chunk.take(sizes[0] * sizes[1], of_record, parameters);
-        let parameters = LaneMatrix::by_columns(parameters, sizes);
-        zeros(with_noise, sizes[0] * sizes[1]);
-        add_product(with_noise, parameters, errors.own());
-        let with_noise = LaneMatrix::by_rows(with_noise, sizes);
-        add_product(own, with_noise, parameters.transposed());
-        add_product(shared, parameters, errors.coupling());
     }
 }

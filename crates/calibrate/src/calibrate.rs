@@ -1,24 +1,23 @@
 //! The headline verb: a campaign to all geometric errors.
 
-use std::sync::Arc;
-
-use nalgebra::{Matrix2, Point3};
+use nalgebra::Point3;
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{AxisKind, Component, LocationComponent, Machine};
-use trueaxis_multilateration::{Screened, Solution};
+use trueaxis_multilateration::Solution;
 
 use crate::axis_data::{AxisData, by_axis};
 use crate::calibration::{
     AxisResult, Calibration, LocationResult, NodeResult, StationResult, TargetResult,
 };
 use crate::identify_axes::{Identified, identify_axes, mean_targets};
-use crate::measured::Measured;
+use crate::measure::{Measured, measure};
+use crate::method_loss::method_loss;
 use crate::output_covariance::{OutputCovariance, check_size};
-use crate::records::Context;
+use crate::pose_errors::Context;
 use crate::rigid_fit::centroid;
 use crate::settings::{ReferencePoint, Settings};
-use crate::uncertainty::{Propagation, Uncertainty};
-use crate::{Error, adjustment_report, from_lengths, from_points, rigidity, triangle};
+use crate::uncertainty::{Dependence, Propagation, Uncertainty};
+use crate::{Error, rigidity, triangle};
 
 /// Component errors beyond these are no errors but another motion: wrong unit, sign or axis.
 const IMPLAUSIBLE_MM: f64 = 50.0;
@@ -46,60 +45,33 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
 }
 
 /// What a calibration rests on.
-pub(crate) struct Parts {
+pub(crate) struct Parts<'a> {
     pub(crate) machine: Machine,
-    pub(crate) measured: Measured,
+    pub(crate) measured: Measured<'a>,
     pub(crate) data: Vec<AxisData>,
     pub(crate) identified: Identified,
-    pub(crate) screened: Option<Arc<Screened>>,
 }
 
-/// A calibration with what it rests on.
-pub(crate) fn calibrate_in_parts(
-    campaign: &Campaign,
+/// A calibration with what it rests on: measure, identify, propagate, report.
+pub(crate) fn calibrate_in_parts<'a>(
+    campaign: &'a Campaign,
     settings: &Settings,
-) -> Result<(Calibration, Parts), Error> {
+) -> Result<(Calibration, Parts<'a>), Error> {
     let mut notices = Vec::new();
-    let (mut measured, screened) = match (&campaign.lengths, &campaign.points) {
-        (Some(lengths), _) => {
-            let (measured, screened, weak) = from_lengths::measure(campaign, lengths, settings)?;
-            notices.extend(weak);
-            (measured, Some(screened))
-        }
-        (None, Some(points)) => (
-            from_points::measure(campaign, points, settings.by_direction),
-            None,
-        ),
-        (None, None) => return Err(Error::NothingMeasured),
-    };
-    let solution = screened.as_ref().map(|screened| &*screened.solution);
     let machine = with_reference_points(campaign, settings.reference_point);
-    let data = by_axis(campaign, &measured)?;
+    let mut measured = measure(campaign, &machine, settings, &mut notices)?;
+    let data = by_axis(campaign, measured.poses())?;
     if data.is_empty() {
         return Err(Error::NothingMeasured);
     }
     if settings.covariance {
-        check_size(&machine, &data, solution)?;
+        check_size(&machine, &data, measured.solution())?;
     }
-    let context = Context {
-        campaign,
-        machine: &machine,
-        measured: &measured,
-        points_mm: &measured.points_mm,
-        method: settings.method,
-    };
-    let identified = identify_axes(&context, &data)?;
+    let found = measured.isometries();
+    let identified = identify_axes(&measured.context(&machine, &found), &data)?;
     check_plausible(&machine, &data, &identified)?;
 
-    let adjustment = adjustment_report::report(
-        campaign,
-        settings.by_direction,
-        &measured,
-        &data,
-        &identified,
-        screened.as_deref(),
-        &mut notices,
-    );
+    let adjustment = measured.report(settings.by_direction, &mut notices);
     if adjustment.degrees_of_freedom == 0 && !adjustment.noise_declared {
         return Err(Error::NotIdentifiable {
             what: "the noise is not declared and nothing checks the measurement, so that no \
@@ -109,48 +81,48 @@ pub(crate) fn calibrate_in_parts(
                 .to_owned(),
         });
     }
-    measured.noise.variance_factor = adjustment.uncertainty_factor.powi(2);
-    if adjustment.factor_degrees_of_freedom.is_finite() {
-        let variance = 2.0 / adjustment.factor_degrees_of_freedom;
-        measured.relative_covariance = Matrix2::from_element(variance);
-    }
+    measured.follow(&adjustment);
 
-    let context = Context {
-        campaign,
-        machine: &machine,
-        measured: &measured,
-        points_mm: &measured.points_mm,
-        method: settings.method,
-    };
+    let context = measured.context(&machine, &found);
     let ref_from_datum = identified.state.ref_from_datum;
-    let stations_in_ref: Vec<Point3<f64>> = solution
+    let adjusted = measured.solution();
+    let stations_in_ref: Vec<Point3<f64>> = adjusted
         .iter()
-        .flat_map(|s| &s.stations)
+        .flat_map(|solution| &solution.stations)
         .map(|station| ref_from_datum * station.position_mm)
         .collect();
-    let instrument = measured.instrument_noise(screened.as_deref());
-    let propagation = Propagation::new(&context, &data, &identified, &instrument, &stations_in_ref);
-    let axes: Vec<AxisResult> = (0..data.len())
-        .map(|k| axis_result(&context, &data, &identified, k, &propagation))
+    let dependence = Dependence::new(&context, &data, &identified, &stations_in_ref);
+    let propagation = Propagation::new(&dependence, measured.poses());
+    let losses = method_loss(campaign, &machine, &measured, &propagation);
+    let axes: Vec<AxisResult> = losses
+        .into_iter()
+        .enumerate()
+        .map(|(k, u_ratio)| AxisResult {
+            u_ratio,
+            ..axis_result(&context, &measured, &propagation, k)
+        })
         .collect();
-    let stations = stations(campaign, solution, &stations_in_ref, &propagation);
+    let stations = stations(campaign, measured.solution(), &stations_in_ref, &propagation);
     let covariance = settings
         .covariance
         .then(|| OutputCovariance::new(&propagation, &axes, &stations));
-    let targets = mean_targets(&data, &identified.state, campaign.targets.len());
-    let triangle = triangle::triangle(&context, &data, &targets);
-    let misfits = rigidity::misfits(&context, &data, &identified, adjustment.noise_declared);
+    let targets = mean_targets(&context, &data, &identified.state);
+    let points = measured.points.as_ref();
+    let triangle = triangle::triangle(&context, &data, &targets, points.map(|(points, _)| points));
+    let misfits = points.map_or_else(Vec::new, |(_, found)| {
+        rigidity::misfits(campaign, found, adjustment.noise_declared)
+    });
     notices.extend(unmeasured_axes(campaign, &data));
     notices.extend(absurd(&axes));
     notices.extend(far_from_approximate(campaign, &stations_in_ref));
-    notices.extend(solution.filter(|s| s.mirror_image_open).map(|_| {
+    notices.extend(measured.solution().filter(|s| s.mirror_image_open).map(|_| {
         "all points lie in one plane, and the lengths fit as well with all stations on its other side: \
          errors across the plane may have the wrong sign; give `approx_mm` of one station to be sure"
             .to_owned()
     }));
     let calibration = Calibration {
         campaign: campaign.name.clone(),
-        method: settings.method,
+        method: measured.method,
         stations,
         targets: campaign
             .targets
@@ -176,7 +148,6 @@ pub(crate) fn calibrate_in_parts(
         measured,
         data,
         identified,
-        screened,
     };
     Ok((calibration, parts))
 }
@@ -231,11 +202,13 @@ fn check_plausible(
 
 fn axis_result(
     context: &Context<'_>,
-    data: &[AxisData],
-    identified: &Identified,
-    k: usize,
+    measured: &Measured<'_>,
     propagation: &Propagation<'_>,
+    k: usize,
 ) -> AxisResult {
+    let Dependence {
+        data, identified, ..
+    } = propagation.dependence;
     let own = &data[k];
     let axis = &context.machine.axes()[own.axis];
     let values = &identified.state.axes[k];
@@ -252,16 +225,6 @@ fn axis_result(
             dof: uncertainties.map(|c| c.dof),
             budget: uncertainties.map(|c| c.budget),
         });
-    let fits = &identified.fits[k];
-    let mean_gain = |gain: &dyn Fn(usize) -> [f64; 6]| {
-        let mut mean = [0.0; 6];
-        for i in 0..fits.len() {
-            for (sum, g) in mean.iter_mut().zip(gain(i)) {
-                *sum += g / fits.len() as f64;
-            }
-        }
-        mean
-    };
     let uncertainties = propagation.location(k);
     let location_errors = identified.reported[k]
         .iter()
@@ -284,8 +247,8 @@ fn axis_result(
         nodes: nodes.collect(),
         location: values.location,
         location_errors,
-        noise_gain: mean_gain(&|i| fits[i].noise_gain.into()),
-        noise_gain_nine: mean_gain(&|i| fits[i].noise_gain_nine.into()),
+        noise_gain: measured.noise_gain(own),
+        u_ratio: None,
     }
 }
 

@@ -89,10 +89,22 @@ pub struct AxisResult {
     /// Location errors that the reference frame leaves, with uncertainty.
     pub location_errors: Vec<LocationResult>,
     /// Mean over the steps of the standard deviation of each component for independent unit noise
-    /// of the points, by the method used: mm and rad per mm.
-    pub noise_gain: [f64; 6],
-    /// The same for the nine equations without weights.
-    pub noise_gain_nine: [f64; 6],
+    /// of the points, by the equations used and by all nine without weights: mm and rad per mm. `None` for the
+    /// joint adjustment, which has no points.
+    pub noise_gain: Option<[[f64; 6]; 2]>,
+    /// What other methods would lose on the same lengths; `None` where the joint adjustment was not used or the
+    /// others cannot be.
+    pub u_ratio: Option<MethodLoss>,
+}
+
+/// Standard uncertainty of each component error by other methods, relative to that of the joint adjustment
+/// (rms over the positions).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MethodLoss {
+    /// Points first, then nine equations.
+    pub nine: [f64; 6],
+    /// Points first, then the paper's six equations; `None` where these do not determine the components.
+    pub six: Option<[f64; 6]>,
 }
 
 /// Component errors at one position.

@@ -32,7 +32,7 @@ pub(crate) struct Anchor {
     pub(crate) run: usize,
     /// Place of the target among the run's targets.
     pub(crate) place: usize,
-    nominal_mm: Point3<f64>,
+    pub(crate) nominal_mm: Point3<f64>,
 }
 
 /// A small rigid motion `v + ρ × (p - pivot)`.

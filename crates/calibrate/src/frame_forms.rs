@@ -8,7 +8,7 @@ use crate::axis_noise::AxisForm;
 use crate::base_response::BaseResponse;
 use crate::frame_map::FrameMap;
 use crate::identify_axes::Identified;
-use crate::records::Context;
+use crate::pose_errors::Context;
 use crate::sources::Sources;
 
 /// Linear functions of the sources; columns are the sources.

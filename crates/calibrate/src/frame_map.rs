@@ -15,7 +15,7 @@ use crate::base_response::BaseResponse;
 use crate::basis::Basis;
 use crate::frame::SmallMotion;
 use crate::identify_axes::Identified;
-use crate::records::{Context, around};
+use crate::pose_errors::Context;
 use crate::sources::Sources;
 use crate::state::ModelErrors;
 use crate::twist::Twist;
@@ -47,9 +47,9 @@ impl<'a> FrameMap<'a> {
     ) -> Self {
         let response = |k: usize| {
             BaseResponse::new(
-                context.measured,
+                context.poses,
                 &data[k],
-                &identified.fits[k],
+                &identified.gauges[k],
                 &identified.sensitivities[k],
                 &identified.state.ref_from_datum,
             )
@@ -167,44 +167,45 @@ impl<'a> FrameMap<'a> {
         sum
     }
 
-    /// Where all axes stand in a run, and those outside and inside the axis for a target of it.
-    fn around(&self, k: usize, run: usize, place: usize) -> (&[f64], &[usize], &[usize]) {
-        let axis = &self.data[k];
-        let content = &axis.runs[run];
-        let positions = self
-            .context
-            .positions_of(&axis.records[content.first_record]);
-        let carrier = self.context.campaign.targets[content.targets[place]].carrier;
-        let (outer, inner) = around(self.context.machine, carrier, axis.axis);
-        (positions, outer, inner)
-    }
-
     /// The error motion of an axis' base in a run; the axes outside are the same for all targets.
     pub(crate) fn base_motion(&self, k: usize, run: usize) -> Twist {
-        let (positions, outer, _) = self.around(k, run, 0);
-        self.twist_of_chain(Isometry3::identity(), outer, positions)
+        let run = &self.data[k].runs[run];
+        let (outer, _) = run.around(self.context.machine, self.data[k].axis);
+        self.twist_of_chain(Isometry3::identity(), outer, &run.positions)
+    }
+
+    /// The base of an axis in a run.
+    fn base(&self, k: usize, run: usize) -> Isometry3<f64> {
+        let run = &self.data[k].runs[run];
+        let (outer, _) = run.around(self.context.machine, self.data[k].axis);
+        self.context.machine.chain_motion(&self.errors(), outer, &run.positions)
     }
 
     /// Rotation from the axis' base: other rotary axes stand at home, so it is all but none.
     fn turn(&self, k: usize) -> Matrix3<f64> {
-        let (positions, outer, _) = self.around(k, 0, 0);
-        let machine = self.context.machine;
-        let base = machine.chain_motion(&self.errors(), outer, positions);
-        base.rotation.to_rotation_matrix().into_inner()
+        self.base(k, 0).rotation.to_rotation_matrix().into_inner()
     }
 
-    /// Error of a target's home position in the reference frame before the frame is settled, and
-    /// where the target is.
-    fn target(&self, k: usize, run: usize, place: usize) -> (Matrix3xX<f64>, Point3<f64>) {
-        let (positions, outer, inner) = self.around(k, run, place);
-        let (machine, errors) = (self.context.machine, self.errors());
-        let base = machine.chain_motion(&errors, outer, positions);
-        let motion = base * machine.chain_motion(&errors, inner, positions);
-        let home = self.identified.state.axes[k].targets_mm[run][place];
-        let turn = motion.rotation.to_rotation_matrix().into_inner();
-        let own = turn * self.pick(self.sources.targets[k][run][place]);
-        let carried = self.twist_of_chain(base, inner, positions);
-        (own - carried.at(motion * home), home)
+    /// Errors of the targets' home positions in the reference frame before the frame is settled, and
+    /// where the targets are. Deformations of the shape are left out: they are none of the motions from
+    /// which the frame follows.
+    fn targets(&self, k: usize, r: usize) -> Vec<(Matrix3xX<f64>, Point3<f64>)> {
+        let (axis, run, errors) = (&self.data[k], &self.data[k].runs[r], self.errors());
+        let machine = self.context.machine;
+        let base = self.base(k, r);
+        let values = &self.identified.state.axes[k];
+        let reference = machine.axes()[axis.axis].reference_at_home_mm(&values.location);
+        let first = self.sources.placements[k][r];
+        let placed = Twist::about(reference, self.pick(first), self.pick(first + 3));
+        let placed = placed.seen_from(&base);
+        let homes = errors.targets_mm(machine, &self.context.poses.bodies, (k, r));
+        let target = |(place, home): (usize, Point3<f64>)| {
+            let inner = run.inside(machine, axis.axis, place);
+            let at = base * machine.chain_motion(&errors, inner, &run.positions) * home;
+            let carried = self.twist_of_chain(base, inner, &run.positions);
+            (placed.at(at) - carried.at(at), home)
+        };
+        homes.into_iter().enumerate().map(target).collect()
     }
 
     /// The error motion of the frame.
@@ -212,11 +213,12 @@ impl<'a> FrameMap<'a> {
         let rule = &self.identified.frame;
         let tilt = |k: usize| self.turn(k) * self.across(k, self.sources.location[k]);
         let tilts: Vec<Matrix3xX<f64>> = rule.lines.iter().map(|&(k, _)| tilt(k)).collect();
-        let shifts: Vec<Matrix3xX<f64>> = rule
-            .anchors
-            .iter()
-            .map(|anchor| self.target(anchor.data, anchor.run, anchor.place).0)
-            .collect();
+        let mut shifts: Vec<Matrix3xX<f64>> = Vec::new();
+        // The anchors are all targets of some runs, run after run.
+        for run in rule.anchors.chunk_by(|a, b| (a.data, a.run) == (b.data, b.run)) {
+            let targets = self.targets(run[0].data, run[0].run);
+            shifts.extend(run.iter().map(|anchor| targets[anchor.place].0.clone()));
+        }
         // The rule is linear: one column at a time.
         let column = |m: &Matrix3xX<f64>, j: usize| Vector3::new(m[(0, j)], m[(1, j)], m[(2, j)]);
         let mut displacement = Matrix3xX::zeros(self.sources.count);
@@ -275,9 +277,8 @@ impl<'a> FrameMap<'a> {
                 .into_inner();
         let mut sum = RowDVector::zeros(self.sources.count);
         let mut count = 0.0;
-        for (r, run) in axis.runs.iter().enumerate() {
-            for place in 0..run.targets.len() {
-                let (shift, at) = self.target(k, r, place);
+        for r in 0..axis.runs.len() {
+            for (shift, at) in self.targets(k, r) {
                 sum += along.transpose() * (shift - frame.at(at));
                 count += 1.0;
             }

@@ -1,79 +1,184 @@
-//! Lengths to points, with errors in the words of the campaign.
+//! Lengths to poses or to points, with errors in the words of the campaign.
 
-use std::ops::Range;
 use std::sync::Arc;
 
+use nalgebra::{DMatrix, Matrix6, Matrix6xX};
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_multilateration::{
-    CampaignNetwork, MOST_OF_A_PART, Screened, batches_of_groups, network_from_campaign, screen,
+    CampaignNetwork, Group, MOST_OF_A_PART, Network, Screened, Solution, UnknownsNoise,
+    network_from_campaign, screen, solve_from,
 };
 
 use crate::Error;
 use crate::lengths_in_words::{adjustment_error, contradictory};
-use crate::measured::{Measured, MeasuredGroup};
-use crate::point_noise::{NoiseSource, PointNoise};
-use crate::settings::Settings;
+use crate::points::{MeasuredPoints, PointGroup, PointNoise};
+use crate::poses::{PoseNoise, PoseObservation, Poses, TargetBody};
+use crate::rigid_fit::centroid;
+use crate::settings::{Method, Settings};
 use crate::weak_stations::weak_stations;
+
+/// The adjustment of a campaign's lengths: the only one that there is.
+pub(crate) struct AdjustedLengths<'a> {
+    campaign: &'a Campaign,
+    lengths: &'a Lengths,
+    pub(crate) groups: Vec<Group>,
+    pub(crate) screened: Arc<Screened>,
+}
 
 /// A residual this many times its noise in the mean is no noise: something in the data is wrong.
 const CONTRADICTORY_SIGMA0: f64 = 100.0;
 
-/// The adjusted points, the adjustment they come from, and notices.
-pub(crate) fn measure(
-    campaign: &Campaign,
-    lengths: &Lengths,
-    settings: &Settings,
-) -> Result<(Measured, Arc<Screened>, Vec<String>), Error> {
-    let CampaignNetwork { network, groups } =
-        network_from_campaign(campaign, lengths, settings.by_direction);
-    let declared = is_noise_declared(campaign);
-    let adjustment = trueaxis_multilateration::Settings::default();
-    let adjust = if settings.robust {
-        screen
-    } else {
-        Screened::plain
-    };
-    let screened = adjust(&network, declared, &adjustment)
-        .map(Arc::new)
-        .map_err(|error| adjustment_error(campaign, lengths, &groups, error))?;
-    let solution = &screened.solution;
-    let residuals_mm = screened.residuals_mm();
-    let sigma0 = given_sigma0(&screened);
-    if sigma0 > CONTRADICTORY_SIGMA0 {
-        return Err(contradictory(campaign, lengths, sigma0, &residuals_mm));
+impl<'a> AdjustedLengths<'a> {
+    /// Adjusts the lengths, with rigid stages for [`Method::Joint`] and with free points otherwise, and
+    /// adds what a user must know of it to `notices`.
+    pub(crate) fn new(
+        campaign: &'a Campaign,
+        lengths: &'a Lengths,
+        settings: &Settings,
+        notices: &mut Vec<String>,
+    ) -> Result<Self, Error> {
+        let CampaignNetwork {
+            mut network,
+            groups,
+        } = network_from_campaign(campaign, lengths, settings.by_direction);
+        if settings.method != Method::Joint {
+            network.bodies = None;
+        }
+        let declared = is_noise_declared(campaign);
+        let adjust = if settings.robust {
+            screen
+        } else {
+            Screened::plain
+        };
+        let screened = adjust(&network, declared, &adjustment_settings())
+            .map(Arc::new)
+            .map_err(|error| adjustment_error(campaign, lengths, &groups, error))?;
+        let solution = &screened.solution;
+        let residuals_mm = screened.residuals_mm();
+        let sigma0 = given_sigma0(&screened);
+        if sigma0 > CONTRADICTORY_SIGMA0 {
+            return Err(contradictory(campaign, lengths, sigma0, &residuals_mm));
+        }
+        // Contradictions come first: they make the stations look weak.
+        notices.extend(weak_stations(campaign, lengths, solution, &residuals_mm)?);
+        if !solution.termination.is_converged() {
+            let termination = solution.termination.to_string();
+            return Err(Error::NotConverged {
+                iterations: solution.iterations,
+                termination,
+            });
+        }
+        removed_targets(campaign, lengths, &screened)?;
+        Ok(Self {
+            campaign,
+            lengths,
+            groups,
+            screened,
+        })
     }
-    // Contradictions come first: they make the stations look weak.
-    let weak = weak_stations(campaign, lengths, solution, &residuals_mm)?;
-    if !solution.termination.is_converged() {
-        let termination = solution.termination.to_string();
-        return Err(Error::NotConverged {
-            iterations: solution.iterations,
-            termination,
-        });
+
+    /// The poses of the stages under test in an adjustment with rigid stages.
+    pub(crate) fn poses(&self) -> Poses {
+        let Screened {
+            network, solution, ..
+        } = &*self.screened;
+        let moved = self.moved();
+        let observation = |&g: &usize| {
+            let group = &self.groups[g];
+            PoseObservation {
+                step: group.step,
+                direction: group.direction,
+                body: group.body,
+                datum_from_home: solution.poses[g],
+                pivot_mm: centroid(&solution.points_mm[network.groups[g].clone()]),
+            }
+        };
+        let pose_noise = |noise: &UnknownsNoise| {
+            let shared = noise.shared();
+            let mut found = PoseNoise {
+                of_stations: shared.nrows(),
+                shared,
+                ..PoseNoise::default()
+            };
+            for (own, coupling) in noise.blocks(&moved) {
+                found.own.push(Matrix6::from_column_slice(own.as_slice()));
+                found
+                    .coupling
+                    .push(Matrix6xX::from_column_slice(coupling.as_slice()));
+            }
+            found
+        };
+        let bodies = network.bodies.iter().flat_map(|all| &all.bodies);
+        let shapes = bodies.zip(&solution.shapes_mm);
+        Poses {
+            bodies: shapes
+                .map(|(body, shape_mm)| TargetBody {
+                    targets: body.targets.clone(),
+                    home_mm: shape_mm.clone(),
+                })
+                .collect(),
+            observations: moved.iter().map(observation).collect(),
+            noise: pose_noise(&solution.noise(network)),
+            instrument: pose_noise(&solution.length_noise(network)),
+            relative_covariance: self.screened.noise.relative_covariance,
+        }
     }
-    removed_targets(campaign, lengths, &screened)?;
-    let mut measured_groups = Vec::new();
-    for (group, points) in groups.into_iter().zip(&network.groups) {
-        measured_groups.push(MeasuredGroup {
-            step: group.step,
-            direction: group.direction,
-            targets: group.targets,
-            points: points.clone(),
-        });
+
+    /// The points of the stages under test, free of each other, where the same lengths have them. Those of
+    /// an adjustment with rigid stages follow from its solution in an iteration or two; they come without the
+    /// instrument's own part of the noise.
+    pub(crate) fn points(&self) -> Result<MeasuredPoints, Error> {
+        let Screened {
+            network, solution, ..
+        } = &*self.screened;
+        if network.bodies.is_none() {
+            let mut points = self.measured_points(network, solution);
+            points.instrument = point_noise(&solution.length_noise(network), &self.moved());
+            return Ok(points);
+        }
+        let network = Network {
+            bodies: None,
+            ..network.clone()
+        };
+        let free = solve_from(&network, solution, &adjustment_settings());
+        let words = |error| adjustment_error(self.campaign, self.lengths, &self.groups, error);
+        Ok(self.measured_points(&network, &free.map_err(words)?))
     }
-    let measured = Measured {
-        groups: measured_groups,
-        points_mm: solution.points_mm.clone(),
-        noise: PointNoise {
-            source: NoiseSource::Adjusted(Arc::clone(&screened)),
-            variance_factor: 1.0,
-            batches: Arc::new(batches_of_groups(network.groups.iter().map(Range::len))),
-        },
-        without_return: Vec::new(),
-        relative_covariance: screened.noise.relative_covariance,
-        repeat_scatter: (0.0, 0),
-    };
-    Ok((measured, screened, weak))
+
+    /// The groups of the targets that move with the axes under test, in order.
+    pub(crate) fn moved(&self) -> Vec<usize> {
+        (0..self.groups.len()).filter(|&g| self.groups[g].moved).collect()
+    }
+
+    fn measured_points(&self, network: &Network, solution: &Solution) -> MeasuredPoints {
+        let moved = self.moved();
+        let group = |&g: &usize| PointGroup {
+            step: self.groups[g].step,
+            direction: self.groups[g].direction,
+            targets: self.groups[g].targets.clone(),
+            points_mm: solution.points_mm[network.groups[g].clone()].to_vec(),
+        };
+        MeasuredPoints {
+            groups: moved.iter().map(group).collect(),
+            noise: point_noise(&solution.noise(network), &moved),
+            instrument: PointNoise::default(),
+            relative_covariance: self.screened.noise.relative_covariance,
+            repeat_scatter: (0.0, 0),
+        }
+    }
+}
+
+fn point_noise(noise: &UnknownsNoise, groups: &[usize]) -> PointNoise {
+    let (own, coupling): (Vec<DMatrix<f64>>, _) = noise.blocks(groups).into_iter().unzip();
+    PointNoise {
+        own,
+        coupling,
+        shared: noise.shared(),
+    }
+}
+
+fn adjustment_settings() -> trueaxis_multilateration::Settings {
+    trueaxis_multilateration::Settings::default()
 }
 
 /// Standard deviation of unit weight with the declared noise.

@@ -1,15 +1,12 @@
 //! Measured coordinates to points: repeats averaged, brought into the datum.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use nalgebra::{DMatrix, Matrix2, Point3, Vector3};
 use trueaxis_campaign::{Campaign, Points};
 use trueaxis_kinematics::{Ideal, MICROMETRE};
-use trueaxis_multilateration::batches_of_groups;
 
-use crate::measured::{Measured, MeasuredGroup};
-use crate::point_noise::{NoiseSource, PointNoise};
+use crate::points::{MeasuredPoints, PointGroup, PointNoise};
 use crate::rigid_fit::rigid_fit;
 
 /// Standard deviation of a coordinate where none is declared: the scatter then decides.
@@ -47,17 +44,17 @@ impl Sample {
 }
 
 /// The averaged points in the datum. Readings of one visit share the machine's return error.
-pub(crate) fn measure(campaign: &Campaign, points: &Points, by_direction: bool) -> Measured {
+pub(crate) fn measure(campaign: &Campaign, points: &Points, by_direction: bool) -> MeasuredPoints {
     let mut number_of = HashMap::new();
-    let mut groups: Vec<(MeasuredGroup, Vec<Sample>)> = Vec::new();
+    let mut groups: Vec<(PointGroup, Vec<Sample>)> = Vec::new();
     for (visit, stop) in points.stops.iter().enumerate() {
         let direction = by_direction.then_some(stop.direction);
         let number = *number_of.entry((stop.step, direction)).or_insert_with(|| {
-            let group = MeasuredGroup {
+            let group = PointGroup {
                 step: stop.step,
                 direction,
                 targets: Vec::new(),
-                points: 0..0,
+                points_mm: Vec::new(),
             };
             groups.push((group, Vec::new()));
             groups.len() - 1
@@ -89,18 +86,16 @@ pub(crate) fn measure(campaign: &Campaign, points: &Points, by_direction: bool) 
 
     let return_sigma_mm = campaign.instrument.repeatability_um.unwrap_or(0.0) * MICROMETRE;
     let return_variance_mm2 = return_sigma_mm * return_sigma_mm;
-    let mut measured = Vec::new();
     let mut nominal: Vec<Point3<f64>> = Vec::new();
-    let mut found: Vec<Point3<f64>> = Vec::new();
-    let mut covariances = Vec::new();
-    let mut without_return = Vec::new();
+    let mut noise = PointNoise::default();
+    let mut instrument = PointNoise::default();
     let mut repeat_scatter = (0.0, 0);
+    let mut measured = Vec::new();
     for (mut group, samples) in groups {
-        let first = found.len();
         let positions = &campaign.steps[group.step].positions;
         for sample in &samples {
             let target = &campaign.targets[sample.target];
-            found.push(Point3::from(sample.mean()));
+            group.points_mm.push(Point3::from(sample.mean()));
             nominal.push(campaign.machine.position(
                 &Ideal,
                 target.carrier,
@@ -111,26 +106,22 @@ pub(crate) fn measure(campaign: &Campaign, points: &Points, by_direction: bool) 
             let (squares, degrees) = sample.scatter(return_variance_mm2);
             repeat_scatter = (repeat_scatter.0 + squares, repeat_scatter.1 + degrees);
         }
-        group.points = first..found.len();
-        covariances.push(covariance(&samples, return_variance_mm2));
-        without_return.push(covariance(&samples, 0.0));
+        for (noise, variance_mm2) in [(&mut noise, return_variance_mm2), (&mut instrument, 0.0)] {
+            // Equal in all directions, so that the datum's rotation does not change it.
+            noise.own.push(covariance(&samples, variance_mm2));
+            noise.coupling.push(DMatrix::zeros(3 * samples.len(), 0));
+        }
         measured.push(group);
     }
+    let found: Vec<Point3<f64>> = measured.iter().flat_map(|g| g.points_mm.clone()).collect();
     let datum_from_instrument = rigid_fit(&found, &nominal);
-    let points = measured
-        .iter()
-        .map(|group: &MeasuredGroup| group.points.len());
-    let batches = Arc::new(batches_of_groups(points));
-    Measured {
+    for point in measured.iter_mut().flat_map(|group| &mut group.points_mm) {
+        *point = datum_from_instrument * *point;
+    }
+    MeasuredPoints {
         groups: measured,
-        points_mm: found.iter().map(|p| datum_from_instrument * p).collect(),
-        noise: PointNoise {
-            // Equal in all directions, so that the datum's rotation does not change it.
-            source: NoiseSource::Independent(covariances),
-            variance_factor: 1.0,
-            batches,
-        },
-        without_return,
+        noise,
+        instrument,
         relative_covariance: Matrix2::zeros(),
         repeat_scatter,
     }

@@ -1,34 +1,55 @@
-//! Composes single axes to a machine: nine equations, gauge and reference frame, repeated until
-//! the exact model reproduces the measured poses.
+//! Composes single axes to a machine: pose errors, gauge and reference frame, repeated until the exact
+//! model reproduces the measured poses.
 
-use nalgebra::{DMatrix, Point3, Vector3, Vector6};
+use nalgebra::{Isometry3, Matrix6, MatrixXx6, Point3, Translation3, Vector3, Vector6};
 use trueaxis_kinematics::{Axis, AxisKind, LocationComponent, MotionError};
 
 use crate::Error;
-use crate::axis_data::{AxisData, RunData};
+use crate::axis_data::AxisData;
 use crate::basis::Basis;
-use crate::frame::{FrameRule, SmallMotion};
+use crate::frame::{Anchor, FrameRule, SmallMotion};
 use crate::gauge::{Gauge, GaugeDefect, PER_RUN};
-use crate::records::{Context, PoseFit, RecordFit, around};
-use crate::sensitivity::Sensitivity;
+use crate::in_order;
+use crate::pose_errors::Context;
+use crate::poses::turned_about;
 use crate::start::average_lines_and_axes;
 use crate::state::{AxisState, ModelErrors, State};
-use crate::weights::weights;
 
 /// The identified machine with the linear maps that its uncertainties need.
 pub(crate) struct Identified {
     pub(crate) state: State,
-    /// Fits of the last pass, for each axis and record.
-    pub(crate) fits: Vec<Vec<RecordFit>>,
-    /// The covariances with which they were weighted ([`crate::weights`]).
-    pub(crate) weights: Vec<Vec<DMatrix<f64>>>,
-    /// How the results of each axis follow from its points.
+    /// How the results of each axis follow from its poses.
     pub(crate) sensitivities: Vec<Sensitivity>,
     /// How location errors and component errors are told apart on each axis.
     pub(crate) gauges: Vec<Gauge>,
     pub(crate) frame: FrameRule,
     /// For each axis the location errors that the frame does not define away.
     pub(crate) reported: Vec<Vec<LocationComponent>>,
+}
+
+/// How the results of an axis follow from the errors `x_i` of its poses ([`crate::poses`]), seen from its
+/// base as if that were known: with the maps `A_i` of [`Context::from_poses`] and the gauge
+///
+/// ```text
+/// e_i = A_i x_i     y = Σ Γ_i e_i     E_k = mean e - Λ_k y
+/// ```
+pub(crate) struct Sensitivity {
+    /// Number of the axis' own parameters, which come first in `y`.
+    pub(crate) location_parameters: usize,
+    /// `A` of each record.
+    pub(crate) poses: Vec<Matrix6<f64>>,
+    /// `Γ A` of each record.
+    pub(crate) parameters: Vec<MatrixXx6<f64>>,
+}
+
+impl Sensitivity {
+    fn new(gauge: &Gauge, poses: Vec<Matrix6<f64>>) -> Self {
+        Self {
+            location_parameters: gauge.location_parameters,
+            parameters: in_order::map(poses.len(), |i| &gauge.shares[i] * poses[i]),
+            poses,
+        }
+    }
 }
 
 /// Each pass leaves about a ten-thousandth of the change before it (the size of the errors in rad);
@@ -50,38 +71,26 @@ pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<
                 .map_err(|d| defect(context, axis, &d))
         })
         .collect::<Result<Vec<_>, _>>()?;
-    let weights: Vec<_> = data.iter().map(|axis| weights(context, axis)).collect();
     let mut state = average_lines_and_axes(context, data);
     let mut worst = (0.0, 0);
     for _ in 0..MAX_PASSES {
-        let changes_mm = improve_all(context, data, &gauges, &frame, &mut state, |state, k| {
-            context.fit_poses(data, state, k, &weights[k])
-        })?;
+        let changes_mm = improve_all(context, data, &gauges, &frame, &mut state);
         worst = changes_mm.axes;
         let change_mm = worst.0.max(changes_mm.frame);
         if change_mm.is_nan() || change_mm > DIVERGED_MM {
             break;
         }
         if change_mm <= SETTLED_MM {
-            let fits = (0..data.len())
-                .map(|k| context.fit_records(data, &state, k, &weights[k]))
-                .collect::<Result<Vec<_>, _>>()?;
-            let sensitivities = data
-                .iter()
-                .zip(&gauges)
-                .zip(&fits)
-                .map(|((axis, gauge), fits)| Sensitivity::new(axis, gauge, fits))
-                .collect();
+            let sensitivity =
+                |(k, gauge)| Sensitivity::new(gauge, context.from_poses(data, &state, k));
             let reported = data.iter().enumerate();
             let reported = reported
                 .map(|(k, axis)| reported_errors(&context.machine.axes()[axis.axis], &frame, k))
                 .collect();
             return Ok(Identified {
+                sensitivities: gauges.iter().enumerate().map(sensitivity).collect(),
                 reported,
                 state,
-                fits,
-                weights,
-                sensitivities,
                 gauges,
                 frame,
             });
@@ -103,56 +112,43 @@ struct Changes {
 }
 
 /// Updates all values, one axis after the other from the bed outwards: each is seen from those before
-/// it as they are found. `poses` are those of the records of an axis at the present values.
+/// it as they are found.
 fn improve_all(
     context: &Context<'_>,
     data: &[AxisData],
     gauges: &[Gauge],
     frame: &FrameRule,
     state: &mut State,
-    poses: impl Fn(&State, usize) -> Result<Vec<PoseFit>, Error>,
-) -> Result<Changes, Error> {
+) -> Changes {
     let depth = |k: &usize| context.machine.chain(data[*k].axis).len();
     let mut order: Vec<usize> = (0..data.len()).collect();
     order.sort_by_key(depth);
     let mut worst = (0.0, 0);
     for k in order {
-        let poses = poses(state, k)?;
-        let mut next = state.axes[k].clone();
-        let change_mm = improve(context, data, state, k, &gauges[k], &poses, &mut next);
-        state.axes[k] = next;
+        let change_mm = improve(context, data, &gauges[k], state, k);
         if change_mm > worst.0 {
             worst = (change_mm, k);
         }
         if change_mm > DIVERGED_MM {
-            // What is seen from an axis that went astray means nothing, and is not its fault.
+            // Results relative to a diverged axis are invalid: the diverged axis is reported.
             break;
         }
     }
-    Ok(Changes {
+    Changes {
         axes: worst,
         frame: settle_frame(context, data, frame, state),
-    })
+    }
 }
 
 /// A replay is settled when no coordinate changes by more, mm: a millionth of what can be measured.
 const REPLAY_SETTLED_MM: f64 = 1e-10;
 
 impl Identified {
-    /// The values for other points near those that were identified: Newton's method with the operators
-    /// of the solution. `None` if it does not settle.
+    /// The values for other poses near those that were identified. `None` if they do not settle.
     pub(crate) fn replayed(&self, context: &Context<'_>, data: &[AxisData]) -> Option<State> {
         let mut state = self.state.clone();
         for _ in 0..MAX_PASSES {
-            let changes_mm = improve_all(
-                context,
-                data,
-                &self.gauges,
-                &self.frame,
-                &mut state,
-                |state, k| Ok(context.poses(data, state, k, &self.fits[k])),
-            );
-            let changes_mm = changes_mm.ok()?;
+            let changes_mm = improve_all(context, data, &self.gauges, &self.frame, &mut state);
             if changes_mm.axes.0.max(changes_mm.frame) <= REPLAY_SETTLED_MM {
                 return Some(state);
             }
@@ -161,20 +157,19 @@ impl Identified {
     }
 }
 
-/// Updates the values of one axis; returns the largest change of a coordinate, mm (infinite where
+/// Updates the values of axis `k`; returns the largest change of a coordinate, mm (infinite where
 /// it is not a number).
 fn improve(
     context: &Context<'_>,
     data: &[AxisData],
-    state: &State,
-    k: usize,
     gauge: &Gauge,
-    poses: &[PoseFit],
-    next: &mut AxisState,
+    state: &mut State,
+    k: usize,
 ) -> f64 {
     let own = &data[k];
     let axis = &context.machine.axes()[own.axis];
-    let pose_errors: Vec<Vector6<f64>> = poses.iter().map(|pose| pose.error).collect();
+    let reference = axis.reference_at_home_mm(&state.axes[k].location);
+    let pose_errors = context.pose_errors(data, state, k);
     let x = gauge.apply(&pose_errors);
 
     // Component errors: the mean over the records of a node, without what the gauge takes.
@@ -182,7 +177,7 @@ fn improve(
     for ((record, error), effect) in own.records.iter().zip(&pose_errors).zip(&gauge.effects) {
         curve[record.node] += (error - effect * &x) / own.nodes[record.node].records as f64;
     }
-    let lever_mm = poses.iter().map(|pose| pose.lever_mm).fold(0.0, f64::max);
+    let lever_mm = lever_mm(context, own, &state.axes[k], &reference);
     let mut change_mm = 0.0_f64;
     let mut changed = |translation: Vector3<f64>, rotation: Vector3<f64>| {
         let size_mm = translation.norm() + lever_mm * rotation.norm();
@@ -193,7 +188,7 @@ fn improve(
             change_mm.max(size_mm)
         };
     };
-    for (value, error) in next.curve.iter_mut().zip(&curve) {
+    for (value, error) in state.axes[k].curve.iter_mut().zip(&curve) {
         let new = MotionError::from_vector(error);
         changed(
             new.translation_mm - value.translation_mm,
@@ -202,62 +197,50 @@ fn improve(
         *value = new;
     }
 
+    // The places of the bodies: their twist on the stage.
+    for (r, run) in own.runs.iter().enumerate() {
+        let first = gauge.location_parameters + PER_RUN * r;
+        let twist: Vector6<f64> = x.fixed_rows::<PER_RUN>(first).into_owned();
+        let (_, inner) = run.around(context.machine, own.axis);
+        let inside = context.machine.chain_motion(&ModelErrors { data, state }, inner, &run.positions);
+        let placement = &mut state.axes[k].placements[r];
+        *placement = inside.inverse() * turned_about(&reference, &twist) * inside * *placement;
+        let part = |first: usize| twist.fixed_rows::<3>(first).into_owned();
+        changed(part(0), part(3));
+    }
+
     // Location errors.
     let across = Basis::of(axis).across;
     let combine = |first: usize| across[0] * x[first] + across[1] * x[first + 1];
+    let location = &mut state.axes[k].location;
     match axis.kind() {
         AxisKind::Linear => {
-            next.location.tilt_rad += combine(0);
+            location.tilt_rad += combine(0);
             changed(Vector3::zeros(), combine(0));
         }
         AxisKind::Rotary => {
-            next.location.offset_mm += combine(0);
-            next.location.tilt_rad += combine(2);
+            location.offset_mm += combine(0);
+            location.tilt_rad += combine(2);
             changed(combine(0), combine(2));
-        }
-    }
-
-    // Targets: their twist on the stage and the mean of what is not rigid.
-    let reference = axis.reference_at_home_mm(&state.axes[k].location);
-    let errors = ModelErrors { data, state };
-    let distortions = mean_distortions(own, poses);
-    for (r, run) in own.runs.iter().enumerate() {
-        let first = gauge.location_parameters + PER_RUN * r;
-        let twist = MotionError::new(
-            x.fixed_rows::<3>(first).into_owned(),
-            x.fixed_rows::<3>(first + 3).into_owned(),
-        );
-        let positions = context.positions_of(&own.records[run.first_record]);
-        for (place, &target) in run.targets.iter().enumerate() {
-            let (_, inner) = around(
-                context.machine,
-                context.campaign.targets[target].carrier,
-                own.axis,
-            );
-            let inside = context.machine.chain_motion(&errors, inner, positions);
-            let on_stage = inside * state.axes[k].targets_mm[r][place];
-            let shift = twist.displacement_mm(on_stage - reference) + distortions[r][place];
-            next.targets_mm[r][place] = inside.inverse() * (on_stage + shift);
-            changed(shift, Vector3::zeros());
         }
     }
     change_mm
 }
 
-/// For each run and target the mean over the run's records of what no rigid motion explains of the
-/// target's position.
-fn mean_distortions(own: &AxisData, poses: &[PoseFit]) -> Vec<Vec<Vector3<f64>>> {
-    let of_run = |run: &RunData| vec![Vector3::zeros(); run.targets.len()];
-    let mut sums: Vec<Vec<Vector3<f64>>> = own.runs.iter().map(of_run).collect();
-    for (record, pose) in own.records.iter().zip(poses) {
-        for (sum, distortion_mm) in sums[record.run].iter_mut().zip(&pose.distortion_mm) {
-            *sum += distortion_mm;
-        }
-    }
-    for (sums, run) in sums.iter_mut().zip(&own.runs) {
-        sums.iter_mut().for_each(|sum| *sum /= run.records as f64);
-    }
-    sums
+/// The largest distance of a target at home from the reference point of an axis, mm.
+fn lever_mm(
+    context: &Context<'_>,
+    axis: &AxisData,
+    values: &AxisState,
+    reference: &Point3<f64>,
+) -> f64 {
+    let of_run = |(run, placement): (&crate::axis_data::RunData, &Isometry3<f64>)| {
+        let shape_mm = &context.poses.bodies[run.body].home_mm;
+        let distances = shape_mm.iter().map(|p| (placement * p - reference).norm());
+        distances.fold(0.0, f64::max)
+    };
+    let runs = axis.runs.iter().zip(&values.placements);
+    runs.map(of_run).fold(0.0, f64::max)
 }
 
 /// Moves the reference frame and the axial places of rotary axes to where the rule wants them;
@@ -273,37 +256,45 @@ fn settle_frame(
         .iter()
         .map(|&(k, _)| next.axes[k].location.tilt_rad)
         .collect();
-    let shifts: Vec<Vector3<f64>> = frame
-        .anchors
-        .iter()
-        .map(|anchor| {
-            let target = data[anchor.data].runs[anchor.run].targets[anchor.place];
-            next.axes[anchor.data].targets_mm[anchor.run][anchor.place]
-                - context.campaign.targets[target].home_mm
-        })
-        .collect();
+    let homes_mm = home_positions(context, data, next);
+    let shift = |anchor: &Anchor| {
+        homes_mm[anchor.data][anchor.run][anchor.place] - anchor.nominal_mm
+    };
+    let shifts: Vec<Vector3<f64>> = frame.anchors.iter().map(shift).collect();
     let motion = frame.motion(&tilts, &shifts);
     take_out(context, data, &motion, next);
-    let size_mm = context
-        .points_mm
-        .iter()
-        .map(|p| (p - motion.pivot).norm())
-        .fold(0.0, f64::max);
+    let pivots = context.poses.observations.iter().map(|pose| pose.pivot_mm);
+    let distances = pivots.map(|p| (p - motion.pivot).norm());
+    let size_mm = distances.fold(0.0, f64::max);
     let mut change_mm = motion.translation.norm() + motion.rotation.norm() * size_mm;
 
-    for (axis, values) in data.iter().zip(&mut next.axes) {
+    for (k, axis) in data.iter().enumerate() {
         let geometry = &context.machine.axes()[axis.axis];
         if geometry.kind() == AxisKind::Rotary && frame.places_along_itself(axis.axis) {
             let along = geometry.direction().into_inner();
-            let shift_mm = mean_axial_shift(context, axis, values, along);
+            let shift_mm = mean_axial_shift(context, data, next, k, along);
+            let values = &mut next.axes[k];
             values.location.offset_mm += along * shift_mm;
-            for target in values.targets_mm.iter_mut().flatten() {
-                *target -= along * shift_mm;
+            let back = Translation3::from(-along * shift_mm);
+            for placement in &mut values.placements {
+                *placement = back * *placement;
             }
             change_mm = change_mm.max(shift_mm.abs());
         }
     }
     change_mm
+}
+
+/// Where the targets of each run of each axis are at home in the reference frame, mm.
+fn home_positions(
+    context: &Context<'_>,
+    data: &[AxisData],
+    state: &State,
+) -> Vec<Vec<Vec<Point3<f64>>>> {
+    let errors = ModelErrors { data, state };
+    let of_run = |place| errors.targets_mm(context.machine, &context.poses.bodies, place);
+    let of_axis = |(k, axis): (usize, &AxisData)| (0..axis.runs.len()).map(|r| of_run((k, r))).collect();
+    data.iter().enumerate().map(of_axis).collect()
 }
 
 /// Takes a motion of the whole out of the frame and of what was found in it: to first order, which the
@@ -320,8 +311,8 @@ fn take_out(context: &Context<'_>, data: &[AxisData], motion: &SmallMotion, next
             let reference = geometry.reference_mm();
             values.location.offset_mm += across(removal * reference - reference);
         }
-        for target in values.targets_mm.iter_mut().flatten() {
-            *target = removal * *target;
+        for placement in &mut values.placements {
+            *placement = removal * *placement;
         }
     }
 }
@@ -329,19 +320,19 @@ fn take_out(context: &Context<'_>, data: &[AxisData], motion: &SmallMotion, next
 /// How far the targets of a rotary axis are from nominal along it, in the mean.
 fn mean_axial_shift(
     context: &Context<'_>,
-    axis: &AxisData,
-    values: &AxisState,
+    data: &[AxisData],
+    state: &State,
+    k: usize,
     along: Vector3<f64>,
 ) -> f64 {
-    let mut sum = 0.0;
-    let mut count = 0.0;
-    for (run, targets_mm) in axis.runs.iter().zip(&values.targets_mm) {
-        for (&target, position) in run.targets.iter().zip(targets_mm) {
-            sum += (position - context.campaign.targets[target].home_mm).dot(&along);
-            count += 1.0;
-        }
+    let errors = ModelErrors { data, state };
+    let mut shifts = Vec::new();
+    for (r, run) in data[k].runs.iter().enumerate() {
+        let found = errors.targets_mm(context.machine, &context.poses.bodies, (k, r));
+        let nominal = run.nominal_mm(context.campaign);
+        shifts.extend(found.iter().zip(&nominal).map(|(p, home)| (p - home).dot(&along)));
     }
-    if count > 0.0 { sum / count } else { 0.0 }
+    shifts.iter().sum::<f64>() / shifts.len().max(1) as f64
 }
 
 fn defect(context: &Context<'_>, axis: &AxisData, defect: &GaugeDefect) -> Error {
@@ -372,13 +363,13 @@ fn defect(context: &Context<'_>, axis: &AxisData, defect: &GaugeDefect) -> Error
 
 /// Mean position of each target over the runs that measured it, in the reference frame at home.
 pub(crate) fn mean_targets(
+    context: &Context<'_>,
     data: &[AxisData],
     state: &State,
-    targets: usize,
 ) -> Vec<Option<Point3<f64>>> {
-    let mut sums = vec![(Vector3::zeros(), 0.0); targets];
-    for (axis, values) in data.iter().zip(&state.axes) {
-        for (run, positions) in axis.runs.iter().zip(&values.targets_mm) {
+    let mut sums = vec![(Vector3::zeros(), 0.0); context.campaign.targets.len()];
+    for (axis, homes_mm) in data.iter().zip(home_positions(context, data, state)) {
+        for (run, positions) in axis.runs.iter().zip(homes_mm) {
             for (&target, position) in run.targets.iter().zip(positions) {
                 sums[target].0 += position.coords;
                 sums[target].1 += 1.0;

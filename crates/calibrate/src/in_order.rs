@@ -8,23 +8,10 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterato
 /// work, beside which the hand-over is nothing.
 const RECORDS: usize = 32;
 
-/// The same for chunks of eight records.
-pub(crate) const CHUNKS: usize = 16;
-
 /// `f` of each of `count` items.
 pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
     let items = (0..count).into_par_iter().with_min_len(RECORDS);
     items.map(f).collect()
-}
-
-/// The same with memory to work in, at least `piece` items at a time.
-pub(crate) fn map_with<M: Default, T: Send>(
-    count: usize,
-    piece: usize,
-    f: impl Fn(&mut M, usize) -> T + Sync + Send,
-) -> Vec<T> {
-    let items = (0..count).into_par_iter().with_min_len(piece);
-    items.map_init(M::default, f).collect()
 }
 
 /// `f` of each of `count` items, or the error of the first that fails.

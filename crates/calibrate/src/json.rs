@@ -11,7 +11,7 @@ use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 
 use crate::adjustment_file::AdjustmentFile;
 use crate::budget::Budget;
-use crate::calibration::{AxisResult, Calibration, NodeResult, StationResult};
+use crate::calibration::{AxisResult, Calibration, MethodLoss, NodeResult, StationResult};
 use crate::settings::Method;
 
 impl Calibration {
@@ -19,7 +19,8 @@ impl Calibration {
     ///
     /// Optional fields beyond the fixed ones: `p_value` and `uncertainty_factor` of the
     /// adjustment, `direction` of each position where the sides of approach are kept apart,
-    /// `noise_gain` of each axis, `dof` (degrees of freedom of u, the least of a curve; absent if
+    /// `noise_gain` of each axis where equations were solved, `u_ratio` where they
+    /// were not (what they would lose), `dof` (degrees of freedom of u, the least of a curve; absent if
     /// infinite) and `budget` (shares of u², mean of a curve) of each error, `misfits`, `triangle`,
     /// `effects_taken_out` where there are any, `notices`.
     pub fn to_json(&self) -> String {
@@ -71,7 +72,10 @@ struct AxisFile<'a> {
     direction: Option<Vec<i8>>,
     reference_point_mm: [f64; 3],
     components: Ordered<CurveFile>,
-    noise_gain: Ordered<GainFile>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    noise_gain: Option<Ordered<GainFile>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    u_ratio: Option<Ordered<RatioFile>>,
 }
 
 #[derive(Serialize)]
@@ -135,6 +139,14 @@ struct GainFile {
     nine: f64,
 }
 
+/// Standard uncertainties by points and nine or six equations, relative to those of the joint adjustment.
+#[derive(Serialize)]
+struct RatioFile {
+    nine: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    six: Option<f64>,
+}
+
 #[derive(Serialize)]
 struct MisfitFile<'a> {
     step: &'a str,
@@ -172,6 +184,7 @@ impl<'a> File<'a> {
             version: 1,
             campaign: &calibration.campaign,
             method: match calibration.method {
+                Method::Joint => "joint".to_owned(),
                 Method::Nine => "nine-equation".to_owned(),
                 Method::Six(rows) => format!("six-equation {rows}"),
             },
@@ -261,11 +274,14 @@ fn axis(axis: &AxisResult) -> AxisFile<'_> {
                 .map(|c| (c.name(&axis.name), curve(axis, c)))
                 .into(),
         ),
-        noise_gain: Ordered(
-            Component::ALL
-                .map(|c| (c.name(&axis.name), gain(axis, c)))
-                .into(),
-        ),
+        noise_gain: axis.noise_gain.map(|gains| {
+            let gain = |c: Component| (c.name(&axis.name), gain(&gains, c));
+            Ordered(Component::ALL.map(gain).into())
+        }),
+        u_ratio: axis.u_ratio.map(|loss| {
+            let ratio = |c: Component| (c.name(&axis.name), ratio(&loss, c));
+            Ordered(Component::ALL.map(ratio).into())
+        }),
     }
 }
 
@@ -314,18 +330,25 @@ fn behind(uncertainties: impl Iterator<Item = (f64, Budget)>) -> BehindFile {
     }
 }
 
-fn gain(axis: &AxisResult, component: Component) -> GainFile {
-    let c = component.index();
+fn gain([used, nine]: &[[f64; 6]; 2], component: Component) -> GainFile {
     // mm per mm is µm per µm; rad per mm becomes arcsec per µm.
     let unit = if component.is_angular() {
         MICROMETRE / ARCSEC
     } else {
         1.0
     };
-    let gain = |gain: &[f64; 6]| round(gain[c] * unit, 4);
+    let gain = |gain: &[f64; 6]| round(gain[component.index()] * unit, 4);
     GainFile {
-        used: gain(&axis.noise_gain),
-        nine: gain(&axis.noise_gain_nine),
+        used: gain(used),
+        nine: gain(nine),
+    }
+}
+
+fn ratio(loss: &MethodLoss, component: Component) -> RatioFile {
+    let c = component.index();
+    RatioFile {
+        nine: round(loss.nine[c], 4),
+        six: loss.six.map(|six| round(six[c], 4)),
     }
 }
 

@@ -77,7 +77,6 @@ mod basis;
 mod budget;
 mod calibrate;
 mod calibration;
-mod chunk_sums;
 mod covariance_files;
 mod describe;
 mod error;
@@ -93,23 +92,22 @@ mod interpolation;
 mod json;
 mod length_circumstances;
 mod lengths_in_words;
-mod matrix_products;
-mod measured;
+mod measure;
+mod method_loss;
+mod nine;
 mod node_records;
-mod node_variances;
 mod output_covariance;
 mod output_entry;
-mod point_noise;
+mod points;
 mod points_report;
-mod record_chunks;
-mod records;
+mod pose_errors;
+mod poses;
 mod reliability;
 mod reliability_files;
 mod replay;
 mod results;
 mod rigid_fit;
 mod rigidity;
-mod sensitivity;
 mod settings;
 mod sources;
 mod start;
@@ -120,7 +118,6 @@ mod uncertainty;
 mod variance;
 mod volumetric;
 mod weak_stations;
-mod weights;
 mod with_effects;
 
 pub use adjustment_report::{
@@ -129,7 +126,7 @@ pub use adjustment_report::{
 pub use budget::{Budget, coverage_factor};
 pub use calibrate::calibrate;
 pub use calibration::{
-    AxisResult, Calibration, LocationResult, NodeResult, StationResult, StepMisfit, TargetResult,
+    AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, StationResult, StepMisfit, TargetResult,
     TriangleSide,
 };
 pub use error::Error;

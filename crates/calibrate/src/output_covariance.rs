@@ -19,7 +19,7 @@ use crate::axis_noise::AxisForm;
 use crate::calibrate::place_of;
 use crate::calibration::{AxisResult, StationResult};
 use crate::results::{NumberedResult, results};
-use crate::uncertainty::Propagation;
+use crate::uncertainty::{Dependence, Propagation};
 
 /// Covariance of all results of a calibration, in the units of `calibration.json`.
 ///
@@ -192,11 +192,12 @@ impl OutputCovariance {
 /// The upper triangle in mm and rad.
 fn in_mm_and_rad(propagation: &Propagation<'_>, axes: &[AxisResult]) -> DMatrix<f64> {
     let noise = &propagation.whole;
-    let components: Vec<AxisForm> = propagation
+    let dependence = propagation.dependence;
+    let components: Vec<AxisForm> = dependence
         .identified
-        .sensitivities
+        .gauges
         .iter()
-        .map(|s| AxisForm::component_errors(s, 0..s.node_effects.len()))
+        .map(|gauge| AxisForm::component_errors(gauge, 0..gauge.node_effects.len()))
         .collect();
     // All results as functions of the sources; component errors have a part of their own beside.
     let over_sources = over_sources(propagation, axes, &components);
@@ -204,7 +205,7 @@ fn in_mm_and_rad(propagation: &Propagation<'_>, axes: &[AxisResult]) -> DMatrix<
     let mut covariance = &over_sources * &noise.sources.own * over_sources.transpose();
     let mut first = 0;
     for (k, form) in components.iter().enumerate() {
-        let (axis, sources) = (&noise.axes[k], &propagation.sources.axes[k]);
+        let (axis, sources) = (&noise.axes[k], &dependence.sources.axes[k]);
         let count = 6 * axes[k].nodes.len();
         let mut rows = shared.rows_mut(first, count);
         rows += axis.shared(form);
@@ -218,7 +219,7 @@ fn in_mm_and_rad(propagation: &Propagation<'_>, axes: &[AxisResult]) -> DMatrix<
         columns += cross.transpose();
         first += count;
     }
-    covariance.gemm(1.0, &(&shared * &noise.shared), &shared.transpose(), 1.0);
+    covariance.gemm(1.0, &(&shared * noise.shared()), &shared.transpose(), 1.0);
     covariance
 }
 
@@ -229,7 +230,7 @@ fn over_sources(
     axes: &[AxisResult],
     components: &[AxisForm],
 ) -> DMatrix<f64> {
-    let forms = &propagation.forms;
+    let Dependence { forms, sources, .. } = propagation.dependence;
     let locations = forms.locations.iter().zip(axes).flat_map(|(rows, axis)| {
         let reported = axis.location_errors.iter();
         reported.map(|location| rows.row(place_of(location.component)))
@@ -237,7 +238,7 @@ fn over_sources(
     let stations = forms.stations.iter().flat_map(|rows| rows.row_iter());
     let of_frame: Vec<_> = locations.chain(stations).collect();
     let first_of_frame: usize = axes.iter().map(|axis| 6 * axis.nodes.len()).sum();
-    let mut all = DMatrix::zeros(first_of_frame + of_frame.len(), propagation.sources.count);
+    let mut all = DMatrix::zeros(first_of_frame + of_frame.len(), sources.count);
     let mut first = 0;
     for (k, form) in components.iter().enumerate() {
         if let Some(rows) = forms.through_base(k, form) {

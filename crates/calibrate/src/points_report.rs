@@ -6,20 +6,18 @@ use trueaxis_leastsquares::chi_squared_upper_tail;
 use crate::adjustment_report::{
     AdjustmentReport, GLOBAL_TEST_LEVEL, Residuals, approached_from_both_sides,
 };
-use crate::axis_data::AxisData;
-use crate::identify_axes::Identified;
-use crate::measured::Measured;
+use crate::nine::PointPoses;
+use crate::points::MeasuredPoints;
 use crate::rigidity;
 
 pub(crate) fn of_points(
     campaign: &Campaign,
     by_direction: bool,
-    measured: &Measured,
-    data: &[AxisData],
-    identified: &Identified,
+    measured: &MeasuredPoints,
+    found: &PointPoses,
     notices: &mut Vec<String>,
 ) -> AdjustmentReport {
-    let (squares, degrees_of_freedom) = rigidity::total(data, identified);
+    let (squares, degrees_of_freedom) = rigidity::total(found);
     let readings = campaign.points.iter().flat_map(|points| &points.readings);
     let noise_declared = readings
         .into_iter()
@@ -52,7 +50,8 @@ pub(crate) fn of_points(
     };
     let both_sides = !by_direction && approached_from_both_sides(campaign);
     residuals.notices(both_sides, notices);
-    let observations = 3 * measured.points_mm.len();
+    let points = measured.groups.iter().map(|group| group.points_mm.len());
+    let observations = 3 * points.sum::<usize>();
     AdjustmentReport {
         observations,
         unknowns: observations - degrees_of_freedom,
@@ -62,7 +61,7 @@ pub(crate) fn of_points(
         noise_declared,
         uncertainty_factor,
         factor_degrees_of_freedom,
-        rms_residual_mm: rigidity::rms_mm(identified),
+        rms_residual_mm: rigidity::rms_mm(found),
         noise: None,
         rejected: Vec::new(),
         interruptions: Vec::new(),
@@ -73,7 +72,7 @@ pub(crate) fn of_points(
 
 /// How much larger than declared the scatter of repeated points is, if that is significant, and its
 /// degrees of freedom.
-fn repeat_factor(measured: &Measured, declared: bool, notices: &mut Vec<String>) -> (f64, f64) {
+fn repeat_factor(measured: &MeasuredPoints, declared: bool, notices: &mut Vec<String>) -> (f64, f64) {
     let (squares, degrees_of_freedom) = measured.repeat_scatter;
     let p_value = chi_squared_upper_tail(squares, degrees_of_freedom as f64);
     if degrees_of_freedom == 0 || (declared && p_value >= GLOBAL_TEST_LEVEL) {

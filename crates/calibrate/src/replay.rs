@@ -1,15 +1,13 @@
 //! The same campaign with other errors of its measurement, as often as asked: Monte Carlo, and the
 //! effect of single errors.
 //!
-//! A trial's lengths are those that follow from the adjusted state, plus errors. The points come from
-//! [`trueaxis_multilateration::Trials`] (one factorisation, one corrector step), the component and
-//! location errors from Newton's method with the operators of the calibration and exact deviations,
-//! repeated until the reference frame has settled; what holding the operators costs is some 3e-5 of
-//! a standard uncertainty. Weights stay as they are. In a points campaign the points themselves are drawn.
+//! A trial's lengths are those that follow from the adjusted state, plus errors. The poses come from
+//! [`trueaxis_multilateration::Trials`] (one factorisation, one corrector step), or from its points by the
+//! equations of the calibration; the component and location errors from Newton's method with exact
+//! deviations, repeated until the reference frame has settled. Weights stay as they are. In a points
+//! campaign the points themselves are drawn.
 
-use std::sync::Arc;
-
-use nalgebra::{DMatrix, DVector, Point3, Vector3};
+use nalgebra::{DMatrix, DVector, Isometry3, Vector6};
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::Machine;
@@ -21,8 +19,8 @@ use crate::axis_data::AxisData;
 use crate::calibrate::{Parts, calibrate_in_parts};
 use crate::calibration::Calibration;
 use crate::identify_axes::Identified;
-use crate::measured::Measured;
-use crate::records::Context;
+use crate::measure::Measured;
+use crate::nine::PointPoses;
 use crate::results::NumberedResult;
 use crate::settings::{Method, Settings};
 use crate::state::State;
@@ -32,10 +30,8 @@ use crate::state::State;
 /// As a [`Model`] it draws the noise and gives the results, in the order and units of
 /// [`Replay::results`].
 pub struct Replay<'a> {
-    campaign: &'a Campaign,
-    method: Method,
     machine: Machine,
-    measured: Measured,
+    measured: Measured<'a>,
     data: Vec<AxisData>,
     identified: Identified,
     source: Source,
@@ -44,13 +40,14 @@ pub struct Replay<'a> {
     places: Vec<usize>,
 }
 
-/// Where the errors of the points come from.
+/// Where the errors of the poses come from.
 enum Source {
     Lengths {
         trials: Box<Trials>,
-        screened: Arc<Screened>,
+        /// For each pose the group of the network.
+        groups: Vec<usize>,
     },
-    /// Cholesky factors of the covariances of the groups.
+    /// Cholesky factors of the covariances of the groups of points.
     Points(Vec<DMatrix<f64>>),
 }
 
@@ -58,8 +55,6 @@ enum Source {
 pub struct ReplayWorkspace {
     lengths: Option<trueaxis_multilateration::Workspace>,
     errors_mm: Vec<f64>,
-    points_mm: Vec<Point3<f64>>,
-    all: Vec<f64>,
 }
 
 /// Calibrates a campaign and keeps what other errors of its measurement need.
@@ -76,12 +71,14 @@ pub fn calibrate_for_replay<'a>(
         measured,
         data,
         identified,
-        screened,
     } = parts;
-    let source = match screened {
-        Some(screened) => Source::Lengths {
-            trials: Box::new(Trials::new(&screened.network, &screened.solution)),
-            screened,
+    let source = match &measured.adjusted {
+        Some(adjusted) => Source::Lengths {
+            trials: Box::new(Trials::new(
+                &adjusted.screened.network,
+                &adjusted.screened.solution,
+            )),
+            groups: adjusted.moved(),
         },
         None => Source::Points(point_factors(&measured)?),
     };
@@ -92,8 +89,6 @@ pub fn calibrate_for_replay<'a>(
         .filter(|(_, result)| result.u > 0.0)
         .unzip();
     let replay = Replay {
-        campaign,
-        method: settings.method,
         machine,
         measured,
         data,
@@ -105,13 +100,12 @@ pub fn calibrate_for_replay<'a>(
     Ok((calibration, replay))
 }
 
-fn point_factors(measured: &Measured) -> Result<Vec<DMatrix<f64>>, Error> {
-    (0..measured.groups.len())
-        .map(|group| {
-            let covariance = measured
-                .noise
-                .total(group, measured.groups[group].points.len());
-            let factor = covariance.cholesky().map(|factor| factor.unpack());
+fn point_factors(measured: &Measured<'_>) -> Result<Vec<DMatrix<f64>>, Error> {
+    let groups = measured.points.iter().flat_map(|(points, _)| &points.noise.own);
+    groups
+        .enumerate()
+        .map(|(group, covariance)| {
+            let factor = covariance.clone().cholesky().map(|factor| factor.unpack());
             factor.ok_or_else(|| Error::Numerical {
                 axis: "all".to_owned(),
                 what: format!("the covariance of the points of step {group} is not positive"),
@@ -134,10 +128,7 @@ impl Replay<'_> {
 
     /// The adjusted lengths; none in a points campaign.
     pub(crate) fn screened(&self) -> Option<&Screened> {
-        match &self.source {
-            Source::Lengths { screened, .. } => Some(screened),
-            Source::Points(_) => None,
-        }
+        self.measured.screened().map(|screened| &**screened)
     }
 
     /// The results for these errors of the used lengths (mm), beyond those of the calibration; in the
@@ -151,50 +142,59 @@ impl Replay<'_> {
         self.solve(workspace, results);
     }
 
-    fn solve(&self, workspace: &mut ReplayWorkspace, results: &mut [f64]) {
-        let ReplayWorkspace {
-            lengths,
-            errors_mm,
-            points_mm,
-            all,
-        } = workspace;
-        let mut corrections: Option<&Corrections> = None;
+    /// The poses that the errors of a trial make, and the corrections of the adjusted lengths.
+    fn trial_poses<'w>(
+        &self,
+        workspace: &'w mut ReplayWorkspace,
+    ) -> (Vec<Isometry3<f64>>, Option<&'w Corrections>) {
+        let ReplayWorkspace { lengths, errors_mm } = workspace;
         match (&self.source, lengths) {
-            (Source::Lengths { trials, .. }, Some(lengths)) => {
+            (Source::Lengths { trials, groups }, Some(lengths)) => {
                 let solved = trials.solve(errors_mm, lengths);
-                let [x, y, z] = solved.points_mm();
-                for (i, point) in points_mm.iter_mut().enumerate() {
-                    *point = self.measured.points_mm[i] + Vector3::new(x[i], y[i], z[i]);
-                }
-                corrections = Some(solved);
+                let of_groups: Vec<&[f64]> = groups.iter().map(|&g| solved.group(g)).collect();
+                (self.poses(&of_groups), Some(solved))
             }
             _ => {
-                let errors = errors_mm.chunks_exact(3);
-                for ((point, own), error) in points_mm
-                    .iter_mut()
-                    .zip(&self.measured.points_mm)
-                    .zip(errors)
-                {
-                    *point = own + Vector3::from_column_slice(error);
+                let mut rest = &errors_mm[..];
+                let mut of_groups = Vec::new();
+                for group in self.measured.points.iter().flat_map(|(points, _)| &points.groups) {
+                    let (own, behind) = rest.split_at(3 * group.points_mm.len());
+                    of_groups.push(own);
+                    rest = behind;
                 }
+                (self.poses(&of_groups), None)
             }
         }
-        let context = Context {
-            campaign: self.campaign,
-            machine: &self.machine,
-            measured: &self.measured,
-            points_mm,
-            method: self.method,
-        };
+    }
+
+    fn solve(&self, workspace: &mut ReplayWorkspace, results: &mut [f64]) {
+        let (poses, corrections) = self.trial_poses(workspace);
+        let context = self.measured.context(&self.machine, &poses);
         let Some(state) = self.identified.replayed(&context, &self.data) else {
             results.fill(f64::NAN);
             return;
         };
-        all.clear();
-        self.collect(&state, corrections, all);
+        let mut all = Vec::new();
+        self.collect(&state, corrections, &mut all);
         for ((result, &place), numbered) in results.iter_mut().zip(&self.places).zip(&self.results)
         {
             *result = all[place] / numbered.output.unit().size();
+        }
+    }
+
+    /// The measured poses with errors: for each group the twist of its pose, or the displacements of its
+    /// points.
+    fn poses(&self, errors: &[&[f64]]) -> Vec<Isometry3<f64>> {
+        let by_equations = self.measured.method != Method::Joint;
+        match self.measured.points.as_ref().filter(|_| by_equations) {
+            Some((_, found)) => PointPoses::moved(found, errors),
+            None => {
+                let observations = self.measured.poses().observations.iter();
+                let moved = observations.zip(errors);
+                moved
+                    .map(|(pose, twist)| pose.moved(&Vector6::from_column_slice(twist)))
+                    .collect()
+            }
         }
     }
 
@@ -227,16 +227,13 @@ impl Model for Replay<'_> {
     }
 
     fn workspace(&self) -> ReplayWorkspace {
-        let points_mm = self.measured.points_mm.clone();
         let (lengths, errors) = match &self.source {
             Source::Lengths { trials, .. } => (Some(trials.workspace()), trials.readings()),
-            Source::Points(_) => (None, 3 * points_mm.len()),
+            Source::Points(factors) => (None, factors.iter().map(DMatrix::nrows).sum()),
         };
         ReplayWorkspace {
             lengths,
             errors_mm: vec![0.0; errors],
-            points_mm,
-            all: Vec::new(),
         }
     }
 
@@ -278,10 +275,14 @@ mod tests {
     #[test]
     #[expect(clippy::print_stdout, reason = "the figure of the docs")]
     fn agrees_with_the_whole_identification() {
-        for scenario in SCENARIOS {
+        let methods = [Method::Joint, Method::Nine];
+        for (scenario, method) in SCENARIOS.iter().flat_map(|s| methods.map(|m| (s, m))) {
             let scenario = Scenario::from_json(scenario).unwrap();
             let campaign = simulate(&scenario, 1).unwrap().campaign;
-            let settings = Settings::default();
+            let settings = Settings {
+                method,
+                ..Settings::default()
+            };
             let (calibration, replay) = calibrate_for_replay(&campaign, &settings).unwrap();
             let mut workspace = replay.workspace();
             let mut found = vec![0.0; replay.outputs()];
@@ -289,13 +290,8 @@ mod tests {
             for trial in 0..3 {
                 let mut rng = ChaCha8Rng::seed_from_u64(trial);
                 replay.trial(&mut rng, &mut workspace, &mut found);
-                let context = Context {
-                    campaign: &campaign,
-                    machine: &replay.machine,
-                    measured: &replay.measured,
-                    points_mm: &workspace.points_mm,
-                    method: settings.method,
-                };
+                let (poses, _) = replay.trial_poses(&mut workspace);
+                let context = replay.measured.context(&replay.machine, &poses);
                 let whole = identify_axes(&context, &replay.data).unwrap();
                 let mut all = Vec::new();
                 replay.collect(&whole.state, None, &mut all);

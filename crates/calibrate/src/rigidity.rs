@@ -4,72 +4,62 @@
 //! steps that fail do not bend, then with the mean over those that passed. The noise is the declared
 //! one, or larger if most steps say so.
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::Vector3;
+use trueaxis_campaign::Campaign;
 use trueaxis_identify::{nine, rigid_misfit};
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
-use crate::axis_data::AxisData;
 use crate::calibration::StepMisfit;
 use crate::describe;
-use crate::identify_axes::Identified;
 use crate::in_order;
-use crate::records::{Context, Misfit, RecordFit, rotated};
+use crate::nine::{Misfit, PointPoses, StepFit};
 
 /// Family-wise significance of the test of all steps together.
 const LEVEL: f64 = 0.01;
 
 /// Sum of squares of the test over all steps, and its degrees of freedom: those of the steps less
-/// the shape of the targets in each run, which is estimated.
+/// the shape of each body, which is estimated.
 ///
 /// Each step is tested with the covariance of its distance from the mean shape, so that on average
 /// its sum equals its own degrees of freedom; together they have fewer, and the sum is scaled down
 /// to follow chi-squared with these.
-pub(crate) fn total(data: &[AxisData], identified: &Identified) -> (f64, usize) {
-    let fits = identified.fits.iter().flatten();
-    let (squares, degrees) = fits.fold((0.0, 0), |(squares, degrees), fit| {
+pub(crate) fn total(points: &PointPoses) -> (f64, usize) {
+    let (squares, degrees) = points.fits.iter().fold((0.0, 0), |(squares, degrees), fit| {
         (
             squares + fit.misfit.chi_squared,
             degrees + fit.misfit.degrees_of_freedom,
         )
     });
-    let runs = data.iter().flat_map(|axis| &axis.runs);
-    let shapes: usize = runs.map(|run| 3 * run.targets.len() - 6).sum();
+    let bodies = points.poses.bodies.iter();
+    let shapes: usize = bodies.map(|body| 3 * body.targets.len() - 6).sum();
     let left = degrees.saturating_sub(shapes);
     (squares * left as f64 / degrees.max(1) as f64, left)
 }
 
 /// Rms of what rigid motions leave, mm.
-pub(crate) fn rms_mm(identified: &Identified) -> f64 {
-    let fits = identified.fits.iter().flatten();
+pub(crate) fn rms_mm(points: &PointPoses) -> f64 {
+    let fits = points.fits.iter();
     let squares: Vec<f64> = fits.map(|fit| fit.misfit.rms_um.powi(2)).collect();
     (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt() * MICROMETRE
 }
 
 /// The steps that fail, in measuring order. `declared` says whether the noise is; if not, the
 /// steps themselves are the measure.
-pub(crate) fn misfits(
-    context: &Context<'_>,
-    data: &[AxisData],
-    identified: &Identified,
-    declared: bool,
-) -> Vec<StepMisfit> {
-    let records: usize = identified.fits.iter().map(Vec::len).sum();
-    let level = LEVEL / records as f64;
+pub(crate) fn misfits(campaign: &Campaign, points: &PointPoses, declared: bool) -> Vec<StepMisfit> {
+    let level = LEVEL / points.fits.len() as f64;
+    let run_of = |i: usize| campaign.steps[points.poses.observations[i].step].run;
     let mut found = Vec::new();
-    for (k, axis) in data.iter().enumerate() {
-        let (fits, weights) = (&identified.fits[k], &identified.weights[k]);
-        for run in 0..axis.runs.len() {
-            for (record, misfit, p_value) in failing(axis, run, fits, weights, declared, level) {
-                let step = context.measured.groups[axis.records[record].group].step;
-                found.push(StepMisfit {
-                    step: describe::step(context.campaign, step),
-                    rms_um: misfit.rms_um,
-                    chi_squared: misfit.chi_squared,
-                    degrees_of_freedom: misfit.degrees_of_freedom,
-                    p_value,
-                });
-            }
+    for run in 0..campaign.runs.len() {
+        let records: Vec<usize> = (0..points.fits.len()).filter(|&i| run_of(i) == run).collect();
+        for (record, misfit, p_value) in failing(&records, &points.fits, declared, level) {
+            found.push(StepMisfit {
+                step: describe::step(campaign, points.poses.observations[record].step),
+                rms_um: misfit.rms_um,
+                chi_squared: misfit.chi_squared,
+                degrees_of_freedom: misfit.degrees_of_freedom,
+                p_value,
+            });
         }
     }
     found
@@ -78,20 +68,18 @@ pub(crate) fn misfits(
 /// Failing records of one run with their test against the mean shape of the others. The sum of
 /// squares is in units of the noise that most steps show.
 fn failing(
-    axis: &AxisData,
-    run: usize,
-    fits: &[RecordFit],
-    weights: &[DMatrix<f64>],
+    records: &[usize],
+    fits: &[StepFit],
     declared: bool,
     level: f64,
 ) -> Vec<(usize, Misfit, f64)> {
-    let records: Vec<usize> = (0..fits.len())
-        .filter(|&i| axis.records[i].run == run)
-        .collect();
+    let Some(&first) = records.first() else {
+        return Vec::new();
+    };
     let against_shape = |shape: &[Vector3<f64>]| -> Vec<(usize, Misfit, f64)> {
         let mut tested: Vec<(usize, Misfit)> = in_order::map(records.len(), |n| {
             let i = records[n];
-            (i, against(&fits[i], &weights[i], shape))
+            (i, against(&fits[i], shape))
         });
         let variance = typical_variance(&tested, declared);
         tested
@@ -112,12 +100,12 @@ fn failing(
         let kept = records
             .iter()
             .filter(|&&i| without.binary_search_by_key(&i, |bad| bad.0).is_err());
-        let kept: Vec<&RecordFit> = kept.map(|&i| &fits[i]).collect();
-        let targets = 0..axis.runs[run].targets.len();
+        let kept: Vec<&StepFit> = kept.map(|&i| &fits[i]).collect();
+        let targets = 0..fits[first].levers_mm.len();
         let coordinate = |target: usize, c: usize| {
             combine(
                 kept.iter()
-                    .map(|fit| fit.pose.distortion_mm[target][c])
+                    .map(|fit| fit.distortion_mm[target][c])
                     .collect(),
             )
         };
@@ -163,16 +151,14 @@ fn mean(values: Vec<f64>) -> f64 {
 }
 
 /// The test of a record against another shape of the targets.
-fn against(fit: &RecordFit, weight: &DMatrix<f64>, shape: &[Vector3<f64>]) -> Misfit {
-    let base_from_stage = fit.stage_from_base.transpose();
+fn against(fit: &StepFit, shape: &[Vector3<f64>]) -> Misfit {
+    let datum_from_home = fit.home_from_datum.transpose();
     let deltas = fit.deltas_mm.iter().zip(shape);
     let deltas: Vec<Vector3<f64>> = deltas
-        .map(|(delta, w)| delta - base_from_stage * w)
+        .map(|(delta, w)| delta - datum_from_home * w)
         .collect();
     // Both succeeded with these targets and this covariance when the record was identified.
     nine(&fit.levers_mm)
-        .and_then(|operator| {
-            rigid_misfit(&operator, &deltas, &rotated(weight, &fit.base_from_datum))
-        })
+        .and_then(|operator| rigid_misfit(&operator, &deltas, &fit.covariance))
         .map_or(fit.misfit, |misfit| Misfit::from(&misfit))
 }

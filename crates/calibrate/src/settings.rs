@@ -6,7 +6,7 @@ use trueaxis_identify::SixRows;
 /// Settings of [`crate::calibrate`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// How six component errors follow from the points of a step.
+    /// How six component errors follow from the measurement.
     pub method: Method,
     /// Whether the two sides of approach get curves of their own.
     pub by_direction: bool,
@@ -31,13 +31,17 @@ impl Default for Settings {
     }
 }
 
-/// How six component errors follow from the points of a step.
+/// How six component errors follow from the lengths or points of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
-    /// All equations, weighted with the covariance of the points.
+    /// The lengths of all steps in one adjustment with rigid stages: the pose of each step is an unknown
+    /// of it. Measured points are identified as with [`Method::Nine`].
     #[default]
+    Joint,
+    /// Points first, each free of the others; then all nine equations (three for each target), weighted with
+    /// the covariance of the points. The paper's path.
     Nine,
-    /// Six of nine equations without weights; [`SixRows::PAPER`] is the paper's choice.
+    /// Points first, then six of nine equations without weights; [`SixRows::PAPER`] is the paper's choice.
     Six(SixRows),
 }
 

@@ -1,18 +1,16 @@
 //! The quantities of each axis on which location errors and stations depend.
 //!
-//! Each axis contributes its location parameters, the home positions of its targets, and its
+//! Each axis contributes its location parameters, the places of its bodies on the stage, and its
 //! component errors where it stands while others are measured: linear functions of its parameters
 //! and mean pose errors ([`crate::axis_noise`]). The stations are shared sources themselves.
 
-use nalgebra::{DMatrix, Matrix6xX};
+use nalgebra::DMatrix;
 
 use crate::axis_data::AxisData;
 use crate::axis_noise::{AxisForm, AxisNoise, PosePart};
 use crate::gauge::PER_RUN;
 use crate::identify_axes::Identified;
-use crate::records::{Context, around};
-use crate::state::ModelErrors;
-use crate::twist::cross_matrix;
+use crate::pose_errors::Context;
 
 /// All quantities and their places.
 pub(crate) struct Sources {
@@ -20,8 +18,9 @@ pub(crate) struct Sources {
     pub(crate) count: usize,
     /// First location parameter of each axis.
     pub(crate) location: Vec<usize>,
-    /// For each axis, run and target the first of three coordinates.
-    pub(crate) targets: Vec<Vec<Vec<usize>>>,
+    /// For each axis and run the first of the six of the body's twist on the stage: translation of the
+    /// axis' reference point (mm), then rotation (rad), seen from the base.
+    pub(crate) placements: Vec<Vec<usize>>,
     /// Where other axes stand.
     held: Vec<Held>,
     /// First unknown of the first station (x y z L each), and the number of stations.
@@ -33,7 +32,7 @@ pub(crate) struct Sources {
 
 /// The quantities of one axis.
 pub(crate) struct OwnSources {
-    /// Their places among all: location parameters, targets, held component errors.
+    /// Their places among all: location parameters, placements, held component errors.
     pub(crate) places: Vec<usize>,
     /// How they follow from the axis' parameters and mean pose errors.
     pub(crate) form: AxisForm,
@@ -67,7 +66,7 @@ impl Sources {
     ) -> Self {
         let mut sources = Self::layout(context, data, identified, stations);
         sources.axes = (0..data.len())
-            .map(|k| sources.own(context, data, identified, k))
+            .map(|k| sources.own(data, identified, k))
             .collect();
         sources
     }
@@ -108,33 +107,25 @@ impl Sources {
             .iter()
             .map(|s| take(s.location_parameters))
             .collect();
-        let targets = data
+        let placements = data
             .iter()
-            .map(|axis| {
-                axis.runs
-                    .iter()
-                    .map(|run| run.targets.iter().map(|_| take(3)).collect())
-                    .collect()
-            })
+            .map(|axis| axis.runs.iter().map(|_| take(PER_RUN)).collect())
             .collect();
         let mut held: Vec<Held> = Vec::new();
         for axis in data {
             for run in &axis.runs {
-                let positions = context.positions_of(&axis.records[run.first_record]);
-                for &target in &run.targets {
-                    let carrier = context.campaign.targets[target].carrier;
-                    for &other in context.machine.chain(carrier) {
-                        let Some(k) = data.iter().position(|d| d.axis == other) else {
-                            continue;
-                        };
-                        let position = positions[other];
-                        if other != axis.axis && find(&held, k, position).is_none() {
-                            held.push(Held {
-                                data: k,
-                                position,
-                                first: take(6),
-                            });
-                        }
+                let (outer, inner) = run.around(context.machine, axis.axis);
+                for &other in outer.iter().chain(inner) {
+                    let Some(k) = data.iter().position(|d| d.axis == other) else {
+                        continue;
+                    };
+                    let position = run.positions[other];
+                    if find(&held, k, position).is_none() {
+                        held.push(Held {
+                            data: k,
+                            position,
+                            first: take(6),
+                        });
                     }
                 }
             }
@@ -144,7 +135,7 @@ impl Sources {
         Self {
             count: next,
             location,
-            targets,
+            placements,
             held,
             stations,
             station_count,
@@ -159,7 +150,6 @@ impl Sources {
 
     fn own(
         &self,
-        context: &Context<'_>,
         data: &[AxisData],
         identified: &Identified,
         k: usize,
@@ -167,8 +157,8 @@ impl Sources {
         let (axis, sensitivity) = (&data[k], &identified.sensitivities[k]);
         let first = self.location[k];
         let mut places: Vec<usize> = (first..first + sensitivity.location_parameters).collect();
-        let targets = self.targets[k].iter().flatten();
-        places.extend(targets.flat_map(|&first| first..first + 3));
+        let placements = self.placements[k].iter();
+        places.extend(placements.flat_map(|&first| first..first + PER_RUN));
         let held: Vec<Held> = self.held.iter().copied().filter(|h| h.data == k).collect();
         let mut poses = Vec::new();
         for place in &held {
@@ -181,7 +171,17 @@ impl Sources {
             }
             places.extend(place.first..place.first + 6);
         }
-        let parameters = from_parameters(context, data, identified, k, &held, places.len());
+        // Location parameters and placements are the axis' parameters themselves.
+        let gauge = &identified.gauges[k];
+        let mut parameters = DMatrix::zeros(places.len(), gauge.parameters());
+        parameters.fill_diagonal(1.0);
+        for (i, place) in held.iter().enumerate() {
+            let first = gauge.parameters() + 6 * i;
+            let mut rows = parameters.rows_mut(first, 6);
+            for (node, weight) in axis.weights_at(place.position) {
+                rows -= &gauge.node_effects[node] * weight;
+            }
+        }
         OwnSources {
             places,
             form: AxisForm { parameters, poses },
@@ -192,55 +192,4 @@ impl Sources {
 fn find(held: &[Held], data: usize, position: f64) -> Option<usize> {
     let same = |h: &&Held| h.data == data && h.position.total_cmp(&position).is_eq();
     held.iter().find(same).map(|h| h.first)
-}
-
-/// How the axis' rows follow from its gauge parameters.
-fn from_parameters(
-    context: &Context<'_>,
-    data: &[AxisData],
-    identified: &Identified,
-    k: usize,
-    held: &[Held],
-    rows: usize,
-) -> DMatrix<f64> {
-    let (axis, sensitivity) = (&data[k], &identified.sensitivities[k]);
-    let values = &identified.state.axes[k];
-    let errors = ModelErrors {
-        data,
-        state: &identified.state,
-    };
-    let geometry = &context.machine.axes()[axis.axis];
-    let reference = geometry.reference_at_home_mm(&values.location);
-    let mut map = DMatrix::zeros(rows, sensitivity.width());
-    for i in 0..sensitivity.location_parameters {
-        map[(i, i)] = 1.0;
-    }
-    let mut next = sensitivity.location_parameters;
-    for (r, run) in axis.runs.iter().enumerate() {
-        let first = sensitivity.location_parameters + PER_RUN * r;
-        for (place, &target) in run.targets.iter().enumerate() {
-            // C⁻¹ (g_δ + g_ε × (C r - o) + w)
-            let carrier = context.campaign.targets[target].carrier;
-            let (_, inner) = around(context.machine, carrier, axis.axis);
-            let positions = context.positions_of(&axis.records[run.first_record]);
-            let inside = context.machine.chain_motion(&errors, inner, positions);
-            let back = inside.rotation.inverse().to_rotation_matrix().into_inner();
-            let lever = inside * values.targets_mm[r][place] - reference;
-            map.fixed_view_mut::<3, 3>(next, first).copy_from(&back);
-            map.fixed_view_mut::<3, 3>(next, first + 3)
-                .copy_from(&(-back * cross_matrix(lever)));
-            map.fixed_view_mut::<3, 3>(next, sensitivity.shapes[r][place])
-                .copy_from(&back);
-            next += 3;
-        }
-    }
-    for place in held {
-        let mut effect = Matrix6xX::zeros(sensitivity.width());
-        for (node, weight) in axis.weights_at(place.position) {
-            effect += &sensitivity.node_effects[node] * weight;
-        }
-        map.rows_mut(next, 6).copy_from(&(-effect));
-        next += 6;
-    }
-    map
 }

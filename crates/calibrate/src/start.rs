@@ -9,12 +9,11 @@ use trueaxis_fitting::{NominalAxis, axis_location, fit_common_axis, fit_line, sq
 use trueaxis_kinematics::{Axis, AxisKind, Ideal, LocationError, MotionError};
 
 use crate::axis_data::{AxisData, RunData};
-use crate::records::{Context, around};
+use crate::pose_errors::Context;
 use crate::state::{AxisState, State};
 
 /// The nominal machine with average directions and axes.
 pub(crate) fn average_lines_and_axes(context: &Context<'_>, data: &[AxisData]) -> State {
-    let nominal = |&target: &usize| context.campaign.targets[target].home_mm;
     let axes = data
         .iter()
         .map(|axis| AxisState {
@@ -24,11 +23,7 @@ pub(crate) fn average_lines_and_axes(context: &Context<'_>, data: &[AxisData]) -
                 .and_then(|run| location(context, axis, run))
                 .unwrap_or_default(),
             curve: vec![MotionError::default(); axis.nodes.len()],
-            targets_mm: axis
-                .runs
-                .iter()
-                .map(|run| run.targets.iter().map(nominal).collect())
-                .collect(),
+            placements: vec![Isometry3::identity(); axis.runs.len()],
         })
         .collect();
     State {
@@ -88,13 +83,12 @@ fn traces(context: &Context<'_>, data: &AxisData, run: &RunData) -> Vec<Vec<Poin
         .collect();
     records.sort_by_key(|record| record.node);
     let mut traces = vec![Vec::new(); run.targets.len()];
+    let (outer, _) = run.around(context.machine, data.axis);
+    let base = context.machine.chain_motion(&Ideal, outer, &run.positions);
     for record in records {
-        let positions = context.positions_of(record);
-        for ((target, point), trace) in context.points_of(record).zip(&mut traces) {
-            let carrier = context.campaign.targets[target].carrier;
-            let (outer, _) = around(context.machine, carrier, data.axis);
-            let base = context.machine.chain_motion(&Ideal, outer, positions);
-            trace.push(base.inverse() * point);
+        let shape_mm = &context.poses.bodies[run.body].home_mm;
+        for (home, trace) in shape_mm.iter().zip(&mut traces) {
+            trace.push(base.inverse() * (context.measured[record.pose] * home));
         }
     }
     traces

@@ -1,14 +1,15 @@
 //! The machine model while it is identified.
 
 use nalgebra::{Isometry3, Point3, Vector3};
-use trueaxis_kinematics::{GeometricErrors, LocationError, MotionError};
+use trueaxis_kinematics::{GeometricErrors, LocationError, Machine, MotionError};
 
 use crate::axis_data::AxisData;
+use crate::poses::TargetBody;
 
-/// The current values of everything that the points determine.
+/// The current values of everything that the poses determine.
 #[derive(Debug, Clone)]
 pub(crate) struct State {
-    /// Brings measured points into the reference frame.
+    /// Brings measured poses into the reference frame.
     pub(crate) ref_from_datum: Isometry3<f64>,
     /// In the order of the axis data.
     pub(crate) axes: Vec<AxisState>,
@@ -20,9 +21,8 @@ pub(crate) struct AxisState {
     pub(crate) location: LocationError,
     /// Component errors at each node.
     pub(crate) curve: Vec<MotionError>,
-    /// For each run the targets at home in the reference frame, in the order of
-    /// [`crate::axis_data::RunData::targets`].
-    pub(crate) targets_mm: Vec<Vec<Point3<f64>>>,
+    /// For each run where its body is at home: reference frame from the body's own coordinates.
+    pub(crate) placements: Vec<Isometry3<f64>>,
 }
 
 /// The errors of the whole machine: what is identified so far, nothing for other axes.
@@ -30,6 +30,26 @@ pub(crate) struct AxisState {
 pub(crate) struct ModelErrors<'a> {
     pub(crate) data: &'a [AxisData],
     pub(crate) state: &'a State,
+}
+
+impl ModelErrors<'_> {
+    /// The targets of run `r` of axis `data[k]` at home in the reference frame, mm.
+    pub(crate) fn targets_mm(
+        &self,
+        machine: &Machine,
+        bodies: &[TargetBody],
+        (k, r): (usize, usize),
+    ) -> Vec<Point3<f64>> {
+        let (run, axis) = (&self.data[k].runs[r], self.data[k].axis);
+        let (_, inner) = run.around(machine, axis);
+        let on_stage = machine.chain_motion(self, inner, &run.positions)
+            * self.state.axes[k].placements[r];
+        let home = |(place, p): (usize, &Point3<f64>)| {
+            let inner = run.inside(machine, axis, place);
+            machine.chain_motion(self, inner, &run.positions).inverse() * (on_stage * p)
+        };
+        bodies[run.body].home_mm.iter().enumerate().map(home).collect()
+    }
 }
 
 impl GeometricErrors for ModelErrors<'_> {

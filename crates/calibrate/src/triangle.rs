@@ -5,7 +5,8 @@ use trueaxis_identify::triangle_mismatch;
 
 use crate::axis_data::AxisData;
 use crate::calibration::TriangleSide;
-use crate::records::Context;
+use crate::points::MeasuredPoints;
+use crate::pose_errors::Context;
 
 /// A measured distance between targets that differs less from nominal needs no word, mm.
 const TRIANGLE_TOL_MM: f64 = 0.01;
@@ -19,9 +20,11 @@ pub(crate) fn triangle(
     context: &Context<'_>,
     data: &[AxisData],
     mean_mm: &[Option<Point3<f64>>],
+    points: Option<&MeasuredPoints>,
 ) -> Vec<TriangleSide> {
     let targets = &context.campaign.targets;
     let mut found: Vec<TriangleSide> = Vec::new();
+    let variance_mm2 = points.map_or(0.0, |points| points.noise.largest_variance_mm2());
     for axis in data {
         for run in &axis.runs {
             let seen: Vec<(usize, Point3<f64>)> = run
@@ -34,13 +37,7 @@ pub(crate) fn triangle(
             let Ok(sides) = triangle_mismatch(&nominal, &measured) else {
                 continue;
             };
-            let group = axis.records[run.first_record].group;
-            let noise = context
-                .measured
-                .noise
-                .total(group, context.measured.groups[group].points.len());
-            let variance_mm2 = noise.diagonal().max() * 2.0;
-            let limit_mm = TRIANGLE_TOL_MM.max(TRIANGLE_TOL_SIGMAS * variance_mm2.sqrt());
+            let limit_mm = TRIANGLE_TOL_MM.max(TRIANGLE_TOL_SIGMAS * (2.0 * variance_mm2).sqrt());
             for side in sides {
                 let names = [side.first, side.second].map(|i| targets[seen[i].0].name.clone());
                 let known = found.iter().any(|other| other.targets == names);

@@ -1,6 +1,6 @@
 //! Standard uncertainties of all results, with their budget and degrees of freedom.
 //!
-//! Every result is a linear function of the points' errors, propagated twice: for the whole noise
+//! Every result is a linear function of the poses' errors, propagated twice: for the whole noise
 //! and for the instrument's own part of it. Each variance has a part with the stations known and
 //! one that comes through them.
 //!
@@ -14,17 +14,23 @@ use crate::axis_noise::{AxisForm, AxisNoise};
 use crate::budget::Budget;
 use crate::frame_forms::FrameForms;
 use crate::identify_axes::Identified;
-use crate::node_variances::ThroughBase;
-use crate::point_noise::PointNoise;
-use crate::records::Context;
+use crate::axis_noise::ThroughBase;
+use crate::pose_errors::Context;
+use crate::poses::{PoseNoise, Poses};
 use crate::sources::{SourceNoise, Sources};
 use crate::variance::Variance;
 
-/// How the results depend on the points, and the points' errors.
-pub(crate) struct Propagation<'a> {
+/// How the results depend on the poses.
+pub(crate) struct Dependence<'a> {
+    pub(crate) data: &'a [AxisData],
     pub(crate) identified: &'a Identified,
     pub(crate) sources: Sources,
     pub(crate) forms: FrameForms,
+}
+
+/// How the results depend on the poses, and the poses' errors.
+pub(crate) struct Propagation<'a> {
+    pub(crate) dependence: &'a Dependence<'a>,
     pub(crate) whole: Noise<'a>,
     /// The instrument's own part of it.
     instrument: Noise<'a>,
@@ -34,10 +40,11 @@ pub(crate) struct Propagation<'a> {
 
 /// The errors of what the results follow from, for one origin of noise.
 pub(crate) struct Noise<'a> {
+    dependence: &'a Dependence<'a>,
     pub(crate) axes: Vec<AxisNoise<'a>>,
     pub(crate) sources: SourceNoise,
     /// `Σ`.
-    pub(crate) shared: DMatrix<f64>,
+    noise: &'a PoseNoise,
 }
 
 /// A standard uncertainty.
@@ -50,33 +57,36 @@ pub(crate) struct Uncertainty {
     pub(crate) budget: Budget,
 }
 
-impl<'a> Propagation<'a> {
-    /// `instrument` is the instrument's own part of the noise of the points.
+impl<'a> Dependence<'a> {
     pub(crate) fn new(
-        context: &Context<'a>,
+        context: &'a Context<'a>,
         data: &'a [AxisData],
         identified: &'a Identified,
-        instrument: &'a PointNoise<'a>,
         stations_in_ref: &[Point3<f64>],
     ) -> Self {
         let sources = Sources::new(context, data, identified, stations_in_ref.len());
-        let measured = context.measured;
         Self {
+            data,
             identified,
             forms: FrameForms::new(context, data, identified, &sources, stations_in_ref),
-            whole: Noise::new(&measured.noise, data, identified, &sources),
-            instrument: Noise::new(instrument, data, identified, &sources),
             sources,
-            relative_covariance: measured.relative_covariance,
+        }
+    }
+}
+
+impl<'a> Propagation<'a> {
+    pub(crate) fn new(dependence: &'a Dependence<'a>, poses: &'a Poses) -> Self {
+        Self {
+            dependence,
+            whole: Noise::new(dependence, &poses.noise),
+            instrument: Noise::new(dependence, &poses.instrument),
+            relative_covariance: poses.relative_covariance,
         }
     }
 
     /// Of the component errors of axis `k`: for each node δ and ε.
     pub(crate) fn components(&self, k: usize) -> Vec<[Uncertainty; 6]> {
-        let of_noise = |noise: &Noise<'_>| {
-            noise.axes[k].node_variances(&noise.shared, |node| noise.through_base(self, k, node))
-        };
-        let variances = [of_noise(&self.whole), of_noise(&self.instrument)];
+        let variances = [&self.whole, &self.instrument].map(|noise| noise.components(k));
         let of_node = |(whole, instrument): (&[Variance; 6], &[Variance; 6])| {
             std::array::from_fn(|c| self.stated(&whole[c], &instrument[c]))
         };
@@ -89,12 +99,12 @@ impl<'a> Propagation<'a> {
 
     /// Of the location errors of axis `k`: shift and tilt.
     pub(crate) fn location(&self, k: usize) -> [Uncertainty; 6] {
-        self.of_sources(&self.forms.locations[k])
+        self.of_sources(&self.dependence.forms.locations[k])
     }
 
     /// Of a station: x y z and dead path.
     pub(crate) fn station(&self, j: usize) -> [Uncertainty; 4] {
-        self.of_sources(&self.forms.stations[j])
+        self.of_sources(&self.dependence.forms.stations[j])
     }
 
     fn of_sources<const N: usize>(&self, rows: &DMatrix<f64>) -> [Uncertainty; N] {
@@ -122,43 +132,48 @@ impl<'a> Propagation<'a> {
 }
 
 impl<'a> Noise<'a> {
-    fn new(
-        noise: &'a PointNoise<'a>,
-        data: &'a [AxisData],
-        identified: &'a Identified,
-        sources: &Sources,
-    ) -> Self {
-        let shared = noise.shared();
-        let axes: Vec<AxisNoise> = data
+    pub(crate) fn new(dependence: &'a Dependence<'a>, noise: &'a PoseNoise) -> Self {
+        let identified = dependence.identified;
+        let maps = identified.gauges.iter().zip(&identified.sensitivities);
+        let axes: Vec<AxisNoise> = dependence
+            .data
             .iter()
-            .zip(&identified.fits)
-            .zip(&identified.sensitivities)
-            .map(|((axis, fits), sensitivity)| {
-                AxisNoise::new(noise, shared.nrows(), axis, fits, sensitivity)
-            })
+            .zip(maps)
+            .map(|(axis, (gauge, sensitivity))| AxisNoise::new(noise, axis, gauge, sensitivity))
             .collect();
         Self {
-            sources: sources.noise(&axes, shared.nrows()),
+            dependence,
+            sources: dependence.sources.noise(&axes, noise.width()),
             axes,
-            shared,
+            noise,
         }
     }
 
+    /// `Σ`.
+    pub(crate) fn shared(&self) -> &DMatrix<f64> {
+        &self.noise.shared
+    }
+
+    /// Variances of the component errors of axis `k`, for each node.
+    pub(crate) fn components(&self, k: usize) -> Vec<[Variance; 6]> {
+        self.axes[k].node_variances(|node| self.through_base(k, node))
+    }
+
     /// What the component errors of a node of axis `k` owe to all sources through its base, if that moves.
-    fn through_base(
-        &self,
-        propagation: &Propagation<'_>,
-        k: usize,
-        node: usize,
-    ) -> Option<ThroughBase> {
+    fn through_base(&self, k: usize, node: usize) -> Option<ThroughBase> {
+        let Dependence {
+            identified,
+            sources,
+            forms,
+            ..
+        } = self.dependence;
         // Most axes have one run, during which their base stands still.
-        if !propagation.forms.has_moving_base(k) {
+        if !forms.has_moving_base(k) {
             return None;
         }
-        let sensitivity = &propagation.identified.sensitivities[k];
-        let form = AxisForm::component_errors(sensitivity, node..node + 1);
-        let rows = propagation.forms.through_base(k, &form)?;
-        let own_sources = &propagation.sources.axes[k];
+        let form = AxisForm::component_errors(&identified.gauges[k], node..node + 1);
+        let rows = forms.through_base(k, &form)?;
+        let own_sources = &sources.axes[k];
         let of_own_sources = rows.select_columns(&own_sources.places);
         let cross = self.axes[k].own(&form, &own_sources.form) * of_own_sources.transpose();
         let own = &cross + cross.transpose() + &rows * &self.sources.own * rows.transpose();
@@ -178,15 +193,17 @@ impl<'a> Noise<'a> {
             .map(|row| row.iter().zip(&variances).map(|(f, v)| f * f * v).sum())
             .collect();
         let coefficients = rows * &self.sources.shared;
-        let times_shared = &coefficients * &self.shared;
-        let through = |i: usize| times_shared.row(i).dot(&coefficients.row(i));
         uncancelled
             .iter()
             .enumerate()
-            .map(|(i, &uncancelled)| Variance {
-                own: own[(i, i)],
-                through: through(i),
-                uncancelled,
+            .map(|(i, &uncancelled)| {
+                let coefficients = coefficients.row(i).into_owned();
+                let [through, of_shapes] = self.noise.through_sources(coefficients);
+                Variance {
+                    own: own[(i, i)] + of_shapes,
+                    through,
+                    uncancelled,
+                }
             })
             .collect()
     }

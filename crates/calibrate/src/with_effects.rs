@@ -9,8 +9,8 @@
 //! cov(x) = cov(x; θ known) + J C Jᵀ        J = ∂x/∂θ
 //! ```
 //!
-//! For the adjustment with rigid stages, in which a diagnosis estimates θ, this is exact to first
-//! order; the nine equations weight the points almost as it does, so that it holds closely for them.
+//! For the joint adjustment, in which a diagnosis estimates θ, this is exact to first order; the nine
+//! equations weight the points almost as it does, so that it holds closely for them.
 //! `J C Jᵀ` is summed over the columns of a square root of `C`: each moves θ by one standard deviation, and
 //! what that does to the lengths goes through the whole calibration ([`crate::Replay::respond`]).
 //! Shapes (instants, time constants) are taken as known.
@@ -42,7 +42,7 @@ pub fn calibrate_with_effects(
     let Some(lengths) = &campaign.lengths else {
         return Err(Error::EffectsWithoutLengths);
     };
-    let adjusted = AdjustedLengths::new(campaign, lengths)?;
+    let adjusted = AdjustedGeometry::new(campaign, lengths)?;
     let effects_mm = adjusted.effects_mm(&effects.effects);
     let mut corrected = lengths.clone();
     for (reading, effect_mm) in corrected.readings.iter_mut().zip(&effects_mm) {
@@ -66,14 +66,14 @@ pub fn calibrate_with_effects(
 }
 
 /// The lengths as they are, adjusted: where everything is, to a millionth.
-struct AdjustedLengths<'a> {
+struct AdjustedGeometry<'a> {
     campaign: &'a Campaign,
     network: Network,
     solution: Solution,
     circumstances: Vec<LengthCircumstances>,
 }
 
-impl<'a> AdjustedLengths<'a> {
+impl<'a> AdjustedGeometry<'a> {
     fn new(campaign: &'a Campaign, lengths: &Lengths) -> Result<Self, Error> {
         let CampaignNetwork { network, groups } = network_from_campaign(campaign, lengths, false);
         let solution = solve(&network, &trueaxis_multilateration::Settings::default())

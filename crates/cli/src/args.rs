@@ -87,8 +87,8 @@ pub(crate) struct CalibrateArgs {
 /// How a campaign is calibrated.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ModelArgs {
-    /// How component errors follow from the points of a step.
-    #[arg(long, value_enum, default_value_t = MethodArg::Nine)]
+    /// How component errors follow from the measurement.
+    #[arg(long, value_enum, default_value_t = MethodArg::Joint)]
     pub(crate) method: MethodArg,
 
     /// Give each side of approach a curve of its own.
@@ -195,6 +195,7 @@ impl ModelArgs {
     pub(crate) fn settings(&self) -> Settings {
         Settings {
             method: match self.method {
+                MethodArg::Joint => Method::Joint,
                 MethodArg::Nine => Method::Nine,
                 MethodArg::Six => Method::Six(SixRows::PAPER),
             },
@@ -208,9 +209,11 @@ impl ModelArgs {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub(crate) enum MethodArg {
-    /// All nine equations, weighted.
+    /// All lengths in one adjustment with rigid stages.
+    Joint,
+    /// Free points first, then all nine equations of each step, weighted.
     Nine,
-    /// The paper's six equations.
+    /// Free points first, then six equations of each step (the paper's closed path).
     Six,
 }
 

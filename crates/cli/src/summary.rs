@@ -36,9 +36,10 @@ pub(crate) fn lines(
         lines.extend(with_paper_signs(campaign, calibration));
     }
     lines.extend(component_errors(calibration));
-    if calibration.method != Method::Nine {
+    if matches!(calibration.method, Method::Six(_)) {
         lines.extend(noise_gains(calibration));
     }
+    lines.extend(method_losses(calibration));
     lines.extend(misfits(calibration));
     lines
 }
@@ -294,13 +295,38 @@ fn noise_gains(calibration: &Calibration) -> Vec<String> {
             .to_owned(),
     ];
     for axis in &calibration.axes {
-        let mut line = format!("  {:<22}", axis.name);
-        for (used, nine) in axis.noise_gain.iter().zip(&axis.noise_gain_nine) {
-            line.push_str(&format!("{:>8.2}", used / nine));
-        }
-        lines.push(line);
+        let ratios = axis.noise_gain.map(|[used, nine]| ratios(&used, &nine));
+        lines.extend(ratios.map(|ratios| table_row(&axis.name, &ratios)));
     }
     lines
+}
+
+/// What nine and six equations would lose against the joint adjustment.
+fn method_losses(calibration: &Calibration) -> Vec<String> {
+    let mut lines = Vec::new();
+    for axis in &calibration.axes {
+        let Some(loss) = &axis.u_ratio else { continue };
+        lines.push(table_row(&format!("{} by nine equations", axis.name), &loss.nine));
+        let six = loss.six.iter();
+        lines.extend(six.map(|six| table_row(&format!("{} by six equations", axis.name), six)));
+    }
+    if !lines.is_empty() {
+        let title = "u by other methods from the same lengths, relative to the joint adjustment";
+        lines.splice(0..0, [String::new(), title.to_owned()]);
+    }
+    lines
+}
+
+fn ratios(a: &[f64; 6], b: &[f64; 6]) -> [f64; 6] {
+    std::array::from_fn(|c| a[c] / b[c])
+}
+
+fn table_row(name: &str, values: &[f64; 6]) -> String {
+    let mut line = format!("  {name:<22}");
+    for value in values {
+        line.push_str(&format!("{value:>8.2}"));
+    }
+    line
 }
 
 fn misfits(calibration: &Calibration) -> Vec<String> {
