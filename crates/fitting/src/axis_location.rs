@@ -7,7 +7,7 @@
 //!
 //! for the measured axis through `q` along `n` and the nominal one through `c` along `n0`.
 
-use nalgebra::{Matrix3, Matrix6, Point3, Unit, Vector3};
+use nalgebra::{Matrix3, Point3, Unit, Vector3};
 use trueaxis_kinematics::LocationError;
 
 use crate::{Error, Line, squareness};
@@ -51,33 +51,6 @@ pub fn axis_location(nominal: &NominalAxis, measured: &Line) -> Result<LocationE
     })
 }
 
-/// Covariance of [`axis_location`], in the order X0 Y0 Z0 (mm) A0 B0 C0 (rad), when each coordinate
-/// of each point has the independent standard deviation `sigma_mm`; first order in the tilt.
-///
-/// Without `sigma_mm` it is estimated from the residuals; `None` if there is none to estimate it
-/// from.
-pub fn axis_location_covariance(
-    nominal: &NominalAxis,
-    measured: &Line,
-    sigma_mm: Option<f64>,
-) -> Option<Matrix6<f64>> {
-    let slide = slide_along(nominal, measured);
-    let height_mm = (measured.point_mm - nominal.point_mm).dot(&nominal.direction);
-    let mut location_from_line = Matrix6::zeros();
-    let mut set = |row, column, block: Matrix3<f64>| {
-        location_from_line
-            .fixed_view_mut::<3, 3>(row, column)
-            .copy_from(&block);
-    };
-    // A point of the line one height above the plane: a tilt carries the intersection back by it.
-    let reach_mm = height_mm / nominal.direction.dot(&measured.direction);
-    set(0, 0, slide);
-    set(0, 3, slide * -reach_mm);
-    set(3, 3, nominal.direction.cross_matrix());
-    let covariance = measured.covariance(sigma_mm)?;
-    Some(location_from_line * covariance * location_from_line.transpose())
-}
-
 /// Projection along the measured line onto the plane across the nominal axis.
 fn slide_along(nominal: &NominalAxis, measured: &Line) -> Matrix3<f64> {
     let (n0, n) = (&nominal.direction, &measured.direction);
@@ -87,6 +60,7 @@ fn slide_along(nominal: &NominalAxis, measured: &Line) -> Matrix3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Matrix6;
     use crate::Scatter;
     use trueaxis_kinematics::Axis;
 
@@ -124,38 +98,6 @@ mod tests {
                 "a line has no axial position"
             );
         }
-    }
-
-    /// The covariance is J C Jᵀ: its J against differences of the function itself.
-    #[test]
-    fn covariance_agrees_with_differences() {
-        let nominal = NominalAxis {
-            point_mm: Point3::new(5.0, 6.0, 7.0),
-            direction: Vector3::z_axis(),
-        };
-        let place = |change: &nalgebra::Vector6<f64>| {
-            let point = Point3::new(5.1, 5.9, 90.0) + change.fixed_rows::<3>(0);
-            // The tilt is second order in the covariance: a line along the nominal direction.
-            let direction = Vector3::z() + change.fixed_rows::<3>(3);
-            let found = axis_location(&nominal, &line(point, Unit::new_normalize(direction)));
-            let LocationError {
-                offset_mm,
-                tilt_rad,
-            } = found.unwrap();
-            nalgebra::Vector6::from_iterator(offset_mm.iter().chain(&tilt_rad).copied())
-        };
-        let step = 1e-4;
-        let columns: Vec<_> = (0..6)
-            .map(|k| nalgebra::Vector6::ith(k, step))
-            .map(|h| (place(&h) - place(&-h)) / (2.0 * step))
-            .collect();
-        // The line of the test has unit cofactor in all six, so the covariance is J Jᵀ; but a
-        // direction does not change along itself.
-        let jacobian = Matrix6::from_columns(&columns);
-        let measured = line(Point3::new(5.1, 5.9, 90.0), Vector3::z_axis());
-        let found = axis_location_covariance(&nominal, &measured, Some(1.0)).unwrap();
-        let expected = jacobian * jacobian.transpose();
-        assert!((found - expected).norm() < 1e-6 * expected.norm());
     }
 
     #[test]

@@ -1,11 +1,10 @@
 //! The average circle in space, by NIST's two steps or by orthogonal distance.
 
 use nalgebra::{Point3, SMatrix, Unit, Vector3};
+use trueaxis_leastsquares::dense::Termination;
 
+use crate::circles::Circles;
 use crate::cloud::Cloud;
-use crate::coaxial::{AXIS_UNKNOWNS, Coaxial, in_plane};
-use crate::gauss_newton::{Convergence, Minimum, cofactor, minimise};
-use crate::planar_circle::PlanarCircle;
 use crate::principal_axes::principal_axes;
 use crate::{Error, Scatter};
 
@@ -25,8 +24,8 @@ pub struct Circle {
     pub cofactor: SMatrix<f64, 7, 7>,
     /// Residuals of the fit, out of the plane and in it.
     pub scatter: Scatter,
-    /// How the iteration ended; for the two-step circle that of the second step.
-    pub convergence: Convergence,
+    /// How the iteration ended. A result that is not converged is returned, not hidden.
+    pub termination: Termination,
 }
 
 impl Circle {
@@ -51,31 +50,34 @@ impl Circle {
 /// [`Error::TooFewPoints`] below three, [`Error::NotFinite`], [`Error::Coincident`],
 /// [`Error::Collinear`], [`Error::Undetermined`] for an arc without a bend, whose radius runs away.
 /// An arc whose bend is no more than its noise may also end unconverged: see
-/// [`Circle::convergence`].
+/// [`Circle::termination`].
 pub fn fit_circle_two_step(points: &[Point3<f64>]) -> Result<Circle, Error> {
-    let cloud = circle_cloud(points)?;
-    let (circle, convergence) = two_steps(&cloud)?;
-    let (squares, cofactor) = cofactor(&circle)?;
-    Ok(to_circle(
-        &cloud,
-        &Minimum {
-            model: circle,
-            squares,
-            cofactor,
-            convergence,
-        },
-    ))
+    let mut cloud = circle_cloud(points)?;
+    let axes = principal_axes(&cloud.pooled());
+    axes.check_planar(&cloud)?;
+    let normal = axes.directions.column(2).into_owned();
+    let mut out_of_plane = 0.0;
+    for p in cloud.groups.iter_mut().flatten() {
+        let height = normal.dot(p);
+        out_of_plane += height * height;
+        *p -= normal * height;
+    }
+    // Of points in a plane, the nearest circle in space lies in it.
+    let mut circle = Circles::fit(&cloud, axes.directions)?;
+    circle.squares += out_of_plane;
+    Ok(to_circle(&cloud, &circle))
 }
 
 /// The circle with the least sum of squared orthogonal distances in space: `Σ h² + (ρ - R)²`
 /// with `h` the distance from its plane and `ρ` the distance from its axis.
 ///
 /// # Errors
-/// As [`fit_circle_two_step`], from which it starts.
+/// As [`fit_circle_two_step`].
 pub fn fit_circle(points: &[Point3<f64>]) -> Result<Circle, Error> {
     let cloud = circle_cloud(points)?;
-    let (start, _) = two_steps(&cloud)?;
-    Ok(to_circle(&cloud, &minimise(start)?))
+    let axes = principal_axes(&cloud.pooled());
+    axes.check_planar(&cloud)?;
+    Ok(to_circle(&cloud, &Circles::fit(&cloud, axes.directions)?))
 }
 
 fn circle_cloud(points: &[Point3<f64>]) -> Result<Cloud, Error> {
@@ -89,50 +91,21 @@ fn circle_cloud(points: &[Point3<f64>]) -> Result<Cloud, Error> {
     Cloud::new(&[points])
 }
 
-/// Plane, then circle in the plane.
-fn two_steps(cloud: &Cloud) -> Result<(Coaxial<'_>, Convergence), Error> {
-    let centred = cloud.pooled();
-    let axes = principal_axes(&centred);
-    axes.check_planar(cloud)?;
-    let planar = in_plane(&centred, &axes.directions);
-    let circle = PlanarCircle::fit(&planar)?;
-    Ok((
-        Coaxial::about(cloud, axes.directions, circle.model.centre),
-        circle.convergence,
-    ))
-}
-
-/// In mm, with the covariance turned from shifts and tilts across the axis into coordinates.
-fn to_circle(cloud: &Cloud, minimum: &Minimum<Coaxial<'_>>) -> Circle {
-    let circle = &minimum.model;
+/// In mm: covariances of lengths then are of mm², those of angles of rad².
+fn to_circle(cloud: &Cloud, fitted: &Circles) -> Circle {
     let unit_mm = cloud.unit_mm;
-    let (height, radius) = circle.circles[0];
-    let mut from_unknowns = SMatrix::<f64, 7, 6>::zeros();
-    for k in 0..2 {
-        let across = circle.frame.column(k);
-        // The axis tilts about `q`, one height below the centre.
-        from_unknowns
-            .fixed_view_mut::<3, 1>(0, k)
-            .copy_from(&across);
-        from_unknowns
-            .fixed_view_mut::<3, 1>(0, 2 + k)
-            .copy_from(&(across * height));
-        from_unknowns
-            .fixed_view_mut::<3, 1>(3, 2 + k)
-            .copy_from(&(across / unit_mm));
+    let mut cofactor = fitted.circle_cofactor(0);
+    for i in 3..6 {
+        cofactor.row_mut(i).unscale_mut(unit_mm);
+        cofactor.column_mut(i).unscale_mut(unit_mm);
     }
-    from_unknowns
-        .fixed_view_mut::<3, 1>(0, AXIS_UNKNOWNS)
-        .copy_from(&circle.frame.column(2));
-    from_unknowns[(6, AXIS_UNKNOWNS + 1)] = 1.0;
-    let unknowns = SMatrix::<f64, 6, 6>::from_fn(|i, k| minimum.cofactor[(i, k)]);
-    let points = cloud.len();
+    let squares_mm2 = fitted.squares * unit_mm * unit_mm;
     Circle {
-        center_mm: cloud.to_mm(circle.centre(0)),
-        normal: Unit::new_normalize(circle.frame.column(2).into_owned()),
-        radius_mm: radius * unit_mm,
-        cofactor: from_unknowns * unknowns * from_unknowns.transpose(),
-        scatter: Scatter::new(minimum.squares * unit_mm * unit_mm, points, 6),
-        convergence: minimum.convergence,
+        center_mm: cloud.to_mm(fitted.centre(0)),
+        normal: Unit::new_unchecked(fitted.direction),
+        radius_mm: fitted.circles[0].1 * unit_mm,
+        cofactor,
+        scatter: Scatter::new(squares_mm2, cloud.len(), fitted.unknowns()),
+        termination: fitted.termination.clone(),
     }
 }

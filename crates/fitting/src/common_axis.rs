@@ -1,10 +1,10 @@
 //! One axis of rotation through the circles of several targets.
 
-use nalgebra::{Matrix6, Point3, SMatrix, Unit, Vector3};
+use nalgebra::{Point3, Unit};
+use trueaxis_leastsquares::dense::Termination;
 
+use crate::circles::Circles;
 use crate::cloud::Cloud;
-use crate::coaxial::{AXIS_UNKNOWNS, Coaxial};
-use crate::gauss_newton::{Convergence, Minimum, minimise};
 use crate::principal_axes::principal_axes;
 use crate::{Error, Line, Scatter};
 
@@ -16,8 +16,10 @@ pub struct CommonAxis {
     pub axis: Line,
     /// The circles in the order given.
     pub circles: Vec<AxisCircle>,
-    /// How the iteration ended.
-    pub convergence: Convergence,
+    /// Steps of the iteration.
+    pub iterations: usize,
+    /// How it ended. A result that is not converged is returned, not hidden.
+    pub termination: Termination,
 }
 
 /// The circle of one target about a common axis.
@@ -49,7 +51,7 @@ pub struct AxisCircle {
 /// are less than two more points than circles, [`Error::NotFinite`], [`Error::Coincident`],
 /// [`Error::Collinear`] if all chords are parallel, [`Error::Undetermined`] for arcs without a
 /// bend, whose radii run away. Arcs whose bend is no more than their noise may also end
-/// unconverged: see [`CommonAxis::convergence`].
+/// unconverged: see [`CommonAxis::termination`].
 pub fn fit_common_axis(circles: &[&[Point3<f64>]]) -> Result<CommonAxis, Error> {
     if let Some((circle, points)) = circles.iter().enumerate().find(|(_, c)| c.len() < 2) {
         return Err(Error::TooFewOnCircle {
@@ -73,45 +75,36 @@ pub fn fit_common_axis(circles: &[&[Point3<f64>]]) -> Result<CommonAxis, Error> 
     let cloud = Cloud::new(circles)?;
     let axes = principal_axes(&cloud.pooled());
     axes.check_planar(&cloud)?;
-    let start = Coaxial::along(&cloud, axes.directions);
-    Ok(to_common_axis(&cloud, &minimise(start)?))
+    Ok(to_common_axis(
+        &cloud,
+        &Circles::fit(&cloud, axes.directions)?,
+    ))
 }
 
-/// In mm, with the covariance turned from shifts and tilts across the axis into coordinates.
-fn to_common_axis(cloud: &Cloud, minimum: &Minimum<Coaxial<'_>>) -> CommonAxis {
-    let fitted = &minimum.model;
+/// In mm: covariances of lengths then are of mm², those of angles of rad².
+fn to_common_axis(cloud: &Cloud, fitted: &Circles) -> CommonAxis {
     let unit_mm = cloud.unit_mm;
-    let across = fitted.frame.fixed_columns::<2>(0);
-    let mut from_unknowns = SMatrix::<f64, 6, AXIS_UNKNOWNS>::zeros();
-    from_unknowns
-        .fixed_view_mut::<3, 2>(0, 0)
-        .copy_from(&across);
-    from_unknowns
-        .fixed_view_mut::<3, 2>(3, 2)
-        .copy_from(&(across / unit_mm));
-    let unknowns =
-        SMatrix::<f64, AXIS_UNKNOWNS, AXIS_UNKNOWNS>::from_fn(|i, k| minimum.cofactor[(i, k)]);
-    let cofactor: Matrix6<f64> = from_unknowns * unknowns * from_unknowns.transpose();
-
-    let circle = |(k, &(height, radius)): (usize, &(f64, f64))| {
-        let radius_unknown = AXIS_UNKNOWNS + 2 * k + 1;
-        AxisCircle {
-            center_mm: cloud.to_mm(fitted.centre(k)),
-            height_mm: height * unit_mm,
-            radius_mm: radius * unit_mm,
-            radius_cofactor: minimum.cofactor[(radius_unknown, radius_unknown)],
-        }
+    let mut cofactor = fitted.line_cofactor();
+    for i in 3..6 {
+        cofactor.row_mut(i).unscale_mut(unit_mm);
+        cofactor.column_mut(i).unscale_mut(unit_mm);
+    }
+    let circle = |(k, &(height, radius)): (usize, &(f64, f64))| AxisCircle {
+        center_mm: cloud.to_mm(fitted.centre(k)),
+        height_mm: height * unit_mm,
+        radius_mm: radius * unit_mm,
+        radius_cofactor: fitted.radius_cofactor(k),
     };
-    let unknown_count = AXIS_UNKNOWNS + 2 * fitted.circles.len();
-    let squares_mm2 = minimum.squares * unit_mm * unit_mm;
+    let squares_mm2 = fitted.squares * unit_mm * unit_mm;
     CommonAxis {
         axis: Line {
             point_mm: cloud.to_mm(fitted.point),
-            direction: Unit::new_normalize(Vector3::from(fitted.frame.column(2))),
+            direction: Unit::new_unchecked(fitted.direction),
             cofactor,
-            scatter: Scatter::new(squares_mm2, cloud.len(), unknown_count),
+            scatter: Scatter::new(squares_mm2, cloud.len(), fitted.unknowns()),
         },
         circles: fitted.circles.iter().enumerate().map(circle).collect(),
-        convergence: minimum.convergence,
+        iterations: fitted.iterations,
+        termination: fitted.termination.clone(),
     }
 }

@@ -70,23 +70,18 @@ pub enum Error {
     },
     /// The points leave a combination of the unknowns of a fit free, as those of a very short arc.
     #[error(
-        "the circle is not determined by the points: relative singular value \
-         {singular_value:.1e}, need at least {limit:.1e}"
+        "the circle is not determined by the points: the least singular value of its equations is \
+         {singular_value:.1e} of the largest"
     )]
     Undetermined {
         /// The smallest relative singular value of the design matrix with unit columns.
         singular_value: f64,
-        /// The least value accepted.
-        limit: f64,
     },
     /// Two lines that should span a plane are parallel.
     #[error(
-        "the two {which} directions make an angle of {angle_deg} degrees, need at least \
-         {limit_deg} to span a plane"
+        "the two lines make an angle of {angle_deg} degrees, need at least {limit_deg} to span a plane"
     )]
     Parallel {
-        /// `nominal` or `measured`.
-        which: &'static str,
         /// The angle between the lines, 0 to 90 degrees.
         angle_deg: f64,
         /// The least angle accepted, degrees.

@@ -1,4 +1,4 @@
-//! Tilt of an average line against its nominal direction.
+//! Tilt of an average line against its nominal direction (paper 4.2.2).
 
 use nalgebra::{Unit, Vector3};
 

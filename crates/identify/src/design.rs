@@ -1,6 +1,6 @@
-//! The design matrix of the paper's Eq. 21, as printed and well scaled.
+//! The design matrix of the nine equations, as printed and well scaled.
 
-use nalgebra::{Matrix3, Matrix6x3, MatrixXx6, Vector3};
+use nalgebra::{Dyn, Matrix3, MatrixXx6, OMatrix, U6, Vector3};
 
 use crate::Error;
 
@@ -11,6 +11,10 @@ use crate::Error;
 pub(crate) const GEOMETRY_TOL: f64 = 1e-6;
 
 /// The nine (or 3T) equations: the matrix `[I, M_j]` of the paper's Eq. 21.
+///
+/// Its rows are those of Eq. 8 for each target, which make Eq. 9 for a linear axis, and of Eq. 15,
+/// which make Eq. 16 for a rotary one; the coordinates of Eq. 19 make them one. (Eqs. 5-7 and
+/// 12-14 are the right-hand side `Δ`: measured minus ideal position.)
 ///
 /// `r` holds the generalised coordinates of the targets relative to the reference point of δ, mm
 /// ([`trueaxis_kinematics::generalised_coordinates`]). Rows are Px Py Pz Qx Qy Qz Kx Ky Kz and so
@@ -74,9 +78,9 @@ impl CentredTargets {
         equations(&self.scaled)
     }
 
-    /// From three columns of solutions of [`CentredTargets::equations`] to δ at the reference
-    /// point and ε in rad: `δ = δ_c - ε × c`.
-    pub(crate) fn unscale(&self, mut solutions: Matrix6x3<f64>) -> Matrix6x3<f64> {
+    /// From solutions of [`CentredTargets::equations`] to δ at the reference point and ε in rad:
+    /// `δ = δ_c - ε × c`.
+    pub(crate) fn unscale(&self, mut solutions: OMatrix<f64, U6, Dyn>) -> OMatrix<f64, U6, Dyn> {
         for mut solution in solutions.column_iter_mut() {
             let rotation = solution.fixed_rows::<3>(3) / self.gyration_mm;
             let translation = solution.fixed_rows::<3>(0) - rotation.cross(&self.centroid_mm);

@@ -108,6 +108,25 @@ pub enum Error {
         /// The cube of the longest distance between two targets, mm³.
         scale_mm3: f64,
     },
+    /// The coupling of the points has not three rows for each target.
+    #[error("the coupling of the points has {rows} rows, expected {expected}")]
+    CouplingShape {
+        /// Number of rows.
+        rows: usize,
+        /// Three times the number of targets.
+        expected: usize,
+    },
+    /// Newton's method on a pose went astray.
+    #[error(
+        "no pose fits the points: after {iterations} steps from the nominal pose the next one would \
+         still move a target by {step_mm:.3e} mm"
+    )]
+    NoPose {
+        /// Steps taken.
+        iterations: usize,
+        /// The largest displacement of a target by the last step, mm.
+        step_mm: f64,
+    },
     /// Nominal and measured targets are not equally many.
     #[error("{nominal} nominal and {measured} measured targets cannot be compared")]
     TargetCount {
@@ -116,15 +135,4 @@ pub enum Error {
         /// Number of measured targets.
         measured: usize,
     },
-}
-
-/// A step whose component errors cannot be had.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("step number {step} (from 0)")]
-pub struct StepError {
-    /// Index of the step.
-    pub step: usize,
-    /// What is wrong with it.
-    #[source]
-    pub error: Error,
 }

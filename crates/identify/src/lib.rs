@@ -6,16 +6,17 @@
 //! Δ_j = δ + ε × r_j        j = P, Q, K        (paper Eqs. 20 and 21)
 //! ```
 //!
-//! Three targets off one line give nine such equations ①...⑨ (Px Py Pz Qx Qy Qz Kx Ky Kz) for
-//! the six components of δ and ε. Noun in: generalised coordinates `r_j` and volumetric errors
-//! `Δ_j` (measured minus ideal position) of one step; noun out: a
-//! [`MotionError`](trueaxis_kinematics::MotionError). Between the two stands an [`Operator`],
-//! which knows the noise it lets through:
+//! Three targets off one line give nine such equations ①...⑨ (Px Py Pz Qx Qy Qz Kx Ky Kz; Eq. 9
+//! for a linear, Eq. 16 for a rotary axis) for the six components of δ and ε. Noun in: the measured
+//! points of a step, with their noise; noun out: the pose of its stage ([`pose_from_points`], a
+//! [`MeasuredPose`]). Its parts stand alone, too. From generalised coordinates `r_j` (Eq. 19) and
+//! volumetric errors `Δ_j` (measured minus ideal position) to a
+//! [`MotionError`](trueaxis_kinematics::MotionError) leads an [`Operator`], which knows the noise it
+//! lets through:
 //!
-//! - [`nine`] and [`nine_weighted`]: all equations by least squares, for three targets or more;
-//!   [`nine_closed_form`] does it without an operator where the targets differ from step to step;
-//! - [`Operator::apply_steps`] and [`nine_steps`]: the same for all steps of a run at once;
-//! - [`SixRows`]: any six of the nine, for comparison; [`closed_form`] is the paper's Eq. 18.
+//! - [`nine()`] and [`nine_weighted`]: all equations by least squares, for three targets or more;
+//! - [`SixRows`]: any six of the nine (the paper's are Eqs. 10 and 17), for comparison;
+//!   [`closed_form`] solves the paper's six as its Eqs. 11, 18 and 22 do.
 //!
 //! Lengths are mm, angles rad, right-hand rule. δ belongs to the point that `r` is measured from,
 //! and its noise grows with the distance of the targets from there.
@@ -56,26 +57,23 @@
 //! location errors in what it finds: separating them needs all steps of a run.
 
 mod closed_form;
-mod coordinates;
 mod covariance;
 mod design;
-mod distortion;
 mod error;
 mod misfit;
 mod nine;
 mod operator;
+mod pose;
+mod rigid_factors;
 mod six_rows;
-mod steps;
-mod three_targets;
 mod triangle;
 
 pub use closed_form::closed_form;
 pub use design::equations;
-pub use error::{Error, StepError};
+pub use error::Error;
 pub use misfit::{RigidMisfit, rigid_misfit};
 pub use nine::{nine, nine_weighted};
 pub use operator::Operator;
+pub use pose::{Equations, MeasuredPose, StepPoints, pose_from_points};
 pub use six_rows::{SixRows, UnseenMotion};
-pub use steps::nine_steps;
-pub use three_targets::nine_closed_form;
 pub use triangle::{SideMismatch, triangle_mismatch};

@@ -1,12 +1,11 @@
 //! Whether the points of a step move as one rigid body.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, Vector3};
 use trueaxis_kinematics::MICROMETRE;
 
-use crate::covariance::{cholesky, require_covariance};
-use crate::design::{CentredTargets, require_finite};
-use crate::distortion::Covariance9;
-use crate::three_targets::ThreeTargets;
+use crate::covariance::require_covariance;
+use crate::design::require_finite;
+use crate::rigid_factors::RigidFactors;
 use crate::{Error, Operator};
 
 /// What a rigid motion does not explain of the volumetric errors of one step.
@@ -55,36 +54,8 @@ pub fn rigid_misfit(
 
     Ok(RigidMisfit {
         rms_um: (sum_mm2 / components).sqrt() / MICROMETRE,
-        chi_squared: chi_squared(operator.targets_mm(), delta, covariance)?,
+        chi_squared: RigidFactors::new(operator.targets_mm())?.chi_squared(delta, covariance)?,
         degrees_of_freedom: 3 * residual_mm.len() - 6,
         residual_mm,
     })
-}
-
-fn chi_squared(
-    targets_mm: &[Vector3<f64>],
-    delta: &[Vector3<f64>],
-    covariance: &DMatrix<f64>,
-) -> Result<f64, Error> {
-    if let (Ok(r), Ok(delta)) = (targets_mm.try_into(), delta.try_into()) {
-        let covariance = Covariance9::from_column_slice(covariance.as_slice());
-        return ThreeTargets::new(r)?.distortion_squares(delta, &covariance);
-    }
-    // The last 3T - 6 rows of Qᵀ in A = Q R are Bᵀ.
-    let qr = CentredTargets::new(targets_mm)?.equations().qr();
-    let degrees_of_freedom = 3 * delta.len() - 6;
-    let mut rotated = DVector::from_iterator(3 * delta.len(), delta.iter().flatten().copied());
-    qr.q_tr_mul(&mut rotated);
-    let distortion = rotated.rows(6, degrees_of_freedom).into_owned();
-
-    let mut half_rotated = covariance.clone();
-    qr.q_tr_mul(&mut half_rotated);
-    let mut rotated_covariance = half_rotated.transpose();
-    qr.q_tr_mul(&mut rotated_covariance);
-    let shape = (degrees_of_freedom, degrees_of_freedom);
-    let distortion_covariance = rotated_covariance.view((6, 6), shape).into_owned();
-
-    let variances_mm2 = DVector::repeat(degrees_of_freedom, covariance.diagonal().max());
-    let weighted = cholesky(&distortion_covariance, &variances_mm2)?.solve(&distortion);
-    Ok(distortion.dot(&weighted))
 }

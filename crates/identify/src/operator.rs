@@ -1,6 +1,6 @@
 //! The linear map from volumetric errors to component errors.
 
-use nalgebra::{DMatrix, Dyn, Matrix6, Matrix6x3, OMatrix, U6, Vector3, Vector6};
+use nalgebra::{DMatrix, Dyn, Matrix6, OMatrix, U6, Vector3, Vector6};
 use trueaxis_kinematics::MotionError;
 
 use crate::Error;
@@ -15,8 +15,7 @@ use crate::design::CentredTargets;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Operator {
     targets: Vec<Vector3<f64>>,
-    /// The columns of P that belong to each target.
-    blocks: Vec<Matrix6x3<f64>>,
+    matrix: OMatrix<f64, U6, Dyn>,
 }
 
 impl Operator {
@@ -24,17 +23,11 @@ impl Operator {
     pub(crate) fn from_scaled(
         r: &[Vector3<f64>],
         centred: &CentredTargets,
-        scaled: &OMatrix<f64, U6, Dyn>,
+        scaled: OMatrix<f64, U6, Dyn>,
     ) -> Self {
-        let block = |j: usize| centred.unscale(scaled.fixed_columns::<3>(3 * j).into_owned());
-        Self::from_blocks(r, (0..r.len()).map(block).collect())
-    }
-
-    /// `blocks` are the columns that belong to each of the targets `r`.
-    pub(crate) fn from_blocks(r: &[Vector3<f64>], blocks: Vec<Matrix6x3<f64>>) -> Self {
         Self {
             targets: r.to_vec(),
-            blocks,
+            matrix: centred.unscale(scaled),
         }
     }
 
@@ -48,14 +41,13 @@ impl Operator {
     pub fn apply(&self, delta: &[Vector3<f64>]) -> MotionError {
         assert_eq!(
             delta.len(),
-            self.blocks.len(),
+            self.targets.len(),
             "one volumetric error for each target"
         );
-        let sum = self
-            .blocks
-            .iter()
-            .zip(delta)
-            .fold(Vector6::zeros(), |sum, (block, delta)| sum + block * delta);
+        let add = |sum, (j, delta): (usize, &Vector3<f64>)| {
+            sum + self.matrix.fixed_columns::<3>(3 * j) * delta
+        };
+        let sum = delta.iter().enumerate().fold(Vector6::zeros(), add);
         MotionError::from_vector(&sum)
     }
 
@@ -75,9 +67,8 @@ impl Operator {
     ///
     /// By linearity it is also µm per µm, and rad per mm.
     pub fn noise_gain(&self) -> Vector6<f64> {
-        let squared = |block: &Matrix6x3<f64>| block.component_mul(block).column_sum();
-        let variance = self.blocks.iter().map(squared).sum::<Vector6<f64>>();
-        variance.map(f64::sqrt)
+        let squares = self.matrix.component_mul(&self.matrix);
+        squares.column_sum().map(f64::sqrt)
     }
 
     /// Covariance `P C Pᵀ` of the component errors (mm, rad) for the covariance C of the points
@@ -87,22 +78,12 @@ impl Operator {
     /// [`Error::CovarianceShape`] or [`Error::CovarianceAsymmetric`]. It may be singular.
     pub fn covariance(&self, points: &DMatrix<f64>) -> Result<Matrix6<f64>, Error> {
         require_covariance(points, 3 * self.targets.len())?;
-        let p = self.matrix();
-        Ok(&p * points * p.transpose())
+        Ok(&self.matrix * points * self.matrix.transpose())
     }
 
     /// The matrix P: 6 rows δx δy δz (mm per mm) εx εy εz (rad per mm), three columns per target.
     pub fn matrix(&self) -> OMatrix<f64, U6, Dyn> {
-        let mut matrix = OMatrix::<f64, U6, Dyn>::zeros(3 * self.blocks.len());
-        for (j, block) in self.blocks.iter().enumerate() {
-            matrix.fixed_columns_mut::<3>(3 * j).copy_from(block);
-        }
-        matrix
-    }
-
-    /// The columns of P that belong to each target.
-    pub(crate) fn blocks(&self) -> &[Matrix6x3<f64>] {
-        &self.blocks
+        self.matrix.clone()
     }
 
     /// The generalised coordinates of the targets it was made for, mm.

@@ -1,9 +1,10 @@
 //! All 84 choices of six equations.
 
-use nalgebra::Vector6;
+use nalgebra::{Vector3, Vector6};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use trueaxis_identify::{Error, SixRows, nine};
+use trueaxis_identify::{Error, SixRows, UnseenMotion, nine};
+use trueaxis_kinematics::MotionError;
 
 use crate::targets::{
     ROTARY, THREE_AXIS, condition_number, displacement, random_error, random_targets, reach,
@@ -94,5 +95,70 @@ fn unchosen_coordinates_do_not_count() {
     let p = SixRows::PAPER.operator(&THREE_AXIS).unwrap().matrix();
     for row in (0..9).filter(|&row| SixRows::PAPER.rows().all(|chosen| chosen != row)) {
         assert_eq!(p.column(row), Vector6::zeros());
+    }
+}
+
+#[test]
+fn prints_circled_numbers() {
+    assert_eq!(SixRows::PAPER.to_string(), "①②④⑥⑧⑨");
+    assert_eq!(SixRows::new([8, 7, 5, 3, 1, 0]), Ok(SixRows::PAPER));
+}
+
+#[test]
+fn refuses_what_is_no_choice() {
+    for rows in [[0, 1, 2, 3, 4, 4], [0, 1, 2, 3, 4, 9]] {
+        assert_eq!(SixRows::new(rows), Err(Error::RowChoice { rows }));
+    }
+}
+
+/// The six of the paper's section 4.1.1, and no more.
+#[test]
+fn six_choices_are_blind() {
+    let mut blind: Vec<String> = SixRows::all()
+        .filter_map(|rows| Some(format!("{rows}: {}", rows.unseen()?)))
+        .collect();
+    blind.sort();
+    assert_eq!(
+        blind,
+        [
+            "①②③④⑤⑥: the rotation about the line PQ",
+            "①②③⑦⑧⑨: the rotation about the line PK",
+            "①②④⑤⑦⑧: the displacement along z",
+            "①③④⑥⑦⑨: the displacement along y",
+            "②③⑤⑥⑧⑨: the displacement along x",
+            "④⑤⑥⑦⑧⑨: the rotation about the line QK",
+        ]
+    );
+    assert_eq!(SixRows::all().count(), 84);
+}
+
+/// The reason given for a refusal is true: that motion changes no chosen coordinate.
+#[test]
+fn the_named_motion_is_not_seen() {
+    let r = [
+        Vector3::new(16.0, 452.0, 122.0),
+        Vector3::new(157.0, 332.0, 324.0),
+        Vector3::new(248.0, 603.0, 412.0),
+    ];
+    for rows in SixRows::all() {
+        let Some(unseen) = rows.unseen() else {
+            continue;
+        };
+        let motion = match unseen {
+            UnseenMotion::RotationAbout(first, second) => {
+                let rotation = r[second] - r[first];
+                MotionError::new(-rotation.cross(&r[first]), rotation)
+            }
+            UnseenMotion::DisplacementAlong(i) => {
+                MotionError::new(Vector3::ith(i, 1.0), Vector3::zeros())
+            }
+        };
+        let delta = r.map(|r| motion.displacement_mm(r));
+        // Integer coordinates: the products are exact.
+        assert!(
+            rows.rows().all(|row| delta[row / 3][row % 3] == 0.0),
+            "{rows}"
+        );
+        assert!(delta.iter().any(|d| d.norm() > 0.5), "{rows}");
     }
 }

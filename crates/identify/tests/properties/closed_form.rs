@@ -3,11 +3,12 @@
 use nalgebra::{Vector3, Vector6};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use trueaxis_identify::{Error, SixRows, closed_form};
+use trueaxis_identify::{Error, SixRows, closed_form, nine};
 use trueaxis_kinematics::MotionError;
 
 use crate::targets::{
-    condition_number, random_targets, random_vector, reach, relative_difference, six_equations,
+    THREE_AXIS, condition_number, random_targets, random_vector, reach, relative_difference,
+    six_equations,
 };
 
 /// Either solver may be wrong by `EPSILON * condition`.
@@ -90,4 +91,108 @@ fn refusals_report_n() {
         panic!("not refused");
     };
     assert!((determinant_mm3 - n_mm3).abs() < 1e-9, "{determinant_mm3}");
+}
+
+const DELTA: [Vector3<f64>; 3] = [
+    Vector3::new(1.7e-3, -4.1e-3, 0.6e-3),
+    Vector3::new(-2.9e-3, 3.3e-3, 5.2e-3),
+    Vector3::new(4.4e-3, -0.8e-3, -3.7e-3),
+];
+
+/// Eq. 18 term by term, with its removable denominators.
+fn as_printed(r: &[Vector3<f64>; 3], delta: &[Vector3<f64>; 3]) -> MotionError {
+    let [p, q, k] = r;
+    let [dp, dq, dk] = delta;
+    let m = (dq.x - dp.x) * (k.x - q.x) * (p.z - k.z)
+        + ((dp.y - dk.y) * (k.y - q.y) + (dk.z - dq.z) * (p.z - k.z)) * (q.z - p.z);
+    let n = (k.x - q.x) * (p.y - q.y) * (p.z - k.z) - (k.x - p.x) * (k.y - q.y) * (q.z - p.z);
+    let translation = Vector3::new(
+        dp.x + m / n * (p.y - p.z * (q.y - p.y) / (q.z - p.z)) - p.z * (dq.x - dp.x) / (q.z - p.z),
+        dp.y - m / n * (p.x - p.z * (p.x - k.x) / (p.z - k.z)) - p.z * (dp.y - dk.y) / (p.z - k.z),
+        dq.z + m / n * (q.y * (k.x - p.x) / (p.z - k.z) - q.x * (p.y - q.y) / (q.z - p.z))
+            - q.y * (dk.y - dp.y) / (p.z - k.z)
+            + q.x * (dq.x - dp.x) / (q.z - p.z),
+    );
+    let rotation = Vector3::new(
+        (dk.y - dp.y) / (p.z - k.z) + (p.x - k.x) / (p.z - k.z) * (m / n),
+        (dq.x - dp.x) / (q.z - p.z) + (q.y - p.y) / (q.z - p.z) * (m / n),
+        m / n,
+    );
+    MotionError::new(translation, rotation)
+}
+
+#[test]
+fn equals_the_printed_equation_18() {
+    let found = closed_form(&THREE_AXIS, &DELTA).unwrap();
+    let printed = as_printed(&THREE_AXIS, &DELTA);
+    let translation = found.translation_mm - printed.translation_mm;
+    let rotation = found.rotation_rad - printed.rotation_rad;
+    assert!(translation.norm() < 1e-13 * printed.translation_mm.norm());
+    assert!(rotation.norm() < 1e-13 * printed.rotation_rad.norm());
+}
+
+/// The printed form is 0/0 there.
+#[test]
+fn equal_heights_are_no_singularity() {
+    let [p, q, k] = THREE_AXIS;
+    let (mut level_q, mut level_k) = (q, k);
+    level_q.z = p.z;
+    level_k.z = p.z;
+    for r in [[p, level_q, k], [p, q, level_k]] {
+        assert!(!as_printed(&r, &DELTA).translation_mm.norm().is_finite());
+        let found = closed_form(&r, &DELTA).unwrap();
+        let expected = SixRows::PAPER.operator(&r).unwrap().apply(&DELTA);
+        let difference = found.to_vector() - expected.to_vector();
+        assert!(difference.norm() < 1e-12 * expected.to_vector().norm());
+    }
+}
+
+/// Three targets of one height see no rotation about z by these six rows: N is zero.
+#[test]
+fn three_equal_heights_are_refused() {
+    let level = THREE_AXIS.map(|r| Vector3::new(r.x, r.y, 7.0));
+    assert!(matches!(
+        closed_form(&level, &DELTA),
+        Err(Error::NearZeroN { n_mm3, .. }) if n_mm3 == 0.0
+    ));
+    assert!(matches!(
+        SixRows::PAPER.operator(&level),
+        Err(Error::SingularRows { .. })
+    ));
+    assert!(nine(&level).is_ok());
+}
+
+#[test]
+fn zero_n_with_all_coordinates_different_is_refused() {
+    let p = Vector3::new(7.0, 11.0, 13.0);
+    let r = [
+        p,
+        p + Vector3::new(40.0, 20.0, 10.0),
+        p + Vector3::new(60.0, 40.0, 30.0),
+    ];
+    let refused = closed_form(&r, &DELTA);
+    let longest_cubed = 6100.0_f64.powf(1.5);
+    assert!(matches!(
+        refused,
+        Err(Error::NearZeroN { n_mm3, scale_mm3 })
+            if n_mm3 == 0.0 && (scale_mm3 - longest_cubed).abs() < 1e-6
+    ));
+    assert!(matches!(
+        SixRows::PAPER.operator(&r),
+        Err(Error::SingularRows { rows: SixRows::PAPER, condition, .. }) if condition > 1e12
+    ));
+    assert!(nine(&r).is_ok());
+}
+
+#[test]
+fn what_is_not_finite_is_refused_by_name() {
+    let mut delta = DELTA;
+    delta[2].y = f64::NAN;
+    assert_eq!(
+        closed_form(&THREE_AXIS, &delta),
+        Err(Error::NotFinite {
+            quantity: "volumetric error",
+            target: 2
+        })
+    );
 }

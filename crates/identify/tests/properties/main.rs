@@ -5,5 +5,6 @@ mod choices;
 mod closed_form;
 mod invariance;
 mod noise_table;
+mod pose;
 mod targets;
 mod weighted;

@@ -1,21 +1,23 @@
 //! Generalised least squares and the test of rigidity.
 
-use nalgebra::{DMatrix, DVector, Dyn, Matrix6, MatrixXx6, OMatrix, U6, Vector3, Vector6};
-use rand::{Rng, SeedableRng};
+use nalgebra::{DMatrix, DVector, Dyn, Matrix3, Matrix6, MatrixXx6, OMatrix, U6, Vector3, Vector6};
+use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_identify::{Error, Operator, SixRows, equations, nine, nine_weighted, rigid_misfit};
+use trueaxis_kinematics::MotionError;
 
 use crate::targets::{
     THREE_AXIS, displacement, random_error, random_targets, random_vector, reach,
+    relative_difference,
 };
 
-fn normal(rng: &mut impl Rng, rows: usize, columns: usize) -> DMatrix<f64> {
+pub(crate) fn normal(rng: &mut impl Rng, rows: usize, columns: usize) -> DMatrix<f64> {
     DMatrix::from_fn(rows, columns, |_, _| StandardNormal.sample(rng))
 }
 
 /// Correlated coordinates with standard deviations of some µm, mm².
-fn random_covariance(rng: &mut impl Rng) -> DMatrix<f64> {
+pub(crate) fn random_covariance(rng: &mut impl Rng) -> DMatrix<f64> {
     let root = normal(rng, 9, 9) * 1e-3;
     DMatrix::identity(9, 9) * 1e-6 + &root * root.transpose()
 }
@@ -45,6 +47,73 @@ fn equations_in_mm(r: &[Vector3<f64>], reach_mm: f64) -> MatrixXx6<f64> {
 fn condition_number(matrix: DMatrix<f64>) -> f64 {
     let eigenvalues = matrix.symmetric_eigenvalues();
     eigenvalues.max() / eigenvalues.min()
+}
+
+/// Least squares over `W A x = W Δ` with `C⁻¹ = Wᵀ W`: of `W A = Q R` the operator is `R⁻¹ Qᵀ W`.
+fn by_whitening(r: &[Vector3<f64>], whitening: &DMatrix<f64>, reach_mm: f64) -> DMatrix<f64> {
+    let qr = (whitening * equations_in_mm(r, reach_mm)).qr();
+    let mut solution = qr.q().tr_mul(whitening);
+    let upper = qr.r().fixed_rows::<6>(0).into_owned();
+    assert!(upper.solve_upper_triangular_mut(&mut solution));
+    solution
+}
+
+/// The operator is that of orthogonal factors of the whitened equations, for three targets and more.
+#[test]
+fn weighted_operator_equals_that_of_whitened_equations() {
+    let mut rng = ChaCha8Rng::seed_from_u64(40);
+    for count in [3, 3, 3, 4, 7] {
+        for _ in 0..200 {
+            let corner = random_vector(&mut rng, 300.0);
+            let r: Vec<_> = (0..count)
+                .map(|_| corner + random_vector(&mut rng, 400.0))
+                .collect();
+            let size = 3 * count;
+            let mut root = normal(&mut rng, size, size).lower_triangle();
+            root.set_diagonal(&DVector::from_fn(size, |_, _| rng.random_range(1.0..2.0)));
+            let mut whitening = DMatrix::identity(size, size);
+            assert!(root.solve_lower_triangular_mut(&mut whitening));
+            let product = &root * root.transpose();
+            let covariance = (&product + product.transpose()) * 0.5;
+            let reach_mm = r.iter().map(Vector3::norm).fold(0.0, f64::max);
+
+            let found = in_mm(&nine_weighted(&r, &covariance).unwrap(), reach_mm);
+            let expected = by_whitening(&r, &whitening, reach_mm);
+            let difference = (found - &expected).norm() / expected.norm();
+            let bound = f64::EPSILON * condition_number(covariance);
+            assert!(difference < bound.max(1e-11), "{difference:e} {bound:e}");
+        }
+    }
+}
+
+/// Equal weights: the translation of the centroid is the mean, the rotation the moment of the
+/// displacements over the inertia of the targets, `J ε = Σ s_j × Δ_j`, `J = Σ (|s_j|² I - s_j s_jᵀ)`.
+#[test]
+fn plain_operator_solves_the_equations_of_moments() {
+    let mut rng = ChaCha8Rng::seed_from_u64(47);
+    for count in [3, 3, 5] {
+        for _ in 0..100 {
+            let r: Vec<_> = (0..count).map(|_| random_vector(&mut rng, 400.0)).collect();
+            let delta: Vec<_> = (0..count).map(|_| random_vector(&mut rng, 0.01)).collect();
+            let mean = |v: &[Vector3<f64>]| v.iter().sum::<Vector3<f64>>() / count as f64;
+            let centroid = mean(&r);
+            let (mut moment, mut inertia) = (Vector3::zeros(), Matrix3::zeros());
+            for (r, delta) in r.iter().zip(&delta) {
+                let s = r - centroid;
+                moment += s.cross(delta);
+                inertia += Matrix3::identity() * s.norm_squared() - s * s.transpose();
+            }
+            let rotation = inertia.cholesky().unwrap().solve(&moment);
+            let expected = MotionError::new(mean(&delta) - rotation.cross(&centroid), rotation);
+
+            let found = nine(&r).unwrap().apply(&delta);
+            let reach_mm = r.iter().map(Vector3::norm).fold(0.0, f64::max);
+            let difference = relative_difference(&found, &expected, reach_mm);
+            let eigenvalues = inertia.symmetric_eigenvalues();
+            let bound = 10.0 * f64::EPSILON * eigenvalues.max() / eigenvalues.min();
+            assert!(difference < bound, "{difference:e} {bound:e}");
+        }
+    }
 }
 
 /// `A Φ Aᵀ` in C does not change the estimate: a rigid motion passes every unbiased operator.
