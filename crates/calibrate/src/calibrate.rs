@@ -1,13 +1,15 @@
 //! The headline verb: a campaign to all geometric errors.
 
+use std::sync::Arc;
+
 use nalgebra::Point3;
 use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::{AxisKind, Component, LocationComponent, Machine};
-use trueaxis_multilateration::Solution;
+use trueaxis_kinematics::{ARCSEC, AxisKind, Component, LocationComponent, MICROMETRE, Machine};
+use trueaxis_multilateration::{Screened, Solution};
 
 use crate::axis_data::{AxisData, by_axis};
 use crate::calibration::{
-    AxisResult, Calibration, LocationResult, NodeResult, StationResult, TargetResult,
+    AxisResult, Calibration, LocationResult, NodeResult, SideDifference, StationResult, TargetResult,
 };
 use crate::identify_axes::{Identified, identify_axes, mean_targets};
 use crate::measure::{Measured, measure};
@@ -15,7 +17,7 @@ use crate::method_loss::method_loss;
 use crate::output_covariance::{OutputCovariance, check_size};
 use crate::pose_errors::Context;
 use crate::rigid_fit::centroid;
-use crate::settings::{ReferencePoint, Settings};
+use crate::settings::{Method, ReferencePoint, Settings};
 use crate::uncertainty::{Dependence, Propagation, Uncertainty};
 use crate::{Error, rigidity, triangle};
 
@@ -44,6 +46,35 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
     calibrate_in_parts(campaign, settings).map(|(calibration, _)| calibration)
 }
 
+/// The adjustment of the lengths that a calibration rests on.
+#[derive(Debug, Clone)]
+pub struct LengthsAdjustment {
+    /// How component errors follow from it.
+    pub method: Method,
+    /// Whether the sides of approach have poses of their own.
+    pub by_direction: bool,
+    /// The screened network with its solution and noise.
+    pub screened: Arc<Screened>,
+}
+
+/// As [`calibrate`], with the adjustment if lengths were measured: whoever looks further at the lengths starts
+/// from it.
+///
+/// # Errors
+/// Those of [`calibrate`].
+pub fn calibrate_with_adjustment(
+    campaign: &Campaign,
+    settings: &Settings,
+) -> Result<(Calibration, Option<LengthsAdjustment>), Error> {
+    let (calibration, parts) = calibrate_in_parts(campaign, settings)?;
+    let adjustment = parts.measured.screened().map(|screened| LengthsAdjustment {
+        method: settings.method,
+        by_direction: settings.by_direction,
+        screened: Arc::clone(screened),
+    });
+    Ok((calibration, adjustment))
+}
+
 /// What a calibration rests on.
 pub(crate) struct Parts<'a> {
     pub(crate) machine: Machine,
@@ -59,7 +90,7 @@ pub(crate) fn calibrate_in_parts<'a>(
 ) -> Result<(Calibration, Parts<'a>), Error> {
     let mut notices = Vec::new();
     let machine = with_reference_points(campaign, settings.reference_point);
-    let mut measured = measure(campaign, &machine, settings, &mut notices)?;
+    let mut measured = measure(campaign, settings, &mut notices)?;
     let data = by_axis(campaign, measured.poses())?;
     if data.is_empty() {
         return Err(Error::NothingMeasured);
@@ -93,12 +124,16 @@ pub(crate) fn calibrate_in_parts<'a>(
         .collect();
     let dependence = Dependence::new(&context, &data, &identified, &stations_in_ref);
     let propagation = Propagation::new(&dependence, measured.poses());
-    let losses = method_loss(campaign, &machine, &measured, &propagation);
+    let losses = method_loss(campaign, &measured, &propagation);
+    let sides = measured.side_differences(&machine, &data, &identified, settings.by_direction);
+    notices.extend(sides_in_words(&machine, &data, &sides));
     let axes: Vec<AxisResult> = losses
         .into_iter()
+        .zip(sides)
         .enumerate()
-        .map(|(k, u_ratio)| AxisResult {
+        .map(|(k, (u_ratio, sides))| AxisResult {
             u_ratio,
+            sides,
             ..axis_result(&context, &measured, &propagation, k)
         })
         .collect();
@@ -247,8 +282,9 @@ fn axis_result(
         nodes: nodes.collect(),
         location: values.location,
         location_errors,
-        noise_gain: measured.noise_gain(own),
+        noise_gain: measured.noise_gain(context.machine, own),
         u_ratio: None,
+        sides: None,
     }
 }
 
@@ -285,6 +321,33 @@ fn stations(
             }
         })
         .collect()
+}
+
+/// Axes of which the joined curve is the mean of two that differ.
+fn sides_in_words(
+    machine: &Machine,
+    data: &[AxisData],
+    sides: &[Option<SideDifference>],
+) -> Vec<String> {
+    let in_words = |(axis, sides): (&AxisData, &Option<SideDifference>)| {
+        let (name, sides) = (machine.axes()[axis.axis].name(), sides.as_ref()?);
+        let significance = |c: &Component| (sides.value[c.index()] / sides.u[c.index()]).abs();
+        let most = Component::ALL
+            .into_iter()
+            .max_by(|a, b| significance(a).total_cmp(&significance(b)))?;
+        let (size, unit) = match most.is_angular() {
+            true => (ARCSEC, "″"),
+            false => (MICROMETRE, " µm"),
+        };
+        let (value, u) = (sides.value[most.index()] / size, sides.u[most.index()] / size);
+        Some(format!(
+            "axis {name}: forward and backward approach differ, {} by {value:+.2}{unit} (U {:.2}{unit}): its \
+             curves are the mean of both sides; --by-direction keeps them apart",
+            most.name(name),
+            2.0 * u
+        ))
+    };
+    data.iter().zip(sides).filter_map(in_words).collect()
 }
 
 /// Errors that are more likely mistakes in the campaign.

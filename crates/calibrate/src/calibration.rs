@@ -95,6 +95,19 @@ pub struct AxisResult {
     /// What other methods would lose on the same lengths; `None` where the joint adjustment was not used or the
     /// others cannot be.
     pub u_ratio: Option<MethodLoss>,
+    /// How the two sides of approach differ, where they share a curve and differ significantly.
+    pub sides: Option<SideDifference>,
+}
+
+/// Forward minus backward approach, the mean over the positions of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SideDifference {
+    /// δ of the reference point (mm) and ε (rad).
+    pub value: [f64; 6],
+    /// Standard uncertainties, mm and rad.
+    pub u: [f64; 6],
+    /// Probability of a difference as significant if the sides are the same.
+    pub p_value: f64,
 }
 
 /// Standard uncertainty of each component error by other methods, relative to that of the joint adjustment

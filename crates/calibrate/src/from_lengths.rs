@@ -2,20 +2,20 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, Matrix6, Matrix6xX};
+use nalgebra::{Matrix6, Matrix6xX};
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_multilateration::{
-    CampaignNetwork, Group, MOST_OF_A_PART, Network, Screened, Solution, UnknownsNoise,
+    BlockNoise, CampaignNetwork, Group, MOST_OF_A_PART, Network, Screened, Solution,
     network_from_campaign, screen, solve_from,
 };
 
-use crate::Error;
 use crate::lengths_in_words::{adjustment_error, contradictory};
 use crate::points::{MeasuredPoints, PointGroup, PointNoise};
 use crate::poses::{PoseNoise, PoseObservation, Poses, TargetBody};
 use crate::rigid_fit::centroid;
 use crate::settings::{Method, Settings};
 use crate::weak_stations::weak_stations;
+use crate::{Error, describe, in_order};
 
 /// The adjustment of a campaign's lengths: the only one that there is.
 pub(crate) struct AdjustedLengths<'a> {
@@ -78,49 +78,77 @@ impl<'a> AdjustedLengths<'a> {
     }
 
     /// The poses of the stages under test in an adjustment with rigid stages.
-    pub(crate) fn poses(&self) -> Poses {
+    pub(crate) fn poses(&self) -> Result<Poses, Error> {
         let Screened {
             network, solution, ..
         } = &*self.screened;
-        let moved = self.moved();
-        let observation = |&g: &usize| {
+        let mut observations = Vec::new();
+        for g in self.moved() {
             let group = &self.groups[g];
-            PoseObservation {
+            observations.push(PoseObservation {
                 step: group.step,
                 direction: group.direction,
-                body: group.body,
+                body: group.body.ok_or_else(|| self.too_few_targets(group))?,
                 datum_from_home: solution.poses[g],
                 pivot_mm: centroid(&solution.points_mm[network.groups[g].clone()]),
-            }
-        };
-        let pose_noise = |noise: &UnknownsNoise| {
-            let shared = noise.shared();
-            let mut found = PoseNoise {
-                of_stations: shared.nrows(),
-                shared,
-                ..PoseNoise::default()
-            };
-            for (own, coupling) in noise.blocks(&moved) {
-                found.own.push(Matrix6::from_column_slice(own.as_slice()));
-                found
-                    .coupling
-                    .push(Matrix6xX::from_column_slice(coupling.as_slice()));
-            }
-            found
-        };
-        let bodies = network.bodies.iter().flat_map(|all| &all.bodies);
-        let shapes = bodies.zip(&solution.shapes_mm);
-        Poses {
-            bodies: shapes
-                .map(|(body, shape_mm)| TargetBody {
-                    targets: body.targets.clone(),
-                    home_mm: shape_mm.clone(),
-                })
-                .collect(),
-            observations: moved.iter().map(observation).collect(),
-            noise: pose_noise(&solution.noise(network)),
-            instrument: pose_noise(&solution.length_noise(network)),
+            });
+        }
+        let shapes = solution.shapes_mm.iter().enumerate();
+        let bodies = shapes.map(|(body, home_mm)| TargetBody {
+            targets: self.targets_of(body, home_mm.len()),
+            home_mm: home_mm.clone(),
+        });
+        Ok(Poses {
+            bodies: bodies.collect(),
+            observations,
+            noise: self.pose_noise(&solution.noise()),
+            instrument: self.pose_noise(&solution.length_noise(network)),
             relative_covariance: self.screened.noise.relative_covariance,
+        })
+    }
+
+    fn pose_noise(&self, noise: &BlockNoise<'_>) -> PoseNoise {
+        let moved = self.moved();
+        let blocks = in_order::map(moved.len(), |i| {
+            let (own, coupling) = noise.block(moved[i]);
+            (
+                Matrix6::from_column_slice(own.as_slice()),
+                Matrix6xX::from_column_slice(coupling.as_slice()),
+            )
+        });
+        let (own, coupling) = blocks.into_iter().unzip();
+        PoseNoise {
+            own,
+            coupling,
+            shared: noise.shared().clone(),
+            of_stations: noise.shared().nrows(),
+        }
+    }
+
+    /// The targets of a body, in its order.
+    fn targets_of(&self, body: usize, count: usize) -> Vec<usize> {
+        let mut targets = vec![0; count];
+        let bodies = self.screened.network.bodies.iter();
+        let placed = bodies.flat_map(|bodies| &bodies.of_groups).zip(&self.groups);
+        for (placed, group) in placed.filter(|(placed, _)| placed.body == Some(body)) {
+            for (&place, &target) in placed.places.iter().zip(&group.targets) {
+                targets[place] = target;
+            }
+        }
+        targets
+    }
+
+    fn too_few_targets(&self, group: &Group) -> Error {
+        let axis = self.campaign.runs[self.campaign.steps[group.step].run].axis;
+        Error::NotIdentifiable {
+            what: format!(
+                "{}: {} of the targets that {} moves were measured, three that are not in line are needed \
+                 to see its six component errors",
+                describe::step(self.campaign, group.step),
+                group.targets.len(),
+                self.campaign.machine.axes()[axis].name(),
+            ),
+            mend: "measure the missing targets there, or leave out the rows of this step".to_owned(),
         }
     }
 
@@ -160,7 +188,7 @@ impl<'a> AdjustedLengths<'a> {
         };
         MeasuredPoints {
             groups: moved.iter().map(group).collect(),
-            noise: point_noise(&solution.noise(network), &moved),
+            noise: point_noise(&solution.noise(), &moved),
             instrument: PointNoise::default(),
             relative_covariance: self.screened.noise.relative_covariance,
             repeat_scatter: (0.0, 0),
@@ -168,12 +196,13 @@ impl<'a> AdjustedLengths<'a> {
     }
 }
 
-fn point_noise(noise: &UnknownsNoise, groups: &[usize]) -> PointNoise {
-    let (own, coupling): (Vec<DMatrix<f64>>, _) = noise.blocks(groups).into_iter().unzip();
+fn point_noise(noise: &BlockNoise<'_>, groups: &[usize]) -> PointNoise {
+    let blocks = in_order::map(groups.len(), |i| noise.block(groups[i]));
+    let (own, coupling) = blocks.into_iter().unzip();
     PointNoise {
         own,
         coupling,
-        shared: noise.shared(),
+        shared: noise.shared().clone(),
     }
 }
 

@@ -14,14 +14,6 @@ pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -
     items.map(f).collect()
 }
 
-/// `f` of each of `count` items, or the error of the first that fails.
-pub(crate) fn try_map<T: Send, E: Send>(
-    count: usize,
-    f: impl Fn(usize) -> Result<T, E> + Sync + Send,
-) -> Result<Vec<T>, E> {
-    map(count, f).into_iter().collect()
-}
-
 /// Sum over `count` items: `add` adds an item to a partial sum that started at `zero`; partial sums are
 /// added in order.
 pub(crate) fn sum<T: Send + AddAssign>(

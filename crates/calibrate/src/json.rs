@@ -11,7 +11,9 @@ use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 
 use crate::adjustment_file::AdjustmentFile;
 use crate::budget::Budget;
-use crate::calibration::{AxisResult, Calibration, MethodLoss, NodeResult, StationResult};
+use crate::calibration::{
+    AxisResult, Calibration, MethodLoss, NodeResult, SideDifference, StationResult,
+};
 use crate::settings::Method;
 
 impl Calibration {
@@ -76,6 +78,22 @@ struct AxisFile<'a> {
     noise_gain: Option<Ordered<GainFile>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     u_ratio: Option<Ordered<RatioFile>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    forward_minus_backward: Option<SidesFile>,
+}
+
+/// How the sides of approach differ in the mean, where they share a curve.
+#[derive(Serialize)]
+struct SidesFile {
+    p_value: f64,
+    components: Ordered<DifferenceFile>,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum DifferenceFile {
+    Linear { value_um: f64, u_um: f64 },
+    Angular { value_arcsec: f64, u_arcsec: f64 },
 }
 
 #[derive(Serialize)]
@@ -282,6 +300,13 @@ fn axis(axis: &AxisResult) -> AxisFile<'_> {
             let ratio = |c: Component| (c.name(&axis.name), ratio(&loss, c));
             Ordered(Component::ALL.map(ratio).into())
         }),
+        forward_minus_backward: axis.sides.map(|sides| {
+            let difference = |c: Component| (c.name(&axis.name), difference(&sides, c));
+            SidesFile {
+                p_value: significant(sides.p_value),
+                components: Ordered(Component::ALL.map(difference).into()),
+            }
+        }),
     }
 }
 
@@ -349,6 +374,20 @@ fn ratio(loss: &MethodLoss, component: Component) -> RatioFile {
     RatioFile {
         nine: round(loss.nine[c], 4),
         six: loss.six.map(|six| round(six[c], 4)),
+    }
+}
+
+fn difference(sides: &SideDifference, component: Component) -> DifferenceFile {
+    let (value, u) = (sides.value[component.index()], sides.u[component.index()]);
+    match component.is_angular() {
+        true => DifferenceFile::Angular {
+            value_arcsec: arcsec(value),
+            u_arcsec: arcsec(u),
+        },
+        false => DifferenceFile::Linear {
+            value_um: um(value),
+            u_um: um(u),
+        },
     }
 }
 

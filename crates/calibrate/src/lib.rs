@@ -109,6 +109,7 @@ mod results;
 mod rigid_fit;
 mod rigidity;
 mod settings;
+mod sides;
 mod sources;
 mod start;
 mod state;
@@ -124,9 +125,9 @@ pub use adjustment_report::{
     AdjustmentReport, InterruptedTurn, NoiseReport, PartReport, RejectedLength,
 };
 pub use budget::{Budget, coverage_factor};
-pub use calibrate::calibrate;
+pub use calibrate::{LengthsAdjustment, calibrate, calibrate_with_adjustment};
 pub use calibration::{
-    AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, StationResult, StepMisfit, TargetResult,
+    AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, SideDifference, StationResult, StepMisfit, TargetResult,
     TriangleSide,
 };
 pub use error::Error;

@@ -9,13 +9,17 @@ use trueaxis_multilateration::{Screened, Solution};
 
 use crate::adjustment_report::{AdjustmentReport, of_lengths};
 use crate::axis_data::AxisData;
+use crate::calibration::SideDifference;
 use crate::from_lengths::AdjustedLengths;
+use crate::identify_axes::Identified;
 use crate::nine::{PointPoses, poses_from_points};
 use crate::points::MeasuredPoints;
 use crate::points_report::of_points;
 use crate::pose_errors::Context;
 use crate::poses::Poses;
 use crate::settings::{Method, Settings};
+use crate::sides::side_differences;
+use crate::state::ModelErrors;
 use crate::{Error, from_points};
 
 /// The poses of a campaign with what they come from.
@@ -32,15 +36,14 @@ pub(crate) struct Measured<'a> {
     pub(crate) points: Option<(MeasuredPoints, PointPoses)>,
 }
 
-/// Adjusts the lengths, or takes the points, of a campaign; `machine` has the reference points of δ.
+/// Adjusts the lengths, or takes the points, of a campaign.
 pub(crate) fn measure<'a>(
     campaign: &'a Campaign,
-    machine: &Machine,
     settings: &Settings,
     notices: &mut Vec<String>,
 ) -> Result<Measured<'a>, Error> {
     let by_equations = |points: MeasuredPoints, method| {
-        let found = poses_from_points(campaign, machine, &points, method)?;
+        let found = poses_from_points(campaign, &points, method)?;
         Ok::<_, Error>((points, found))
     };
     let (method, adjusted) = match (&campaign.lengths, &campaign.points) {
@@ -56,7 +59,7 @@ pub(crate) fn measure<'a>(
         (Some(adjusted), _) if method == Method::Joint => {
             let points = adjusted.points();
             let points = points.and_then(|points| by_equations(points, Method::Nine));
-            (Some(adjusted.poses()), points.ok())
+            (Some(adjusted.poses()?), points.ok())
         }
         (Some(adjusted), _) => (None, Some(by_equations(adjusted.points()?, method)?)),
         (None, Some(points)) => {
@@ -147,13 +150,33 @@ impl<'a> Measured<'a> {
         }
     }
 
+    /// For each axis how the sides of approach differ that share its curves.
+    pub(crate) fn side_differences(
+        &self,
+        machine: &Machine,
+        data: &[AxisData],
+        identified: &Identified,
+        by_direction: bool,
+    ) -> Vec<Option<SideDifference>> {
+        let joined = self.adjusted.as_ref().filter(|_| self.joint.is_some() && !by_direction);
+        let errors = ModelErrors {
+            data,
+            state: &identified.state,
+        };
+        joined.map_or_else(
+            || vec![None; data.len()],
+            |adjusted| side_differences(self.campaign, machine, (data, &errors), adjusted),
+        )
+    }
+
     /// Mean noise gains of the steps of an axis, by the equations used and by all nine.
-    pub(crate) fn noise_gain(&self, axis: &AxisData) -> Option<[[f64; 6]; 2]> {
+    pub(crate) fn noise_gain(&self, machine: &Machine, axis: &AxisData) -> Option<[[f64; 6]; 2]> {
         let (_, found) = self.points.as_ref().filter(|_| self.joint.is_none())?;
+        let gains = |pose| found.noise_gain(self.campaign, machine, pose);
         let mut mean = [[0.0; 6]; 2];
         for record in &axis.records {
-            for (mean, gain) in mean.iter_mut().zip(&found.fits[record.pose].noise_gain) {
-                for (sum, g) in mean.iter_mut().zip(gain.iter()) {
+            for (mean, gain) in mean.iter_mut().zip(gains(record.pose)) {
+                for (sum, g) in mean.iter_mut().zip(gain) {
                     *sum += g / axis.records.len() as f64;
                 }
             }

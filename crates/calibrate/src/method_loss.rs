@@ -6,7 +6,6 @@
 
 use trueaxis_campaign::Campaign;
 use trueaxis_identify::SixRows;
-use trueaxis_kinematics::Machine;
 
 use crate::calibration::MethodLoss;
 use crate::measure::Measured;
@@ -18,7 +17,6 @@ use crate::uncertainty::{Noise, Propagation};
 /// For each axis the ratios of standard uncertainties; `None` where the joint adjustment was not used.
 pub(crate) fn method_loss(
     campaign: &Campaign,
-    machine: &Machine,
     measured: &Measured<'_>,
     propagation: &Propagation<'_>,
 ) -> Vec<Option<MethodLoss>> {
@@ -28,7 +26,7 @@ pub(crate) fn method_loss(
         return vec![None; axes];
     };
     let by_six = Method::Six(SixRows::PAPER);
-    let by_six = poses_from_points(campaign, machine, points, by_six).ok();
+    let by_six = poses_from_points(campaign, points, by_six).ok();
     let joint = squares(&propagation.whole, axes);
     let ratios = |found: &PointPoses| {
         let noise = at_the_same_pivots(found, measured)?;

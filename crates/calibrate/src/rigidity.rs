@@ -6,14 +6,14 @@
 
 use nalgebra::Vector3;
 use trueaxis_campaign::Campaign;
-use trueaxis_identify::{nine, rigid_misfit};
+use trueaxis_identify::{RigidMisfit, StepPose, nine, rigid_misfit};
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
 use crate::calibration::StepMisfit;
 use crate::describe;
 use crate::in_order;
-use crate::nine::{Misfit, PointPoses, StepFit};
+use crate::nine::PointPoses;
 
 /// Family-wise significance of the test of all steps together.
 const LEVEL: f64 = 0.01;
@@ -25,10 +25,10 @@ const LEVEL: f64 = 0.01;
 /// its sum equals its own degrees of freedom; together they have fewer, and the sum is scaled down
 /// to follow chi-squared with these.
 pub(crate) fn total(points: &PointPoses) -> (f64, usize) {
-    let (squares, degrees) = points.fits.iter().fold((0.0, 0), |(squares, degrees), fit| {
+    let (squares, degrees) = points.steps().fold((0.0, 0), |(squares, degrees), step| {
         (
-            squares + fit.misfit.chi_squared,
-            degrees + fit.misfit.degrees_of_freedom,
+            squares + step.pose.misfit.chi_squared,
+            degrees + step.pose.misfit.degrees_of_freedom,
         )
     });
     let bodies = points.poses.bodies.iter();
@@ -39,20 +39,21 @@ pub(crate) fn total(points: &PointPoses) -> (f64, usize) {
 
 /// Rms of what rigid motions leave, mm.
 pub(crate) fn rms_mm(points: &PointPoses) -> f64 {
-    let fits = points.fits.iter();
-    let squares: Vec<f64> = fits.map(|fit| fit.misfit.rms_um.powi(2)).collect();
+    let steps = points.steps();
+    let squares: Vec<f64> = steps.map(|step| step.pose.misfit.rms_um.powi(2)).collect();
     (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt() * MICROMETRE
 }
 
 /// The steps that fail, in measuring order. `declared` says whether the noise is; if not, the
 /// steps themselves are the measure.
 pub(crate) fn misfits(campaign: &Campaign, points: &PointPoses, declared: bool) -> Vec<StepMisfit> {
-    let level = LEVEL / points.fits.len() as f64;
+    let fits: Vec<&StepPose> = points.steps().collect();
+    let level = LEVEL / fits.len() as f64;
     let run_of = |i: usize| campaign.steps[points.poses.observations[i].step].run;
     let mut found = Vec::new();
     for run in 0..campaign.runs.len() {
-        let records: Vec<usize> = (0..points.fits.len()).filter(|&i| run_of(i) == run).collect();
-        for (record, misfit, p_value) in failing(&records, &points.fits, declared, level) {
+        let records: Vec<usize> = (0..fits.len()).filter(|&i| run_of(i) == run).collect();
+        for (record, misfit, p_value) in failing(&records, &fits, declared, level) {
             found.push(StepMisfit {
                 step: describe::step(campaign, points.poses.observations[record].step),
                 rms_um: misfit.rms_um,
@@ -65,43 +66,43 @@ pub(crate) fn misfits(campaign: &Campaign, points: &PointPoses, declared: bool) 
     found
 }
 
+/// A record that fails, with its test and p-value.
+type Failing = (usize, RigidMisfit, f64);
+
 /// Failing records of one run with their test against the mean shape of the others. The sum of
 /// squares is in units of the noise that most steps show.
 fn failing(
     records: &[usize],
-    fits: &[StepFit],
+    fits: &[&StepPose],
     declared: bool,
     level: f64,
-) -> Vec<(usize, Misfit, f64)> {
+) -> Vec<Failing> {
     let Some(&first) = records.first() else {
         return Vec::new();
     };
-    let against_shape = |shape: &[Vector3<f64>]| -> Vec<(usize, Misfit, f64)> {
-        let mut tested: Vec<(usize, Misfit)> = in_order::map(records.len(), |n| {
+    let against_shape = |shape: &[Vector3<f64>]| -> Vec<Failing> {
+        let mut tested: Vec<(usize, RigidMisfit)> = in_order::map(records.len(), |n| {
             let i = records[n];
-            (i, against(&fits[i], shape))
+            (i, against(fits[i], shape))
         });
         let variance = typical_variance(&tested, declared);
         tested
             .iter_mut()
             .for_each(|(_, misfit)| misfit.chi_squared /= variance);
-        let with_p = |(i, misfit): (usize, Misfit)| {
+        let with_p = |(i, misfit): (usize, RigidMisfit)| {
             let degrees_of_freedom = misfit.degrees_of_freedom as f64;
-            (
-                i,
-                misfit,
-                chi_squared_upper_tail(misfit.chi_squared, degrees_of_freedom),
-            )
+            let p_value = chi_squared_upper_tail(misfit.chi_squared, degrees_of_freedom);
+            (i, misfit, p_value)
         };
         let tested = tested.into_iter().map(with_p);
-        tested.filter(|&(_, _, p_value)| p_value < level).collect()
+        tested.filter(|(_, _, p_value)| *p_value < level).collect()
     };
-    let shape_of = |combine: fn(Vec<f64>) -> f64, without: &[(usize, Misfit, f64)]| {
+    let shape_of = |combine: fn(Vec<f64>) -> f64, without: &[Failing]| {
         let kept = records
             .iter()
             .filter(|&&i| without.binary_search_by_key(&i, |bad| bad.0).is_err());
-        let kept: Vec<&StepFit> = kept.map(|&i| &fits[i]).collect();
-        let targets = 0..fits[first].levers_mm.len();
+        let kept: Vec<&StepPose> = kept.map(|&i| fits[i]).collect();
+        let targets = 0..fits[first].deltas_mm.len();
         let coordinate = |target: usize, c: usize| {
             combine(
                 kept.iter()
@@ -122,10 +123,10 @@ fn failing(
 
 /// The factor on the variance that makes the median sum of squares what chi-squared says; not below
 /// one if the noise is declared.
-fn typical_variance(tested: &[(usize, Misfit)], declared: bool) -> f64 {
+fn typical_variance(tested: &[(usize, RigidMisfit)], declared: bool) -> f64 {
     // Median of chi-squared by Wilson and Hilferty.
     let expected = |degrees: f64| degrees * (1.0 - 2.0 / (9.0 * degrees)).powi(3);
-    let ratio = |(_, misfit): &(usize, Misfit)| {
+    let ratio = |(_, misfit): &(usize, RigidMisfit)| {
         misfit.chi_squared / expected(misfit.degrees_of_freedom as f64)
     };
     let typical = median(tested.iter().map(ratio).collect());
@@ -151,14 +152,14 @@ fn mean(values: Vec<f64>) -> f64 {
 }
 
 /// The test of a record against another shape of the targets.
-fn against(fit: &StepFit, shape: &[Vector3<f64>]) -> Misfit {
-    let datum_from_home = fit.home_from_datum.transpose();
-    let deltas = fit.deltas_mm.iter().zip(shape);
+fn against(step: &StepPose, shape: &[Vector3<f64>]) -> RigidMisfit {
+    let points_from_home = step.home_from_points.transpose();
+    let deltas = step.deltas_mm.iter().zip(shape);
     let deltas: Vec<Vector3<f64>> = deltas
-        .map(|(delta, w)| delta - datum_from_home * w)
+        .map(|(delta, w)| delta - points_from_home * w)
         .collect();
     // Both succeeded with these targets and this covariance when the record was identified.
-    nine(&fit.levers_mm)
-        .and_then(|operator| rigid_misfit(&operator, &deltas, &fit.covariance))
-        .map_or(fit.misfit, |misfit| Misfit::from(&misfit))
+    nine(step.pose.from_points.targets_mm())
+        .and_then(|operator| rigid_misfit(&operator, &deltas, &step.about_shape))
+        .unwrap_or_else(|_| step.pose.misfit.clone())
 }

@@ -1,6 +1,6 @@
 //! The headline verb: a campaign to a diagnosis.
 
-use trueaxis_calibrate::{Calibration, calibrate};
+use trueaxis_calibrate::{Calibration, LengthsAdjustment, calibrate_with_adjustment};
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::Scene;
 
@@ -36,8 +36,11 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         calibration: None,
         notices: Vec::new(),
     };
+    let mut adjustment = None;
     if measured {
-        diagnosis.calibration = Some(calibrated(campaign, settings, &mut diagnosis.notices)?);
+        let (calibration, of_lengths) = calibrated(campaign, settings, &mut diagnosis.notices)?;
+        diagnosis.calibration = Some(calibration);
+        adjustment = of_lengths;
     }
     let explained = |calibration: Option<&Calibration>| {
         let wanted = calibration.filter(|_| settings.explain_curves);
@@ -49,7 +52,7 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
             campaign
                 .lengths
                 .as_ref()
-                .map(|lengths| diagnose_lengths(campaign, lengths))
+                .map(|lengths| diagnose_lengths(campaign, lengths, adjustment.as_ref()))
         },
         || explained(as_measured.as_ref()),
     );
@@ -122,7 +125,7 @@ fn with_lengths(
         );
     } else if !outcome.causes.is_empty() {
         let corrected = without_effects(campaign, lengths, &outcome.effects_mm);
-        let better = calibrated(&corrected, settings, &mut diagnosis.notices)?;
+        let (better, _) = calibrated(&corrected, settings, &mut diagnosis.notices)?;
         for cause in &mut outcome.causes {
             if let Some(calibration) = &diagnosis.calibration {
                 cause.changes = changes(calibration, &better);
@@ -196,7 +199,7 @@ fn calibrated(
     campaign: &Campaign,
     settings: &Settings,
     notices: &mut Vec<String>,
-) -> Result<Calibration, Error> {
+) -> Result<(Calibration, Option<LengthsAdjustment>), Error> {
     let mut wanted = trueaxis_calibrate::Settings {
         covariance: true,
         ..settings.calibration
@@ -204,7 +207,7 @@ fn calibrated(
     let mut given_up = Vec::new();
     let mut first = None;
     loop {
-        let error = match calibrate(campaign, &wanted) {
+        let error = match calibrate_with_adjustment(campaign, &wanted) {
             Ok(calibration) => {
                 notices.extend(given_up);
                 return Ok(calibration);

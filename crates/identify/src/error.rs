@@ -136,3 +136,14 @@ pub enum Error {
         measured: usize,
     },
 }
+
+/// A step that gives no pose.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("step {step}")]
+pub struct StepError {
+    /// Number of the step, from 0.
+    pub step: usize,
+    /// Why.
+    #[source]
+    pub error: Error,
+}

@@ -56,6 +56,7 @@
 //! ([`trueaxis_kinematics::generalised_coordinates`] does), and it leaves squareness and other
 //! location errors in what it finds: separating them needs all steps of a run.
 
+mod body;
 mod closed_form;
 mod covariance;
 mod design;
@@ -68,9 +69,10 @@ mod rigid_factors;
 mod six_rows;
 mod triangle;
 
+pub use body::{BodyNoise, BodyPoseNoise, BodyPoses, BodyStep, StepPose, poses_of_body};
 pub use closed_form::closed_form;
 pub use design::equations;
-pub use error::Error;
+pub use error::{Error, StepError};
 pub use misfit::{RigidMisfit, rigid_misfit};
 pub use nine::{nine, nine_weighted};
 pub use operator::Operator;

@@ -1,11 +1,13 @@
 //! The joint adjustment with rigid stages, with and without causes.
 
-use trueaxis_calibrate::{LengthCircumstances as Reading, length_circumstances, scene_of};
+use trueaxis_calibrate::{
+    LengthCircumstances as Reading, LengthsAdjustment, Method, length_circumstances, scene_of,
+};
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{Displaced, ResolvedEffect, Scene, displacement};
 use trueaxis_multilateration::{
-    Bodies, CampaignNetwork, Group, Network, Noise, RigidSolution, Settings, Whitened,
-    estimate_rigid_noise, network_from_campaign, screen, solve, solve_rigid,
+    CampaignNetwork, Group, Network, Noise, Settings, Solution, Whitened, estimate_noise,
+    network_from_campaign, solve, solve_from,
 };
 
 use crate::Error;
@@ -18,10 +20,9 @@ pub(crate) struct Base<'a> {
     pub(crate) scene: Scene,
     pub(crate) network: Network,
     pub(crate) groups: Vec<Group>,
-    bodies: Bodies,
     pub(crate) readings: Vec<Reading>,
     /// Solution without causes: where the others start.
-    start: RigidSolution,
+    pub(crate) start: Solution,
     declared: bool,
     /// Readings that were left out as gross errors.
     pub(crate) left_out: Vec<LeftOut>,
@@ -46,7 +47,7 @@ pub(crate) struct Suspect {
 pub(crate) struct Adjusted {
     /// The network with the noise used; its lengths are less what the causes do to them.
     pub(crate) network: Network,
-    pub(crate) solution: RigidSolution,
+    pub(crate) solution: Solution,
     /// Whitened rows of the rigid model.
     pub(crate) whitened: Whitened,
     /// What neither the rigid model nor the causes absorb.
@@ -69,36 +70,45 @@ const RESTS: f64 = 1e-3;
 const MAX_ITERATIONS: usize = 8;
 
 impl<'a> Base<'a> {
-    /// Adjusts a campaign's lengths without causes. Single gross errors are left out; interrupted
-    /// beams are not split, since these are to be found.
-    pub(crate) fn new(campaign: &'a Campaign, lengths: &Lengths) -> Result<Self, Error> {
-        let settings = Settings::default();
+    /// The lengths as their calibration adjusted them, without causes. Single gross errors are left out;
+    /// interrupted beams are not split, since these are to be found.
+    pub(crate) fn new(
+        campaign: &'a Campaign,
+        lengths: &Lengths,
+        adjustment: Option<&LengthsAdjustment>,
+    ) -> Result<Self, Error> {
         let all = network_from_campaign(campaign, lengths, false);
-        let removed: Vec<usize> = match screen(&all.network, is_declared(campaign), &settings) {
-            Ok(screened) => screened.removed.iter().map(|r| r.reading).collect(),
-            Err(_) => Vec::new(),
-        };
+        let removed = adjustment.iter().flat_map(|adjustment| &adjustment.screened.removed);
+        let removed: Vec<usize> = removed.map(|removed| removed.reading).collect();
         let few = removed.len() as f64 <= MOST_GROSS * all.network.readings.len() as f64;
         let many_gross = if few { 0 } else { removed.len() };
         let removed = if few { removed } else { Vec::new() };
-        let base = Self::leaving_out(campaign, lengths, all, &removed)?;
+        // With other groups it is no start.
+        let same = |adjustment: &&LengthsAdjustment| {
+            adjustment.method == Method::Joint && !adjustment.by_direction
+        };
+        let near = adjustment.filter(same).map(|adjustment| &*adjustment.screened.solution);
+        let base = Self::leaving_out(campaign, lengths, all, &removed, near)?;
         Ok(Self { many_gross, ..base })
     }
 
-    /// Adjusts a campaign's lengths without causes and without the readings `removed` (ascending).
+    /// Adjusts a campaign's lengths without causes and without the readings `removed` (ascending), from a
+    /// solution of the same steps if there is one.
     pub(crate) fn leaving_out(
         campaign: &'a Campaign,
         lengths: &Lengths,
         all: CampaignNetwork,
         removed: &[usize],
+        near: Option<&Solution>,
     ) -> Result<Self, Error> {
         let settings = Settings::default();
         let CampaignNetwork { network, groups } = all;
         let left_out = LeftOut::of(campaign, lengths, &network, &groups, removed);
         let (network, kept) = network.without(removed);
-        let free = solve(&network, &settings)?;
-        let bodies = Bodies::of_campaign(campaign, &groups)?;
-        let start = solve_rigid(&network, &bodies, &free, &settings)?;
+        let start = match near {
+            Some(near) => solve_from(&network, near, &settings)?,
+            None => solve(&network, &settings)?,
+        };
         let readings = length_circumstances(campaign, lengths, &network, &groups, &kept);
         Ok(Self {
             campaign,
@@ -110,7 +120,6 @@ impl<'a> Base<'a> {
             left_out,
             network,
             groups,
-            bodies,
         })
     }
 
@@ -128,19 +137,13 @@ impl<'a> Base<'a> {
             self.correct(&mut network, &solution, &suspects);
             if let Some(noise) = noise {
                 network.noise = noise;
-                solution = solution.solve_again(&network, &self.bodies, &settings)?;
+                solution = solve_from(&network, &solution, &settings)?;
             } else {
                 network.noise = self.network.noise;
-                solution = solution.solve_again(&network, &self.bodies, &settings)?;
-                estimate_rigid_noise(
-                    &mut network,
-                    &self.bodies,
-                    &mut solution,
-                    self.declared,
-                    &settings,
-                )?;
+                solution = solve_from(&network, &solution, &settings)?;
+                estimate_noise(&mut network, &mut solution, self.declared, &settings)?;
             }
-            let whitened = Whitened::rigid(&network, &self.bodies, &solution);
+            let whitened = Whitened::new(&network, &solution);
             let bare = Projection::of_network(&whitened);
             let mut adjusted = Adjusted {
                 network,
@@ -189,10 +192,8 @@ impl<'a> Base<'a> {
         let mut network = self.network.clone();
         network.noise = noise;
         self.correct(&mut network, &self.start, &suspects);
-        let solution = self
-            .start
-            .solve_again(&network, &self.bodies, &Settings::default())?;
-        let whitened = Whitened::rigid(&network, &self.bodies, &solution);
+        let solution = solve_from(&network, &self.start, &Settings::default())?;
+        let whitened = Whitened::new(&network, &solution);
         Ok(Adjusted {
             projection: Projection::of_network(&whitened),
             network,
@@ -203,7 +204,7 @@ impl<'a> Base<'a> {
     }
 
     /// The lengths less what the causes do to them: exact distances between displaced points.
-    fn correct(&self, network: &mut Network, solution: &RigidSolution, suspects: &[Suspect]) {
+    fn correct(&self, network: &mut Network, solution: &Solution, suspects: &[Suspect]) {
         for (i, reading) in self.readings.iter().enumerate() {
             let measured_mm = self.network.readings[i].length_mm;
             network.readings[i].length_mm =
@@ -215,7 +216,7 @@ impl<'a> Base<'a> {
     pub(crate) fn effect_mm(
         &self,
         reading: &Reading,
-        solution: &RigidSolution,
+        solution: &Solution,
         suspects: &[Suspect],
     ) -> f64 {
         if suspects.is_empty() {
@@ -303,15 +304,12 @@ impl<'a> Base<'a> {
 
     /// The same campaign with another network and its readings.
     fn with_network(&self, network: Network, readings: Vec<Reading>) -> Result<Self, Error> {
-        let start = self
-            .start
-            .solve_again(&network, &self.bodies, &Settings::default())?;
+        let start = solve_from(&network, &self.start, &Settings::default())?;
         Ok(Self {
             campaign: self.campaign,
             scene: self.scene.clone(),
             network,
             groups: self.groups.clone(),
-            bodies: self.bodies.clone(),
             readings,
             start,
             declared: self.declared,

@@ -1,5 +1,6 @@
 //! The search for causes in the lengths.
 
+use trueaxis_calibrate::LengthsAdjustment;
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::Level;
 use trueaxis_multilateration::network_from_campaign;
@@ -34,12 +35,14 @@ pub(crate) struct LengthsOutcome {
     pub(crate) effects_mm: Vec<f64>,
 }
 
-/// Finds what the lengths contradict in the rigid, quasi-static model, and why.
+/// Finds what the lengths contradict in the rigid, quasi-static model, and why, from the adjustment of their
+/// calibration.
 pub(crate) fn diagnose_lengths(
     campaign: &Campaign,
     lengths: &Lengths,
+    adjustment: Option<&LengthsAdjustment>,
 ) -> Result<LengthsOutcome, Error> {
-    let mut base = Base::new(campaign, lengths)?;
+    let mut base = Base::new(campaign, lengths, adjustment)?;
     let mut looked = look(&base)?;
     let gross = if are_in_a_row(&base, lengths) {
         Vec::new()
@@ -50,7 +53,7 @@ pub(crate) fn diagnose_lengths(
     };
     if gross.len() < base.left_out.len() {
         let all = network_from_campaign(campaign, lengths, false);
-        base = Base::leaving_out(campaign, lengths, all, &gross)?;
+        base = Base::leaving_out(campaign, lengths, all, &gross, Some(&base.start))?;
         looked = look(&base)?;
     }
     let Looked {

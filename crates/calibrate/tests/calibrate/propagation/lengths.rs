@@ -29,16 +29,25 @@ pub(crate) fn covariances(campaign: &Campaign, calibration: &Calibration) -> [DM
 }
 
 #[test]
-fn lengths_propagate_to_everything() {
+fn lengths_propagate_to_everything_jointly() {
+    assert_propagates("joint adjustment", Method::Joint);
+}
+
+#[test]
+fn lengths_propagate_to_everything_by_nine_equations() {
+    assert_propagates("nine equations", Method::Nine);
+}
+
+fn assert_propagates(what: &str, method: Method) {
     let campaign = simulated(&two_branches());
     let count = campaign.lengths.as_ref().unwrap().readings.len();
     let response = Response::new(&campaign, count, |i, step_mm| {
         let mut changed = campaign.clone();
         changed.lengths.as_mut().unwrap().readings[i].length_mm += step_mm;
-        calibrate(&changed, &settings(Method::Nine)).unwrap()
+        calibrate(&changed, &settings(method)).unwrap()
     });
     let [own, whole] = covariances(&campaign, &response.stated);
-    response.assert_stated("lengths", &campaign, &whole);
+    response.assert_stated(what, &campaign, &whole);
 
     let (of_laser, all) = (response.propagated(&own), response.propagated(&whole));
     for (i, (budget, dof)) in response.budgets().into_iter().enumerate() {
@@ -55,7 +64,7 @@ fn lengths_propagate_to_everything() {
 fn a_machine_that_returns_exactly_has_no_part() {
     let mut campaign = simulated(&two_branches());
     campaign.instrument.repeatability_um = Some(0.0);
-    let calibration = calibrate(&campaign, &settings(Method::Nine)).unwrap();
+    let calibration = calibrate(&campaign, &settings(Method::Joint)).unwrap();
     let nodes = calibration.axes.iter().flat_map(|axis| &axis.nodes);
     let locations = calibration
         .axes
@@ -76,7 +85,7 @@ fn a_machine_that_returns_exactly_has_no_part() {
 #[test]
 fn covariance_and_uncertainties_agree() {
     let campaign = simulated(&two_branches());
-    let calibration = calibrate(&campaign, &settings(Method::Nine)).unwrap();
+    let calibration = calibrate(&campaign, &settings(Method::Joint)).unwrap();
     let covariance = calibration.covariance.as_ref().unwrap();
     let matrix = &covariance.matrix;
     assert_eq!(*matrix, matrix.transpose());

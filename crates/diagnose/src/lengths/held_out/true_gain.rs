@@ -71,7 +71,7 @@ fn case(
     let scenario = disturbed(scenario, &mut generator);
     let measured = |seed: u64| simulate(&scenario, seed).unwrap().campaign;
     let campaign = measured(1000 * seed);
-    let base = Base::new(&campaign, campaign.lengths.as_ref().unwrap()).unwrap();
+    let base = Base::new(&campaign, campaign.lengths.as_ref().unwrap(), None).unwrap();
     let looked = look(&base).unwrap();
     if looked.named.found.is_empty() {
         return None;
@@ -83,7 +83,7 @@ fn case(
         let lengths = campaign.lengths.as_ref().unwrap();
         let all = trueaxis_multilateration::network_from_campaign(&campaign, lengths, false);
         let gross: Vec<usize> = base.left_out.iter().map(|l| l.number).collect();
-        let fresh = Base::leaving_out(&campaign, lengths, all, &gross).unwrap();
+        let fresh = Base::leaving_out(&campaign, lengths, all, &gross, None).unwrap();
         let squares = squares_on(&fresh, &base, &looked.plain, &looked.named.adjusted);
         sums = [sums[0] + squares[0], sums[1] + squares[1]];
     }
@@ -163,7 +163,7 @@ fn six_stations(effect: &str) -> Scenario {
 
 fn stations_out(effect: &str) -> HeldOut {
     let campaign = simulate(&six_stations(effect), 5).unwrap().campaign;
-    let base = Base::new(&campaign, campaign.lengths.as_ref().unwrap()).unwrap();
+    let base = Base::new(&campaign, campaign.lengths.as_ref().unwrap(), None).unwrap();
     let looked = look(&base).unwrap();
     assert!(!looked.named.found.is_empty());
     held_out_stations(&base, &looked.named.adjusted)
