@@ -71,9 +71,22 @@ const HOME_TOL_RAD: f64 = 1e-9;
 /// Sorts the measured groups by the axis under test.
 pub(crate) fn by_axis(campaign: &Campaign, measured: &Measured) -> Result<Vec<AxisData>, Error> {
     let mut all: Vec<AxisData> = Vec::new();
+    let axis_of = |step: usize| campaign.runs[campaign.steps[step].run].axis;
+    let is_moved = |step: usize, target: usize| {
+        let carrier = campaign.targets[target].carrier;
+        campaign.machine.chain(carrier).contains(&axis_of(step))
+    };
+    let mut moves_some = vec![false; campaign.steps.len()];
+    for group in &measured.groups {
+        moves_some[group.step] |= group.targets.iter().any(|&t| is_moved(group.step, t));
+    }
     for (group, content) in measured.groups.iter().enumerate() {
         let step = &campaign.steps[content.step];
-        let axis = campaign.runs[step.run].axis;
+        let axis = axis_of(content.step);
+        // Targets that stand still are a group of their own.
+        if moves_some[content.step] && !content.targets.iter().any(|&t| is_moved(content.step, t)) {
+            continue;
+        }
         let place = all
             .iter()
             .position(|data| data.axis == axis)
@@ -104,12 +117,7 @@ pub(crate) fn by_axis(campaign: &Campaign, measured: &Measured) -> Result<Vec<Ax
                 });
                 data.runs.len() - 1
             });
-        let moved = |&(_, target): &(usize, &usize)| {
-            campaign
-                .machine
-                .chain(campaign.targets[*target].carrier)
-                .contains(&axis)
-        };
+        let moved = |&(_, &target): &(usize, &usize)| is_moved(content.step, target);
         let targets: Vec<(usize, usize)> = content
             .targets
             .iter()

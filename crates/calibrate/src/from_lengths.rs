@@ -24,8 +24,11 @@ pub(crate) fn measure(
     lengths: &Lengths,
     settings: &Settings,
 ) -> Result<(Measured, Arc<Screened>, Vec<String>), Error> {
-    let CampaignNetwork { network, groups } =
-        network_from_campaign(campaign, lengths, settings.by_direction);
+    let CampaignNetwork {
+        mut network,
+        groups,
+    } = network_from_campaign(campaign, lengths, settings.by_direction);
+    network.bodies = None;
     let declared = is_noise_declared(campaign);
     let adjustment = trueaxis_multilateration::Settings::default();
     let adjust = if settings.robust {

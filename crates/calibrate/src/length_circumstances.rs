@@ -92,6 +92,10 @@ pub fn length_circumstances(
         }
     }
     let speeds = speeds(campaign, lengths);
+    let mut groups_of_step = vec![Vec::new(); campaign.steps.len()];
+    for (g, group) in groups.iter().enumerate() {
+        groups_of_step[group.step].push(g);
+    }
     let (mut sweep, mut sweep_of_turn) = (0, 0);
     let mut earlier: Option<(usize, u32, usize, Direction)> = None;
     let mut all = Vec::with_capacity(kept.len());
@@ -108,14 +112,22 @@ pub fn length_circumstances(
             };
         }
         earlier = Some(key);
-        let visit = &network.visits[number];
-        let group = &groups[visit.group];
         for i in stop.readings.clone() {
             if kept.binary_search(&i).is_err() {
                 continue;
             }
             let reading = &lengths.readings[i];
-            let place = group.targets.partition_point(|&t| t < reading.target);
+            let of_step = || groups_of_step[stop.step].iter().copied();
+            let holds = |&g: &usize| {
+                let group = &groups[g];
+                group.direction.is_none_or(|side| side == stop.direction)
+                    && group.targets.binary_search(&reading.target).is_ok()
+            };
+            // Each length is in one group.
+            let Some(group) = of_step().find(holds) else {
+                continue;
+            };
+            let place = groups[group].targets.partition_point(|&t| t < reading.target);
             let t = reading.time_s;
             all.push(LengthCircumstances {
                 time_s: t,
@@ -132,8 +144,8 @@ pub fn length_circumstances(
                 step: stop.step,
                 sweep,
                 sweep_of_turn,
-                point: network.groups[visit.group].start + place,
-                group: visit.group,
+                point: network.groups[group].start + place,
+                group,
             });
         }
     }

@@ -15,7 +15,7 @@ use faer::MatRef;
 use nalgebra::DMatrix;
 use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product};
 use trueaxis_leastsquares::{CovarianceLanes, LANES, Lanes, side_by_side, zeros};
-use trueaxis_multilateration::{BatchNoise, LengthNoise, Screened};
+use trueaxis_multilateration::{BlockNoise, Screened};
 
 use crate::record_chunks::{Chunk, batch_of};
 
@@ -32,7 +32,7 @@ pub(crate) enum NoiseSource<'a> {
     /// From the adjustment of lengths.
     Adjusted(Arc<Screened>),
     /// The lengths' own noise alone.
-    Lengths(Box<LengthNoise<'a>>),
+    Lengths(Box<BlockNoise<'a>>),
     /// Independent groups with these covariances.
     Independent(Vec<DMatrix<f64>>),
 }
@@ -47,7 +47,14 @@ pub(crate) struct ChunkErrors {
     coupling: Vec<Lanes>,
     factors: CovarianceLanes,
     /// Of all points of the groups, in units of the variance factor, whatever the source.
-    of_groups: BatchNoise,
+    of_groups: OfGroups,
+}
+
+/// `D` and `Z` of all points of the groups, rows one after the other.
+#[derive(Debug, Default)]
+struct OfGroups {
+    own: Vec<Lanes>,
+    coupling: Vec<Lanes>,
 }
 
 impl ChunkErrors {
@@ -118,7 +125,22 @@ impl PointNoise<'_> {
                     of_groups.coupling.extend_from_slice(z.row(i));
                 }
             }
-            NoiseSource::Lengths(noise) => noise.batch(groups, of_groups),
+            NoiseSource::Lengths(noise) => {
+                // Columns of the transpose are the rows.
+                let blocks: Vec<_> = groups
+                    .clone()
+                    .map(|group| noise.block(group))
+                    .map(|(own, coupling)| (own, coupling.transpose()))
+                    .collect();
+                let (mut own, mut coupling): ([&[f64]; LANES], [&[f64]; LANES]) =
+                    ([&[]; LANES], [&[]; LANES]);
+                for (lane, block) in blocks.iter().enumerate() {
+                    own[lane] = block.0.as_slice();
+                    coupling[lane] = block.1.as_slice();
+                }
+                side_by_side(own, own[0].len(), &mut of_groups.own);
+                side_by_side(coupling, coupling[0].len(), &mut of_groups.coupling);
+            }
             NoiseSource::Independent(blocks) => {
                 let mut slices: [&[f64]; LANES] = [&[]; LANES];
                 for (slice, group) in slices.iter_mut().zip(groups.clone()) {
@@ -149,7 +171,7 @@ impl PointNoise<'_> {
             NoiseSource::Adjusted(screened) => {
                 dense(screened.solution.covariance.reduced_inverse())
             }
-            NoiseSource::Lengths(noise) => dense(noise.shared().as_ref()),
+            NoiseSource::Lengths(noise) => noise.shared().clone(),
             NoiseSource::Independent(_) => DMatrix::zeros(0, 0),
         };
         unscaled * self.variance_factor

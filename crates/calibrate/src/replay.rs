@@ -162,9 +162,9 @@ impl Replay<'_> {
         match (&self.source, lengths) {
             (Source::Lengths { trials, .. }, Some(lengths)) => {
                 let solved = trials.solve(errors_mm, lengths);
-                let [x, y, z] = solved.points_mm();
-                for (i, point) in points_mm.iter_mut().enumerate() {
-                    *point = self.measured.points_mm[i] + Vector3::new(x[i], y[i], z[i]);
+                let moved = self.measured.points_mm.iter().zip(solved.points_mm());
+                for (point, (own, by)) in points_mm.iter_mut().zip(moved) {
+                    *point = own + by;
                 }
                 corrections = Some(solved);
             }

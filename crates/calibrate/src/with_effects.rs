@@ -75,7 +75,11 @@ struct AdjustedLengths<'a> {
 
 impl<'a> AdjustedLengths<'a> {
     fn new(campaign: &'a Campaign, lengths: &Lengths) -> Result<Self, Error> {
-        let CampaignNetwork { network, groups } = network_from_campaign(campaign, lengths, false);
+        let CampaignNetwork {
+            mut network,
+            groups,
+        } = network_from_campaign(campaign, lengths, false);
+        network.bodies = None;
         let solution = solve(&network, &trueaxis_multilateration::Settings::default())
             .map_err(|error| adjustment_error(campaign, lengths, &groups, error))?;
         let all: Vec<usize> = (0..lengths.readings.len()).collect();

@@ -1,7 +1,7 @@
 //! The level of the tracker's lengths.
 //!
 //! The base model is the joint adjustment with rigid stages
-//! ([`trueaxis_multilateration::solve_rigid`]): six pose parameters for each step, common to all
+//! ([`trueaxis_multilateration::solve`]): six pose parameters for each step, common to all
 //! stations, repeats and directions; target shapes common to all steps; stations and dead paths. What
 //! the lengths contradict in it, no geometry of a rigid machine that comes back to its poses can
 //! explain. The noise is that of a length and that of the machine's return, common to a stop

@@ -4,8 +4,8 @@ use trueaxis_calibrate::{LengthCircumstances as Reading, length_circumstances, s
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{Displaced, ResolvedEffect, Scene, displacement};
 use trueaxis_multilateration::{
-    Bodies, CampaignNetwork, Group, Network, Noise, RigidSolution, Settings, Whitened,
-    estimate_rigid_noise, network_from_campaign, screen, solve, solve_rigid,
+    CampaignNetwork, Group, Network, Noise, Settings, Solution, Whitened, estimate_noise,
+    network_from_campaign, screen, solve, solve_from,
 };
 
 use crate::Error;
@@ -18,10 +18,9 @@ pub(crate) struct Base<'a> {
     pub(crate) scene: Scene,
     pub(crate) network: Network,
     pub(crate) groups: Vec<Group>,
-    bodies: Bodies,
     pub(crate) readings: Vec<Reading>,
     /// Solution without causes: where the others start.
-    start: RigidSolution,
+    start: Solution,
     declared: bool,
     /// Readings that were left out as gross errors.
     pub(crate) left_out: Vec<LeftOut>,
@@ -46,7 +45,7 @@ pub(crate) struct Suspect {
 pub(crate) struct Adjusted {
     /// The network with the noise used; its lengths are less what the causes do to them.
     pub(crate) network: Network,
-    pub(crate) solution: RigidSolution,
+    pub(crate) solution: Solution,
     /// Whitened rows of the rigid model.
     pub(crate) whitened: Whitened,
     /// What neither the rigid model nor the causes absorb.
@@ -96,9 +95,7 @@ impl<'a> Base<'a> {
         let CampaignNetwork { network, groups } = all;
         let left_out = LeftOut::of(campaign, lengths, &network, &groups, removed);
         let (network, kept) = network.without(removed);
-        let free = solve(&network, &settings)?;
-        let bodies = Bodies::of_campaign(campaign, &groups)?;
-        let start = solve_rigid(&network, &bodies, &free, &settings)?;
+        let start = solve(&network, &settings)?;
         let readings = length_circumstances(campaign, lengths, &network, &groups, &kept);
         Ok(Self {
             campaign,
@@ -110,7 +107,6 @@ impl<'a> Base<'a> {
             left_out,
             network,
             groups,
-            bodies,
         })
     }
 
@@ -128,19 +124,13 @@ impl<'a> Base<'a> {
             self.correct(&mut network, &solution, &suspects);
             if let Some(noise) = noise {
                 network.noise = noise;
-                solution = solution.solve_again(&network, &self.bodies, &settings)?;
+                solution = solve_from(&network, &solution, &settings)?;
             } else {
                 network.noise = self.network.noise;
-                solution = solution.solve_again(&network, &self.bodies, &settings)?;
-                estimate_rigid_noise(
-                    &mut network,
-                    &self.bodies,
-                    &mut solution,
-                    self.declared,
-                    &settings,
-                )?;
+                solution = solve_from(&network, &solution, &settings)?;
+                estimate_noise(&mut network, &mut solution, self.declared, &settings)?;
             }
-            let whitened = Whitened::rigid(&network, &self.bodies, &solution);
+            let whitened = Whitened::new(&network, &solution);
             let bare = Projection::of_network(&whitened);
             let mut adjusted = Adjusted {
                 network,
@@ -189,10 +179,8 @@ impl<'a> Base<'a> {
         let mut network = self.network.clone();
         network.noise = noise;
         self.correct(&mut network, &self.start, &suspects);
-        let solution = self
-            .start
-            .solve_again(&network, &self.bodies, &Settings::default())?;
-        let whitened = Whitened::rigid(&network, &self.bodies, &solution);
+        let solution = solve_from(&network, &self.start, &Settings::default())?;
+        let whitened = Whitened::new(&network, &solution);
         Ok(Adjusted {
             projection: Projection::of_network(&whitened),
             network,
@@ -203,7 +191,7 @@ impl<'a> Base<'a> {
     }
 
     /// The lengths less what the causes do to them: exact distances between displaced points.
-    fn correct(&self, network: &mut Network, solution: &RigidSolution, suspects: &[Suspect]) {
+    fn correct(&self, network: &mut Network, solution: &Solution, suspects: &[Suspect]) {
         for (i, reading) in self.readings.iter().enumerate() {
             let measured_mm = self.network.readings[i].length_mm;
             network.readings[i].length_mm =
@@ -215,7 +203,7 @@ impl<'a> Base<'a> {
     pub(crate) fn effect_mm(
         &self,
         reading: &Reading,
-        solution: &RigidSolution,
+        solution: &Solution,
         suspects: &[Suspect],
     ) -> f64 {
         if suspects.is_empty() {
@@ -303,15 +291,12 @@ impl<'a> Base<'a> {
 
     /// The same campaign with another network and its readings.
     fn with_network(&self, network: Network, readings: Vec<Reading>) -> Result<Self, Error> {
-        let start = self
-            .start
-            .solve_again(&network, &self.bodies, &Settings::default())?;
+        let start = solve_from(&network, &self.start, &Settings::default())?;
         Ok(Self {
             campaign: self.campaign,
             scene: self.scene.clone(),
             network,
             groups: self.groups.clone(),
-            bodies: self.bodies.clone(),
             readings,
             start,
             declared: self.declared,

@@ -30,24 +30,16 @@ const NEW_TOL: f64 = 1e-6;
 impl Projection {
     /// That of an adjusted network.
     pub(crate) fn of_network(whitened: &Whitened) -> Self {
-        let rows = whitened.residuals.len();
-        let (own_width, shared_width) = (whitened.own.ncols(), whitened.shared.ncols());
-        let by_rows = |m: &faer::Mat<f64>| {
-            (0..m.nrows())
-                .flat_map(|i| (0..m.ncols()).map(move |k| m[(i, k)]))
-                .collect::<Vec<f64>>()
-        };
-        debug_assert_eq!(whitened.group_of_row.len(), rows);
         Self {
             residuals: whitened.residuals.clone(),
             degrees_of_freedom: whitened.degrees_of_freedom as f64,
             group_of_row: whitened.group_of_row.clone(),
             groups: whitened.groups,
-            own: by_rows(&whitened.own),
-            own_width,
-            shared: by_rows(&whitened.shared),
-            shared_width,
-            sigma: by_rows(&whitened.reduced_inverse),
+            own: whitened.own.clone(),
+            own_width: whitened.own_width,
+            shared: whitened.shared.clone(),
+            shared_width: whitened.shared_width,
+            sigma: whitened.reduced_inverse.clone(),
         }
     }
 
