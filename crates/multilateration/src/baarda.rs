@@ -20,7 +20,6 @@ use crate::Network;
 use crate::batch_influence::{BatchInfluence, BatchRows};
 use crate::batches::Batch;
 use crate::network::VisitsByGroup;
-use crate::passes::GroupModel;
 use crate::slots::Slots;
 
 /// The test of one reading.
@@ -34,6 +33,8 @@ pub(crate) struct ReadingTest {
     pub(crate) sigma_mm: f64,
     /// Part of an error in it that the residuals keep, from 0 to 1.
     pub(crate) kept: f64,
+    /// Redundancy number ([`crate::Solution::redundancy_numbers`]).
+    pub(crate) redundancy: f64,
 }
 
 /// Below this part of a reading's weight, what the residuals keep of an error in it is rounding.
@@ -50,7 +51,7 @@ pub(crate) struct Tests {
 }
 
 /// Tests every reading and every visit.
-pub(crate) fn test_all<M: GroupModel>(influence: &BatchInfluence<'_, M, M::State>) -> Tests {
+pub(crate) fn test_all(influence: &BatchInfluence<'_>) -> Tests {
     let network = influence.network();
     let by_group = network.visits_by_group();
     let batches = influence.batches();
@@ -99,6 +100,7 @@ impl ReadingTest {
         error_mm: 0.0,
         sigma_mm: f64::INFINITY,
         kept: 0.0,
+        redundancy: 0.0,
     };
 }
 
@@ -113,6 +115,8 @@ struct BatchTests {
     /// A whitened error, and that of all readings of a visit.
     unit: Vec<Lanes>,
     all: Vec<Lanes>,
+    /// A row of `L`.
+    row: Vec<Lanes>,
 }
 
 /// The parts of the test of a whitened error `u`, in eight groups.
@@ -122,17 +126,14 @@ struct LaneTest {
     numerator: Lanes,
     denominator: Lanes,
     squares: Lanes,
+    /// `lᵀ K u` with the row `l` of `L` that belongs to a reading: `(L K L⁻¹)_ii`.
+    redundancy: Lanes,
 }
 
 impl BatchTests {
     /// Makes the tests of a batch with these rows.
     #[inline(always)]
-    fn fill<M: GroupModel>(
-        &mut self,
-        influence: &BatchInfluence<'_, M, M::State>,
-        batch: &Batch,
-        rows: &BatchRows,
-    ) {
+    fn fill(&mut self, influence: &BatchInfluence<'_>, batch: &Batch, rows: &BatchRows) {
         let Self {
             readings,
             visits,
@@ -140,6 +141,7 @@ impl BatchTests {
             kept,
             unit,
             all,
+            row,
         } = self;
         readings.clear();
         visits.clear();
@@ -167,9 +169,10 @@ impl BatchTests {
                     unit.push(x);
                     *sum += x;
                 }
-                readings.push(LaneTest::new(unit, kept, residual));
+                visit.fill_factor_row(i, row);
+                readings.push(LaneTest::new(unit, row, kept, residual));
             }
-            visits.push(LaneTest::new(all, kept, residual));
+            visits.push(LaneTest::new(all, all, kept, residual));
         }
     }
 
@@ -206,13 +209,15 @@ impl BatchTests {
 
 impl LaneTest {
     #[inline(always)]
-    fn new(u: &[Lanes], kept: &[Lanes], residual: &[Lanes]) -> Self {
+    fn new(u: &[Lanes], l: &[Lanes], kept: &[Lanes], residual: &[Lanes]) -> Self {
         let mut test = Self {
+            redundancy: Lanes::ZERO,
             numerator: Lanes::ZERO,
             denominator: Lanes::ZERO,
             squares: Lanes::ZERO,
         };
-        for ((x, row), r) in u.iter().zip(kept.chunks_exact(u.len())).zip(residual) {
+        let rows = kept.chunks_exact(u.len()).zip(residual);
+        for ((x, l), (row, r)) in u.iter().zip(l).zip(rows) {
             test.numerator = x.mul_add(*r, test.numerator);
             test.squares = x.mul_add(*x, test.squares);
             let mut along = Lanes::ZERO;
@@ -221,6 +226,7 @@ impl LaneTest {
                 along = k.mul_add(*other, along);
             }
             test.denominator = x.mul_add(along, test.denominator);
+            test.redundancy = l.mul_add(along, test.redundancy);
         }
         test
     }
@@ -232,8 +238,12 @@ impl LaneTest {
 
     /// The test of a reading whose own variance is inflated by so much, mm².
     fn reading(&self, lane: usize, inflation: f64) -> ReadingTest {
+        let redundancy = self.redundancy.0[lane];
         if !self.is_checked(lane) {
-            return ReadingTest::UNCHECKED;
+            return ReadingTest {
+                redundancy,
+                ..ReadingTest::UNCHECKED
+            };
         }
         let denominator = self.denominator.0[lane];
         let error_mm = self.numerator.0[lane] / denominator;
@@ -245,6 +255,7 @@ impl LaneTest {
             error_mm,
             sigma_mm,
             kept: denominator / self.squares.0[lane],
+            redundancy,
         }
     }
 

@@ -1,4 +1,13 @@
-//! The hat matrix of a solved network, batch by batch: [`crate::influence`] eight groups at a time.
+//! How the whitened lengths enter a solved network: the rows of the hat matrix, batch by batch.
+//!
+//! With the whitened Jacobian `J = [A | B]` of a group and the factors `R⁻¹`, `Z`, `Σ` of the covariance
+//! ([`trueaxis_leastsquares::Covariance`]):
+//!
+//! ```text
+//! J Q Jᵀ = [same group] O Oᵀ + T Σ Tᵀ      O = A R⁻¹      T = B - A Z
+//! ```
+//!
+//! so what needs the hat matrix is linear in the number of lengths.
 
 use std::ops::Range;
 
@@ -6,29 +15,25 @@ use rayon::prelude::*;
 use trueaxis_leastsquares::lane_products::{LaneMatrix, SharedMatrix};
 use trueaxis_leastsquares::{Covariance, HatRows, Lanes, in_widest_registers, lanes_only, zeros};
 
+use crate::adjustment::GroupAdjustment;
 use crate::batches::{Batch, batches};
-use crate::bodies::Bodies;
-use crate::free_adjustment::FreeAdjustment;
-use crate::free_points::State;
+use crate::bodies::{Bodies, Deformations};
+use crate::datum::Datum;
 use crate::linearise::{is_read, own_variance};
 use crate::noise::factor_len;
-use crate::passes::{Gauge, GroupModel, Memory};
-use crate::rigid_adjustment::RigidAdjustment;
-use crate::rigid_stages::RigidState;
+use crate::passes::{Gauge, Memory};
 use crate::slots::SlotVisit;
-use crate::{Network, RigidSolution, Solution};
+use crate::state::State;
+use crate::{Network, Solution};
 
 /// Batches that one thread takes at a time, and that one partial sum is made of.
 const PIECE: usize = 32;
 
 /// A solved network, ready to say what each batch contributed.
-///
-/// `S` is the state of the model `M`. As a parameter: with `M::State` the type would be invariant in its
-/// lifetime.
-pub(crate) struct BatchInfluence<'a, M, S> {
+pub(crate) struct BatchInfluence<'a> {
     network: &'a Network,
-    model: M,
-    state: S,
+    model: GroupAdjustment<'a>,
+    state: State,
     covariance: &'a Covariance,
 }
 
@@ -46,36 +51,16 @@ pub(crate) struct BatchRows {
     pub(crate) there: Vec<Lanes>,
 }
 
-impl<'a> BatchInfluence<'a, FreeAdjustment<'a>, State> {
-    /// Of free points; `network` must be the one that `solution` solved.
+impl<'a> BatchInfluence<'a> {
+    /// `network` must be the one that `solution` solved.
     pub(crate) fn new(network: &'a Network, solution: &'a Solution) -> Self {
         let state = solution.state();
         let batches = std::sync::Arc::new(batches(network));
-        let model = FreeAdjustment::new(network, &batches, &state);
-        Self::of_model(network, (model, state), &solution.covariance)
-    }
-}
-
-impl<'a> BatchInfluence<'a, RigidAdjustment<'a>, RigidState> {
-    /// Of rigid stages; `network` must be the one that `solution` solved.
-    pub(crate) fn rigid(
-        network: &'a Network,
-        bodies: &'a Bodies,
-        solution: &'a RigidSolution,
-    ) -> Self {
-        let state = solution.state();
-        let model = RigidAdjustment::new(network, bodies, &state.free);
-        Self::of_model(network, (model, state), &solution.covariance)
-    }
-}
-
-impl<'a, M: GroupModel<State = S>, S: Sync> BatchInfluence<'a, M, S> {
-    fn of_model(network: &'a Network, (model, state): (M, S), covariance: &'a Covariance) -> Self {
         Self {
             network,
-            model,
+            model: GroupAdjustment::new(network, &batches, &state),
             state,
-            covariance,
+            covariance: &solution.covariance,
         }
     }
 
@@ -85,6 +70,23 @@ impl<'a, M: GroupModel<State = S>, S: Sync> BatchInfluence<'a, M, S> {
 
     pub(crate) fn batches(&self) -> &[Batch] {
         self.model.batches()
+    }
+
+    pub(crate) fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The bodies that points are tied to, and their deformations.
+    pub(crate) fn bodies(&self) -> Option<&'a Bodies> {
+        self.network.bodies.as_deref()
+    }
+
+    pub(crate) fn datum(&self) -> &Datum {
+        self.model.datum()
+    }
+
+    pub(crate) fn deformations(&self) -> &Deformations {
+        self.model.deformations()
     }
 
     /// Number of columns of `T`.
@@ -176,6 +178,28 @@ pub(crate) struct VisitPart<'a> {
 }
 
 impl VisitPart<'_> {
+    /// Row `i` of `L`, from `lᵀ L⁻¹ = eᵢᵀ`; zeros where there is no reading.
+    #[inline(always)]
+    pub(crate) fn fill_factor_row(&self, i: usize, row: &mut Vec<Lanes>) {
+        zeros(row, self.slots.len());
+        for k in (0..=i).rev() {
+            let mut left = Lanes::splat(f64::from(u8::from(k == i)));
+            for j in k + 1..=i {
+                left -= row[j] * self.unit_errors.at(j, k);
+            }
+            let pivot = self.unit_errors.at(k, k);
+            // Without a reading there is no pivot.
+            let value = left / pivot;
+            row[k] = Lanes::from_fn(|lane| {
+                if pivot.0[lane] > 0.0 {
+                    value.0[lane]
+                } else {
+                    0.0
+                }
+            });
+        }
+    }
+
     /// `V = L⁻¹ diag(σ_l²) L⁻ᵀ`: the lengths' own part of the whitened noise, rows contiguous; zero in
     /// lanes without a group.
     #[inline(always)]
@@ -196,6 +220,11 @@ impl VisitPart<'_> {
 }
 
 impl BatchRows {
+    /// The points of the groups of the batch, x y z of each, mm.
+    pub(crate) fn points_mm(&self) -> &[Lanes] {
+        &self.memory.beams.points
+    }
+
     /// The visits of the batch that was taken.
     #[inline(always)]
     pub(crate) fn visits<'r>(&'r self, batch: &'r Batch) -> impl Iterator<Item = VisitPart<'r>> {

@@ -20,6 +20,8 @@ pub(crate) struct Batch {
     pub(crate) groups: Range<usize>,
     /// Points of each group.
     pub(crate) points: usize,
+    /// The body that the points are tied to.
+    pub(crate) body: Option<usize>,
     /// The first point of the group in each lane; lanes without a group repeat the last one.
     pub(crate) first_points: [usize; LANES],
     pub(crate) layout: Arc<Layout>,
@@ -43,7 +45,8 @@ pub(crate) fn batches(network: &Network) -> Vec<Batch> {
     } else {
         network.zero_of_readings()
     };
-    let ranges = batches_of_groups(network.groups.iter().map(Range::len));
+    let kinds = network.groups.iter().enumerate();
+    let ranges = side_by_side(kinds.map(|(g, points)| (points.len(), network.body_of(g))));
     let is_inflated = network
         .variance_factors
         .iter()
@@ -61,14 +64,20 @@ pub(crate) fn batches(network: &Network) -> Vec<Batch> {
 
 /// The groups that are worked on side by side, for groups of so many points: up to eight in a row of as many.
 pub fn batches_of_groups(points: impl IntoIterator<Item = usize>) -> Vec<Range<usize>> {
+    side_by_side(points)
+}
+
+/// Up to eight groups in a row of one kind.
+fn side_by_side<K: PartialEq>(kinds: impl IntoIterator<Item = K>) -> Vec<Range<usize>> {
     let mut ranges: Vec<Range<usize>> = Vec::new();
-    let mut of_last = 0;
-    for (g, points) in points.into_iter().enumerate() {
+    let mut of_last = None;
+    for (g, kind) in kinds.into_iter().enumerate() {
+        let kind = Some(kind);
         match ranges.last_mut() {
-            Some(last) if last.len() < LANES && of_last == points => last.end = g + 1,
+            Some(last) if last.len() < LANES && of_last == kind => last.end = g + 1,
             _ => ranges.push(g..g + 1),
         }
-        of_last = points;
+        of_last = kind;
     }
     ranges
 }
@@ -91,6 +100,7 @@ fn piece(
         let mut batch = Batch {
             groups: groups.clone(),
             points,
+            body: network.body_of(groups.start),
             first_points: std::array::from_fn(|lane| first + points * lane.min(last)),
             layout,
             numbers: Arc::clone(&none),
@@ -114,7 +124,7 @@ fn piece(
     batches
 }
 
-/// Checks that each point is seen from at least `need` stations.
+/// Checks that each free point is seen from at least `need` stations; points of bodies are tied to others.
 ///
 /// # Errors
 /// [`Error::PointSeenTooRarely`].
@@ -123,6 +133,9 @@ pub(crate) fn check_seen(batches: &[Batch], need: usize) -> Result<(), Error> {
     for batch in batches {
         // Where nothing is missing, batches of one layout are alike.
         let is_full = !batch.has_factors;
+        if batch.body.is_some() {
+            continue;
+        }
         if is_full && full.is_some_and(|layout| Arc::ptr_eq(layout, &batch.layout)) {
             continue;
         }

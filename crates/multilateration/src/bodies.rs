@@ -1,96 +1,83 @@
 //! Which points move together as rigid bodies.
 
-use nalgebra::{DMatrix, DVector, Isometry3, Point3, Vector3};
-use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::Ideal;
+use nalgebra::{DVector, Isometry3, Point3, Vector3};
 
-use crate::{Error, Group};
+use crate::Error;
+use crate::state::centroid;
 
-/// The targets of one stage.
+/// Targets that keep their distances.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Nominal positions at home, mm.
     pub home_mm: Vec<Point3<f64>>,
 }
 
-/// The bodies of a network, and which points of which group belong to them.
-#[derive(Debug, Clone, PartialEq)]
+/// The bodies of a network, and where they are in its groups.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Bodies {
-    /// The bodies.
+    /// The bodies. Each has a shape of its own, common to all groups that see it.
     pub bodies: Vec<Body>,
-    /// For each group of the network its body.
-    pub body_of_group: Vec<usize>,
-    /// For each group, for each of its points the place among the positions of the body.
-    pub places: Vec<Vec<usize>>,
-    /// Nominal pose of the body at each group: reference frame from home.
-    pub ref_from_home: Vec<Isometry3<f64>>,
+    /// One for each group of the network.
+    pub of_groups: Vec<Placed>,
+}
+
+/// A group's points as targets of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placed {
+    /// The body; none if the points of the group are free.
+    pub body: Option<usize>,
+    /// For each point of the group the place among the positions of the body; empty without a body.
+    pub places: Vec<usize>,
+    /// Nominal pose: reference frame from home.
+    pub ref_from_home: Isometry3<f64>,
 }
 
 /// A rigid body is three points that are not in line.
-const RIGID: usize = 3;
+pub(crate) const RIGID: usize = 3;
+
+/// Points whose distances from a line are less than this part of their extent are in line: what turns
+/// them about it is not seen.
+const IN_LINE: f64 = 1e-6;
+
+/// Whether points are too few or lie so that they do not tell how a body is turned.
+pub(crate) fn are_in_line(points: &[Point3<f64>]) -> bool {
+    let centre = centroid(points);
+    let longest =
+        points
+            .iter()
+            .map(|p| p - centre)
+            .fold(Vector3::zeros(), |most: Vector3<f64>, arm| {
+                if arm.norm() > most.norm() { arm } else { most }
+            });
+    let extent = longest.norm();
+    let off = |p: &Point3<f64>| longest.cross(&(p - centre)).norm();
+    points.len() < RIGID || points.iter().all(|p| off(p) <= IN_LINE * extent * extent)
+}
 
 impl Bodies {
-    /// The bodies of a campaign's network: targets on one stage are one body, whichever axis moves
-    /// it. Targets of a run that sit on several stages are a body of their own, since these stand
-    /// still against each other only during this run.
-    ///
-    /// # Errors
-    /// [`Error::NotRigid`] if a step has fewer than three targets.
-    pub fn of_campaign(campaign: &Campaign, groups: &[Group]) -> Result<Self, Error> {
-        let mut keys: Vec<(Option<usize>, Vec<usize>)> = Vec::new();
-        let mut bodies = Self {
-            bodies: Vec::new(),
-            body_of_group: Vec::new(),
-            places: Vec::new(),
-            ref_from_home: Vec::new(),
-        };
-        for (number, group) in groups.iter().enumerate() {
-            if group.targets.len() < RIGID {
-                return Err(Error::NotRigid {
-                    group: number,
-                    points: group.targets.len(),
-                });
-            }
-            let step = &campaign.steps[group.step];
-            let carrier = campaign.targets[group.targets[0]].carrier;
-            let on_one_stage = group
-                .targets
-                .iter()
-                .all(|&t| campaign.targets[t].carrier == carrier);
-            let run = (!on_one_stage).then_some(step.run);
-            let together = |other: usize| match run {
-                None => campaign.targets[other].carrier == carrier,
-                Some(_) => group.targets.contains(&other),
-            };
-            let targets: Vec<usize> = (0..campaign.targets.len())
-                .filter(|&t| together(t))
-                .collect();
-            let key = (run, targets);
-            let body = keys.iter().position(|known| *known == key);
-            let body = body.unwrap_or_else(|| {
-                let home_mm = key.1.iter().map(|&t| campaign.targets[t].home_mm);
-                bodies.bodies.push(Body {
-                    home_mm: home_mm.collect(),
-                });
-                keys.push(key.clone());
-                keys.len() - 1
-            });
-            let place = |target: &usize| key.1.binary_search(target).unwrap_or_default();
-            bodies.body_of_group.push(body);
-            bodies
-                .places
-                .push(group.targets.iter().map(place).collect());
-            // The rigid motion of the outermost stage; on a lower one a body is placed by the
-            // adjustment.
-            let outermost = key.1.iter().map(|&t| campaign.targets[t].carrier);
-            let outermost = outermost
-                .max_by_key(|&axis| campaign.machine.chain(axis).len())
-                .unwrap_or(carrier);
-            bodies
-                .ref_from_home
-                .push(campaign.machine.motion(&Ideal, outermost, &step.positions));
+    /// Checks that there is a body for each group that names one, and that its points show its pose.
+    pub(crate) fn check(&self, points_of_groups: &[std::ops::Range<usize>]) -> Result<(), Error> {
+        let malformed = |what: String| Err(Error::Malformed { what });
+        let (found, need) = (self.of_groups.len(), points_of_groups.len());
+        if found != need {
+            return malformed(format!("bodies are given for {found} of {need} groups"));
         }
-        Ok(bodies)
+        for (g, (placed, group)) in self.of_groups.iter().zip(points_of_groups).enumerate() {
+            let Some(body) = placed.body else { continue };
+            let home_mm = self.bodies.get(body).map(|body| &body.home_mm[..]);
+            let of_place = |&place: &usize| home_mm.and_then(|home| home.get(place)).copied();
+            let places: Option<Vec<_>> = placed.places.iter().map(of_place).collect();
+            match places {
+                Some(places) if places.len() == group.len() => {
+                    if are_in_line(&places) {
+                        let points = group.len();
+                        return Err(Error::NotRigid { group: g, points });
+                    }
+                }
+                _ => return malformed(format!("group {g} names targets that no body has")),
+            }
+        }
+        Ok(())
     }
 }
 
@@ -99,13 +86,12 @@ impl Body {
     /// the shape can differ from nominal, three numbers for each point.
     pub(crate) fn deformations(&self) -> Vec<DVector<f64>> {
         let count = self.home_mm.len();
-        let sum: Vector3<f64> = self.home_mm.iter().map(|p| p.coords).sum();
-        let centroid = Point3::from(sum / count as f64);
+        let centre = centroid(&self.home_mm);
         let motion = |k: usize| {
             let unit = Vector3::ith(k % 3, 1.0);
             let of_point = |p: &Point3<f64>| match k {
                 0..3 => unit,
-                _ => unit.cross(&(p - centroid)),
+                _ => unit.cross(&(p - centre)),
             };
             let all = self.home_mm.iter().map(of_point);
             DVector::from_iterator(3 * count, all.flat_map(|v| [v.x, v.y, v.z]))
@@ -138,9 +124,6 @@ impl Body {
     }
 }
 
-/// What of a rotation must be left beside the others, relative to its size.
-const IN_LINE: f64 = 1e-6;
-
 /// `x` without its parts along an orthonormal basis; twice, so that rounding does not stay.
 fn without(mut x: DVector<f64>, basis: &[DVector<f64>]) -> DVector<f64> {
     for _ in 0..2 {
@@ -152,17 +135,32 @@ fn without(mut x: DVector<f64>, basis: &[DVector<f64>]) -> DVector<f64> {
     x
 }
 
-/// Displacements of points at lever arms from their centroid by the six motions of the body:
-/// translations, then rotations about the reference axes. Rows are `x y z` of each point.
-pub(crate) fn rigid_motions(arms_mm: &[Vector3<f64>]) -> DMatrix<f64> {
-    DMatrix::from_fn(3 * arms_mm.len(), 6, |row, k| {
-        let unit = Vector3::ith(k % 3, 1.0);
-        let moved = match k {
-            0..3 => unit,
-            _ => unit.cross(&arms_mm[row / 3]),
+/// The deformations of all bodies as shared unknowns.
+#[derive(Debug, Default)]
+pub(crate) struct Deformations {
+    /// For each body the deformations that no motion makes, as displacements of its targets.
+    pub(crate) of_bodies: Vec<Vec<DVector<f64>>>,
+    /// Where the deformations of each body are among the shared unknowns.
+    pub(crate) first: Vec<usize>,
+    /// Number of all shared unknowns.
+    pub(crate) shared: usize,
+}
+
+impl Deformations {
+    /// Behind as many shared unknowns as stations and dead paths are.
+    pub(crate) fn new(bodies: Option<&Bodies>, behind: usize) -> Self {
+        let mut new = Self {
+            shared: behind,
+            ..Self::default()
         };
-        moved[row % 3]
-    })
+        for body in bodies.iter().flat_map(|bodies| &bodies.bodies) {
+            let own = body.deformations();
+            new.first.push(new.shared);
+            new.shared += own.len();
+            new.of_bodies.push(own);
+        }
+        new
+    }
 }
 
 #[cfg(test)]
@@ -180,14 +178,26 @@ mod tests {
         };
         let deformations = body.deformations();
         assert_eq!(deformations.len(), 3);
-        let sum: Vector3<f64> = body.home_mm.iter().map(|p| p.coords).sum();
-        let arms: Vec<_> = body.home_mm.iter().map(|p| p.coords - sum / 3.0).collect();
-        let motions = rigid_motions(&arms);
+        let centre = centroid(&body.home_mm);
         for (i, deformation) in deformations.iter().enumerate() {
-            assert!((motions.transpose() * deformation).norm() < 1e-10);
+            let (mut shift, mut turn) = (Vector3::zeros(), Vector3::zeros());
+            for (k, p) in body.home_mm.iter().enumerate() {
+                let moved = deformation.fixed_rows::<3>(3 * k).into_owned();
+                shift += moved;
+                turn += (p - centre).cross(&moved);
+            }
+            assert!(shift.norm() < 1e-12 && turn.norm() < 1e-10);
             for other in &deformations[..i] {
                 assert!(deformation.dot(other).abs() < 1e-12);
             }
         }
+    }
+
+    #[test]
+    fn three_points_in_line_are_no_body() {
+        let at = |x: f64, y: f64| Point3::new(x, y, 5.0);
+        assert!(are_in_line(&[at(0.0, 0.0), at(1.0, 1.0)]));
+        assert!(are_in_line(&[at(0.0, 0.0), at(1.0, 1.0), at(3.0, 3.0)]));
+        assert!(!are_in_line(&[at(0.0, 0.0), at(1.0, 1.0), at(3.0, 3.1)]));
     }
 }

@@ -27,7 +27,6 @@ use trueaxis_leastsquares::{Lanes, zeros};
 
 use crate::batch_influence::{BatchInfluence, BatchRows, VisitPart};
 use crate::batches::Batch;
-use crate::passes::GroupModel;
 
 /// One step towards the restricted maximum of the likelihood.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,9 +41,7 @@ pub(crate) struct Components {
 
 /// Estimates the factors on both parts of the noise with which the network was solved; the return
 /// must not be zero. `None` if the residuals say nothing.
-pub(crate) fn components<M: GroupModel>(
-    influence: &BatchInfluence<'_, M, M::State>,
-) -> Option<Components> {
+pub(crate) fn components(influence: &BatchInfluence<'_>) -> Option<Components> {
     let sums = sums(influence);
     let width = influence.width();
     let sigma = influence.sigma();
@@ -101,7 +98,7 @@ struct Sums {
     twice: Vec<f64>,
 }
 
-fn sums<M: GroupModel>(influence: &BatchInfluence<'_, M, M::State>) -> Sums {
+fn sums(influence: &BatchInfluence<'_>) -> Sums {
     let width = influence.width();
     let parts = influence.of_pieces(
         #[inline(always)]
@@ -234,9 +231,9 @@ struct Products {
 
 impl Products {
     #[inline(always)]
-    fn add<M: GroupModel>(
+    fn add(
         &mut self,
-        influence: &BatchInfluence<'_, M, M::State>,
+        influence: &BatchInfluence<'_>,
         batch: &Batch,
         rows: &BatchRows,
         sums: &mut LaneSums,

@@ -4,8 +4,8 @@
 
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
-use crate::free_points::{DATUM, State};
 use crate::network::Network;
+use crate::state::{DATUM, State, centroid};
 
 /// Where rotations of the datum turn, and their scale.
 #[derive(Debug, Clone, Copy)]
@@ -22,8 +22,7 @@ const MOST_SWEEPS: usize = 100;
 impl Datum {
     pub(crate) fn new(network: &Network) -> Self {
         let count = network.nominal_mm.len().max(1) as f64;
-        let sum: Vector3<f64> = network.nominal_mm.iter().map(|p| p.coords).sum();
-        let centroid = Point3::from(sum / count);
+        let centroid = centroid(&network.nominal_mm);
         let squares: f64 = network
             .nominal_mm
             .iter()
@@ -40,29 +39,9 @@ impl Datum {
         (p - self.centroid) / self.radius_mm
     }
 
-    /// The motion that takes points to where they fit the nominal ones best: about the centroids the
-    /// rotation `R = V diag(1, 1, det VUᵀ) Uᵀ` from `Σ (p - p̄)(n - n̄)ᵀ = U S Vᵀ` (W. Kabsch, *Acta
-    /// Crystallographica* A 32, 922, 1976).
+    /// The motion that takes points to where they fit the nominal ones best.
     pub(crate) fn motion(&self, network: &Network, points: &[Point3<f64>]) -> Isometry3<f64> {
-        let sum: Vector3<f64> = points.iter().map(|p| p.coords).sum();
-        let centroid = Point3::from(sum / points.len().max(1) as f64);
-        let mut products = Matrix3::zeros();
-        for (p, n) in points.iter().zip(&network.nominal_mm) {
-            products += (p - centroid) * self.lever(*n).transpose();
-        }
-        let svd = products.try_svd(true, true, f64::EPSILON, MOST_SWEEPS);
-        let turn = match svd.map(|svd| (svd.u, svd.v_t)) {
-            Some((Some(u), Some(v_t))) => {
-                let sides = Vector3::new(1.0, 1.0, (u * v_t).determinant());
-                let turn = v_t.transpose() * Matrix3::from_diagonal(&sides) * u.transpose();
-                let turn = Rotation3::from_matrix_unchecked(turn);
-                polished(UnitQuaternion::from_rotation_matrix(&turn), &products)
-            }
-            // Points that are not finite.
-            _ => UnitQuaternion::identity(),
-        };
-        let shift = self.centroid.coords - turn * centroid.coords;
-        Isometry3::from_parts(Translation3::from(shift), turn)
+        best_fit(points, &network.nominal_mm)
     }
 
     /// What the free motions, translations along x, y, z, then rotations about them (scaled to the
@@ -82,6 +61,34 @@ impl Datum {
         }
         free_motions
     }
+}
+
+/// The motion that takes points to where they fit others best: about the centroids the rotation
+/// `R = V diag(1, 1, det VUᵀ) Uᵀ` from `Σ (p - p̄)(n - n̄)ᵀ = U S Vᵀ` (W. Kabsch, *Acta Crystallographica* A
+/// 32, 922, 1976).
+pub(crate) fn best_fit(points: &[Point3<f64>], to: &[Point3<f64>]) -> Isometry3<f64> {
+    let (from_centre, to_centre) = (centroid(points), centroid(to));
+    let mut products = Matrix3::zeros();
+    for (p, n) in points.iter().zip(to) {
+        products += (p - from_centre) * (n - to_centre).transpose();
+    }
+    let scale = products.amax();
+    if scale > 0.0 {
+        products /= scale;
+    }
+    let svd = products.try_svd(true, true, f64::EPSILON, MOST_SWEEPS);
+    let turn = match svd.map(|svd| (svd.u, svd.v_t)) {
+        Some((Some(u), Some(v_t))) => {
+            let sides = Vector3::new(1.0, 1.0, (u * v_t).determinant());
+            let turn = v_t.transpose() * Matrix3::from_diagonal(&sides) * u.transpose();
+            let turn = Rotation3::from_matrix_unchecked(turn);
+            polished(UnitQuaternion::from_rotation_matrix(&turn), &products)
+        }
+        // Points that are not finite.
+        _ => UnitQuaternion::identity(),
+    };
+    let shift = to_centre.coords - turn * from_centre.coords;
+    Isometry3::from_parts(Translation3::from(shift), turn)
 }
 
 /// The rotation `R` that makes `R Σ q nᵀ` symmetric, from one that nearly does: the decomposition knows

@@ -44,13 +44,41 @@ pub enum Error {
         /// The least value accepted.
         limit: f64,
     },
-    /// Fewer than three points do not make a rigid body.
-    #[error("group {group} has {points} point(s); a rigid stage needs three that are not in line")]
+    /// The points of a group do not show how its body is turned.
+    #[error("group {group} has {points} point(s); a rigid body needs three that are not in line")]
     NotRigid {
         /// The group.
         group: usize,
         /// Its points.
         points: usize,
+    },
+    /// The lengths to the points of a group leave a motion of its body free.
+    #[error(
+        "group {group}: its {lengths} lengths leave a motion of the body free (pivot {pivot:.1e}, limit \
+         {limit:.1e})"
+    )]
+    PoseNotDetermined {
+        /// The group.
+        group: usize,
+        /// Its lengths.
+        lengths: usize,
+        /// Relative size of what determines the free motion.
+        pivot: f64,
+        /// The least value accepted.
+        limit: f64,
+    },
+    /// The lengths leave the shape of a body open.
+    #[error(
+        "the lengths do not determine the shape of body {body} (relative eigenvalue {eigenvalue:.1e}, \
+         limit {limit:.1e})"
+    )]
+    ShapeNotDetermined {
+        /// The body.
+        body: usize,
+        /// Size of what should determine the free deformation.
+        eigenvalue: f64,
+        /// The least value accepted.
+        limit: f64,
     },
     /// Fewer readings than unknowns.
     #[error("{readings} lengths cannot determine {unknowns} unknowns")]

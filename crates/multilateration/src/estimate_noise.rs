@@ -90,78 +90,55 @@ pub fn estimate_noise(
     declared: bool,
     settings: &Settings,
 ) -> Result<NoiseEstimate, Error> {
-    estimate(
-        &mut FreeAdjustment {
-            network,
-            solution,
-            settings,
-        },
-        declared,
-    )
+    let mut adjusted = Weighted {
+        network,
+        solution,
+        settings,
+    };
+    estimate(&mut adjusted, declared)
 }
 
 /// A solved network that can be solved again with another noise.
-pub(crate) trait Weighted {
-    /// The noise with which it is solved.
-    fn noise(&self) -> Noise;
-
-    /// Solves it with another noise.
-    fn solve_with(&mut self, noise: Noise) -> Result<(), Error>;
-
-    /// Redundancy.
-    fn degrees_of_freedom(&self) -> f64;
-
-    /// Sum of squares of the whitened residuals.
-    fn squares(&self) -> f64;
-
-    /// One step of the restricted maximum likelihood.
-    fn components(&self) -> Option<Components>;
-
-    /// Standard deviation of unit weight.
-    fn sigma0(&self) -> f64 {
-        (self.squares() / self.degrees_of_freedom()).sqrt()
-    }
-}
-
-/// Free points.
-struct FreeAdjustment<'a> {
+struct Weighted<'a> {
     network: &'a mut Network,
     solution: &'a mut Solution,
     settings: &'a Settings,
 }
 
-impl Weighted for FreeAdjustment<'_> {
+impl Weighted<'_> {
+    /// The noise with which it is solved.
     fn noise(&self) -> Noise {
         self.network.noise
     }
 
+    /// Solves it with another noise.
     fn solve_with(&mut self, noise: Noise) -> Result<(), Error> {
         self.network.noise = noise;
         *self.solution = solve_from(self.network, self.solution, self.settings)?;
         Ok(())
     }
 
+    /// Redundancy.
     fn degrees_of_freedom(&self) -> f64 {
         self.solution.degrees_of_freedom() as f64
     }
 
-    fn squares(&self) -> f64 {
-        self.solution.squares
+    /// Standard deviation of unit weight.
+    fn sigma0(&self) -> f64 {
+        (self.solution.squares / self.degrees_of_freedom()).sqrt()
     }
 
+    /// One step of the restricted maximum likelihood.
     fn components(&self) -> Option<Components> {
         components(&BatchInfluence::new(self.network, self.solution))
     }
 }
 
 /// Estimates the noise and solves with it.
-pub(crate) fn estimate(
-    adjusted: &mut impl Weighted,
-    declared: bool,
-) -> Result<NoiseEstimate, Error> {
+fn estimate(adjusted: &mut Weighted<'_>, declared: bool) -> Result<NoiseEstimate, Error> {
     let given = adjusted.noise();
     let dof = adjusted.degrees_of_freedom();
-    let above = chi_squared_upper_tail(adjusted.squares(), dof);
+    let above = chi_squared_upper_tail(adjusted.solution.squares, dof);
     let too_good = adjusted.sigma0() < TOO_GOOD;
     if dof == 0.0 || (declared && above > REJECTED && (too_good || dof < LEAST_DEGREES_OF_FREEDOM))
     {
@@ -202,7 +179,7 @@ pub(crate) fn level(given: Noise) -> Noise {
 
 /// Improves both parts until they have settled; `None` if they do not, or if the lengths do not tell
 /// them apart there.
-fn settle(adjusted: &mut impl Weighted, given: Noise) -> Result<Option<NoiseEstimate>, Error> {
+fn settle(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstimate>, Error> {
     let start = adjusted.noise();
     for _ in 0..MAX_ITERATIONS {
         let Some(found) = adjusted.components() else {
@@ -245,7 +222,7 @@ fn settle(adjusted: &mut impl Weighted, given: Noise) -> Result<Option<NoiseEsti
 }
 
 /// The machine returns exactly, as far as can be seen.
-fn lengths_only(adjusted: &mut impl Weighted, given: Noise) -> Result<NoiseEstimate, Error> {
+fn lengths_only(adjusted: &mut Weighted<'_>, given: Noise) -> Result<NoiseEstimate, Error> {
     let dof = adjusted.degrees_of_freedom();
     adjusted.solve_with(scaled(adjusted.noise(), adjusted.sigma0(), 1.0))?;
     let relative_covariance = Matrix2::new(2.0 / dof, 0.0, 0.0, 0.0);
@@ -253,7 +230,7 @@ fn lengths_only(adjusted: &mut impl Weighted, given: Noise) -> Result<NoiseEstim
 }
 
 /// Both parts with the ratio that was given.
-fn common_factor(adjusted: &mut impl Weighted, given: Noise) -> Result<NoiseEstimate, Error> {
+fn common_factor(adjusted: &mut Weighted<'_>, given: Noise) -> Result<NoiseEstimate, Error> {
     let dof = adjusted.degrees_of_freedom();
     let sigma0 = adjusted.sigma0().max(ROUNDING_MM / given.length_sigma_mm);
     adjusted.solve_with(scaled(given, sigma0, sigma0))?;

@@ -1,9 +1,12 @@
 //! The network of a measuring campaign.
 
-use rayon::prelude::*;
-use trueaxis_campaign::{Campaign, Direction, Lengths};
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Point3};
+use trueaxis_campaign::{Campaign, Direction, Lengths, Step};
 use trueaxis_kinematics::Ideal;
 
+use crate::bodies::{Bodies, Body, Placed, RIGID, are_in_line};
 use crate::{Network, Noise, Reading, Visit};
 
 /// A campaign's network and what its groups are.
@@ -15,7 +18,7 @@ pub struct CampaignNetwork {
     pub groups: Vec<Group>,
 }
 
-/// The targets of one step.
+/// Targets that move together, at one step.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Group {
     /// The campaign's step.
@@ -24,6 +27,20 @@ pub struct Group {
     pub direction: Option<Direction>,
     /// The targets that its points are, in the order of the campaign.
     pub targets: Vec<usize>,
+    /// Whether the axis of the run moves them.
+    pub moved: bool,
+    /// The body of the network that they are tied to; none if the step saw too few of them: they are free.
+    pub body: Option<usize>,
+}
+
+/// Which targets of a step move together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Together {
+    /// Those that stand on one stage, whichever axis moves it: their distances never change.
+    OnCarrier(usize),
+    /// Those that the axis of a run moves, on several stages: these stand still against each other only
+    /// during the run.
+    InRun(usize),
 }
 
 /// Noise where none is declared: the weights then say that all lengths are equally good.
@@ -31,80 +48,263 @@ const UNDECLARED_LENGTH_SIGMA_UM: f64 = 1.0;
 
 const MM_PER_UM: f64 = 1e-3;
 
-/// Makes the network of a campaign's lengths; one group for each step, or with `by_direction` one
-/// for each step and side of approach. The noise is the declared one; 1 µm for each length where
-/// none is declared.
+/// Makes the network of a campaign's lengths, with bodies: one group for each step (with `by_direction` each
+/// step and side of approach) and for the targets that move together in its run. The noise is the declared
+/// one; 1 µm for each length where none is declared.
+///
+/// A stop that sees two groups becomes a visit of each; what the machine's return has in common for them is
+/// not kept.
 pub fn network_from_campaign(
     campaign: &Campaign,
     lengths: &Lengths,
     by_direction: bool,
 ) -> CampaignNetwork {
-    // The group of each step, or of each side of approach to it.
-    let mut number_of = vec![[None; 2]; campaign.steps.len()];
+    let in_runs = moved_in_runs(campaign, lengths);
+    let together = |step: usize, target: usize| together(campaign, &in_runs, step, target);
     let mut groups: Vec<Group> = Vec::new();
-    let mut group_of_stop = Vec::with_capacity(lengths.stops.len());
+    let mut kinds: Vec<Together> = Vec::new();
+    // The groups of each step, or of each side of approach to it.
+    let mut of_step = vec![[Vec::new(), Vec::new()]; campaign.steps.len()];
+    let mut group_of_reading = Vec::with_capacity(lengths.readings.len());
     for stop in &lengths.stops {
         let side = usize::from(by_direction && stop.direction == Direction::Backward);
-        let number = *number_of[stop.step][side].get_or_insert_with(|| {
-            groups.push(Group {
-                step: stop.step,
-                direction: by_direction.then_some(stop.direction),
-                targets: Vec::new(),
-            });
-            groups.len() - 1
-        });
-        let targets = &mut groups[number].targets;
         for reading in &lengths.readings[stop.readings.clone()] {
+            let (moved, kind) = together(stop.step, reading.target);
+            let known: &mut Vec<usize> = &mut of_step[stop.step][side];
+            let number = known.iter().copied().find(|&g| kinds[g] == kind);
+            let number = number.unwrap_or_else(|| {
+                known.push(groups.len());
+                kinds.push(kind);
+                groups.push(Group {
+                    step: stop.step,
+                    direction: by_direction.then_some(stop.direction),
+                    targets: Vec::new(),
+                    moved,
+                    body: None,
+                });
+                groups.len() - 1
+            });
+            let targets = &mut groups[number].targets;
             if let Err(place) = targets.binary_search(&reading.target) {
                 targets.insert(place, reading.target);
             }
+            group_of_reading.push(number);
         }
-        group_of_stop.push(number);
     }
+    let shapes = shapes(campaign, &groups, &kinds);
+    for (group, shape) in groups.iter_mut().zip(&shapes.of_groups) {
+        group.body = *shape;
+    }
+    // Groups of a body follow each other: they are worked on side by side.
+    let mut order: Vec<usize> = (0..groups.len()).collect();
+    order.sort_by_key(|&g| groups[g].body.unwrap_or(usize::MAX));
+    let mut place_of = vec![0; groups.len()];
+    for (place, &g) in order.iter().enumerate() {
+        place_of[g] = place;
+    }
+    let groups: Vec<Group> = order.iter().map(|&g| groups[g].clone()).collect();
+    for number in &mut group_of_reading {
+        *number = place_of[*number];
+    }
+    let bodies = bodies(campaign, &groups, shapes.targets);
+    let network = network(campaign, lengths, &groups, &group_of_reading, bodies);
+    CampaignNetwork { network, groups }
+}
 
-    let positions_of = |group: &Group| {
-        let positions = &campaign.steps[group.step].positions;
-        let position = |&target: &usize| {
-            let target = &campaign.targets[target];
-            let (carrier, home_mm) = (target.carrier, target.home_mm);
-            campaign
-                .machine
-                .position(&Ideal, carrier, positions, home_mm)
-        };
-        group.targets.iter().map(position).collect::<Vec<_>>()
-    };
+fn network(
+    campaign: &Campaign,
+    lengths: &Lengths,
+    groups: &[Group],
+    group_of_reading: &[usize],
+    bodies: Bodies,
+) -> Network {
     let mut network = Network {
         stations: campaign.stations.iter().map(|s| s.approx_mm).collect(),
         noise: declared_noise(campaign),
-        nominal_mm: groups.par_iter().flat_map_iter(positions_of).collect(),
         readings: Vec::with_capacity(lengths.readings.len()),
         visits: Vec::with_capacity(lengths.stops.len()),
+        bodies: Some(Arc::new(bodies)),
         ..Network::default()
     };
-    let mut first = 0;
-    for group in &groups {
-        network.groups.push(first..first + group.targets.len());
-        first += group.targets.len();
+    for group in groups {
+        let first = network.nominal_mm.len();
+        let step = &campaign.steps[group.step];
+        let places = group.targets.iter().map(|&t| nominal(campaign, step, t));
+        network.nominal_mm.extend(places);
+        network.groups.push(first..network.nominal_mm.len());
     }
-    for (stop, &group) in lengths.stops.iter().zip(&group_of_stop) {
-        let first = network.readings.len();
-        for reading in &lengths.readings[stop.readings.clone()] {
-            let point = groups[group]
-                .targets
-                .partition_point(|&t| t < reading.target);
+    for stop in &lengths.stops {
+        let mut last = None;
+        for i in stop.readings.clone() {
+            let (reading, group) = (&lengths.readings[i], group_of_reading[i]);
+            let targets = &groups[group].targets;
             network.readings.push(Reading {
-                point,
+                point: targets.partition_point(|&t| t < reading.target),
                 length_mm: reading.length_mm,
             });
+            match network.visits.last_mut() {
+                Some(visit) if last == Some(group) => visit.readings.end = i + 1,
+                _ => network.visits.push(Visit {
+                    station: stop.station,
+                    group,
+                    readings: i..i + 1,
+                }),
+            }
+            last = Some(group);
         }
-        let readings = first..network.readings.len();
-        network.visits.push(Visit {
-            station: stop.station,
-            group,
-            readings,
+    }
+    network
+}
+
+/// For each run the stages whose targets its axis moves, of those that were measured in it.
+fn moved_in_runs(campaign: &Campaign, lengths: &Lengths) -> Vec<Vec<usize>> {
+    let mut carriers = vec![Vec::new(); campaign.runs.len()];
+    for stop in &lengths.stops {
+        let run = campaign.steps[stop.step].run;
+        for reading in &lengths.readings[stop.readings.clone()] {
+            let carrier = campaign.targets[reading.target].carrier;
+            if is_moved(campaign, run, carrier) && !carriers[run].contains(&carrier) {
+                carriers[run].push(carrier);
+            }
+        }
+    }
+    carriers
+}
+
+fn is_moved(campaign: &Campaign, run: usize, carrier: usize) -> bool {
+    let axis = campaign.runs[run].axis;
+    campaign.machine.chain(carrier).contains(&axis)
+}
+
+/// Whether the run of a step moves a target, and with which others.
+fn together(
+    campaign: &Campaign,
+    moved_in_runs: &[Vec<usize>],
+    step: usize,
+    target: usize,
+) -> (bool, Together) {
+    let (run, carrier) = (campaign.steps[step].run, campaign.targets[target].carrier);
+    let moved = is_moved(campaign, run, carrier);
+    if moved && moved_in_runs[run].len() > 1 {
+        (moved, Together::InRun(run))
+    } else {
+        (moved, Together::OnCarrier(carrier))
+    }
+}
+
+/// The targets of each body, ascending, and the body of each group.
+struct Shapes {
+    targets: Vec<Vec<usize>>,
+    of_groups: Vec<Option<usize>>,
+}
+
+/// Finds the bodies: targets that move together and whose shape the groups show. Groups that have three
+/// targets in common that are not in line show one shape; groups with fewer than that of their own show none.
+fn shapes(campaign: &Campaign, groups: &[Group], kinds: &[Together]) -> Shapes {
+    let are_rigid = |targets: &[usize]| {
+        let home: Vec<_> = targets
+            .iter()
+            .map(|&t| campaign.targets[t].home_mm)
+            .collect();
+        targets.len() >= RIGID && !are_in_line(&home)
+    };
+    let common = |a: &[usize], b: &[usize]| -> Vec<usize> {
+        a.iter().filter(|t| b.contains(t)).copied().collect()
+    };
+    let mut shapes: Vec<(Together, Vec<usize>)> = Vec::new();
+    for (group, &kind) in groups.iter().zip(kinds) {
+        let mut targets = group.targets.clone();
+        let is_known = |shape: &(Together, Vec<usize>)| {
+            shape.0 == kind && common(&targets, &shape.1) == targets
+        };
+        if !are_rigid(&targets) || shapes.iter().any(is_known) {
+            continue;
+        }
+        // It may tie several that were apart; what they have together ties further ones.
+        let first = shapes
+            .iter()
+            .position(|(k, other)| *k == kind && are_rigid(&common(&targets, other)));
+        while let Some(next) = shapes
+            .iter()
+            .position(|(k, other)| *k == kind && are_rigid(&common(&targets, other)))
+        {
+            targets.extend(shapes.remove(next).1);
+            targets.sort_unstable();
+            targets.dedup();
+        }
+        shapes.insert(
+            first.unwrap_or(shapes.len()).min(shapes.len()),
+            (kind, targets),
+        );
+    }
+    let body_of = |(group, kind): (&Group, &Together)| {
+        let holds = |(k, targets): &(Together, Vec<usize>)| {
+            k == kind && common(&group.targets, targets) == group.targets
+        };
+        let body = are_rigid(&group.targets).then(|| shapes.iter().position(holds));
+        body.flatten()
+    };
+    Shapes {
+        of_groups: groups.iter().zip(kinds).map(body_of).collect(),
+        targets: shapes.iter().map(|(_, targets)| targets.clone()).collect(),
+    }
+}
+
+/// The bodies with their nominal shapes and poses.
+fn bodies(campaign: &Campaign, groups: &[Group], targets: Vec<Vec<usize>>) -> Bodies {
+    let mut bodies = Bodies {
+        bodies: targets
+            .iter()
+            .map(|targets| Body {
+                home_mm: targets
+                    .iter()
+                    .map(|&t| campaign.targets[t].home_mm)
+                    .collect(),
+            })
+            .collect(),
+        of_groups: Vec::with_capacity(groups.len()),
+    };
+    let mut is_placed: Vec<Vec<bool>> = targets.iter().map(|t| vec![false; t.len()]).collect();
+    for group in groups {
+        let step = &campaign.steps[group.step];
+        let ref_from_home = motion(campaign, step, &group.targets);
+        let places = group.body.map_or_else(Vec::new, |body| {
+            let place = |target: &usize| targets[body].partition_point(|t| t < target);
+            group.targets.iter().map(place).collect()
+        });
+        if let Some(body) = group.body {
+            // On a lower stage that is not at home a target is not at home in the body's frame.
+            for (&target, &place) in group.targets.iter().zip(&places) {
+                if !std::mem::replace(&mut is_placed[body][place], true) {
+                    bodies.bodies[body].home_mm[place] =
+                        ref_from_home.inverse() * nominal(campaign, step, target);
+                }
+            }
+        }
+        bodies.of_groups.push(Placed {
+            body: group.body,
+            places,
+            ref_from_home,
         });
     }
-    CampaignNetwork { network, groups }
+    bodies
+}
+
+/// The rigid motion of the outermost stage that carries some targets.
+fn motion(campaign: &Campaign, step: &Step, targets: &[usize]) -> Isometry3<f64> {
+    let carriers = targets.iter().map(|&t| campaign.targets[t].carrier);
+    let outermost = carriers.max_by_key(|&carrier| campaign.machine.chain(carrier).len());
+    outermost.map_or_else(Isometry3::identity, |carrier| {
+        campaign.machine.motion(&Ideal, carrier, &step.positions)
+    })
+}
+
+fn nominal(campaign: &Campaign, step: &Step, target: usize) -> Point3<f64> {
+    let target = &campaign.targets[target];
+    let (carrier, home_mm) = (target.carrier, target.home_mm);
+    campaign
+        .machine
+        .position(&Ideal, carrier, &step.positions, home_mm)
 }
 
 fn declared_noise(campaign: &Campaign) -> Noise {

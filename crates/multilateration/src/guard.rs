@@ -58,10 +58,10 @@ pub(crate) fn check(network: &Network, removed: &[Removed]) -> Result<(), Error>
 }
 
 /// Readings of points that lost others, which nothing checks any more: each of them may be the wrong
-/// one as well as those that left, so they have to leave, too.
+/// one as well as those that left, so they have to leave, too. The points of a body stand for each other.
 ///
 /// # Errors
-/// [`Error::Undecidable`] if the point is then seen from too few stations.
+/// [`Error::Undecidable`] if the point or body is then seen from too few stations.
 pub(crate) fn unchecked(network: &Network, tests: &[ReadingTest]) -> Result<Vec<usize>, Error> {
     let is_removed = |reading: usize| network.variance_factor(reading) >= REMOVED;
     let mut first_removed: Vec<Option<usize>> = vec![None; network.nominal_mm.len()];
@@ -101,8 +101,16 @@ pub(crate) fn unchecked(network: &Network, tests: &[ReadingTest]) -> Result<Vec<
     Ok(unchecked.into_iter().map(|(reading, _)| reading).collect())
 }
 
-/// The readings of a visit with the points that they see.
+/// The readings of a visit with the points that they see; for all points of a body its first one.
 fn points<'a>(network: &'a Network, visit: &'a Visit) -> impl Iterator<Item = (usize, usize)> + 'a {
     let readings = visit.readings.clone();
-    readings.map(move |i| (i, network.point(visit.group, network.readings[i].point)))
+    let is_tied = network.body_of(visit.group).is_some();
+    let point = move |i: usize| {
+        if is_tied {
+            0
+        } else {
+            network.readings[i].point
+        }
+    };
+    readings.map(move |i| (i, network.point(visit.group, point(i))))
 }

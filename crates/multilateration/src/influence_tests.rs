@@ -1,15 +1,15 @@
-//! What is made of the hat matrix eight groups at a time, and of its rows reading by reading, against the
-//! matrices of single groups ([`crate::influence`]).
+//! What is made of the hat matrix eight groups at a time, against its definition.
 
-use nalgebra::{Point3, Vector3};
-use trueaxis_leastsquares::BlockRows;
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Point3, Vector3};
 use trueaxis_leastsquares::lane_products::LaneMatrix;
 
 use crate::baarda::test_all;
 use crate::batch_influence::{BatchInfluence, BatchRows};
-use crate::influence::{GroupRows, Influence};
-use crate::noise::whiten;
+use crate::bodies::{Bodies, Body, Placed};
 use crate::step_tests::largest_steps;
+use crate::whitened::Whitened;
 use crate::{Interruption, Network, Noise, Reading, Settings, Solution, Visit, solve};
 
 /// Of the small network, and of one that several pieces are made of.
@@ -25,9 +25,13 @@ fn place(i: usize, size: f64) -> Point3<f64> {
     Point3::new(wave(i, 1.3), wave(i, 2.9), wave(i, 4.7)) * size
 }
 
-/// Groups of three points (the last of two) with some readings missing, one of them of little weight, an
-/// interruption in the middle of a visit, and errors of micrometres.
-fn solved(groups: usize, return_sigma_mm: f64) -> (Network, Solution) {
+/// Groups of three points of a body (the last of two, which are free) with some readings missing, one of
+/// them of little weight, an interruption in the middle of a visit, and errors of micrometres.
+fn solved(groups: usize, return_sigma_mm: f64, is_tied: bool) -> (Network, Solution) {
+    let body = Body {
+        home_mm: (0..3).map(|i| place(i, 150.0)).collect(),
+    };
+    let mut bodies = Bodies::default();
     let mut network = Network {
         stations: (0..STATIONS).map(|j| Some(place(j + 20, 2000.0))).collect(),
         noise: Noise {
@@ -41,10 +45,21 @@ fn solved(groups: usize, return_sigma_mm: f64) -> (Network, Solution) {
         let first = 3 * group;
         let points = if group + 1 < groups { 3 } else { 2 };
         network.groups.push(first..first + points);
-        network
-            .nominal_mm
-            .extend((first..first + points).map(|i| place(i, 400.0)));
+        let pose = Isometry3::new(place(group + 5, 400.0).coords, place(group + 9, 1.0).coords);
+        let places = body.home_mm[..points].iter().map(|p| pose * p);
+        network.nominal_mm.extend(places);
+        bodies.of_groups.push(Placed {
+            body: (points == 3).then_some(0),
+            places: if points == 3 {
+                vec![0, 1, 2]
+            } else {
+                Vec::new()
+            },
+            ref_from_home: pose,
+        });
     }
+    bodies.bodies.push(body);
+    network.bodies = is_tied.then(|| Arc::new(bodies));
     for station in 0..STATIONS {
         for group in 0..groups {
             let first = network.readings.len();
@@ -79,46 +94,98 @@ fn solved(groups: usize, return_sigma_mm: f64) -> (Network, Solution) {
 
 #[test]
 fn rows_have_the_trace_of_the_unknowns() {
-    let (network, solution) = solved(GROUPS, 1e-3);
-    let influence = BatchInfluence::new(&network, &solution);
-    let mut rows = BatchRows::default();
-    let mut squares = 0.0;
-    let mut trace = 0.0;
-    for b in 0..influence.batches().len() {
-        influence.fill(b, &mut rows);
-        let (own, shared) = (rows.hat.own(), rows.hat.shared());
-        let at = |m: LaneMatrix<'_>, lane: usize, i: usize, j: usize| m.at(i, j).0[lane];
-        for lane in 0..8 {
-            for i in 0..own.rows() {
-                squares += rows.hat.residual()[i].0[lane].powi(2);
-                trace += (0..own.columns())
-                    .map(|k| at(own, lane, i, k).powi(2))
-                    .sum::<f64>();
-                for k in 0..influence.width() {
-                    for l in 0..influence.width() {
-                        let sigma = influence.sigma()[k * influence.width() + l];
-                        trace += at(shared, lane, i, k) * sigma * at(shared, lane, i, l);
+    for is_tied in [false, true] {
+        let (network, solution) = solved(GROUPS, 1e-3, is_tied);
+        let influence = BatchInfluence::new(&network, &solution);
+        let mut rows = BatchRows::default();
+        let mut squares = 0.0;
+        let mut trace = 0.0;
+        for b in 0..influence.batches().len() {
+            influence.fill(b, &mut rows);
+            let (own, shared) = (rows.hat.own(), rows.hat.shared());
+            let at = |m: LaneMatrix<'_>, lane: usize, i: usize, j: usize| m.at(i, j).0[lane];
+            for lane in 0..8 {
+                for i in 0..own.rows() {
+                    squares += rows.hat.residual()[i].0[lane].powi(2);
+                    trace += (0..own.columns())
+                        .map(|k| at(own, lane, i, k).powi(2))
+                        .sum::<f64>();
+                    for k in 0..influence.width() {
+                        for l in 0..influence.width() {
+                            let sigma = influence.sigma()[k * influence.width() + l];
+                            trace += at(shared, lane, i, k) * sigma * at(shared, lane, i, l);
+                        }
                     }
                 }
             }
         }
+        let redundant = network.readings.len() as f64 - trace;
+        assert!(
+            (redundant - solution.degrees_of_freedom() as f64).abs() < 1e-7,
+            "{redundant}"
+        );
+        assert!((squares / solution.squares - 1.0).abs() < 1e-9);
     }
-    let redundant = network.readings.len() as f64 - trace;
-    assert!(
-        (redundant - solution.degrees_of_freedom() as f64).abs() < 1e-7,
-        "{redundant}"
-    );
-    assert!((squares / solution.squares - 1.0).abs() < 1e-9);
+}
+
+/// At the minimum the residuals are what the adjustment leaves of them, and lengths that follow a station
+/// are absorbed.
+#[test]
+fn whitened_rows_project_onto_what_is_left() {
+    for is_tied in [false, true] {
+        let (network, solution) = solved(GROUPS, 1e-3, is_tied);
+        let rows = Whitened::new(&network, &solution);
+        let along = |x: &[f64]| {
+            let mut own = vec![0.0; rows.groups * rows.own_width];
+            let mut shared = vec![0.0; rows.shared_width];
+            for (row, x) in x.iter().enumerate() {
+                let first = rows.group_of_row[row] * rows.own_width;
+                for (sum, o) in own[first..].iter_mut().zip(rows.own_row(row)) {
+                    *sum += o * x;
+                }
+                for (sum, t) in shared.iter_mut().zip(rows.shared_row(row)) {
+                    *sum += t * x;
+                }
+            }
+            (own, shared)
+        };
+        let (own, shared) = along(&rows.residuals);
+        assert!(
+            own.iter().chain(&shared).all(|x| x.abs() < 1e-3),
+            "not at the minimum"
+        );
+        let squares: f64 = rows.residuals.iter().map(|r| r * r).sum();
+        assert!((squares / solution.squares - 1.0).abs() < 1e-9);
+        // The second station one unit of x away.
+        let mut column = vec![0.0; network.readings.len()];
+        for visit in network.visits.iter().filter(|v| v.station == 1) {
+            for i in visit.readings.clone() {
+                let point =
+                    solution.points_mm[network.point(visit.group, network.readings[i].point)];
+                column[i] = -(point - solution.stations[1].position_mm).normalize().x;
+            }
+        }
+        rows.whiten(&mut column);
+        let size = column.iter().map(|x| x * x).sum::<f64>();
+        let (own, shared) = along(&column);
+        let mut left = size - own.iter().map(|x| x * x).sum::<f64>();
+        for (k, a) in shared.iter().enumerate() {
+            for (l, b) in shared.iter().enumerate() {
+                left -= a * rows.reduced_inverse[k * rows.shared_width + l] * b;
+            }
+        }
+        assert!(left.abs() < 1e-9 * size, "{left} of {size}");
+    }
 }
 
 #[test]
 fn what_is_kept_of_single_lengths_is_their_redundancy() {
     // Without a common return the weights are single numbers.
-    for groups in [GROUPS, MANY_GROUPS] {
-        let (network, solution) = solved(groups, 0.0);
+    for (groups, is_tied) in [(GROUPS, false), (GROUPS, true), (MANY_GROUPS, true)] {
+        let (network, solution) = solved(groups, 0.0, is_tied);
         let tests = test_all(&BatchInfluence::new(&network, &solution));
-        let numbers = solution.redundancy_numbers(&network);
-        for (test, number) in tests.readings.iter().zip(&numbers) {
+        for test in &tests.readings {
+            let number = test.redundancy;
             assert!((test.kept - number).abs() < 1e-9, "{} {number}", test.kept);
         }
         let is_tested = |(visit, w): (&Visit, &f64)| (visit.readings.len() > 1) == (*w != 0.0);
@@ -126,31 +193,39 @@ fn what_is_kept_of_single_lengths_is_their_redundancy() {
     }
 }
 
-/// `w` of a whitened error in some rows of each group.
-fn dense_w(influence: &Influence<'_>, groups: &[GroupRows], errors: &[Vec<f64>]) -> f64 {
-    let sigma = influence.reduced_inverse();
+#[test]
+fn redundancy_numbers_add_up() {
+    for is_tied in [false, true] {
+        let (network, solution) = solved(GROUPS, 1e-3, is_tied);
+        let sum: f64 = solution.redundancy_numbers(&network).iter().sum();
+        assert!(
+            (sum - solution.degrees_of_freedom() as f64).abs() < 1e-7,
+            "{sum}"
+        );
+    }
+}
+
+/// `w` of a whitened error, one element for each row.
+fn dense_w(rows: &Whitened, error: &[f64]) -> f64 {
+    let width = rows.shared_width;
     let (mut numerator, mut kept) = (0.0, 0.0);
-    let mut through = vec![0.0; sigma.ncols()];
-    for (group, error) in groups.iter().zip(errors) {
-        for (i, e) in error.iter().enumerate() {
-            numerator += e * group.residuals[i];
-            kept += e * e;
-            for (k, t) in through.iter_mut().enumerate() {
-                *t += e * group.shared[(i, k)];
-            }
+    let mut through = vec![0.0; width];
+    let mut own = vec![0.0; rows.groups * rows.own_width];
+    for (row, e) in error.iter().enumerate() {
+        numerator += e * rows.residuals[row];
+        kept += e * e;
+        for (sum, t) in through.iter_mut().zip(rows.shared_row(row)) {
+            *sum += e * t;
         }
-        for k in 0..group.own.ncols() {
-            let own: f64 = error
-                .iter()
-                .enumerate()
-                .map(|(i, e)| e * group.own[(i, k)])
-                .sum();
-            kept -= own * own;
+        let first = rows.group_of_row[row] * rows.own_width;
+        for (sum, o) in own[first..].iter_mut().zip(rows.own_row(row)) {
+            *sum += e * o;
         }
     }
-    for k in 0..through.len() {
-        for l in 0..through.len() {
-            kept -= through[k] * sigma[(k, l)] * through[l];
+    kept -= own.iter().map(|x| x * x).sum::<f64>();
+    for k in 0..width {
+        for l in 0..width {
+            kept -= through[k] * rows.reduced_inverse[k * width + l] * through[l];
         }
     }
     numerator / kept.sqrt()
@@ -158,45 +233,29 @@ fn dense_w(influence: &Influence<'_>, groups: &[GroupRows], errors: &[Vec<f64>])
 
 #[test]
 fn the_largest_step_is_that_of_all_steps() {
-    let (network, solution) = solved(GROUPS, 1e-3);
-    let influence = Influence::new(&network, &solution);
-    let mut memory = BlockRows::default();
-    let groups: Vec<GroupRows> = (0..GROUPS)
-        .map(|g| influence.group(g, &mut memory))
-        .collect();
-    let zero_of = network.zero_of_readings();
-    let steps = largest_steps(&influence);
-    assert_eq!(steps.len(), STATIONS + 1);
-    for step in steps {
-        let zero = zero_of[step.first_reading];
-        let of_zero = (0..zero_of.len()).filter(|&i| zero_of[i] == zero);
-        let mut largest = (0.0_f64, 0);
-        for first in of_zero.skip(1) {
-            let in_step = |i: usize| i >= first && zero_of[i] == zero;
-            let whitened = |group: &GroupRows| {
-                let mut error = vec![0.0; group.residuals.len()];
-                for visit in &group.visits {
-                    let rows = &mut error[visit.first..visit.first + visit.count];
-                    let readings = network.visits[visit.visit].readings.clone();
-                    for (row, i) in rows.iter_mut().zip(readings) {
-                        *row = f64::from(u8::from(in_step(i)));
-                    }
-                    whiten(influence.model().factor(visit.visit), rows);
+    for is_tied in [false, true] {
+        let (network, solution) = solved(GROUPS, 1e-3, is_tied);
+        let rows = Whitened::new(&network, &solution);
+        let zero_of = network.zero_of_readings();
+        let steps = largest_steps(&network, &rows);
+        assert_eq!(steps.len(), STATIONS + 1);
+        for step in steps {
+            let zero = zero_of[step.first_reading];
+            let of_zero = (0..zero_of.len()).filter(|&i| zero_of[i] == zero);
+            let mut largest = (0.0_f64, 0);
+            for first in of_zero.skip(1) {
+                let in_step = |i: usize| i >= first && zero_of[i] == zero;
+                let error = (0..zero_of.len()).map(|i| f64::from(u8::from(in_step(i))));
+                let mut error: Vec<f64> = error.collect();
+                rows.whiten(&mut error);
+                let w = dense_w(&rows, &error);
+                if w.abs() > largest.0.abs() {
+                    largest = (w, first);
                 }
-                error
-            };
-            let errors: Vec<Vec<f64>> = groups.iter().map(whitened).collect();
-            let w = dense_w(&influence, &groups, &errors);
-            if w.abs() > largest.0.abs() {
-                largest = (w, first);
             }
+            assert_eq!(step.first_reading, largest.1);
+            let (found, expected) = (step.w, largest.0);
+            assert!((found - expected).abs() < 1e-6, "{found} {expected}");
         }
-        assert_eq!(step.first_reading, largest.1);
-        assert!(
-            (step.w - largest.0).abs() < 1e-6,
-            "{} {}",
-            step.w,
-            largest.0
-        );
     }
 }

@@ -13,9 +13,9 @@ use trueaxis_leastsquares::{BlockBatch, LANES, Lanes, Shape};
 
 use crate::batches::Batch;
 use crate::datum::Datum;
-use crate::free_points::{DATUM, PER_STATION, State};
 use crate::noise::{Noise, factor_len};
 use crate::slots::SlotVisit;
+use crate::state::{DATUM, PER_STATION, State};
 
 /// Beams and misclosures of the slots of a batch.
 #[derive(Debug, Clone, Default)]
@@ -63,6 +63,38 @@ impl Beams {
                 };
             }
         }
+    }
+
+    /// Mean of the points, x y z.
+    #[inline(always)]
+    pub(crate) fn centroid(&self) -> [Lanes; 3] {
+        let mut sum = [Lanes::ZERO; 3];
+        for (coordinate, x) in self.points.iter().enumerate() {
+            sum[coordinate % 3] += *x;
+        }
+        let share = Lanes::splat(3.0 / self.points.len() as f64);
+        sum.map(|x| x * share)
+    }
+
+    /// Sum of squares of the whitened misclosures; zero in lanes without a group.
+    #[inline(always)]
+    pub(crate) fn squares(&self, batch: &Batch, weights: &[Lanes]) -> Lanes {
+        let mut weights = weights.iter();
+        let mut squares = Lanes::ZERO;
+        for visit in &batch.layout.visits {
+            for i in visit.slots.clone() {
+                let mut residual = Lanes::ZERO;
+                for (beam, w) in self.of_slots[visit.slots.start..=i]
+                    .iter()
+                    .zip(&mut weights)
+                {
+                    residual = w.mul_add(beam.residual_mm, residual);
+                }
+                squares = residual.mul_add(residual, squares);
+            }
+        }
+        let used = batch.groups.len();
+        squares * Lanes::from_fn(|lane| f64::from(u8::from(lane < used)))
     }
 
     #[inline(always)]
@@ -279,5 +311,66 @@ fn fill_datum(datum: &Datum, beams: &Beams, equations: &mut BlockBatch) {
             equations.datum_mut(k)[place..place + 3].copy_from_slice(&motion);
             equations.closure_mut()[k] -= missed;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, Vector3};
+
+    use super::*;
+    use crate::batches::batches;
+    use crate::{Network, Reading, Visit};
+
+    /// `W C Wᵀ = 1` with the covariance by its definition.
+    #[test]
+    fn weights_whiten_the_covariance() {
+        let noise = Noise {
+            length_sigma_mm: 3e-4,
+            length_sigma_relative: 5e-7,
+            return_sigma_mm: 1e-3,
+        };
+        let factors = [1.0, 25.0, 1.0];
+        let network = Network {
+            stations: vec![None],
+            nominal_mm: vec![
+                Point3::new(300.0, 600.0, 600.0),
+                Point3::new(733.0, -367.0, 733.0),
+                Point3::new(600.0, 0.0, 800.0),
+            ],
+            groups: std::iter::once(0..3).collect(),
+            visits: vec![Visit {
+                station: 0,
+                group: 0,
+                readings: 0..3,
+            }],
+            readings: (0..3)
+                .map(|point| Reading {
+                    point,
+                    length_mm: 0.0,
+                })
+                .collect(),
+            variance_factors: factors.to_vec(),
+            noise,
+            ..Network::default()
+        };
+        let points = network.nominal_mm.clone();
+        let state = State::new(&network, vec![Point3::origin()], vec![0.0], points);
+        let batch = &batches(&network)[0];
+        let (mut beams, mut weights) = (Beams::default(), vec![Lanes::ZERO; batch.weights()]);
+        beams.fill(batch, &state);
+        fill_weights(batch, &noise, Some(&beams), &mut Vec::new(), &mut weights);
+        let w = DMatrix::from_fn(3, 3, |i, j| match j <= i {
+            true => weights[factor_len(i) + j].0[0],
+            false => 0.0,
+        });
+        let beam = |i: usize| -> Vector3<f64> { network.nominal_mm[i].coords };
+        let c = DMatrix::from_fn(3, 3, |i, j| {
+            let own = (9e-8 + (5e-7 * beam(i).norm()).powi(2)) * factors[i];
+            let common = 1e-6 * beam(i).normalize().dot(&beam(j).normalize());
+            common + if i == j { own } else { 0.0 }
+        });
+        let whitened = &w * c * w.transpose();
+        assert!((whitened - DMatrix::<f64>::identity(3, 3)).amax() < 1e-12);
     }
 }

@@ -1,10 +1,11 @@
 //! The lengths and what they connect.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::Point3;
 
-use crate::{Error, Noise};
+use crate::{Bodies, Error, Noise};
 
 /// Lengths between stations and points.
 ///
@@ -31,6 +32,10 @@ pub struct Network {
     pub interruptions: Vec<Interruption>,
     /// Factor on the variance of each reading's own noise; empty where all are one.
     pub variance_factors: Vec<f64>,
+    /// Which points keep their distances. Without bodies all points are free: three unknowns for each. With
+    /// bodies the points of a group that has one are tied to its pose: six unknowns, and the shape is
+    /// common to all groups.
+    pub bodies: Option<Arc<Bodies>>,
 }
 
 /// A lost count of a station's interferometer.
@@ -127,7 +132,16 @@ impl Network {
         if !factors.iter().all(|f| f.is_finite() && *f > 0.0) {
             return malformed("a variance factor is not positive and finite".to_owned());
         }
+        if let Some(bodies) = &self.bodies {
+            bodies.check(&self.groups)?;
+        }
         self.noise.check()
+    }
+
+    /// The body that the points of a group are tied to.
+    pub(crate) fn body_of(&self, group: usize) -> Option<usize> {
+        let bodies = self.bodies.as_deref()?;
+        bodies.of_groups[group].body
     }
 
     /// Number of dead paths: one for each station and one for each interruption.
@@ -154,6 +168,7 @@ impl Network {
             noise: self.noise,
             interruptions: Vec::new(),
             variance_factors: Vec::new(),
+            bodies: self.bodies.clone(),
         };
         (network, kept)
     }

@@ -9,45 +9,18 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use trueaxis_leastsquares::{
-    BlockBatch, Error as LeastSquaresError, Factors, LaneSums, Lanes, Reduced, in_widest_registers,
+    BlockBatch, Error as LeastSquaresError, Factors, LaneSums, Reduced, in_widest_registers,
 };
 
-use crate::batches::Batch;
-use crate::free_points::DATUM;
+use crate::adjustment::GroupAdjustment;
 use crate::linearise::Beams;
+use crate::state::{DATUM, State};
 
 /// Batches of a piece: enough work, some 50 µs, to be worth handing out.
 const LEAST_BATCHES: usize = 64;
 
 /// Most pieces: more would not spread the work better and each has a reduced system of its own.
 const MOST_PIECES: usize = 64;
-
-/// An adjustment model whose blocks are the groups of a network.
-pub(crate) trait GroupModel: Sync {
-    type State: Sync;
-
-    fn batches(&self) -> &[Batch];
-
-    /// Unknowns of each group of a batch.
-    fn unknowns(&self, batch: &Batch) -> usize;
-
-    /// Number of shared unknowns.
-    fn shared(&self) -> usize;
-
-    fn memories(&self) -> &Memories;
-
-    /// The weights of a batch: `L⁻¹` of each visit, the rows of its triangle one after the other.
-    fn weights_of(&self, b: usize) -> &[Lanes];
-
-    /// Makes the equations of batch `b` at `state`.
-    fn fill(&self, state: &Self::State, b: usize, gauge: Gauge, memory: &mut Memory);
-
-    /// Adds batch `b` to the sums in a shorter way than by its equations; false if there is none.
-    #[inline(always)]
-    fn add_shortly(&self, _: &Self::State, _b: usize, _: Gauge, _: &mut LaneSums) -> bool {
-        false
-    }
-}
 
 /// What decides among results that differ by a motion of the whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -138,9 +111,9 @@ pub(crate) fn try_in_parallel<I: Send, T: Send>(
 
 /// Fills and eliminates the equations of batch `b`.
 #[inline(always)]
-pub(crate) fn eliminate<M: GroupModel>(
-    model: &M,
-    state: &M::State,
+pub(crate) fn eliminate(
+    model: &GroupAdjustment<'_>,
+    state: &State,
     b: usize,
     gauge: Gauge,
     memory: &mut Memory,
@@ -151,9 +124,9 @@ pub(crate) fn eliminate<M: GroupModel>(
 }
 
 /// The reduced system of all batches.
-pub(crate) fn reduce<M: GroupModel>(
-    model: &M,
-    state: &M::State,
+pub(crate) fn reduce(
+    model: &GroupAdjustment<'_>,
+    state: &State,
     gauge: Gauge,
 ) -> Result<Reduced, LeastSquaresError> {
     let sums = try_in_parallel(
@@ -165,10 +138,8 @@ pub(crate) fn reduce<M: GroupModel>(
                 #[inline(always)]
                 |memory| {
                     for b in piece {
-                        if !model.add_shortly(state, b, gauge, &mut sums) {
-                            eliminate(model, state, b, gauge, memory)?;
-                            memory.equations.add_to(&mut sums);
-                        }
+                        eliminate(model, state, b, gauge, memory)?;
+                        memory.equations.add_to(&mut sums);
                         let batch = &model.batches()[b];
                         sums.count(batch.readings, model.unknowns(batch) * batch.groups.len());
                     }
@@ -186,9 +157,9 @@ pub(crate) fn reduce<M: GroupModel>(
 }
 
 /// The factors of all groups.
-pub(crate) fn factors<M: GroupModel>(
-    model: &M,
-    state: &M::State,
+pub(crate) fn factors(
+    model: &GroupAdjustment<'_>,
+    state: &State,
 ) -> Result<Factors, LeastSquaresError> {
     let batches = model.batches();
     let unknowns = batches

@@ -3,8 +3,8 @@
 use nalgebra::Point3;
 use trueaxis_leastsquares::Termination;
 
-use crate::free_points::State;
 use crate::solve::{Attempt, adjust_from, batches_of, solution};
+use crate::state::State;
 use crate::{Error, Network, Settings, Solution, Station};
 
 /// Adjusted points, stations and dead paths, yet without uncertainties.
@@ -30,18 +30,15 @@ pub fn refine<'a>(
 ) -> Result<Refined<'a>, Error> {
     network.check()?;
     let batches = batches_of(network)?;
-    let mut state = State {
-        stations: stations.iter().map(|s| s.position_mm).collect(),
-        dead_paths_mm: stations.iter().map(|s| s.dead_path_mm).collect(),
-        points: points_mm.to_vec(),
-    };
+    let stations_mm: Vec<_> = stations.iter().map(|s| s.position_mm).collect();
+    let mut dead_paths_mm: Vec<_> = stations.iter().map(|s| s.dead_path_mm).collect();
     let (found, need) = (
         (stations.len(), points_mm.len()),
         (network.stations.len(), network.nominal_mm.len()),
     );
-    let mut places = state.stations.iter().chain(&state.points);
+    let mut places = stations_mm.iter().chain(points_mm);
     let finite = places.all(|p| p.iter().all(|x| x.is_finite()))
-        && state.dead_paths_mm.iter().all(|x| x.is_finite());
+        && dead_paths_mm.iter().all(|x| x.is_finite());
     if found != need || !finite {
         let what = format!(
             "a start of {} stations and {} points, all finite, is needed; found {} and {}",
@@ -50,9 +47,10 @@ pub fn refine<'a>(
         return Err(Error::Malformed { what });
     }
     for interruption in &network.interruptions {
-        let before = state.dead_paths_mm[interruption.station];
-        state.dead_paths_mm.push(before);
+        let before = dead_paths_mm[interruption.station];
+        dead_paths_mm.push(before);
     }
+    let state = State::new(network, stations_mm, dead_paths_mm, points_mm.to_vec());
     let attempt = adjust_from(network, &batches, state, settings)?;
     Ok(Refined { network, attempt })
 }

@@ -1,4 +1,5 @@
-//! Internal reliability: which error of a length would be noticed.
+//! Redundancy numbers and internal reliability: how far the others check a length, and which error of it
+//! would be noticed.
 //!
 //! Baarda's test finds an error `∇` with the power `1 - β` at the level `α` if it is at least
 //!
@@ -12,7 +13,7 @@
 
 use trueaxis_leastsquares::chi_squared_quantile;
 
-use crate::baarda::test_all;
+use crate::baarda::{ReadingTest, test_all};
 use crate::batch_influence::BatchInfluence;
 use crate::screening::reading_limit;
 use crate::{Network, Solution};
@@ -31,18 +32,28 @@ pub struct Reliability {
 const POWER: f64 = 0.8;
 
 impl Solution {
+    /// Redundancy number of every reading: the part of an error in it that shows in its residual, from
+    /// 0 (nothing checks it: the error goes wholly into the result) to 1. Lengths of a visit that
+    /// correlate through the machine's return may leave this range. Their sum is
+    /// [`Solution::degrees_of_freedom`].
+    ///
+    /// `r = diag(I - J Q Jᵀ C⁻¹)` with the Jacobian `J` and the covariance `Q` of the unknowns.
+    /// `network` must be the one that was solved.
+    pub fn redundancy_numbers(&self, network: &Network) -> Vec<f64> {
+        let tests = test_all(&BatchInfluence::new(network, self)).readings;
+        tests.iter().map(|test| test.redundancy).collect()
+    }
+
     /// Reliability of every reading; `network` must be the one that was solved.
     pub fn reliability(&self, network: &Network) -> Vec<Reliability> {
         // z_p is the root of the chi-squared quantile of 2p - 1 with one degree of freedom.
         let power = chi_squared_quantile(2.0 * POWER - 1.0, 1.0).sqrt();
         let factor = reading_limit(network.readings.len()) + power;
         let tests = test_all(&BatchInfluence::new(network, self)).readings;
-        let numbers = self.redundancy_numbers(network);
-        let all = tests.iter().zip(numbers);
-        all.map(|(test, redundancy)| Reliability {
-            redundancy,
+        let reliability = |test: &ReadingTest| Reliability {
+            redundancy: test.redundancy,
             minimal_detectable_mm: factor * test.sigma_mm,
-        })
-        .collect()
+        };
+        tests.iter().map(reliability).collect()
     }
 }

@@ -9,11 +9,11 @@ use crate::baarda::{ReadingTest, Tests, test_all};
 use crate::batch_influence::BatchInfluence;
 use crate::estimate_noise::level;
 use crate::guard;
-use crate::influence::Influence;
 use crate::robust_weights::{REMOVED, scale, welsch};
 use crate::screen::{Removed, Screened};
 use crate::solve::{Settings, batches_of, far_at, solve, solve_from, solve_from_start};
 use crate::start::{Start, start};
+use crate::whitened::Whitened;
 use crate::{Error, Interruption, Network, NoiseEstimate, Solution, estimate_noise};
 
 /// Probability that a network without gross errors loses any reading.
@@ -272,9 +272,10 @@ impl<'a> Screening<'a> {
         critical(level, self.network.readings.len(), degrees_of_freedom)
     }
 
-    pub(crate) fn with_influence<T: Default>(&self, f: impl Fn(&Influence<'_>) -> T) -> T {
-        let solution = self.solution.as_ref();
-        solution.map_or_else(T::default, |s| f(&Influence::new(&self.network, s)))
+    /// The rows of the hat matrix at the present solution, in measuring order.
+    pub(crate) fn hat_rows(&self) -> Option<Whitened> {
+        let solution = self.solution.as_deref()?;
+        Some(Whitened::new(&self.network, solution))
     }
 
     /// Whether the tests ask for a change.

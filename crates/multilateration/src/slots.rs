@@ -15,8 +15,6 @@ pub(crate) struct Layout {
     pub(crate) visits: Vec<SlotVisit>,
     /// The point within the group of each slot.
     pub(crate) point_of_slot: Vec<usize>,
-    /// Whether every slot is the only one of its visit and of its station, of groups of one point.
-    pub(crate) is_plain: bool,
 }
 
 impl Layout {
@@ -137,8 +135,6 @@ impl Slots {
         let place = |&(key, i): &(Key, usize)| (slots.partition_point(|slot| *slot < key), i);
         self.places.extend(self.keys.iter().map(place));
         self.layout = Arc::new(Layout {
-            is_plain: slots.windows(2).all(|s| s[0].station < s[1].station)
-                && slots.iter().all(|slot| slot.point == 0),
             visits: slot_visits(&slots),
             point_of_slot: slots.iter().map(|key| key.point).collect(),
         });

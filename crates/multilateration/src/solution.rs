@@ -1,10 +1,10 @@
 //! The adjusted points and stations with the evidence.
 
 use faer::Mat;
-use nalgebra::{Matrix4, Point3};
+use nalgebra::{Isometry3, Matrix4, Point3};
 use trueaxis_leastsquares::{Covariance, Termination};
 
-use crate::free_points::{PER_STATION, State, zero_column};
+use crate::state::{PER_STATION, State, zero_column};
 
 /// Adjusted stations and points in the datum of the nominal points.
 #[derive(Debug, Clone)]
@@ -15,6 +15,11 @@ pub struct Solution {
     pub dead_paths_after_mm: Vec<f64>,
     /// Points in the order of the network, mm.
     pub points_mm: Vec<Point3<f64>>,
+    /// Poses of the bodies at each group, datum from home; empty in a network without bodies. Of a group
+    /// whose points are free the nominal one.
+    pub poses: Vec<Isometry3<f64>>,
+    /// Home positions of the targets of each body, mm; empty in a network without bodies.
+    pub shapes_mm: Vec<Vec<Point3<f64>>>,
     /// Observed minus computed length of every reading, mm.
     pub residuals_mm: Vec<f64>,
     /// Sum of squares of the whitened residuals.
@@ -31,10 +36,11 @@ pub struct Solution {
     pub mirror_image_open: bool,
     /// Why it stopped. Look at it: a result that is not converged is returned, not hidden.
     pub termination: Termination,
-    /// Covariance for the noise as given (its variance factor is one): blocks are the groups
-    /// (x y z of each point), shared unknowns the stations (x y z L of each) and
-    /// behind them the dead paths after interruptions, mm². The datum is the best fit to the
-    /// nominal points.
+    /// Covariance for the noise as given (its variance factor is one). Blocks are the groups: x y z of each
+    /// free point, mm, or of a body the translation, mm, and the rotation vector, rad, about the centroid of
+    /// the group's adjusted points, both in the datum's axes. Shared unknowns are the stations (x y z L of
+    /// each), behind them the dead paths after interruptions, mm, and behind these for each body the
+    /// amounts of its deformations, mm. The datum is the best fit to the nominal points.
     pub covariance: Covariance,
 }
 
@@ -65,7 +71,7 @@ impl Solution {
         (squares / self.residuals_mm.len().max(1) as f64).sqrt()
     }
 
-    /// Covariance of the points of a group, 3 rows and columns each, mm².
+    /// Covariance of the unknowns of a group: its free points (3 rows and columns each), or its pose.
     pub fn group_covariance(&self, group: usize) -> Mat<f64> {
         self.covariance.block(group)
     }
@@ -99,6 +105,8 @@ impl Solution {
                 .chain(self.dead_paths_after_mm.iter().copied())
                 .collect(),
             points: self.points_mm.clone(),
+            poses: self.poses.clone(),
+            shapes_mm: self.shapes_mm.clone(),
         }
     }
 }

@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
-use trueaxis_leastsquares::{Adjusted, Adjustment, Error as LeastSquaresError, adjust};
+use trueaxis_leastsquares::{
+    Adjusted, Adjustment, BLOCK_RANK_TOL, Error as LeastSquaresError, adjust,
+};
 
+use crate::adjustment::GroupAdjustment;
 use crate::batches::{Batch, batches, check_seen};
-use crate::free_adjustment::FreeAdjustment;
-use crate::free_points::{DATUM, PER_STATION, State};
 use crate::passes::within_pool;
 use crate::reweighting::reweight;
 use crate::start::{Image, Start, start};
+use crate::state::{DATUM, PER_STATION, POSE, State};
 use crate::{Error, Network, Solution, Station, StationUnknown};
 
 /// How to adjust.
@@ -59,20 +61,41 @@ pub(crate) fn solve_from_start(
     choose_sides((network, batches), settings, &state, &images, first)
 }
 
-/// Solves a network again from the solution of a similar one: the same stations and groups, other
-/// weights or interruptions.
-pub(crate) fn solve_from(
+/// Solves a network again from the solution of a similar one: the same stations and groups, other lengths,
+/// weights, interruptions or bodies. From tied points to free ones and back it goes in an iteration or two;
+/// no start is sought.
+///
+/// # Errors
+/// Those of [`solve`].
+pub fn solve_from(
     network: &Network,
     near: &Solution,
     settings: &Settings,
 ) -> Result<Solution, Error> {
+    network.check()?;
     let batches = batches_of(network)?;
+    let stations = network.stations.len();
+    let (found, need) = (
+        (near.stations.len(), near.points_mm.len()),
+        (stations, network.nominal_mm.len()),
+    );
+    if found != need {
+        let what = format!("a solution of other stations and points: {found:?}, needed {need:?}");
+        return Err(Error::Malformed { what });
+    }
     let mut state = near.state();
     // Lengths are linear in dead paths: where those after interruptions start does not matter.
-    state.dead_paths_mm.truncate(network.stations.len());
+    state.dead_paths_mm.truncate(stations);
     for interruption in &network.interruptions {
         let before = state.dead_paths_mm[interruption.station];
         state.dead_paths_mm.push(before);
+    }
+    let sizes = network.bodies.iter().flat_map(|bodies| &bodies.bodies);
+    let sizes = sizes.map(|body| body.home_mm.len());
+    let poses = network.bodies.as_ref().map_or(0, |_| network.groups.len());
+    let same_ties = state.poses.len() == poses && state.shapes_mm.iter().map(Vec::len).eq(sizes);
+    if !same_ties {
+        state = State::new(network, state.stations, state.dead_paths_mm, state.points);
     }
     let attempt = adjust_from(network, &batches, state, settings)?;
     solution(network, attempt, near.mirror_image_open)
@@ -101,7 +124,7 @@ pub(crate) fn far_at(start: &Start, network: &Network) -> Vec<(usize, f64)> {
 
 /// An adjustment with the weights that belong to it.
 pub(crate) struct Attempt<'a> {
-    model: FreeAdjustment<'a>,
+    model: GroupAdjustment<'a>,
     pub(crate) adjusted: Adjusted<State>,
     iterations: usize,
 }
@@ -113,10 +136,10 @@ pub(crate) fn adjust_from<'a>(
     settings: &Settings,
 ) -> Result<Attempt<'a>, Error> {
     within_pool(batches.len(), || {
-        let mut model = FreeAdjustment::new(network, batches, &start);
+        let mut model = GroupAdjustment::new(network, batches, &start);
         let first = run(network, &model, start.clone(), settings)
             .map_err(|error| ran_away(network, &model, &start, error))?;
-        let again = |model: &FreeAdjustment<'_>, state| run(network, model, state, settings);
+        let again = |model: &GroupAdjustment<'_>, state| run(network, model, state, settings);
         let (adjusted, iterations) = reweight(&mut model, start, first, again)?;
         Ok(Attempt {
             model,
@@ -131,7 +154,7 @@ pub(crate) fn adjust_from<'a>(
 const CONTRADICTION: f64 = 0.02;
 
 /// Tells a station that is not determined from one that contradictory lengths drove away.
-fn ran_away(network: &Network, model: &FreeAdjustment<'_>, start: &State, error: Error) -> Error {
+fn ran_away(network: &Network, model: &GroupAdjustment<'_>, start: &State, error: Error) -> Error {
     if !matches!(error, Error::StationsNotDetermined { .. }) {
         return error;
     }
@@ -226,7 +249,16 @@ pub(crate) fn batches_of(network: &Network) -> Result<Arc<Vec<Batch>>, Error> {
     check_seen(&batches, MIN_STATIONS_PER_POINT)?;
     let readings = network.readings.len();
     let shared = PER_STATION * found + network.interruptions.len();
-    let unknowns = 3 * network.nominal_mm.len() + shared - DATUM;
+    let of_group = |g: usize| match network.body_of(g) {
+        Some(_) => POSE,
+        None => 3 * network.groups[g].len(),
+    };
+    let of_groups: usize = (0..network.groups.len()).map(of_group).sum();
+    let bodies = network.bodies.iter().flat_map(|bodies| &bodies.bodies);
+    let shapes: usize = bodies
+        .map(|body| (3 * body.home_mm.len()).saturating_sub(POSE))
+        .sum();
+    let unknowns = of_groups + shared + shapes - DATUM;
     if readings < unknowns {
         return Err(Error::TooFewReadings { readings, unknowns });
     }
@@ -235,7 +267,7 @@ pub(crate) fn batches_of(network: &Network) -> Result<Arc<Vec<Batch>>, Error> {
 
 fn run(
     network: &Network,
-    model: &FreeAdjustment<'_>,
+    model: &GroupAdjustment<'_>,
     start: State,
     settings: &Settings,
 ) -> Result<Adjusted<State>, Error> {
@@ -245,6 +277,25 @@ fn run(
 /// The error in the words of the network.
 fn named(network: &Network, error: LeastSquaresError) -> Error {
     match error {
+        LeastSquaresError::BlockRank {
+            block,
+            pivot,
+            limit,
+            ..
+        } if network.body_of(block).is_some() => Error::PoseNotDetermined {
+            group: block,
+            lengths: lengths_of(network, block),
+            pivot,
+            limit,
+        },
+        LeastSquaresError::TooFewRows { block, rows, .. } if network.body_of(block).is_some() => {
+            Error::PoseNotDetermined {
+                group: block,
+                lengths: rows,
+                pivot: 0.0,
+                limit: BLOCK_RANK_TOL,
+            }
+        }
         LeastSquaresError::BlockRank {
             block,
             unknown,
@@ -277,6 +328,15 @@ fn named(network: &Network, error: LeastSquaresError) -> Error {
             free,
         } => {
             let behind_stations = PER_STATION * network.stations.len();
+            let behind_zeros = behind_stations + network.interruptions.len();
+            // The largest share says what is free.
+            if let Some(&(k, _)) = free.first().filter(|&&(k, _)| k >= behind_zeros) {
+                return Error::ShapeNotDetermined {
+                    body: body_of_deformation(network, k - behind_zeros),
+                    eigenvalue,
+                    limit,
+                };
+            }
             let unknown = |&(k, _): &(usize, f64)| match k.checked_sub(behind_stations) {
                 Some(i) => StationUnknown {
                     station: network.interruptions[i].station,
@@ -287,7 +347,8 @@ fn named(network: &Network, error: LeastSquaresError) -> Error {
                     unknown: k % PER_STATION,
                 },
             };
-            let free = free.iter().map(unknown).collect();
+            let of_stations = free.iter().filter(|&&(k, _)| k < behind_zeros);
+            let free = of_stations.map(unknown).collect();
             Error::StationsNotDetermined {
                 defect,
                 eigenvalue,
@@ -297,6 +358,23 @@ fn named(network: &Network, error: LeastSquaresError) -> Error {
         }
         other => Error::LeastSquares(other),
     }
+}
+
+fn lengths_of(network: &Network, group: usize) -> usize {
+    let visits = network.visits.iter().filter(|visit| visit.group == group);
+    visits.map(|visit| visit.readings.len()).sum()
+}
+
+/// The body of a deformation, by its number among those of all bodies.
+fn body_of_deformation(network: &Network, mut number: usize) -> usize {
+    let bodies = network.bodies.iter().flat_map(|bodies| &bodies.bodies);
+    for (b, body) in bodies.enumerate() {
+        match number.checked_sub((3 * body.home_mm.len()).saturating_sub(POSE)) {
+            Some(left) => number = left,
+            None => return b,
+        }
+    }
+    0
 }
 
 pub(crate) fn solution(
@@ -331,5 +409,7 @@ pub(crate) fn solution(
         termination: adjusted.termination,
         covariance,
         points_mm: adjusted.state.points,
+        poses: adjusted.state.poses,
+        shapes_mm: adjusted.state.shapes_mm,
     })
 }

@@ -52,13 +52,13 @@ impl Screening<'_> {
             .filter(|&(_, &factor)| factor <= 1.0)
             .fold(0.0_f64, |largest, (test, _)| largest.max(test.w.abs()));
         let limit = (self.limit(STEPS_LEVEL) * scale).max(largest_reading);
-        self.with_influence(|influence| {
-            let mut steps = largest_steps(influence);
-            steps.retain(|step| step.w.abs() > limit && step.before.min(step.after) >= LEAST_STEP);
-            steps.sort_by(|a, b| b.w.abs().total_cmp(&a.w.abs()));
-            let mut steps = steps.into_iter();
-            steps.find(|step| is_interruption(influence, step, scale))
-        })
+        let rows = self.hat_rows()?;
+        let mut steps = largest_steps(&self.network, &rows);
+        steps.retain(|step| step.w.abs() > limit && step.before.min(step.after) >= LEAST_STEP);
+        steps.sort_by(|a, b| b.w.abs().total_cmp(&a.w.abs()));
+        let solution = self.solution.as_deref()?;
+        let mut steps = steps.into_iter();
+        steps.find(|step| is_interruption((&self.network, solution), &rows, step, scale))
     }
 
     pub(crate) fn split(&mut self, station: usize, first_reading: usize) {
@@ -79,7 +79,8 @@ impl Screening<'_> {
         for interruption in self.network.interruptions.clone() {
             self.network.interruptions.retain(|i| *i != interruption);
             self.solve()?;
-            let steps = self.with_influence(largest_steps);
+            let rows = self.hat_rows();
+            let steps = rows.map_or_else(Vec::new, |rows| largest_steps(&self.network, &rows));
             let of_station = steps
                 .into_iter()
                 .filter(|s| s.station == interruption.station);

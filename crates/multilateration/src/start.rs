@@ -14,7 +14,7 @@ use faer::Mat;
 use nalgebra::{Matrix3, Matrix4, Point3, Unit, Vector3, Vector4};
 use trueaxis_leastsquares::{Error as LeastSquaresError, dense};
 
-use crate::free_points::State;
+use crate::state::State;
 use crate::{Error, Network};
 
 /// Readings used to find one station: enough for a start, and the time stays linear.
@@ -53,14 +53,7 @@ pub(crate) struct Image {
 
 pub(crate) fn start(network: &Network) -> Result<Start, Error> {
     let seen = sightings(network);
-    let mut start = Start {
-        state: State {
-            stations: Vec::new(),
-            dead_paths_mm: Vec::new(),
-            points: network.nominal_mm.clone(),
-        },
-        images: Vec::new(),
-    };
+    let (mut stations, mut dead_paths_mm, mut images) = (Vec::new(), Vec::new(), Vec::new());
     for (j, (readings, some)) in seen.into_iter().enumerate() {
         let mut cloud = Cloud::new(&some);
         let mut fits = find_station(&some, &cloud, network.stations[j]);
@@ -79,12 +72,12 @@ pub(crate) fn start(network: &Network) -> Result<Start, Error> {
                 rms_mm,
             });
         };
-        start.state.stations.push(fit.position);
-        start.state.dead_paths_mm.push(fit.dead_path_mm);
+        stations.push(fit.position);
+        dead_paths_mm.push(fit.dead_path_mm);
         let other = fits
             .iter()
             .find(|other| cloud.on_other_side(fit.position, other.position));
-        start.images.push(
+        images.push(
             other
                 .filter(|_| network.stations[j].is_none())
                 .map(|other| Image {
@@ -94,10 +87,14 @@ pub(crate) fn start(network: &Network) -> Result<Start, Error> {
         );
     }
     for interruption in &network.interruptions {
-        let before = start.state.dead_paths_mm[interruption.station];
-        start.state.dead_paths_mm.push(before);
+        let before = dead_paths_mm[interruption.station];
+        dead_paths_mm.push(before);
     }
-    Ok(start)
+    let points = network.nominal_mm.clone();
+    Ok(Start {
+        state: State::new(network, stations, dead_paths_mm, points),
+        images,
+    })
 }
 
 /// For each station the number of its readings, and evenly spread ones of them.

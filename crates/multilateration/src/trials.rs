@@ -1,21 +1,22 @@
 //! Many solutions of one network with other errors: one factorisation serves them all.
 //!
 //! A trial's lengths are those that follow from the solved network, plus errors. With the
-//! derivatives `A`, `B` of the lengths to points and shared unknowns, the weights `P = C⁻¹` and the
-//! residuals `r`, the gradient
+//! derivatives `A`, `B` of the lengths to the unknowns of the groups and to the shared ones, the weights
+//! `P = C⁻¹` and the residuals `r`, the gradient
 //!
 //! ```text
 //! g = Aᵀ P r      b = Bᵀ P r
 //! ```
 //!
-//! leads to a correction by elimination of the points, with `D = R⁻¹R⁻ᵀ` and `Σ` as the solution
-//! left them ([`trueaxis_leastsquares::Covariance`]) and the datum `H`:
+//! leads to a correction by elimination of the groups, with the factors `D = R⁻¹R⁻ᵀ`, `Z` and `Σ` that the
+//! solution left ([`trueaxis_leastsquares::Covariance`]):
 //!
 //! ```text
-//! y      = D g                              points, stations held
-//! (s, λ) = Σ ( b - Bᵀ P A y, -Hᵀ y )        stations and dead paths; multipliers of the datum
-//! dp     = D (g - Aᵀ P B s - H λ)           points
+//! (s, λ) = Σ ( (b, h) - Σ_groups Zᵀ g )      shared unknowns; multipliers of the datum
+//! dx     = D g - Z (s, λ)                    groups
 //! ```
+//!
+//! where `h` is what the constraints of the datum miss.
 //!
 //! The first correction is the linear solution. Further ones, with the same factors, start from the
 //! exact gradient where the ones before led, with the residuals and the beams there: that beams
@@ -25,28 +26,19 @@
 
 #[cfg(test)]
 mod against_full_solve;
-mod coordinates;
-mod correlated;
 mod errors;
-mod point_blocks;
-mod tracks;
-mod unknowns;
+mod groups;
 
 use nalgebra::Vector3;
 use rand::Rng;
-use trueaxis_leastsquares::{LANES, Lanes, in_widest_registers, lanes_only};
+use trueaxis_leastsquares::{Lanes, in_widest_registers, zeros};
 
-use self::coordinates::{Coordinates, dot, sum};
-use self::correlated::CorrelatedVisits;
-use self::errors::{ErrorNoise, is_correlated};
-use self::point_blocks::PointBlocks;
-use self::tracks::{Row, Tracks};
-use self::unknowns::Unknowns;
-use crate::datum::Datum;
-use crate::free_points::{DATUM, FreePoints, PER_STATION, zero_column};
+use self::errors::ErrorNoise;
+use self::groups::{At, TrialGroups};
+use crate::batch_influence::{BatchInfluence, BatchRows};
 use crate::network::Network;
-use crate::noise::unwhiten_row;
 use crate::solution::Solution;
+use crate::state::{DATUM, PER_STATION, zero_column};
 
 /// A solved network, ready to be solved again with other errors, from any number of threads.
 ///
@@ -56,13 +48,12 @@ use crate::solution::Solution;
 #[derive(Debug, Clone)]
 pub struct Trials {
     noise: ErrorNoise,
-    tracks: Tracks,
-    correlated: CorrelatedVisits,
-    blocks: PointBlocks,
-    /// Lever arms of the rotations of the datum at the nominal points.
-    levers: Coordinates,
-    /// `Σ`, column by column, eight rows side by side and zeros below the last.
-    reduced_inverse: Vec<Lanes>,
+    groups: Vec<TrialGroups>,
+    /// Where the unknowns of each group start, and behind them their number.
+    starts: Vec<usize>,
+    points: usize,
+    /// `Σ`, rows one after the other.
+    reduced_inverse: Vec<f64>,
     shared: usize,
     stations: usize,
 }
@@ -70,7 +61,10 @@ pub struct Trials {
 /// What the errors of one trial do to the solution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Corrections {
-    unknowns: Unknowns,
+    points: Vec<Vector3<f64>>,
+    groups: Vec<f64>,
+    starts: Vec<usize>,
+    shared: Vec<f64>,
     stations: usize,
 }
 
@@ -78,18 +72,14 @@ pub struct Corrections {
 #[derive(Debug, Clone)]
 pub struct Workspace {
     corrections: Corrections,
-    errors: Vec<Lanes>,
-    correlated: correlated::Storage,
-    gradient: Unknowns,
-    step: Unknowns,
-    /// What is left of the gradient at the points.
-    points: Coordinates,
-    /// What is left of the gradient at the shared unknowns, and the right side of the datum.
-    right_side: Vec<f64>,
+    /// Corrections and gradients of the unknowns of all groups, batch after batch.
+    of_groups: Vec<Lanes>,
+    gradients: Vec<Lanes>,
+    /// The gradient of the shared unknowns and the right side of the datum.
+    shared: Vec<Lanes>,
     /// `(s, λ)`.
-    solved: Vec<Lanes>,
-    /// `λ`.
-    multipliers: [f64; DATUM],
+    step: Vec<f64>,
+    of_batch: groups::Scratch,
 }
 
 /// Most that the corrections left out may move any unknown, in standard uncertainties. It is
@@ -102,64 +92,31 @@ const MAX_CORRECTIONS: usize = 20;
 impl Trials {
     /// `network` must be the one that `solution` solved.
     pub fn new(network: &Network, solution: &Solution) -> Self {
-        let state = solution.state();
-        let model = FreePoints::new(network, &state);
-        let stations = network.stations.len();
-        let mut noise = ErrorNoise::default();
-        let mut independent = Vec::new();
-        let mut correlated = CorrelatedVisits::default();
-        let mut is_coupled = vec![false; network.groups.len()];
-        for (v, visit) in network.visits.iter().enumerate() {
-            let factor = model.factor(v);
-            let count = visit.readings.len();
-            let rows = visit.readings.clone().map(|reading| {
-                let point = network.point(visit.group, network.readings[reading].point);
-                let (beam, distance_mm) = state.beam(visit.station, point);
-                Row {
-                    reading,
-                    point,
-                    station: PER_STATION * visit.station,
-                    dead_path: zero_column(model.zero_of(reading), stations),
-                    beam: beam.into(),
-                    distance_mm,
-                }
-            });
-            if is_correlated(factor, count) {
-                is_coupled[visit.group] = true;
-                noise.push_correlated(count, factor);
-                correlated.push(rows, factor);
-            } else {
-                for (i, row) in rows.enumerate() {
-                    let sigma_mm = unwhiten_row(factor, i)[i];
-                    noise.push_independent(sigma_mm);
-                    independent.push((row, sigma_mm));
-                }
+        let influence = BatchInfluence::new(network, solution);
+        let by_group = network.visits_by_group();
+        let (mut slots, mut rows) = (Default::default(), BatchRows::default());
+        let mut noise = ErrorNoise::new(network);
+        let mut groups = Vec::with_capacity(influence.batches().len());
+        let mut starts = vec![0];
+        for b in 0..influence.batches().len() {
+            influence.fill(b, &mut rows);
+            let batch = &influence.batches()[b];
+            crate::slots::Slots::take(&mut slots, network, &by_group, batch.groups.clone());
+            noise.take((network, &by_group), (batch, &rows), &slots);
+            let of_batch = TrialGroups::new(&influence, b, &rows, &slots);
+            for _ in batch.groups.clone() {
+                starts.push(starts[starts.len() - 1] + of_batch.unknowns());
             }
+            groups.push(of_batch);
         }
-        let mut blocks = PointBlocks::default();
-        for (g, points) in network.groups.iter().enumerate() {
-            let block = solution.covariance.block_given_shared(g);
-            blocks.push(points.clone(), &block, is_coupled[g]);
-        }
-        let datum = Datum::new(network);
-        let levers = network.nominal_mm.iter().map(|&n| datum.lever(n));
-        let sigma = solution.covariance.reduced_inverse();
-        let shared = model.shared();
-        let size = sigma.nrows();
-        let eight = |j: usize, first: usize| {
-            let row = |k: usize| (first + k < size).then(|| sigma[(first + k, j)]);
-            Lanes::from_fn(|k| row(k).unwrap_or_default())
-        };
-        let columns = (0..size).flat_map(|j| (0..size).step_by(LANES).map(move |i| eight(j, i)));
         Self {
             noise,
-            tracks: Tracks::new(independent),
-            correlated,
-            blocks,
-            levers: Coordinates::from_vectors(levers),
-            reduced_inverse: columns.collect(),
-            shared,
-            stations,
+            groups,
+            starts,
+            points: network.nominal_mm.len(),
+            reduced_inverse: influence.sigma().to_vec(),
+            shared: solution.covariance.shared().nrows(),
+            stations: network.stations.len(),
         }
     }
 
@@ -170,26 +127,26 @@ impl Trials {
 
     /// Number of points of the network.
     pub fn points(&self) -> usize {
-        self.levers.count()
+        self.points
     }
 
     /// Storage for trials, one for each thread. It carries nothing from one trial to the next.
     pub fn workspace(&self) -> Workspace {
-        let points = self.points();
-        let unknowns = Unknowns::zeros(points, self.shared);
+        let unknowns = self.groups.iter().map(TrialGroups::unknowns).sum();
+        let width = self.reduced_inverse.len().isqrt();
         Workspace {
             corrections: Corrections {
-                unknowns: unknowns.clone(),
+                points: vec![Vector3::zeros(); self.points],
+                groups: vec![0.0; self.starts.last().copied().unwrap_or(0)],
+                starts: self.starts.clone(),
+                shared: vec![0.0; self.shared],
                 stations: self.stations,
             },
-            errors: self.tracks.storage(),
-            correlated: self.correlated.storage(),
-            gradient: unknowns.clone(),
-            step: unknowns,
-            points: Coordinates::zeros(points),
-            right_side: vec![0.0; self.shared + DATUM],
-            solved: vec![Lanes::ZERO; (self.shared + DATUM).div_ceil(LANES)],
-            multipliers: [0.0; DATUM],
+            of_groups: vec![Lanes::ZERO; unknowns],
+            gradients: vec![Lanes::ZERO; unknowns],
+            shared: vec![Lanes::ZERO; width],
+            step: vec![0.0; width],
+            of_batch: Default::default(),
         }
     }
 
@@ -216,6 +173,7 @@ impl Trials {
     /// # Panics
     /// If there is not one error for each reading.
     pub fn solve<'w>(&self, errors_mm: &[f64], workspace: &'w mut Workspace) -> &'w Corrections {
+        assert_eq!(errors_mm.len(), self.readings(), "one error per reading");
         in_widest_registers(
             #[inline(always)]
             || self.fill(errors_mm, workspace),
@@ -225,154 +183,131 @@ impl Trials {
 
     #[inline(always)]
     fn fill(&self, errors_mm: &[f64], workspace: &mut Workspace) {
-        self.start(errors_mm, workspace);
+        self.start(workspace);
         // Corrections shrink by a constant factor: what is left out after the last is about its
         // square over the one before. The linear solution counts with one unknown's share, because
         // the direction that shrinks least is one of many.
-        let mut before = self.correct(workspace) / (self.unknowns() as f64).sqrt();
+        let unknowns = workspace.corrections.groups.len() + self.shared;
+        let mut before = self.correct(errors_mm, workspace) / (unknowns as f64).sqrt();
         for _ in 0..MAX_CORRECTIONS {
-            self.take_gradient(errors_mm, workspace);
-            let length = self.correct(workspace);
+            let length = self.correct(errors_mm, workspace);
             if length * length <= LEFT_OUT * before {
+                self.hand_out(workspace);
                 return;
             }
             before = length;
         }
-        workspace.corrections.unknowns.fill(f64::NAN);
-    }
-
-    fn unknowns(&self) -> usize {
-        3 * self.points() + self.shared
-    }
-
-    /// Forgets the corrections of the trial before, and takes the gradient without any.
-    #[inline(always)]
-    fn start(&self, errors_mm: &[f64], workspace: &mut Workspace) {
-        assert_eq!(errors_mm.len(), self.readings(), "one error per reading");
-        let Workspace {
-            corrections: Corrections { unknowns, .. },
-            errors,
-            correlated: storage,
-            gradient,
-            ..
-        } = workspace;
-        unknowns.fill(0.0);
-        gradient.fill(0.0);
-        self.tracks.arrange(errors_mm, errors);
-        self.tracks.add_gradient_of_errors(errors, gradient);
-        self.correlated
-            .add_gradient(errors_mm, unknowns, gradient, storage);
-    }
-
-    /// Takes the exact gradient where the corrections have led.
-    #[inline(always)]
-    fn take_gradient(&self, errors_mm: &[f64], workspace: &mut Workspace) {
-        let Workspace {
-            corrections: Corrections { unknowns, .. },
-            errors,
-            correlated: storage,
-            gradient,
-            ..
-        } = workspace;
-        gradient.fill(0.0);
-        self.tracks.add_gradient(errors, unknowns, gradient);
-        self.correlated
-            .add_gradient(errors_mm, unknowns, gradient, storage);
-    }
-
-    /// Adds the correction that follows from the gradient; its length in standard uncertainties.
-    #[inline(always)]
-    fn correct(&self, workspace: &mut Workspace) -> f64 {
-        let Workspace {
-            corrections: Corrections { unknowns, .. },
-            correlated: storage,
-            gradient,
-            step,
+        let Corrections {
             points,
-            right_side,
-            solved,
-            multipliers,
+            groups,
+            shared,
+            ..
+        } = &mut workspace.corrections;
+        points.fill(Vector3::repeat(f64::NAN));
+        groups.fill(f64::NAN);
+        shared.fill(f64::NAN);
+    }
+
+    /// Forgets the corrections of the trial before.
+    #[inline(always)]
+    fn start(&self, workspace: &mut Workspace) {
+        workspace.of_groups.fill(Lanes::ZERO);
+        workspace.corrections.shared.fill(0.0);
+    }
+
+    /// Adds the correction that follows from the exact gradient where those before have led; its length in
+    /// standard uncertainties.
+    #[inline(always)]
+    fn correct(&self, errors_mm: &[f64], workspace: &mut Workspace) -> f64 {
+        let Workspace {
+            corrections,
+            of_groups,
+            gradients,
+            shared,
+            step,
+            of_batch,
+        } = workspace;
+        let width = step.len();
+        zeros(shared, width);
+        let mut squares = 0.0;
+        let mut first = 0;
+        let mut closure = [Lanes::ZERO; DATUM];
+        let mut gradient = vec![Lanes::ZERO; self.shared];
+        for groups in &self.groups {
+            let own = first..first + groups.unknowns();
+            first = own.end;
+            let at = At {
+                own: &of_groups[own.clone()],
+                shared: &corrections.shared,
+            };
+            groups.gradient(
+                errors_mm,
+                &at,
+                (&mut gradients[own.clone()], &mut gradient),
+                of_batch,
+            );
+            groups.add_to_closure(&mut closure, of_batch);
+            groups.reduce(&gradients[own], shared);
+        }
+        let mut right: Vec<f64> = shared.iter().map(|x| x.sum()).collect();
+        for (right, gradient) in right.iter_mut().zip(&gradient) {
+            *right += gradient.sum();
+        }
+        for (right, missed) in right[self.shared..].iter_mut().zip(&closure) {
+            *right -= missed.sum();
+        }
+        for (step, row) in step
+            .iter_mut()
+            .zip(self.reduced_inverse.chunks_exact(width))
+        {
+            *step = trueaxis_leastsquares::row_products::dot(row, &right);
+        }
+        let of_shared = corrections.shared.iter_mut().zip(&*step).zip(&gradient);
+        for ((value, step), gradient) in of_shared {
+            *value += step;
+            squares += step * gradient.sum();
+        }
+        let mut first = 0;
+        let mut along = Lanes::ZERO;
+        for groups in &self.groups {
+            let own = first..first + groups.unknowns();
+            first = own.end;
+            along += groups.correct(step, &gradients[own.clone()], &mut of_groups[own]);
+        }
+        (squares + along.sum()).abs().sqrt()
+    }
+
+    /// Writes the corrections of groups and points.
+    #[inline(always)]
+    fn hand_out(&self, workspace: &mut Workspace) {
+        let Workspace {
+            corrections,
+            of_groups,
+            of_batch,
             ..
         } = workspace;
-        // Points with the stations held, and what they leave for the stations.
-        self.blocks.times(&gradient.points, &mut step.points);
-        let (shared, datum) = right_side.split_at_mut(self.shared);
-        shared.copy_from_slice(&gradient.shared);
-        self.tracks.reduce_shared(&step.points, shared);
-        self.correlated.reduce_shared(&step.points, shared, storage);
-        self.close_datum(&step.points, datum);
-        self.solve_reduced(right_side, solved);
-        let values = solved.iter().flat_map(|eight| eight.0);
-        for (value, solved) in step.shared.iter_mut().chain(&mut *multipliers).zip(values) {
-            *value = solved;
-        }
-
-        // Points with the stations moved.
-        points.copy_from(&gradient.points);
-        self.tracks.reduce_points(&step.shared, points);
-        self.correlated.reduce_points(&step.shared, points, storage);
-        self.reduce_by_datum(multipliers, points);
-        self.blocks.times(points, &mut step.points);
-
-        unknowns.add(step);
-        gradient.dot(step).abs().sqrt()
-    }
-
-    /// `Σ` times the right side.
-    #[inline(always)]
-    fn solve_reduced(&self, right_side: &[f64], solved: &mut [Lanes]) {
-        solved.fill(Lanes::ZERO);
-        let columns = self.reduced_inverse.chunks_exact(solved.len());
-        for (column, value) in columns.zip(right_side) {
-            let value = Lanes::splat(*value);
-            for (sum, element) in solved.iter_mut().zip(column) {
-                lanes_only();
-                *sum += *element * value;
-            }
-        }
-    }
-
-    /// `-Hᵀ y`: takes translations and rotations out of the points.
-    #[inline(always)]
-    fn close_datum(&self, points: &Coordinates, right_side: &mut [f64]) {
-        let [x, y, z] = points.eights();
-        let [rx, ry, rz] = self.levers.eights();
-        let motions = [
-            sum(x),
-            sum(y),
-            sum(z),
-            dot(ry, z) - dot(rz, y),
-            dot(rz, x) - dot(rx, z),
-            dot(rx, y) - dot(ry, x),
-        ];
-        for (value, motion) in right_side.iter_mut().zip(motions) {
-            *value = -motion.sum();
-        }
-    }
-
-    /// Takes `H λ` off `points`.
-    #[inline(always)]
-    fn reduce_by_datum(&self, multipliers: &[f64; DATUM], points: &mut Coordinates) {
-        let splat = |i: usize| Lanes::splat(multipliers[i]);
-        let (tx, ty, tz) = (splat(0), splat(1), splat(2));
-        let (ax, ay, az) = (splat(3), splat(4), splat(5));
-        let [rx, ry, rz] = self.levers.eights();
-        let [x, y, z] = points.eights_mut();
-        let levers = rx.iter().zip(ry).zip(rz);
-        for (((rx, ry), rz), ((x, y), z)) in levers.zip(x.iter_mut().zip(y).zip(z)) {
-            lanes_only();
-            let (rx, ry, rz) = (Lanes(*rx), Lanes(*ry), Lanes(*rz));
-            *x = (Lanes(*x) - (tx + ay * rz - az * ry)).0;
-            *y = (Lanes(*y) - (ty + az * rx - ax * rz)).0;
-            *z = (Lanes(*z) - (tz + ax * ry - ay * rx)).0;
+        let mut first = 0;
+        for groups in &self.groups {
+            let own = first..first + groups.unknowns();
+            first = own.end;
+            let at = At {
+                own: &of_groups[own],
+                shared: &corrections.shared,
+            };
+            groups.hand_out(
+                &at,
+                (&mut corrections.groups, &self.starts),
+                &mut corrections.points,
+                of_batch,
+            );
         }
     }
 }
 
 impl Corrections {
-    /// Of all points: x, y and z, in the order of the network, mm.
-    pub fn points_mm(&self) -> [&[f64]; 3] {
-        self.unknowns.points.all()
+    /// Of all points, in the order of the network, mm.
+    pub fn points_mm(&self) -> &[Vector3<f64>] {
+        &self.points
     }
 
     /// Of one point, mm.
@@ -380,7 +315,23 @@ impl Corrections {
     /// # Panics
     /// If the network has no such point.
     pub fn point_mm(&self, point: usize) -> Vector3<f64> {
-        Vector3::from(self.points_mm().map(|values| values[point]))
+        self.points[point]
+    }
+
+    /// Of the unknowns of a group, in the order of its covariance ([`Solution::covariance`]): x y z of each
+    /// free point, mm; or of a pose the translation of the centroid of its points, mm, and the rotation
+    /// vector about it, rad, in the datum's axes.
+    ///
+    /// # Panics
+    /// If the network has no such group.
+    pub fn group(&self, group: usize) -> &[f64] {
+        &self.groups[self.starts[group]..self.starts[group + 1]]
+    }
+
+    /// Of all shared unknowns, in the order of the covariance, mm: x y z L of each station, the dead paths
+    /// after interruptions, the deformations of the bodies.
+    pub fn shared_mm(&self) -> &[f64] {
+        &self.shared
     }
 
     /// Of the position of a station, mm.
@@ -390,7 +341,7 @@ impl Corrections {
     pub fn station_mm(&self, station: usize) -> Vector3<f64> {
         assert!(station < self.stations, "no station {station}");
         let first = PER_STATION * station;
-        Vector3::from_column_slice(&self.unknowns.shared[first..first + PER_STATION - 1])
+        Vector3::from_column_slice(&self.shared[first..first + PER_STATION - 1])
     }
 
     /// Of a dead path, mm. They are numbered by station, then by interruption.
@@ -398,6 +349,6 @@ impl Corrections {
     /// # Panics
     /// If the network has no such dead path.
     pub fn dead_path_mm(&self, dead_path: usize) -> f64 {
-        self.unknowns.shared[zero_column(dead_path, self.stations)]
+        self.shared[zero_column(dead_path, self.stations)]
     }
 }

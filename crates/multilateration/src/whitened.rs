@@ -2,85 +2,204 @@
 //! else is in the lengths.
 //!
 //! For whitened columns `x` of further unknowns, `M x = x - O Oᵀx - T Σ Tᵀx` is what the adjustment
-//! cannot absorb, with the factors of [`crate::influence`]. The rows of `O` and `T` are kept, so the
+//! cannot absorb, with the factors of [`crate::batch_influence`]. The rows of `O` and `T` are kept, so the
 //! size is linear in the number of lengths.
 
-use faer::Mat;
-use trueaxis_leastsquares::BlockRows;
+use std::ops::Range;
 
-use crate::bodies::Bodies;
-use crate::influence::Influence;
-use crate::noise::{factor_len, whiten};
-use crate::{Network, RigidSolution};
+use trueaxis_leastsquares::row_products::dot;
 
-/// The whitened rows of an adjusted network; rows are the readings in measuring order.
+use crate::batch_influence::{BatchInfluence, BatchRows};
+use crate::batches::Batch;
+use crate::noise::factor_len;
+use crate::slots::Slots;
+use crate::{Network, Solution};
+
+/// The whitened rows of an adjusted network, visit after visit in measuring order.
+///
+/// A visit has as many rows as readings. Row `i` of it is made of its readings in an order of their own
+/// ([`Whitened::whiten`] knows it).
 #[derive(Debug, Clone)]
 pub struct Whitened {
     /// The group of each row.
     pub group_of_row: Vec<usize>,
     /// Number of groups.
     pub groups: usize,
-    /// `O`: one column for each unknown of the row's group.
-    pub own: Mat<f64>,
-    /// `T`: one column for each shared unknown and datum multiplier.
-    pub shared: Mat<f64>,
-    /// `Σ`: symmetric, indefinite.
-    pub reduced_inverse: Mat<f64>,
+    /// Columns of `O`: those of the group with the most unknowns, zeros in the others.
+    pub own_width: usize,
+    /// `O`, row after row: one column for each unknown of the row's group.
+    pub own: Vec<f64>,
+    /// Columns of `T`.
+    pub shared_width: usize,
+    /// `T`, row after row: one column for each shared unknown and datum multiplier.
+    pub shared: Vec<f64>,
+    /// `Σ`, row after row: symmetric, indefinite.
+    pub reduced_inverse: Vec<f64>,
     /// Whitened residuals, observed minus computed.
     pub residuals: Vec<f64>,
     /// Redundancy.
     pub degrees_of_freedom: usize,
-    /// The readings of each visit, and its factor.
-    visits: Vec<(std::ops::Range<usize>, Vec<f64>)>,
+    /// The rows of each visit.
+    visits: Vec<Range<usize>>,
+    /// The reading whose own part is largest in each row: rows of a visit in the order of its weights.
+    reading_of_row: Vec<usize>,
+    /// `L⁻¹` of each visit by rows up to the diagonal, one visit after the other.
+    weights: Vec<f64>,
+    weight_starts: Vec<usize>,
 }
 
 impl Whitened {
-    /// The rows of a network with rigid stages; `solution` must be the network's.
-    pub fn rigid(network: &Network, bodies: &Bodies, solution: &RigidSolution) -> Self {
-        let influence = Influence::rigid(network, bodies, solution);
+    /// The rows of a network; `solution` must be the network's.
+    pub fn new(network: &Network, solution: &Solution) -> Self {
+        let influence = BatchInfluence::new(network, solution);
         let rows = network.readings.len();
-        let mut memory = BlockRows::default();
-        let first = influence.group(0, &mut memory);
+        let covariance = &solution.covariance;
+        let sizes = (0..network.groups.len()).map(|g| covariance.inverse_factor(g).ncols());
+        let (own_width, shared_width) = (sizes.max().unwrap_or(0), influence.width());
+        let mut weight_starts = Vec::with_capacity(network.visits.len());
+        let mut weights = 0;
+        for visit in &network.visits {
+            weight_starts.push(weights);
+            weights += factor_len(visit.readings.len());
+        }
         let mut whitened = Self {
             group_of_row: vec![0; rows],
-            groups: influence.groups(),
-            own: Mat::zeros(rows, first.own.ncols()),
-            shared: Mat::zeros(rows, influence.width()),
-            reduced_inverse: influence.reduced_inverse().to_owned(),
+            groups: network.groups.len(),
+            own_width,
+            own: vec![0.0; rows * own_width],
+            shared_width,
+            shared: vec![0.0; rows * shared_width],
+            reduced_inverse: influence.sigma().to_vec(),
             residuals: vec![0.0; rows],
             degrees_of_freedom: solution.degrees_of_freedom(),
-            visits: Vec::with_capacity(network.visits.len()),
+            visits: network.visits.iter().map(|v| v.readings.clone()).collect(),
+            reading_of_row: vec![0; rows],
+            weights: vec![0.0; weights],
+            weight_starts,
         };
-        for g in 0..influence.groups() {
-            let group = influence.group(g, &mut memory);
-            for visit in &group.visits {
-                let start = network.visits[visit.visit].readings.start;
-                for i in 0..visit.count {
-                    let (row, from) = (start + i, visit.first + i);
-                    whitened.group_of_row[row] = g;
-                    whitened.residuals[row] = group.residuals[from];
-                    for k in 0..group.own.ncols() {
-                        whitened.own[(row, k)] = group.own[(from, k)];
-                    }
-                    for k in 0..group.shared.ncols() {
-                        whitened.shared[(row, k)] = group.shared[(from, k)];
-                    }
+        let by_group = network.visits_by_group();
+        let (mut slots, mut hat) = (Slots::default(), BatchRows::default());
+        for (b, batch) in influence.batches().iter().enumerate() {
+            influence.fill(b, &mut hat);
+            slots.take(network, &by_group, batch.groups.clone());
+            for (lane, group) in batch.groups.clone().enumerate() {
+                let mut places = slots.places(lane);
+                for &visit in by_group.of(group) {
+                    let (own, rest) = places.split_at(network.visits[visit].readings.len());
+                    places = rest;
+                    whitened.put((group, visit, own), (batch, &hat, lane));
                 }
             }
-        }
-        for (v, visit) in network.visits.iter().enumerate() {
-            let factor = influence.model().factor(v);
-            debug_assert_eq!(factor.len(), factor_len(visit.readings.len()));
-            let content = (visit.readings.clone(), factor.to_vec());
-            whitened.visits.push(content);
         }
         whitened
     }
 
-    /// Whitens a column of changes of the lengths (mm), one for each reading.
-    pub fn whiten(&self, column: &mut [f64]) {
-        for (readings, factor) in &self.visits {
-            whiten(factor, &mut column[readings.clone()]);
+    /// Takes the rows of a visit, whose readings are in these slots.
+    fn put(
+        &mut self,
+        (group, visit, places): (usize, usize, &[(usize, usize)]),
+        (batch, hat, lane): (&Batch, &BatchRows, usize),
+    ) {
+        let mut places = places.to_vec();
+        places.sort_unstable();
+        let Some(&(first, _)) = places.first() else {
+            return;
+        };
+        let of_slots = batch.layout.visit_of(first);
+        let start = batch.layout.visits[of_slots].slots.start;
+        let part = hat.visits(batch).nth(of_slots);
+        let mut weights = self.weights[self.weight_starts[visit]..].iter_mut();
+        for (row, (k, &(slot, reading))) in
+            self.visits[visit].clone().zip(places.iter().enumerate())
+        {
+            self.group_of_row[row] = group;
+            self.reading_of_row[row] = reading;
+            self.residuals[row] = hat.hat.residual()[slot].0[lane];
+            let own = hat.hat.own();
+            for (x, lanes) in self.own[row * self.own_width..]
+                .iter_mut()
+                .zip(own.row(slot))
+            {
+                *x = lanes.0[lane];
+            }
+            let shared = hat.hat.shared();
+            let own_shared = &mut self.shared[row * self.shared_width..];
+            for (x, lanes) in own_shared.iter_mut().zip(shared.row(slot)) {
+                *x = lanes.0[lane];
+            }
+            // The places first: a zip asks its left side once more than its right.
+            for (&(other, _), weight) in places[..=k].iter().zip(&mut weights) {
+                let of_visit = part.as_ref().map(|part| &part.unit_errors);
+                let at = of_visit.map(|errors| errors.at(slot - start, other - start).0[lane]);
+                *weight = at.unwrap_or_default();
+            }
         }
+    }
+
+    /// Whitens a column of changes of the lengths (mm), one for each reading in measuring order, in place.
+    pub fn whiten(&self, column: &mut [f64]) {
+        let mut by_row = Vec::new();
+        for (visit, rows) in self.visits.iter().enumerate() {
+            by_row.clear();
+            by_row.extend(rows.clone().map(|row| column[self.reading_of_row[row]]));
+            for (i, x) in column[rows.clone()].iter_mut().enumerate() {
+                *x = dot(self.weight_row(visit, i), &by_row[..=i]);
+            }
+        }
+    }
+
+    /// What the adjustment cannot absorb of a whitened column, in place: `x <- M x`.
+    pub fn project(&self, x: &mut [f64]) {
+        let (own_width, width) = (self.own_width, self.shared_width);
+        let mut of_groups = vec![0.0; self.groups * own_width];
+        let mut of_shared = vec![0.0; width];
+        let add = |sum: &mut [f64], row: &[f64], factor: f64| {
+            sum.iter_mut().zip(row).for_each(|(s, r)| *s += factor * r);
+        };
+        for (row, &value) in x.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+            let group = &mut of_groups[self.group_of_row[row] * own_width..][..own_width];
+            add(group, &self.own[row * own_width..][..own_width], value);
+            add(&mut of_shared, &self.shared[row * width..][..width], value);
+        }
+        let rows = self.reduced_inverse.chunks_exact(width.max(1));
+        let through: Vec<f64> = rows.map(|row| dot(row, &of_shared)).collect();
+        for (row, value) in x.iter_mut().enumerate() {
+            let group = &of_groups[self.group_of_row[row] * own_width..][..own_width];
+            *value -= dot(&self.own[row * own_width..][..own_width], group)
+                + dot(&self.shared[row * width..][..width], &through);
+        }
+    }
+
+    /// Row `i` of `L⁻¹` of a visit, up to the diagonal.
+    fn weight_row(&self, visit: usize, i: usize) -> &[f64] {
+        &self.weights[self.weight_starts[visit]..][factor_len(i)..factor_len(i + 1)]
+    }
+
+    /// The rows of a visit.
+    pub(crate) fn rows_of(&self, visit: usize) -> Range<usize> {
+        self.visits[visit].clone()
+    }
+
+    /// Writes a unit error of a reading of a visit, whitened: an element for each row of the visit.
+    pub(crate) fn unit_error(&self, visit: usize, reading: usize, unit: &mut Vec<f64>) {
+        unit.clear();
+        let rows = self.visits[visit].clone();
+        let place = |row: usize| self.reading_of_row[row] == reading;
+        let column = rows.clone().position(place);
+        let element = |i: usize| {
+            let row = self.weight_row(visit, i);
+            column.and_then(|column| row.get(column)).copied()
+        };
+        unit.extend((0..rows.len()).map(|i| element(i).unwrap_or_default()));
+    }
+
+    /// Row of `O`.
+    pub(crate) fn own_row(&self, row: usize) -> &[f64] {
+        &self.own[row * self.own_width..][..self.own_width]
+    }
+
+    /// Row of `T`.
+    pub(crate) fn shared_row(&self, row: usize) -> &[f64] {
+        &self.shared[row * self.shared_width..][..self.shared_width]
     }
 }

@@ -131,7 +131,7 @@ impl Model for Measured {
         for _ in 0..self.repeats {
             self.trials.draw(rng, &mut storage.errors_mm);
             let corrections = self.trials.solve(&storage.errors_mm, &mut storage.trial);
-            let coordinates = corrections.points_mm().into_iter().flatten();
+            let coordinates = corrections.points_mm().iter().flatten();
             for (output, coordinate) in outputs.iter_mut().zip(coordinates) {
                 *output += share * coordinate;
             }

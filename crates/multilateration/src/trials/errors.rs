@@ -1,70 +1,109 @@
 //! Errors of lengths, drawn from the noise that weighs them.
 //!
 //! With the factor `C = L Lᵀ` of the covariance of one visit's lengths, errors are `e = L z` with
-//! standard normal `z`. Most lengths depend on no other one, and `L` is a number.
+//! standard normal `z`.
 
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
-use crate::noise::unwhiten_row;
+use crate::batch_influence::BatchRows;
+use crate::batches::Batch;
+use crate::network::{Network, VisitsByGroup};
+use crate::noise::factor_len;
+use crate::slots::Slots;
 
 /// Factors of all visits in measuring order.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ErrorNoise {
-    /// Standard deviation of each reading; one where a factor takes its place.
-    sigmas_mm: Vec<f64>,
-    correlated: Vec<CorrelatedErrors>,
-}
-
-#[derive(Debug, Clone)]
-struct CorrelatedErrors {
-    first: usize,
-    count: usize,
+    readings: usize,
+    /// The number of readings of each visit.
+    counts: Vec<usize>,
+    /// For each visit the readings in the order of the rows of `L`, one visit after the other.
+    order: Vec<usize>,
     /// `L`, row by row up to the diagonal.
-    factor: Vec<f64>,
+    factors: Vec<f64>,
+    starts: Vec<usize>,
 }
 
 impl ErrorNoise {
-    /// Adds a length that depends on no other one.
-    pub(crate) fn push_independent(&mut self, sigma_mm: f64) {
-        self.sigmas_mm.push(sigma_mm);
+    pub(crate) fn new(network: &Network) -> Self {
+        let mut noise = Self {
+            readings: network.readings.len(),
+            order: (0..network.readings.len()).collect(),
+            ..Self::default()
+        };
+        let mut elements = 0;
+        for visit in &network.visits {
+            noise.counts.push(visit.readings.len());
+            noise.starts.push(elements);
+            elements += factor_len(visit.readings.len());
+        }
+        noise.factors = vec![0.0; elements];
+        noise
     }
 
-    /// Adds the lengths of a visit that depend on each other.
-    pub(crate) fn push_correlated(&mut self, count: usize, factor: &[f64]) {
-        let first = self.sigmas_mm.len();
-        self.sigmas_mm.resize(first + count, 1.0);
-        self.correlated.push(CorrelatedErrors {
-            first,
-            count,
-            factor: factor.to_vec(),
-        });
+    /// Takes the factors of the visits to the groups of a batch with these rows.
+    pub(crate) fn take(
+        &mut self,
+        (network, by_group): (&Network, &VisitsByGroup),
+        (batch, rows): (&Batch, &BatchRows),
+        slots: &Slots,
+    ) {
+        let visits: Vec<_> = rows.visits(batch).collect();
+        let mut row = Vec::new();
+        for (lane, group) in batch.groups.clone().enumerate() {
+            let mut places = slots.places(lane);
+            for &v in by_group.of(group) {
+                let readings = network.visits[v].readings.clone();
+                let (own, rest) = places.split_at(readings.len());
+                places = rest;
+                let mut own = own.to_vec();
+                own.sort_unstable();
+                let Some(&(first, _)) = own.first() else {
+                    continue;
+                };
+                let visit = &visits[batch.layout.visit_of(first)];
+                let mut factor = self.factors[self.starts[v]..].iter_mut();
+                for (k, &(slot, reading)) in own.iter().enumerate() {
+                    self.order[readings.start + k] = reading;
+                    visit.fill_factor_row(slot - visit.slots.start, &mut row);
+                    for (&(other, _), l) in own[..=k].iter().zip(&mut factor) {
+                        *l = row[other - visit.slots.start].0[lane];
+                    }
+                }
+            }
+        }
     }
 
     /// Number of lengths.
     pub(crate) fn readings(&self) -> usize {
-        self.sigmas_mm.len()
+        self.readings
     }
 
     /// One error for each reading.
     pub(crate) fn draw<R: Rng + ?Sized>(&self, rng: &mut R, errors_mm: &mut [f64]) {
-        for (error, sigma_mm) in errors_mm.iter_mut().zip(&self.sigmas_mm) {
-            let normal: f64 = rng.sample(StandardNormal);
-            *error = normal * sigma_mm;
-        }
-        for visit in &self.correlated {
-            let errors = &mut errors_mm[visit.first..][..visit.count];
-            // From below: each error needs the standard normal numbers up to its own.
-            for i in (0..visit.count).rev() {
-                let row = unwhiten_row(&visit.factor, i);
-                errors[i] = row.iter().zip(&*errors).map(|(l, z)| l * z).sum();
+        let mut factors = self.factors.as_slice();
+        let mut order = self.order.as_slice();
+        let mut normal = [0.0; 8];
+        let mut more = Vec::new();
+        for &count in &self.counts {
+            let (own, rest) = order.split_at(count);
+            order = rest;
+            let normal = match normal.get_mut(..count) {
+                Some(normal) => normal,
+                None => {
+                    more.resize(count, 0.0);
+                    &mut more[..]
+                }
+            };
+            for z in &mut *normal {
+                *z = rng.sample(StandardNormal);
+            }
+            for (i, &reading) in own.iter().enumerate() {
+                let (row, rest) = factors.split_at(i + 1);
+                factors = rest;
+                errors_mm[reading] = row.iter().zip(&*normal).map(|(l, z)| l * z).sum();
             }
         }
     }
-}
-
-/// Whether a visit's lengths depend on each other, by the factor of their covariance.
-pub(crate) fn is_correlated(factor: &[f64], count: usize) -> bool {
-    let below_diagonal = |i| unwhiten_row(factor, i)[..i].iter();
-    (0..count).flat_map(below_diagonal).any(|l| *l != 0.0)
 }

@@ -2,6 +2,7 @@
 
 #![expect(clippy::print_stdout, reason = "statistical tests show their counts")]
 
+mod bodies;
 mod gross_errors;
 mod noise_components;
 mod properties;

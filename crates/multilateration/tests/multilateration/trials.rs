@@ -207,7 +207,7 @@ fn errors_without_a_solution_give_nan() {
         let mut spoilt_mm = errors_mm.clone();
         spoilt_mm[3] = bad;
         let spoilt = trials.solve(&spoilt_mm, &mut workspace);
-        assert!(spoilt.points_mm().concat().iter().all(|x| x.is_nan()));
+        assert!(spoilt.points_mm().iter().flatten().all(|x| x.is_nan()));
         assert!(spoilt.dead_path_mm(2).is_nan());
         // Nothing of it is left behind.
         assert_eq!(trials.solve(&errors_mm, &mut workspace), &good);

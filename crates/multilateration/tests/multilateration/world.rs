@@ -1,10 +1,12 @@
 //! Known stations and points, and lengths by plain arithmetic.
 
+use std::sync::Arc;
+
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use trueaxis_multilateration::{Network, Noise, Reading, Solution, Visit};
+use trueaxis_multilateration::{Bodies, Body, Network, Noise, Placed, Reading, Solution, Visit};
 
 pub(crate) const TARGETS: [[f64; 3]; 3] = [
     [16.338, 452.716, 122.416],
@@ -139,4 +141,24 @@ pub(crate) fn disturbed(nominal: &[Point3<f64>], size_mm: f64, seed: u64) -> Vec
         .iter()
         .map(|p| p + Vector3::new(shift(), shift(), shift()))
         .collect()
+}
+
+/// Ties the targets of every step to one body, whose shape is common to all.
+pub(crate) fn tied(network: &Network) -> Network {
+    let home_mm = TARGETS.map(Point3::from).to_vec();
+    let placed = |group: &std::ops::Range<usize>| Placed {
+        body: Some(0),
+        places: vec![0, 1, 2],
+        ref_from_home: Translation3::from(network.nominal_mm[group.start] - home_mm[0]).into(),
+    };
+    let bodies = Bodies {
+        of_groups: network.groups.iter().map(placed).collect(),
+        bodies: vec![Body {
+            home_mm: home_mm.clone(),
+        }],
+    };
+    Network {
+        bodies: Some(Arc::new(bodies)),
+        ..network.clone()
+    }
 }

@@ -1,0 +1,193 @@
+//! The errors of the adjusted groups: a part of its own for each, and one through what all share.
+//!
+//! ```text
+//! cov(x_i, x_k) = [i = k] D_i + Z_i S Z_kᵀ
+//! ```
+//!
+//! For the whole noise this is the covariance as the adjustment left it. The noise of a length is the laser's
+//! and the machine's return, `C = C_l + C_m`; for the laser's part alone the weights stay those of `C`, and
+//! with its whitened part `V = L⁻¹ C_l L⁻ᵀ` of each visit and the factors of [`crate::batch_influence`] the
+//! errors are
+//!
+//! ```text
+//! dx_i = ξ_i - Z_i t     ξ_i = R⁻¹ Oᵀ e_i     t = Σ Σ_i T_iᵀ e_i
+//! cov(ξ_i) = R⁻¹ Oᵀ V O R⁻ᵀ     cov(ξ_i, Tᵀe) = R⁻¹ Oᵀ V T = N_i     cov(Tᵀe) = Σ_i Tᵀ V T = M
+//! ```
+//!
+//! Written with doubled couplings `[Z N]` this has the same form:
+//!
+//! ```text
+//! cov(dx_i, dx_k) = [i = k] cov(ξ_i) + [Z_i N_i] S [Z_k N_k]ᵀ     S = | ΣMΣ  -Σ |
+//!                                                                     | -Σ    0 |
+//! ```
+
+use nalgebra::DMatrix;
+use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product, add_symmetric_product};
+use trueaxis_leastsquares::row_products::mirror;
+use trueaxis_leastsquares::{Covariance, Lanes, zeros};
+
+use crate::batch_influence::{BatchInfluence, BatchRows};
+use crate::batches::Batch;
+use crate::{Network, Solution};
+
+/// Covariance of all groups and of what they share, mm and rad: see [`Solution::noise`] and
+/// [`Solution::length_noise`].
+#[derive(Debug, Clone)]
+pub struct BlockNoise<'a> {
+    covariance: &'a Covariance,
+    /// `cov(ξ)` and `N` of each group; nothing for the whole noise.
+    of_lengths: Option<Vec<(DMatrix<f64>, DMatrix<f64>)>>,
+    shared: DMatrix<f64>,
+}
+
+impl Solution {
+    /// The whole noise, as given.
+    pub fn noise(&self) -> BlockNoise<'_> {
+        let width = self.covariance.width();
+        BlockNoise {
+            covariance: &self.covariance,
+            of_lengths: None,
+            shared: DMatrix::from_row_slice(width, width, self.covariance.reduced_inverse_rows()),
+        }
+    }
+
+    /// The lengths' own noise alone, without the machine's return; `network` must be the one that was
+    /// solved.
+    pub fn length_noise(&self, network: &Network) -> BlockNoise<'_> {
+        let influence = BatchInfluence::new(network, self);
+        let width = influence.width();
+        let pieces = influence.of_pieces(
+            #[inline(always)]
+            |piece, rows| {
+                let (mut blocks, mut memory) = (Vec::new(), PartMemory::default());
+                let mut sum = vec![Lanes::ZERO; width * width];
+                for b in piece {
+                    influence.fill(b, rows);
+                    let (batch, shared) = (&influence.batches()[b], rows.hat.shared());
+                    let part = memory.part_of(shared, batch, rows);
+                    add_symmetric_product(&mut sum, shared.transposed(), part);
+                    append_blocks(batch, rows, &mut memory, &mut blocks);
+                }
+                (
+                    blocks,
+                    sum.into_iter().map(Lanes::sum).collect::<Vec<f64>>(),
+                )
+            },
+        );
+        let (mut blocks, mut middle) = (
+            Vec::with_capacity(network.groups.len()),
+            vec![0.0; width * width],
+        );
+        for (mut part, sum) in pieces {
+            blocks.append(&mut part);
+            for (m, x) in middle.iter_mut().zip(sum) {
+                *m += x;
+            }
+        }
+        mirror(&mut middle, width);
+        let middle = DMatrix::from_row_slice(width, width, &middle);
+        let sigma = DMatrix::from_row_slice(width, width, influence.sigma());
+        let mut shared = DMatrix::zeros(2 * width, 2 * width);
+        let size = (width, width);
+        shared
+            .view_mut((0, 0), size)
+            .copy_from(&(&sigma * middle * &sigma));
+        shared.view_mut((0, width), size).copy_from(&-&sigma);
+        shared.view_mut((width, 0), size).copy_from(&-&sigma);
+        BlockNoise {
+            covariance: &self.covariance,
+            of_lengths: Some(blocks),
+            shared,
+        }
+    }
+}
+
+impl BlockNoise<'_> {
+    /// `D` of a group, its covariance with all that is shared held, and `Z`, one row for each of its unknowns
+    /// (see [`Solution::covariance`]).
+    ///
+    /// # Panics
+    /// If there is no such group.
+    pub fn block(&self, group: usize) -> (DMatrix<f64>, DMatrix<f64>) {
+        let factor = self.covariance.inverse_factor_columns(group);
+        let n = self.covariance.inverse_factor(group).ncols();
+        let width = self.covariance.width();
+        let coupling = DMatrix::from_row_slice(n, width, self.covariance.coupling_rows(group));
+        match &self.of_lengths {
+            None => {
+                let factor = DMatrix::from_column_slice(n, n, factor);
+                (&factor * factor.transpose(), coupling)
+            }
+            Some(blocks) => {
+                let (own, mixed) = &blocks[group];
+                let mut doubled = coupling.resize_horizontally(2 * width, 0.0);
+                doubled.view_mut((0, width), (n, width)).copy_from(mixed);
+                (own.clone(), doubled)
+            }
+        }
+    }
+
+    /// `S`: covariance of the shared sources. The first of them are the stations (x y z L each), the dead paths
+    /// after interruptions and the deformations of the bodies, as in [`Solution::covariance`]; what is behind
+    /// makes sense only between couplings. With the shared unknowns `s` it is `cov(x_i, s) = -Z_i S`.
+    pub fn shared(&self) -> &DMatrix<f64> {
+        &self.shared
+    }
+}
+
+/// Appends `cov(ξ)` and `N` of the groups of a batch with these rows.
+#[inline(always)]
+fn append_blocks(
+    batch: &Batch,
+    rows: &BatchRows,
+    memory: &mut PartMemory,
+    blocks: &mut Vec<(DMatrix<f64>, DMatrix<f64>)>,
+) {
+    let (own, shared) = (rows.hat.own(), rows.hat.shared());
+    let (count, unknowns, width) = (batch.slots(), own.columns(), shared.columns());
+    // O R⁻ᵀ.
+    let mut errors = vec![Lanes::ZERO; count * unknowns];
+    add_product(
+        &mut errors,
+        own,
+        rows.hat.factors().inverse_factor().transposed(),
+    );
+    let errors = LaneMatrix::by_rows(&errors, [count, unknowns]);
+    let part = memory.part_of(errors, batch, rows).transposed();
+    let mut of_group = vec![Lanes::ZERO; unknowns * unknowns];
+    add_product(&mut of_group, part, errors);
+    let mut mixed = vec![Lanes::ZERO; unknowns * width];
+    add_product(&mut mixed, part, shared);
+    for lane in 0..batch.groups.len() {
+        let in_lane = |x: &[Lanes], columns: usize| {
+            DMatrix::from_row_iterator(unknowns, columns, x.iter().map(|x| x.0[lane]))
+        };
+        blocks.push((in_lane(&of_group, unknowns), in_lane(&mixed, width)));
+    }
+}
+
+/// Memory for the lengths' own part of the noise.
+#[derive(Debug, Default)]
+struct PartMemory {
+    /// `V` of a visit.
+    part: Vec<Lanes>,
+    /// `V X`.
+    part_of: Vec<Lanes>,
+}
+
+impl PartMemory {
+    /// `V X`, visit after visit, for the rows `X` of a batch.
+    #[inline(always)]
+    fn part_of(&mut self, x: LaneMatrix<'_>, batch: &Batch, rows: &BatchRows) -> LaneMatrix<'_> {
+        let columns = x.columns();
+        zeros(&mut self.part_of, batch.slots() * columns);
+        for visit in rows.visits(batch) {
+            let slots = visit.slots.clone();
+            visit.fill_length_part(rows, &mut self.part);
+            let part = LaneMatrix::by_rows(&self.part, [slots.len(); 2]);
+            let product = &mut self.part_of[slots.start * columns..slots.end * columns];
+            add_product(product, part, x.part(slots));
+        }
+        LaneMatrix::by_rows(&self.part_of, [batch.slots(), columns])
+    }
+}

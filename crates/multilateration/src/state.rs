@@ -1,0 +1,140 @@
+//! Values of all unknowns of a network.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use crate::bodies::{Bodies, Placed};
+use crate::network::Network;
+
+/// Position and orientation.
+pub(crate) const DATUM: usize = 6;
+
+/// Unknowns of a station.
+pub(crate) const PER_STATION: usize = 4;
+
+/// Unknowns of a pose.
+pub(crate) const POSE: usize = 6;
+
+/// Column of a dead path among the shared unknowns.
+pub(crate) fn zero_column(zero: usize, stations: usize) -> usize {
+    if zero < stations {
+        PER_STATION * zero + PER_STATION - 1
+    } else {
+        PER_STATION * stations + zero - stations
+    }
+}
+
+/// Stations, dead paths, and points with what ties them.
+#[derive(Debug, Clone)]
+pub(crate) struct State {
+    pub(crate) stations: Vec<Point3<f64>>,
+    /// One for each station, then one for each interruption.
+    pub(crate) dead_paths_mm: Vec<f64>,
+    /// All points; those of tied groups follow from poses and shapes.
+    pub(crate) points: Vec<Point3<f64>>,
+    /// Datum from home, one for each group; empty in a network without bodies. Of a group whose points are
+    /// free the nominal one.
+    pub(crate) poses: Vec<Isometry3<f64>>,
+    /// Home positions of the targets of each body, mm.
+    pub(crate) shapes_mm: Vec<Vec<Point3<f64>>>,
+}
+
+impl State {
+    /// Stations and points as given, and bodies where they fit the points best.
+    pub(crate) fn new(
+        network: &Network,
+        stations: Vec<Point3<f64>>,
+        dead_paths_mm: Vec<f64>,
+        points: Vec<Point3<f64>>,
+    ) -> Self {
+        let mut state = Self {
+            stations,
+            dead_paths_mm,
+            points,
+            poses: Vec::new(),
+            shapes_mm: Vec::new(),
+        };
+        if let Some(bodies) = network.bodies.as_deref() {
+            state.place_bodies(network, bodies);
+        }
+        state
+    }
+
+    fn place_bodies(&mut self, network: &Network, bodies: &Bodies) {
+        let shapes = bodies.bodies.iter().map(|body| body.home_mm.clone());
+        self.shapes_mm = shapes.collect();
+        for (group, placed) in network.groups.iter().zip(&bodies.of_groups) {
+            let points = &mut self.points[group.clone()];
+            let shape_mm = placed.body.map(|body| &self.shapes_mm[body]);
+            let pose = match shape_mm {
+                Some(shape_mm) => {
+                    let pose = placed.best_fit(shape_mm, points);
+                    placed.put(&pose, shape_mm, points);
+                    pose
+                }
+                None => placed.ref_from_home,
+            };
+            self.poses.push(pose);
+        }
+    }
+
+    /// Moves everything as a whole; dead paths stay.
+    pub(crate) fn move_by(&mut self, motion: &Isometry3<f64>) {
+        for place in self.stations.iter_mut().chain(&mut self.points) {
+            *place = motion * *place;
+        }
+        for pose in &mut self.poses {
+            *pose = motion * *pose;
+        }
+    }
+
+    /// The farthest that a station or point is from where it is in `other`, mm.
+    pub(crate) fn farthest_move_mm(&self, other: &Self) -> f64 {
+        let of = |a: &[Point3<f64>], b: &[Point3<f64>]| {
+            let squares = a.iter().zip(b).map(|(a, b)| (a - b).norm_squared());
+            squares.fold(0.0, f64::max)
+        };
+        let stations = of(&self.stations, &other.stations);
+        stations.max(of(&self.points, &other.points)).sqrt()
+    }
+
+    /// Observed minus computed length of every reading, mm.
+    pub(crate) fn residuals_mm(&self, network: &Network) -> Vec<f64> {
+        let zeros = network.zero_of_readings();
+        let mut residuals = Vec::with_capacity(network.readings.len());
+        for visit in &network.visits {
+            let station = self.stations[visit.station];
+            for i in visit.readings.clone() {
+                let reading = &network.readings[i];
+                let point = self.points[network.point(visit.group, reading.point)];
+                let computed_mm = (point - station).norm() - self.dead_paths_mm[zeros[i]];
+                residuals.push(reading.length_mm - computed_mm);
+            }
+        }
+        residuals
+    }
+}
+
+impl Placed {
+    /// Writes the places of the points of a body in a pose.
+    pub(crate) fn put(
+        &self,
+        pose: &Isometry3<f64>,
+        shape_mm: &[Point3<f64>],
+        points: &mut [Point3<f64>],
+    ) {
+        for (point, &place) in points.iter_mut().zip(&self.places) {
+            *point = pose * shape_mm[place];
+        }
+    }
+
+    fn best_fit(&self, shape_mm: &[Point3<f64>], points: &[Point3<f64>]) -> Isometry3<f64> {
+        let home: Vec<_> = self.places.iter().map(|&place| shape_mm[place]).collect();
+        crate::datum::best_fit(&home, points)
+    }
+}
+
+/// Mean of some points.
+pub(crate) fn centroid(points: &[Point3<f64>]) -> Point3<f64> {
+    let sum: Vector3<f64> = points.iter().map(|p| p.coords).sum();
+    Point3::from(sum / points.len().max(1) as f64)
+}

@@ -1,0 +1,400 @@
+//! The exact gradient and the correction of eight groups.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+use trueaxis_leastsquares::lane_products::add_product;
+use trueaxis_leastsquares::{LANES, Lanes, zeros};
+
+use crate::batch_influence::{BatchInfluence, BatchRows};
+use crate::batches::Batch;
+use crate::linearise::take_points;
+use crate::slots::{Layout, Slots};
+use crate::state::{DATUM, PER_STATION, zero_column};
+use crate::tie::moved_by;
+
+/// Eight groups at the solution.
+#[derive(Debug, Clone)]
+pub(crate) struct TrialGroups {
+    groups: Range<usize>,
+    first_points: [usize; LANES],
+    points: usize,
+    unknowns: usize,
+    layout: Arc<Layout>,
+    /// The reading of each slot; none where it is missing.
+    readings: Vec<[Option<usize>; LANES]>,
+    /// From the station of each slot to its point, mm, and how far that is.
+    beams_mm: Vec<[Lanes; 3]>,
+    distances_mm: Vec<Lanes>,
+    /// `P = C⁻¹` of each visit, rows one after the other; zero where there is no reading.
+    weights: Vec<Lanes>,
+    /// The column of the dead path of each slot, where that is not the station's for all lanes.
+    zeros: Vec<[usize; LANES]>,
+    body: Option<Tied>,
+    /// Lever arms of the rotations of the datum at the nominal points, x y z of each; and one in lanes with a
+    /// group, zero in others.
+    levers: Vec<Lanes>,
+    used: Lanes,
+    /// `D` and `Z`, rows one after the other.
+    own: Vec<Lanes>,
+    coupling: Vec<Lanes>,
+}
+
+/// What ties the points of eight groups.
+#[derive(Debug, Clone)]
+struct Tied {
+    /// From the centroid of each group's points to these, mm, x y z of each.
+    arms_mm: Vec<Lanes>,
+    /// What a unit of each deformation does to the points, and the column of the first.
+    deformations: Vec<Vec<Lanes>>,
+    first: usize,
+}
+
+/// Values of the unknowns: those of eight groups, and the shared ones.
+pub(crate) struct At<'a> {
+    pub(crate) own: &'a [Lanes],
+    pub(crate) shared: &'a [f64],
+}
+
+/// Numbers that one step passes on.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Scratch {
+    /// How far the points have moved, x y z of each, mm, and what pulls at them.
+    moved: Vec<Lanes>,
+    forces: Vec<Lanes>,
+    /// Arms after the deformation, and turned.
+    arms: Vec<Lanes>,
+    turned: Vec<Lanes>,
+    residuals: Vec<Lanes>,
+    units: Vec<[Lanes; 3]>,
+}
+
+#[inline(always)]
+fn cross(a: [Lanes; 3], b: [Lanes; 3]) -> [Lanes; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// The vector of a point.
+#[inline(always)]
+fn at(all: &[Lanes], point: usize) -> [Lanes; 3] {
+    [all[3 * point], all[3 * point + 1], all[3 * point + 2]]
+}
+
+#[inline(always)]
+fn add(sum: &mut [Lanes], x: [Lanes; 3]) {
+    for (sum, x) in sum.iter_mut().zip(x) {
+        *sum += x;
+    }
+}
+
+/// A vector turned by a rotation vector to second order: the third is below 1e-15 of it.
+#[inline(always)]
+fn turned(by: [Lanes; 3], x: [Lanes; 3]) -> [Lanes; 3] {
+    let once = cross(by, x);
+    let twice = cross(by, once);
+    let half = Lanes::splat(0.5);
+    [0, 1, 2].map(|k| x[k] + (once[k] + half * twice[k]))
+}
+
+impl TrialGroups {
+    /// Batch `b` with these rows, whose readings are in these slots.
+    pub(crate) fn new(
+        influence: &BatchInfluence<'_>,
+        b: usize,
+        rows: &BatchRows,
+        slots: &Slots,
+    ) -> Self {
+        let (batch, state) = (&influence.batches()[b], influence.state());
+        let mut readings = vec![[None; LANES]; batch.slots()];
+        for lane in 0..batch.groups.len() {
+            for &(slot, reading) in slots.places(lane) {
+                readings[slot][lane] = Some(reading);
+            }
+        }
+        let points = rows.points_mm();
+        let (mut beams_mm, mut distances_mm) = (Vec::new(), Vec::new());
+        for visit in &batch.layout.visits {
+            let station = state.stations[visit.station].coords;
+            for slot in visit.slots.clone() {
+                let point = at(points, batch.layout.point_of_slot[slot]);
+                let [x, y, z] = [0, 1, 2].map(|axis| point[axis] - Lanes::splat(station[axis]));
+                distances_mm.push((x * x + y * y + z * z).sqrt());
+                beams_mm.push([x, y, z]);
+            }
+        }
+        let mut weights = Vec::new();
+        for visit in rows.visits(batch) {
+            let (count, errors) = (visit.slots.len(), visit.unit_errors);
+            let first = weights.len();
+            zeros_at(&mut weights, count * count);
+            add_product(&mut weights[first..], errors.transposed(), errors);
+        }
+        // Lanes without a group would count twice.
+        let used = Lanes::from_fn(|lane| f64::from(u8::from(lane < batch.groups.len())));
+        let mut levers = Vec::new();
+        take_points(batch, &influence.network().nominal_mm, &mut levers);
+        let datum = influence.datum();
+        let per_radius = Lanes::splat(1.0 / datum.radius_mm);
+        for (k, lever) in levers.iter_mut().enumerate() {
+            *lever = (*lever - Lanes::splat(datum.centroid[k % 3])) * per_radius;
+        }
+        weights
+            .iter_mut()
+            .for_each(|weight| *weight = *weight * used);
+        let stations = state.stations.len();
+        let columns = |zeros: &[usize; LANES]| zeros.map(|zero| zero_column(zero, stations));
+        let factors = rows.hat.factors();
+        let unknowns = factors.coupling().rows();
+        let mut own = vec![Lanes::ZERO; unknowns * unknowns];
+        let factor = factors.inverse_factor();
+        add_product(&mut own, factor, factor.transposed());
+        let coupling = (0..unknowns).flat_map(|k| factors.coupling().row(k).to_vec());
+        Self {
+            groups: batch.groups.clone(),
+            first_points: batch.first_points,
+            points: batch.points,
+            unknowns,
+            layout: Arc::clone(&batch.layout),
+            readings,
+            beams_mm,
+            distances_mm,
+            weights,
+            zeros: batch.zeros.iter().map(columns).collect(),
+            body: tied(influence, batch, points),
+            levers,
+            used,
+            own,
+            coupling: coupling.collect(),
+        }
+    }
+
+    pub(crate) fn unknowns(&self) -> usize {
+        self.unknowns
+    }
+
+    /// How far the points have moved; of tied ones also their arms as they are.
+    #[inline(always)]
+    fn displace(&self, values: &At<'_>, scratch: &mut Scratch) {
+        let Scratch {
+            moved,
+            arms,
+            turned: after,
+            ..
+        } = scratch;
+        let Some(tied) = &self.body else {
+            moved.clear();
+            moved.extend_from_slice(values.own);
+            return;
+        };
+        zeros(moved, 3 * self.points);
+        arms.clear();
+        arms.extend_from_slice(&tied.arms_mm);
+        for (deformation, amount) in tied.deformations.iter().zip(&values.shared[tied.first..]) {
+            let amount = Lanes::splat(*amount);
+            for (arm, x) in arms.iter_mut().zip(deformation) {
+                *arm = amount.mul_add(*x, *arm);
+            }
+        }
+        zeros(after, 3 * self.points);
+        let (shift, turn) = (at(values.own, 0), at(values.own, 1));
+        for point in 0..self.points {
+            let arm = turned(turn, at(arms, point));
+            let before = at(&tied.arms_mm, point);
+            after[3 * point..3 * point + 3].copy_from_slice(&arm);
+            let by = [0, 1, 2].map(|k| shift[k] + (arm[k] - before[k]));
+            moved[3 * point..3 * point + 3].copy_from_slice(&by);
+        }
+    }
+
+    /// Adds by how much the points that moved miss the constraints of the datum: turned bodies do, to second
+    /// order.
+    #[inline(always)]
+    pub(crate) fn add_to_closure(&self, closure: &mut [Lanes; DATUM], scratch: &Scratch) {
+        for point in 0..self.points {
+            let moved = at(&scratch.moved, point).map(|x| x * self.used);
+            add(&mut closure[..3], moved);
+            add(&mut closure[3..], cross(at(&self.levers, point), moved));
+        }
+    }
+
+    /// Writes the exact gradient of the groups' unknowns where these values have led, and adds that of the
+    /// shared ones.
+    #[inline(always)]
+    pub(crate) fn gradient(
+        &self,
+        errors_mm: &[f64],
+        values: &At<'_>,
+        (own, shared): (&mut [Lanes], &mut [Lanes]),
+        scratch: &mut Scratch,
+    ) {
+        self.displace(values, scratch);
+        self.take_residuals(errors_mm, values, scratch);
+        let Scratch {
+            forces,
+            residuals,
+            units,
+            turned: arms,
+            ..
+        } = scratch;
+        zeros(forces, 3 * self.points);
+        let mut weights = self.weights.as_slice();
+        for visit in &self.layout.visits {
+            let count = visit.slots.len();
+            let of_visit = &residuals[visit.slots.clone()];
+            let station = PER_STATION * visit.station;
+            for slot in visit.slots.clone() {
+                let (row, rest) = weights.split_at(count);
+                weights = rest;
+                let mut weighted = Lanes::ZERO;
+                for (p, r) in row.iter().zip(of_visit) {
+                    weighted = p.mul_add(*r, weighted);
+                }
+                let force = units[slot].map(|u| u * weighted);
+                add(&mut forces[3 * self.layout.point_of_slot[slot]..], force);
+                for (sum, x) in shared[station..].iter_mut().zip(force) {
+                    *sum -= x;
+                }
+                match self.zeros.get(slot) {
+                    None => shared[station + PER_STATION - 1] -= weighted,
+                    Some(columns) => {
+                        for (lane, &column) in columns.iter().enumerate() {
+                            shared[column].0[lane] -= weighted.0[lane];
+                        }
+                    }
+                }
+            }
+        }
+        let Some(tied) = &self.body else {
+            own.copy_from_slice(forces);
+            return;
+        };
+        own.fill(Lanes::ZERO);
+        for point in 0..self.points {
+            let force = at(forces, point);
+            add(&mut own[..3], force);
+            add(&mut own[3..], cross(at(arms, point), force));
+        }
+        let turn = at(values.own, 1);
+        let columns = shared[tied.first..].iter_mut();
+        for (deformation, sum) in tied.deformations.iter().zip(columns) {
+            for point in 0..self.points {
+                let (x, force) = (turned(turn, at(deformation, point)), at(forces, point));
+                *sum += x[0] * force[0] + x[1] * force[1] + x[2] * force[2];
+            }
+        }
+    }
+
+    /// Errors less what the moved points, stations and dead paths make of the lengths, and the beams there.
+    #[inline(always)]
+    fn take_residuals(&self, errors_mm: &[f64], values: &At<'_>, scratch: &mut Scratch) {
+        let Scratch {
+            moved,
+            residuals,
+            units,
+            ..
+        } = scratch;
+        residuals.clear();
+        units.clear();
+        for visit in &self.layout.visits {
+            let station = &values.shared[PER_STATION * visit.station..][..PER_STATION];
+            for slot in visit.slots.clone() {
+                let point = at(moved, self.layout.point_of_slot[slot]);
+                let beam = self.beams_mm[slot];
+                let beam = [0, 1, 2].map(|k| beam[k] + (point[k] - Lanes::splat(station[k])));
+                let [x, y, z] = beam;
+                let distance = z.mul_add(z, y.mul_add(y, x * x)).sqrt();
+                let dead_path = match self.zeros.get(slot) {
+                    None => Lanes::splat(station[PER_STATION - 1]),
+                    Some(columns) => Lanes::from_fn(|lane| values.shared[columns[lane]]),
+                };
+                let readings = &self.readings[slot];
+                let errors = Lanes::from_fn(|lane| readings[lane].map_or(0.0, |i| errors_mm[i]));
+                residuals.push(errors + dead_path - (distance - self.distances_mm[slot]));
+                let per_distance = Lanes::splat(1.0) / distance;
+                units.push(beam.map(|x| x * per_distance));
+            }
+        }
+    }
+
+    /// Takes `Zᵀ g` off the right side.
+    #[inline(always)]
+    pub(crate) fn reduce(&self, gradient: &[Lanes], right: &mut [Lanes]) {
+        for (row, g) in self.coupling.chunks_exact(right.len()).zip(gradient) {
+            let g = -*g;
+            for (sum, z) in right.iter_mut().zip(row) {
+                *sum = z.mul_add(g, *sum);
+            }
+        }
+    }
+
+    /// Adds `D g - Z (s, λ)` to the unknowns; its product with the gradient.
+    #[inline(always)]
+    pub(crate) fn correct(&self, step: &[f64], gradient: &[Lanes], own: &mut [Lanes]) -> Lanes {
+        let mut along = Lanes::ZERO;
+        let rows = self.own.chunks_exact(self.unknowns);
+        let rows = rows.zip(self.coupling.chunks_exact(step.len()));
+        for ((value, g), (d, z)) in own.iter_mut().zip(gradient).zip(rows) {
+            let mut sums = [Lanes::ZERO; 2];
+            for (d, g) in d.iter().zip(gradient) {
+                sums[0] = d.mul_add(*g, sums[0]);
+            }
+            for (z, s) in z.iter().zip(step) {
+                sums[1] = z.mul_add(Lanes::splat(*s), sums[1]);
+            }
+            let correction = sums[0] - sums[1];
+            *value += correction;
+            along = g.mul_add(correction, along);
+        }
+        along * self.used
+    }
+
+    /// Writes the corrections of the groups, which start at these places, and of their points.
+    #[inline(always)]
+    pub(crate) fn hand_out(
+        &self,
+        values: &At<'_>,
+        (groups, starts): (&mut [f64], &[usize]),
+        points: &mut [Vector3<f64>],
+        scratch: &mut Scratch,
+    ) {
+        self.displace(values, scratch);
+        for (lane, group) in self.groups.clone().enumerate() {
+            for (value, x) in groups[starts[group]..].iter_mut().zip(values.own) {
+                *value = x.0[lane];
+            }
+            let own = &mut points[self.first_points[lane]..][..self.points];
+            for (k, point) in own.iter_mut().enumerate() {
+                *point = Vector3::from(at(&scratch.moved, k).map(|x| x.0[lane]));
+            }
+        }
+    }
+}
+
+fn zeros_at(all: &mut Vec<Lanes>, more: usize) {
+    all.resize(all.len() + more, Lanes::ZERO);
+}
+
+fn tied(influence: &BatchInfluence<'_>, batch: &Batch, points: &[Lanes]) -> Option<Tied> {
+    let (body, bodies) = batch.body.zip(influence.bodies())?;
+    let share = Lanes::splat(1.0 / batch.points as f64);
+    let centre = [0, 1, 2].map(|axis| {
+        let of_points = points.iter().skip(axis).step_by(3);
+        of_points.fold(Lanes::ZERO, |sum, x| sum + *x) * share
+    });
+    let arms = points.iter().enumerate().map(|(k, x)| *x - centre[k % 3]);
+    let deformations = influence.deformations();
+    let of_body = deformations.of_bodies[body].iter();
+    let state = influence.state();
+    Some(Tied {
+        arms_mm: arms.collect(),
+        deformations: of_body
+            .map(|deformation| moved_by(deformation, batch, bodies, state))
+            .collect(),
+        first: deformations.first[body],
+    })
+}
