@@ -3,8 +3,6 @@
 mod arrangement;
 mod figures;
 #[cfg(test)]
-mod search;
-#[cfg(test)]
 mod tests;
 
 use anyhow::Context;

@@ -60,8 +60,8 @@ fn slide_along(nominal: &NominalAxis, measured: &Line) -> Matrix3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Matrix6;
     use crate::Scatter;
+    use nalgebra::Matrix6;
     use trueaxis_kinematics::Axis;
 
     fn line(point_mm: Point3<f64>, direction: Unit<Vector3<f64>>) -> Line {

@@ -1,6 +1,6 @@
 //! The average circle in space, by NIST's two steps or by orthogonal distance.
 
-use nalgebra::{Point3, SMatrix, Unit, Vector3};
+use nalgebra::{Point3, Unit, Vector3};
 use trueaxis_leastsquares::dense::Termination;
 
 use crate::circles::Circles;
@@ -8,7 +8,7 @@ use crate::cloud::Cloud;
 use crate::principal_axes::principal_axes;
 use crate::{Error, Scatter};
 
-/// A circle in space with its uncertainty.
+/// A circle in space.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Circle {
     /// Centre, mm.
@@ -18,26 +18,10 @@ pub struct Circle {
     pub normal: Unit<Vector3<f64>>,
     /// Radius, mm.
     pub radius_mm: f64,
-    /// Covariance of centre (mm), normal (rad) and radius (mm), in this order, for independent
-    /// coordinates of unit variance (1 mm²). First order in the noise, where both definitions of
-    /// the circle agree.
-    pub cofactor: SMatrix<f64, 7, 7>,
     /// Residuals of the fit, out of the plane and in it.
     pub scatter: Scatter,
     /// How the iteration ended. A result that is not converged is returned, not hidden.
     pub termination: Termination,
-}
-
-impl Circle {
-    /// Covariance of centre (mm), normal (rad) and radius (mm), in this order, when each
-    /// coordinate of each point has the independent standard deviation `sigma_mm`.
-    ///
-    /// Without `sigma_mm` it is estimated from the residuals; `None` if there is none to estimate
-    /// it from.
-    pub fn covariance(&self, sigma_mm: Option<f64>) -> Option<SMatrix<f64, 7, 7>> {
-        let variance_mm2 = self.scatter.variance_mm2(sigma_mm)?;
-        Some(self.cofactor * variance_mm2)
-    }
 }
 
 /// The circle as NIST defines it for its reference pairs: first the least-squares plane, then
@@ -91,20 +75,14 @@ fn circle_cloud(points: &[Point3<f64>]) -> Result<Cloud, Error> {
     Cloud::new(&[points])
 }
 
-/// In mm: covariances of lengths then are of mm², those of angles of rad².
+/// In mm.
 fn to_circle(cloud: &Cloud, fitted: &Circles) -> Circle {
     let unit_mm = cloud.unit_mm;
-    let mut cofactor = fitted.circle_cofactor(0);
-    for i in 3..6 {
-        cofactor.row_mut(i).unscale_mut(unit_mm);
-        cofactor.column_mut(i).unscale_mut(unit_mm);
-    }
     let squares_mm2 = fitted.squares * unit_mm * unit_mm;
     Circle {
         center_mm: cloud.to_mm(fitted.centre(0)),
         normal: Unit::new_unchecked(fitted.direction),
         radius_mm: fitted.circles[0].1 * unit_mm,
-        cofactor,
         scatter: Scatter::new(squares_mm2, cloud.len(), fitted.unknowns()),
         termination: fitted.termination.clone(),
     }

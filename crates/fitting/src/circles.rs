@@ -36,8 +36,6 @@ pub(crate) struct Circles {
     pub(crate) circles: Vec<(f64, f64)>,
     /// How point (across the axis) and direction follow from the four unknowns of the axis.
     line_from_unknowns: SMatrix<f64, 6, AXIS_UNKNOWNS>,
-    /// The same of the centre of each circle, but for its height.
-    centres_from_unknowns: Vec<SMatrix<f64, 3, AXIS_UNKNOWNS>>,
     cofactor: Mat<f64>,
     /// Sum of the squared distances.
     pub(crate) squares: f64,
@@ -118,18 +116,9 @@ impl Circles {
         set(0, 2, tilts * -along);
         set(3, 2, tilts);
         let circles = fitted.unknowns[AXIS_UNKNOWNS..].chunks_exact(2);
-        let centre_from_unknowns = |circle: &[f64]| {
-            let mut centre = SMatrix::<f64, 3, AXIS_UNKNOWNS>::zeros();
-            centre.fixed_columns_mut::<2>(0).copy_from(&across);
-            centre
-                .fixed_columns_mut::<2>(2)
-                .copy_from(&(tilts * circle[0]));
-            centre
-        };
         Ok(Self {
             point: point - direction * along,
             direction,
-            centres_from_unknowns: circles.clone().map(centre_from_unknowns).collect(),
             circles: circles
                 .map(|circle| (circle[0] + along, circle[1]))
                 .collect(),
@@ -162,31 +151,6 @@ impl Circles {
     pub(crate) fn radius_cofactor(&self, k: usize) -> f64 {
         let radius = AXIS_UNKNOWNS + 2 * k + 1;
         self.cofactor[(radius, radius)]
-    }
-
-    /// Covariance of centre, direction and radius of circle `k`, residuals of unit variance.
-    pub(crate) fn circle_cofactor(&self, k: usize) -> SMatrix<f64, 7, 7> {
-        let of_circle = AXIS_UNKNOWNS + 2 * k;
-        let mut from_unknowns = SMatrix::<f64, 7, 6>::zeros();
-        from_unknowns
-            .fixed_view_mut::<3, AXIS_UNKNOWNS>(0, 0)
-            .copy_from(&self.centres_from_unknowns[k]);
-        from_unknowns
-            .fixed_view_mut::<3, AXIS_UNKNOWNS>(3, 0)
-            .copy_from(&self.line_from_unknowns.fixed_rows::<3>(3));
-        from_unknowns
-            .fixed_view_mut::<3, 1>(0, AXIS_UNKNOWNS)
-            .copy_from(&self.direction);
-        from_unknowns[(6, AXIS_UNKNOWNS + 1)] = 1.0;
-        let place = |i: usize| {
-            if i < AXIS_UNKNOWNS {
-                i
-            } else {
-                i - AXIS_UNKNOWNS + of_circle
-            }
-        };
-        let own = SMatrix::<f64, 6, 6>::from_fn(|i, k| self.cofactor[(place(i), place(k))]);
-        from_unknowns * own * from_unknowns.transpose()
     }
 }
 

@@ -10,7 +10,7 @@ use trueaxis_multilateration::{
     Noise, Settings as SolveSettings, Solution, Trials, Workspace, solve,
 };
 
-use super::arrangement::{Arrangement, network};
+use super::arrangement::{Arrangement, TARGETS, network};
 
 /// Standard deviation of a length, µm.
 pub(crate) const LENGTH_SIGMA_UM: f64 = 0.269;
@@ -88,16 +88,25 @@ pub(crate) fn measure(
     Ok((solution, found))
 }
 
-/// The largest standard deviation of x, y and z over all points, each of them a group.
+/// The largest standard deviation of x, y and z over all points.
 pub(crate) fn largest_sigmas_mm(solution: &Solution) -> [f64; 3] {
-    let mut largest = [0.0_f64; 3];
-    for group in 0..solution.points_mm.len() {
-        let covariance = solution.group_covariance(group);
-        for (axis, largest) in largest.iter_mut().enumerate() {
-            *largest = largest.max(covariance[(axis, axis)].sqrt());
-        }
-    }
-    largest
+    let sigmas_mm = sigmas_mm(solution);
+    [0, 1, 2].map(|axis| sigmas_mm.iter().map(|p| p[axis]).fold(0.0, f64::max))
+}
+
+/// The standard deviations of x, y and z of each point, from the covariance of its step.
+pub(crate) fn sigmas_mm(solution: &Solution) -> Vec<[f64; 3]> {
+    let steps = 0..solution.points_mm.len() / TARGETS;
+    let of_step = |step| {
+        let covariance = solution.group_covariance(step);
+        let of_target = move |target: usize| {
+            [0, 1, 2]
+                .map(|axis| 3 * target + axis)
+                .map(|k| covariance[(k, k)].sqrt())
+        };
+        (0..TARGETS).map(of_target)
+    };
+    steps.flat_map(of_step).collect()
 }
 
 /// The mean of some measurements.

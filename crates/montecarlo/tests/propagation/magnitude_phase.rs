@@ -2,10 +2,8 @@
 
 use trueaxis_montecarlo::{FirstOrder, Outcome, Settings, Trials, propagate, validate};
 
-use crate::comparison::assert_printed;
+use crate::comparison::{TRIALS, assert_printed};
 use crate::model::{gaussian, model_of};
-
-const TRIALS: usize = 500_000;
 
 #[test]
 fn first_order_fails_for_a_small_complex_quantity() {

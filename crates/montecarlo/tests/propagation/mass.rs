@@ -2,12 +2,12 @@
 
 use trueaxis_montecarlo::{FirstOrder, Outcome, Settings, Summary, Trials, propagate, validate};
 
-use crate::comparison::{Exact, Shortest, assert_close, assert_exact, assert_shortest};
+use crate::comparison::{
+    Exact, Shortest, TRIALS, assert_close, assert_exact, assert_published, assert_shortest,
+};
 use crate::model::{gaussian, model_of, rectangular};
 
-const TRIALS: usize = 1_000_000;
-
-fn deviation_from_nominal() -> Summary {
+fn deviation_from_nominal(trials: usize) -> Summary {
     // δm = (m_R,c + δm_R,c) (1 + (ρ_a - ρ_a0) (1/ρ_W - 1/ρ_R)) - m_nom, densities in kg/m³.
     let model = model_of(|rng| {
         let reference = gaussian(rng, 100_000.000, 0.050);
@@ -19,7 +19,7 @@ fn deviation_from_nominal() -> Summary {
         [(reference + added) * (1.0 + buoyancy) - 100_000.0]
     });
     let settings = Settings {
-        trials: Trials::Fixed(TRIALS),
+        trials: Trials::Fixed(trials),
         seed: 93,
         ..Settings::default()
     };
@@ -28,7 +28,35 @@ fn deviation_from_nominal() -> Summary {
 
 #[test]
 fn deviation_of_a_weight_and_its_first_and_second_order_results() {
-    let found = deviation_from_nominal();
+    let found = assert_published_results(TRIALS);
+    // 0.0026 off, and the ends scatter by 0.00045: what so many trials can say of the second order.
+    for (digits, wrong) in [(1, Outcome::NotValidated), (2, Outcome::Validated)] {
+        let validation = validate(&second_order(), &found, digits).unwrap();
+        assert_ne!(validation.outcome, wrong, "{validation:?}");
+    }
+}
+
+#[test]
+#[ignore = "study: a million trials decide what the second-order result is good for"]
+fn second_order_result_is_validated_to_one_digit_and_not_to_two() {
+    let found = assert_published_results(1_000_000);
+    for (digits, outcome) in [(1, Outcome::Validated), (2, Outcome::NotValidated)] {
+        let validation = validate(&second_order(), &found, digits).unwrap();
+        assert_eq!(validation.outcome, outcome, "{validation:?}");
+    }
+}
+
+/// Published second order, 1.0870 to 1.3810: 0.003 off, within δ for one significant digit.
+fn second_order() -> FirstOrder {
+    let second_order = FirstOrder::normal(1.234, 0.0750, 0.95);
+    let interval = second_order.interval();
+    let printed = format!("{:.4} {:.4}", interval.low, interval.high);
+    assert_eq!(printed, "1.0870 1.3810");
+    second_order
+}
+
+fn assert_published_results(trials: usize) -> Summary {
+    let found = deviation_from_nominal(trials);
     assert_exact(
         &found,
         &Exact {
@@ -40,11 +68,11 @@ fn deviation_of_a_weight_and_its_first_and_second_order_results() {
 
     // Published: 1.2341, 0.0754 and [1.0834, 1.3825]. It must be the shortest interval: it is as
     // long as the exact one to 0.0001, but stands 0.001 off, which is no more than its scatter.
-    assert_close("mean", found.mean, 1.2341, 0.0005);
-    assert_close("u", found.u, 0.0754, 0.0005);
+    assert_published(found.mean, found.scatter.mean, trials, "1.2341");
+    assert_published(found.u, found.scatter.u, trials, "0.0754");
     assert_shortest(
         &found,
-        TRIALS,
+        trials,
         &Shortest {
             exact: [1.084_433_3, 1.383_566_7],
             published: ["1.0834", "1.3825"],
@@ -62,14 +90,5 @@ fn deviation_of_a_weight_and_its_first_and_second_order_results() {
     let validation = validate(&first_order, &found, 1).unwrap();
     assert_eq!(validation.outcome, Outcome::NotValidated);
     assert_close("δ", validation.tolerance, 0.005, 1e-15);
-
-    // Published second order, 1.0870 to 1.3810: 0.003 off, within δ for one significant digit.
-    let second_order = FirstOrder::normal(1.234, 0.0750, 0.95);
-    let interval = second_order.interval();
-    let printed = format!("{:.4} {:.4}", interval.low, interval.high);
-    assert_eq!(printed, "1.0870 1.3810");
-    for (digits, outcome) in [(1, Outcome::Validated), (2, Outcome::NotValidated)] {
-        let validation = validate(&second_order, &found, digits).unwrap();
-        assert_eq!(validation.outcome, outcome, "{validation:?}");
-    }
+    found
 }
