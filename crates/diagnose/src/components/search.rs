@@ -289,7 +289,7 @@ impl SetSearch {
             candidate.shapes = vec![shape];
             let judgement = Judgement::new(&self.set, &backgrounds, &candidate);
             let score = judgement.score(&backgrounds, &candidate, self.found[i].score.scan);
-            let effect: &dyn Effect = candidate.hypothesis.effect;
+            let effect: &Effect = candidate.hypothesis.effect;
             let p_value = score.map(|score| family.p_value(effect.id(), score.ln_p));
             match (score, p_value) {
                 (Some(score), Some(p_value)) if p_value <= LEVEL => {

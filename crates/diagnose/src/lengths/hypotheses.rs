@@ -73,7 +73,7 @@ pub(crate) fn of_catalogue(base: &Base<'_>) -> Vec<Hypothesis> {
         .collect()
 }
 
-fn of_effect(base: &Base<'_>, effect: &'static dyn Effect) -> Vec<Hypothesis> {
+fn of_effect(base: &Base<'_>, effect: &'static Effect) -> Vec<Hypothesis> {
     let subjects: Vec<Subject> = effect.subjects(&base.scene);
     let count = subjects.len();
     let hypothesis = |subject| Hypothesis {

@@ -8,7 +8,7 @@ use crate::selection::Gram;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Hypothesis {
     /// The effect.
-    pub(crate) effect: &'static dyn Effect,
+    pub(crate) effect: &'static Effect,
     /// What it happens to.
     pub(crate) subject: Subject,
     /// Number of subjects of the same effect that are looked at.

@@ -45,7 +45,7 @@ pub(crate) fn not_observable(
 }
 
 /// Why an effect leaves no trace in the readings.
-fn not_reached(problem: &Problem<'_>, effect: &dyn Effect, subject: &Subject) -> &'static str {
+fn not_reached(problem: &Problem<'_>, effect: &Effect, subject: &Subject) -> &'static str {
     let arrivals = &problem.comparison.arrivals;
     let stands = |axis: usize| arrivals.iter().all(|a| a.speeds_per_s[axis].abs() <= 0.0);
     match subject.axis {
@@ -60,7 +60,7 @@ fn not_reached(problem: &Problem<'_>, effect: &dyn Effect, subject: &Subject) ->
 fn largest(
     problem: &Problem<'_>,
     scene: &Scene,
-    effect: &dyn Effect,
+    effect: &Effect,
     subject: &Subject,
 ) -> Vec<(String, String)> {
     let shape = match effect.shape() {
@@ -90,7 +90,7 @@ fn too_short(
     problem: &Problem<'_>,
     scene: &Scene,
     name: &str,
-    effect: &dyn Effect,
+    effect: &Effect,
     subject: &Subject,
 ) -> Option<NotObservable> {
     let axis = subject.axis.filter(|_| effect.shape() == Shape::Period)?;

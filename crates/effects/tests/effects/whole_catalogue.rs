@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use trueaxis_effects::{Displaced, catalogue, displacement, effect, shape_parameter};
+use trueaxis_effects::{Displaced, Shape, catalogue, effect, shape_parameter};
 
 use crate::scene::{every_effect, for_each_reading, scene};
 
@@ -106,19 +106,31 @@ fn displacements_are_linear() {
         let zero = vec![0.0; given.parameters.len()];
         for_each_reading(&scene, |at| {
             let scaled = |values: &[f64]| {
-                row(&displacement(
-                    given.effect,
-                    &given.subject,
-                    values,
-                    given.shape,
-                    at,
-                ))
+                let effect = given.effect;
+                row(&effect.displacement(&given.subject, values, given.shape, at))
             };
             let once = row(&given.displaced(at));
             // Doubling is exact in f64.
             let twice: Vec<f64> = once.iter().map(|d| 2.0 * d).collect();
             assert_eq!(scaled(&doubled), twice, "{}", given.effect.id());
             assert_eq!(scaled(&zero), [0.0; 7], "{}", given.effect.id());
+        });
+    }
+}
+
+/// Another station or target than that of the subject sees nothing of an effect, nor does anything up to
+/// its instant.
+#[test]
+fn effects_stay_with_their_subject_and_instant() {
+    let scene = scene();
+    for given in every_effect(&scene) {
+        let subject = given.subject;
+        for_each_reading(&scene, |at| {
+            let early = given.effect.shape() == Shape::Instant && at.time_s <= given.shape;
+            let elsewhere = !subject.has_station(at.station) || !subject.has_target(at.target);
+            if early || elsewhere {
+                assert_eq!(given.displaced(at), Displaced::default(), "{given:?}");
+            }
         });
     }
 }
