@@ -78,5 +78,5 @@ pub fn catalogue() -> &'static [&'static Effect] {
 
 /// The effect of that name.
 pub fn effect(id: &str) -> Option<&'static Effect> {
-    catalogue().iter().copied().find(|effect| effect.id() == id)
+    catalogue().iter().copied().find(|effect| effect.id == id)
 }

@@ -4,42 +4,22 @@ use crate::{Form, Scene, Shape, Subject};
 
 /// A physical effect: a hypothesis about what disturbs the readings.
 pub struct Effect {
-    pub(crate) id: &'static str,
-    pub(crate) layer: Layer,
-    pub(crate) levels: &'static [Level],
+    /// Its fixed name, as `machine_shift`.
+    pub id: &'static str,
+    /// Where it comes from; instrument and set-up are ruled out before the machine is blamed.
+    pub layer: Layer,
+    /// Where it can be seen; nowhere if no data of this kind can show it.
+    pub levels: &'static [Level],
     pub(crate) subjects: fn(&Scene) -> Vec<Subject>,
     pub(crate) parameters: fn(&Scene, &Subject) -> Vec<Parameter>,
-    pub(crate) shape: Shape,
+    /// What else than its linear parameters has to be found.
+    pub shape: Shape,
     pub(crate) form: Form,
-    pub(crate) explanation: Explanation,
+    /// What to tell a calibration engineer.
+    pub explanation: Explanation,
 }
 
 impl Effect {
-    /// Its fixed name, as `machine_shift`.
-    pub fn id(&self) -> &'static str {
-        self.id
-    }
-
-    /// Where it comes from; instrument and set-up are ruled out before the machine is blamed.
-    pub fn layer(&self) -> Layer {
-        self.layer
-    }
-
-    /// Where it can be seen; nowhere if no data of this kind can show it.
-    pub fn levels(&self) -> &'static [Level] {
-        self.levels
-    }
-
-    /// What else than its linear parameters has to be found.
-    pub fn shape(&self) -> Shape {
-        self.shape
-    }
-
-    /// What to tell a calibration engineer.
-    pub fn explanation(&self) -> Explanation {
-        self.explanation
-    }
-
     /// What it can happen to.
     pub fn subjects(&self, scene: &Scene) -> Vec<Subject> {
         (self.subjects)(scene)

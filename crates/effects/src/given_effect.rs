@@ -95,7 +95,7 @@ impl GivenEffect {
     /// The effect of the catalogue.
     pub(crate) fn catalogued(&self) -> Result<&'static Effect, Error> {
         let effects = catalogue();
-        let names: Vec<&str> = effects.iter().map(|effect| effect.id()).collect();
+        let names: Vec<&str> = effects.iter().map(|effect| effect.id).collect();
         index_of("effect", "effect", &self.effect, &names).map(|index| effects[index])
     }
 

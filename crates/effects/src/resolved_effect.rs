@@ -45,7 +45,7 @@ impl ResolvedEffect {
             parameters.push(given(parameter, value));
         }
         GivenEffect {
-            effect: self.effect.id().to_owned(),
+            effect: self.effect.id.to_owned(),
             subject: GivenSubject::new(&self.subject, scene),
             parameters,
         }

@@ -32,7 +32,7 @@ fn every_effect_comes_back_from_its_text() {
         let read: GivenEffect = serde_json::from_str(&text).unwrap();
         assert_eq!(read, written, "{text}");
         let back = read.resolve(&scene).unwrap();
-        assert_eq!(back.effect.id(), resolved.effect.id());
+        assert_eq!(back.effect.id, resolved.effect.id);
         assert_eq!(back.subject, resolved.subject, "{text}");
         assert_eq!(back.parameters, resolved.parameters, "{text}");
         // Degrees and back again round once each.
