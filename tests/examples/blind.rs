@@ -137,7 +137,7 @@ fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Dia
     let causes: Vec<_> = data.collect();
     let is = |h: &Hidden, effect: &trueaxis_effects::ResolvedEffect| {
         let subject = &effect.subject;
-        h.name == effect.effect.id()
+        h.name == effect.effect.id
             && (h.station.is_none() || h.station == subject.station || subject.station.is_none())
             && (h.target.is_none() || h.target == subject.target)
             && (h.axis.is_none() || h.axis == subject.axis)
@@ -146,14 +146,13 @@ fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Dia
     let mut label = diagnosis.verdict.name().to_owned();
     let mut line = format!("seed {seed}: {label}");
     for cause in &causes {
-        let id = cause.effect.effect.id();
+        let id = cause.effect.effect.id;
         label += &format!(" {id}");
         line += &format!(" {id} {:?} p={:.1e}", cause.effect.subject, cause.p_value);
         for rival in &cause.rivals {
             line += &format!(
                 " | {} {:?}",
-                rival.effect.effect.id(),
-                rival.effect.subject.station
+                rival.effect.effect.id, rival.effect.subject.station
             );
         }
     }

@@ -17,7 +17,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_effects::{Displaced, GivenEffect, ResolvedEffect, ResolvedEffects};
+use trueaxis_effects::{GivenEffect, ResolvedEffect, ResolvedEffects};
 use trueaxis_montecarlo::Model;
 use trueaxis_multilateration::{CampaignNetwork, Network, Solution, network_from_campaign, solve};
 
@@ -98,14 +98,8 @@ impl<'a> AdjustedGeometry<'a> {
                 &self.solution.stations,
                 &self.solution.points_mm,
             );
-            let mut sum = Displaced::default();
-            for effect in effects {
-                let by = effect.displaced(&sight.at);
-                sum.point_mm += by.point_mm;
-                sum.station_mm += by.station_mm;
-                sum.length_mm += by.length_mm;
-            }
-            sight.lengthening_mm(&sum)
+            let displaced = effects.iter().map(|effect| effect.displaced(&sight.at));
+            sight.lengthening_mm(&displaced.sum())
         };
         self.circumstances.iter().map(of_length).collect()
     }

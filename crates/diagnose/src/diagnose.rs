@@ -156,7 +156,7 @@ fn with_lengths(
 
 /// Where something is left that no effect explains, those that were tried are no causes.
 fn without_names(entry: &mut EntryOutcome) {
-    let tried: Vec<&str> = entry.causes.iter().map(|c| c.effect.effect.id()).collect();
+    let tried: Vec<&str> = entry.causes.iter().map(|c| c.effect.effect.id).collect();
     if let (Some(unexplained), false) = (&mut entry.unexplained, tried.is_empty()) {
         let names = tried.join(" and ");
         unexplained.note += &format!("; {names} explain a part, not enough to be named");

@@ -240,6 +240,6 @@ pub struct NotObservable {
 impl Cause {
     /// Its layer.
     pub fn layer(&self) -> Layer {
-        self.effect.effect.layer()
+        self.effect.effect.layer
     }
 }

@@ -37,7 +37,7 @@
 //! let campaign = simulate(&scenario, 1)?.campaign;
 //! let diagnosis = diagnose(&campaign, &Settings::default())?;
 //! assert_eq!(diagnosis.verdict, Verdict::Named);
-//! assert_eq!(diagnosis.causes[0].effect.effect.id(), "target_slip");
+//! assert_eq!(diagnosis.causes[0].effect.effect.id, "target_slip");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -1,4 +1,15 @@
-//! All effects.
+//! All effects, one file each.
+//!
+//! Their formulas say what `D_p` (of the target), `D_S` (of the station) and `D_l` (of what the instrument
+//! shows beyond the distance) are, with
+//!
+//! | | |
+//! | --- | --- |
+//! | u | unit vector from station to target |
+//! | l | distance from station to target |
+//! | t, t0 | time, instant; `[t > t0]` is 1 after it and 0 before |
+//! | τ, w | progress of time over the campaign, over the turn of the station, 0 to 1 |
+//! | q | commanded position of the axis |
 
 mod axis_expansion;
 mod axis_runout;
@@ -32,40 +43,40 @@ mod worm_gear;
 use crate::Effect;
 
 /// Every effect, layer after layer: instrument, set-up, machine.
-pub fn catalogue() -> &'static [&'static dyn Effect] {
+pub fn catalogue() -> &'static [&'static Effect] {
     &[
-        &dead_path_drift::DeadPathDrift,
-        &dead_path_jump::DeadPathJump,
-        &refraction_drift::RefractionDrift,
-        &timestamp_offset::TimestampOffset,
-        &length_scale::LengthScale,
-        &dead_path_offset::DeadPathOffset,
-        &station_drift::StationDrift,
-        &station_jump::StationJump,
-        &target_slip::TargetSlip,
-        &target_creep::TargetCreep,
-        &fixture_expansion::FixtureExpansion,
-        &machine_drift::MachineDrift,
-        &warm_up::WarmUp,
-        &machine_shift::MachineShift,
-        &axis_expansion::AxisExpansion,
-        &backlash::Backlash,
-        &position_dependent_backlash::PositionDependentBacklash,
-        &cross_coupling::CrossCoupling,
-        &squareness_error::SquarenessError,
-        &stage_bending::StageBending,
-        &scale_error::ScaleError,
-        &guideway_bow::GuidewayBow,
-        &cyclic_error::CyclicError,
-        &encoder_eccentricity::EncoderEccentricity,
-        &encoder_ellipticity::EncoderEllipticity,
-        &worm_gear::WormGear,
-        &axis_wobble::AxisWobble,
-        &axis_runout::AxisRunout,
+        &dead_path_drift::EFFECT,
+        &dead_path_jump::EFFECT,
+        &refraction_drift::EFFECT,
+        &timestamp_offset::EFFECT,
+        &length_scale::EFFECT,
+        &dead_path_offset::EFFECT,
+        &station_drift::EFFECT,
+        &station_jump::EFFECT,
+        &target_slip::EFFECT,
+        &target_creep::EFFECT,
+        &fixture_expansion::EFFECT,
+        &machine_drift::EFFECT,
+        &warm_up::EFFECT,
+        &machine_shift::EFFECT,
+        &axis_expansion::EFFECT,
+        &backlash::EFFECT,
+        &position_dependent_backlash::EFFECT,
+        &cross_coupling::EFFECT,
+        &squareness_error::EFFECT,
+        &stage_bending::EFFECT,
+        &scale_error::EFFECT,
+        &guideway_bow::EFFECT,
+        &cyclic_error::EFFECT,
+        &encoder_eccentricity::EFFECT,
+        &encoder_ellipticity::EFFECT,
+        &worm_gear::EFFECT,
+        &axis_wobble::EFFECT,
+        &axis_runout::EFFECT,
     ]
 }
 
 /// The effect of that name.
-pub fn effect(id: &str) -> Option<&'static dyn Effect> {
-    catalogue().iter().copied().find(|effect| effect.id() == id)
+pub fn effect(id: &str) -> Option<&'static Effect> {
+    catalogue().iter().copied().find(|effect| effect.id == id)
 }

@@ -1,7 +1,7 @@
 //! When, where and how a reading was taken.
 
-use nalgebra::{Point3, Rotation3};
-use trueaxis_kinematics::{Ideal, Machine};
+use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
+use trueaxis_kinematics::{AxisKind, Ideal, Machine};
 
 /// The circumstances of one reading, as far as an effect may depend on them.
 ///
@@ -71,5 +71,35 @@ impl<'a> Circumstances<'a> {
     /// Whether an axis moves the target.
     pub fn is_carried_by(&self, axis: usize) -> bool {
         self.machine.chain(self.carrier).contains(&axis)
+    }
+
+    /// Commanded position of an axis, mm or rad; 0 of one that is not given.
+    pub(crate) fn position(&self, axis: usize) -> f64 {
+        self.positions.get(axis).copied().unwrap_or(0.0)
+    }
+
+    /// Where what carries an axis stands, from the commanded positions.
+    pub(crate) fn ref_from_base(&self, axis: usize) -> Isometry3<f64> {
+        let chain = self.machine.chain(axis);
+        let before = &chain[..chain.len() - 1];
+        self.machine.chain_motion(&Ideal, before, self.positions)
+    }
+
+    /// Displacement of the target when an axis makes a small additional motion: 1 mm along a linear axis,
+    /// 1 rad about a rotary one (to first order). Zero if the axis does not move the target.
+    pub(crate) fn unit_motion(&self, axis: usize) -> Vector3<f64> {
+        if !self.is_carried_by(axis) {
+            return Vector3::zeros();
+        }
+        let ref_from_base = self.ref_from_base(axis);
+        let axis = &self.machine.axes()[axis];
+        let direction = ref_from_base.rotation * axis.direction().into_inner();
+        match axis.kind() {
+            AxisKind::Linear => direction,
+            AxisKind::Rotary => {
+                let on_axis = ref_from_base * axis.reference_mm();
+                direction.cross(&(self.point_mm - on_axis))
+            }
+        }
     }
 }

@@ -2,8 +2,6 @@
 
 use nalgebra::Vector3;
 
-use crate::{Circumstances, Effect, Shape, Subject};
-
 /// Displacements in the reference frame, mm.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Displaced {
@@ -45,26 +43,21 @@ impl Displaced {
     pub fn along(&self, beam: &Vector3<f64>) -> f64 {
         beam.dot(&(self.point_mm - self.station_mm)) + self.length_mm
     }
+
+    /// Adds `times` another one.
+    pub(crate) fn add(&mut self, times: f64, other: &Self) {
+        self.point_mm += other.point_mm * times;
+        self.station_mm += other.station_mm * times;
+        self.length_mm += other.length_mm * times;
+    }
 }
 
-/// What an effect with the values `parameters` (in the units of [`Effect::parameters`]) and the
-/// shape does to a reading.
-pub fn displacement(
-    effect: &dyn Effect,
-    subject: &Subject,
-    parameters: &[f64],
-    shape: f64,
-    at: &Circumstances<'_>,
-) -> Displaced {
-    let mut sum = Displaced::default();
-    if effect.shape() == Shape::Instant && at.time_s <= shape {
-        return sum;
+/// What several effects do together: each sees the circumstances and not what another one makes of them.
+impl std::iter::Sum for Displaced {
+    fn sum<I: Iterator<Item = Self>>(effects: I) -> Self {
+        effects.fold(Self::default(), |mut sum, by| {
+            sum.add(1.0, &by);
+            sum
+        })
     }
-    for (k, value) in parameters.iter().enumerate() {
-        let unit = effect.form(subject, k, shape, at);
-        sum.point_mm += unit.point_mm * *value;
-        sum.station_mm += unit.station_mm * *value;
-        sum.length_mm += unit.length_mm * value;
-    }
-    sum
 }

@@ -1,55 +1,41 @@
-//! The shape that all effects share.
+//! What an effect is: a name, where it is looked for, its parameters, and one formula.
 
-use trueaxis_kinematics::MotionError;
-
-use crate::{AxisPosition, Circumstances, Displaced, Scene, Subject};
+use crate::{Form, Scene, Shape, Subject};
 
 /// A physical effect: a hypothesis about what disturbs the readings.
-pub trait Effect: std::fmt::Debug + Sync {
+pub struct Effect {
     /// Its fixed name, as `machine_shift`.
-    fn id(&self) -> &'static str;
-
+    pub id: &'static str,
     /// Where it comes from; instrument and set-up are ruled out before the machine is blamed.
-    fn layer(&self) -> Layer;
-
+    pub layer: Layer,
     /// Where it can be seen; nowhere if no data of this kind can show it.
-    fn levels(&self) -> &'static [Level];
+    pub levels: &'static [Level],
+    pub(crate) subjects: fn(&Scene) -> Vec<Subject>,
+    pub(crate) parameters: fn(&Scene, &Subject) -> Vec<Parameter>,
+    /// What else than its linear parameters has to be found.
+    pub shape: Shape,
+    pub(crate) form: Form,
+    /// What to tell a calibration engineer.
+    pub explanation: Explanation,
+}
 
+impl Effect {
     /// What it can happen to.
-    fn subjects(&self, scene: &Scene) -> Vec<Subject>;
+    pub fn subjects(&self, scene: &Scene) -> Vec<Subject> {
+        (self.subjects)(scene)
+    }
 
     /// Its linear parameters for a subject.
-    fn parameters(&self, scene: &Scene, subject: &Subject) -> Vec<Parameter>;
-
-    /// What else has to be found.
-    fn shape(&self) -> Shape {
-        Shape::Fixed
+    pub fn parameters(&self, scene: &Scene, subject: &Subject) -> Vec<Parameter> {
+        (self.parameters)(scene, subject)
     }
+}
 
-    /// What one unit of parameter `parameter` does to a reading. An effect with an instant says what
-    /// it does after it.
-    fn form(
-        &self,
-        subject: &Subject,
-        parameter: usize,
-        shape: f64,
-        at: &Circumstances<'_>,
-    ) -> Displaced;
-
-    /// What one unit of parameter `parameter` adds to the component errors of its axis, mm and rad,
-    /// before the least-squares gauge; nothing for an effect that is no part of an error curve.
-    fn motion(
-        &self,
-        _subject: &Subject,
-        _parameter: usize,
-        _shape: f64,
-        _at: &AxisPosition<'_>,
-    ) -> MotionError {
-        MotionError::default()
+/// By name: what else it is stands in the catalogue.
+impl std::fmt::Debug for Effect {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Effect").field(&self.id).finish()
     }
-
-    /// What to tell a calibration engineer.
-    fn explanation(&self) -> Explanation;
 }
 
 /// The layer that an effect belongs to, in the order of the search.
@@ -114,26 +100,16 @@ impl Parameter {
         }
     }
 
-    /// The three components of a vector in µm, as `shift_x shift_y shift_z`.
-    pub fn vector_um(name: &str) -> Vec<Self> {
-        let along = |axis| Self::new(format!("{name}_{axis}"), "um");
+    /// The three components of a vector, as `shift_x shift_y shift_z`.
+    pub(crate) fn vector(name: &str, unit: &'static str) -> Vec<Self> {
+        let along = |axis| Self::new(format!("{name}_{axis}"), unit);
         ["x", "y", "z"].map(along).into()
     }
-}
 
-/// The parameter of an effect that is not linear.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shape {
-    /// None.
-    Fixed,
-    /// An instant, s: the effect is there after it.
-    Instant,
-    /// A time constant, s.
-    TimeConstant,
-    /// A period along the axis, mm or rad.
-    Period,
-    /// A whole number of waves per turn.
-    Waves,
+    /// The two amplitudes of a wave.
+    pub(crate) fn sine_and_cosine(unit: &'static str) -> Vec<Self> {
+        ["sine", "cosine"].map(|name| Self::new(name, unit)).into()
+    }
 }
 
 /// An effect in the words of a calibration engineer.

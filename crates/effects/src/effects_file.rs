@@ -10,8 +10,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::nearest::nearest;
-use crate::shape_parameter::shape_name;
+use crate::error::Problem;
+use crate::names::json_error;
 use crate::{Error, GivenEffect, ResolvedEffect, Scene};
 
 /// Effects of one campaign.
@@ -124,7 +124,7 @@ impl EffectsFile {
                 .check_numbers()
                 .and_then(|()| given.catalogued())
                 .map_err(|error| error.within(&format!("effects[{i}]")))?;
-            let shape = shape_name(effect.shape());
+            let shape = effect.shape.name();
             let linear = given.parameters.iter();
             linear_count += linear.filter(|p| Some(p.name.as_str()) != shape).count();
         }
@@ -139,11 +139,7 @@ impl EffectsFile {
 fn check_covariance(covariance: &[Vec<f64>], expected: usize) -> Result<(), Error> {
     let sized = |field: String, found: usize| match found == expected {
         true => Ok(()),
-        false => Err(Error::CovarianceSize {
-            field,
-            expected,
-            found,
-        }),
+        false => Err(Problem::CovarianceSize { expected, found }.at(field)),
     };
     sized("covariance".to_owned(), covariance.len())?;
     for (i, row) in covariance.iter().enumerate() {
@@ -154,24 +150,20 @@ fn check_covariance(covariance: &[Vec<f64>], expected: usize) -> Result<(), Erro
                 _ if !value.is_finite() => "a finite number",
                 _ => continue,
             };
-            return Err(Error::Value {
-                field: format!("covariance[{i}][{j}]"),
-                value,
-                expected,
-            });
+            return Err(Problem::Value { value, expected }.at(format!("covariance[{i}][{j}]")));
         }
     }
     for (i, row) in covariance.iter().enumerate() {
-        for (j, &value) in row.iter().enumerate().take(i) {
-            let mirrored = covariance[j][i];
-            let size = (row[i] * covariance[j][j]).sqrt();
+        for (column, &value) in row.iter().enumerate().take(i) {
+            let mirrored = covariance[column][i];
+            let size = (row[i] * covariance[column][column]).sqrt();
             if (value - mirrored).abs() > SYMMETRY_TOL * size {
-                return Err(Error::CovarianceAsymmetric {
-                    field: format!("covariance[{i}][{j}]"),
-                    column: j,
+                let problem = Problem::CovarianceAsymmetric {
+                    column,
                     value,
                     mirrored,
-                });
+                };
+                return Err(problem.at(format!("covariance[{i}][{column}]")));
             }
         }
     }
@@ -199,24 +191,4 @@ struct Document {
     effects: Vec<GivenEffect>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     covariance: Option<Vec<Vec<f64>>>,
-}
-
-/// The parser's message without its place, and what an unknown field may have meant.
-///
-/// serde writes ``unknown field `a`, expected one of `b`, `c` ``.
-fn json_error(path: &str, error: &serde_json::Error) -> Error {
-    let message = error.to_string();
-    let place = format!(" at line {} column {}", error.line(), error.column());
-    let message = message.strip_suffix(&place).unwrap_or(&message);
-    let nearest = message.starts_with("unknown").then(|| {
-        let mut quoted = message.split('`').skip(1).step_by(2);
-        let found = quoted.next().unwrap_or_default();
-        nearest(found, quoted)
-    });
-    Error::Json {
-        field: (path != ".").then(|| path.to_owned()),
-        line: error.line(),
-        message: message.to_owned(),
-        nearest: nearest.flatten(),
-    }
 }

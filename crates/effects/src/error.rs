@@ -1,12 +1,8 @@
 //! What can be wrong with given effects.
 
 use crate::EffectsFile;
-use crate::nearest::nearest;
 
 /// Effects that cannot be read, or that cannot happen to the measurement at hand.
-///
-/// `field` is the path of the field, as `effects[1].parameters[0].unit`; that of an effect that stands
-/// alone begins with its own fields.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The text is not JSON, or not of the shape of an effects file.
@@ -36,11 +32,23 @@ pub enum Error {
         /// Version of the file.
         found: u32,
     },
-    /// A name that nothing has.
-    #[error("{field}: no {what} is named `{name}` (known: {known}){}", did_you_mean(nearest.as_deref()))]
-    UnknownName {
-        /// Path of the field.
+    /// A field that is wrong.
+    #[error("{field}: {problem}")]
+    Field {
+        /// Its path, as `effects[1].parameters[0].unit`; that of an effect that stands alone begins with
+        /// its own fields.
         field: String,
+        /// What is wrong.
+        problem: Problem,
+    },
+}
+
+/// What is wrong with a field.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Problem {
+    /// A name that nothing has.
+    #[error("no {what} is named `{name}` (known: {known}){}", did_you_mean(nearest.as_deref()))]
+    UnknownName {
         /// What the name should stand for.
         what: String,
         /// The name.
@@ -51,10 +59,8 @@ pub enum Error {
         known: String,
     },
     /// An effect on something that it does not happen to.
-    #[error("{field}: {effect} cannot happen to ({found}); possible here: {possible}")]
+    #[error("{effect} cannot happen to ({found}); possible here: {possible}")]
     Subject {
-        /// Path of the subject.
-        field: String,
         /// Name of the effect.
         effect: &'static str,
         /// The subject.
@@ -63,10 +69,8 @@ pub enum Error {
         possible: String,
     },
     /// A parameter that is not there.
-    #[error("{field}: {effect} also needs `{name}` in {unit}")]
+    #[error("{effect} also needs `{name}` in {unit}")]
     MissingParameter {
-        /// Path of the parameters.
-        field: String,
         /// Name of the effect.
         effect: &'static str,
         /// Name of the parameter.
@@ -74,19 +78,15 @@ pub enum Error {
         /// Its unit.
         unit: &'static str,
     },
-    /// A parameter that is there twice.
-    #[error("{field}: there is another parameter named `{name}`")]
+    /// A parameter that is there twice; the field is the second one.
+    #[error("there is another parameter named `{name}`")]
     DuplicateParameter {
-        /// Path of the second one.
-        field: String,
         /// Its name.
         name: String,
     },
     /// A parameter in another unit than its own.
-    #[error("{field}: `{name}` is in `{expected}`, found `{found}`")]
+    #[error("`{name}` is in `{expected}`, found `{found}`")]
     Unit {
-        /// Path of the unit.
-        field: String,
         /// Name of the parameter.
         name: String,
         /// Its unit.
@@ -95,33 +95,25 @@ pub enum Error {
         found: String,
     },
     /// A number that is not possible here.
-    #[error("{field}: expected {expected}, found {value}")]
+    #[error("expected {expected}, found {value}")]
     Value {
-        /// Path of the number.
-        field: String,
         /// The number.
         value: f64,
         /// What is possible.
         expected: &'static str,
     },
     /// A covariance that does not have a row and a column for each linear parameter.
-    #[error("{field}: expected {expected}, one for each linear parameter, found {found}")]
+    #[error("expected {expected}, one for each linear parameter, found {found}")]
     CovarianceSize {
-        /// Path of the matrix or the row.
-        field: String,
         /// Number of linear parameters of all effects.
         expected: usize,
         /// Number of rows, or of values in the row.
         found: usize,
     },
     /// A covariance that is not symmetric.
-    #[error(
-        "{field}: a covariance is symmetric, but {value} is mirrored by {mirrored} in row {column}"
-    )]
+    #[error("a covariance is symmetric, but {value} is mirrored by {mirrored} in row {column}")]
     CovarianceAsymmetric {
-        /// Path of the element.
-        field: String,
-        /// Its column, from 0.
+        /// Column of the element, from 0.
         column: usize,
         /// The element.
         value: f64,
@@ -137,49 +129,27 @@ impl Error {
             Self::Json { field, .. } => field.as_deref(),
             Self::Format { .. } => Some("format"),
             Self::Version { .. } => Some("version"),
-            Self::UnknownName { field, .. }
-            | Self::Subject { field, .. }
-            | Self::MissingParameter { field, .. }
-            | Self::DuplicateParameter { field, .. }
-            | Self::Unit { field, .. }
-            | Self::Value { field, .. }
-            | Self::CovarianceSize { field, .. }
-            | Self::CovarianceAsymmetric { field, .. } => Some(field),
+            Self::Field { field, .. } => Some(field),
         }
     }
 
     /// The same error where its field is a part of `outer`.
     pub(crate) fn within(mut self, outer: &str) -> Self {
-        match &mut self {
-            Self::Json { .. } | Self::Format { .. } | Self::Version { .. } => {}
-            Self::UnknownName { field, .. }
-            | Self::Subject { field, .. }
-            | Self::MissingParameter { field, .. }
-            | Self::DuplicateParameter { field, .. }
-            | Self::Unit { field, .. }
-            | Self::Value { field, .. }
-            | Self::CovarianceSize { field, .. }
-            | Self::CovarianceAsymmetric { field, .. } => *field = format!("{outer}.{field}"),
+        if let Self::Field { field, .. } = &mut self {
+            *field = format!("{outer}.{field}");
         }
         self
     }
 }
 
-/// The index of a name among the known ones, or what was probably meant.
-pub(crate) fn index_of(
-    field: impl Into<String>,
-    what: impl Into<String>,
-    name: &str,
-    known: &[&str],
-) -> Result<usize, Error> {
-    let found = known.iter().position(|&other| other == name);
-    found.ok_or_else(|| Error::UnknownName {
-        field: field.into(),
-        what: what.into(),
-        name: name.to_owned(),
-        nearest: nearest(name, known.iter().copied()),
-        known: known.join(", "),
-    })
+impl Problem {
+    /// The error that this is in a field.
+    pub(crate) fn at(self, field: impl Into<String>) -> Error {
+        Error::Field {
+            field: field.into(),
+            problem: self,
+        }
+    }
 }
 
 fn prefix(field: Option<&str>) -> String {

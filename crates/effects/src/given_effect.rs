@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::index_of;
-use crate::shape_parameter::{check_shape, from_file, shape_parameter};
+use crate::error::Problem;
+use crate::names::index_of;
+use crate::shape::{from_file, shape_parameter};
 use crate::{Effect, Error, GivenSubject, Parameter, ResolvedEffect, Scene, catalogue};
 
 /// An effect that happened: which, to what, how much and when.
@@ -75,7 +76,8 @@ impl GivenEffect {
         let shape = match shape.zip(places.get(linear_count)) {
             Some((parameter, &place)) => {
                 let value = self.parameters[place].value;
-                check_shape(&value_field(place), effect.shape(), value)?;
+                let checked = effect.shape.check(value);
+                checked.map_err(|problem| problem.at(value_field(place)))?;
                 from_file(&parameter, value)
             }
             None => 0.0,
@@ -91,69 +93,55 @@ impl GivenEffect {
     }
 
     /// The effect of the catalogue.
-    pub(crate) fn catalogued(&self) -> Result<&'static dyn Effect, Error> {
+    pub(crate) fn catalogued(&self) -> Result<&'static Effect, Error> {
         let effects = catalogue();
-        let names: Vec<&str> = effects.iter().map(|effect| effect.id()).collect();
+        let names: Vec<&str> = effects.iter().map(|effect| effect.id).collect();
         index_of("effect", "effect", &self.effect, &names).map(|index| effects[index])
     }
 
     /// Where each expected parameter stands in the list, which must hold it once and nothing else.
-    fn places(
-        &self,
-        effect: &'static dyn Effect,
-        expected: &[Parameter],
-    ) -> Result<Vec<usize>, Error> {
+    fn places(&self, effect: &'static Effect, expected: &[Parameter]) -> Result<Vec<usize>, Error> {
         let names: Vec<&str> = expected.iter().map(|p| p.name.as_str()).collect();
         let mut places = vec![None; expected.len()];
         for (i, given) in self.parameters.iter().enumerate() {
             let field = |name: &str| format!("parameters[{i}].{name}");
-            let what = || format!("parameter of {}", effect.id());
-            let index = index_of(field("name"), what(), &given.name, &names)?;
+            let what = format!("parameter of {}", effect.id);
+            let index = index_of(field("name"), what, &given.name, &names)?;
+            let name = given.name.clone();
             if places[index].replace(i).is_some() {
-                return Err(Error::DuplicateParameter {
-                    field: field("name"),
-                    name: given.name.clone(),
-                });
+                return Err(Problem::DuplicateParameter { name }.at(field("name")));
             }
-            let unit = expected[index].unit;
-            if given.unit != unit {
-                return Err(Error::Unit {
-                    field: field("unit"),
-                    name: given.name.clone(),
-                    expected: unit,
-                    found: given.unit.clone(),
-                });
+            let (expected, found) = (expected[index].unit, given.unit.clone());
+            if found != expected {
+                let problem = Problem::Unit {
+                    name,
+                    expected,
+                    found,
+                };
+                return Err(problem.at(field("unit")));
             }
         }
+        let missing = |parameter: &Parameter| Problem::MissingParameter {
+            effect: effect.id,
+            name: parameter.name.clone(),
+            unit: parameter.unit,
+        };
         let placed = expected.iter().zip(places);
         placed
-            .map(|(parameter, place)| {
-                place.ok_or_else(|| Error::MissingParameter {
-                    field: "parameters".to_owned(),
-                    effect: effect.id(),
-                    name: parameter.name.clone(),
-                    unit: parameter.unit,
-                })
-            })
+            .map(|(parameter, place)| place.ok_or_else(|| missing(parameter).at("parameters")))
             .collect()
     }
 
     /// Refuses values that are not finite and uncertainties that are none.
     pub(crate) fn check_numbers(&self) -> Result<(), Error> {
-        for (i, parameter) in self.parameters.iter().enumerate() {
-            if !parameter.value.is_finite() {
-                return Err(Error::Value {
-                    field: value_field(i),
-                    value: parameter.value,
-                    expected: "a finite number",
-                });
+        for (i, &GivenParameter { value, u, .. }) in self.parameters.iter().enumerate() {
+            if !value.is_finite() {
+                let expected = "a finite number";
+                return Err(Problem::Value { value, expected }.at(value_field(i)));
             }
-            if let Some(u) = parameter.u.filter(|u| !(u.is_finite() && *u >= 0.0)) {
-                return Err(Error::Value {
-                    field: format!("parameters[{i}].u"),
-                    value: u,
-                    expected: "a standard uncertainty, zero or more",
-                });
+            if let Some(value) = u.filter(|u| !(u.is_finite() && *u >= 0.0)) {
+                let expected = "a standard uncertainty, zero or more";
+                return Err(Problem::Value { value, expected }.at(format!("parameters[{i}].u")));
             }
         }
         Ok(())

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 use trueaxis_kinematics::{Axis, Component};
 
-use crate::error::index_of;
+use crate::error::Problem;
+use crate::names::index_of;
 use crate::{Effect, Error, Scene, Subject};
 
 /// Subjects listed in a message; a bending stage alone has one for each axis and target.
@@ -87,7 +88,7 @@ impl GivenSubject {
     /// Refuses a subject that the effect cannot happen to in this scene; `subject` is this one by index.
     pub(crate) fn check_fits(
         &self,
-        effect: &'static dyn Effect,
+        effect: &'static Effect,
         subject: &Subject,
         scene: &Scene,
     ) -> Result<(), Error> {
@@ -103,12 +104,12 @@ impl GivenSubject {
         if possible.is_empty() {
             list.push("nothing".to_owned());
         }
-        Err(Error::Subject {
-            field: "subject".to_owned(),
-            effect: effect.id(),
+        let problem = Problem::Subject {
+            effect: effect.id,
             found: self.describe(),
             possible: list.join(", "),
-        })
+        };
+        Err(problem.at("subject"))
     }
 
     /// As a message shows it: `axis X, target P`, or `all alike`.

@@ -8,11 +8,11 @@
 //! ```
 //!
 //! linear in its parameters θ once its *shape* (an instant, a time constant, a period) is given.
-//! One form serves both sides: a simulator displaces target and station by it and measures exactly
-//! ([`displacement`]); a diagnosis takes what a unit of a parameter does to one reading
+//! One form serves both sides: a simulator displaces target and station by it and measures
+//! exactly ([`Effect::displacement`]); a diagnosis takes what a unit of a parameter does to one reading
 //! ([`Displaced::along`]).
 //!
-//! Noun in: the [`Circumstances`] of a reading; noun out: what each effect of the [`catalogue`] does
+//! Noun in: the [`Circumstances`] of a reading; noun out: what each effect of the [`catalogue()`] does
 //! to it. Effects are siblings of one shape, one file each ([`Effect`]); adding one is one new file
 //! and one line in the catalogue. The crate estimates nothing.
 //!
@@ -21,7 +21,7 @@
 //!
 //! ```
 //! use nalgebra::{Point3, Vector3};
-//! use trueaxis_effects::{Circumstances, Subject, displacement, effect};
+//! use trueaxis_effects::{Circumstances, Subject, effect};
 //! use trueaxis_kinematics::{Axis, Machine};
 //!
 //! let x = Axis::linear("X", Vector3::x(), [0.0, 400.0])?;
@@ -34,42 +34,44 @@
 //! };
 //! let shift = effect("machine_shift").ok_or("no such effect")?;
 //! // One µm along y at the instant 50 s.
-//! let after = displacement(shift, &Subject::default(), &[0.0, 1.0, 0.0], 50.0, &at);
+//! let after = shift.displacement(&Subject::default(), &[0.0, 1.0, 0.0], 50.0, &at);
 //! assert_eq!(after.point_mm, Vector3::new(0.0, 1e-3, 0.0));
-//! let before = displacement(shift, &Subject::default(), &[0.0, 1.0, 0.0], 70.0, &at);
+//! let before = shift.displacement(&Subject::default(), &[0.0, 1.0, 0.0], 70.0, &at);
 //! assert_eq!(before.point_mm, Vector3::zeros());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod axis_at;
 mod catalogue;
 mod circumstances;
-mod curve;
 mod displaced;
 mod effect;
 mod effects_file;
 mod error;
+mod form;
 mod given_effect;
 mod given_subject;
-mod nearest;
+mod names;
 mod resolved_effect;
 mod scene;
-mod shape_parameter;
+mod shape;
 mod subject;
+mod waves;
 
 pub use catalogue::{catalogue, effect};
 pub use circumstances::Circumstances;
-pub use curve::AxisPosition;
-pub use displaced::{Displaced, displacement};
-pub use effect::{Effect, Explanation, Layer, Level, Parameter, Shape};
+pub use displaced::Displaced;
+pub use effect::{Effect, Explanation, Layer, Level, Parameter};
 pub use effects_file::{EffectsFile, ResolvedEffects};
-pub use error::Error;
+pub use error::{Error, Problem};
+pub use form::AxisPosition;
 pub use given_effect::{GivenEffect, GivenParameter, resolve_all};
 pub use given_subject::GivenSubject;
 pub use resolved_effect::ResolvedEffect;
 pub use scene::{Scene, SceneTarget};
-pub use shape_parameter::shape_parameter;
+pub use shape::{Shape, shape_parameter};
 pub use subject::Subject;
 
+pub(crate) use form::Form;
+
 /// One part per million.
-pub const PPM: f64 = 1e-6;
+pub(crate) const PPM: f64 = 1e-6;

@@ -1,14 +1,14 @@
 //! One effect with its values in a scene, ready to displace readings.
 
-use crate::shape_parameter::{shape_parameter, to_file};
-use crate::{Circumstances, Displaced, Effect, Parameter, Scene, Subject, displacement};
+use crate::shape::{shape_parameter, to_file};
+use crate::{Circumstances, Displaced, Effect, Parameter, Scene, Subject};
 use crate::{GivenEffect, GivenParameter, GivenSubject};
 
 /// An effect with its values; names are indices of the scene in which it was resolved.
 #[derive(Debug, Clone)]
 pub struct ResolvedEffect {
     /// Which.
-    pub effect: &'static dyn Effect,
+    pub effect: &'static Effect,
     /// What it happens to.
     pub subject: Subject,
     /// Values of its linear parameters, in the order and units of [`Effect::parameters`].
@@ -20,13 +20,8 @@ pub struct ResolvedEffect {
 impl ResolvedEffect {
     /// What it does to a reading.
     pub fn displaced(&self, at: &Circumstances<'_>) -> Displaced {
-        let Self {
-            effect,
-            subject,
-            parameters,
-            shape,
-        } = self;
-        displacement(*effect, subject, parameters, *shape, at)
+        self.effect
+            .displacement(&self.subject, &self.parameters, self.shape, at)
     }
 
     /// The effect by names: the linear parameters in the order of the catalogue, then the shape.
@@ -50,7 +45,7 @@ impl ResolvedEffect {
             parameters.push(given(parameter, value));
         }
         GivenEffect {
-            effect: self.effect.id().to_owned(),
+            effect: self.effect.id.to_owned(),
             subject: GivenSubject::new(&self.subject, scene),
             parameters,
         }

@@ -1,6 +1,8 @@
 //! What there is that effects can happen to.
 
-use trueaxis_kinematics::{AxisKind, Machine};
+use trueaxis_kinematics::{Axis, AxisKind, Machine};
+
+use crate::Subject;
 
 /// The stations, targets and axes of a measurement.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,5 +36,28 @@ impl Scene {
     /// The name of an axis.
     pub fn axis_name(&self, axis: usize) -> &str {
         self.machine.axes()[axis].name()
+    }
+
+    /// All pairs of moving linear axes; the first comes first in the machine.
+    pub(crate) fn linear_pairs(&self) -> Vec<(usize, usize)> {
+        let mut linear: Vec<usize> = self.moving_axes(AxisKind::Linear).collect();
+        linear.sort_unstable();
+        let numbered = linear.iter().enumerate();
+        let pairs = numbered.flat_map(|(i, &a)| linear[i + 1..].iter().map(move |&b| (a, b)));
+        pairs.collect()
+    }
+
+    /// The unit of a parameter that depends on the kind of the subject's axis.
+    pub(crate) fn unit(
+        &self,
+        subject: &Subject,
+        linear: &'static str,
+        rotary: &'static str,
+    ) -> &'static str {
+        let axis = subject.axis.and_then(|axis| self.machine.axes().get(axis));
+        match axis.map(Axis::kind) {
+            Some(AxisKind::Rotary) => rotary,
+            Some(AxisKind::Linear) | None => linear,
+        }
     }
 }

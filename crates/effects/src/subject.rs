@@ -1,6 +1,8 @@
 //! What an effect happens to.
 
-use trueaxis_kinematics::Component;
+use trueaxis_kinematics::{AxisKind, Component};
+
+use crate::Scene;
 
 /// Station, target and axes that an effect concerns, by index; none where it concerns all alike.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -59,5 +61,46 @@ impl Subject {
     /// Whether the effect concerns this target.
     pub fn has_target(&self, target: usize) -> bool {
         self.target.is_none_or(|own| own == target)
+    }
+
+    /// An axis, and the one on whose position its error depends.
+    pub(crate) fn pair(axis: usize, other: usize) -> Self {
+        Self {
+            other_axis: Some(other),
+            ..Self::axis(axis)
+        }
+    }
+}
+
+/// What effects can happen to in a scene.
+impl Subject {
+    pub(crate) fn all_alike(_: &Scene) -> Vec<Self> {
+        vec![Self::default()]
+    }
+
+    pub(crate) fn each_station(scene: &Scene) -> Vec<Self> {
+        (0..scene.stations.len()).map(Self::station).collect()
+    }
+
+    pub(crate) fn each_station_and_all(scene: &Scene) -> Vec<Self> {
+        [Self::each_station(scene), Self::all_alike(scene)].concat()
+    }
+
+    pub(crate) fn each_target(scene: &Scene) -> Vec<Self> {
+        (0..scene.targets.len()).map(Self::target).collect()
+    }
+
+    pub(crate) fn each_axis(scene: &Scene) -> Vec<Self> {
+        scene.moving.iter().copied().map(Self::axis).collect()
+    }
+
+    pub(crate) fn each_linear_axis(scene: &Scene) -> Vec<Self> {
+        let axes = scene.moving_axes(AxisKind::Linear);
+        axes.map(Self::axis).collect()
+    }
+
+    pub(crate) fn each_rotary_axis(scene: &Scene) -> Vec<Self> {
+        let axes = scene.moving_axes(AxisKind::Rotary);
+        axes.map(Self::axis).collect()
     }
 }

@@ -67,12 +67,10 @@ impl StopCircumstances<'_> {
                 distance_mm: (point_mm - station_mm).norm(),
                 ..Circumstances::new(&plan.machine)
             };
-            let effects = plan.effects.iter().map(|effect| effect.displaced(&at));
-            effects.fold(Displaced::default(), |sum, by| Displaced {
-                point_mm: sum.point_mm + by.point_mm,
-                station_mm: sum.station_mm + by.station_mm,
-                length_mm: sum.length_mm + by.length_mm,
-            })
+            plan.effects
+                .iter()
+                .map(|effect| effect.displaced(&at))
+                .sum()
         });
         displaced.collect()
     }

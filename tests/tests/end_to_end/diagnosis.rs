@@ -36,7 +36,7 @@ fn of_lengths(diagnosis: &Diagnosis) -> Vec<&Cause> {
 
 fn is(hidden: &Hidden, effect: &ResolvedEffect) -> bool {
     let subject = &effect.subject;
-    hidden.name == effect.effect.id()
+    hidden.name == effect.effect.id
         && (hidden.station.is_none() || hidden.station == subject.station)
         && (hidden.target.is_none() || hidden.target == subject.target)
         && (hidden.axis.is_none() || hidden.axis == subject.axis)
@@ -63,7 +63,7 @@ fn every_effect_is_found_and_none_is_confused() {
             let diagnosis = diagnosis(&kind, std::slice::from_ref(&hidden), seed);
             let causes = of_lengths(&diagnosis);
             let right = causes.len() == 1 && holds(causes[0], &hidden);
-            let found: Vec<_> = causes.iter().map(|c| c.effect.effect.id()).collect();
+            let found: Vec<_> = causes.iter().map(|c| c.effect.effect.id).collect();
             (!right).then(|| format!("{name}: {} {found:?}", diagnosis.verdict.name()))
         })
         .collect();
@@ -123,7 +123,7 @@ fn what_cannot_be_told_apart_is_not() {
         let rivals = causes[0].rivals.iter().map(|r| &r.effect);
         let names: Vec<&str> = rivals
             .chain([&causes[0].effect])
-            .map(|effect| effect.effect.id())
+            .map(|effect| effect.effect.id)
             .collect();
         assert!(
             names.contains(&"machine_drift") && names.contains(&"station_drift"),
@@ -232,7 +232,7 @@ fn a_slip_just_before_the_end_is_no_accident() {
         scenario.effects = serde_json::from_str(effects).unwrap();
     });
     assert_eq!(diagnosis.verdict, Verdict::Named);
-    assert_eq!(diagnosis.causes[0].effect.effect.id(), "target_slip");
+    assert_eq!(diagnosis.causes[0].effect.effect.id, "target_slip");
     // Four beams from one station do not show all of it, so nothing is said of the calibration.
     assert!(diagnosis.causes[0].changes.is_empty());
     assert!(diagnosis.effects_file().effects.is_empty());

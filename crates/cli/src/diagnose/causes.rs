@@ -22,7 +22,7 @@ pub(crate) fn of_misfit(
     with_changes: bool,
     scene: &Scene,
 ) -> Vec<String> {
-    let explanation = cause.effect.effect.explanation();
+    let explanation = cause.effect.effect.explanation;
     let several = rank.is_some();
     let rank = rank.map(|rank| format!(" {rank}")).unwrap_or_default();
     let name = in_words::effect(&cause.effect, scene);
@@ -69,7 +69,7 @@ fn rivals(cause: &Cause, scene: &Scene) -> String {
 
 /// The largest changes, and the consequence of leaving the cause in.
 fn changes(cause: &Cause, with_changes: bool, several: bool) -> String {
-    let consequence = cause.effect.effect.explanation().consequence;
+    let consequence = cause.effect.effect.explanation.consequence;
     let mut changes: Vec<&Change> = cause.changes.iter().collect();
     if with_changes && !changes.is_empty() && changes.iter().all(|c| size_um(c) < WORTH_A_WORD_UM) {
         return format!(

@@ -8,7 +8,7 @@ const COVERAGE: f64 = 2.0;
 
 /// `machine shift`, `dead path jump of station S2`.
 pub(crate) fn effect(effect: &ResolvedEffect, scene: &Scene) -> String {
-    let name = effect.effect.id().replace('_', " ");
+    let name = effect.effect.id.replace('_', " ");
     match subject(&effect.to_given(scene).subject) {
         Some(subject) => format!("{name} of {subject}"),
         None => name,

@@ -45,7 +45,7 @@ fn show(cause: &Cause) -> String {
         .collect();
     format!(
         "{} {:?} {:?} p={:.1e} share={:.2} bic={:.0} {} rivals={:?}",
-        cause.effect.effect.id(),
+        cause.effect.effect.id,
         cause.effect.subject.axis,
         cause.effect.subject.component,
         cause.p_value,
@@ -55,7 +55,7 @@ fn show(cause: &Cause) -> String {
         cause
             .rivals
             .iter()
-            .map(|r| r.effect.effect.id())
+            .map(|r| r.effect.effect.id)
             .collect::<Vec<_>>()
     )
 }
@@ -104,13 +104,13 @@ fn trial(effect: &'static str, seed: u64, counts: &mut Counts, notes: &mut Vec<S
         let component = cause.effect.subject.component;
         let component = component.zip(axis).map(|(c, axis)| c.name(axis));
         let place = axis == Some(hidden.axis) && component == hidden.component;
-        let mut same_name = cause.effect.effect.id() == effect;
+        let mut same_name = cause.effect.effect.id == effect;
         for (name, value) in &hidden.values {
             if *name == "waves" && same_name {
                 same_name = (cause.effect.shape - value).abs() < 1e-9;
             }
         }
-        let rival = cause.rivals.iter().any(|r| r.effect.effect.id() == effect);
+        let rival = cause.rivals.iter().any(|r| r.effect.effect.id == effect);
         if place && same_name && !found {
             found = true;
             counts.right += u32::from(!rival);
@@ -236,11 +236,7 @@ fn two_effects_are_both_found() {
     let coefficients = vec![0.0, 60e-3 * 220.0];
     add(&mut scenario, "X", "EXX", Term::Polynomial { coefficients });
     let outcome = outcome(&scenario, 3);
-    let mut names: Vec<&str> = outcome
-        .causes
-        .iter()
-        .map(|c| c.effect.effect.id())
-        .collect();
+    let mut names: Vec<&str> = outcome.causes.iter().map(|c| c.effect.effect.id).collect();
     names.sort_unstable();
     assert_eq!(names, ["cyclic_error", "scale_error"]);
 }

@@ -74,7 +74,7 @@ pub(crate) fn candidates(set: &CurveSet, scene: &Scene) -> Vec<Candidate> {
 impl Candidate {
     /// An effect with shapes.
     pub(crate) fn new(
-        effect: &'static dyn Effect,
+        effect: &'static Effect,
         subject: Subject,
         shapes: Vec<f64>,
         scene: &Scene,

@@ -203,7 +203,7 @@ impl CurveSet {
     /// What units of an effect's parameters add to the curves, µm or arcsec.
     pub(crate) fn columns(
         &self,
-        effect: &dyn Effect,
+        effect: &Effect,
         subject: &Subject,
         parameters: usize,
         shape: f64,

@@ -66,7 +66,7 @@ pub(crate) fn estimate(
     let mut columns = columns_at(shape);
     let (mut mean, mut covariance) = mixture(backgrounds, candidate, &columns);
     let (mut period, mut u_period) = (shape, 0.0);
-    if hypothesis.effect.shape() == Shape::Period {
+    if hypothesis.effect.shape == Shape::Period {
         for _ in 0..MAX_STEPS {
             let derivative = derivative(&columns_at, mean.rows(0, linear).as_slice(), period);
             columns = columns_at(period);

@@ -107,7 +107,7 @@ fn u_of(found: &Found, f: &dyn Fn(&[f64]) -> f64) -> f64 {
 
 fn shape(set: &CurveSet, found: &Found) -> Option<EstimatedParameter> {
     let (value, u) = (found.estimate.shape, found.estimate.u_shape);
-    match found.candidate.hypothesis.effect.shape() {
+    match found.candidate.hypothesis.effect.shape {
         Shape::Period => {
             let (value, u, unit) = match set.content.kind() {
                 AxisKind::Linear => (value, u, "mm"),

@@ -197,7 +197,7 @@ impl SetSearch {
                 let scans: [Box<dyn Scan>; 1] = [Box::new(scan)];
                 Null::simulated(&likely.projection, &scans).tests
             };
-            family.add(candidate.hypothesis.effect.id(), tests);
+            family.add(candidate.hypothesis.effect.id, tests);
         }
     }
 
@@ -221,7 +221,7 @@ impl SetSearch {
             })
             .collect();
         let p_value = |score: &Score| {
-            let effect = self.candidates[score.scan].hypothesis.effect.id();
+            let effect = self.candidates[score.scan].hypothesis.effect.id;
             family.p_value(effect, score.ln_p)
         };
         let standing_out = scores.iter().filter(|score| p_value(score) <= LEVEL);
@@ -289,8 +289,8 @@ impl SetSearch {
             candidate.shapes = vec![shape];
             let judgement = Judgement::new(&self.set, &backgrounds, &candidate);
             let score = judgement.score(&backgrounds, &candidate, self.found[i].score.scan);
-            let effect: &dyn Effect = candidate.hypothesis.effect;
-            let p_value = score.map(|score| family.p_value(effect.id(), score.ln_p));
+            let effect: &Effect = candidate.hypothesis.effect;
+            let p_value = score.map(|score| family.p_value(effect.id, score.ln_p));
             match (score, p_value) {
                 (Some(score), Some(p_value)) if p_value <= LEVEL => {
                     let estimate = estimate(&self.set, &backgrounds, &candidate, shape);

@@ -55,11 +55,11 @@ impl Serialize for ChangeFile<'_> {
 
 impl<'a> CauseFile<'a> {
     pub(super) fn new(rank: usize, cause: &'a Cause, scene: &Scene) -> Self {
-        let explanation = cause.effect.effect.explanation();
+        let explanation = cause.effect.effect.explanation;
         let rivals = cause.rivals.iter().map(|rival| {
             let given = rival.effect.to_given(scene);
             RivalFile {
-                effect: rival.effect.effect.id(),
+                effect: rival.effect.effect.id,
                 subject: given.subject,
                 delta_bic: round(rival.delta_bic, 2),
                 parameters: given.parameters,
@@ -68,7 +68,7 @@ impl<'a> CauseFile<'a> {
         let changes = cause.changes.iter();
         Self {
             rank,
-            effect: cause.effect.effect.id(),
+            effect: cause.effect.effect.id,
             layer: cause.layer().name(),
             level: cause.level.name(),
             data: &cause.data,

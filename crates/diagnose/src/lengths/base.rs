@@ -4,7 +4,7 @@ use trueaxis_calibrate::{
     LengthCircumstances as Reading, LengthsAdjustment, Method, length_circumstances, scene_of,
 };
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_effects::{Displaced, ResolvedEffect, Scene, displacement};
+use trueaxis_effects::{ResolvedEffect, Scene};
 use trueaxis_multilateration::{
     CampaignNetwork, Group, Network, Noise, Settings, Solution, Whitened, estimate_noise,
     network_from_campaign, solve, solve_from,
@@ -230,23 +230,13 @@ impl<'a> Base<'a> {
             &solution.stations,
             &solution.points_mm,
         );
-        let mut sum = Displaced::default();
-        for suspect in suspects {
+        let of_suspect = |suspect: &Suspect| {
             let Hypothesis {
                 effect, subject, ..
             } = &suspect.hypothesis;
-            let moved = displacement(
-                *effect,
-                subject,
-                &suspect.parameters,
-                suspect.shape,
-                &sight.at,
-            );
-            sum.point_mm += moved.point_mm;
-            sum.station_mm += moved.station_mm;
-            sum.length_mm += moved.length_mm;
-        }
-        sight.lengthening_mm(&sum)
+            effect.displacement(subject, &suspect.parameters, suspect.shape, &sight.at)
+        };
+        sight.lengthening_mm(&suspects.iter().map(of_suspect).sum())
     }
 
     /// Whitened columns of a hypothesis: what a unit of each parameter does to the lengths.
@@ -261,7 +251,6 @@ impl<'a> Base<'a> {
         } = hypothesis;
         let count = effect.parameters(&self.scene, subject).len();
         let mut columns = vec![vec![0.0; self.readings.len()]; count];
-        let mut unit = vec![0.0; count];
         for (i, reading) in self.readings.iter().enumerate() {
             let positions = &self.campaign.steps[reading.step].positions;
             let sight = reading.sight(
@@ -272,9 +261,7 @@ impl<'a> Base<'a> {
                 &adjusted.solution.points_mm,
             );
             for (k, column) in columns.iter_mut().enumerate() {
-                unit.fill(0.0);
-                unit[k] = 1.0;
-                let moved = displacement(*effect, subject, &unit, shape, &sight.at);
+                let moved = effect.form(subject, k, shape, &sight.at);
                 column[i] = moved.along(&sight.beam);
             }
         }

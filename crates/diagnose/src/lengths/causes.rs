@@ -199,7 +199,7 @@ fn judged(
         })
         .unwrap_or(leader);
     let (mut suspect_of_best, mut fit) = suspect(&without.projection, &scans, best);
-    if suspect_of_best.hypothesis.effect.shape() == Shape::TimeConstant {
+    if suspect_of_best.hypothesis.effect.shape == Shape::TimeConstant {
         (suspect_of_best, fit) = refined(base, without, suspect_of_best);
     }
     let mut rivals = Vec::new();

@@ -43,9 +43,9 @@ fn culprit(base: &Base<'_>, suspect: &Suspect) -> Culprit {
         let after = base.readings.iter().find(|r| r.time_s > suspect.shape);
         after.map_or(0, |r| r.station)
     };
-    let at_an_instant = effect.shape() == Shape::Instant;
+    let at_an_instant = effect.shape == Shape::Instant;
     if let Some(axis) = subject.axis {
-        return Culprit::Axis(axis, effect.id());
+        return Culprit::Axis(axis, effect.id);
     }
     if let Some(target) = subject.target {
         return Culprit::Target(target, at_an_instant);
@@ -53,7 +53,7 @@ fn culprit(base: &Base<'_>, suspect: &Suspect) -> Culprit {
     match subject.station {
         Some(station) => Culprit::Station(station, at_an_instant),
         None if at_an_instant => Culprit::Station(during(), true),
-        None => match effect.id() {
+        None => match effect.id {
             "dead_path_drift" | "station_drift" | "machine_drift" | "warm_up" => Culprit::EveryTurn,
             id => Culprit::Everything(id),
         },

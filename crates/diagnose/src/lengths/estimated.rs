@@ -28,7 +28,7 @@ pub(crate) fn estimated(
     let n = parameters.len();
     let mut covariance = suspect.covariance.clone();
     let mut u_shape = suspect.u_shape;
-    match hypothesis.effect.shape() {
+    match hypothesis.effect.shape {
         Shape::Instant => u_shape = u_shape.hypot(gap_s(base, suspect.shape) / 12_f64.sqrt()),
         Shape::TimeConstant => {
             let (joint, u) = with_time_constant(base, adjusted, suspect);

@@ -47,7 +47,7 @@ pub(crate) fn scan(
     let projection = &adjusted.projection;
     let boxed = |scan: FixedScan| Box::new(scan) as Box<dyn Scan>;
     let columns = |shape: f64| base.columns(adjusted, &hypothesis, shape);
-    match hypothesis.effect.shape() {
+    match hypothesis.effect.shape {
         Shape::Instant => {
             let columns = columns(f64::NEG_INFINITY);
             let scan = StepScan::new(hypothesis, projection, visits, &columns)?;
@@ -67,13 +67,13 @@ pub(crate) fn scan(
 pub(crate) fn of_catalogue(base: &Base<'_>) -> Vec<Hypothesis> {
     let effects = catalogue()
         .iter()
-        .filter(|effect| effect.levels().contains(&Level::Lengths));
+        .filter(|effect| effect.levels.contains(&Level::Lengths));
     effects
         .flat_map(|&effect| of_effect(base, effect))
         .collect()
 }
 
-fn of_effect(base: &Base<'_>, effect: &'static dyn Effect) -> Vec<Hypothesis> {
+fn of_effect(base: &Base<'_>, effect: &'static Effect) -> Vec<Hypothesis> {
     let subjects: Vec<Subject> = effect.subjects(&base.scene);
     let count = subjects.len();
     let hypothesis = |subject| Hypothesis {

@@ -50,7 +50,7 @@ impl LeftOut {
         let shifted = |instant: f64| -> Vec<Suspect> {
             let mut suspects = adjusted.suspects.clone();
             for suspect in &mut suspects {
-                if suspect.hypothesis.effect.shape() == Shape::Instant {
+                if suspect.hypothesis.effect.shape == Shape::Instant {
                     suspect.shape = instant;
                 }
             }

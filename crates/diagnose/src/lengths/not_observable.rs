@@ -16,7 +16,7 @@ pub(crate) fn not_observable(
     for effect in catalogue() {
         let missing: Vec<&Hypothesis> = without_trace
             .iter()
-            .filter(|h| h.effect.id() == effect.id())
+            .filter(|h| h.effect.id == effect.id)
             .collect();
         if missing.is_empty() {
             continue;
@@ -32,17 +32,17 @@ pub(crate) fn not_observable(
                 }
             })
             .collect();
-        let explanation = effect.explanation();
+        let explanation = effect.explanation;
         list.push(NotObservable {
-            effect: effect.id(),
+            effect: effect.id,
             subject: names.join(", "),
-            reason: match effect.id() {
+            reason: match effect.id {
                 "backlash" => "all its stops are approached from one side".to_owned(),
                 "timestamp_offset" => "the machine stands still at the stops".to_owned(),
                 _ => "stations, poses and shapes of the targets absorb all of it".to_owned(),
             },
             bias_per_unit: vec![("calibration".to_owned(), explanation.consequence.to_owned())],
-            measure: match effect.id() {
+            measure: match effect.id {
                 "backlash" => "measure the axis from both sides".to_owned(),
                 _ => explanation.separate_by.to_owned(),
             },
@@ -65,7 +65,7 @@ fn length_scale(scene: &Scene) -> NotObservable {
             "1 um per m per ppm".to_owned(),
         )
     });
-    let explanation = trueaxis_effects::effect("length_scale").map(|e| e.explanation());
+    let explanation = trueaxis_effects::effect("length_scale").map(|e| e.explanation);
     NotObservable {
         effect: "length_scale",
         subject: String::new(),
@@ -93,14 +93,14 @@ fn dead_path_offset() -> NotObservable {
 /// have a curve of their own are looked for in the calibrated curves.
 fn absorbed_by_poses(scene: &Scene) -> Vec<NotObservable> {
     let of_machine = catalogue().iter().filter(|effect| {
-        let levels = effect.levels();
+        let levels = effect.levels;
         let elsewhere = levels.contains(&Level::Lengths) || levels.contains(&Level::Components);
         !levels.is_empty() && !elsewhere
     });
     of_machine
         .filter(|effect| !effect.subjects(scene).is_empty())
         .map(|effect| NotObservable {
-            effect: effect.id(),
+            effect: effect.id,
             subject: String::new(),
             reason: "the pose of every step is free in the adjustment, so it is in the calibrated \
                      curves and does not contradict the lengths; verification readings can show it"
@@ -109,7 +109,7 @@ fn absorbed_by_poses(scene: &Scene) -> Vec<NotObservable> {
                 "component errors".to_owned(),
                 "1 um per um, as part of the curve".to_owned(),
             )],
-            measure: effect.explanation().separate_by.to_owned(),
+            measure: effect.explanation.separate_by.to_owned(),
         })
         .collect()
 }

@@ -33,7 +33,7 @@ pub(crate) fn unexplained_part(
     }
     note += &of_stations(base, current);
     if let Some((suspect, share)) = closest {
-        let id = suspect.hypothesis.effect.id();
+        let id = suspect.hypothesis.effect.id;
         note += &format!(
             "; {id} comes closest and explains {:.0} % of it, which is not enough to name it",
             share * 100.0

@@ -8,7 +8,7 @@ use crate::selection::Gram;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Hypothesis {
     /// The effect.
-    pub(crate) effect: &'static dyn Effect,
+    pub(crate) effect: &'static Effect,
     /// What it happens to.
     pub(crate) subject: Subject,
     /// Number of subjects of the same effect that are looked at.
@@ -18,12 +18,12 @@ pub(crate) struct Hypothesis {
 impl Hypothesis {
     /// Whether it is the same effect on the same subject.
     pub(crate) fn is(&self, other: &Self) -> bool {
-        self.effect.id() == other.effect.id() && self.subject == other.subject
+        self.effect.id == other.effect.id && self.subject == other.subject
     }
 
     /// Whether a shape has to be found.
     pub(crate) fn has_shape(&self) -> bool {
-        self.effect.shape() != Shape::Fixed
+        self.effect.shape != Shape::Fixed
     }
 }
 

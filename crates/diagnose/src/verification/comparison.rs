@@ -71,7 +71,7 @@ impl<'a> Comparison<'a> {
     /// What one unit of a parameter of an effect does to each reading, µm.
     pub(crate) fn column(
         &self,
-        effect: &dyn Effect,
+        effect: &Effect,
         subject: &Subject,
         parameter: usize,
         shape: f64,

@@ -55,14 +55,14 @@ pub(crate) fn candidates(
     };
     let mut all = Vec::new();
     for &effect in catalogue() {
-        if !effect.levels().contains(&Level::Verification) {
+        if !effect.levels.contains(&Level::Verification) {
             continue;
         }
         let subjects = effect.subjects(&scene).into_iter();
         let subjects: Vec<Subject> = subjects.filter(|s| is_seen(comparison, s)).collect();
         for &subject in &subjects {
             let parameters = effect.parameters(&scene, &subject).len();
-            let shapes = shapes(comparison, effect.shape(), &subject);
+            let shapes = shapes(comparison, effect.shape, &subject);
             let columns = |&shape: &f64| {
                 let column = |k| whiten(comparison.column(effect, &subject, k, shape));
                 (0..parameters).map(column).collect()

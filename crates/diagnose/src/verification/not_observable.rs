@@ -34,22 +34,22 @@ pub(crate) fn not_observable(
                 + " absorbs all that it does"
         };
         all.push(NotObservable {
-            effect: effect.id(),
+            effect: effect.id,
             subject: in_words(scene, &subject),
             reason,
             bias_per_unit: bias,
-            measure: effect.explanation().separate_by.to_owned(),
+            measure: effect.explanation.separate_by.to_owned(),
         });
     }
     all
 }
 
 /// Why an effect leaves no trace in the readings.
-fn not_reached(problem: &Problem<'_>, effect: &dyn Effect, subject: &Subject) -> &'static str {
+fn not_reached(problem: &Problem<'_>, effect: &Effect, subject: &Subject) -> &'static str {
     let arrivals = &problem.comparison.arrivals;
     let stands = |axis: usize| arrivals.iter().all(|a| a.speeds_per_s[axis].abs() <= 0.0);
     match subject.axis {
-        Some(axis) if effect.id() == "timestamp_offset" && stands(axis) => {
+        Some(axis) if effect.id == "timestamp_offset" && stands(axis) => {
             "the axis stands still at the readings, or the table has no times"
         }
         _ => "it does not change what was measured here",
@@ -60,10 +60,10 @@ fn not_reached(problem: &Problem<'_>, effect: &dyn Effect, subject: &Subject) ->
 fn largest(
     problem: &Problem<'_>,
     scene: &Scene,
-    effect: &dyn Effect,
+    effect: &Effect,
     subject: &Subject,
 ) -> Vec<(String, String)> {
-    let shape = match effect.shape() {
+    let shape = match effect.shape {
         Shape::Fixed => 0.0,
         Shape::Instant => f64::NEG_INFINITY,
         Shape::TimeConstant | Shape::Period | Shape::Waves => 1.0,
@@ -90,10 +90,10 @@ fn too_short(
     problem: &Problem<'_>,
     scene: &Scene,
     name: &str,
-    effect: &dyn Effect,
+    effect: &Effect,
     subject: &Subject,
 ) -> Option<NotObservable> {
-    let axis = subject.axis.filter(|_| effect.shape() == Shape::Period)?;
+    let axis = subject.axis.filter(|_| effect.shape == Shape::Period)?;
     let [_, step] = sampling(problem.comparison, axis)?;
     let content = &scene.machine.axes()[axis];
     let (shortest, unit) = match content.kind() {
@@ -101,7 +101,7 @@ fn too_short(
         AxisKind::Rotary => (2.0 * step.to_degrees(), "deg"),
     };
     Some(NotObservable {
-        effect: effect.id(),
+        effect: effect.id,
         subject: in_words(scene, subject),
         reason: format!("{name}: periods below {shortest:.4} {unit}, two steps of the readings"),
         bias_per_unit: Vec::new(),

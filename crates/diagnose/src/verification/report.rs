@@ -52,7 +52,7 @@ pub(crate) fn causes(
                 unit: parameter.unit,
             })
             .collect();
-        if let Some((parameter, size)) = shape_parameter(effect.shape(), scene, &subject) {
+        if let Some((parameter, size)) = shape_parameter(effect.shape, scene, &subject) {
             parameters.push(EstimatedParameter {
                 name: parameter.name,
                 value: cause.shape / size,

@@ -91,7 +91,7 @@ impl Counts {
     /// `axis` is that of the hidden effect.
     fn add(&mut self, outcome: &EntryOutcome, effect: &str, axis: Option<usize>) {
         let is_it = |e: &trueaxis_effects::ResolvedEffect| {
-            e.effect.id() == effect && (e.subject.axis.is_none() || e.subject.axis == axis)
+            e.effect.id == effect && (e.subject.axis.is_none() || e.subject.axis == axis)
         };
         let first = outcome.causes.iter().find(|c| is_it(&c.effect));
         let rival = outcome
@@ -127,7 +127,7 @@ fn summary(outcome: &EntryOutcome) -> String {
         .causes
         .iter()
         .map(|c| {
-            let (id, subject) = (c.effect.effect.id(), c.effect.subject);
+            let (id, subject) = (c.effect.effect.id, c.effect.subject);
             format!(
                 "{id} {:?} {:?} p {:.1e}",
                 subject.axis, subject.component, c.p_value

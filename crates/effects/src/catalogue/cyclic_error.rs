@@ -1,88 +1,35 @@
 //! A component error that repeats with the position of its axis: `s sin(2πq/λ) + c cos(2πq/λ)`.
 //!
 //! λ is the pitch of a screw, the division of a scale or grating, the spacing of the rolling elements of
-//! a guideway, or a simple part of one of these.
+//! a guideway, or a simple part of one of these. s and c are `sine` and `cosine` in µm, of an angular
+//! component in arcsec; λ is `period` in mm, of a rotary axis in rad (in files degrees).
 
 use std::f64::consts::TAU;
 
-use nalgebra::Vector6;
-use trueaxis_kinematics::{ARCSEC, Component, MICROMETRE, MotionError};
+use trueaxis_kinematics::{Component, MotionError};
 
-use crate::curve::{curve_form, sine_or_cosine};
-use crate::{
-    AxisPosition, Circumstances, Displaced, Effect, Explanation, Layer, Level, Parameter, Scene,
-    Shape, Subject,
-};
+use crate::waves::{unit_name, wave_of};
+use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 
-#[derive(Debug)]
-pub(super) struct CyclicError;
-
-impl Effect for CyclicError {
-    fn id(&self) -> &'static str {
-        "cyclic_error"
-    }
-
-    fn layer(&self) -> Layer {
-        Layer::Machine
-    }
-
-    fn levels(&self) -> &'static [Level] {
-        &[Level::Components, Level::Verification]
-    }
-
-    fn subjects(&self, scene: &Scene) -> Vec<Subject> {
+pub(super) const EFFECT: Effect = Effect {
+    id: "cyclic_error",
+    layer: Layer::Machine,
+    levels: &[Level::Components, Level::Verification],
+    subjects: |scene| {
         let axes = scene.moving.iter();
-        axes.flat_map(|&axis| Component::ALL.map(|component| Subject::component(axis, component)))
+        axes.flat_map(|&axis| Component::ALL.map(|c| Subject::component(axis, c)))
             .collect()
-    }
-
-    fn parameters(&self, _: &Scene, subject: &Subject) -> Vec<Parameter> {
-        let angular = subject.component.is_some_and(Component::is_angular);
-        let unit = if angular { "arcsec" } else { "um" };
-        ["sine", "cosine"]
-            .map(|name| Parameter::new(name, unit))
-            .into()
-    }
-
-    fn shape(&self) -> Shape {
-        Shape::Period
-    }
-
-    fn form(
-        &self,
-        subject: &Subject,
-        parameter: usize,
-        shape: f64,
-        at: &Circumstances<'_>,
-    ) -> Displaced {
-        curve_form(self, subject, parameter, shape, at)
-    }
-
-    fn motion(
-        &self,
-        subject: &Subject,
-        parameter: usize,
-        shape: f64,
-        at: &AxisPosition<'_>,
-    ) -> MotionError {
-        let Some(component) = subject.component else {
-            return MotionError::default();
-        };
-        let unit = if component.is_angular() {
-            ARCSEC
-        } else {
-            MICROMETRE
-        };
-        let value = unit * sine_or_cosine(parameter, TAU * at.position / shape);
-        MotionError::from_vector(&Vector6::ith(component.index(), value))
-    }
-
-    fn explanation(&self) -> Explanation {
-        Explanation {
-            cause: "something that repeats along the axis: the pitch of the screw and its bearing, the division of the scale, the rolling elements of the guideway",
-            consequence: "between two measured positions the error is not on the straight line that a compensation table draws: up to the whole amplitude stays",
-            action: "compare the period with the pitch of the screw, the period of the scale and the rollers; mend the part (bearing, alignment of the scale's head, its signal), or compensate with a table of at least eight points per period",
-            separate_by: "measure one or two periods again with a step of an eighth of the period: a shorter period seen with a coarse step shows as a longer one",
-        }
-    }
-}
+    },
+    parameters: |_, subject| Parameter::sine_and_cosine(subject.component.map_or("um", unit_name)),
+    shape: Shape::Period,
+    form: Form::Curve(|of| match of.subject.component {
+        Some(component) => wave_of(component, of, TAU * of.at.position / of.shape),
+        None => MotionError::default(),
+    }),
+    explanation: Explanation {
+        cause: "something that repeats along the axis: the pitch of the screw and its bearing, the division of the scale, the rolling elements of the guideway",
+        consequence: "between two measured positions the error is not on the straight line that a compensation table draws: up to the whole amplitude stays",
+        action: "compare the period with the pitch of the screw, the period of the scale and the rollers; mend the part (bearing, alignment of the scale's head, its signal), or compensate with a table of at least eight points per period",
+        separate_by: "measure one or two periods again with a step of an eighth of the period: a shorter period seen with a coarse step shows as a longer one",
+    },
+};

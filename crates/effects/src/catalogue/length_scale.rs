@@ -1,45 +1,21 @@
-//! A wrong scale of all lengths: `s · l`. Stations and points stretch with it, so no length shows it.
+//! A wrong scale of all lengths: `D_l = s · l`. Stations and points stretch with it, so no length shows it.
+//!
+//! s is `scale` in ppm; with a positive one lengths are shown too long.
 
-use crate::PPM;
+use crate::{Effect, Explanation, Form, Layer, PPM, Parameter, Shape, Subject};
 
-use crate::{
-    Circumstances, Displaced, Effect, Explanation, Layer, Level, Parameter, Scene, Subject,
+pub(super) const EFFECT: Effect = Effect {
+    id: "length_scale",
+    layer: Layer::Instrument,
+    levels: &[],
+    subjects: Subject::all_alike,
+    parameters: |_, _| vec![Parameter::new("scale", "ppm")],
+    shape: Shape::Fixed,
+    form: Form::Length(|of| PPM * of.at.distance_mm),
+    explanation: Explanation {
+        cause: "the wavelength is compensated with wrong air data, or the laser's frequency is off",
+        consequence: "every positioning error has this error of scale",
+        action: "check the weather station and the laser's calibration",
+        separate_by: "measure a calibrated length standard, or one line with another interferometer, at the same time",
+    },
 };
-
-#[derive(Debug)]
-pub(super) struct LengthScale;
-
-impl Effect for LengthScale {
-    fn id(&self) -> &'static str {
-        "length_scale"
-    }
-
-    fn layer(&self) -> Layer {
-        Layer::Instrument
-    }
-
-    fn levels(&self) -> &'static [Level] {
-        &[]
-    }
-
-    fn subjects(&self, _: &Scene) -> Vec<Subject> {
-        vec![Subject::default()]
-    }
-
-    fn parameters(&self, _: &Scene, _: &Subject) -> Vec<Parameter> {
-        vec![Parameter::new("scale", "ppm")]
-    }
-
-    fn form(&self, _: &Subject, _: usize, _: f64, at: &Circumstances<'_>) -> Displaced {
-        Displaced::length(PPM * at.distance_mm)
-    }
-
-    fn explanation(&self) -> Explanation {
-        Explanation {
-            cause: "the wavelength is compensated with wrong air data, or the laser's frequency is off",
-            consequence: "every positioning error has this error of scale",
-            action: "check the weather station and the laser's calibration",
-            separate_by: "measure a calibrated length standard, or one line with another interferometer, at the same time",
-        }
-    }
-}

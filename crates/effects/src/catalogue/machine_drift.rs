@@ -1,46 +1,23 @@
-//! The tool creeps against the bed in proportion to time: `u·v · τ`.
+//! The tool creeps against the bed in proportion to time: `D_p = v · τ`.
+//!
+//! v is `drift_x`, `drift_y`, `drift_z` in µm over the campaign, in the reference frame.
 
-use nalgebra::Vector3;
 use trueaxis_kinematics::MICROMETRE;
 
-use crate::{
-    Circumstances, Displaced, Effect, Explanation, Layer, Level, Parameter, Scene, Subject,
+use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
+
+pub(super) const EFFECT: Effect = Effect {
+    id: "machine_drift",
+    layer: Layer::Machine,
+    levels: &[Level::Lengths],
+    subjects: Subject::all_alike,
+    parameters: |_, _| Parameter::vector("drift", "um"),
+    shape: Shape::Fixed,
+    form: Form::Target(|of| MICROMETRE * of.at.progress),
+    explanation: Explanation {
+        cause: "the machine drifts: its structure or its foundation deforms slowly as a whole",
+        consequence: "stations measured one after another see another machine; squareness and straightness are bent",
+        action: "warm the machine up, keep doors and cooling as in use, shorten the campaign",
+        separate_by: "read three fixed targets on the bed at the start and the end of every turn: they stand still against the tracker when the machine drifts, and move with a tripod that creeps",
+    },
 };
-
-#[derive(Debug)]
-pub(super) struct MachineDrift;
-
-impl Effect for MachineDrift {
-    fn id(&self) -> &'static str {
-        "machine_drift"
-    }
-
-    fn layer(&self) -> Layer {
-        Layer::Machine
-    }
-
-    fn levels(&self) -> &'static [Level] {
-        &[Level::Lengths]
-    }
-
-    fn subjects(&self, _: &Scene) -> Vec<Subject> {
-        vec![Subject::default()]
-    }
-
-    fn parameters(&self, _: &Scene, _: &Subject) -> Vec<Parameter> {
-        Parameter::vector_um("drift")
-    }
-
-    fn form(&self, _: &Subject, parameter: usize, _: f64, at: &Circumstances<'_>) -> Displaced {
-        Displaced::point(Vector3::ith(parameter, MICROMETRE * at.progress))
-    }
-
-    fn explanation(&self) -> Explanation {
-        Explanation {
-            cause: "the machine drifts: its structure or its foundation deforms slowly as a whole",
-            consequence: "stations measured one after another see another machine; squareness and straightness are bent",
-            action: "warm the machine up, keep doors and cooling as in use, shorten the campaign",
-            separate_by: "read three fixed targets on the bed at the start and the end of every turn: they stand still against the tracker when the machine drifts, and move with a tripod that creeps",
-        }
-    }
-}

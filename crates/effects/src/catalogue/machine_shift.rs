@@ -1,50 +1,23 @@
-//! A sudden shift of the tool against the bed at t0: `u·d · [t > t0]`.
+//! A sudden shift of the tool against the bed at t0: `D_p = d · [t > t0]`.
+//!
+//! d is `shift_x`, `shift_y`, `shift_z` in µm, in the reference frame.
 
-use nalgebra::Vector3;
 use trueaxis_kinematics::MICROMETRE;
 
-use crate::{
-    Circumstances, Displaced, Effect, Explanation, Layer, Level, Parameter, Scene, Shape, Subject,
+use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
+
+pub(super) const EFFECT: Effect = Effect {
+    id: "machine_shift",
+    layer: Layer::Machine,
+    levels: &[Level::Lengths],
+    subjects: Subject::all_alike,
+    parameters: |_, _| Parameter::vector("shift", "um"),
+    shape: Shape::Instant,
+    form: Form::Target(|_| MICROMETRE),
+    explanation: Explanation {
+        cause: "the machine shifted: referencing, a collision, an axis that was switched off, a clamp that let go",
+        consequence: "points before and after it do not belong to one machine",
+        action: "find what happened at this instant, reference the machine again, measure again",
+        separate_by: "read three fixed targets on the bed before and after: they stand still when the machine shifted, and move against a tripod that was bumped",
+    },
 };
-
-#[derive(Debug)]
-pub(super) struct MachineShift;
-
-impl Effect for MachineShift {
-    fn id(&self) -> &'static str {
-        "machine_shift"
-    }
-
-    fn layer(&self) -> Layer {
-        Layer::Machine
-    }
-
-    fn levels(&self) -> &'static [Level] {
-        &[Level::Lengths]
-    }
-
-    fn subjects(&self, _: &Scene) -> Vec<Subject> {
-        vec![Subject::default()]
-    }
-
-    fn parameters(&self, _: &Scene, _: &Subject) -> Vec<Parameter> {
-        Parameter::vector_um("shift")
-    }
-
-    fn shape(&self) -> Shape {
-        Shape::Instant
-    }
-
-    fn form(&self, _: &Subject, parameter: usize, _: f64, _: &Circumstances<'_>) -> Displaced {
-        Displaced::point(Vector3::ith(parameter, MICROMETRE))
-    }
-
-    fn explanation(&self) -> Explanation {
-        Explanation {
-            cause: "the machine shifted: referencing, a collision, an axis that was switched off, a clamp that let go",
-            consequence: "points before and after it do not belong to one machine",
-            action: "find what happened at this instant, reference the machine again, measure again",
-            separate_by: "read three fixed targets on the bed before and after: they stand still when the machine shifted, and move against a tripod that was bumped",
-        }
-    }
-}

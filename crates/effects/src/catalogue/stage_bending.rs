@@ -1,77 +1,49 @@
-//! The stage is not rigid: a target moves against the others with the position of an axis, `u·c · q²`, c fixed in the stage.
+//! The stage is not rigid: a target moves against the others with the position of an axis, `D_p = c q²`, c
+//! fixed in the stage.
+//!
+//! c is `bending_x`, `bending_y`, `bending_z` in µm/m², for a rotary axis in µm/rad², along the reference
+//! directions when the stage is at home.
 
-use nalgebra::Vector3;
-use trueaxis_kinematics::{AxisKind, MICROMETRE};
+use trueaxis_kinematics::{Axis, AxisKind, MICROMETRE};
 
-use crate::{
-    Circumstances, Displaced, Effect, Explanation, Layer, Level, Parameter, Scene, Subject,
-};
+use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Scene, Shape, Subject};
 
 const METRES_PER_MM: f64 = 1e-3;
 
-#[derive(Debug)]
-pub(super) struct StageBending;
-
-impl Effect for StageBending {
-    fn id(&self) -> &'static str {
-        "stage_bending"
-    }
-
-    fn layer(&self) -> Layer {
-        Layer::Machine
-    }
-
-    fn levels(&self) -> &'static [Level] {
-        &[Level::Lengths]
-    }
-
-    fn subjects(&self, scene: &Scene) -> Vec<Subject> {
-        let mut subjects = Vec::new();
-        for (target, content) in scene.targets.iter().enumerate() {
-            let chain = scene.machine.chain(content.carrier);
-            let moving = scene.moving.iter().filter(|axis| chain.contains(axis));
-            subjects.extend(moving.map(|&axis| Subject {
-                target: Some(target),
-                ..Subject::axis(axis)
-            }));
-        }
-        subjects
-    }
-
-    fn parameters(&self, scene: &Scene, subject: &Subject) -> Vec<Parameter> {
-        let rotary = subject
-            .axis
-            .is_some_and(|axis| scene.machine.axes()[axis].kind() == AxisKind::Rotary);
-        let unit = if rotary { "um/rad2" } else { "um/m2" };
-        ['x', 'y', 'z']
-            .map(|axis| Parameter::new(format!("bending_{axis}"), unit))
-            .into()
-    }
-
-    fn form(
-        &self,
-        subject: &Subject,
-        parameter: usize,
-        _: f64,
-        at: &Circumstances<'_>,
-    ) -> Displaced {
-        let (Some(axis), true) = (subject.axis, subject.has_target(at.target)) else {
-            return Displaced::default();
+pub(super) const EFFECT: Effect = Effect {
+    id: "stage_bending",
+    layer: Layer::Machine,
+    levels: &[Level::Lengths],
+    subjects: each_axis_of_each_target,
+    parameters: |scene, subject| {
+        Parameter::vector("bending", scene.unit(subject, "um/m2", "um/rad2"))
+    },
+    shape: Shape::Fixed,
+    form: Form::TargetOnStage(|of| {
+        let q = match of.axis().map(Axis::kind) {
+            Some(AxisKind::Linear) => of.position() * METRES_PER_MM,
+            _ => of.position(),
         };
-        let position = at.positions.get(axis).copied().unwrap_or(0.0);
-        let q = match at.machine.axes()[axis].kind() {
-            AxisKind::Linear => position * METRES_PER_MM,
-            AxisKind::Rotary => position,
-        };
-        Displaced::point(at.ref_from_stage() * Vector3::ith(parameter, MICROMETRE * q * q))
-    }
+        MICROMETRE * q * q
+    }),
+    explanation: Explanation {
+        cause: "the stage bends as it moves (guideway, weight, clamping), so that this target moves against the others",
+        consequence: "three targets on a stage that is not rigid give wrong angular errors",
+        action: "mount the targets on one stiff plate, take the bending into the model of the machine",
+        separate_by: "put a fourth target on the stage: it tells which target moves",
+    },
+};
 
-    fn explanation(&self) -> Explanation {
-        Explanation {
-            cause: "the stage bends as it moves (guideway, weight, clamping), so that this target moves against the others",
-            consequence: "three targets on a stage that is not rigid give wrong angular errors",
-            action: "mount the targets on one stiff plate, take the bending into the model of the machine",
-            separate_by: "put a fourth target on the stage: it tells which target moves",
-        }
-    }
+/// Each target with each moving axis that carries it.
+fn each_axis_of_each_target(scene: &Scene) -> Vec<Subject> {
+    let targets = scene.targets.iter().enumerate();
+    let of_target = targets.flat_map(|(target, content)| {
+        let chain = scene.machine.chain(content.carrier);
+        let moving = scene.moving.iter().filter(|axis| chain.contains(axis));
+        moving.map(move |&axis| Subject {
+            target: Some(target),
+            ..Subject::axis(axis)
+        })
+    });
+    of_target.collect()
 }

@@ -1,56 +1,26 @@
-//! The time stamps of the readings are late while the machine moves on: `v Δt` along the axis.
+//! The time stamps of the readings are late while the machine moves on: `v Δt` along the axis that moves.
+//!
+//! Δt is `offset` in ms; with a positive one the axis is further on than its position says.
 
-use crate::axis_at::unit_motion;
-
-use crate::{
-    Circumstances, Displaced, Effect, Explanation, Layer, Level, Parameter, Scene, Subject,
-};
+use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 
 const SECONDS_PER_MS: f64 = 1e-3;
 
-#[derive(Debug)]
-pub(super) struct TimestampOffset;
-
-impl Effect for TimestampOffset {
-    fn id(&self) -> &'static str {
-        "timestamp_offset"
-    }
-
-    fn layer(&self) -> Layer {
-        Layer::Instrument
-    }
-
-    fn levels(&self) -> &'static [Level] {
-        &[Level::Lengths, Level::Verification]
-    }
-
-    fn subjects(&self, scene: &Scene) -> Vec<Subject> {
-        scene
-            .moving
-            .iter()
-            .map(|&axis| Subject::axis(axis))
-            .collect()
-    }
-
-    fn parameters(&self, _: &Scene, _: &Subject) -> Vec<Parameter> {
-        vec![Parameter::new("offset", "ms")]
-    }
-
-    fn form(&self, subject: &Subject, _: usize, _: f64, at: &Circumstances<'_>) -> Displaced {
-        match subject.axis {
-            Some(axis) if axis == at.axis => {
-                Displaced::point(unit_motion(axis, at) * (at.speed_per_s * SECONDS_PER_MS))
-            }
-            _ => Displaced::default(),
-        }
-    }
-
-    fn explanation(&self) -> Explanation {
-        Explanation {
-            cause: "readings are taken on the fly and their time stamps do not belong to the positions",
-            consequence: "looks like lost motion in proportion to the feed",
-            action: "synchronise the trigger, or measure at standstill",
-            separate_by: "measure the same line at another feed: a time offset grows with the feed, lost motion does not",
-        }
-    }
-}
+pub(super) const EFFECT: Effect = Effect {
+    id: "timestamp_offset",
+    layer: Layer::Instrument,
+    levels: &[Level::Lengths, Level::Verification],
+    subjects: Subject::each_axis,
+    parameters: |_, _| vec![Parameter::new("offset", "ms")],
+    shape: Shape::Fixed,
+    form: Form::Axis(|of| match of.is_of_moving_axis() {
+        true => of.at.speed_per_s * SECONDS_PER_MS,
+        false => 0.0,
+    }),
+    explanation: Explanation {
+        cause: "readings are taken on the fly and their time stamps do not belong to the positions",
+        consequence: "looks like lost motion in proportion to the feed",
+        action: "synchronise the trigger, or measure at standstill",
+        separate_by: "measure the same line at another feed: a time offset grows with the feed, lost motion does not",
+    },
+};

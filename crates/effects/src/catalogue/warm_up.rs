@@ -1,52 +1,26 @@
-//! The machine warms up: `u·a · (1 - exp(-t/T))`, t since the
-//! first reading.
+//! The machine warms up: `D_p = a · (1 - exp(-t/T))`, t since the first reading.
+//!
+//! a is `growth_x`, `growth_y`, `growth_z` in µm, in the reference frame; T is `time_constant` in s.
 
-use nalgebra::Vector3;
 use trueaxis_kinematics::MICROMETRE;
 
-use crate::{
-    Circumstances, Displaced, Effect, Explanation, Layer, Level, Parameter, Scene, Shape, Subject,
+use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
+
+pub(super) const EFFECT: Effect = Effect {
+    id: "warm_up",
+    layer: Layer::Machine,
+    levels: &[Level::Lengths, Level::Verification],
+    subjects: Subject::all_alike,
+    parameters: |_, _| Parameter::vector("growth", "um"),
+    shape: Shape::TimeConstant,
+    form: Form::Target(|of| {
+        let part = 1.0 - (-of.at.elapsed_s / of.shape).exp();
+        MICROMETRE * part
+    }),
+    explanation: Explanation {
+        cause: "the machine was cold: spindle, drives or coolant warm its structure up",
+        consequence: "the first stations and runs see another machine than the last ones",
+        action: "run the machine for three time constants before measuring, or take the first cycles out",
+        separate_by: "wait for three time constants and measure the first run again: it must not change any more",
+    },
 };
-
-#[derive(Debug)]
-pub(super) struct WarmUp;
-
-impl Effect for WarmUp {
-    fn id(&self) -> &'static str {
-        "warm_up"
-    }
-
-    fn layer(&self) -> Layer {
-        Layer::Machine
-    }
-
-    fn levels(&self) -> &'static [Level] {
-        &[Level::Lengths, Level::Verification]
-    }
-
-    fn subjects(&self, _: &Scene) -> Vec<Subject> {
-        vec![Subject::default()]
-    }
-
-    fn parameters(&self, _: &Scene, _: &Subject) -> Vec<Parameter> {
-        Parameter::vector_um("growth")
-    }
-
-    fn shape(&self) -> Shape {
-        Shape::TimeConstant
-    }
-
-    fn form(&self, _: &Subject, parameter: usize, shape: f64, at: &Circumstances<'_>) -> Displaced {
-        let part = 1.0 - (-at.elapsed_s / shape).exp();
-        Displaced::point(Vector3::ith(parameter, MICROMETRE * part))
-    }
-
-    fn explanation(&self) -> Explanation {
-        Explanation {
-            cause: "the machine was cold: spindle, drives or coolant warm its structure up",
-            consequence: "the first stations and runs see another machine than the last ones",
-            action: "run the machine for three time constants before measuring, or take the first cycles out",
-            separate_by: "wait for three time constants and measure the first run again: it must not change any more",
-        }
-    }
-}

@@ -32,7 +32,7 @@ fn every_effect_comes_back_from_its_text() {
         let read: GivenEffect = serde_json::from_str(&text).unwrap();
         assert_eq!(read, written, "{text}");
         let back = read.resolve(&scene).unwrap();
-        assert_eq!(back.effect.id(), resolved.effect.id());
+        assert_eq!(back.effect.id, resolved.effect.id);
         assert_eq!(back.subject, resolved.subject, "{text}");
         assert_eq!(back.parameters, resolved.parameters, "{text}");
         // Degrees and back again round once each.
@@ -115,6 +115,18 @@ fn what_does_not_fit_is_refused_with_its_field() {
             altered("/effect", json!("target_slips")),
             "effect: no effect is named `target_slips` (known: dead_path_drift, ",
             "; did you mean `target_slip`?",
+        ),
+        (
+            altered("/effect", json!("Machine_drfit")),
+            "effect: no effect is named `Machine_drfit` (known: dead_path_drift, ",
+            "; did you mean `machine_drift`?",
+        ),
+        (
+            altered("/effect", json!("x")),
+            "effect: no effect is named `x` (known: dead_path_drift, ",
+            "backlash, position_dependent_backlash, cross_coupling, squareness_error, stage_bending, \
+             scale_error, guideway_bow, cyclic_error, encoder_eccentricity, encoder_ellipticity, \
+             worm_gear, axis_wobble, axis_runout)",
         ),
         (
             altered("/subject/target", json!("v")),

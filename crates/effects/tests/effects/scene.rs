@@ -80,9 +80,9 @@ pub(crate) fn for_each_reading(scene: &Scene, mut see: impl FnMut(&Circumstances
 }
 
 /// A shape that an effect may have, in the units of its form.
-pub(crate) fn some_shape(effect: &dyn Effect, scene: &Scene, subject: &Subject) -> f64 {
+pub(crate) fn some_shape(effect: &Effect, scene: &Scene, subject: &Subject) -> f64 {
     let axis = subject.axis.map(|axis| scene.machine.axes()[axis].kind());
-    match (effect.shape(), axis) {
+    match (effect.shape, axis) {
         (Shape::Fixed, _) => 0.0,
         (Shape::Instant, _) => 1500.25,
         (Shape::TimeConstant, _) => 1800.5,

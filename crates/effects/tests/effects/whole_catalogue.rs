@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use trueaxis_effects::{Displaced, catalogue, displacement, effect, shape_parameter};
+use trueaxis_effects::{Displaced, Shape, catalogue, effect, shape_parameter};
 
 use crate::scene::{every_effect, for_each_reading, scene};
 
@@ -41,18 +41,18 @@ const IDS: [&str; 28] = [
 
 #[test]
 fn ids_are_the_fixed_ones_and_unique() {
-    let ids: BTreeSet<&str> = catalogue().iter().map(|effect| effect.id()).collect();
+    let ids: BTreeSet<&str> = catalogue().iter().map(|effect| effect.id).collect();
     assert_eq!(ids.len(), catalogue().len());
     for id in ids {
         assert!(IDS.contains(&id), "{id} is not a fixed id");
-        assert_eq!(effect(id).map(|effect| effect.id()), Some(id));
+        assert_eq!(effect(id).map(|effect| effect.id), Some(id));
     }
     assert!(effect("Machine_shift").is_none());
 }
 
 #[test]
 fn instrument_and_set_up_come_before_the_machine() {
-    assert!(catalogue().is_sorted_by_key(|effect| effect.layer()));
+    assert!(catalogue().is_sorted_by_key(|effect| effect.layer));
 }
 
 /// All three components and the length, as one row.
@@ -66,7 +66,7 @@ fn row(by: &Displaced) -> Vec<f64> {
 fn each_parameter_has_a_form() {
     let scene = scene();
     for given in every_effect(&scene) {
-        let what = (given.effect.id(), given.subject);
+        let what = (given.effect.id, given.subject);
         let parameters = given.effect.parameters(&scene, &given.subject);
         assert!(!parameters.is_empty(), "{what:?}");
         let mut forms = vec![Vec::new(); parameters.len()];
@@ -92,7 +92,7 @@ fn names_of_parameters_are_unique_and_have_units() {
         let mut parameters = given.effect.parameters(&scene, &given.subject);
         parameters.extend(shape_parameter(given.effect, &scene, &given.subject));
         let names: BTreeSet<&str> = parameters.iter().map(|p| p.name.as_str()).collect();
-        assert_eq!(names.len(), parameters.len(), "{}", given.effect.id());
+        assert_eq!(names.len(), parameters.len(), "{}", given.effect.id);
         assert!(parameters.iter().all(|p| !p.unit.is_empty()));
     }
 }
@@ -106,19 +106,31 @@ fn displacements_are_linear() {
         let zero = vec![0.0; given.parameters.len()];
         for_each_reading(&scene, |at| {
             let scaled = |values: &[f64]| {
-                row(&displacement(
-                    given.effect,
-                    &given.subject,
-                    values,
-                    given.shape,
-                    at,
-                ))
+                let effect = given.effect;
+                row(&effect.displacement(&given.subject, values, given.shape, at))
             };
             let once = row(&given.displaced(at));
             // Doubling is exact in f64.
             let twice: Vec<f64> = once.iter().map(|d| 2.0 * d).collect();
-            assert_eq!(scaled(&doubled), twice, "{}", given.effect.id());
-            assert_eq!(scaled(&zero), [0.0; 7], "{}", given.effect.id());
+            assert_eq!(scaled(&doubled), twice, "{}", given.effect.id);
+            assert_eq!(scaled(&zero), [0.0; 7], "{}", given.effect.id);
+        });
+    }
+}
+
+/// Another station or target than that of the subject sees nothing of an effect, nor does anything up to
+/// its instant.
+#[test]
+fn effects_stay_with_their_subject_and_instant() {
+    let scene = scene();
+    for given in every_effect(&scene) {
+        let subject = given.subject;
+        for_each_reading(&scene, |at| {
+            let early = given.effect.shape == Shape::Instant && at.time_s <= given.shape;
+            let elsewhere = !subject.has_station(at.station) || !subject.has_target(at.target);
+            if early || elsewhere {
+                assert_eq!(given.displaced(at), Displaced::default(), "{given:?}");
+            }
         });
     }
 }

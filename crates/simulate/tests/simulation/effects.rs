@@ -74,7 +74,7 @@ fn effects_of_no_size_change_no_length() {
             effect,
             parameters: vec![0.0; effect.parameters(&scene, &subject).len()],
             subject,
-            shape: match effect.shape() {
+            shape: match effect.shape {
                 Shape::Fixed => 0.0,
                 Shape::Instant | Shape::TimeConstant => 600.0,
                 Shape::Period => 2.0,
@@ -235,9 +235,9 @@ fn the_documented_effects_can_be_simulated() {
 fn the_documented_table_is_that_of_the_catalogue() {
     let (docs, scene) = (documentation(), five_axis_scene());
     for effect in catalogue() {
-        let start = format!("| `{}` |", effect.id());
+        let start = format!("| `{}` |", effect.id);
         let rows: Vec<&str> = docs.lines().filter(|l| l.starts_with(&start)).collect();
-        assert_eq!(rows.len(), 1, "{}", effect.id());
+        assert_eq!(rows.len(), 1, "{}", effect.id);
         for subject in effect.subjects(&scene) {
             let mut parameters = effect.parameters(&scene, &subject);
             parameters.extend(shape_parameter(*effect, &scene, &subject));

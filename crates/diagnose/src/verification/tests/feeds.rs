@@ -29,8 +29,8 @@ fn at_one_feed_they_cannot_be_told_apart() {
             let found = outcome(lost_um, late_s, &[25.0], seed);
             assert_eq!(found.verdict, Verdict::Ambiguous, "{seed}");
             let cause = &found.causes[0];
-            let rivals = cause.rivals.iter().map(|r| r.effect.effect.id());
-            let names: Vec<&str> = rivals.chain([cause.effect.effect.id()]).collect();
+            let rivals = cause.rivals.iter().map(|r| r.effect.effect.id);
+            let names: Vec<&str> = rivals.chain([cause.effect.effect.id]).collect();
             assert!(names.contains(&"backlash"), "{seed} {names:?}");
             assert!(names.contains(&"timestamp_offset"), "{seed} {names:?}");
         }
@@ -52,10 +52,10 @@ fn at_two_feeds_each_is_named() {
             counts.add(&found, effect, Some(0));
             assert_eq!(found.causes.len(), 1, "{seed}");
             let cause = &found.causes[0];
-            assert_eq!(cause.effect.effect.id(), effect, "{seed}");
+            assert_eq!(cause.effect.effect.id, effect, "{seed}");
             let is_other = |id: &str| id == other;
             assert!(
-                !cause.rivals.iter().any(|r| is_other(r.effect.effect.id())),
+                !cause.rivals.iter().any(|r| is_other(r.effect.effect.id)),
                 "{seed}"
             );
         }
@@ -82,7 +82,7 @@ fn at_standstill_it_is_lost_motion() {
     let found = found(table);
     assert_eq!(found.verdict, Verdict::Named);
     let cause = &found.causes[0];
-    assert_eq!(cause.effect.effect.id(), "backlash");
+    assert_eq!(cause.effect.effect.id, "backlash");
     // u is 2 σ/√210.
     let (value, u) = (cause.parameters[0].value, cause.parameters[0].u);
     assert!(

@@ -1,0 +1,173 @@
+//! From the formula of an effect to displacements.
+//!
+//! An effect acts in one of a few ways, and its formula says by how much for one unit of one parameter:
+//! the k-th of three parameters moves a station or a target along the k-th reference direction, an axis
+//! goes further than its position says, or the component errors of an axis change. In that case the stage
+//! moves by δ and turns by ε about the reference point of δ,
+//!
+//! ```text
+//! D_p = R (δ + ε × r)        r = p - o - q d  (linear)        r = p - o  (rotary)
+//! ```
+//!
+//! with p the point where it stands, o the reference point and d the direction of the axis, all in the
+//! frame of what carries the axis, and R the orientation of that frame, from the commanded positions.
+
+use nalgebra::Vector3;
+use trueaxis_kinematics::{Axis, AxisKind, MotionError};
+
+use crate::{Circumstances, Displaced, Effect, Shape, Subject};
+
+/// The way an effect acts, with its formula for one unit of one parameter.
+#[derive(Clone, Copy)]
+pub(crate) enum Form {
+    /// The instrument shows more than the distance, mm.
+    Length(fn(&AtReading<'_>) -> f64),
+    /// The station moves along the reference direction of the parameter, mm.
+    Station(fn(&AtReading<'_>) -> f64),
+    /// The target moves along the reference direction of the parameter, mm.
+    Target(fn(&AtReading<'_>) -> f64),
+    /// The same along a direction that turns with its stage.
+    TargetOnStage(fn(&AtReading<'_>) -> f64),
+    /// The target moves, mm in the reference frame.
+    Displacement(fn(&AtReading<'_>) -> Vector3<f64>),
+    /// The axis goes further than its position says, mm or rad, and takes the target with it.
+    Axis(fn(&AtReading<'_>) -> f64),
+    /// The component errors of the axis change, before the least-squares gauge.
+    Curve(fn(&OnCurve<'_>) -> MotionError),
+}
+
+/// One unit of one parameter of an effect on a subject, somewhere.
+pub(crate) struct Term<'a, At> {
+    pub(crate) subject: &'a Subject,
+    pub(crate) parameter: usize,
+    pub(crate) shape: f64,
+    pub(crate) at: &'a At,
+}
+
+/// At a reading.
+pub(crate) type AtReading<'a> = Term<'a, Circumstances<'a>>;
+
+/// At a position of the axis on its error curve.
+pub(crate) type OnCurve<'a> = Term<'a, AxisPosition<'a>>;
+
+/// A position of an axis on an error curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisPosition<'a> {
+    /// The axis.
+    pub axis: &'a Axis,
+    /// Commanded position, mm or rad.
+    pub position: f64,
+    /// Side of approach, +1 or -1.
+    pub direction: f64,
+}
+
+impl AtReading<'_> {
+    /// The axis of the subject.
+    pub(crate) fn axis(&self) -> Option<&Axis> {
+        self.at.machine.axes().get(self.subject.axis?)
+    }
+
+    /// Commanded position of the axis of the subject, mm or rad; 0 without any.
+    pub(crate) fn position(&self) -> f64 {
+        self.subject.axis.map_or(0.0, |axis| self.at.position(axis))
+    }
+
+    /// Whether the axis of the subject is the one that moves between the readings.
+    pub(crate) fn is_of_moving_axis(&self) -> bool {
+        self.subject.axis == Some(self.at.axis)
+    }
+}
+
+impl Effect {
+    /// What one unit of parameter `parameter` does to a reading: nothing to another station or target
+    /// than that of the subject, and nothing up to the instant of an effect that has one.
+    pub fn form(
+        &self,
+        subject: &Subject,
+        parameter: usize,
+        shape: f64,
+        at: &Circumstances<'_>,
+    ) -> Displaced {
+        let is_there = self.shape != Shape::Instant || at.time_s > shape;
+        if !(is_there && subject.has_station(at.station) && subject.has_target(at.target)) {
+            return Displaced::default();
+        }
+        let of = Term {
+            subject,
+            parameter,
+            shape,
+            at,
+        };
+        let along = |mm: f64| Vector3::ith(parameter, mm);
+        match self.form {
+            Form::Length(value) => Displaced::length(value(&of)),
+            Form::Station(value) => Displaced::station(along(value(&of))),
+            Form::Target(value) => Displaced::point(along(value(&of))),
+            Form::TargetOnStage(value) => Displaced::point(at.ref_from_stage() * along(value(&of))),
+            Form::Displacement(value) => Displaced::point(value(&of)),
+            Form::Axis(value) => subject.axis.map_or_else(Displaced::default, |axis| {
+                Displaced::point(at.unit_motion(axis) * value(&of))
+            }),
+            Form::Curve(_) => self.form_of_curve(&of),
+        }
+    }
+
+    /// What it does to a reading with the values `parameters`, in the units of [`Effect::parameters`].
+    pub fn displacement(
+        &self,
+        subject: &Subject,
+        parameters: &[f64],
+        shape: f64,
+        at: &Circumstances<'_>,
+    ) -> Displaced {
+        let mut sum = Displaced::default();
+        for (k, value) in parameters.iter().enumerate() {
+            sum.add(*value, &self.form(subject, k, shape, at));
+        }
+        sum
+    }
+
+    /// What one unit of parameter `parameter` adds to the component errors of its axis, mm and rad,
+    /// before the least-squares gauge; nothing for an effect that is no part of an error curve.
+    pub fn motion(
+        &self,
+        subject: &Subject,
+        parameter: usize,
+        shape: f64,
+        at: &AxisPosition<'_>,
+    ) -> MotionError {
+        match self.form {
+            Form::Curve(value) => value(&Term {
+                subject,
+                parameter,
+                shape,
+                at,
+            }),
+            _ => MotionError::default(),
+        }
+    }
+
+    /// `R (δ + ε × r)`.
+    fn form_of_curve(&self, of: &AtReading<'_>) -> Displaced {
+        let at = of.at;
+        let Some(index) = of.subject.axis.filter(|&axis| at.is_carried_by(axis)) else {
+            return Displaced::default();
+        };
+        let axis = &at.machine.axes()[index];
+        let place = AxisPosition {
+            axis,
+            position: at.position(index),
+            direction: at.direction,
+        };
+        let motion = self.motion(of.subject, of.parameter, of.shape, &place);
+        let ref_from_base = at.ref_from_base(index);
+        let reference = match axis.kind() {
+            AxisKind::Linear => {
+                axis.reference_mm() + axis.direction().into_inner() * place.position
+            }
+            AxisKind::Rotary => axis.reference_mm(),
+        };
+        let r = ref_from_base.inverse() * at.point_mm - reference;
+        Displaced::point(ref_from_base.rotation * motion.displacement_mm(r))
+    }
+}

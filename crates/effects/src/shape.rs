@@ -1,0 +1,81 @@
+//! The shape of an effect, the parameter that is not linear, and how files hold it.
+//!
+//! | shape | name | unit | may be |
+//! | --- | --- | --- | --- |
+//! | [`Shape::Instant`] | `time` | s | finite |
+//! | [`Shape::TimeConstant`] | `time_constant` | s | positive |
+//! | [`Shape::Period`] | `period` | mm, or deg for a rotary axis | positive |
+//! | [`Shape::Waves`] | `waves` | 1 | 1, 2, 3, ... |
+
+use crate::error::Problem;
+use crate::{Effect, Parameter, Scene, Subject};
+
+/// The parameter of an effect that is not linear.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// None.
+    Fixed,
+    /// An instant, s: the effect is there after it.
+    Instant,
+    /// A time constant, s.
+    TimeConstant,
+    /// A period along the axis, mm or rad.
+    Period,
+    /// A whole number of waves per turn.
+    Waves,
+}
+
+const DEGREES: &str = "deg";
+
+/// The parameter that stands for the shape in files, if there is one.
+///
+/// A period of a rotary axis is in degrees there, but in radians in [`Effect::form`] and
+/// [`crate::ResolvedEffect`].
+pub fn shape_parameter(effect: &Effect, scene: &Scene, subject: &Subject) -> Option<Parameter> {
+    let unit = match effect.shape {
+        Shape::Fixed => return None,
+        Shape::Instant | Shape::TimeConstant => "s",
+        Shape::Period => scene.unit(subject, "mm", DEGREES),
+        Shape::Waves => "1",
+    };
+    effect.shape.name().map(|name| Parameter::new(name, unit))
+}
+
+impl Shape {
+    /// The name of the parameter that stands for it.
+    pub(crate) fn name(self) -> Option<&'static str> {
+        match self {
+            Self::Fixed => None,
+            Self::Instant => Some("time"),
+            Self::TimeConstant => Some("time_constant"),
+            Self::Period => Some("period"),
+            Self::Waves => Some("waves"),
+        }
+    }
+
+    /// Refuses a finite value that it cannot have.
+    pub(crate) fn check(self, value: f64) -> Result<(), Problem> {
+        let expected = match self {
+            Self::TimeConstant | Self::Period if value <= 0.0 => "more than zero",
+            Self::Waves if value < 1.0 || value.fract() != 0.0 => "a whole number from 1",
+            _ => return Ok(()),
+        };
+        Err(Problem::Value { value, expected })
+    }
+}
+
+/// From the unit of the file to that of [`Effect::form`]: degrees become radians.
+pub(crate) fn from_file(parameter: &Parameter, value: f64) -> f64 {
+    match parameter.unit {
+        DEGREES => value.to_radians(),
+        _ => value,
+    }
+}
+
+/// From the unit of [`Effect::form`] to that of the file.
+pub(crate) fn to_file(parameter: &Parameter, value: f64) -> f64 {
+    match parameter.unit {
+        DEGREES => value.to_degrees(),
+        _ => value,
+    }
+}
