@@ -2,52 +2,46 @@
 //!
 //! A block's whitened rows are `[A | B | r]`. Few of the shared unknowns are in a row: a run of
 //! [`RUN`] that stand side by side (a station), and columns behind all runs that any row may use.
-//! With `A = Q [R; 0]` ([`crate::reflections`]) and the rows `Q₂ᵀ` of `Qᵀ` that are free of the block's
-//! unknowns, the block gives to the reduced system ([`crate::Reduced`])
+//! With the Cholesky factor `AᵀA = RᵀR` and what ties the blocks to the rest,
 //!
 //! ```text
-//! M = Q₂ᵀ [B | r]       W = R⁻ᵀ H       c = Q₁ᵀ r
-//!
-//! (s, [s, 1]): MᵀM      (s, λ): -Bᵀ Q₁ W      (λ, [λ, 1]): -Wᵀ [W | c]
+//! [W | W_H | c] = R⁻ᵀ [AᵀB | H | Aᵀr]
 //! ```
 //!
-//! and its unknowns follow from those of the reduced system by `x = R⁻¹ (Q₁ᵀ (r - B s) - W λ)`. `MᵀM`
-//! is a sum of squares: nothing cancels in it, so what is not determined stays visible.
-//! ([`LaneSums`] has a shorter way for blocks of a kind, in which something may.) All of it belongs into
+//! the block gives `[B | r]ᵀ [B | r] - [W | W_H | c]ᵀ [W | W_H | c]` to the reduced system
+//! ([`crate::Reduced`]), its Schur complement, and its unknowns follow from those of the reduced system by
+//! `x = R⁻¹ (c - W s - W_H λ)`. A square of a pivot of `R` is what is left of a column after those before it:
+//! relative to the column it says whether an unknown is determined. All of it belongs into
 //! [`crate::in_widest_registers`]; outside it is right, but slow.
 
 use crate::error::Error;
 use crate::factors::FactorsMut;
 use crate::lane_sums::LaneSums;
-use crate::lanes::{LANES, Lanes, dot, lanes_only, zeros};
-use crate::reflections::{BLOCK_RANK_TOL, Reflections, WeakPivot};
+use crate::lanes::{LANES, Lanes, lanes_only, zeros};
 
 /// Shared unknowns that stand side by side in a row.
 pub const RUN: usize = 4;
+
+/// What is left of a column after the columns before it, relative to its length, below which an
+/// unknown counts as free: its uncertainty would be a million times that of a direct reading.
+pub const BLOCK_RANK_TOL: f64 = 1e-6;
 
 /// Eight blocks, and memory for their elimination.
 #[derive(Debug, Clone, Default)]
 pub struct BlockBatch {
     shape: Shape,
-    own: Reflections,
+    /// The rows `[A | run | others | r]`, one after the other.
+    rows: Vec<Lanes>,
     /// Where the run of each row starts.
     starts: Vec<usize>,
-    runs: Vec<[Lanes; RUN]>,
-    /// Columns behind the runs, contiguous.
-    others: Vec<Lanes>,
-    residual: Vec<Lanes>,
     /// Columns of `H`, contiguous.
     datum: Vec<Lanes>,
     closure: Vec<Lanes>,
-    /// A column in the space of the rows.
-    column: Vec<Lanes>,
-    /// A column in the space of the blocks' unknowns.
-    own_column: Vec<Lanes>,
-    /// One element for each shared unknown.
-    shared_row: Vec<Lanes>,
-    /// `R⁻¹` and `Z`, columns contiguous, for [`BlockBatch::write_factors`].
-    inverse_factor: Vec<Lanes>,
+    /// `R`, rows contiguous; of the diagonal the reciprocals.
+    factor: Vec<Lanes>,
+    /// `[W | W_H | c]`, rows contiguous.
     coupling: Vec<Lanes>,
+    own_column: Vec<Lanes>,
 }
 
 /// The sizes of a batch.
@@ -65,25 +59,52 @@ pub struct Shape {
     pub datum: usize,
 }
 
+impl Shape {
+    /// Elements of a row: own unknowns, a run, the unknowns behind the runs, the residual.
+    #[inline(always)]
+    fn row_len(&self) -> usize {
+        self.unknowns + RUN + (self.shared - self.in_runs) + 1
+    }
+
+    /// Elements of a row of `[W | W_H | c]`.
+    #[inline(always)]
+    fn width(&self) -> usize {
+        self.shared + self.datum + 1
+    }
+}
+
+/// A row of eight blocks, to be filled.
+#[derive(Debug)]
+pub struct RowMut<'a> {
+    /// Derivatives of the observation by the blocks' own unknowns.
+    pub own: &'a mut [Lanes],
+    /// The first shared unknown of the run.
+    pub start: &'a mut usize,
+    /// Derivatives by those of the run.
+    pub run: &'a mut [Lanes],
+    /// Derivatives by the shared unknowns behind the runs.
+    pub others: &'a mut [Lanes],
+    /// Observed minus computed.
+    pub residual: &'a mut Lanes,
+}
+
+/// A combination of columns that is too short.
+struct WeakPivot {
+    lane: usize,
+    column: usize,
+    /// What is left of it, relative to its length. NaN if a row is not finite.
+    pivot: f64,
+}
+
 impl BlockBatch {
     /// Makes these zero blocks of another shape; keeps the memory.
     #[inline(always)]
     pub fn reset(&mut self, shape: Shape) {
         self.shape = shape;
-        self.own.reset(shape.rows, shape.unknowns);
-        zeros(&mut self.residual, shape.rows);
-        zeros(
-            &mut self.others,
-            shape.rows * (shape.shared - shape.in_runs),
-        );
+        zeros(&mut self.rows, shape.rows * shape.row_len());
+        zeros(&mut self.starts, shape.rows);
         zeros(&mut self.datum, shape.unknowns * shape.datum);
         zeros(&mut self.closure, shape.datum);
-        self.starts.clear();
-        self.runs.clear();
-        if shape.in_runs > 0 {
-            self.starts.resize(shape.rows, 0);
-            self.runs.resize(shape.rows, [Lanes::ZERO; RUN]);
-        }
     }
 
     /// The sizes.
@@ -91,67 +112,76 @@ impl BlockBatch {
         self.shape
     }
 
-    /// Column of the blocks' own unknown `k`: derivative of the observations.
+    /// A row, to be filled.
     #[inline(always)]
-    pub fn own(&self, k: usize) -> &[Lanes] {
-        self.own.column(k)
-    }
-
-    /// The same, to be filled.
-    #[inline(always)]
-    pub fn own_mut(&mut self, k: usize) -> &mut [Lanes] {
-        self.own.column_mut(k)
-    }
-
-    /// The run of a row and the first shared unknown in it.
-    ///
-    /// # Panics
-    /// If no shared unknowns are in runs.
-    #[inline(always)]
-    pub fn run_mut(&mut self, row: usize) -> (&mut usize, &mut [Lanes; RUN]) {
-        (&mut self.starts[row], &mut self.runs[row])
-    }
-
-    /// Column of a shared unknown behind the runs.
-    #[inline(always)]
-    pub fn other_mut(&mut self, shared: usize) -> &mut [Lanes] {
-        let (k, rows) = (shared - self.shape.in_runs, self.shape.rows);
-        &mut self.others[k * rows..(k + 1) * rows]
-    }
-
-    /// The residuals, observed minus computed.
-    #[inline(always)]
-    pub fn residual_mut(&mut self) -> &mut [Lanes] {
-        &mut self.residual
-    }
-
-    /// The same, to be read.
-    #[inline(always)]
-    pub(crate) fn residual(&self) -> &[Lanes] {
-        &self.residual
-    }
-
-    /// Writes the shared unknowns' elements of a row to the front of `row`, which is zero.
-    #[inline(always)]
-    pub(crate) fn copy_shared_row(&self, i: usize, row: &mut [Lanes]) {
-        let Shape { rows, in_runs, .. } = self.shape;
-        if let Some(run) = self.runs.get(i) {
-            row[self.starts[i]..self.starts[i] + RUN].copy_from_slice(run);
-        }
-        let others = self.others.chunks_exact(rows);
-        for (place, column) in row[in_runs..].iter_mut().zip(others) {
-            *place = column[i];
+    pub fn row_mut(&mut self, row: usize) -> RowMut<'_> {
+        let length = self.shape.row_len();
+        let (own, rest) = self.rows[row * length..][..length].split_at_mut(self.shape.unknowns);
+        let (run, rest) = rest.split_at_mut(RUN);
+        let (others, residual) = rest.split_at_mut(self.shape.shared - self.shape.in_runs);
+        RowMut {
+            own,
+            start: &mut self.starts[row],
+            run,
+            others,
+            residual: &mut residual[0],
         }
     }
 
-    /// Column `k` of `H`.
+    /// Multiplies the rows from `first` on from the left by a lower triangle, its rows one after the other.
     #[inline(always)]
-    pub fn datum(&self, k: usize) -> &[Lanes] {
-        let n = self.shape.unknowns;
-        &self.datum[k * n..(k + 1) * n]
+    pub fn whiten(&mut self, first: usize, count: usize, triangle: &[Lanes]) {
+        let length = self.shape.row_len();
+        let rows = &mut self.rows[first * length..][..count * length];
+        // From below: each row needs those above it as they were.
+        for i in (0..count).rev() {
+            let weights = &triangle[i * (i + 1) / 2..][..=i];
+            let (above, row) = rows.split_at_mut(i * length);
+            for (k, x) in row[..length].iter_mut().enumerate() {
+                lanes_only();
+                let mut sum = *x * weights[i];
+                for (j, w) in weights[..i].iter().enumerate() {
+                    sum = w.mul_add(above[j * length + k], sum);
+                }
+                *x = sum;
+            }
+        }
     }
 
-    /// The same, to be filled.
+    /// The rows of `A`, the shared unknowns' elements and the residual.
+    #[inline(always)]
+    fn parts(&self, row: usize) -> (&[Lanes], &[Lanes], &[Lanes], Lanes) {
+        let length = self.shape.row_len();
+        let (own, rest) = self.rows[row * length..][..length].split_at(self.shape.unknowns);
+        let (run, rest) = rest.split_at(RUN);
+        let (others, residual) = rest.split_at(rest.len() - 1);
+        (own, run, others, residual[0])
+    }
+
+    /// The derivatives of a row by the blocks' own unknowns.
+    #[inline(always)]
+    pub fn own_row(&self, row: usize) -> &[Lanes] {
+        self.parts(row).0
+    }
+
+    /// The residual of a row, observed minus computed.
+    #[inline(always)]
+    pub fn residual(&self, row: usize) -> Lanes {
+        self.parts(row).3
+    }
+
+    /// Writes the shared unknowns' elements of a row to the front of `place`, which is zero.
+    #[inline(always)]
+    pub fn copy_shared_row(&self, row: usize, place: &mut [Lanes]) {
+        let Shape { in_runs, .. } = self.shape;
+        let (_, run, others, _) = self.parts(row);
+        if in_runs > 0 {
+            place[self.starts[row]..][..RUN].copy_from_slice(run);
+        }
+        place[in_runs..][..others.len()].copy_from_slice(others);
+    }
+
+    /// Column `k` of `H`, to be filled.
     #[inline(always)]
     pub fn datum_mut(&mut self, k: usize) -> &mut [Lanes] {
         let n = self.shape.unknowns;
@@ -164,17 +194,6 @@ impl BlockBatch {
         &mut self.closure
     }
 
-    /// Shared part, residuals and datum of other blocks: those whose own unknowns are tied to these.
-    #[inline(always)]
-    pub fn take_shared(&mut self, other: &Self) {
-        self.starts.clone_from(&other.starts);
-        self.runs.clone_from(&other.runs);
-        self.residual.clone_from(&other.residual);
-        self.closure.clone_from(&other.closure);
-        let count = other.others.len();
-        self.others[..count].copy_from_slice(&other.others);
-    }
-
     /// Makes the lanes from `used` on count for nothing; their own columns stay as they are.
     #[inline(always)]
     pub fn use_only(&mut self, used: usize) {
@@ -182,9 +201,13 @@ impl BlockBatch {
             return;
         }
         let mask = Lanes::from_fn(|lane| f64::from(u8::from(lane < used)));
-        let all = self.runs.as_flattened_mut().iter_mut();
-        let all = all.chain(&mut self.others).chain(&mut self.residual);
-        for x in all.chain(&mut self.datum).chain(&mut self.closure) {
+        let (length, unknowns) = (self.shape.row_len(), self.shape.unknowns);
+        for row in self.rows.chunks_exact_mut(length) {
+            for x in &mut row[unknowns..] {
+                *x = *x * mask;
+            }
+        }
+        for x in self.datum.iter_mut().chain(&mut self.closure) {
             *x = *x * mask;
         }
     }
@@ -196,24 +219,80 @@ impl BlockBatch {
     /// [`Error::TooFewRows`], [`Error::BlockRank`], [`Error::NotFinite`].
     #[inline(always)]
     pub fn eliminate(&mut self, number: impl Fn(usize) -> (usize, usize)) -> Result<(), Error> {
-        let unknowns = self.shape.unknowns;
-        let weak = if self.shape.rows < unknowns {
+        let weak = if self.shape.rows < self.shape.unknowns {
             WeakPivot {
                 lane: 0,
                 column: self.shape.rows,
                 pivot: 0.0,
             }
         } else {
-            match self.own.eliminate() {
+            match self.factorise() {
                 Ok(()) => return Ok(()),
                 Err(weak) => weak,
             }
         };
-        Err(self.error(weak, &number))
+        Err(self.error(&weak, &number))
+    }
+
+    /// `AᵀA = RᵀR`.
+    #[inline(always)]
+    fn factorise(&mut self) -> Result<(), WeakPivot> {
+        let Shape { rows, unknowns, .. } = self.shape;
+        let length = self.shape.row_len();
+        zeros(&mut self.factor, unknowns * unknowns);
+        for row in self.rows.chunks_exact(length).take(rows) {
+            let own = &row[..unknowns];
+            for (k, (a, sums)) in own
+                .iter()
+                .zip(self.factor.chunks_exact_mut(unknowns))
+                .enumerate()
+            {
+                for (sum, b) in sums[k..].iter_mut().zip(&own[k..]) {
+                    lanes_only();
+                    *sum = a.mul_add(*b, *sum);
+                }
+            }
+        }
+        let limit = Lanes::splat(BLOCK_RANK_TOL * BLOCK_RANK_TOL);
+        for k in 0..unknowns {
+            let (above, below) = self.factor.split_at_mut(k * unknowns);
+            let row = &mut below[k..unknowns];
+            let whole = row[0];
+            for before in above.chunks_exact(unknowns) {
+                let factor = -before[k];
+                for (x, b) in row.iter_mut().zip(&before[k..]) {
+                    lanes_only();
+                    *x = factor.mul_add(*b, *x);
+                }
+            }
+            let slack = row[0] - limit * whole;
+            // Not a number is no slack, too.
+            let is_weak = |slack: f64| slack <= 0.0 || slack.is_nan();
+            if let Some(lane) = (0..LANES).find(|&lane| is_weak(slack.0[lane])) {
+                let (left, whole) = (row[0].0[lane], whole.0[lane]);
+                let pivot = match left.is_nan() {
+                    true => f64::NAN,
+                    false if whole > 0.0 => (left / whole).max(0.0).sqrt(),
+                    false => 0.0,
+                };
+                return Err(WeakPivot {
+                    lane,
+                    column: k,
+                    pivot,
+                });
+            }
+            let reciprocal = Lanes::splat(1.0) / row[0].sqrt();
+            row[0] = reciprocal;
+            for x in &mut row[1..] {
+                lanes_only();
+                *x = *x * reciprocal;
+            }
+        }
+        Ok(())
     }
 
     #[cold]
-    fn error(&self, weak: WeakPivot, number: &dyn Fn(usize) -> (usize, usize)) -> Error {
+    fn error(&self, weak: &WeakPivot, number: &dyn Fn(usize) -> (usize, usize)) -> Error {
         let unknowns = self.shape.unknowns;
         // Of several lanes the first with too few rows: it explains a weak pivot.
         for lane in 0..LANES {
@@ -239,173 +318,188 @@ impl BlockBatch {
         }
     }
 
-    /// Adds the eliminated blocks to the sums of the reduced system.
+    /// Makes `[W | W_H | c]`.
     #[inline(always)]
-    pub fn add_to(&mut self, sums: &mut LaneSums) {
-        sums.add_squares(dot(&self.residual, &self.residual));
-        for row in self.shape.unknowns..self.shape.rows {
-            self.fill_free_row(row, sums.next_row());
-        }
-        self.add_datum(sums);
-    }
-
-    /// Fills row `row - unknowns` of `M`, zeros before.
-    #[inline(always)]
-    fn fill_free_row(&mut self, row: usize, free_row: &mut [Lanes]) {
-        let Shape { rows, shared, .. } = self.shape;
-        zeros(&mut self.column, rows);
-        self.column[row] = Lanes::splat(1.0);
-        self.own.reflect_back(&mut self.column);
-        self.add_times_shared(&mut free_row[..shared]);
-        free_row[shared] = dot(&self.column, &self.residual);
-    }
-
-    /// Adds `qᵀ B` of the column `q` in the space of the rows.
-    #[inline(always)]
-    fn add_times_shared(&self, product: &mut [Lanes]) {
-        let Shape { rows, in_runs, .. } = self.shape;
-        let runs = self.runs.iter().zip(&self.starts);
-        for (q, (run, &start)) in self.column.iter().zip(runs) {
-            for (sum, b) in product[start..start + RUN].iter_mut().zip(run) {
-                lanes_only();
-                *sum = q.mul_add(*b, *sum);
-            }
-        }
-        let others = self.others.chunks_exact(rows);
-        for (sum, column) in product[in_runs..].iter_mut().zip(others) {
-            *sum += dot(&self.column, column);
-        }
-    }
-
-    /// Adds what the datum gives.
-    #[inline(always)]
-    fn add_datum(&mut self, sums: &mut LaneSums) {
-        let Shape {
-            rows,
-            unknowns,
-            shared,
-            datum,
-            ..
-        } = self.shape;
-        // H becomes W, the residuals' copy becomes c.
-        for column in self.datum.chunks_exact_mut(unknowns) {
-            self.own.solve_transposed(column);
-        }
-        self.column.clone_from(&self.residual);
-        self.own.reflect(&mut self.column);
-        let offset = &self.column[..unknowns];
-        sums.add_taken(dot(offset, offset));
-        for (k, weighted) in self.datum.chunks_exact(unknowns).enumerate() {
-            sums.add_to_closure(k, self.closure[k] - dot(weighted, offset));
-            let others = self.datum.chunks_exact(unknowns).enumerate();
-            for (l, other) in others.skip(k) {
-                sums.add_to_datum(k, l, dot(weighted, other));
-            }
-        }
-        let mut product = std::mem::take(&mut self.shared_row);
-        for k in 0..datum {
-            zeros(&mut self.column, rows);
-            let weighted = &self.datum[k * unknowns..(k + 1) * unknowns];
-            self.column[..unknowns].copy_from_slice(weighted);
-            self.own.reflect_back(&mut self.column);
-            zeros(&mut product, shared);
-            self.add_times_shared(&mut product);
-            sums.add_to_border(k, &product);
-        }
-        self.shared_row = product;
-    }
-
-    /// The corrections to the blocks' unknowns that belong to the solution `t = (s, λ)` of the reduced
-    /// system; the blocks are eliminated, and not yet added to sums.
-    #[inline(always)]
-    pub fn correction(&mut self, t: &[f64]) -> &[Lanes] {
+    fn couple(&mut self) {
         let Shape {
             rows,
             unknowns,
             in_runs,
             shared,
+            datum,
+        } = self.shape;
+        let (length, width) = (self.shape.row_len(), self.shape.width());
+        zeros(&mut self.coupling, unknowns * width);
+        for (row, &start) in self.rows.chunks_exact(length).take(rows).zip(&self.starts) {
+            let (own, rest) = row.split_at(unknowns);
+            let (run, rest) = rest.split_at(RUN);
+            let (others, residual) = rest.split_at(shared - in_runs);
+            for (a, sums) in own.iter().zip(self.coupling.chunks_exact_mut(width)) {
+                if in_runs > 0 {
+                    for (sum, b) in sums[start..start + RUN].iter_mut().zip(run) {
+                        lanes_only();
+                        *sum = a.mul_add(*b, *sum);
+                    }
+                }
+                for (sum, b) in sums[in_runs..].iter_mut().zip(others) {
+                    lanes_only();
+                    *sum = a.mul_add(*b, *sum);
+                }
+                sums[width - 1] = a.mul_add(residual[0], sums[width - 1]);
+            }
+        }
+        for k in 0..datum {
+            let column = self.datum[k * unknowns..(k + 1) * unknowns].iter();
+            for (x, row) in column.zip(self.coupling.chunks_exact_mut(width)) {
+                row[shared + k] = *x;
+            }
+        }
+        for k in 0..unknowns {
+            let (above, row) = self.coupling.split_at_mut(k * width);
+            let row = &mut row[..width];
+            for (j, before) in above.chunks_exact(width).enumerate() {
+                let factor = -self.factor[j * unknowns + k];
+                for (x, b) in row.iter_mut().zip(before) {
+                    lanes_only();
+                    *x = factor.mul_add(*b, *x);
+                }
+            }
+            let reciprocal = self.factor[k * unknowns + k];
+            for x in row {
+                lanes_only();
+                *x = *x * reciprocal;
+            }
+        }
+    }
+
+    /// Adds the eliminated blocks to the sums of the reduced system.
+    #[inline(always)]
+    pub fn add_to(&mut self, sums: &mut LaneSums) {
+        self.couple();
+        let Shape {
+            shared, in_runs, ..
+        } = self.shape;
+        for row in 0..self.shape.rows {
+            let (_, run, others, residual) = self.parts(row);
+            let run = if in_runs > 0 { run } else { &[] };
+            sums.add_row((self.starts[row], run), (in_runs, others), residual);
+        }
+        for (k, closure) in self.closure.iter().enumerate() {
+            sums.add_to_closure(shared + k, *closure);
+        }
+        for row in self.coupling.chunks_exact(self.shape.width()) {
+            sums.next_eliminated().copy_from_slice(row);
+        }
+    }
+
+    /// `x <- R⁻¹ x`.
+    #[inline(always)]
+    fn solve(factor: &[Lanes], x: &mut [Lanes]) {
+        let n = x.len();
+        for k in (0..n).rev() {
+            let mut sum = x[k];
+            for (r, x) in factor[k * n + k + 1..(k + 1) * n].iter().zip(&x[k + 1..]) {
+                lanes_only();
+                sum = r.mul_add(-*x, sum);
+            }
+            x[k] = sum * factor[k * n + k];
+        }
+    }
+
+    /// The corrections to the blocks' unknowns that belong to the solution `t = (s, λ)` of the reduced
+    /// system; the blocks are eliminated.
+    #[inline(always)]
+    pub fn correction(&mut self, t: &[f64]) -> &[Lanes] {
+        let Shape {
+            unknowns,
+            in_runs,
+            shared,
             ..
         } = self.shape;
+        let length = self.shape.row_len();
         let (s, multipliers) = t.split_at(shared);
-        self.column.clone_from(&self.residual);
-        let runs = self.runs.iter().zip(&self.starts);
-        for (r, (run, &start)) in self.column.iter_mut().zip(runs) {
-            for (b, s) in run.iter().zip(&s[start..start + RUN]) {
+        // Aᵀ (r - B s) - H λ.
+        zeros(&mut self.own_column, unknowns);
+        for (row, &start) in self.rows.chunks_exact(length).zip(&self.starts) {
+            let (own, rest) = row.split_at(unknowns);
+            let (run, rest) = rest.split_at(RUN);
+            let (others, residual) = rest.split_at(shared - in_runs);
+            let mut left = residual[0];
+            if in_runs > 0 {
+                for (b, s) in run.iter().zip(&s[start..]) {
+                    left = b.mul_add(Lanes::splat(-*s), left);
+                }
+            }
+            for (b, s) in others.iter().zip(&s[in_runs..]) {
                 lanes_only();
-                *r = b.mul_add(Lanes::splat(-*s), *r);
+                left = b.mul_add(Lanes::splat(-*s), left);
+            }
+            for (x, a) in self.own_column.iter_mut().zip(own) {
+                lanes_only();
+                *x = a.mul_add(left, *x);
             }
         }
-        for (column, s) in self.others.chunks_exact(rows).zip(&s[in_runs..]) {
-            for (r, b) in self.column.iter_mut().zip(column) {
-                lanes_only();
-                *r = b.mul_add(Lanes::splat(-*s), *r);
-            }
-        }
-        self.own.reflect(&mut self.column);
         if !multipliers.is_empty() {
-            zeros(&mut self.own_column, unknowns);
             for (column, multiplier) in self.datum.chunks_exact(unknowns).zip(multipliers) {
                 for (y, h) in self.own_column.iter_mut().zip(column) {
                     lanes_only();
-                    *y = h.mul_add(Lanes::splat(*multiplier), *y);
+                    *y = h.mul_add(Lanes::splat(-*multiplier), *y);
                 }
             }
-            self.own.solve_transposed(&mut self.own_column);
-            for (x, y) in self.column.iter_mut().zip(&self.own_column) {
+        }
+        // R⁻ᵀ, then R⁻¹.
+        for k in 0..unknowns {
+            let x = self.own_column[k] * self.factor[k * unknowns + k];
+            self.own_column[k] = x;
+            let row = &self.factor[k * unknowns + k + 1..(k + 1) * unknowns];
+            for (y, r) in self.own_column[k + 1..].iter_mut().zip(row) {
                 lanes_only();
-                *x -= *y;
+                *y = r.mul_add(-x, *y);
             }
         }
-        self.own.solve(&mut self.column[..unknowns]);
-        &self.column[..unknowns]
+        Self::solve(&self.factor, &mut self.own_column);
+        &self.own_column
     }
 
-    /// Writes the factors of the first `used` blocks, numbered from `first`; the blocks are eliminated,
-    /// and not yet added to sums.
+    /// Writes the factors `R⁻¹` and `Z = R⁻¹ [W | W_H]` of the first `used` blocks, numbered from `first`; the
+    /// blocks are eliminated.
     #[inline(always)]
     pub fn write_factors(&mut self, first: usize, used: usize, factors: &mut FactorsMut<'_>) {
-        let Shape {
-            rows,
-            unknowns,
-            shared,
-            datum,
-            ..
-        } = self.shape;
-        zeros(&mut self.inverse_factor, unknowns * unknowns);
-        zeros(&mut self.coupling, unknowns * (shared + datum));
-        for (k, column) in self.inverse_factor.chunks_exact_mut(unknowns).enumerate() {
-            column[k] = Lanes::splat(1.0);
-            self.own.solve(column);
+        self.couple();
+        let Shape { unknowns, .. } = self.shape;
+        let width = self.shape.width();
+        // Z, from the last row up.
+        for k in (0..unknowns).rev() {
+            let (row, below) = self.coupling[k * width..].split_at_mut(width);
+            let of_factor = &self.factor[k * unknowns..(k + 1) * unknowns];
+            for (r, other) in of_factor[k + 1..].iter().zip(below.chunks_exact(width)) {
+                for (x, z) in row.iter_mut().zip(other) {
+                    lanes_only();
+                    *x = r.mul_add(-*z, *x);
+                }
+            }
+            for x in row {
+                lanes_only();
+                *x = *x * of_factor[k];
+            }
         }
-        let mut product = std::mem::take(&mut self.shared_row);
         for k in 0..unknowns {
-            // Row k of R⁻¹Q₁ᵀ.
-            zeros(&mut self.column, rows);
-            for (j, x) in self.column[..unknowns].iter_mut().enumerate().skip(k) {
-                *x = self.inverse_factor[j * unknowns + k];
+            zeros(&mut self.own_column, unknowns);
+            self.own_column[k] = Lanes::splat(1.0);
+            Self::solve(&self.factor, &mut self.own_column);
+            for lane in 0..used {
+                let (inverse_factor, _) = factors.block_mut(first + lane);
+                let column = &mut inverse_factor[k * unknowns..(k + 1) * unknowns];
+                for (x, lanes) in column.iter_mut().zip(&self.own_column) {
+                    *x = lanes.0[lane];
+                }
             }
-            self.own.reflect_back(&mut self.column);
-            zeros(&mut product, shared);
-            self.add_times_shared(&mut product);
-            for (column, x) in self.coupling.chunks_exact_mut(unknowns).zip(&product) {
-                column[k] = *x;
-            }
-        }
-        self.shared_row = product;
-        let of_datum = &mut self.coupling[shared * unknowns..];
-        of_datum.copy_from_slice(&self.datum);
-        for column in of_datum.chunks_exact_mut(unknowns) {
-            self.own.solve_transposed(column);
-            self.own.solve(column);
         }
         for lane in 0..used {
-            let (inverse_factor, coupling) = factors.block_mut(first + lane);
-            for (x, lanes) in inverse_factor.iter_mut().zip(&self.inverse_factor) {
-                *x = lanes.0[lane];
-            }
-            for (k, row) in coupling.chunks_exact_mut(shared + datum).enumerate() {
-                let column = self.coupling[k..].iter().step_by(unknowns);
-                for (x, lanes) in row.iter_mut().zip(column) {
+            let (_, coupling) = factors.block_mut(first + lane);
+            let rows = coupling.chunks_exact_mut(width - 1);
+            for (row, lanes) in rows.zip(self.coupling.chunks_exact(width)) {
+                for (x, lanes) in row.iter_mut().zip(lanes) {
                     *x = lanes.0[lane];
                 }
             }

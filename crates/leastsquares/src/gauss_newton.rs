@@ -10,29 +10,40 @@ use crate::reduced::Reduced;
 ///
 /// An iteration is two passes over the blocks: one that linearises and [reduces](Self::reduce) them,
 /// and when the shared unknowns are known, one that [moves](Self::step) each. Both work on one block at
-/// a time, and nothing of a block is kept from one pass to the next. The datum decides only among
-/// results that fit as well: they are [settled](Self::settle) on it when they are found, and its
+/// a time, and nothing of a block is kept from one pass to the next. Weights may depend on the state: each
+/// iteration has those of its own start, and the step that it leads to is judged with them. The datum decides
+/// only among results that fit as well: they are [settled](Self::settle) on it when they are found, and its
 /// [constraints](Self::reduce_with_datum) and the [factors](Self::factors) are needed for the
 /// covariance alone.
 pub trait Adjustment {
     /// Values of all unknowns.
     type State: Clone;
 
+    /// The weights of all rows.
+    type Weights: Clone;
+
+    /// The weights that belong to a state.
+    fn weights(&self, state: &Self::State) -> Self::Weights;
+
     /// The reduced system without constraints, linearised at `state`, with the sum of squares there;
     /// bits must not depend on the number of threads.
     ///
     /// # Errors
     /// Those of [`BlockBatch::eliminate`](crate::BlockBatch::eliminate).
-    fn reduce(&self, state: &Self::State) -> Result<Reduced, Error>;
+    fn reduce(&self, state: &Self::State, weights: &Self::Weights) -> Result<Reduced, Error>;
 
     /// The same with the constraints of the datum.
     ///
     /// # Errors
     /// As [`Adjustment::reduce`].
-    fn reduce_with_datum(&self, state: &Self::State) -> Result<Reduced, Error>;
+    fn reduce_with_datum(
+        &self,
+        state: &Self::State,
+        weights: &Self::Weights,
+    ) -> Result<Reduced, Error>;
 
     /// Sum of squares of the whitened residuals at `state`, whether or not it can be reduced there.
-    fn squares(&self, state: &Self::State) -> f64;
+    fn squares(&self, state: &Self::State, weights: &Self::Weights) -> f64;
 
     /// Writes to `next` the `state` moved by `factor` times the correction that belongs to that of the
     /// shared unknowns, `s`, from the reduced system at `state`.
@@ -41,7 +52,7 @@ pub trait Adjustment {
     /// As [`Adjustment::reduce`].
     fn step(
         &self,
-        state: &Self::State,
+        from: (&Self::State, &Self::Weights),
         s: &[f64],
         factor: f64,
         next: &mut Self::State,
@@ -51,7 +62,7 @@ pub trait Adjustment {
     ///
     /// # Errors
     /// As [`Adjustment::reduce`].
-    fn factors(&self, state: &Self::State) -> Result<Factors, Error>;
+    fn factors(&self, state: &Self::State, weights: &Self::Weights) -> Result<Factors, Error>;
 
     /// For each constraint of the datum a motion that changes no observation: its part in the shared
     /// unknowns.
@@ -156,9 +167,13 @@ impl<S: Clone> Adjusted<S> {
     /// # Errors
     /// Those of [`Adjustment::reduce`] and [`Reduced::solve`].
     pub fn covariance<M: Adjustment<State = S>>(&self, model: &M) -> Result<Covariance, Error> {
-        let system = model.reduce_with_datum(&self.state)?;
+        let weights = model.weights(&self.state);
+        let system = model.reduce_with_datum(&self.state, &weights)?;
         let reduced = system.solve(|| model.free_motions(&self.state))?;
-        Ok(Covariance::new(model.factors(&self.state)?, reduced))
+        Ok(Covariance::new(
+            model.factors(&self.state, &weights)?,
+            reduced,
+        ))
     }
 }
 
@@ -173,8 +188,8 @@ const MOST_RATE: f64 = 0.1;
 
 /// Adjusts the unknowns of `model` from `start`.
 ///
-/// A step is judged by the true cost where it leads, which comes with the system of the next
-/// iteration. One that by all signs is followed by none above the tolerance is made without looking
+/// A step is judged by the true cost where it leads, with the weights where it began. One that by all signs is
+/// followed by none above the tolerance is made without looking
 /// back: the next one is estimated as the last one times its ratio to the one before (P. Deuflhard,
 /// *Newton Methods for Nonlinear Problems*, chapter 4). In the end the ratio is that of the direction
 /// that shrinks least; the first ratio says little of it, because a start may lie in any direction, so
@@ -189,11 +204,12 @@ pub fn adjust<M: Adjustment>(
     settings: &Settings,
 ) -> Result<Adjusted<M::State>, Error> {
     let (mut state, mut next) = (start.clone(), start);
-    let mut system = model.reduce(&state)?;
     let mut iterations = 0;
     // Lengths of the corrections since a step was shortened.
     let mut whole_steps: Vec<f64> = Vec::new();
     loop {
+        let weights = model.weights(&state);
+        let system = model.reduce(&state, &weights)?;
         let motions = model.free_motions(&state);
         let shortest = system.shortest_correction(&motions)?;
         let correction = shortest.decrease.max(0.0).sqrt();
@@ -205,8 +221,9 @@ pub fn adjust<M: Adjustment>(
         iterations += 1;
 
         let tolerance = settings.correction_tol;
+        let from = (&state, &weights);
         let termination = if rate * correction <= tolerance {
-            model.step(&state, &shortest.shared, 1.0, &mut next)?;
+            model.step(from, &shortest.shared, 1.0, &mut next)?;
             std::mem::swap(&mut state, &mut next);
             squares -= shortest.decrease;
             Termination::Converged {
@@ -214,11 +231,10 @@ pub fn adjust<M: Adjustment>(
                 tolerance,
             }
         } else {
-            match descend(model, &state, &shortest, squares, &mut next)? {
-                Some((system_there, factor)) => {
+            match descend(model, from, &shortest, squares, &mut next)? {
+                Some((squares_there, factor)) => {
                     std::mem::swap(&mut state, &mut next);
-                    system = system_there;
-                    squares = system.squares();
+                    squares = squares_there;
                     match factor < 1.0 {
                         true => whole_steps.clear(),
                         false => whole_steps.push(correction),
@@ -248,31 +264,26 @@ pub fn adjust<M: Adjustment>(
     }
 }
 
-/// Takes to `next` the longest of the steps 1, 1/2, 1/4, … that does not raise the cost; the system
+/// Takes to `next` the longest of the steps 1, 1/2, 1/4, … that does not raise the cost; the cost
 /// there, and the step.
 ///
 /// # Errors
-/// Of a step that does not raise the cost, those of [`Adjustment::reduce`] where it leads.
+/// Those of [`Adjustment::step`].
 fn descend<M: Adjustment>(
     model: &M,
-    state: &M::State,
+    (state, weights): (&M::State, &M::Weights),
     shortest: &Correction,
     squares: f64,
     next: &mut M::State,
-) -> Result<Option<(Reduced, f64)>, Error> {
+) -> Result<Option<(f64, f64)>, Error> {
     let limit = squares * (1.0 + COST_ROUNDING) + f64::MIN_POSITIVE;
     let mut factor = 1.0;
     for _ in 0..=MAX_HALVINGS {
-        model.step(state, &shortest.shared, factor, next)?;
-        // The whole step mostly is right; of a shorter one the cost alone is asked first.
-        let whole = factor >= 1.0;
-        if whole || model.squares(next) <= limit {
-            match model.reduce(next) {
-                // Without a finite cost this is false, too.
-                Ok(system) if system.squares() <= limit => return Ok(Some((system, factor))),
-                Err(error) if !whole || model.squares(next) <= limit => return Err(error),
-                _ => {}
-            }
+        model.step((state, weights), &shortest.shared, factor, next)?;
+        let squares_there = model.squares(next, weights);
+        // Without a finite cost this is false, too.
+        if squares_there <= limit {
+            return Ok(Some((squares_there, factor)));
         }
         factor *= 0.5;
     }

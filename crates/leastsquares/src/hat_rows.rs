@@ -45,12 +45,12 @@ impl HatRows {
         (self.unknowns, self.width) = (unknowns, covariance.width());
         self.factors.fill(covariance, (first, used));
         let mask = Lanes::from_fn(|lane| f64::from(u8::from(lane < used)));
-        zeros(&mut self.rows, rows * unknowns);
-        for k in 0..unknowns {
-            let places = self.rows[k..].iter_mut().step_by(unknowns);
-            for (place, x) in places.zip(batch.own(k)) {
-                *place = *x * mask;
-            }
+        self.rows.clear();
+        self.residual.clear();
+        for row in 0..rows {
+            self.rows
+                .extend(batch.own_row(row).iter().map(|x| *x * mask));
+            self.residual.push(batch.residual(row));
         }
         let a = LaneMatrix::by_rows(&self.rows, [rows, unknowns]);
         zeros(&mut self.own, rows * unknowns);
@@ -60,8 +60,6 @@ impl HatRows {
             batch.copy_shared_row(i, row);
         }
         subtract_product(&mut self.shared, a, self.factors.coupling());
-        self.residual.clear();
-        self.residual.extend_from_slice(batch.residual());
     }
 
     /// `O`: one column for each unknown of the blocks.

@@ -1,51 +1,43 @@
 //! The sums of the reduced system, one for each lane of the batches that are added.
 
-use crate::block_batch::RUN;
 use crate::lanes::{Lanes, lanes_only};
 use crate::reduced::Reduced;
-use crate::run_pairs::RunPairs;
 
 /// Sums over batches of blocks; [`LaneSums::into_reduced`] adds up the lanes.
 #[derive(Debug, Clone)]
 pub struct LaneSums {
     shared: usize,
     datum: usize,
-    /// Rows `[m | r]` whose products are not yet added, one after the other.
+    /// Rows `[W | W_H | c]` whose products are not yet taken off, one after the other.
     rows: Vec<Lanes>,
-    /// Length of a row: `shared + 1`, or one more so that it is even.
+    /// Length of a row: `shared + datum + 1`, or one more so that it is even.
     row_len: usize,
-    /// `[m | r]ᵀ [m | r]` for pairs of columns, upper triangle: the four products of each two pairs. Empty
+    /// Their products for pairs of columns, upper triangle: the four products of each two pairs. Empty
     /// before the first row.
     products: Vec<[Lanes; 4]>,
-    /// The same for rows that have a run of shared unknowns each.
-    run_pairs: RunPairs,
-    /// What is added to the bordered matrix of [`Reduced`] for the constraints; empty if there are none.
+    /// `[B | 0 | r]ᵀ [B | 0 | r]` and the closure, upper triangle in whole rows.
     matrix: Vec<Lanes>,
     squares: Lanes,
-    /// `Σ c²`.
-    taken: Lanes,
     observations: usize,
     block_unknowns: usize,
 }
 
 /// Rows whose products are added together: they are summed in registers. More would not stay in the
 /// nearest cache.
-const WAITING: usize = 16;
+const WAITING: usize = 18;
 
 impl LaneSums {
     /// Zero sums for `shared` shared unknowns and `datum` constraints.
     pub fn new(shared: usize, datum: usize) -> Self {
-        let width = if datum == 0 { 0 } else { shared + datum + 1 };
+        let width = shared + datum + 1;
         Self {
             shared,
             datum,
             rows: Vec::new(),
-            row_len: (shared + 1).next_multiple_of(2),
+            row_len: width.next_multiple_of(2),
             products: Vec::new(),
-            run_pairs: RunPairs::default(),
             matrix: vec![Lanes::ZERO; width * width],
             squares: Lanes::ZERO,
-            taken: Lanes::ZERO,
             observations: 0,
             block_unknowns: 0,
         }
@@ -63,21 +55,15 @@ impl LaneSums {
         self.add_products();
         let width = self.width();
         let mut matrix: Vec<f64> = self.matrix.iter().map(|x| x.sum()).collect();
-        matrix.resize(width * width, 0.0);
         let pairs = self.row_len / 2;
         let of_pairs = (0..pairs).flat_map(|p| (p..pairs).map(move |q| (p, q)));
         for ((p, q), products) in of_pairs.zip(&self.products) {
             for (k, product) in products.iter().enumerate() {
                 let (i, j) = (2 * p + k / 2, 2 * q + k % 2);
-                if i < self.shared && i <= j && j <= self.shared {
-                    let column = if j == self.shared { width - 1 } else { j };
-                    matrix[i * width + column] += product.sum();
+                if i <= j && j < width {
+                    matrix[i * width + j] -= product.sum();
                 }
             }
-        }
-        self.run_pairs.add_to(width, &mut matrix);
-        if let Some(corner) = matrix.last_mut() {
-            *corner -= self.taken.sum();
         }
         let mut reduced = Reduced::from_sums(self.shared, self.datum, matrix);
         reduced.count(self.observations, self.block_unknowns, self.squares.sum());
@@ -89,15 +75,42 @@ impl LaneSums {
         self.shared + self.datum + 1
     }
 
-    /// Adds whitened residuals of the blocks, `Σ r²`.
+    /// Adds the products of a whitened row `[B | r]`: a run of shared unknowns from `start` on, and those from
+    /// `first` on.
     #[inline(always)]
-    pub fn add_squares(&mut self, squares: Lanes) {
-        self.squares += squares;
+    pub(crate) fn add_row(
+        &mut self,
+        (start, run): (usize, &[Lanes]),
+        (first, others): (usize, &[Lanes]),
+        residual: Lanes,
+    ) {
+        let width = self.width();
+        for (i, a) in run.iter().enumerate() {
+            let row = &mut self.matrix[(start + i) * width..][..width];
+            for (sum, b) in row[start + i..].iter_mut().zip(&run[i..]) {
+                lanes_only();
+                *sum = a.mul_add(*b, *sum);
+            }
+            for (sum, b) in row[first..].iter_mut().zip(others) {
+                lanes_only();
+                *sum = a.mul_add(*b, *sum);
+            }
+            row[width - 1] = a.mul_add(residual, row[width - 1]);
+        }
+        for (i, a) in others.iter().enumerate() {
+            let row = &mut self.matrix[(first + i) * width..][..width];
+            for (sum, b) in row[first + i..].iter_mut().zip(&others[i..]) {
+                lanes_only();
+                *sum = a.mul_add(*b, *sum);
+            }
+            row[width - 1] = a.mul_add(residual, row[width - 1]);
+        }
+        self.squares = residual.mul_add(residual, self.squares);
     }
 
-    /// A row `[m | r]` that is free of the blocks' unknowns, to be filled: zeros.
+    /// A row `[W | W_H | c]` of the blocks' own unknowns, to be filled.
     #[inline(always)]
-    pub fn next_row(&mut self) -> &mut [Lanes] {
+    pub(crate) fn next_eliminated(&mut self) -> &mut [Lanes] {
         if self.products.is_empty() {
             let pairs = self.row_len / 2;
             self.products = vec![[Lanes::ZERO; 4]; pairs * (pairs + 1) / 2];
@@ -105,28 +118,9 @@ impl LaneSums {
         if self.rows.len() == WAITING * self.row_len {
             self.add_products();
         }
-        let first = self.rows.len();
+        let (first, width) = (self.rows.len(), self.width());
         self.rows.resize(first + self.row_len, Lanes::ZERO);
-        &mut self.rows[first..][..self.shared + 1]
-    }
-
-    /// Adds rows `B` that have a run of shared unknowns each, of which what the blocks leave is not
-    /// eliminated but projected: the `runs`, the upper triangle of the `projection` `P`, and what it leaves
-    /// of the `residual`. The `first` unknowns of the runs are multiples of [`RUN`] and ascend strictly.
-    #[inline(always)]
-    pub fn add_runs<const ROWS: usize>(
-        &mut self,
-        first: impl Iterator<Item = usize> + Clone,
-        runs: &[[Lanes; RUN]; ROWS],
-        projection: &[[Lanes; ROWS]; ROWS],
-        residual: &[Lanes; ROWS],
-    ) {
-        let run_of_row = first.map(
-            #[inline(always)]
-            |first| first / RUN,
-        );
-        let pairs = &mut self.run_pairs;
-        pairs.add(self.shared / RUN, run_of_row, runs, projection, residual);
+        &mut self.rows[first..][..width]
     }
 
     /// Adds the products of the rows that wait.
@@ -150,33 +144,11 @@ impl LaneSums {
         self.rows.clear();
     }
 
-    /// `-Bᵀ q` between the shared unknowns and a constraint.
+    /// Adds to `h` of a constraint, by its place behind the shared unknowns.
     #[inline(always)]
-    pub(crate) fn add_to_border(&mut self, datum: usize, products: &[Lanes]) {
-        let (width, column) = (self.width(), self.shared + datum);
-        for (row, product) in self.matrix.chunks_exact_mut(width).zip(products) {
-            row[column] -= *product;
-        }
-    }
-
-    /// `-Wᵀ W` between two constraints.
-    #[inline(always)]
-    pub(crate) fn add_to_datum(&mut self, k: usize, l: usize, product: Lanes) {
-        let place = (self.shared + k) * self.width() + self.shared + l;
-        self.matrix[place] -= product;
-    }
-
-    /// `h - Wᵀ c` of a constraint.
-    #[inline(always)]
-    pub(crate) fn add_to_closure(&mut self, k: usize, value: Lanes) {
-        let place = (self.shared + k + 1) * self.width() - 1;
-        self.matrix[place] += value;
-    }
-
-    /// Adds what the blocks take off the sum of squares whatever the shared unknowns are, `Σ c²`.
-    #[inline(always)]
-    pub fn add_taken(&mut self, squares: Lanes) {
-        self.taken += squares;
+    pub(crate) fn add_to_closure(&mut self, place: usize, value: Lanes) {
+        let width = self.width();
+        self.matrix[place * width + width - 1] += value;
     }
 }
 

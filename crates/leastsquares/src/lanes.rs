@@ -144,14 +144,3 @@ pub fn side_by_side(slices: [&[f64]; LANES], length: usize, lanes: &mut Vec<Lane
         }
     }
 }
-
-/// `Σ a_i b_i`.
-#[inline(always)]
-pub(crate) fn dot(a: &[Lanes], b: &[Lanes]) -> Lanes {
-    let mut sum = Lanes::ZERO;
-    for (a, b) in a.iter().zip(b) {
-        lanes_only();
-        sum = a.mul_add(*b, sum);
-    }
-    sum
-}

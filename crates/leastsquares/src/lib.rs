@@ -26,13 +26,11 @@
 //! // held at 1.
 //! let mut masses = BlockBatch::default();
 //! masses.reset(Shape { rows: 2, unknowns: 1, in_runs: 0, shared: 2, datum: 1 });
-//! let mut readings = [Lanes::ZERO; 2];
-//! readings[0].0[..2].copy_from_slice(&[1.5, 2.5]);
-//! readings[1].0[..2].copy_from_slice(&[3.0, 4.0]);
-//! masses.residual_mut().copy_from_slice(&readings);
-//! masses.own_mut(0).fill(Lanes::splat(1.0));
-//! for scale in 0..2 {
-//!     masses.other_mut(scale)[scale] = Lanes::splat(1.0);
+//! for (row, readings) in [[1.5, 2.5], [3.0, 4.0]].into_iter().enumerate() {
+//!     let row_of_scale = masses.row_mut(row);
+//!     row_of_scale.residual.0[..2].copy_from_slice(&readings);
+//!     row_of_scale.own.fill(Lanes::splat(1.0));
+//!     row_of_scale.others[row] = Lanes::splat(1.0);
 //! }
 //! masses.datum_mut(0)[0].0[0] = 1.0;
 //! masses.closure_mut()[0].0[0] = 1.0;
@@ -49,7 +47,6 @@
 //! # Ok::<(), trueaxis_leastsquares::Error>(())
 //! ```
 
-mod block;
 mod block_batch;
 mod chi_squared;
 mod covariance;
@@ -60,21 +57,17 @@ mod error;
 mod factors;
 mod free_gauge;
 mod gauss_newton;
-mod gram_schmidt;
 mod hat_rows;
 mod inverse;
 pub mod lane_products;
 mod lane_sums;
 mod lanes;
 mod reduced;
-mod reflections;
 pub mod row_products;
-mod run_pairs;
 mod student;
 mod widest_registers;
 
-pub use block::BlockRows;
-pub use block_batch::{BlockBatch, RUN, Shape};
+pub use block_batch::{BLOCK_RANK_TOL, BlockBatch, RUN, RowMut, Shape};
 pub use chi_squared::{chi_squared_quantile, chi_squared_upper_tail};
 pub use covariance::Covariance;
 pub use covariance_lanes::CovarianceLanes;
@@ -82,11 +75,9 @@ pub use error::Error;
 pub use factors::{Factors, FactorsMut};
 pub use free_gauge::Correction;
 pub use gauss_newton::{Adjusted, Adjustment, Settings, Termination, adjust};
-pub use gram_schmidt::{GRAM_SCHMIDT_TOL, GramSchmidt};
 pub use hat_rows::HatRows;
 pub use lane_sums::LaneSums;
 pub use lanes::{LANES, Lanes, lanes_only, side_by_side, zeros};
 pub use reduced::{Reduced, ReducedSolution};
-pub use reflections::BLOCK_RANK_TOL;
 pub use student::student_two_sided;
 pub use widest_registers::in_widest_registers;

@@ -3,8 +3,8 @@
 //! With what the elimination of the blocks leaves ([`crate::BlockBatch`]):
 //!
 //! ```text
-//! [  Σ MᵀM    -Σ CᵀW ] [s]   [ Σ Mᵀr     ]
-//! [ -Σ WᵀC    -Σ WᵀW ] [λ] = [ h - Σ Wᵀc ]        C = Q₁ᵀB
+//! [ Σ (BᵀB - WᵀW)   -Σ WᵀW_H  ] [s]   [ Σ (Bᵀr - Wᵀc) ]
+//! [   -Σ W_HᵀW      -Σ W_HᵀW_H] [λ] = [ h - Σ W_Hᵀc   ]
 //! ```
 //!
 //! Its inverse is symmetric but indefinite: the datum takes variance away from the blocks.

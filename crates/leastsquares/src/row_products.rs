@@ -1,13 +1,12 @@
 //! Products of small matrices with contiguous rows, `S += A B`.
 //!
 //! A tile of a few elements of the result stays in registers while the sum runs over the rows: a
-//! sum in memory would be loaded and stored for every product. [`pulp`] chooses the widest registers
-//! that the processor has; products are fused with their sums on all of them, so the bits are the
-//! same. A matrix whose columns are contiguous is one whose transpose has contiguous rows.
+//! sum in memory would be loaded and stored for every product. Products are fused with their sums, so the bits
+//! are the same with all registers. A matrix whose columns are contiguous is one whose transpose has contiguous rows.
 //!
 //! Matrices are slices; sizes that do not fit panic.
 
-use pulp::{Arch, Simd, WithSimd};
+use crate::in_widest_registers;
 
 /// Rows of a tile, and the most columns: sixteen registers of four numbers hold it with its factors.
 const ROWS: usize = 4;
@@ -23,14 +22,18 @@ pub fn append_product(out: &mut Vec<f64>, a: &[f64], b: &[f64], [inner, columns]
 
 /// `sum += A B`; `a` has `inner` columns and `b` has `columns`.
 pub fn add_product(sum: &mut [f64], a: &[f64], b: &[f64], [inner, columns]: [usize; 2]) {
-    Arch::new().dispatch(Product {
+    let mut product = Product {
         sum,
         a,
         b,
         rows: a.len() / inner.max(1),
         inner,
         columns,
-    });
+    };
+    in_widest_registers(
+        #[inline(always)]
+        || product.add_rows(),
+    );
 }
 
 /// `aᵀ b`, in four sums that do not wait for each other.
@@ -66,12 +69,10 @@ struct Product<'a> {
     columns: usize,
 }
 
-impl WithSimd for Product<'_> {
-    type Output = ();
-
+impl Product<'_> {
     // All of it is inlined here: only then it is compiled for the registers that were chosen.
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, _: S) {
+    fn add_rows(&mut self) {
         for i in (0..self.rows).step_by(ROWS) {
             let mut j = 0;
             while j < self.columns {
@@ -84,9 +85,7 @@ impl WithSimd for Product<'_> {
             }
         }
     }
-}
 
-impl Product<'_> {
     /// Returns the number of columns.
     #[inline(always)]
     fn add_columns<const C: usize>(&mut self, i: usize, j: usize) -> usize {

@@ -7,9 +7,6 @@ use fearless_simd::{Level, Simd};
 /// each kind of them, so all arithmetic of lanes must be, or dispatch itself. One of AVX-512 (from Ice Lake
 /// and Zen 4 on) holds a [`crate::Lanes`], and there are twice as many besides. Results are the same bits
 /// with all of them.
-///
-/// [`pulp`], which serves [`crate::row_products`], would use those for faer as well, where a test went
-/// wrong, and its dispatch leaves larger work outside the registers it chose.
 pub fn in_widest_registers<T>(work: impl FnOnce() -> T) -> T {
     #[cfg(target_arch = "x86_64")]
     {

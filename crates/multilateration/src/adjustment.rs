@@ -1,38 +1,34 @@
 //! The adjustment of a network: the linearised lengths, group by group.
 //!
 //! Block unknowns are those of the groups: the coordinates of free points, or the six of the pose of a
-//! body ([`crate::tie`]). Shared unknowns are the stations and dead paths, four each: `x y z L`, behind
+//! body ([`crate::linearise`]). Shared unknowns are the stations and dead paths, four each: `x y z L`, behind
 //! them the dead paths after interruptions, and behind these the deformations of all bodies.
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use trueaxis_leastsquares::{
-    Adjustment, Error as LeastSquaresError, Factors, Lanes, Reduced, zeros,
-};
+use trueaxis_leastsquares::{Adjustment, Error as LeastSquaresError, Factors, Lanes, Reduced};
 
 use crate::Network;
 use crate::batches::Batch;
 use crate::bodies::Deformations;
 use crate::datum::Datum;
-use crate::linearise::{Beams, fill, fill_weights};
+use crate::linearise::{Beams, Tie, fill, fill_weights};
 use crate::passes::{
-    self, Gauge, Memories, Memory, in_parallel, pieces, split_mut, try_in_parallel,
+    self, At, Gauge, Memories, Memory, in_parallel, pieces, split_mut, try_in_parallel,
 };
-use crate::reweighting::Reweighted;
 use crate::state::{PER_STATION, POSE, State, centroid, zero_column};
-use crate::tie::tie;
 
-/// The model with its weights, which stay as they are while it is adjusted.
+/// A network as an adjustment model.
 pub(crate) struct GroupAdjustment<'a> {
     network: &'a Network,
     datum: Datum,
     deformations: Deformations,
     batches: Arc<Vec<Batch>>,
-    /// Weights of the batches as [`fill_weights`] makes them.
-    weights: Vec<Lanes>,
-    /// Those of each batch: within a piece, the same ones as of the batch before if they are equal.
+    /// Whether weights depend on the beams at all.
+    by_beams: bool,
+    /// The weights of each batch: within a piece, the same ones as of the batch before if they are equal.
     weight_ranges: Vec<Range<usize>>,
     memories: Memories,
 }
@@ -45,19 +41,14 @@ struct Moved<'a> {
 }
 
 impl<'a> GroupAdjustment<'a> {
-    /// The model with the weights that belong to the beams at `state`.
-    pub(crate) fn new(network: &'a Network, batches: &Arc<Vec<Batch>>, state: &State) -> Self {
+    /// The model of a network with these groups.
+    pub(crate) fn new(network: &'a Network, batches: &Arc<Vec<Batch>>) -> Self {
         let behind = PER_STATION * network.stations.len() + network.interruptions.len();
-        let mut model = Self {
-            network,
-            datum: Datum::new(network),
-            deformations: Deformations::new(network.bodies.as_deref(), behind),
-            batches: Arc::clone(batches),
-            weights: Vec::new(),
-            weight_ranges: Vec::with_capacity(batches.len()),
-            memories: Memories::default(),
-        };
-        let by_beams = model.weights_follow_beams();
+        let noise = &network.noise;
+        let correlated = || network.visits.iter().any(|v| v.readings.len() > 1);
+        let by_beams =
+            noise.length_sigma_relative > 0.0 || noise.return_sigma_mm > 0.0 && correlated();
+        let mut weight_ranges: Vec<Range<usize>> = Vec::with_capacity(batches.len());
         let mut end = 0;
         for piece in pieces(batches.len()) {
             for b in piece.clone() {
@@ -66,12 +57,18 @@ impl<'a> GroupAdjustment<'a> {
                 if is_new {
                     end += batch.weights();
                 }
-                model.weight_ranges.push(end - batch.weights()..end);
+                weight_ranges.push(end - batch.weights()..end);
             }
         }
-        zeros(&mut model.weights, end);
-        model.update_weights(state);
-        model
+        Self {
+            network,
+            datum: Datum::new(network),
+            deformations: Deformations::new(network.bodies.as_deref(), behind),
+            batches: Arc::clone(batches),
+            by_beams,
+            weight_ranges,
+            memories: Memories::default(),
+        }
     }
 
     pub(crate) fn datum(&self) -> &Datum {
@@ -88,8 +85,8 @@ impl<'a> GroupAdjustment<'a> {
 
     /// The weights of a batch: `L⁻¹` of each visit, the rows of its triangle one after the other.
     #[inline(always)]
-    pub(crate) fn weights_of(&self, b: usize) -> &[Lanes] {
-        &self.weights[self.weight_ranges[b].clone()]
+    pub(crate) fn weights_of<'w>(&self, weights: &'w [Lanes], b: usize) -> &'w [Lanes] {
+        &weights[self.weight_ranges[b].clone()]
     }
 
     /// Number of shared unknowns.
@@ -97,36 +94,54 @@ impl<'a> GroupAdjustment<'a> {
         self.deformations.shared
     }
 
-    /// Makes the equations of batch `b` at `state`.
+    /// Makes the equations of batch `b`.
     #[inline(always)]
-    pub(crate) fn fill(&self, state: &State, b: usize, gauge: Gauge, memory: &mut Memory) {
+    pub(crate) fn fill(
+        &self,
+        (state, weights): At<'_>,
+        b: usize,
+        gauge: Gauge,
+        memory: &mut Memory,
+    ) {
         let batch = &self.batches[b];
         let Memory {
             beams,
             equations,
-            of_points,
+            tie,
         } = memory;
         beams.fill(batch, state);
-        let content = (batch, self.weights_of(b));
+        let is_tied = self.fill_tie((state, b), &beams.points, tie);
+        let content = (batch, self.weights_of(weights, b));
         let datum = (gauge == Gauge::Datum).then_some((&self.datum, &self.network.nominal_mm[..]));
         let sizes = (self.network.stations.len(), self.shared());
-        let tied = batch.body.zip(self.network.bodies.as_deref());
-        let Some((body, bodies)) = tied else {
-            fill(content, datum, beams, sizes, equations);
-            return;
-        };
-        fill(content, datum, beams, sizes, of_points);
-        let deformations = (
-            self.deformations.first[body],
-            &self.deformations.of_bodies[body][..],
-        );
-        tie(
-            (batch, bodies),
-            (state, beams),
-            deformations,
-            of_points,
+        fill(
+            content,
+            is_tied.then_some(&*tie),
+            datum,
+            beams,
+            sizes,
             equations,
         );
+    }
+
+    /// Takes what ties the points of batch `b`; false if they are free.
+    #[inline(always)]
+    pub(crate) fn fill_tie(
+        &self,
+        (state, b): (&State, usize),
+        points: &[Lanes],
+        tie: &mut Tie,
+    ) -> bool {
+        let batch = &self.batches[b];
+        let Some((body, bodies)) = batch.body.zip(self.network.bodies.as_deref()) else {
+            return false;
+        };
+        let Deformations {
+            of_bodies, first, ..
+        } = &self.deformations;
+        let deformations = (first[body], &of_bodies[body][..]);
+        tie.fill(batch, (state, points), bodies, deformations);
+        true
     }
 
     /// Moves stations, dead paths and shapes by `factor` times the correction `s`.
@@ -157,14 +172,15 @@ impl<'a> GroupAdjustment<'a> {
     #[inline(always)]
     fn step_groups(
         &self,
-        (state, b): (&State, usize),
+        (at, b): (At<'_>, usize),
         (s, factor): (&[f64], f64),
         shapes_mm: &[Vec<Point3<f64>>],
         memory: &mut Memory,
         moved: &mut Moved<'_>,
     ) -> Result<(), LeastSquaresError> {
         let batch = &self.batches[b];
-        passes::eliminate(self, state, b, Gauge::Free, memory)?;
+        passes::eliminate(self, at, b, Gauge::Free, memory)?;
+        let (state, _) = at;
         let x = memory.equations.correction(s);
         let of_lanes = moved.points.chunks_exact_mut(batch.points);
         for (lane, (group, moved_points)) in batch.groups.clone().zip(of_lanes).enumerate() {
@@ -199,21 +215,19 @@ fn moved_pose(
     Translation3::from(shift + centre) * turn * Translation3::from(-centre) * pose
 }
 
-impl Reweighted for GroupAdjustment<'_> {
-    fn weights_follow_beams(&self) -> bool {
-        let noise = &self.network.noise;
-        let correlated = || self.network.visits.iter().any(|v| v.readings.len() > 1);
-        noise.length_sigma_relative > 0.0 || noise.return_sigma_mm > 0.0 && correlated()
-    }
+impl Adjustment for GroupAdjustment<'_> {
+    type State = State;
+    /// As [`fill_weights`] makes them, batch after batch.
+    type Weights = Vec<Lanes>;
 
-    fn update_weights(&mut self, state: &State) {
-        let with_beams = self.weights_follow_beams();
+    fn weights(&self, state: &State) -> Vec<Lanes> {
         let pieces = pieces(self.batches.len());
         let ranges = &self.weight_ranges;
+        let mut weights = vec![Lanes::ZERO; ranges.last().map_or(0, |last| last.end)];
         let lengths = pieces
             .iter()
             .map(|p| ranges[p.end - 1].end - ranges[p.start].start);
-        let parts = split_mut(&mut self.weights, lengths);
+        let parts = split_mut(&mut weights, lengths);
         let (batches, noise) = (&self.batches, &self.network.noise);
         in_parallel(
             pieces.into_iter().zip(parts).collect(),
@@ -227,33 +241,30 @@ impl Reweighted for GroupAdjustment<'_> {
                         continue;
                     }
                     filled = end;
-                    if with_beams {
+                    if self.by_beams {
                         beams.fill(batch, state);
                     }
-                    let beams = with_beams.then_some(&beams);
+                    let beams = self.by_beams.then_some(&beams);
                     fill_weights(batch, noise, beams, &mut factor, &mut part[start..end]);
                 }
             },
         );
+        weights
     }
 
-    fn moved(&self, from: &State, to: &State) -> f64 {
-        from.farthest_move_mm(to) / self.datum.radius_mm
-    }
-}
-
-impl Adjustment for GroupAdjustment<'_> {
-    type State = State;
-
-    fn reduce(&self, state: &State) -> Result<Reduced, LeastSquaresError> {
-        passes::reduce(self, state, Gauge::Free)
+    fn reduce(&self, state: &State, weights: &Vec<Lanes>) -> Result<Reduced, LeastSquaresError> {
+        passes::reduce(self, (state, weights), Gauge::Free)
     }
 
-    fn reduce_with_datum(&self, state: &State) -> Result<Reduced, LeastSquaresError> {
-        passes::reduce(self, state, Gauge::Datum)
+    fn reduce_with_datum(
+        &self,
+        state: &State,
+        weights: &Vec<Lanes>,
+    ) -> Result<Reduced, LeastSquaresError> {
+        passes::reduce(self, (state, weights), Gauge::Datum)
     }
 
-    fn squares(&self, state: &State) -> f64 {
+    fn squares(&self, state: &State, weights: &Vec<Lanes>) -> f64 {
         let of_pieces = in_parallel(
             pieces(self.batches.len()),
             #[inline(always)]
@@ -261,7 +272,7 @@ impl Adjustment for GroupAdjustment<'_> {
                 let (mut beams, mut sum) = (Beams::default(), Lanes::ZERO);
                 for b in piece {
                     beams.fill(&self.batches[b], state);
-                    sum += beams.squares(&self.batches[b], self.weights_of(b));
+                    sum += beams.squares(&self.batches[b], self.weights_of(weights, b));
                 }
                 sum.sum()
             },
@@ -271,7 +282,7 @@ impl Adjustment for GroupAdjustment<'_> {
 
     fn step(
         &self,
-        state: &State,
+        (state, weights): (&State, &Vec<Lanes>),
         s: &[f64],
         factor: f64,
         next: &mut State,
@@ -315,7 +326,7 @@ impl Adjustment for GroupAdjustment<'_> {
                                 poses: own_poses,
                             };
                             self.step_groups(
-                                (state, b),
+                                ((state, weights), b),
                                 (s, factor),
                                 shapes_mm,
                                 memory,
@@ -330,8 +341,8 @@ impl Adjustment for GroupAdjustment<'_> {
         Ok(())
     }
 
-    fn factors(&self, state: &State) -> Result<Factors, LeastSquaresError> {
-        passes::factors(self, state)
+    fn factors(&self, state: &State, weights: &Vec<Lanes>) -> Result<Factors, LeastSquaresError> {
+        passes::factors(self, (state, weights))
     }
 
     fn free_motions(&self, state: &State) -> Vec<Vec<f64>> {
@@ -351,11 +362,6 @@ impl GroupAdjustment<'_> {
             Some(_) => POSE,
             None => 3 * batch.points,
         }
-    }
-
-    /// The deformations of all bodies.
-    pub(crate) fn deformations(&self) -> &Deformations {
-        &self.deformations
     }
 }
 
@@ -430,7 +436,8 @@ mod tests {
             let points = network.nominal_mm.iter().map(|p| turned * p).collect();
             let state = State::new(&network, stations, vec![3.0, 4.0, 5.0], points);
             let batches = Arc::new(batches(&network));
-            let model = GroupAdjustment::new(&network, &batches, &state);
+            let model = GroupAdjustment::new(&network, &batches);
+            let weights = model.weights(&state);
             let unknowns = model.unknowns(&batches[0]);
             let residuals = |k: usize, by: f64| {
                 let mut moved = state.clone();
@@ -455,11 +462,11 @@ mod tests {
                     }
                 }
                 let mut memory = Memory::default();
-                model.fill(&moved, 0, Gauge::Free, &mut memory);
-                memory.equations.residual_mut().to_vec()
+                model.fill((&moved, &weights), 0, Gauge::Free, &mut memory);
+                [0, 1, 2, 3, 4, 5].map(|row| memory.equations.residual(row))
             };
             let mut memory = Memory::default();
-            model.fill(&state, 0, Gauge::Free, &mut memory);
+            model.fill((&state, &weights), 0, Gauge::Free, &mut memory);
             let equations = &mut memory.equations;
             for k in 0..unknowns + model.shared() {
                 let step = if is_tied && (3..6).contains(&k) {
@@ -469,14 +476,11 @@ mod tests {
                 };
                 let (plus, minus) = (residuals(k, step), residuals(k, -step));
                 for row in 0..6 {
+                    let mut shared = vec![Lanes::ZERO; model.shared()];
+                    equations.copy_shared_row(row, &mut shared);
                     let analytic = match k.checked_sub(unknowns) {
-                        None => equations.own(k)[row],
-                        Some(k) if k >= 2 * PER_STATION => equations.other_mut(k)[row],
-                        Some(k) => {
-                            let (start, run) = equations.run_mut(row);
-                            let place = k.checked_sub(*start);
-                            place.and_then(|i| run.get(i)).copied().unwrap_or_default()
-                        }
+                        None => equations.own_row(row)[k],
+                        Some(k) => shared[k],
                     };
                     let difference = (minus[row].0[0] - plus[row].0[0]) / (2.0 * step);
                     // Whitened rows are of the order 1e3 per mm and 1e5 per rad; differences are good to

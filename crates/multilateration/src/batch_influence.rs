@@ -13,13 +13,14 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 use trueaxis_leastsquares::lane_products::{LaneMatrix, SharedMatrix};
-use trueaxis_leastsquares::{Covariance, HatRows, Lanes, in_widest_registers, lanes_only, zeros};
+use trueaxis_leastsquares::{
+    Adjustment, Covariance, HatRows, Lanes, in_widest_registers, lanes_only, zeros,
+};
 
 use crate::adjustment::GroupAdjustment;
 use crate::batches::{Batch, batches};
-use crate::bodies::{Bodies, Deformations};
 use crate::datum::Datum;
-use crate::linearise::{is_read, own_variance};
+use crate::linearise::{Tie, is_read, own_variance};
 use crate::noise::factor_len;
 use crate::passes::{Gauge, Memory};
 use crate::slots::SlotVisit;
@@ -33,6 +34,7 @@ const PIECE: usize = 32;
 pub(crate) struct BatchInfluence<'a> {
     network: &'a Network,
     model: GroupAdjustment<'a>,
+    weights: Vec<Lanes>,
     state: State,
     covariance: &'a Covariance,
 }
@@ -56,9 +58,11 @@ impl<'a> BatchInfluence<'a> {
     pub(crate) fn new(network: &'a Network, solution: &'a Solution) -> Self {
         let state = solution.state();
         let batches = std::sync::Arc::new(batches(network));
+        let model = GroupAdjustment::new(network, &batches);
         Self {
             network,
-            model: GroupAdjustment::new(network, &batches, &state),
+            weights: model.weights(&state),
+            model,
             state,
             covariance: &solution.covariance,
         }
@@ -76,17 +80,8 @@ impl<'a> BatchInfluence<'a> {
         &self.state
     }
 
-    /// The bodies that points are tied to, and their deformations.
-    pub(crate) fn bodies(&self) -> Option<&'a Bodies> {
-        self.network.bodies.as_deref()
-    }
-
     pub(crate) fn datum(&self) -> &Datum {
         self.model.datum()
-    }
-
-    pub(crate) fn deformations(&self) -> &Deformations {
-        self.model.deformations()
     }
 
     /// Number of columns of `T`.
@@ -142,7 +137,8 @@ impl<'a> BatchInfluence<'a> {
             variances,
             there,
         } = rows;
-        self.model.fill(&self.state, b, Gauge::Free, memory);
+        let at = (&self.state, &self.weights[..]);
+        self.model.fill(at, b, Gauge::Free, memory);
         let batch = &self.batches()[b];
         let used = batch.groups.len();
         let groups = (batch.groups.start, used);
@@ -157,7 +153,7 @@ impl<'a> BatchInfluence<'a> {
             there.push(is_read(batch, slot) * mask);
         }
         unit_errors.clear();
-        let mut weights = self.model.weights_of(b);
+        let mut weights = self.model.weights_of(&self.weights, b);
         for SlotVisit { slots, .. } in &batch.layout.visits {
             for i in 0..slots.len() {
                 let row = &weights[factor_len(i)..factor_len(i + 1)];
@@ -223,6 +219,11 @@ impl BatchRows {
     /// The points of the groups of the batch, x y z of each, mm.
     pub(crate) fn points_mm(&self) -> &[Lanes] {
         &self.memory.beams.points
+    }
+
+    /// What ties the points of a batch of a body.
+    pub(crate) fn tie(&self) -> &Tie {
+        &self.memory.tie
     }
 
     /// The visits of the batch that was taken.

@@ -73,7 +73,6 @@ mod noise;
 mod passes;
 mod refine;
 mod reliability;
-mod reweighting;
 mod robust_weights;
 mod screen;
 mod screening;
@@ -84,7 +83,6 @@ mod splits;
 mod start;
 mod state;
 mod step_tests;
-mod tie;
 mod trials;
 mod whitened;
 

@@ -1,4 +1,4 @@
-//! The whitened equations of eight groups with free points.
+//! The whitened equations of eight groups.
 //!
 //! With the beam `u = (p - S) / |p - S|`:
 //!
@@ -6,16 +6,26 @@
 //! dl = uᵀ dp - uᵀ dS - dL
 //! ```
 //!
-//! and rows multiplied by the weights `W = L⁻¹` of their visit, `C = L Lᵀ` ([`crate::noise`]).
+//! where a free point has three unknowns `dp` of its own. Points of a body have home positions `r_k`, common to
+//! all groups, and a pose in each:
+//!
+//! ```text
+//! p_k = R r_k + t       dp_k = dt + dω × (p_k - c) + R N_k ds
+//! ```
+//!
+//! with the centroid `c` of the group's points and the deformations `s` of the body that no motion makes (three
+//! for a triangle). Against free points this ties nine coordinates of a triangle to six unknowns. Rows are
+//! multiplied by the weights `W = L⁻¹` of their visit, `C = L Lᵀ` ([`crate::noise`]).
 
-use nalgebra::Point3;
-use trueaxis_leastsquares::{BlockBatch, LANES, Lanes, Shape};
+use nalgebra::{DVector, Point3};
+use trueaxis_leastsquares::{BlockBatch, LANES, Lanes, RowMut, Shape};
 
 use crate::batches::Batch;
+use crate::bodies::Bodies;
 use crate::datum::Datum;
 use crate::noise::{Noise, factor_len};
 use crate::slots::SlotVisit;
-use crate::state::{DATUM, PER_STATION, State};
+use crate::state::{DATUM, PER_STATION, POSE, State};
 
 /// Beams and misclosures of the slots of a batch.
 #[derive(Debug, Clone, Default)]
@@ -63,17 +73,6 @@ impl Beams {
                 };
             }
         }
-    }
-
-    /// Mean of the points, x y z.
-    #[inline(always)]
-    pub(crate) fn centroid(&self) -> [Lanes; 3] {
-        let mut sum = [Lanes::ZERO; 3];
-        for (coordinate, x) in self.points.iter().enumerate() {
-            sum[coordinate % 3] += *x;
-        }
-        let share = Lanes::splat(3.0 / self.points.len() as f64);
-        sum.map(|x| x * share)
     }
 
     /// Sum of squares of the whitened misclosures; zero in lanes without a group.
@@ -210,87 +209,168 @@ pub(crate) fn is_read(batch: &Batch, slot: usize) -> Lanes {
     Lanes::from_fn(|lane| f64::from(u8::from(factors.0[lane] > 0.0)))
 }
 
+/// What ties the points of a batch to poses.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Tie {
+    /// From the centroid of each group's points to these, mm, x y z of each.
+    pub(crate) arms_mm: Vec<Lanes>,
+    /// What a unit of each deformation does to the points, one deformation after the other, and the column of
+    /// the first among the shared unknowns.
+    pub(crate) deformations: Vec<Lanes>,
+    pub(crate) first: usize,
+}
+
+impl Tie {
+    /// Takes the points of a batch of a body with these deformations, the first of which has the column
+    /// `first`.
+    #[inline(always)]
+    pub(crate) fn fill(
+        &mut self,
+        batch: &Batch,
+        (state, points): (&State, &[Lanes]),
+        bodies: &Bodies,
+        (first, deformations): (usize, &[DVector<f64>]),
+    ) {
+        let share = Lanes::splat(3.0 / points.len() as f64);
+        let mut centre = [Lanes::ZERO; 3];
+        for (coordinate, x) in points.iter().enumerate() {
+            centre[coordinate % 3] += *x;
+        }
+        let arms = points.iter().enumerate();
+        self.arms_mm.clear();
+        self.arms_mm
+            .extend(arms.map(|(k, x)| *x - centre[k % 3] * share));
+        self.first = first;
+        let group = |lane: usize| batch.groups.start + lane.min(batch.groups.len() - 1);
+        let groups: [usize; LANES] = std::array::from_fn(group);
+        let rotations = groups.map(|g| state.poses[g].rotation.to_rotation_matrix());
+        let rotation = |i: usize, j: usize| Lanes::from_fn(|lane| rotations[lane].matrix()[(i, j)]);
+        let rotation = [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation(i, j)));
+        let places = groups.map(|g| bodies.of_groups[g].places.as_slice());
+        self.deformations.clear();
+        for deformation in deformations {
+            for point in 0..batch.points {
+                let home = [0, 1, 2]
+                    .map(|axis| Lanes::from_fn(|lane| deformation[3 * places[lane][point] + axis]));
+                let turned = rotation.map(|[x, y, z]| x * home[0] + y * home[1] + z * home[2]);
+                self.deformations.extend(turned);
+            }
+        }
+    }
+}
+
+/// The vector product of vectors in lanes.
+#[inline(always)]
+pub(crate) fn cross(a: [Lanes; 3], b: [Lanes; 3]) -> [Lanes; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// The vector of a point.
+#[inline(always)]
+pub(crate) fn at(all: &[Lanes], point: usize) -> [Lanes; 3] {
+    [all[3 * point], all[3 * point + 1], all[3 * point + 2]]
+}
+
 /// Fills the equations of a batch; `weights` are those of [`fill_weights`], and `shared` is the number
 /// of all shared unknowns. The datum comes with the nominal points; without it there are no
-/// constraints.
+/// constraints. Points of a body come with what ties them.
 #[inline(always)]
 pub(crate) fn fill(
     (batch, weights): (&Batch, &[Lanes]),
+    tie: Option<&Tie>,
     datum: Option<(&Datum, &[Point3<f64>])>,
     beams: &mut Beams,
     (stations, shared): (usize, usize),
     equations: &mut BlockBatch,
 ) {
+    let in_runs = PER_STATION * stations;
     equations.reset(Shape {
         rows: batch.slots(),
-        unknowns: 3 * batch.points,
-        in_runs: PER_STATION * stations,
+        unknowns: tie.map_or(3 * batch.points, |_| POSE),
+        in_runs,
         shared,
         datum: if datum.is_some() { DATUM } else { 0 },
     });
-    let mut weights = weights.iter();
+    let mut weights = weights;
     for visit in &batch.layout.visits {
-        let first = visit.slots.start;
-        for i in visit.slots.clone() {
-            let (mut run, mut residual) = ([Lanes::ZERO; PER_STATION], Lanes::ZERO);
-            for (j, &w) in (first..=i).zip(&mut weights) {
-                let beam = &beams.of_slots[j];
-                let own = 3 * batch.layout.point_of_slot[j];
-                for (axis, u) in beam.unit.into_iter().enumerate() {
-                    let x = w * u;
-                    equations.own_mut(own + axis)[i] += x;
-                    run[axis] -= x;
-                }
-                residual = w.mul_add(beam.residual_mm, residual);
-                run[PER_STATION - 1] -= match batch.zeros.get(j) {
-                    None => w,
-                    Some(zeros) => after_interruption(equations, (stations, i), zeros, w),
-                };
-            }
-            equations.residual_mut()[i] = residual;
-            let (start, own) = equations.run_mut(i);
-            (*start, *own) = (PER_STATION * visit.station, run);
+        for slot in visit.slots.clone() {
+            let row = equations.row_mut(slot);
+            *row.start = PER_STATION * visit.station;
+            fill_row(
+                (batch, slot),
+                &beams.of_slots[slot],
+                tie,
+                (stations, in_runs),
+                row,
+            );
         }
+        let (own, rest) = weights.split_at(factor_len(visit.slots.len()));
+        weights = rest;
+        equations.whiten(visit.slots.start, visit.slots.len(), own);
     }
     if let Some((datum, nominal_mm)) = datum {
         take_points(batch, nominal_mm, &mut beams.nominal);
-        fill_datum(datum, beams, equations);
+        fill_datum(datum, beams, tie, equations);
     }
     equations.use_only(batch.groups.len());
 }
 
-/// Writes the weights to the columns of dead paths after interruptions; what is left for the station's.
+/// The derivatives of a length by all unknowns: the only place where they stand.
 #[inline(always)]
-fn after_interruption(
-    equations: &mut BlockBatch,
-    (stations, row): (usize, usize),
-    zeros: &[usize; LANES],
-    weights: Lanes,
-) -> Lanes {
-    let mut own = weights;
-    for (lane, &zero) in zeros.iter().enumerate() {
-        if zero >= stations {
-            let column = PER_STATION * stations + zero - stations;
-            equations.other_mut(column)[row].0[lane] -= weights.0[lane];
-            own.0[lane] = 0.0;
+fn fill_row(
+    (batch, slot): (&Batch, usize),
+    beam: &Beam,
+    tie: Option<&Tie>,
+    (stations, in_runs): (usize, usize),
+    row: RowMut<'_>,
+) {
+    let point = batch.layout.point_of_slot[slot];
+    let u = beam.unit;
+    match tie {
+        None => row.own[3 * point..3 * point + 3].copy_from_slice(&u),
+        Some(tie) => {
+            row.own[..3].copy_from_slice(&u);
+            row.own[3..].copy_from_slice(&cross(at(&tie.arms_mm, point), u));
+            let moved = tie.deformations.chunks_exact(3 * batch.points);
+            for (moved, x) in moved.zip(&mut row.others[tie.first - in_runs..]) {
+                let [dx, dy, dz] = at(moved, point);
+                *x = u[0] * dx + u[1] * dy + u[2] * dz;
+            }
         }
     }
-    own
+    for (x, u) in row.run.iter_mut().zip(u) {
+        *x = -u;
+    }
+    *row.residual = beam.residual_mm;
+    let minus = Lanes::splat(-1.0);
+    let Some(zeros) = batch.zeros.get(slot) else {
+        row.run[PER_STATION - 1] = minus;
+        return;
+    };
+    for (lane, &zero) in zeros.iter().enumerate() {
+        match zero.checked_sub(stations) {
+            None => row.run[PER_STATION - 1].0[lane] = -1.0,
+            Some(after) => row.others[after].0[lane] = -1.0,
+        }
+    }
 }
 
-/// `H` of the points and what they miss of the closure.
+/// `H` of the points, or of what ties them, and what they miss of the closure. The datum takes shapes as they
+/// are.
 #[inline(always)]
-fn fill_datum(datum: &Datum, beams: &Beams, equations: &mut BlockBatch) {
+fn fill_datum(datum: &Datum, beams: &Beams, tie: Option<&Tie>, equations: &mut BlockBatch) {
     let centroid = [datum.centroid.x, datum.centroid.y, datum.centroid.z];
     let per_radius = Lanes::splat(1.0 / datum.radius_mm);
-    let one = Lanes::splat(1.0);
-    let of_points = beams.points.chunks_exact(3);
-    for (point, (places, nominal)) in of_points.zip(beams.nominal.chunks_exact(3)).enumerate() {
-        let place = 3 * point;
-        let [rx, ry, rz] =
+    let (one, zero) = (Lanes::splat(1.0), Lanes::ZERO);
+    for point in 0..beams.points.len() / 3 {
+        let (place, nominal) = (at(&beams.points, point), at(&beams.nominal, point));
+        let lever =
             [0, 1, 2].map(|axis| (nominal[axis] - Lanes::splat(centroid[axis])) * per_radius);
-        let [dx, dy, dz] = [0, 1, 2].map(|axis| places[axis] - nominal[axis]);
-        let zero = Lanes::ZERO;
+        let [rx, ry, rz] = lever;
         let motions = [
             [one, zero, zero],
             [zero, one, zero],
@@ -299,16 +379,20 @@ fn fill_datum(datum: &Datum, beams: &Beams, equations: &mut BlockBatch) {
             [rz, zero, -rx],
             [-ry, rx, zero],
         ];
-        let missed = [
-            dx,
-            dy,
-            dz,
-            ry * dz - rz * dy,
-            rz * dx - rx * dz,
-            rx * dy - ry * dx,
-        ];
+        let shift = [0, 1, 2].map(|axis| place[axis] - nominal[axis]);
+        let turn = cross(lever, shift);
+        let missed = shift.into_iter().chain(turn);
         for (k, (motion, missed)) in motions.into_iter().zip(missed).enumerate() {
-            equations.datum_mut(k)[place..place + 3].copy_from_slice(&motion);
+            let column = equations.datum_mut(k);
+            match tie {
+                None => column[3 * point..3 * point + 3].copy_from_slice(&motion),
+                Some(tie) => {
+                    let turned = cross(at(&tie.arms_mm, point), motion);
+                    for (x, h) in column.iter_mut().zip(motion.into_iter().chain(turned)) {
+                        *x += h;
+                    }
+                }
+            }
             equations.closure_mut()[k] -= missed;
         }
     }

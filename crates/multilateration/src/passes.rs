@@ -9,11 +9,11 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use trueaxis_leastsquares::{
-    BlockBatch, Error as LeastSquaresError, Factors, LaneSums, Reduced, in_widest_registers,
+    BlockBatch, Error as LeastSquaresError, Factors, LaneSums, Lanes, Reduced, in_widest_registers,
 };
 
 use crate::adjustment::GroupAdjustment;
-use crate::linearise::Beams;
+use crate::linearise::{Beams, Tie};
 use crate::state::{DATUM, State};
 
 /// Batches of a piece: enough work, some 50 µs, to be worth handing out.
@@ -21,6 +21,9 @@ const LEAST_BATCHES: usize = 64;
 
 /// Most pieces: more would not spread the work better and each has a reduced system of its own.
 const MOST_PIECES: usize = 64;
+
+/// Where equations are made, and with which weights.
+pub(crate) type At<'a> = (&'a State, &'a [Lanes]);
 
 /// What decides among results that differ by a motion of the whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,8 +49,7 @@ impl Gauge {
 pub(crate) struct Memory {
     pub(crate) beams: Beams,
     pub(crate) equations: BlockBatch,
-    /// The equations of free points, where others are made from them.
-    pub(crate) of_points: BlockBatch,
+    pub(crate) tie: Tie,
 }
 
 /// Memory that one pass leaves to the next.
@@ -113,12 +115,12 @@ pub(crate) fn try_in_parallel<I: Send, T: Send>(
 #[inline(always)]
 pub(crate) fn eliminate(
     model: &GroupAdjustment<'_>,
-    state: &State,
+    (state, weights): At<'_>,
     b: usize,
     gauge: Gauge,
     memory: &mut Memory,
 ) -> Result<(), LeastSquaresError> {
-    model.fill(state, b, gauge, memory);
+    model.fill((state, weights), b, gauge, memory);
     let batch = &model.batches()[b];
     memory.equations.eliminate(|lane| batch.number(lane))
 }
@@ -126,7 +128,7 @@ pub(crate) fn eliminate(
 /// The reduced system of all batches.
 pub(crate) fn reduce(
     model: &GroupAdjustment<'_>,
-    state: &State,
+    at: At<'_>,
     gauge: Gauge,
 ) -> Result<Reduced, LeastSquaresError> {
     let sums = try_in_parallel(
@@ -138,7 +140,7 @@ pub(crate) fn reduce(
                 #[inline(always)]
                 |memory| {
                     for b in piece {
-                        eliminate(model, state, b, gauge, memory)?;
+                        eliminate(model, at, b, gauge, memory)?;
                         memory.equations.add_to(&mut sums);
                         let batch = &model.batches()[b];
                         sums.count(batch.readings, model.unknowns(batch) * batch.groups.len());
@@ -159,7 +161,7 @@ pub(crate) fn reduce(
 /// The factors of all groups.
 pub(crate) fn factors(
     model: &GroupAdjustment<'_>,
-    state: &State,
+    at: At<'_>,
 ) -> Result<Factors, LeastSquaresError> {
     let batches = model.batches();
     let unknowns = batches
@@ -180,7 +182,7 @@ pub(crate) fn factors(
                 #[inline(always)]
                 |memory| {
                     for b in piece {
-                        eliminate(model, state, b, Gauge::Datum, memory)?;
+                        eliminate(model, at, b, Gauge::Datum, memory)?;
                         let groups = &batches[b].groups;
                         memory
                             .equations

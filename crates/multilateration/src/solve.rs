@@ -9,7 +9,6 @@ use trueaxis_leastsquares::{
 use crate::adjustment::GroupAdjustment;
 use crate::batches::{Batch, batches, check_seen};
 use crate::passes::within_pool;
-use crate::reweighting::reweight;
 use crate::start::{Image, Start, start};
 use crate::state::{DATUM, PER_STATION, POSE, State};
 use crate::{Error, Network, Solution, Station, StationUnknown};
@@ -122,11 +121,10 @@ pub(crate) fn far_at(start: &Start, network: &Network) -> Vec<(usize, f64)> {
     sizes.filter(|&(_, size_mm)| size_mm > limit_mm).collect()
 }
 
-/// An adjustment with the weights that belong to it.
+/// An adjusted model.
 pub(crate) struct Attempt<'a> {
     model: GroupAdjustment<'a>,
     pub(crate) adjusted: Adjusted<State>,
-    iterations: usize,
 }
 
 pub(crate) fn adjust_from<'a>(
@@ -136,16 +134,10 @@ pub(crate) fn adjust_from<'a>(
     settings: &Settings,
 ) -> Result<Attempt<'a>, Error> {
     within_pool(batches.len(), || {
-        let mut model = GroupAdjustment::new(network, batches, &start);
-        let first = run(network, &model, start.clone(), settings)
-            .map_err(|error| ran_away(network, &model, &start, error))?;
-        let again = |model: &GroupAdjustment<'_>, state| run(network, model, state, settings);
-        let (adjusted, iterations) = reweight(&mut model, start, first, again)?;
-        Ok(Attempt {
-            model,
-            adjusted,
-            iterations,
-        })
+        let model = GroupAdjustment::new(network, batches);
+        let adjusted = adjust(&model, start.clone(), &settings.iteration)
+            .map_err(|error| ran_away(network, &model, &start, named(network, error)))?;
+        Ok(Attempt { model, adjusted })
     })
 }
 
@@ -159,7 +151,7 @@ fn ran_away(network: &Network, model: &GroupAdjustment<'_>, start: &State, error
         return error;
     }
     let determined = model
-        .reduce(start)
+        .reduce(start, &model.weights(start))
         .and_then(|system| system.shortest_correction(&model.free_motions(start)))
         .is_ok();
     let worst = start
@@ -263,15 +255,6 @@ pub(crate) fn batches_of(network: &Network) -> Result<Arc<Vec<Batch>>, Error> {
         return Err(Error::TooFewReadings { readings, unknowns });
     }
     Ok(Arc::new(batches))
-}
-
-fn run(
-    network: &Network,
-    model: &GroupAdjustment<'_>,
-    start: State,
-    settings: &Settings,
-) -> Result<Adjusted<State>, Error> {
-    adjust(model, start, &settings.iteration).map_err(|error| named(network, error))
 }
 
 /// The error in the words of the network.
@@ -382,11 +365,7 @@ pub(crate) fn solution(
     attempt: Attempt<'_>,
     mirror_image_open: bool,
 ) -> Result<Solution, Error> {
-    let Attempt {
-        model,
-        adjusted,
-        iterations,
-    } = attempt;
+    let Attempt { model, adjusted } = attempt;
     let covariance = adjusted.covariance(&model);
     let covariance = covariance.map_err(|error| named(network, error))?;
     let state = &adjusted.state;
@@ -404,7 +383,7 @@ pub(crate) fn solution(
         squares: adjusted.squares,
         observations: adjusted.observations,
         unknowns: adjusted.unknowns,
-        iterations,
+        iterations: adjusted.iterations,
         mirror_image_open,
         termination: adjusted.termination,
         covariance,

@@ -87,16 +87,6 @@ impl State {
         }
     }
 
-    /// The farthest that a station or point is from where it is in `other`, mm.
-    pub(crate) fn farthest_move_mm(&self, other: &Self) -> f64 {
-        let of = |a: &[Point3<f64>], b: &[Point3<f64>]| {
-            let squares = a.iter().zip(b).map(|(a, b)| (a - b).norm_squared());
-            squares.fold(0.0, f64::max)
-        };
-        let stations = of(&self.stations, &other.stations);
-        stations.max(of(&self.points, &other.points)).sqrt()
-    }
-
     /// Observed minus computed length of every reading, mm.
     pub(crate) fn residuals_mm(&self, network: &Network) -> Vec<f64> {
         let zeros = network.zero_of_readings();

@@ -51,12 +51,12 @@ fn solve_arrowhead(blocks: &[Block], closure: f64) -> Result<Solved, Error> {
         for (row, values) in block.rows.iter().enumerate() {
             let (own, shared) = values.split_at(block.unknowns);
             for (k, value) in own.iter().enumerate() {
-                batch.own_mut(k)[row] = Lanes::splat(*value);
+                batch.row_mut(row).own[k] = Lanes::splat(*value);
             }
             for (k, value) in shared[..SHARED].iter().enumerate() {
-                batch.other_mut(k)[row] = Lanes::splat(*value);
+                batch.row_mut(row).others[k] = Lanes::splat(*value);
             }
-            batch.residual_mut()[row] = Lanes::splat(shared[SHARED]);
+            *batch.row_mut(row).residual = Lanes::splat(shared[SHARED]);
         }
         batch.datum_mut(0)[0] = Lanes::splat(1.0);
         if i == 0 {

@@ -8,11 +8,9 @@ use trueaxis_leastsquares::lane_products::add_product;
 use trueaxis_leastsquares::{LANES, Lanes, zeros};
 
 use crate::batch_influence::{BatchInfluence, BatchRows};
-use crate::batches::Batch;
-use crate::linearise::take_points;
+use crate::linearise::{Tie, at, cross, take_points};
 use crate::slots::{Layout, Slots};
 use crate::state::{DATUM, PER_STATION, zero_column};
-use crate::tie::moved_by;
 
 /// Eight groups at the solution.
 #[derive(Debug, Clone)]
@@ -31,7 +29,7 @@ pub(crate) struct TrialGroups {
     weights: Vec<Lanes>,
     /// The column of the dead path of each slot, where that is not the station's for all lanes.
     zeros: Vec<[usize; LANES]>,
-    body: Option<Tied>,
+    tie: Option<Tie>,
     /// Lever arms of the rotations of the datum at the nominal points, x y z of each; and one in lanes with a
     /// group, zero in others.
     levers: Vec<Lanes>,
@@ -39,16 +37,6 @@ pub(crate) struct TrialGroups {
     /// `D` and `Z`, rows one after the other.
     own: Vec<Lanes>,
     coupling: Vec<Lanes>,
-}
-
-/// What ties the points of eight groups.
-#[derive(Debug, Clone)]
-struct Tied {
-    /// From the centroid of each group's points to these, mm, x y z of each.
-    arms_mm: Vec<Lanes>,
-    /// What a unit of each deformation does to the points, and the column of the first.
-    deformations: Vec<Vec<Lanes>>,
-    first: usize,
 }
 
 /// Values of the unknowns: those of eight groups, and the shared ones.
@@ -68,21 +56,6 @@ pub(crate) struct Scratch {
     turned: Vec<Lanes>,
     residuals: Vec<Lanes>,
     units: Vec<[Lanes; 3]>,
-}
-
-#[inline(always)]
-fn cross(a: [Lanes; 3], b: [Lanes; 3]) -> [Lanes; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-/// The vector of a point.
-#[inline(always)]
-fn at(all: &[Lanes], point: usize) -> [Lanes; 3] {
-    [all[3 * point], all[3 * point + 1], all[3 * point + 2]]
 }
 
 #[inline(always)]
@@ -165,7 +138,7 @@ impl TrialGroups {
             distances_mm,
             weights,
             zeros: batch.zeros.iter().map(columns).collect(),
-            body: tied(influence, batch, points),
+            tie: batch.body.map(|_| rows.tie().clone()),
             levers,
             used,
             own,
@@ -186,7 +159,7 @@ impl TrialGroups {
             turned: after,
             ..
         } = scratch;
-        let Some(tied) = &self.body else {
+        let Some(tied) = &self.tie else {
             moved.clear();
             moved.extend_from_slice(values.own);
             return;
@@ -194,7 +167,8 @@ impl TrialGroups {
         zeros(moved, 3 * self.points);
         arms.clear();
         arms.extend_from_slice(&tied.arms_mm);
-        for (deformation, amount) in tied.deformations.iter().zip(&values.shared[tied.first..]) {
+        let deformations = tied.deformations.chunks_exact(3 * self.points);
+        for (deformation, amount) in deformations.zip(&values.shared[tied.first..]) {
             let amount = Lanes::splat(*amount);
             for (arm, x) in arms.iter_mut().zip(deformation) {
                 *arm = amount.mul_add(*x, *arm);
@@ -269,7 +243,7 @@ impl TrialGroups {
                 }
             }
         }
-        let Some(tied) = &self.body else {
+        let Some(tied) = &self.tie else {
             own.copy_from_slice(forces);
             return;
         };
@@ -281,7 +255,8 @@ impl TrialGroups {
         }
         let turn = at(values.own, 1);
         let columns = shared[tied.first..].iter_mut();
-        for (deformation, sum) in tied.deformations.iter().zip(columns) {
+        let deformations = tied.deformations.chunks_exact(3 * self.points);
+        for (deformation, sum) in deformations.zip(columns) {
             for point in 0..self.points {
                 let (x, force) = (turned(turn, at(deformation, point)), at(forces, point));
                 *sum += x[0] * force[0] + x[1] * force[1] + x[2] * force[2];
@@ -377,24 +352,4 @@ impl TrialGroups {
 
 fn zeros_at(all: &mut Vec<Lanes>, more: usize) {
     all.resize(all.len() + more, Lanes::ZERO);
-}
-
-fn tied(influence: &BatchInfluence<'_>, batch: &Batch, points: &[Lanes]) -> Option<Tied> {
-    let (body, bodies) = batch.body.zip(influence.bodies())?;
-    let share = Lanes::splat(1.0 / batch.points as f64);
-    let centre = [0, 1, 2].map(|axis| {
-        let of_points = points.iter().skip(axis).step_by(3);
-        of_points.fold(Lanes::ZERO, |sum, x| sum + *x) * share
-    });
-    let arms = points.iter().enumerate().map(|(k, x)| *x - centre[k % 3]);
-    let deformations = influence.deformations();
-    let of_body = deformations.of_bodies[body].iter();
-    let state = influence.state();
-    Some(Tied {
-        arms_mm: arms.collect(),
-        deformations: of_body
-            .map(|deformation| moved_by(deformation, batch, bodies, state))
-            .collect(),
-        first: deformations.first[body],
-    })
 }
