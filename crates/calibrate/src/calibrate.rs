@@ -144,9 +144,12 @@ pub(crate) fn calibrate_in_parts<'a>(
     let targets = mean_targets(&context, &data, &identified.state);
     let points = measured.points.as_ref();
     let triangle = triangle::triangle(&context, &data, &targets, points.map(|(points, _)| points));
-    let misfits = points.map_or_else(Vec::new, |(_, found)| {
+    let mut misfits = points.map_or_else(Vec::new, |(_, found)| {
         rigidity::misfits(campaign, found, adjustment.noise_declared)
     });
+    if let (Some(lengths), Some(screened)) = (&campaign.lengths, measured.screened()) {
+        misfits.extend(rigidity::lost_targets(campaign, lengths, screened));
+    }
     notices.extend(unmeasured_axes(campaign, &data));
     notices.extend(absurd(&axes));
     notices.extend(far_from_approximate(campaign, &stations_in_ref));

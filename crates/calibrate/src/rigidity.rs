@@ -4,11 +4,14 @@
 //! steps that fail do not bend, then with the mean over those that passed. The noise is the declared
 //! one, or larger if most steps say so.
 
+use std::collections::{BTreeMap, HashMap};
+
 use nalgebra::Vector3;
-use trueaxis_campaign::Campaign;
+use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_identify::{RigidMisfit, StepPose, nine, rigid_misfit};
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::chi_squared_upper_tail;
+use trueaxis_multilateration::Screened;
 
 use crate::calibration::StepMisfit;
 use crate::describe;
@@ -65,6 +68,48 @@ pub(crate) fn misfits(campaign: &Campaign, points: &PointPoses, declared: bool) 
     }
     found
 }
+
+/// Steps at which the lengths to a target contradict the rigid body so much that all of them were removed: it
+/// stood elsewhere. The sum of squares is that of the displacement of the target, whose three coordinates
+/// explain them.
+pub(crate) fn lost_targets(
+    campaign: &Campaign,
+    lengths: &Lengths,
+    screened: &Screened,
+) -> Vec<StepMisfit> {
+    let mut errors: HashMap<usize, (f64, f64)> = HashMap::new();
+    for removed in &screened.removed {
+        errors.insert(removed.reading, (removed.error_mm, removed.u_mm));
+    }
+    // For each step and target the errors of its lengths, as long as all were removed.
+    let mut seen: BTreeMap<(usize, usize), Option<Vec<(f64, f64)>>> = BTreeMap::new();
+    for stop in &lengths.stops {
+        for i in stop.readings.clone() {
+            let key = (stop.step, lengths.readings[i].target);
+            let all = seen.entry(key).or_insert_with(|| Some(Vec::new()));
+            match (errors.get(&i), &mut *all) {
+                (Some(&error), Some(all)) => all.push(error),
+                _ => *all = None,
+            }
+        }
+    }
+    let lost = |((step, _), errors): ((usize, usize), Option<Vec<(f64, f64)>>)| {
+        let errors = errors.filter(|errors| errors.len() >= COORDINATES)?;
+        let squares: f64 = errors.iter().map(|(error, _)| error * error).sum();
+        let chi_squared = errors.iter().map(|(error, u)| (error / u).powi(2)).sum();
+        Some(StepMisfit {
+            step: describe::step(campaign, step),
+            rms_um: (squares / errors.len() as f64).sqrt() / MICROMETRE,
+            chi_squared,
+            degrees_of_freedom: COORDINATES,
+            p_value: chi_squared_upper_tail(chi_squared, COORDINATES as f64),
+        })
+    };
+    seen.into_iter().filter_map(lost).collect()
+}
+
+/// Of a displacement.
+const COORDINATES: usize = 3;
 
 /// A record that fails, with its test and p-value.
 type Failing = (usize, RigidMisfit, f64);
