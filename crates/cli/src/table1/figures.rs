@@ -140,7 +140,8 @@ impl Model for Measured {
         for _ in 0..self.repeats {
             self.trials.draw(rng, &mut storage.errors_mm);
             let corrections = self.trials.solve(&storage.errors_mm, &mut storage.trial);
-            let coordinates = corrections.points_mm().iter().flatten();
+            let points_mm = corrections.points_mm();
+            let coordinates = (0..3).flat_map(|axis| points_mm.iter().map(move |p| p[axis]));
             for (output, coordinate) in outputs.iter_mut().zip(coordinates) {
                 *output += share * coordinate;
             }
