@@ -201,16 +201,16 @@ fn speeds(campaign: &Campaign, lengths: &Lengths) -> Vec<f64> {
     speeds
 }
 
-/// Where a length of an adjusted network is taken from and to.
+/// One observed length of an adjusted network.
 #[derive(Debug, Clone, Copy)]
-pub struct Sight<'a> {
+pub struct Observation<'a> {
     /// Its circumstances.
     pub at: Circumstances<'a>,
     /// Unit vector from station to target.
     pub beam: Vector3<f64>,
 }
 
-impl Sight<'_> {
+impl Observation<'_> {
     /// By how much the length shown is longer for displacements, mm: the exact distance, not `u·D`.
     pub fn lengthening_mm(&self, by: &Displaced) -> f64 {
         let beam_mm = self.beam * self.at.distance_mm + by.point_mm - by.station_mm;
@@ -220,20 +220,20 @@ impl Sight<'_> {
 
 impl LengthCircumstances {
     /// The length at the adjusted places of points and stations; `positions` are those of its step.
-    pub fn sight<'a>(
+    pub fn observation<'a>(
         &self,
         machine: &'a Machine,
         positions: &'a [f64],
         network: &Network,
         stations: &[Station],
         points_mm: &[Point3<f64>],
-    ) -> Sight<'a> {
+    ) -> Observation<'a> {
         let stop_mm = &points_mm[network.groups[self.group].clone()];
         let sum: Vector3<f64> = stop_mm.iter().map(|p| p.coords).sum();
         let point_mm = points_mm[self.point];
         let beam = point_mm - stations[self.station].position_mm;
         let distance_mm = beam.norm();
-        Sight {
+        Observation {
             at: Circumstances {
                 machine,
                 time_s: self.time_s,

@@ -131,7 +131,7 @@ pub use calibration::{
     TriangleSide,
 };
 pub use error::Error;
-pub use length_circumstances::{LengthCircumstances, Sight, length_circumstances, scene_of};
+pub use length_circumstances::{LengthCircumstances, Observation, length_circumstances, scene_of};
 pub use output_covariance::{Output, OutputCovariance, Unit};
 pub use output_entry::OutputEntry;
 pub use reliability::{LengthReliability, LengthsReliability};

@@ -91,15 +91,17 @@ impl<'a> AdjustedGeometry<'a> {
     /// What effects together do to each length, mm.
     fn effects_mm(&self, effects: &[ResolvedEffect]) -> Vec<f64> {
         let of_length = |circumstances: &LengthCircumstances| {
-            let sight = circumstances.sight(
+            let observation = circumstances.observation(
                 &self.campaign.machine,
                 &self.campaign.steps[circumstances.step].positions,
                 &self.network,
                 &self.solution.stations,
                 &self.solution.points_mm,
             );
-            let displaced = effects.iter().map(|effect| effect.displaced(&sight.at));
-            sight.lengthening_mm(&displaced.sum())
+            let displaced = effects
+                .iter()
+                .map(|effect| effect.displaced(&observation.at));
+            observation.lengthening_mm(&displaced.sum())
         };
         self.circumstances.iter().map(of_length).collect()
     }

@@ -223,7 +223,7 @@ impl<'a> Base<'a> {
             return 0.0;
         }
         let positions = &self.campaign.steps[reading.step].positions;
-        let sight = reading.sight(
+        let observation = reading.observation(
             &self.scene.machine,
             positions,
             &self.network,
@@ -234,9 +234,9 @@ impl<'a> Base<'a> {
             let Hypothesis {
                 effect, subject, ..
             } = &suspect.hypothesis;
-            effect.displacement(subject, &suspect.parameters, suspect.shape, &sight.at)
+            effect.displacement(subject, &suspect.parameters, suspect.shape, &observation.at)
         };
-        sight.lengthening_mm(&suspects.iter().map(of_suspect).sum())
+        observation.lengthening_mm(&suspects.iter().map(of_suspect).sum())
     }
 
     /// Whitened columns of a hypothesis: what a unit of each parameter does to the lengths.
@@ -253,7 +253,7 @@ impl<'a> Base<'a> {
         let mut columns = vec![vec![0.0; self.readings.len()]; count];
         for (i, reading) in self.readings.iter().enumerate() {
             let positions = &self.campaign.steps[reading.step].positions;
-            let sight = reading.sight(
+            let observation = reading.observation(
                 &self.scene.machine,
                 positions,
                 &self.network,
@@ -261,8 +261,8 @@ impl<'a> Base<'a> {
                 &adjusted.solution.points_mm,
             );
             for (k, column) in columns.iter_mut().enumerate() {
-                let moved = effect.form(subject, k, shape, &sight.at);
-                column[i] = moved.along(&sight.beam);
+                let moved = effect.form(subject, k, shape, &observation.at);
+                column[i] = moved.along(&observation.beam);
             }
         }
         for column in &mut columns {

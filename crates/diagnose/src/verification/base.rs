@@ -50,8 +50,8 @@ pub(crate) fn absorbed(comparison: &Comparison<'_>, calibrated: bool) -> &'stati
 
 /// Offset of the centre along x, y, z and length of the bar.
 pub(crate) fn set_up(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
-    let part = |c: usize| comparison.sights.iter().map(|s| -s.along[c]).collect();
-    let length = vec![1.0; comparison.sights.len()];
+    let part = |c: usize| comparison.points.iter().map(|p| -p.along[c]).collect();
+    let length = vec![1.0; comparison.points.len()];
     let columns = (0..3).map(part).chain([length]);
     let is_seen = |column: &Vec<f64>| column.iter().any(|x| x.abs() > ROUNDING);
     columns.filter(is_seen).collect()

@@ -27,14 +27,14 @@ pub(crate) struct Comparison<'a> {
     /// Measured minus predicted, µm.
     pub(crate) difference_um: Vec<f64>,
     /// Where the measured point is and in which direction its displacement counts.
-    pub(crate) sights: Vec<Sight>,
+    pub(crate) points: Vec<MeasuredPoint>,
     /// Axes that have more than one position in the readings.
     pub(crate) moving: Vec<usize>,
 }
 
 /// The measured point at an arrival.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Sight {
+pub(crate) struct MeasuredPoint {
     /// Commanded position of the point, mm.
     pub(crate) point_mm: Point3<f64>,
     /// Unit vector; zero where a rotary axis does not move the point.
@@ -50,7 +50,9 @@ impl<'a> Comparison<'a> {
     ) -> Self {
         let kind = &verification.kind;
         let arrivals = arrivals(&verification.readings);
-        let sights = arrivals.iter().map(|a| sight(machine, kind, &a.positions));
+        let points = arrivals
+            .iter()
+            .map(|a| measured_point(machine, kind, &a.positions));
         let difference = arrivals
             .iter()
             .map(|a| a.value_um - predicted_um(machine, kind, errors, &a.positions));
@@ -62,7 +64,7 @@ impl<'a> Comparison<'a> {
             machine,
             kind,
             difference_um: difference.collect(),
-            sights: sights.collect(),
+            points: points.collect(),
             moving: moving.collect(),
             arrivals,
         }
@@ -76,8 +78,8 @@ impl<'a> Comparison<'a> {
         parameter: usize,
         shape: f64,
     ) -> Vec<f64> {
-        let rows = self.arrivals.iter().zip(&self.sights);
-        rows.map(|(arrival, sight)| {
+        let rows = self.arrivals.iter().zip(&self.points);
+        rows.map(|(arrival, point)| {
             // An effect of an axis sees the motion of this axis, whatever else moves.
             let axis = subject.axis.unwrap_or_else(|| self.axis());
             let at = Circumstances {
@@ -90,12 +92,12 @@ impl<'a> Comparison<'a> {
                 direction: arrival.sides[axis],
                 speed_per_s: arrival.speeds_per_s[axis],
                 positions: &arrival.positions,
-                point_mm: sight.point_mm,
-                centroid_mm: sight.point_mm,
+                point_mm: point.point_mm,
+                centroid_mm: point.point_mm,
                 ..Circumstances::new(self.machine)
             };
             let displaced = effect.form(subject, parameter, shape, &at);
-            displaced.along(&sight.along) / MICROMETRE
+            displaced.along(&point.along) / MICROMETRE
         })
         .collect()
     }
@@ -132,7 +134,7 @@ pub(crate) fn carrier(machine: &Machine, kind: &VerificationKind) -> usize {
 }
 
 /// Point and direction from commanded positions.
-fn sight(machine: &Machine, kind: &VerificationKind, positions: &[f64]) -> Sight {
+fn measured_point(machine: &Machine, kind: &VerificationKind, positions: &[f64]) -> MeasuredPoint {
     match *kind {
         VerificationKind::Positioning { axis, target_mm } => {
             let point_mm = machine.position(&Ideal, carrier(machine, kind), positions, target_mm);
@@ -148,7 +150,7 @@ fn sight(machine: &Machine, kind: &VerificationKind, positions: &[f64]) -> Sight
                     tangent.try_normalize(MICROMETRE).unwrap_or_default()
                 }
             };
-            Sight { point_mm, along }
+            MeasuredPoint { point_mm, along }
         }
         VerificationKind::Ballbar {
             ball_mm,
@@ -158,7 +160,7 @@ fn sight(machine: &Machine, kind: &VerificationKind, positions: &[f64]) -> Sight
             let point_mm = machine.position(&Ideal, ball_carrier, positions, ball_mm);
             let bar = point_mm - center_mm;
             let along = bar.try_normalize(MICROMETRE).unwrap_or_default();
-            Sight { point_mm, along }
+            MeasuredPoint { point_mm, along }
         }
     }
 }
@@ -170,7 +172,7 @@ pub(crate) fn predicted_um(
     errors: &impl GeometricErrors,
     positions: &[f64],
 ) -> f64 {
-    let Sight { point_mm, along } = sight(machine, kind, positions);
+    let MeasuredPoint { point_mm, along } = measured_point(machine, kind, positions);
     let mm = match *kind {
         VerificationKind::Positioning { target_mm, .. } => {
             let actual = machine.position(errors, carrier(machine, kind), positions, target_mm);

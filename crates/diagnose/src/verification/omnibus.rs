@@ -104,20 +104,20 @@ fn position_columns(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
 /// centre lies on the axis, that of the axis.
 fn around(comparison: &Comparison<'_>) -> Vec<f64> {
     let first = comparison
-        .sights
+        .points
         .first()
-        .map(|s| s.along)
+        .map(|p| p.along)
         .unwrap_or_default();
     let across = comparison
-        .sights
+        .points
         .iter()
-        .map(|s| s.along - first * first.dot(&s.along));
+        .map(|p| p.along - first * first.dot(&p.along));
     let second = across
         .max_by(|a, b| a.norm().total_cmp(&b.norm()))
         .unwrap_or_default();
     let second = second.try_normalize(f64::EPSILON).unwrap_or_default();
     let angle = |along: nalgebra::Vector3<f64>| along.dot(&second).atan2(along.dot(&first));
-    comparison.sights.iter().map(|s| angle(s.along)).collect()
+    comparison.points.iter().map(|p| angle(p.along)).collect()
 }
 
 /// The tests of a model; p-values family-wise over all of them.
