@@ -59,14 +59,15 @@
 //!   mean in the fixed and in the turning frame); along it they lose their value at home. So the
 //!   location errors of the scenario are those that an ideal measurement finds. "At home" is at
 //!   position 0, between two steps on the straight line, outside the steps at the nearest one.
-//! - **Frame.** x lies along the average line of the first linear axis that runs (in the order X,
-//!   Y, Z of nearest directions), the second one lies in a plane of the frame, and the origin is
-//!   where the mounting errors of the targets that the first axis moves have zero mean. Without
-//!   two linear runs the targets also give the orientation, and without any an axial shift of a
-//!   rotary axis means nothing. A scenario that contradicts this is refused with the reason.
+//! - **Frame.** That of `trueaxis_kinematics::FrameRule`: x lies along the average line of the first
+//!   linear axis that runs (in the order X, Y, Z of nearest directions), the second one lies in a plane
+//!   of the frame, and the origin is where the mounting errors of the targets that anchor it have zero
+//!   mean. Without two linear runs these targets also give orientation. A shift along itself of a rotary
+//!   axis that carries them is zero by definition. A scenario that contradicts this is refused with the
+//!   reason.
 //!
-//! With linear axes, too, a shift of a rotary axis along itself (`Z0C`) is only told from the
-//! mounting of its targets if their mounting errors have zero mean along it.
+//! A shift along itself of another rotary axis (`Z0C`) is only told from the mounting of its targets if
+//! their mounting errors have zero mean along it.
 //!
 //! # Noise
 //!

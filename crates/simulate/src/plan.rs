@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_effects::{ResolvedEffect, Scene, SceneTarget, resolve_all};
-use trueaxis_kinematics::{Axis, Machine};
+use trueaxis_kinematics::{Axis, FrameRule, Machine};
 
 use crate::build_machine::build_machine;
 use crate::check;
-use crate::frame::ReferenceFrame;
+use crate::frame::frame_rule;
 use crate::mounting::check_mounting;
 use crate::plan_runs::plan_runs;
 use crate::read_errors::read_errors;
@@ -22,7 +22,7 @@ pub(crate) struct Plan {
     pub(crate) machine: Machine,
     pub(crate) targets: Vec<PlannedTarget>,
     pub(crate) runs: Vec<PlannedRun>,
-    pub(crate) frame: ReferenceFrame,
+    pub(crate) frame: FrameRule,
     pub(crate) errors: Vec<TrueAxis>,
     pub(crate) noise: Noise,
     pub(crate) effects: Vec<ResolvedEffect>,
@@ -51,9 +51,9 @@ impl Plan {
         check_stations(scenario)?;
         let runs = plan_runs(scenario, &machine, &targets)?;
         check_timing(scenario)?;
-        let frame = ReferenceFrame::new(&machine, |axis| runs.iter().any(|run| run.axis == axis));
+        let frame = frame_rule(&machine, &targets, &runs);
         let errors = read_errors(scenario, &machine, &runs, &frame)?;
-        check_mounting(&machine, &frame, &targets)?;
+        check_mounting(&frame, &targets)?;
         let noise = Noise::of(scenario)?;
         let effects = resolve_all(
             &scenario.effects,

@@ -1,10 +1,10 @@
 //! The error curves and location errors of a scenario by their ISO 230-1 names.
 
 use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Component, LocationComponent, MICROMETRE};
-use trueaxis_kinematics::{LocationError, Machine, MotionError};
+use trueaxis_kinematics::{FrameRule, LocationError, Machine, MotionError};
 
 use crate::check;
-use crate::frame::ReferenceFrame;
+use crate::frame::why_zero;
 use crate::gauge::GaugePart;
 use crate::plan::PlannedRun;
 use crate::true_errors::{Curve, TrueAxis};
@@ -15,7 +15,7 @@ pub(crate) fn read_errors(
     scenario: &Scenario,
     machine: &Machine,
     runs: &[PlannedRun],
-    frame: &ReferenceFrame,
+    frame: &FrameRule,
 ) -> Result<Vec<TrueAxis>, Error> {
     let mut all: Vec<TrueAxis> = machine.axes().iter().map(TrueAxis::faultless).collect();
     let names: Vec<&str> = machine.axes().iter().map(Axis::name).collect();
@@ -30,7 +30,7 @@ pub(crate) fn read_errors(
         }
         errors.curves = curves(&field, axis, spec)?;
         errors.location = location(&field, axis, spec, |component| {
-            frame.takes(index, component)
+            why_zero(frame, machine, index, component)
         })?;
         errors.half_lost_motion = half_lost_motion(&field, axis, spec)?;
         refuse_unseen_lost_motion(&field, index, axis, errors, runs)?;

@@ -145,7 +145,7 @@ fn components(plan: &Plan, index: usize) -> TrueComponents {
 fn locations(plan: &Plan, index: usize) -> Vec<TrueLocation> {
     let axis = &plan.machine.axes()[index];
     let free = axis.location_components().into_iter();
-    free.filter(|&component| plan.frame.takes(index, component).is_none())
+    free.filter(|&component| !plan.frame.defines(&plan.machine, index, component))
         .map(|component| TrueLocation {
             name: component.name(axis.name()),
             component,
