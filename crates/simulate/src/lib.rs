@@ -18,7 +18,7 @@
 //! by side. The rigid machine and the noise are shared with none of the estimators that are tested with
 //! them; the forms of the effects are those that a diagnosis looks for, but here they displace points
 //! and the exact distance is taken, never `u·D`. It does not write the campaign (`trueaxis-campaign`
-//! does).
+//! does). [`replay`] is the inverse: from a campaign and what is believed of it to a scenario.
 //!
 //! # Example
 //!
@@ -93,6 +93,7 @@ mod plan;
 mod plan_runs;
 mod read;
 mod read_errors;
+mod replay;
 mod scenario;
 mod schedule;
 mod simulate;
@@ -104,6 +105,7 @@ mod unique_keys;
 
 pub use error::{Error, Place};
 pub use noise::Noise;
+pub use replay::{Replay, ReplayError, replay};
 pub use scenario::{
     AxisErrors, AxisKindSpec, AxisSpec, Gauge, InstrumentSpec, KinematicsSpec, LocationValue,
     MachineSpec, NoiseSpec, RunSpec, Scenario, StationSpec, Sweep, TargetSpec, Timing,

@@ -1,48 +1,92 @@
-//! The extended model as a scenario: the calibrated machine with the causes, measured as in the campaign.
+//! From a campaign and what is believed of it to a scenario: the inverse of [`simulate`](crate::simulate).
 //!
-//! Error curves are tables of the calibrated values, already in the least-squares gauge, so that the
-//! scenario has the gauge `none`; between the steps they are straight. What a scenario cannot say is told, and
-//! one that would measure something else is not made.
+//! Error curves are tables of the believed values, which are in the least-squares gauge already, so that
+//! the scenario has the gauge `none`; between the steps they are straight. What a scenario cannot say is
+//! told, and one that would measure something else is not made.
+
+mod clock;
+mod order;
+mod targets;
 
 use std::collections::BTreeMap;
 
-use trueaxis_calibrate::{AxisResult, Calibration};
 use trueaxis_campaign::{Campaign, Direction};
-use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Branch, Component, MICROMETRE};
-use trueaxis_simulate::{
-    AxisErrors, AxisKindSpec, AxisSpec, Gauge, InstrumentSpec, KinematicsSpec, LocationValue,
-    MachineSpec, NoiseSpec, RunSpec, Scenario, StationSpec, Term, Timing, simulate,
-};
 
-use crate::diagnose::clock::Clock;
-use crate::diagnose::mounting::targets;
-use crate::diagnose::order::places_in_replay;
+use crate::{
+    AxisErrors, AxisKindSpec, AxisSpec, Error, Gauge, InstrumentSpec, KinematicsSpec,
+    LocationValue, MachineSpec, NoiseSpec, RunSpec, Scenario, StationSpec, Term, Timing,
+    TrueComponents, TrueLocation, Truth, simulate,
+};
+use clock::Clock;
+use order::places_in_replay;
+use targets::targets;
 
 /// A scenario and what it does not say.
-pub(crate) struct Replay {
-    pub(crate) scenario: Scenario,
-    pub(crate) notices: Vec<String>,
+#[derive(Debug, Clone, PartialEq)]
+pub struct Replay {
+    /// The scenario: simulated, it measures what the campaign measured.
+    pub scenario: Scenario,
+    /// In words for the user.
+    pub notices: Vec<String>,
+}
+
+/// Why a campaign cannot be replayed.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// The campaign has no lengths.
+    #[error("only lengths can be replayed")]
+    NoLengths,
+    /// The simulated machine stands still at its stops.
+    #[error(
+        "late time stamps need a moving machine, and the simulated one stands still at its stops"
+    )]
+    LateTimeStamps,
+    /// A run with more than one moving axis.
+    #[error("in run {run} more than one axis moves")]
+    SeveralAxesMove {
+        /// Name of the run.
+        run: String,
+    },
+    /// A simulated campaign has one order.
+    #[error(
+        "its lengths were measured in another order than stations, repeats, runs, sweeps, \
+         positions, targets"
+    )]
+    OtherOrder,
+    /// A target of the campaign of which nothing is believed.
+    #[error("target {target} was not measured")]
+    TargetNotMeasured {
+        /// Name of the target.
+        target: String,
+    },
+    /// The targets are not where the reference frame of a scenario would have them.
+    #[error(
+        "the frame of the calibration has directions that a scenario takes from its targets \
+         (they are off by {off:.1e} mm or rad, expected at most {most:.0e})"
+    )]
+    OtherFrame {
+        /// Shift, mm, or rotation, rad, of the targets against the frame.
+        off: f64,
+        /// What an iterated frame may leave.
+        most: f64,
+    },
+    /// The scenario cannot be simulated.
+    #[error(transparent)]
+    Scenario(#[from] Error),
 }
 
 /// Degrees are written to this, as in `calibration.json`.
 const PER_DEGREE: f64 = 1e9;
 
-/// The scenario of a campaign with `effects`, or why there is none.
-pub(crate) fn replay(
-    campaign: &Campaign,
-    calibration: &Calibration,
-    effects: &[GivenEffect],
-) -> Result<Replay, String> {
-    let Some(lengths) = &campaign.lengths else {
-        return Err("only lengths can be replayed".to_owned());
-    };
-    if effects.iter().any(|e| e.effect == "timestamp_offset") {
-        return Err(
-            "late time stamps need a moving machine, and the simulated one stands still \
-                    at its stops"
-                .to_owned(),
-        );
+/// The scenario that measures `campaign` again if `truth` is true of it.
+///
+/// # Errors
+/// [`ReplayError`] if no scenario would measure the same in the same order.
+pub fn replay(campaign: &Campaign, truth: &Truth) -> Result<Replay, ReplayError> {
+    let lengths = campaign.lengths.as_ref().ok_or(ReplayError::NoLengths)?;
+    if truth.effects.iter().any(|e| e.effect == "timestamp_offset") {
+        return Err(ReplayError::LateTimeStamps);
     }
     let mut scenario = Scenario {
         format: Scenario::FORMAT.to_owned(),
@@ -55,15 +99,15 @@ pub(crate) fn replay(
             length_sigma_ppm: campaign.instrument.length_sigma_ppm,
             repeatability_um: campaign.instrument.repeatability_um,
         },
-        targets: targets(campaign, calibration)?,
-        stations: stations(campaign, calibration)?,
-        errors: calibration
+        targets: targets(campaign, truth)?,
+        stations: stations(campaign, truth),
+        errors: truth
             .axes
             .iter()
-            .map(errors)
-            .collect::<BTreeMap<_, _>>(),
+            .map(|axis| (axis.name.clone(), errors(truth, axis)))
+            .collect(),
         gauge: Gauge::None,
-        effects: effects.to_vec(),
+        effects: truth.effects.clone(),
         runs: runs(campaign)?,
         repeats: lengths
             .stops
@@ -71,13 +115,15 @@ pub(crate) fn replay(
             .map(|stop| stop.repeat)
             .max()
             .unwrap_or(1),
-        noise: noise(calibration),
+        noise: NoiseSpec {
+            length_sigma_um: Some(truth.noise.length_sigma_um),
+            length_sigma_ppm: Some(truth.noise.length_sigma_ppm),
+            repeatability_um: Some(truth.noise.repeatability_um),
+            exact: false,
+        },
         timing: Timing::default(),
     };
-    let simulated = |scenario: &Scenario| {
-        let simulated = simulate(scenario, 1).map_err(|error| error.to_string())?;
-        Ok::<_, String>(simulated.campaign)
-    };
+    let simulated = |scenario: &Scenario| simulate(scenario, 1).map(|simulated| simulated.campaign);
     let evenly = simulated(&scenario)?;
     let places = places_in_replay(campaign, &evenly)?;
     let mut notices = Vec::new();
@@ -136,57 +182,52 @@ fn machine(campaign: &Campaign) -> MachineSpec {
     }
 }
 
-fn stations(campaign: &Campaign, calibration: &Calibration) -> Result<Vec<StationSpec>, String> {
-    if !calibration.adjustment.interruptions.is_empty() {
-        return Err("the calibration split turns of stations, which a scenario cannot".to_owned());
-    }
-    let found = campaign.stations.iter().zip(&calibration.stations);
-    let stations = found.map(|(declared, found)| StationSpec {
+fn stations(campaign: &Campaign, truth: &Truth) -> Vec<StationSpec> {
+    let stations = campaign.stations.iter().zip(&truth.stations);
+    let stations = stations.map(|(declared, found)| StationSpec {
         name: found.name.clone(),
         position_mm: found.position_mm.into(),
         dead_path_mm: found.dead_path_mm,
         declare_approx: declared.approx_mm.is_some(),
     });
-    Ok(stations.collect())
+    stations.collect()
 }
 
 /// The curves as tables, and the location errors.
-fn errors(axis: &AxisResult) -> (String, AxisErrors) {
+fn errors(truth: &Truth, axis: &TrueComponents) -> AxisErrors {
     let table = |component: Component| {
         let unit = if component.is_angular() {
             ARCSEC
         } else {
             MICROMETRE
         };
-        let nodes = axis.nodes.iter();
-        let values = nodes.map(|node| node.error.to_vector()[component.index()] / unit);
-        let positions = axis
-            .nodes
-            .iter()
-            .map(|node| in_file(axis.kind, node.position));
+        let values = axis.errors.iter();
+        let positions = axis.positions.iter();
         let term = Term::Table {
-            positions: positions.collect(),
-            values: values.collect(),
+            positions: positions.map(|&q| in_file(axis.kind, q)).collect(),
+            values: values
+                .map(|e| e.to_vector()[component.index()] / unit)
+                .collect(),
         };
         (component.name(&axis.name), vec![term])
     };
-    let location = axis.location_errors.iter().map(|location| {
+    let own = |location: &&TrueLocation| location.component.name(&axis.name) == location.name;
+    let location = truth.location_errors.iter().filter(own).map(|location| {
         let angular = location.component.is_angular();
         let value = LocationValue {
             value_arcsec: angular.then_some(location.value / ARCSEC),
             value_mm: (!angular).then_some(location.value),
         };
-        (location.component.name(&axis.name), value)
+        (location.name.clone(), value)
     });
-    let errors = AxisErrors {
+    AxisErrors {
         components: Component::ALL.into_iter().map(table).collect(),
         location_errors: location.collect(),
         ..AxisErrors::default()
-    };
-    (axis.name.clone(), errors)
+    }
 }
 
-fn runs(campaign: &Campaign) -> Result<Vec<RunSpec>, String> {
+fn runs(campaign: &Campaign) -> Result<Vec<RunSpec>, ReplayError> {
     let runs = campaign.runs.iter().enumerate();
     runs.map(|(number, run)| {
         let axes = campaign.machine.axes();
@@ -206,7 +247,8 @@ fn runs(campaign: &Campaign) -> Result<Vec<RunSpec>, String> {
         for (index, axis) in axes.iter().enumerate().filter(|(i, _)| *i != run.axis) {
             let first = steps.first().map_or(0.0, |q| q[index]);
             if steps.iter().any(|q| q[index].total_cmp(&first).is_ne()) {
-                return Err(format!("in run {} more than one axis moves", run.name));
+                let run = run.name.clone();
+                return Err(ReplayError::SeveralAxesMove { run });
             }
             parked.insert(axis.name().to_owned(), in_file(axis.kind(), first));
         }
@@ -246,15 +288,4 @@ fn targets_and_directions(campaign: &Campaign, run: usize) -> (Vec<String>, Vec<
         }
     }
     (targets, directions)
-}
-
-/// The estimated noise.
-fn noise(calibration: &Calibration) -> NoiseSpec {
-    let noise = calibration.adjustment.noise;
-    NoiseSpec {
-        length_sigma_um: noise.map(|n| n.length.used.sigma_mm / MICROMETRE),
-        length_sigma_ppm: noise.map(|n| n.length_ppm),
-        repeatability_um: noise.map(|n| n.machine_return.used.sigma_mm / MICROMETRE),
-        exact: false,
-    }
 }
