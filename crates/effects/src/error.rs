@@ -1,7 +1,6 @@
 //! What can be wrong with given effects.
 
-use crate::EffectsFile;
-use crate::nearest::nearest;
+use trueaxis_files::{Alternatives, DocumentError};
 
 /// Effects that cannot be read, or that cannot happen to the measurement at hand.
 ///
@@ -9,33 +8,9 @@ use crate::nearest::nearest;
 /// alone begins with its own fields.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// The text is not JSON, or not of the shape of an effects file.
-    #[error("line {line}: {}{message}{}", prefix(field.as_deref()), did_you_mean(nearest.as_deref()))]
-    Json {
-        /// Path of the innermost field that was being read.
-        field: Option<String>,
-        /// Line, from 1.
-        line: usize,
-        /// What the parser says.
-        message: String,
-        /// The known name closest to an unknown one.
-        nearest: Option<String>,
-    },
-    /// The file is something else.
-    #[error("format: expected `{}`, found `{found}`", EffectsFile::FORMAT)]
-    Format {
-        /// What it calls itself; empty if it does not say.
-        found: String,
-    },
-    /// The file is of another version.
-    #[error(
-        "version: expected {} of the effects format, found {found}",
-        EffectsFile::VERSION
-    )]
-    Version {
-        /// Version of the file.
-        found: u32,
-    },
+    /// The text is not JSON, or no effects file.
+    #[error(transparent)]
+    Document(#[from] DocumentError),
     /// A name that nothing has.
     #[error("{field}: no {what} is named `{name}` (known: {known}){}", did_you_mean(nearest.as_deref()))]
     UnknownName {
@@ -134,9 +109,7 @@ impl Error {
     /// Path of the field that is wrong, where it is one field.
     pub fn field(&self) -> Option<&str> {
         match self {
-            Self::Json { field, .. } => field.as_deref(),
-            Self::Format { .. } => Some("format"),
-            Self::Version { .. } => Some("version"),
+            Self::Document(error) => error.place.field_path(),
             Self::UnknownName { field, .. }
             | Self::Subject { field, .. }
             | Self::MissingParameter { field, .. }
@@ -151,7 +124,7 @@ impl Error {
     /// The same error where its field is a part of `outer`.
     pub(crate) fn within(mut self, outer: &str) -> Self {
         match &mut self {
-            Self::Json { .. } | Self::Format { .. } | Self::Version { .. } => {}
+            Self::Document(_) => {}
             Self::UnknownName { field, .. }
             | Self::Subject { field, .. }
             | Self::MissingParameter { field, .. }
@@ -177,13 +150,9 @@ pub(crate) fn index_of(
         field: field.into(),
         what: what.into(),
         name: name.to_owned(),
-        nearest: nearest(name, known.iter().copied()),
+        nearest: Alternatives::new(name, known).nearest,
         known: known.join(", "),
     })
-}
-
-fn prefix(field: Option<&str>) -> String {
-    field.map_or_else(String::new, |field| format!("{field}: "))
 }
 
 fn did_you_mean(nearest: Option<&str>) -> String {

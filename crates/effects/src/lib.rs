@@ -51,7 +51,6 @@ mod effects_file;
 mod error;
 mod given_effect;
 mod given_subject;
-mod nearest;
 mod resolved_effect;
 mod scene;
 mod shape_parameter;

@@ -80,11 +80,9 @@
 //! [`Scenario`].
 
 mod axis_unit;
-mod build_machine;
 mod check;
 mod circumstances;
 mod error;
-mod field_line;
 mod frame;
 mod gauge;
 mod mounting;
@@ -101,14 +99,13 @@ mod term;
 mod true_errors;
 mod truth;
 mod truth_file;
-mod unique_keys;
 
-pub use error::{Error, Place};
+pub use error::{Error, Problem};
 pub use noise::Noise;
 pub use replay::{Replay, ReplayError, replay};
 pub use scenario::{
-    AxisErrors, AxisKindSpec, AxisSpec, Gauge, InstrumentSpec, KinematicsSpec, LocationValue,
-    MachineSpec, NoiseSpec, RunSpec, Scenario, StationSpec, Sweep, TargetSpec, Timing,
+    AxisErrors, Gauge, LocationValue, NoiseSpec, RunSpec, Scenario, StationSpec, Sweep, TargetSpec,
+    Timing,
 };
 pub use simulate::{Simulated, simulate};
 pub use term::Term;

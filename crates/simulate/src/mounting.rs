@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use trueaxis_kinematics::{FrameRule, SmallMotion};
 
-use crate::Error;
 use crate::plan::PlannedTarget;
+use crate::{Error, Problem};
 
 /// Decimal mounting errors sum to zero within rounding, far below the 1e-7 mm of a length.
 const MEAN_TOL_MM: f64 = 1e-9;
@@ -26,18 +26,20 @@ pub(crate) fn check_mounting(frame: &FrameRule, targets: &[PlannedTarget]) -> Re
     let names: Vec<&str> = anchors.iter().map(|target| target.name.as_str()).collect();
     let targets = names.join(", ");
     if rigid.translation.amax() > MEAN_TOL_MM {
-        return Err(Error::MountingMean {
+        return Err(Problem::MountingMean {
             targets,
             mean_mm: rigid.translation.into(),
             mended: mended(&anchors, &rigid),
-        });
+        }
+        .at("targets"));
     }
     if rigid.rotation.amax() > ROTATION_TOL_RAD {
-        return Err(Error::MountingRotation {
+        return Err(Problem::MountingRotation {
             targets,
             rotation_rad: rigid.rotation.into(),
             mended: mended(&anchors, &rigid),
-        });
+        }
+        .at("targets"));
     }
     Ok(())
 }

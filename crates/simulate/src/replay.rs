@@ -10,13 +10,12 @@ mod targets;
 
 use std::collections::BTreeMap;
 
-use trueaxis_campaign::{Campaign, Direction};
-use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Branch, Component, MICROMETRE};
+use trueaxis_campaign::{Campaign, Direction, MachineSpec};
+use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 
 use crate::{
-    AxisErrors, AxisKindSpec, AxisSpec, Error, Gauge, InstrumentSpec, KinematicsSpec,
-    LocationValue, MachineSpec, NoiseSpec, RunSpec, Scenario, StationSpec, Term, Timing,
-    TrueComponents, TrueLocation, Truth, simulate,
+    AxisErrors, Error, Gauge, LocationValue, NoiseSpec, RunSpec, Scenario, StationSpec, Term,
+    Timing, TrueComponents, TrueLocation, Truth, simulate,
 };
 use clock::Clock;
 use order::places_in_replay;
@@ -89,16 +88,11 @@ pub fn replay(campaign: &Campaign, truth: &Truth) -> Result<Replay, ReplayError>
         return Err(ReplayError::LateTimeStamps);
     }
     let mut scenario = Scenario {
-        format: Scenario::FORMAT.to_owned(),
-        version: Scenario::VERSION,
+        format: Scenario::FORMAT.name.to_owned(),
+        version: Scenario::FORMAT.version,
         name: campaign.name.clone(),
-        machine: machine(campaign),
-        instrument: InstrumentSpec {
-            name: campaign.instrument.name.clone(),
-            length_sigma_um: campaign.instrument.length_sigma_um,
-            length_sigma_ppm: campaign.instrument.length_sigma_ppm,
-            repeatability_um: campaign.instrument.repeatability_um,
-        },
+        machine: MachineSpec::of(&campaign.machine_name, &campaign.machine),
+        instrument: campaign.instrument.clone(),
         targets: targets(campaign, truth)?,
         stations: stations(campaign, truth),
         errors: truth
@@ -149,36 +143,6 @@ fn in_file(kind: AxisKind, position: f64) -> f64 {
     match kind {
         AxisKind::Linear => position,
         AxisKind::Rotary => (position.to_degrees() * PER_DEGREE).round() / PER_DEGREE,
-    }
-}
-
-fn machine(campaign: &Campaign) -> MachineSpec {
-    let machine = &campaign.machine;
-    let branch = |branch| {
-        let axes = machine.branch(branch).iter();
-        axes.map(|&axis| machine.axes()[axis].name().to_owned())
-            .collect()
-    };
-    let axis = |axis: &Axis| {
-        let rotary = axis.kind() == AxisKind::Rotary;
-        AxisSpec {
-            name: axis.name().to_owned(),
-            kind: match axis.kind() {
-                AxisKind::Linear => AxisKindSpec::Linear,
-                AxisKind::Rotary => AxisKindSpec::Rotary,
-            },
-            direction: axis.direction().into_inner().into(),
-            travel: axis.travel().map(|q| in_file(axis.kind(), q)),
-            position_mm: rotary.then(|| axis.reference_mm().into()),
-        }
-    };
-    MachineSpec {
-        name: campaign.machine_name.clone(),
-        kinematics: KinematicsSpec {
-            tool: branch(Branch::Tool),
-            workpiece: branch(Branch::Workpiece),
-        },
-        axes: machine.axes().iter().map(axis).collect(),
     }
 }
 
