@@ -77,7 +77,13 @@ pub(crate) fn by_axis(campaign: &Campaign, poses: &Poses) -> Result<Vec<AxisData
         let run = data.runs.iter().position(|r| r.run == step.run);
         let run = run.unwrap_or_else(|| {
             let targets = &poses.bodies[observation.body].targets;
-            let run = RunData::new(campaign, step.run, observation.body, targets, &step.positions);
+            let run = RunData::new(
+                campaign,
+                step.run,
+                observation.body,
+                targets,
+                &step.positions,
+            );
             data.runs.push(run);
             data.runs.len() - 1
         });
@@ -104,7 +110,10 @@ fn check_other_axes(data: &AxisData, campaign: &Campaign, poses: &Poses) -> Resu
             if other == data.axis {
                 continue;
             }
-            let (run, axis) = (campaign.runs[content.run].name.clone(), &machine.axes()[other]);
+            let (run, axis) = (
+                campaign.runs[content.run].name.clone(),
+                &machine.axes()[other],
+            );
             let other_name = axis.name().to_owned();
             if positions[other].total_cmp(&first[other]).is_ne() {
                 return Err(Error::SeveralAxesMove {
@@ -194,12 +203,21 @@ impl RunData {
     }
 
     /// The axes outside `axis`, between it and the bed, and those inside it, between it and the body.
-    pub(crate) fn around<'a>(&self, machine: &'a Machine, axis: usize) -> (&'a [usize], &'a [usize]) {
+    pub(crate) fn around<'a>(
+        &self,
+        machine: &'a Machine,
+        axis: usize,
+    ) -> (&'a [usize], &'a [usize]) {
         around(machine, self.carrier, axis)
     }
 
     /// The axes inside `axis`, between it and a target.
-    pub(crate) fn inside<'a>(&self, machine: &'a Machine, axis: usize, place: usize) -> &'a [usize] {
+    pub(crate) fn inside<'a>(
+        &self,
+        machine: &'a Machine,
+        axis: usize,
+        place: usize,
+    ) -> &'a [usize] {
         around(machine, self.carriers[place], axis).1
     }
 

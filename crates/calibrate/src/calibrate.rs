@@ -9,7 +9,8 @@ use trueaxis_multilateration::{Screened, Solution};
 
 use crate::axis_data::{AxisData, by_axis};
 use crate::calibration::{
-    AxisResult, Calibration, LocationResult, NodeResult, SideDifference, StationResult, TargetResult,
+    AxisResult, Calibration, LocationResult, NodeResult, SideDifference, StationResult,
+    TargetResult,
 };
 use crate::identify_axes::{Identified, identify_axes, mean_targets};
 use crate::measure::{Measured, measure};
@@ -137,7 +138,12 @@ pub(crate) fn calibrate_in_parts<'a>(
             ..axis_result(&context, &measured, &propagation, k)
         })
         .collect();
-    let stations = stations(campaign, measured.solution(), &stations_in_ref, &propagation);
+    let stations = stations(
+        campaign,
+        measured.solution(),
+        &stations_in_ref,
+        &propagation,
+    );
     let covariance = settings
         .covariance
         .then(|| OutputCovariance::new(&propagation, &axes, &stations));
@@ -342,7 +348,10 @@ fn sides_in_words(
             true => (ARCSEC, "″"),
             false => (MICROMETRE, " µm"),
         };
-        let (value, u) = (sides.value[most.index()] / size, sides.u[most.index()] / size);
+        let (value, u) = (
+            sides.value[most.index()] / size,
+            sides.u[most.index()] / size,
+        );
         Some(format!(
             "axis {name}: forward and backward approach differ, {} by {value:+.2}{unit} (U {:.2}{unit}): its \
              curves are the mean of both sides; --by-direction keeps them apart",

@@ -178,7 +178,9 @@ impl<'a> FrameMap<'a> {
     fn base(&self, k: usize, run: usize) -> Isometry3<f64> {
         let run = &self.data[k].runs[run];
         let (outer, _) = run.around(self.context.machine, self.data[k].axis);
-        self.context.machine.chain_motion(&self.errors(), outer, &run.positions)
+        self.context
+            .machine
+            .chain_motion(&self.errors(), outer, &run.positions)
     }
 
     /// Rotation from the axis' base: other rotary axes stand at home, so it is all but none.
@@ -215,7 +217,10 @@ impl<'a> FrameMap<'a> {
         let tilts: Vec<Matrix3xX<f64>> = rule.lines.iter().map(|&(k, _)| tilt(k)).collect();
         let mut shifts: Vec<Matrix3xX<f64>> = Vec::new();
         // The anchors are all targets of some runs, run after run.
-        for run in rule.anchors.chunk_by(|a, b| (a.data, a.run) == (b.data, b.run)) {
+        for run in rule
+            .anchors
+            .chunk_by(|a, b| (a.data, a.run) == (b.data, b.run))
+        {
             let targets = self.targets(run[0].data, run[0].run);
             shifts.extend(run.iter().map(|anchor| targets[anchor.place].0.clone()));
         }

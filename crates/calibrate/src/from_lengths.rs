@@ -129,7 +129,9 @@ impl<'a> AdjustedLengths<'a> {
     fn targets_of(&self, body: usize, count: usize) -> Vec<usize> {
         let mut targets = vec![0; count];
         let bodies = self.screened.network.bodies.iter();
-        let placed = bodies.flat_map(|bodies| &bodies.of_groups).zip(&self.groups);
+        let placed = bodies
+            .flat_map(|bodies| &bodies.of_groups)
+            .zip(&self.groups);
         for (placed, group) in placed.filter(|(placed, _)| placed.body == Some(body)) {
             for (&place, &target) in placed.places.iter().zip(&group.targets) {
                 targets[place] = target;
@@ -148,7 +150,8 @@ impl<'a> AdjustedLengths<'a> {
                 group.targets.len(),
                 self.campaign.machine.axes()[axis].name(),
             ),
-            mend: "measure the missing targets there, or leave out the rows of this step".to_owned(),
+            mend: "measure the missing targets there, or leave out the rows of this step"
+                .to_owned(),
         }
     }
 
@@ -175,7 +178,9 @@ impl<'a> AdjustedLengths<'a> {
 
     /// The groups of the targets that move with the axes under test, in order.
     pub(crate) fn moved(&self) -> Vec<usize> {
-        (0..self.groups.len()).filter(|&g| self.groups[g].moved).collect()
+        (0..self.groups.len())
+            .filter(|&g| self.groups[g].moved)
+            .collect()
     }
 
     fn measured_points(&self, network: &Network, solution: &Solution) -> MeasuredPoints {

@@ -202,7 +202,10 @@ fn improve(
         let first = gauge.location_parameters + PER_RUN * r;
         let twist: Vector6<f64> = x.fixed_rows::<PER_RUN>(first).into_owned();
         let (_, inner) = run.around(context.machine, own.axis);
-        let inside = context.machine.chain_motion(&ModelErrors { data, state }, inner, &run.positions);
+        let inside =
+            context
+                .machine
+                .chain_motion(&ModelErrors { data, state }, inner, &run.positions);
         let placement = &mut state.axes[k].placements[r];
         *placement = inside.inverse() * turned_about(&reference, &twist) * inside * *placement;
         let part = |first: usize| twist.fixed_rows::<3>(first).into_owned();
@@ -258,7 +261,9 @@ fn settle_frame(
         .collect();
     let homes_mm = home_positions(context, data, next);
     let shift = |anchor: &Anchor| {
-        homes_mm[anchor.data][anchor.run][anchor.place] - anchor.nominal_mm
+        let target = data[anchor.data].runs[anchor.run].targets[anchor.place];
+        let home_mm = homes_mm[anchor.data][anchor.run][anchor.place];
+        home_mm - context.campaign.targets[target].home_mm
     };
     let shifts: Vec<Vector3<f64>> = frame.anchors.iter().map(shift).collect();
     let motion = frame.motion(&tilts, &shifts);
@@ -293,7 +298,8 @@ fn home_positions(
 ) -> Vec<Vec<Vec<Point3<f64>>>> {
     let errors = ModelErrors { data, state };
     let of_run = |place| errors.targets_mm(context.machine, &context.poses.bodies, place);
-    let of_axis = |(k, axis): (usize, &AxisData)| (0..axis.runs.len()).map(|r| of_run((k, r))).collect();
+    let of_axis =
+        |(k, axis): (usize, &AxisData)| (0..axis.runs.len()).map(|r| of_run((k, r))).collect();
     data.iter().enumerate().map(of_axis).collect()
 }
 
@@ -330,7 +336,12 @@ fn mean_axial_shift(
     for (r, run) in data[k].runs.iter().enumerate() {
         let found = errors.targets_mm(context.machine, &context.poses.bodies, (k, r));
         let nominal = run.nominal_mm(context.campaign);
-        shifts.extend(found.iter().zip(&nominal).map(|(p, home)| (p - home).dot(&along)));
+        shifts.extend(
+            found
+                .iter()
+                .zip(&nominal)
+                .map(|(p, home)| (p - home).dot(&along)),
+        );
     }
     shifts.iter().sum::<f64>() / shifts.len().max(1) as f64
 }

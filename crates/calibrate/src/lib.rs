@@ -127,8 +127,8 @@ pub use adjustment_report::{
 pub use budget::{Budget, coverage_factor};
 pub use calibrate::{LengthsAdjustment, calibrate, calibrate_with_adjustment};
 pub use calibration::{
-    AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, SideDifference, StationResult, StepMisfit, TargetResult,
-    TriangleSide,
+    AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, SideDifference, StationResult,
+    StepMisfit, TargetResult, TriangleSide,
 };
 pub use error::Error;
 pub use length_circumstances::{LengthCircumstances, Observation, length_circumstances, scene_of};

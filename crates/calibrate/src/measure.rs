@@ -140,7 +140,9 @@ impl<'a> Measured<'a> {
 
     /// Follows the report: all variances by the square of its factor, which is known as well as it says.
     pub(crate) fn follow(&mut self, report: &AdjustmentReport) {
-        let Some(poses) = self.poses_mut() else { return };
+        let Some(poses) = self.poses_mut() else {
+            return;
+        };
         let factor = report.uncertainty_factor.powi(2);
         poses.noise.scale(factor);
         poses.instrument.scale(factor);
@@ -158,7 +160,10 @@ impl<'a> Measured<'a> {
         identified: &Identified,
         by_direction: bool,
     ) -> Vec<Option<SideDifference>> {
-        let joined = self.adjusted.as_ref().filter(|_| self.joint.is_some() && !by_direction);
+        let joined = self
+            .adjusted
+            .as_ref()
+            .filter(|_| self.joint.is_some() && !by_direction);
         let errors = ModelErrors {
             data,
             state: &identified.state,

@@ -21,7 +21,10 @@ pub(crate) fn method_loss(
     propagation: &Propagation<'_>,
 ) -> Vec<Option<MethodLoss>> {
     let axes = propagation.dependence.data.len();
-    let points = measured.points.as_ref().filter(|_| measured.method == Method::Joint);
+    let points = measured
+        .points
+        .as_ref()
+        .filter(|_| measured.method == Method::Joint);
     let Some((points, by_nine)) = points else {
         return vec![None; axes];
     };
@@ -31,10 +34,15 @@ pub(crate) fn method_loss(
     let ratios = |found: &PointPoses| {
         let noise = at_the_same_pivots(found, measured)?;
         let other = squares(&Noise::new(propagation.dependence, &noise), axes);
-        let ratio = |(a, b): (&[f64; 6], &[f64; 6])| {
-            std::array::from_fn(|c| (a[c] / b[c]).max(0.0).sqrt())
-        };
-        Some(other.iter().zip(&joint).map(ratio).collect::<Vec<[f64; 6]>>())
+        let ratio =
+            |(a, b): (&[f64; 6], &[f64; 6])| std::array::from_fn(|c| (a[c] / b[c]).max(0.0).sqrt());
+        Some(
+            other
+                .iter()
+                .zip(&joint)
+                .map(ratio)
+                .collect::<Vec<[f64; 6]>>(),
+        )
     };
     let (nine, six) = (ratios(by_nine), by_six.as_ref().and_then(ratios));
     let of_axis = |k: usize| {

@@ -7,7 +7,8 @@
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6xX, Point3};
 use trueaxis_campaign::Campaign;
 use trueaxis_identify::{
-    BodyNoise, BodyPoses, BodyStep, Equations, Error as Identify, StepError, StepPose, poses_of_body,
+    BodyNoise, BodyPoses, BodyStep, Equations, Error as Identify, StepError, StepPose,
+    poses_of_body,
 };
 use trueaxis_kinematics::{Ideal, Machine};
 
@@ -79,10 +80,13 @@ pub(crate) fn poses_from_points(
             pivot_mm: datum_from_home * body.pivot_mm,
         }
     };
-    let shapes = nominal.iter().zip(&bodies).map(|(nominal, body)| TargetBody {
-        targets: nominal.targets.clone(),
-        home_mm: body.shape_mm.clone(),
-    });
+    let shapes = nominal
+        .iter()
+        .zip(&bodies)
+        .map(|(nominal, body)| TargetBody {
+            targets: nominal.targets.clone(),
+            home_mm: body.shape_mm.clone(),
+        });
     Ok(PointPoses {
         poses: Poses {
             observations: sources.iter().map(observation).collect(),
@@ -155,21 +159,25 @@ fn nominal_bodies(
         // On several carriers targets are one body during this run only, and at home where the
         // outermost carrier would bring them from.
         let key = ((!one_carrier).then_some(step.run), targets.clone());
-        let body = keys.iter().position(|known| *known == key).unwrap_or_else(|| {
-            let home = |t: &usize| {
-                let home_mm = campaign.targets[*t].home_mm;
-                let position = machine.position(&Ideal, carrier_of(t), &step.positions, home_mm);
-                nominal.inverse() * position
-            };
-            bodies.push(NominalBody {
-                home_mm: targets.iter().map(home).collect(),
-                targets: targets.clone(),
-                steps: Vec::new(),
-                points: Vec::new(),
+        let body = keys
+            .iter()
+            .position(|known| *known == key)
+            .unwrap_or_else(|| {
+                let home = |t: &usize| {
+                    let home_mm = campaign.targets[*t].home_mm;
+                    let position =
+                        machine.position(&Ideal, carrier_of(t), &step.positions, home_mm);
+                    nominal.inverse() * position
+                };
+                bodies.push(NominalBody {
+                    home_mm: targets.iter().map(home).collect(),
+                    targets: targets.clone(),
+                    steps: Vec::new(),
+                    points: Vec::new(),
+                });
+                keys.push(key);
+                keys.len() - 1
             });
-            keys.push(key);
-            keys.len() - 1
-        });
         let place = |t: &usize| group.targets.iter().position(|seen| seen == t);
         let places: Vec<usize> = targets.iter().filter_map(place).collect();
         let content = &mut bodies[body];
@@ -197,7 +205,10 @@ fn refused(
 ) -> Error {
     let group = &points.groups[body.points[*step].0];
     let in_words = describe::step(campaign, group.step);
-    let names = body.targets.iter().map(|&t| campaign.targets[t].name.as_str());
+    let names = body
+        .targets
+        .iter()
+        .map(|&t| campaign.targets[t].name.as_str());
     let names = names.collect::<Vec<_>>().join(", ");
     match error {
         Identify::Collinear { .. } => Error::NotIdentifiable {
@@ -306,7 +317,9 @@ fn pose_noise(
     shared.view_mut((0, 0), stations).copy_from(&noise.shared);
     for (body, &first) in found.iter().zip(&firsts) {
         let size = body.of_shape.shape();
-        shared.view_mut((first, first), size).copy_from(&body.of_shape);
+        shared
+            .view_mut((first, first), size)
+            .copy_from(&body.of_shape);
     }
     let coupling = |source: &Source| {
         let compact = &found[source.body].coupling[source.step];

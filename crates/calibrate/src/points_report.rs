@@ -72,7 +72,11 @@ pub(crate) fn of_points(
 
 /// How much larger than declared the scatter of repeated points is, if that is significant, and its
 /// degrees of freedom.
-fn repeat_factor(measured: &MeasuredPoints, declared: bool, notices: &mut Vec<String>) -> (f64, f64) {
+fn repeat_factor(
+    measured: &MeasuredPoints,
+    declared: bool,
+    notices: &mut Vec<String>,
+) -> (f64, f64) {
     let (squares, degrees_of_freedom) = measured.repeat_scatter;
     let p_value = chi_squared_upper_tail(squares, degrees_of_freedom as f64);
     if degrees_of_freedom == 0 || (declared && p_value >= GLOBAL_TEST_LEVEL) {

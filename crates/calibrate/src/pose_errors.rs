@@ -51,7 +51,12 @@ struct Seen {
 
 impl Context<'_> {
     /// Component errors of every record of the axis `data[k]`, before the gauge: δ (mm) and ε (rad).
-    pub(crate) fn pose_errors(&self, data: &[AxisData], state: &State, k: usize) -> Vec<Vector6<f64>> {
+    pub(crate) fn pose_errors(
+        &self,
+        data: &[AxisData],
+        state: &State,
+        k: usize,
+    ) -> Vec<Vector6<f64>> {
         let surroundings = self.surroundings(data, state, k);
         in_order::map(data[k].records.len(), |record| {
             let seen = self.seen(data, state, k, &surroundings, record);
@@ -64,12 +69,21 @@ impl Context<'_> {
     }
 
     /// How these follow from the errors of the measured poses ([`crate::poses`]).
-    pub(crate) fn from_poses(&self, data: &[AxisData], state: &State, k: usize) -> Vec<Matrix6<f64>> {
+    pub(crate) fn from_poses(
+        &self,
+        data: &[AxisData],
+        state: &State,
+        k: usize,
+    ) -> Vec<Matrix6<f64>> {
         let surroundings = self.surroundings(data, state, k);
         in_order::map(data[k].records.len(), |record| {
             let seen = self.seen(data, state, k, &surroundings, record);
             let observation = &self.poses.observations[data[k].records[record].pose];
-            let turn = seen.base_from_datum.rotation.to_rotation_matrix().into_inner();
+            let turn = seen
+                .base_from_datum
+                .rotation
+                .to_rotation_matrix()
+                .into_inner();
             let arm_mm = seen.reference_mm - seen.base_from_datum * observation.pivot_mm;
             let mut map = Matrix6::zeros();
             map.fixed_view_mut::<3, 3>(0, 0).copy_from(&turn);

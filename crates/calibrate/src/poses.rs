@@ -13,8 +13,8 @@
 //! or six equations both end here; nothing behind this file knows which it was.
 
 use nalgebra::{
-    DMatrix, Isometry3, Matrix2, Matrix6, Matrix6xX, Point3, RowDVector, Translation3, UnitQuaternion,
-    Vector3, Vector6,
+    DMatrix, Isometry3, Matrix2, Matrix6, Matrix6xX, Point3, RowDVector, Translation3,
+    UnitQuaternion, Vector3, Vector6,
 };
 use trueaxis_campaign::Direction;
 

@@ -101,7 +101,10 @@ pub fn calibrate_for_replay<'a>(
 }
 
 fn point_factors(measured: &Measured<'_>) -> Result<Vec<DMatrix<f64>>, Error> {
-    let groups = measured.points.iter().flat_map(|(points, _)| &points.noise.own);
+    let groups = measured
+        .points
+        .iter()
+        .flat_map(|(points, _)| &points.noise.own);
     groups
         .enumerate()
         .map(|(group, covariance)| {
@@ -157,7 +160,12 @@ impl Replay<'_> {
             _ => {
                 let mut rest = &errors_mm[..];
                 let mut of_groups = Vec::new();
-                for group in self.measured.points.iter().flat_map(|(points, _)| &points.groups) {
+                for group in self
+                    .measured
+                    .points
+                    .iter()
+                    .flat_map(|(points, _)| &points.groups)
+                {
                     let (own, behind) = rest.split_at(3 * group.points_mm.len());
                     of_groups.push(own);
                     rest = behind;

@@ -116,12 +116,7 @@ type Failing = (usize, RigidMisfit, f64);
 
 /// Failing records of one run with their test against the mean shape of the others. The sum of
 /// squares is in units of the noise that most steps show.
-fn failing(
-    records: &[usize],
-    fits: &[&StepPose],
-    declared: bool,
-    level: f64,
-) -> Vec<Failing> {
+fn failing(records: &[usize], fits: &[&StepPose], declared: bool, level: f64) -> Vec<Failing> {
     let Some(&first) = records.first() else {
         return Vec::new();
     };

@@ -89,7 +89,10 @@ fn sides(lengths: &Lengths, screened: &Screened) -> Vec<Side> {
     for visit in &network.visits {
         for reading in visit.readings.clone() {
             let original = screened.kept[reading];
-            while stops.peek().is_some_and(|stop| stop.readings.end <= original) {
+            while stops
+                .peek()
+                .is_some_and(|stop| stop.readings.end <= original)
+            {
                 stops.next();
             }
             let Some(stop) = stops.peek() else { continue };

@@ -148,12 +148,7 @@ impl Sources {
         find(&self.held, data, position)
     }
 
-    fn own(
-        &self,
-        data: &[AxisData],
-        identified: &Identified,
-        k: usize,
-    ) -> OwnSources {
+    fn own(&self, data: &[AxisData], identified: &Identified, k: usize) -> OwnSources {
         let (axis, sensitivity) = (&data[k], &identified.sensitivities[k]);
         let first = self.location[k];
         let mut places: Vec<usize> = (first..first + sensitivity.location_parameters).collect();

@@ -42,13 +42,18 @@ impl ModelErrors<'_> {
     ) -> Vec<Point3<f64>> {
         let (run, axis) = (&self.data[k].runs[r], self.data[k].axis);
         let (_, inner) = run.around(machine, axis);
-        let on_stage = machine.chain_motion(self, inner, &run.positions)
-            * self.state.axes[k].placements[r];
+        let on_stage =
+            machine.chain_motion(self, inner, &run.positions) * self.state.axes[k].placements[r];
         let home = |(place, p): (usize, &Point3<f64>)| {
             let inner = run.inside(machine, axis, place);
             machine.chain_motion(self, inner, &run.positions).inverse() * (on_stage * p)
         };
-        bodies[run.body].home_mm.iter().enumerate().map(home).collect()
+        bodies[run.body]
+            .home_mm
+            .iter()
+            .enumerate()
+            .map(home)
+            .collect()
     }
 }
 

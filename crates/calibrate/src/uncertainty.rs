@@ -10,11 +10,11 @@
 use nalgebra::{DMatrix, Matrix2, Matrix6xX, Point3, Vector6};
 
 use crate::axis_data::AxisData;
+use crate::axis_noise::ThroughBase;
 use crate::axis_noise::{AxisForm, AxisNoise};
 use crate::budget::Budget;
 use crate::frame_forms::FrameForms;
 use crate::identify_axes::Identified;
-use crate::axis_noise::ThroughBase;
 use crate::pose_errors::Context;
 use crate::poses::{PoseNoise, Poses};
 use crate::sources::{SourceNoise, Sources};

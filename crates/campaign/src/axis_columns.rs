@@ -3,7 +3,7 @@
 use trueaxis_kinematics::{Axis, AxisKind, Machine};
 
 use crate::table::{Column, Row, Table};
-use crate::{Error, position_unit};
+use crate::{Error, Problem, position_unit};
 
 /// Share of an axis' travel by which a position may exceed it: command values are rounded.
 const TRAVEL_TOL: f64 = 1e-6;
@@ -46,7 +46,7 @@ impl<'a> AxisColumns<'a> {
             })
         });
         Ok(Self {
-            axes: columns.collect::<Result<_, _>>()?,
+            axes: columns.collect::<Result<_, Error>>()?,
         })
     }
 
@@ -80,8 +80,7 @@ impl<'a> AxisColumns<'a> {
                 let far_beyond = position.abs() > FAR_BEYOND * low.abs().max(high.abs());
                 let micrometres =
                     kind == AxisKind::Linear && far_beyond && within(position / 1000.0);
-                return Err(Error::OutsideTravel {
-                    place: row.place(column),
+                return Err(Problem::OutsideTravel {
                     position: position_unit::in_file(kind, position),
                     low: position_unit::in_file(kind, low),
                     high: position_unit::in_file(kind, high),
@@ -91,7 +90,8 @@ impl<'a> AxisColumns<'a> {
                     } else {
                         "mend the position, or the travel in campaign.json"
                     },
-                });
+                }
+                .at(row.place(column)));
             }
         }
         Ok(())

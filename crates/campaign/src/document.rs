@@ -1,6 +1,16 @@
 //! `campaign.json` as it stands in the file: degrees, names instead of indices, nothing checked.
 
 use serde::{Deserialize, Serialize};
+use trueaxis_files::Format;
+
+use crate::Instrument;
+
+/// The format read and written.
+pub(crate) const FORMAT: Format = Format {
+    name: "trueaxis-campaign",
+    version: 1,
+    noun: "a campaign",
+};
 
 /// The whole document.
 #[derive(Debug, Serialize, Deserialize)]
@@ -9,9 +19,9 @@ pub(crate) struct Document {
     pub(crate) format: String,
     pub(crate) version: u32,
     pub(crate) name: String,
-    pub(crate) machine: MachineEntry,
+    pub(crate) machine: MachineSpec,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) instrument: Option<InstrumentEntry>,
+    pub(crate) instrument: Option<Instrument>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) targets: Vec<TargetEntry>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -26,54 +36,58 @@ pub(crate) struct Document {
     pub(crate) verification: Vec<VerificationEntry>,
 }
 
-#[derive(Debug, Serialize, Deserialize)]
+/// Nominal geometry of the machine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object: the machine")]
-pub(crate) struct MachineEntry {
-    pub(crate) name: String,
-    pub(crate) kinematics: KinematicsEntry,
-    pub(crate) axes: Vec<AxisEntry>,
+pub struct MachineSpec {
+    /// Name of the machine.
+    pub name: String,
+    /// Its branches.
+    pub kinematics: KinematicsSpec,
+    /// Its axes in the order of the columns of the tables.
+    pub axes: Vec<AxisSpec>,
 }
 
-#[derive(Debug, Serialize, Deserialize)]
+/// The two branches, each from the bed outwards.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "an object with the lists `tool` and `workpiece`"
 )]
-pub(crate) struct KinematicsEntry {
-    pub(crate) tool: Vec<String>,
-    pub(crate) workpiece: Vec<String>,
+pub struct KinematicsSpec {
+    /// Names of the axes from bed to tool; none if it is not given.
+    #[serde(default)]
+    pub tool: Vec<String>,
+    /// Names of the axes from bed to workpiece; none if it is not given.
+    #[serde(default)]
+    pub workpiece: Vec<String>,
 }
 
-#[derive(Debug, Serialize, Deserialize)]
+/// Nominal geometry of an axis in the reference frame at home.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object: an axis")]
-pub(crate) struct AxisEntry {
-    pub(crate) name: String,
-    pub(crate) kind: AxisKindEntry,
-    pub(crate) direction: [f64; 3],
-    /// mm or degrees.
-    pub(crate) travel: [f64; 2],
+pub struct AxisSpec {
+    /// Name, as `X`.
+    pub name: String,
+    /// Linear or rotary.
+    pub kind: AxisKindSpec,
+    /// Unit vector of positive motion or right-hand rotation.
+    pub direction: [f64; 3],
+    /// Lowest and highest position, mm or deg.
+    pub travel: [f64; 2],
+    /// A point on a rotary axis, mm; a linear axis has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) position_mm: Option<[f64; 3]>,
+    pub position_mm: Option<[f64; 3]>,
 }
 
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+/// `linear` or `rotary`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum AxisKindEntry {
+pub enum AxisKindSpec {
+    /// Positions in mm.
     Linear,
+    /// Positions in degrees.
     Rotary,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object: the instrument")]
-pub(crate) struct InstrumentEntry {
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub(crate) name: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) length_sigma_um: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) length_sigma_ppm: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) repeatability_um: Option<f64>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use crate::reading::{Reading, readings_of};
-use crate::{Error, Place, Stop, Target};
+use crate::{Error, Place, Problem, Stop, Target};
 
 /// Refuses a target read twice at one stop, and a visit that is repeated with identical times.
 pub(crate) fn check<R: Reading>(
@@ -29,11 +29,11 @@ fn check_stop<R: Reading>(file: &Path, readings: &[R], targets: &[Target]) -> Re
         let first = readings[..i].iter().find(|r| r.target() == second.target());
         if let Some(first) = first {
             let target = targets.get(second.target());
-            return Err(Error::TargetReadTwice {
-                place: Place::line(file, second.line()),
+            return Err(Problem::TargetReadTwice {
                 target: target.map(|t| t.name.clone()).unwrap_or_default(),
                 first_line: first.line(),
-            });
+            }
+            .at(Place::line(file, second.line())));
         }
     }
     Ok(())
@@ -57,11 +57,11 @@ fn check_visits<R: Reading>(file: &Path, stops: &[Stop], readings: &[R]) -> Resu
             let time_bits = (reading.time_s() + 0.0).to_bits();
             let sighting = (visit, reading.target(), time_bits);
             if let Some(first_line) = first_lines.insert(sighting, reading.line()) {
-                return Err(Error::VisitRepeated {
-                    place: Place::line(file, reading.line()),
+                return Err(Problem::VisitRepeated {
                     time_s: reading.time_s(),
                     first_line,
-                });
+                }
+                .at(Place::line(file, reading.line())));
             }
         }
     }

@@ -65,19 +65,16 @@
 //! The crate estimates nothing: it corrects no length for the air, rejects no outlier and finds no
 //! station.
 
-mod alternatives;
 mod axis_columns;
 mod cell;
 mod document;
 mod duplicates;
 mod error;
-mod json;
 mod lengths;
 mod machine;
 mod model;
 mod names;
 mod notices;
-mod place;
 mod plausibility;
 mod points;
 mod position_unit;
@@ -93,10 +90,10 @@ mod verification;
 mod visits;
 mod write;
 
-pub use alternatives::Alternatives;
-pub use error::Error;
+pub use document::{AxisKindSpec, AxisSpec, KinematicsSpec, MachineSpec};
+pub use error::{Error, Problem};
 pub use model::*;
-pub use place::{Part, Place};
 pub use plausibility::UnitMistake;
 pub use read::read;
+pub use trueaxis_files::{Alternatives, Part, Place};
 pub use write::write;

@@ -1,117 +1,115 @@
-//! The section `machine` of `campaign.json`.
-
-use std::path::Path;
+//! The section `machine` of `campaign.json` and of scenarios.
 
 use nalgebra::{Point3, Unit, Vector3};
+use trueaxis_files::{check_names, index_of};
 use trueaxis_kinematics::{Axis, AxisKind, Branch, Machine};
 
-use crate::document::{AxisEntry, AxisKindEntry, KinematicsEntry, MachineEntry};
-use crate::names::Names;
 use crate::table::FIXED_COLUMNS;
-use crate::{Error, Place, position_unit};
+use crate::{
+    AxisKindSpec, AxisSpec, Error, KinematicsSpec, MachineSpec, Place, Problem, position_unit,
+};
 
-/// Builds and checks the machine.
-pub(crate) fn from_entry(file: &Path, entry: &MachineEntry) -> Result<Machine, Error> {
-    let mut names = Names::new("axis", entry.axes.iter().map(|axis| axis.name.as_str()));
-    names.check(file, "machine.axes")?;
-    let axes = entry
-        .axes
-        .iter()
-        .enumerate()
-        .map(|(i, axis)| axis_from_entry(file, &format!("machine.axes[{i}]"), axis))
-        .collect::<Result<_, _>>()?;
-    let mut branch = |branch: &[String], path: &str| {
-        branch
+impl MachineSpec {
+    /// Builds and checks the machine.
+    ///
+    /// # Errors
+    /// With the path of the field in a document that has this machine as `machine`.
+    pub fn build(&self) -> Result<Machine, Error> {
+        let names: Vec<&str> = self.axes.iter().map(|axis| axis.name.as_str()).collect();
+        check_names("machine.axes", "axis", &names)?;
+        let axes = self
+            .axes
             .iter()
             .enumerate()
-            .map(|(i, name)| names.in_field(name, file, &format!("{path}[{i}]")))
-            .collect::<Result<Vec<_>, _>>()
-    };
-    let tool = branch(&entry.kinematics.tool, "machine.kinematics.tool")?;
-    let workpiece = branch(&entry.kinematics.workpiece, "machine.kinematics.workpiece")?;
-    Machine::new(axes, tool, workpiece).map_err(|problem| Error::Machine {
-        place: Place::field(file, "machine.kinematics"),
-        problem: Box::new(problem),
-    })
-}
-
-fn axis_from_entry(file: &Path, path: &str, entry: &AxisEntry) -> Result<Axis, Error> {
-    let place = |field: &str| Place::field(file, format!("{path}.{field}"));
-    if FIXED_COLUMNS.contains(&entry.name.as_str()) {
-        return Err(Error::Value {
-            place: place("name"),
-            found: format!("axis `{}` has the name of another column", entry.name),
-            expected: "a name like X or C, because each axis has a column".to_owned(),
-        });
+            .map(|(i, axis)| axis.build(&format!("machine.axes[{i}]")))
+            .collect::<Result<_, _>>()?;
+        let branch = |listed: &[String], name: &str| {
+            let field = |i| format!("machine.kinematics.{name}[{i}]");
+            let listed = listed.iter().enumerate();
+            listed
+                .map(|(i, name)| index_of(field(i), "axis", name, &names))
+                .collect::<Result<Vec<_>, _>>()
+        };
+        let tool = branch(&self.kinematics.tool, "tool")?;
+        let workpiece = branch(&self.kinematics.workpiece, "workpiece")?;
+        Machine::new(axes, tool, workpiece).map_err(|problem| {
+            let problem = Box::new(problem);
+            Problem::Machine { problem }.at(Place::in_field("machine.kinematics"))
+        })
     }
-    let kind = match entry.kind {
-        AxisKindEntry::Linear => AxisKind::Linear,
-        AxisKindEntry::Rotary => AxisKind::Rotary,
-    };
-    let [low, high] = entry.travel;
-    if low > high {
-        return Err(Error::Value {
-            place: place("travel"),
-            found: format!("the travel [{low}, {high}] ends before it begins"),
-            expected: format!("the low end first, in {}", position_unit::unit(kind)),
-        });
-    }
-    let direction = Vector3::from(entry.direction);
-    let travel = entry.travel.map(|end| position_unit::from_file(kind, end));
-    let axis = match (kind, entry.position_mm) {
-        (AxisKind::Linear, None) => Axis::linear(&entry.name, direction, travel),
-        (AxisKind::Rotary, Some(point_mm)) => {
-            Axis::rotary(&entry.name, direction, travel, Point3::from(point_mm))
-        }
-        (AxisKind::Linear, Some(_)) => {
-            return Err(Error::Value {
-                place: place("position_mm"),
-                found: format!("axis {} is linear and has a position", entry.name),
-                expected: "`position_mm` of rotary axes only; remove it".to_owned(),
-            });
-        }
-        (AxisKind::Rotary, None) => {
-            return Err(Error::MissingField {
-                place: Place::field(file, path),
-                name: "position_mm".to_owned(),
-            });
-        }
-    };
-    axis.map_err(|problem| Error::Machine {
-        place: place("direction"),
-        problem: Box::new(problem),
-    })
-}
 
-/// The entry that [`from_entry`] reads as `machine`. The file has no place for the reference point
-/// of a linear axis.
-pub(crate) fn to_entry(name: &str, machine: &Machine) -> MachineEntry {
-    let axes = machine.axes();
-    let branch = |branch| {
-        let axes = machine.branch(branch).iter().filter_map(|&i| axes.get(i));
-        axes.map(|axis| axis.name().to_owned()).collect()
-    };
-    MachineEntry {
-        name: name.to_owned(),
-        kinematics: KinematicsEntry {
-            tool: branch(Branch::Tool),
-            workpiece: branch(Branch::Workpiece),
-        },
-        axes: axes.iter().map(axis_to_entry).collect(),
+    /// What [`MachineSpec::build`] makes a machine from. There is no place for the reference point of a
+    /// linear axis.
+    pub fn of(name: &str, machine: &Machine) -> Self {
+        let axes = machine.axes();
+        let branch = |branch| {
+            let axes = machine.branch(branch).iter().filter_map(|&i| axes.get(i));
+            axes.map(|axis| axis.name().to_owned()).collect()
+        };
+        Self {
+            name: name.to_owned(),
+            kinematics: KinematicsSpec {
+                tool: branch(Branch::Tool),
+                workpiece: branch(Branch::Workpiece),
+            },
+            axes: axes.iter().map(AxisSpec::of).collect(),
+        }
     }
 }
 
-fn axis_to_entry(axis: &Axis) -> AxisEntry {
-    let kind = axis.kind();
-    AxisEntry {
-        name: axis.name().to_owned(),
-        kind: match kind {
-            AxisKind::Linear => AxisKindEntry::Linear,
-            AxisKind::Rotary => AxisKindEntry::Rotary,
-        },
-        direction: direction_in_file(axis.direction()),
-        travel: axis.travel().map(|end| position_unit::in_file(kind, end)),
-        position_mm: (kind == AxisKind::Rotary).then(|| axis.reference_mm().coords.into()),
+impl AxisSpec {
+    fn build(&self, path: &str) -> Result<Axis, Error> {
+        let place = |field: &str| Place::in_field(format!("{path}.{field}"));
+        let name = &self.name;
+        if FIXED_COLUMNS.contains(&name.as_str()) {
+            let found = format!("axis `{name}` has the name of another column");
+            let expected = "a name like X or C, because each axis has a column";
+            return Err(Problem::value(found, expected).at(place("name")));
+        }
+        let kind = match self.kind {
+            AxisKindSpec::Linear => AxisKind::Linear,
+            AxisKindSpec::Rotary => AxisKind::Rotary,
+        };
+        let [low, high] = self.travel;
+        if low > high {
+            let found = format!("the travel [{low}, {high}] ends before it begins");
+            let expected = format!("the low end first, in {}", position_unit::unit(kind));
+            return Err(Problem::value(found, expected).at(place("travel")));
+        }
+        let direction = Vector3::from(self.direction);
+        let travel = self.travel.map(|end| position_unit::from_file(kind, end));
+        let axis = match (kind, self.position_mm) {
+            (AxisKind::Linear, None) => Axis::linear(name, direction, travel),
+            (AxisKind::Rotary, Some(point_mm)) => {
+                Axis::rotary(name, direction, travel, Point3::from(point_mm))
+            }
+            (AxisKind::Linear, Some(_)) => {
+                let found = format!("axis {name} is linear and has a position");
+                let expected = "`position_mm` of rotary axes only; remove it";
+                return Err(Problem::value(found, expected).at(place("position_mm")));
+            }
+            (AxisKind::Rotary, None) => {
+                return Err(Problem::missing("position_mm").at(Place::in_field(path)));
+            }
+        };
+        axis.map_err(|problem| {
+            let problem = Box::new(problem);
+            Problem::Machine { problem }.at(place("direction"))
+        })
+    }
+
+    fn of(axis: &Axis) -> Self {
+        let kind = axis.kind();
+        Self {
+            name: axis.name().to_owned(),
+            kind: match kind {
+                AxisKind::Linear => AxisKindSpec::Linear,
+                AxisKind::Rotary => AxisKindSpec::Rotary,
+            },
+            direction: direction_in_file(axis.direction()),
+            travel: axis.travel().map(|end| position_unit::in_file(kind, end)),
+            position_mm: (kind == AxisKind::Rotary).then(|| axis.reference_mm().coords.into()),
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
 use trueaxis_kinematics::Machine;
 
 /// A measuring campaign that has been read and checked.
@@ -38,16 +39,21 @@ pub struct Campaign {
 }
 
 /// Declared accuracy. What is `None` was not declared.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default, expecting = "an object: the instrument")]
 pub struct Instrument {
     /// Name of the instrument.
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub name: String,
     /// Constant part of a length's standard deviation, µm.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub length_sigma_um: Option<f64>,
     /// Proportional part of a length's standard deviation, µm per m.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub length_sigma_ppm: Option<f64>,
     /// Standard deviation per coordinate of the position that the machine returns to, µm; common
     /// to the targets measured at one stop.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub repeatability_um: Option<f64>,
 }
 

@@ -1,9 +1,9 @@
 //! Names of axes, targets, stations and runs: looked up by row, unknown ones answered by the
 //! nearest known.
 
-use std::path::Path;
+use trueaxis_files::DocumentProblem;
 
-use crate::{Alternatives, Error, Place};
+use crate::{Alternatives, Error, Place, Problem};
 
 /// The names of one kind, in the order of the file.
 pub(crate) struct Names<'a> {
@@ -36,43 +36,12 @@ impl<'a> Names<'a> {
     /// The error for a name that [`Names::find`] does not know.
     pub(crate) fn unknown(&self, place: Box<Place>, name: &[u8]) -> Error {
         let name = String::from_utf8_lossy(name);
-        Error::UnknownName {
-            place,
+        Problem::Document(DocumentProblem::UnknownName {
             what: self.what,
             alternatives: Alternatives::new(&name, &self.names),
             name: name.into_owned(),
-        }
-    }
-
-    /// Index of the name in the JSON field `path`.
-    pub(crate) fn in_field(&mut self, name: &str, file: &Path, path: &str) -> Result<usize, Error> {
-        self.find(name.as_bytes())
-            .ok_or_else(|| self.unknown(Place::field(file, path), name.as_bytes()))
-    }
-
-    /// Checks the names themselves; `list` is the path of their list, as `targets`.
-    ///
-    /// Cells are read without the blanks around them, so a name must not have any.
-    pub(crate) fn check(&self, file: &Path, list: &str) -> Result<(), Error> {
-        for (i, name) in self.names.iter().enumerate() {
-            let path = format!("{list}[{i}].name");
-            if name.is_empty() || name.trim() != *name {
-                return Err(Error::Value {
-                    place: Place::field(file, path),
-                    found: format!("name \"{name}\""),
-                    expected: "a name, without blanks around it".to_owned(),
-                });
-            }
-            if let Some(first) = self.names[..i].iter().position(|other| other == name) {
-                return Err(Error::DuplicateName {
-                    place: Place::field(file, path),
-                    what: self.what,
-                    name: (*name).to_owned(),
-                    first: format!("{list}[{first}].name"),
-                });
-            }
-        }
-        Ok(())
+        })
+        .at(place)
     }
 }
 

@@ -42,7 +42,7 @@ pub use hypothesis::UnitMistake;
 
 use std::path::Path;
 
-use crate::{Campaign, Error, Lengths, Place, Points};
+use crate::{Campaign, Error, Lengths, Place, Points, Problem};
 use hypothesis::Hypothesis;
 use nominal::NominalPoints;
 use pairs::{Pair, Pairs};
@@ -91,14 +91,14 @@ pub(crate) fn check_lengths(
     if let Some(small) = too_small {
         let runs: Vec<usize> = (0..campaign.runs.len()).collect();
         let suspects = hypothesis::for_lengths(campaign, &runs, &[small.station]);
-        return Err(Error::LengthsTooSmall {
-            place: Place::column(file, small.line, "length_mm"),
+        return Err(Problem::LengthsTooSmall {
             station: station_name(campaign, small.station),
             target: target_name(campaign, small.target),
             spread_mm: small.spread_mm,
             least_mm: small.least_mm,
             mistake: suspects.into_iter().find(explains).and_then(|h| h.mistake),
-        });
+        }
+        .at(Place::column(file, small.line, "length_mm")));
     }
     against_approx?;
     Ok(notices)
@@ -127,13 +127,13 @@ pub(crate) fn check_points(
         !pairs.judge(&nominal, hypothesis).is_pervasive()
     };
     let suspects = hypothesis::for_points(campaign, &judgement.runs);
-    Err(Error::PointsImpossible {
-        place: Place::line(file, worst.ends[1].line),
+    Err(Problem::PointsImpossible {
         first_line: worst.ends[0].line,
         measured_mm: worst.observed_mm,
         nominal_mm,
         mistake: suspects.into_iter().find(explains).and_then(|h| h.mistake),
-    })
+    }
+    .at(Place::line(file, worst.ends[1].line)))
 }
 
 fn too_large(
@@ -143,8 +143,7 @@ fn too_large(
     nominal: &NominalPoints,
     mistake: Option<Box<UnitMistake>>,
 ) -> Error {
-    Error::LengthsTooLarge {
-        place: Place::column(file, worst.ends[1].line, "length_mm"),
+    Problem::LengthsTooLarge {
         first_line: worst.ends[0].line,
         station: station_name(campaign, worst.station),
         target: target_name(campaign, worst.ends[1].target),
@@ -152,6 +151,7 @@ fn too_large(
         moved_mm: nominal.distance_mm(worst),
         mistake,
     }
+    .at(Place::column(file, worst.ends[1].line, "length_mm"))
 }
 
 /// A notice on rows that contradict the motion while most others do not.

@@ -9,7 +9,7 @@ use crate::rows::Rows;
 use crate::steps::Steps;
 use crate::table::{Column, Row, Table};
 use crate::visits::{Sighting, VisitRows, Visits, required_columns};
-use crate::{Campaign, Error, PointReading, Points};
+use crate::{Campaign, Error, PointReading, Points, Problem};
 
 /// Columns before those of the axes.
 const FIRST_COLUMNS: [&str; 4] = ["time_s", "repeat", "run", "direction"];
@@ -54,11 +54,11 @@ pub(crate) fn read(file: &Path, text: &str, campaign: &Campaign) -> Result<(Poin
 fn read_sigma(row: &Row<'_>, column: Option<Column>) -> Result<Option<f64>, Error> {
     let sigma = row.optional_number(column)?;
     match (sigma, column) {
-        (Some(sigma_um), Some(column)) if sigma_um <= 0.0 => Err(Error::Value {
-            place: row.place(column),
-            found: format!("a standard deviation of {sigma_um}"),
-            expected: "more than zero; leave the cell empty if it is not known".to_owned(),
-        }),
+        (Some(sigma_um), Some(column)) if sigma_um <= 0.0 => Err(Problem::value(
+            format!("a standard deviation of {sigma_um}"),
+            "more than zero; leave the cell empty if it is not known",
+        )
+        .at(row.place(column))),
         _ => Ok(sigma),
     }
 }

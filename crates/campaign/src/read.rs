@@ -3,13 +3,14 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use crate::document::{Document, VerificationEntry};
-use crate::names::Names;
+use trueaxis_files::check_names;
+
+use crate::document::{Document, FORMAT, VerificationEntry};
 use crate::reading::Reading;
 use crate::steps::Steps;
 use crate::{
-    Campaign, Error, Place, Stop, duplicates, json, lengths, machine, notices, plausibility,
-    points, run_axes, setup, text_file, verification,
+    Campaign, Error, Place, Problem, Stop, duplicates, lengths, notices, plausibility, points,
+    run_axes, setup, text_file, verification,
 };
 
 /// Reads the campaign at `path` (its `campaign.json`) with every file that it names, and checks
@@ -21,7 +22,7 @@ use crate::{
 /// # Errors
 /// The first thing wrong: where it is, what was found, what is expected and how to mend it
 /// ([`Error`]). `campaign.json` is checked first, then each row of the data, then rows against
-/// each other, then the data against the motion of the machine, then the verifications.
+/// each other, then the data against the motion of the  then the verifications.
 pub fn read(path: &Path) -> Result<Campaign, Error> {
     read_from(path, &|file, mend| {
         text_file::read(file, mend).map(Cow::Owned)
@@ -34,20 +35,18 @@ pub(crate) type TextOf<'t> = dyn Fn(&Path, &str) -> Result<Cow<'t, str>, Error> 
 /// [`read`] for texts from anywhere.
 pub(crate) fn read_from(path: &Path, text_of: &TextOf<'_>) -> Result<Campaign, Error> {
     let text = text_of(path, "give the path of a campaign.json")?;
-    let mut document = json::parse(path, &text)?;
+    let mut document: Document = FORMAT.read(&text, Some(path))?;
     let sources = (document.lengths.take(), document.points.take());
     let verification = std::mem::take(&mut document.verification);
-    let mut campaign = without_data(path, document)?;
+    let mut campaign = without_data(document).map_err(|error| error.in_file(path))?;
     let folder = Folder { path, text_of };
     match sources {
-        (Some(_), Some(_)) => Err(Error::TwoMeasurements {
-            place: Place::field(path, "points"),
-        }),
+        (Some(_), Some(_)) => Err(Problem::TwoMeasurements.at(Place::field(path, "points"))),
         (Some(name), None) => folder.read_lengths(&name, &mut campaign),
         (None, Some(name)) => folder.read_points(&name, &mut campaign),
-        (None, None) if verification.is_empty() => Err(Error::NothingMeasured {
-            place: Place::file(path),
-        }),
+        (None, None) if verification.is_empty() => {
+            Err(Problem::NothingMeasured.at(Place::file(path)))
+        }
         (None, None) => Ok(()),
     }?;
     folder.read_verification(verification, &mut campaign)?;
@@ -55,20 +54,19 @@ pub(crate) fn read_from(path: &Path, text_of: &TextOf<'_>) -> Result<Campaign, E
 }
 
 /// Everything that `campaign.json` itself says.
-fn without_data(path: &Path, document: Document) -> Result<Campaign, Error> {
-    let machine = machine::from_entry(path, &document.machine)?;
-    let instrument = document.instrument;
+fn without_data(document: Document) -> Result<Campaign, Error> {
+    let machine = document.machine.build()?;
+    let instrument = document.instrument.unwrap_or_default();
+    setup::check_instrument(&instrument)?;
     Ok(Campaign {
         name: document.name,
         machine_name: document.machine.name,
-        instrument: instrument
-            .map(|entry| setup::instrument(path, entry))
-            .transpose()?
-            .unwrap_or_default(),
-        targets: setup::targets(path, document.targets, &machine)?,
-        stations: setup::stations(path, document.stations)?,
-        runs: setup::runs(path, document.runs, &machine)?,
+        instrument,
+        targets: setup::targets(document.targets, &machine)?,
+        stations: setup::stations(document.stations)?,
+        runs: setup::runs(document.runs, &machine)?,
         machine,
+
         steps: Vec::new(),
         lengths: None,
         points: None,
@@ -129,11 +127,12 @@ impl<'t> Folder<'_, 't> {
         entries: Vec<VerificationEntry>,
         campaign: &mut Campaign,
     ) -> Result<(), Error> {
-        let names = entries.iter().map(|entry| entry.name.as_str());
-        Names::new("verification", names).check(self.path, "verification")?;
+        let in_file = |error: Error| error.in_file(self.path);
+        let names: Vec<&str> = entries.iter().map(|entry| entry.name.as_str()).collect();
+        check_names("verification", "verification", &names).map_err(|e| in_file(e.into()))?;
         for (index, entry) in entries.into_iter().enumerate() {
             let machine = &campaign.machine;
-            let kind = verification::kind(self.path, index, &entry, machine)?;
+            let kind = verification::kind(index, &entry, machine).map_err(in_file)?;
             let field = format!("verification[{index}].readings");
             let (file, text) = self.text(&entry.readings, &field)?;
             let verification = verification::read(&file, &text, entry.name, kind, machine)?;
@@ -150,10 +149,7 @@ impl<'t> Folder<'_, 't> {
         if !is_empty {
             return Ok(());
         }
-        Err(Error::EmptyList {
-            place: Place::field(self.path, list),
-            needed_by,
-        })
+        Err(Problem::EmptyList { needed_by }.at(Place::field(self.path, list)))
     }
 
     /// The file that `field` of `campaign.json` names: its path and its text.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::axis_columns::tolerance;
 use crate::steps::Steps;
-use crate::{Campaign, Error, Place};
+use crate::{Campaign, Error, Place, Problem};
 
 /// Refuses a run in which other axes move and its own never does. A run whose axis moves together
 /// with others is fine, and so is one that holds a single position.
@@ -30,15 +30,15 @@ pub(crate) fn check(file: &Path, campaign: &Campaign, steps: &Steps) -> Result<(
         if let (false, Some(&line)) = (own_axis_moves, first_motion) {
             let moving = axes.iter().zip(&moved_in_line);
             let moving = moving.filter(|(_, moved)| moved.is_some());
-            return Err(Error::WrongAxisMoves {
-                place: Place::line(file, line),
+            return Err(Problem::WrongAxisMoves {
                 run: run.name.clone(),
                 axis: axes
                     .get(run.axis)
                     .map(|axis| axis.name().to_owned())
                     .unwrap_or_default(),
                 moving: moving.map(|(axis, _)| axis.name().to_owned()).collect(),
-            });
+            }
+            .at(Place::line(file, line)));
         }
     }
     Ok(())

@@ -1,66 +1,54 @@
 //! The lists of `campaign.json`: instrument, targets, stations and runs, from and to the model.
 
-use std::path::Path;
-
 use nalgebra::Point3;
+use trueaxis_files::{DocumentError, DocumentProblem, check_names, index_of};
 use trueaxis_kinematics::Machine;
 
-use crate::document::{InstrumentEntry, RunEntry, StationEntry, TargetEntry};
-use crate::names::Names;
-use crate::{Error, Instrument, Place, Run, Station, Target};
+use crate::document::{RunEntry, StationEntry, TargetEntry};
+use crate::{Instrument, Run, Station, Target};
 
-/// The declared accuracy; none of it is needed, but what is given must be possible.
-pub(crate) fn instrument(file: &Path, entry: InstrumentEntry) -> Result<Instrument, Error> {
-    let check = |field: &str, value: Option<f64>, positive: bool| match value {
-        Some(sigma) if sigma < 0.0 || (positive && sigma == 0.0) => Err(Error::Value {
-            place: Place::field(file, format!("instrument.{field}")),
-            found: format!("a standard deviation of {sigma}"),
-            expected: if positive {
-                "more than zero; leave it out if it is not known".to_owned()
-            } else {
-                "zero or more; leave it out if it is not known".to_owned()
-            },
-        }),
+/// Of the declared accuracy none is needed, but what is given must be possible.
+pub(crate) fn check_instrument(instrument: &Instrument) -> Result<(), DocumentError> {
+    let check = |field: &str, value: Option<f64>, least: &str| match value {
+        Some(sigma) if sigma < 0.0 || (least != ZERO && sigma == 0.0) => {
+            let found = format!("a standard deviation of {sigma}");
+            let expected = format!("{least}; leave it out if it is not known");
+            let problem = DocumentProblem::value(found, expected);
+            Err(problem.in_field(format!("instrument.{field}")))
+        }
         _ => Ok(()),
     };
-    check("length_sigma_um", entry.length_sigma_um, true)?;
-    check("length_sigma_ppm", entry.length_sigma_ppm, false)?;
-    check("repeatability_um", entry.repeatability_um, false)?;
-    Ok(Instrument {
-        name: entry.name,
-        length_sigma_um: entry.length_sigma_um,
-        length_sigma_ppm: entry.length_sigma_ppm,
-        repeatability_um: entry.repeatability_um,
-    })
+    const ZERO: &str = "zero or more";
+    check(
+        "length_sigma_um",
+        instrument.length_sigma_um,
+        "more than zero",
+    )?;
+    check("length_sigma_ppm", instrument.length_sigma_ppm, ZERO)?;
+    check("repeatability_um", instrument.repeatability_um, ZERO)
 }
 
 /// The targets, with their carriers looked up.
 pub(crate) fn targets(
-    file: &Path,
     entries: Vec<TargetEntry>,
     machine: &Machine,
-) -> Result<Vec<Target>, Error> {
-    Names::new("target", entries.iter().map(|entry| entry.name.as_str())).check(file, "targets")?;
-    let mut axes = axis_names(machine);
-    entries
-        .into_iter()
-        .enumerate()
-        .map(|(i, entry)| {
-            let path = format!("targets[{i}].carried_by");
-            let carrier = axes.in_field(&entry.carried_by, file, &path)?;
-            Ok(Target {
-                name: entry.name,
-                home_mm: Point3::from(entry.position_mm),
-                carrier,
-            })
+) -> Result<Vec<Target>, DocumentError> {
+    check_names("targets", "target", &names(&entries, |entry| &entry.name))?;
+    let axes = axis_names(machine);
+    let targets = entries.into_iter().enumerate().map(|(i, entry)| {
+        let field = format!("targets[{i}].carried_by");
+        Ok(Target {
+            carrier: index_of(field, "axis", &entry.carried_by, &axes)?,
+            name: entry.name,
+            home_mm: Point3::from(entry.position_mm),
         })
-        .collect()
+    });
+    targets.collect()
 }
 
 /// The stations.
-pub(crate) fn stations(file: &Path, entries: Vec<StationEntry>) -> Result<Vec<Station>, Error> {
-    Names::new("station", entries.iter().map(|entry| entry.name.as_str()))
-        .check(file, "stations")?;
+pub(crate) fn stations(entries: Vec<StationEntry>) -> Result<Vec<Station>, DocumentError> {
+    check_names("stations", "station", &names(&entries, |entry| &entry.name))?;
     let stations = entries.into_iter().map(|entry| Station {
         name: entry.name,
         approx_mm: entry.approx_mm.map(Point3::from),
@@ -69,34 +57,20 @@ pub(crate) fn stations(file: &Path, entries: Vec<StationEntry>) -> Result<Vec<St
 }
 
 /// The runs, with their axes looked up.
-pub(crate) fn runs(
-    file: &Path,
-    entries: Vec<RunEntry>,
-    machine: &Machine,
-) -> Result<Vec<Run>, Error> {
-    Names::new("run", entries.iter().map(|entry| entry.name.as_str())).check(file, "runs")?;
-    let mut axes = axis_names(machine);
-    entries
-        .into_iter()
-        .enumerate()
-        .map(|(i, entry)| {
-            let axis = axes.in_field(&entry.axis, file, &format!("runs[{i}].axis"))?;
-            Ok(Run {
-                name: entry.name,
-                axis,
-            })
+pub(crate) fn runs(entries: Vec<RunEntry>, machine: &Machine) -> Result<Vec<Run>, DocumentError> {
+    check_names("runs", "run", &names(&entries, |entry| &entry.name))?;
+    let axes = axis_names(machine);
+    let runs = entries.into_iter().enumerate().map(|(i, entry)| {
+        Ok(Run {
+            axis: index_of(format!("runs[{i}].axis"), "axis", &entry.axis, &axes)?,
+            name: entry.name,
         })
-        .collect()
+    });
+    runs.collect()
 }
 
-/// The entry that [`instrument`] reads; none if nothing is declared.
-pub(crate) fn instrument_to_entry(instrument: &Instrument) -> Option<InstrumentEntry> {
-    (*instrument != Instrument::default()).then(|| InstrumentEntry {
-        name: instrument.name.clone(),
-        length_sigma_um: instrument.length_sigma_um,
-        length_sigma_ppm: instrument.length_sigma_ppm,
-        repeatability_um: instrument.repeatability_um,
-    })
+fn names<T>(entries: &[T], name: impl Fn(&T) -> &String) -> Vec<&str> {
+    entries.iter().map(|entry| name(entry).as_str()).collect()
 }
 
 /// The entries that [`targets`] reads.
@@ -134,6 +108,6 @@ fn axis_name(machine: &Machine, axis: usize) -> String {
 }
 
 /// The names of a machine's axes, for looking them up.
-pub(crate) fn axis_names(machine: &Machine) -> Names<'_> {
-    Names::new("axis", machine.axes().iter().map(|axis| axis.name()))
+pub(crate) fn axis_names(machine: &Machine) -> Vec<&str> {
+    machine.axes().iter().map(|axis| axis.name()).collect()
 }

@@ -7,7 +7,7 @@ use csv::ByteRecord;
 
 use crate::names::Names;
 use crate::text_file::newlines;
-use crate::{Alternatives, Direction, Error, Place, cell};
+use crate::{Alternatives, Direction, Error, Place, Problem, cell};
 
 /// Every column of any file that is not an axis.
 pub(crate) const FIXED_COLUMNS: [&str; 18] = [
@@ -138,11 +138,11 @@ impl<'a> Table<'a> {
                 if self.record.len() == 1 && self.record[0].trim_ascii().is_empty() {
                     continue;
                 }
-                return Err(Error::FieldCount {
-                    place: Place::line(self.file, self.lines_before + 1),
+                return Err(Problem::FieldCount {
                     found: self.record.len(),
                     expected: self.header.len(),
-                });
+                }
+                .at(Place::line(self.file, self.lines_before + 1)));
             }
             return Ok(Some(Row {
                 file: self.file,
@@ -167,17 +167,15 @@ impl<'a> Table<'a> {
     }
 
     fn unreadable(&self, error: csv::Error) -> Error {
-        Error::Unreadable {
-            place: Place::file(self.file),
+        Problem::Unreadable {
             source: io::Error::from(error),
         }
+        .at(Place::file(self.file))
     }
 
     /// The error for a table without rows.
     pub(crate) fn no_rows(&self) -> Error {
-        Error::NoRows {
-            place: Place::file(self.file),
-        }
+        Problem::NoRows.at(Place::file(self.file))
     }
 }
 
@@ -204,32 +202,27 @@ fn check_header(
     if let [whole] = header {
         for (separator, words) in [(';', "semicolons"), ('\t', "tabs")] {
             if whole.contains(separator) {
-                return Err(Error::Separator {
-                    place: Place::line(file, line),
-                    separator: words,
-                });
+                return Err(Problem::Separator { separator: words }.at(Place::line(file, line)));
             }
         }
     }
     let known = || required.iter().chain(optional);
     if !header.iter().any(|column| known().any(|k| k == column)) {
-        return Err(Error::NoHeader {
-            place: Place::line(file, line),
+        return Err(Problem::NoHeader {
             found: header.join(","),
             expected: required.join(","),
-        });
+        }
+        .at(Place::line(file, line)));
     }
     for (i, &column) in header.iter().enumerate() {
         if !known().any(|k| *k == column) {
-            return Err(Error::UnknownColumn {
-                place: place(column),
+            return Err(Problem::UnknownColumn {
                 alternatives: Alternatives::new(column, known()),
-            });
+            }
+            .at(place(column)));
         }
         if header[..i].contains(&column) {
-            return Err(Error::DuplicateColumn {
-                place: place(column),
-            });
+            return Err(Problem::DuplicateColumn.at(place(column)));
         }
     }
     required
@@ -239,10 +232,10 @@ fn check_header(
 }
 
 fn missing_column(place: Box<Place>, header: &[&str]) -> Error {
-    Error::MissingColumn {
-        place,
+    Problem::MissingColumn {
         found: header.iter().map(|&column| column.to_owned()).collect(),
     }
+    .at(place)
 }
 
 /// One row; each cell is read without the blanks around it.
@@ -275,11 +268,7 @@ impl Row<'_> {
         let cell = self.cell(column);
         cell::number(cell).ok_or_else(|| {
             let (found, expected) = cell::number_problem(cell);
-            Error::Value {
-                place: self.place(column),
-                found,
-                expected,
-            }
+            Problem::value(found, expected).at(self.place(column))
         })
     }
 
@@ -315,11 +304,11 @@ impl Row<'_> {
     }
 
     fn refused(&self, column: Column, expected: &str) -> Error {
-        Error::Value {
-            place: self.place(column),
-            found: format!("found \"{}\"", String::from_utf8_lossy(self.cell(column))),
-            expected: expected.to_owned(),
-        }
+        Problem::value(
+            format!("found \"{}\"", String::from_utf8_lossy(self.cell(column))),
+            expected.to_owned(),
+        )
+        .at(self.place(column))
     }
 }
 

@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use crate::{Error, Place};
+use crate::{Error, Place, Problem};
 
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
@@ -12,32 +12,27 @@ const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 pub(crate) fn read(file: &Path, mend: &str) -> Result<String, Error> {
     let place = || Place::file(file);
     if file.is_dir() {
-        return Err(Error::Folder {
-            place: place(),
+        return Err(Problem::Folder {
             mend: mend.to_owned(),
-        });
+        }
+        .at(place()));
     }
     let mut bytes = fs::read(file).map_err(|source| match source.kind() {
-        io::ErrorKind::NotFound => Error::NotFound {
-            place: place(),
+        io::ErrorKind::NotFound => Problem::NotFound {
             mend: mend.to_owned(),
-        },
-        _ => Error::Unreadable {
-            place: place(),
-            source,
-        },
+        }
+        .at(place()),
+        _ => Problem::Unreadable { source }.at(place()),
     })?;
     if bytes.starts_with(BYTE_ORDER_MARK) {
         bytes.drain(..BYTE_ORDER_MARK.len());
     }
     if bytes.trim_ascii().is_empty() {
-        return Err(Error::Empty { place: place() });
+        return Err(Problem::Empty.at(place()));
     }
     String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        Error::NotUtf8 {
-            place: Place::line(file, 1 + newlines(valid)),
-        }
+        Problem::NotUtf8.at(Place::line(file, 1 + newlines(valid)))
     })
 }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use nalgebra::Point3;
+use trueaxis_files::index_of;
 use trueaxis_kinematics::Machine;
 
 use crate::axis_columns::AxisColumns;
@@ -11,7 +12,7 @@ use crate::rows::{Rows, position_cells};
 use crate::setup::axis_names;
 use crate::table::Table;
 use crate::visits::required_columns;
-use crate::{Error, Place, Verification, VerificationKind, VerificationReading};
+use crate::{Error, Place, Problem, Verification, VerificationKind, VerificationReading};
 
 /// Columns before those of the axes.
 const FIRST_COLUMNS: [&str; 2] = ["cycle", "direction"];
@@ -21,43 +22,32 @@ const TIME_COLUMN: &str = "time_s";
 
 /// Entry number `index` as what was measured.
 pub(crate) fn kind(
-    file: &Path,
     index: usize,
     entry: &VerificationEntry,
     machine: &Machine,
 ) -> Result<VerificationKind, Error> {
     let fields = Fields {
-        file,
         path: format!("verification[{index}]"),
-    };
-    let axis = |name: &str, value: &Option<String>| {
-        let axis = fields.needed(name, value)?;
-        axis_names(machine).in_field(axis, file, &format!("{}.{name}", fields.path))
-    };
-    let point = |name: &str, value: &Option<[f64; 3]>| {
-        fields.needed(name, value).map(|&xyz| Point3::from(xyz))
+        machine,
     };
     match entry.kind {
         VerificationKindEntry::Positioning => {
+            let carrier = entry.ball_carried_by.is_some();
             fields.foreign("ball_mm", "ballbar", entry.ball_mm.is_some())?;
-            fields.foreign(
-                "ball_carried_by",
-                "ballbar",
-                entry.ball_carried_by.is_some(),
-            )?;
+            fields.foreign("ball_carried_by", "ballbar", carrier)?;
             fields.foreign("center_mm", "ballbar", entry.center_mm.is_some())?;
             Ok(VerificationKind::Positioning {
-                axis: axis("axis", &entry.axis)?,
-                target_mm: point("target_mm", &entry.target_mm)?,
+                axis: fields.axis("axis", entry.axis.as_ref())?,
+                target_mm: fields.point("target_mm", entry.target_mm)?,
             })
         }
         VerificationKindEntry::Ballbar => {
             fields.foreign("axis", "positioning", entry.axis.is_some())?;
             fields.foreign("target_mm", "positioning", entry.target_mm.is_some())?;
             Ok(VerificationKind::Ballbar {
-                ball_mm: point("ball_mm", &entry.ball_mm)?,
-                ball_carrier: axis("ball_carried_by", &entry.ball_carried_by)?,
-                center_mm: point("center_mm", &entry.center_mm)?,
+                ball_mm: fields.point("ball_mm", entry.ball_mm)?,
+                ball_carrier: fields.axis("ball_carried_by", entry.ball_carried_by.as_ref())?,
+                center_mm: fields.point("center_mm", entry.center_mm)?,
             })
         }
     }
@@ -65,27 +55,33 @@ pub(crate) fn kind(
 
 /// Which fields an entry may have depends on its kind.
 struct Fields<'a> {
-    file: &'a Path,
     path: String,
+    machine: &'a Machine,
 }
 
 impl Fields<'_> {
-    fn needed<'v, T>(&self, name: &str, value: &'v Option<T>) -> Result<&'v T, Error> {
-        value.as_ref().ok_or_else(|| Error::MissingField {
-            place: Place::field(self.file, self.path.as_str()),
-            name: name.to_owned(),
-        })
+    fn axis(&self, name: &str, value: Option<&String>) -> Result<usize, Error> {
+        let axis = self.needed(name, value)?;
+        let field = format!("{}.{name}", self.path);
+        Ok(index_of(field, "axis", axis, &axis_names(self.machine))?)
+    }
+
+    fn point(&self, name: &str, value: Option<[f64; 3]>) -> Result<Point3<f64>, Error> {
+        self.needed(name, value).map(Point3::from)
+    }
+
+    fn needed<T>(&self, name: &str, value: Option<T>) -> Result<T, Error> {
+        value.ok_or_else(|| Problem::missing(name).at(Place::in_field(self.path.as_str())))
     }
 
     fn foreign(&self, name: &str, kind: &str, is_there: bool) -> Result<(), Error> {
         if !is_there {
             return Ok(());
         }
-        Err(Error::Value {
-            place: Place::field(self.file, format!("{}.{name}", self.path)),
-            found: format!("`{name}` belongs to the kind `{kind}`"),
-            expected: "only fields of the kind given; remove it, or mend `kind`".to_owned(),
-        })
+        let found = format!("`{name}` belongs to the kind `{kind}`");
+        let expected = "only fields of the kind given; remove it, or mend `kind`";
+        let place = Place::in_field(format!("{}.{name}", self.path));
+        Err(Problem::value(found, expected).at(place))
     }
 }
 

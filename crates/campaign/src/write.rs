@@ -4,9 +4,11 @@ use std::borrow::Cow;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::document::Document;
+use crate::document::{Document, FORMAT};
 use crate::read::read_from;
-use crate::{Campaign, Error, Place, json, lengths, machine, points, setup, verification};
+use crate::{
+    Campaign, Error, Instrument, MachineSpec, Place, Problem, lengths, points, setup, verification,
+};
 
 const CAMPAIGN_FILE: &str = "campaign.json";
 const LENGTHS_FILE: &str = "lengths.csv";
@@ -30,21 +32,17 @@ const POINTS_FILE: &str = "points.csv";
 ///   are those that `read` makes.
 ///
 /// # Errors
-/// [`Error::Unwritable`] if the operating system refuses, [`Error::Inconsistent`] if the stops do
+/// [`Problem::Unwritable`] if the operating system refuses, [`Problem::Inconsistent`] if the stops do
 /// not cover the readings, and otherwise what `read` would say to the files.
 pub fn write(campaign: &Campaign, folder: &Path) -> Result<PathBuf, Error> {
     let path = folder.join(CAMPAIGN_FILE);
     let files = texts(campaign, folder)?;
     check(campaign, &path, &files)?;
-    fs::create_dir_all(folder).map_err(|source| Error::Unwritable {
-        place: Place::file(folder),
-        source,
-    })?;
+    fs::create_dir_all(folder)
+        .map_err(|source| Problem::Unwritable { source }.at(Place::file(folder)))?;
     for (file, text) in &files {
-        trueaxis_files::write_whole(file, text.as_bytes()).map_err(|source| Error::Unwritable {
-            place: Place::file(file),
-            source,
-        })?;
+        trueaxis_files::write_whole(file, text.as_bytes())
+            .map_err(|source| Problem::Unwritable { source }.at(Place::file(file)))?;
     }
     Ok(path)
 }
@@ -71,9 +69,11 @@ fn texts(campaign: &Campaign, folder: &Path) -> Result<Vec<(PathBuf, String)>, E
         let entry = verification::to_entry(verification, machine, name);
         document.verification.push(entry);
     }
-    let json = trueaxis_files::to_json(&document).map_err(|error| Error::Inconsistent {
-        folder: folder.to_owned(),
-        problem: error.to_string(),
+    let json = trueaxis_files::to_json(&document).map_err(|error| {
+        Problem::Inconsistent {
+            problem: error.to_string(),
+        }
+        .at(Place::file(folder))
     })?;
     files.push((folder.join(CAMPAIGN_FILE), json));
     Ok(files)
@@ -91,10 +91,10 @@ fn check(campaign: &Campaign, path: &Path, files: &[(PathBuf, String)]) -> Resul
         (lengths, points)
     };
     if rows(campaign) != rows(&read_back) {
-        return Err(Error::Inconsistent {
-            folder: path.to_owned(),
+        return Err(Problem::Inconsistent {
             problem: "its stops do not cover its readings".to_owned(),
-        });
+        }
+        .at(Place::file(path)));
     }
     Ok(())
 }
@@ -103,11 +103,12 @@ fn check(campaign: &Campaign, path: &Path, files: &[(PathBuf, String)]) -> Resul
 fn document(campaign: &Campaign) -> Document {
     let machine = &campaign.machine;
     Document {
-        format: json::FORMAT.to_owned(),
-        version: json::VERSION,
+        format: FORMAT.name.to_owned(),
+        version: FORMAT.version,
         name: campaign.name.clone(),
-        machine: machine::to_entry(&campaign.machine_name, machine),
-        instrument: setup::instrument_to_entry(&campaign.instrument),
+        machine: MachineSpec::of(&campaign.machine_name, machine),
+        instrument: (campaign.instrument != Instrument::default())
+            .then(|| campaign.instrument.clone()),
         targets: setup::targets_to_entries(&campaign.targets, machine),
         stations: setup::stations_to_entries(&campaign.stations),
         runs: setup::runs_to_entries(&campaign.runs, machine),

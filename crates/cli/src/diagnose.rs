@@ -1,12 +1,9 @@
 //! `trueaxis diagnose`.
 
+mod believed;
 mod causes;
-mod clock;
 mod in_words;
 mod layout;
-mod mounting;
-mod order;
-mod replay;
 mod story;
 
 use std::path::{Path, PathBuf};
@@ -14,6 +11,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use trueaxis_campaign::{Campaign, read};
 use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose};
+use trueaxis_simulate::replay;
 
 use crate::args::DiagnoseArgs;
 use crate::exit::Exit;
@@ -78,12 +76,14 @@ fn extended_model(
     let Some(calibration) = &diagnosis.calibration else {
         return Ok(files);
     };
-    match replay::replay(campaign, calibration, &effects.effects) {
+    let replayed = believed::truth(calibration, &effects.effects)
+        .and_then(|truth| Ok(replay(campaign, &truth)?));
+    match replayed {
         Ok(replay) => {
             notices.extend(replay.notices);
             files.push((REPLAY, trueaxis_files::to_json(&replay.scenario)?));
         }
-        Err(reason) => notices.push(format!("no {REPLAY} was written: {reason}")),
+        Err(reason) => notices.push(format!("no {REPLAY} was written: {reason:#}")),
     }
     Ok(files)
 }

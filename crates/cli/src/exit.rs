@@ -44,17 +44,17 @@ impl From<Exit> for ExitCode {
 impl Exit {
     /// The code for an error, by its innermost known kind.
     pub(crate) fn of(error: &anyhow::Error) -> Self {
-        use trueaxis_campaign::Error as Campaign;
+        use trueaxis_campaign::{Error as Campaign, Problem};
         for cause in error.chain() {
             if let Some(error) = cause.downcast_ref::<Campaign>() {
-                return match error {
-                    Campaign::Unwritable { .. } => Self::Usage,
+                return match error.problem {
+                    Problem::Unwritable { .. } => Self::Usage,
                     _ => Self::Input,
                 };
             }
             if let Some(error) = cause.downcast_ref::<trueaxis_simulate::Error>() {
-                return match error {
-                    trueaxis_simulate::Error::Write { .. } => Self::Usage,
+                return match *error.problem {
+                    trueaxis_simulate::Problem::Write(_) => Self::Usage,
                     _ => Self::Input,
                 };
             }

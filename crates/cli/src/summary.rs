@@ -306,7 +306,10 @@ fn method_losses(calibration: &Calibration) -> Vec<String> {
     let mut lines = Vec::new();
     for axis in &calibration.axes {
         let Some(loss) = &axis.u_ratio else { continue };
-        lines.push(table_row(&format!("{} by nine equations", axis.name), &loss.nine));
+        lines.push(table_row(
+            &format!("{} by nine equations", axis.name),
+            &loss.nine,
+        ));
         let six = loss.six.iter();
         lines.extend(six.map(|six| table_row(&format!("{} by six equations", axis.name), six)));
     }

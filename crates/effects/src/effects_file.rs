@@ -9,9 +9,9 @@
 //! ```
 
 use serde::{Deserialize, Serialize};
+use trueaxis_files::{DocumentProblem, Format};
 
 use crate::error::Problem;
-use crate::names::json_error;
 use crate::{Error, GivenEffect, ResolvedEffect, Scene};
 
 /// Effects of one campaign.
@@ -40,10 +40,12 @@ pub struct ResolvedEffects {
 const SYMMETRY_TOL: f64 = 1e-9;
 
 impl EffectsFile {
-    /// What `format` must say.
-    pub const FORMAT: &str = "trueaxis-effects";
-    /// The version of the format.
-    pub const VERSION: u32 = 1;
+    /// The format.
+    pub const FORMAT: Format = Format {
+        name: "trueaxis-effects",
+        version: 1,
+        noun: "an effects file",
+    };
 
     /// Reads the text of a file and checks its header, the effects' names, the numbers and the
     /// covariance; subjects and parameters are checked by [`EffectsFile::resolve`].
@@ -51,18 +53,7 @@ impl EffectsFile {
     /// # Errors
     /// With the field that is wrong.
     pub fn from_json(text: &str) -> Result<Self, Error> {
-        let header: Header = serde_json::from_str(text).map_err(|error| json_error(".", &error))?;
-        if header.format != Self::FORMAT {
-            let found = header.format;
-            return Err(Error::Format { found });
-        }
-        let json = &mut serde_json::Deserializer::from_str(text);
-        let document: Document = serde_path_to_error::deserialize(json)
-            .map_err(|error| json_error(&error.path().to_string(), error.inner()))?;
-        if document.version != Self::VERSION {
-            let found = document.version;
-            return Err(Error::Version { found });
-        }
+        let document: Document = Self::FORMAT.read(text, None)?;
         let file = Self {
             campaign: document.campaign,
             effects: document.effects,
@@ -79,13 +70,18 @@ impl EffectsFile {
     pub fn to_json(&self) -> Result<String, Error> {
         self.check()?;
         let document = Document {
-            format: Self::FORMAT.to_owned(),
-            version: Self::VERSION,
+            format: Self::FORMAT.name.to_owned(),
+            version: Self::FORMAT.version,
             campaign: self.campaign.clone(),
             effects: self.effects.clone(),
             covariance: self.covariance.clone(),
         };
-        trueaxis_files::to_json(&document).map_err(|error| json_error(".", &error))
+        trueaxis_files::to_json(&document).map_err(|error| {
+            let problem = DocumentProblem::Syntax {
+                problem: error.to_string(),
+            };
+            problem.in_field("effects").into()
+        })
     }
 
     /// The effects in a scene; the covariance in the order of the resolved parameters.
@@ -168,14 +164,6 @@ fn check_covariance(covariance: &[Vec<f64>], expected: usize) -> Result<(), Erro
         }
     }
     Ok(())
-}
-
-/// Read first: a file of another format is called that, not blamed for its unknown fields.
-#[derive(Deserialize)]
-#[serde(expecting = "an object: the effects of a campaign")]
-struct Header {
-    #[serde(default)]
-    format: String,
 }
 
 /// The whole file.

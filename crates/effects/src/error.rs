@@ -1,37 +1,13 @@
 //! What can be wrong with given effects.
 
-use crate::EffectsFile;
+use trueaxis_files::DocumentError;
 
 /// Effects that cannot be read, or that cannot happen to the measurement at hand.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// The text is not JSON, or not of the shape of an effects file.
-    #[error("line {line}: {}{message}{}", prefix(field.as_deref()), did_you_mean(nearest.as_deref()))]
-    Json {
-        /// Path of the innermost field that was being read.
-        field: Option<String>,
-        /// Line, from 1.
-        line: usize,
-        /// What the parser says.
-        message: String,
-        /// The known name closest to an unknown one.
-        nearest: Option<String>,
-    },
-    /// The file is something else.
-    #[error("format: expected `{}`, found `{found}`", EffectsFile::FORMAT)]
-    Format {
-        /// What it calls itself; empty if it does not say.
-        found: String,
-    },
-    /// The file is of another version.
-    #[error(
-        "version: expected {} of the effects format, found {found}",
-        EffectsFile::VERSION
-    )]
-    Version {
-        /// Version of the file.
-        found: u32,
-    },
+    /// The text is not JSON, or no effects file.
+    #[error(transparent)]
+    Document(#[from] DocumentError),
     /// A field that is wrong.
     #[error("{field}: {problem}")]
     Field {
@@ -126,9 +102,7 @@ impl Error {
     /// Path of the field that is wrong, where it is one field.
     pub fn field(&self) -> Option<&str> {
         match self {
-            Self::Json { field, .. } => field.as_deref(),
-            Self::Format { .. } => Some("format"),
-            Self::Version { .. } => Some("version"),
+            Self::Document(error) => error.place.field_path(),
             Self::Field { field, .. } => Some(field),
         }
     }
@@ -150,10 +124,6 @@ impl Problem {
             problem: self,
         }
     }
-}
-
-fn prefix(field: Option<&str>) -> String {
-    field.map_or_else(String::new, |field| format!("{field}: "))
 }
 
 fn did_you_mean(nearest: Option<&str>) -> String {

@@ -1,4 +1,7 @@
-//! Result files that are whole and that people can read.
+//! Files: input documents whose faults are named, results that are whole and that people can read.
+//!
+//! [`Format::read`] reads a JSON document; what is wrong with it has a [`Place`] and, for an unknown
+//! name, the [`Alternatives`].
 //!
 //! [`write_whole`] writes a file under a temporary name beside its place and renames it: whoever
 //! looks sees the old file or the new one, never a part. [`to_json`] is JSON with one line for each
@@ -22,10 +25,26 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod alternatives;
+mod document;
+mod field_line;
 mod json;
+mod names;
 mod npy;
+mod ordered;
+mod place;
+mod rounding;
+mod unique_keys;
 mod whole;
 
+pub use alternatives::Alternatives;
+pub use document::{DocumentError, DocumentProblem, Format};
+pub use field_line::field_line;
 pub use json::to_json;
+pub use names::{check_names, index_of};
 pub use npy::to_npy;
+pub use ordered::Ordered;
+pub use place::{Part, Place};
+pub use rounding::{round, significant};
+pub use unique_keys::unique_keys;
 pub use whole::write_whole;

@@ -29,7 +29,9 @@
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Matrix6, Matrix6xX, Point3, Vector3, Vector6};
+use nalgebra::{
+    DMatrix, DVector, Isometry3, Matrix3, Matrix6, Matrix6xX, Point3, Vector3, Vector6,
+};
 use rayon::prelude::*;
 
 use crate::{
@@ -117,8 +119,14 @@ pub fn poses_of_body(
             let start = found.get(i).map(|step| step.pose.points_from_home);
             let start = start.unwrap_or(steps[i].nominal);
             let points = (&steps[i].points_mm[..], &weights[i]);
-            step_pose(&shape_mm, points, &(noise.of_step)(i), equations, (&start, pivot_mm))
-                .map_err(|error| StepError { step: i, error })
+            step_pose(
+                &shape_mm,
+                points,
+                &(noise.of_step)(i),
+                equations,
+                (&start, pivot_mm),
+            )
+            .map_err(|error| StepError { step: i, error })
         };
         found = numbered(steps.len()).map(solve).collect::<Result<_, _>>()?;
         let mut change_mm = 0.0_f64;
@@ -155,7 +163,10 @@ fn step_pose(
     };
     let pose = pose_from_points(&step, equations, start, pivot_mm)?;
     let at = pose.points_from_home;
-    let deltas = points_mm.iter().zip(shape_mm).map(|(p, home)| p - at * home);
+    let deltas = points_mm
+        .iter()
+        .zip(shape_mm)
+        .map(|(p, home)| p - at * home);
     let deltas_mm: Vec<Vector3<f64>> = deltas.collect();
     let plain = nine(pose.from_points.targets_mm())?;
     let home_from_points = at.rotation.inverse();

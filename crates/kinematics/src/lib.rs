@@ -44,6 +44,7 @@
 mod axis;
 mod component;
 mod error;
+mod frame;
 mod generalised;
 mod geometric_errors;
 mod location;
@@ -53,6 +54,7 @@ mod motion_error;
 pub use axis::{Axis, AxisKind};
 pub use component::Component;
 pub use error::Error;
+pub use frame::{FrameRule, NominalTarget, SmallMotion};
 pub use generalised::generalised_coordinates;
 pub use geometric_errors::{GeometricErrors, Ideal};
 pub use location::{LocationComponent, LocationError};

@@ -1,14 +1,12 @@
 //! Checks of scenario values that name the field.
 
-use trueaxis_campaign::Alternatives;
+use trueaxis_files::check_names;
 
-use crate::Error;
+use crate::{Error, Problem};
 
 pub(crate) fn expected(field: impl Into<String>, expected: impl Into<String>) -> Error {
-    Error::Expected {
-        field: field.into(),
-        expected: expected.into(),
-    }
+    let expected = expected.into();
+    Problem::Expected { expected }.at(field)
 }
 
 pub(crate) fn finite(field: &str, values: &[f64]) -> Result<(), Error> {
@@ -33,11 +31,7 @@ fn value(
 ) -> Result<(), Error> {
     match values.iter().find(|&&v| !good(v)) {
         None => Ok(()),
-        Some(&value) => Err(Error::Value {
-            field: field.to_owned(),
-            value,
-            expected,
-        }),
+        Some(&value) => Err(Problem::Value { value, expected }.at(field)),
     }
 }
 
@@ -47,65 +41,17 @@ pub(crate) fn increasing(field: &str, values: &[f64]) -> Result<(), Error> {
     let pairs = values.iter().zip(values.iter().skip(1));
     for (i, (&before, &after)) in pairs.enumerate() {
         if after <= before {
-            return Err(Error::NotIncreasing {
-                field: format!("{field}[{}]", i + 1),
-                before,
-                after,
-            });
+            let field = format!("{field}[{}]", i + 1);
+            return Err(Problem::NotIncreasing { before, after }.at(field));
         }
     }
     Ok(())
 }
 
 /// At least one, none empty, none twice; `list` is the path of the list that holds the names.
-pub(crate) fn distinct_names(
-    list: &'static str,
-    what: &'static str,
-    names: &[&str],
-) -> Result<(), Error> {
+pub(crate) fn distinct_names(list: &str, what: &'static str, names: &[&str]) -> Result<(), Error> {
     if names.is_empty() {
         return Err(expected(list, format!("at least one {what}")));
     }
-    for (i, &name) in names.iter().enumerate() {
-        let field = || format!("{list}[{i}].name");
-        if name.trim().is_empty() {
-            return Err(expected(field(), "a name"));
-        }
-        if names.iter().take(i).any(|&other| other == name) {
-            return Err(Error::DuplicateName {
-                field: field(),
-                what,
-                name: name.to_owned(),
-            });
-        }
-    }
-    Ok(())
-}
-
-/// Index of `name` among the known names.
-pub(crate) fn index_of(
-    field: impl Into<String>,
-    what: &'static str,
-    name: &str,
-    known: &[&str],
-) -> Result<usize, Error> {
-    known
-        .iter()
-        .position(|&other| other == name)
-        .ok_or_else(|| unknown_name(field, what, name, known))
-}
-
-pub(crate) fn unknown_name(
-    field: impl Into<String>,
-    what: &'static str,
-    name: &str,
-    known: &[&str],
-) -> Error {
-    Error::UnknownName {
-        field: field.into(),
-        what,
-        name: name.to_owned(),
-        nearest: Alternatives::new(name, known).nearest,
-        known: known.join(", "),
-    }
+    Ok(check_names(list, what, names)?)
 }

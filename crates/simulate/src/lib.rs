@@ -18,7 +18,7 @@
 //! by side. The rigid machine and the noise are shared with none of the estimators that are tested with
 //! them; the forms of the effects are those that a diagnosis looks for, but here they displace points
 //! and the exact distance is taken, never `u·D`. It does not write the campaign (`trueaxis-campaign`
-//! does).
+//! does). [`replay`] is the inverse: from a campaign and what is believed of it to a scenario.
 //!
 //! # Example
 //!
@@ -59,14 +59,15 @@
 //!   mean in the fixed and in the turning frame); along it they lose their value at home. So the
 //!   location errors of the scenario are those that an ideal measurement finds. "At home" is at
 //!   position 0, between two steps on the straight line, outside the steps at the nearest one.
-//! - **Frame.** x lies along the average line of the first linear axis that runs (in the order X,
-//!   Y, Z of nearest directions), the second one lies in a plane of the frame, and the origin is
-//!   where the mounting errors of the targets that the first axis moves have zero mean. Without
-//!   two linear runs the targets also give the orientation, and without any an axial shift of a
-//!   rotary axis means nothing. A scenario that contradicts this is refused with the reason.
+//! - **Frame.** That of `trueaxis_kinematics::FrameRule`: x lies along the average line of the first
+//!   linear axis that runs (in the order X, Y, Z of nearest directions), the second one lies in a plane
+//!   of the frame, and the origin is where the mounting errors of the targets that anchor it have zero
+//!   mean. Without two linear runs these targets also give orientation. A shift along itself of a rotary
+//!   axis that carries them is zero by definition. A scenario that contradicts this is refused with the
+//!   reason.
 //!
-//! With linear axes, too, a shift of a rotary axis along itself (`Z0C`) is only told from the
-//! mounting of its targets if their mounting errors have zero mean along it.
+//! A shift along itself of another rotary axis (`Z0C`) is only told from the mounting of its targets if
+//! their mounting errors have zero mean along it.
 //!
 //! # Noise
 //!
@@ -79,11 +80,9 @@
 //! [`Scenario`].
 
 mod axis_unit;
-mod build_machine;
 mod check;
 mod circumstances;
 mod error;
-mod field_line;
 mod frame;
 mod gauge;
 mod mounting;
@@ -92,6 +91,7 @@ mod plan;
 mod plan_runs;
 mod read;
 mod read_errors;
+mod replay;
 mod scenario;
 mod schedule;
 mod simulate;
@@ -99,13 +99,13 @@ mod term;
 mod true_errors;
 mod truth;
 mod truth_file;
-mod unique_keys;
 
-pub use error::{Error, Place};
+pub use error::{Error, Problem};
 pub use noise::Noise;
+pub use replay::{Replay, ReplayError, replay};
 pub use scenario::{
-    AxisErrors, AxisKindSpec, AxisSpec, Gauge, InstrumentSpec, KinematicsSpec, LocationValue,
-    MachineSpec, NoiseSpec, RunSpec, Scenario, StationSpec, Sweep, TargetSpec, Timing,
+    AxisErrors, Gauge, LocationValue, NoiseSpec, RunSpec, Scenario, StationSpec, Sweep, TargetSpec,
+    Timing,
 };
 pub use simulate::{Simulated, simulate};
 pub use term::Term;

@@ -4,13 +4,14 @@ use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use serde::Serialize;
 use trueaxis_kinematics::MICROMETRE;
 
 use crate::check;
-use crate::{Error, Scenario};
+use crate::{Error, Problem, Scenario};
 
 /// True standard deviations of the simulated noise.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Noise {
     /// Constant part `a` of a length's standard deviation `√(a² + (b l)²)`, µm.
     pub length_sigma_um: f64,
@@ -39,7 +40,7 @@ impl Noise {
             repeatability_um: sigma("repeatability_um", m, m_declared)?,
         };
         if noise.exact && !true_noise.is_zero() {
-            return Err(Error::ExactWithNoise { noise: true_noise });
+            return Err(Problem::ExactWithNoise { noise: true_noise }.at("noise.exact"));
         }
         Ok(true_noise)
     }

@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_effects::{ResolvedEffect, Scene, SceneTarget, resolve_all};
-use trueaxis_kinematics::{Axis, Machine};
+use trueaxis_files::{DocumentProblem, index_of};
+use trueaxis_kinematics::{Axis, FrameRule, Machine};
 
-use crate::build_machine::build_machine;
 use crate::check;
-use crate::frame::ReferenceFrame;
+use crate::frame::frame_rule;
 use crate::mounting::check_mounting;
 use crate::plan_runs::plan_runs;
 use crate::read_errors::read_errors;
@@ -22,7 +22,7 @@ pub(crate) struct Plan {
     pub(crate) machine: Machine,
     pub(crate) targets: Vec<PlannedTarget>,
     pub(crate) runs: Vec<PlannedRun>,
-    pub(crate) frame: ReferenceFrame,
+    pub(crate) frame: FrameRule,
     pub(crate) errors: Vec<TrueAxis>,
     pub(crate) noise: Noise,
     pub(crate) effects: Vec<ResolvedEffect>,
@@ -46,14 +46,14 @@ impl PlannedTarget {
 impl Plan {
     pub(crate) fn new(scenario: &Scenario) -> Result<Self, Error> {
         check_header(scenario)?;
-        let machine = build_machine(&scenario.machine)?;
+        let machine = scenario.machine.build()?;
         let targets = plan_targets(scenario, &machine)?;
         check_stations(scenario)?;
         let runs = plan_runs(scenario, &machine, &targets)?;
         check_timing(scenario)?;
-        let frame = ReferenceFrame::new(&machine, |axis| runs.iter().any(|run| run.axis == axis));
+        let frame = frame_rule(&machine, &targets, &runs);
         let errors = read_errors(scenario, &machine, &runs, &frame)?;
-        check_mounting(&machine, &frame, &targets)?;
+        check_mounting(&frame, &targets)?;
         let noise = Noise::of(scenario)?;
         let effects = resolve_all(
             &scenario.effects,
@@ -72,15 +72,16 @@ impl Plan {
 }
 
 fn check_header(scenario: &Scenario) -> Result<(), Error> {
-    if scenario.format != Scenario::FORMAT {
-        return Err(Error::Format {
-            found: scenario.format.clone(),
-        });
+    let expected = Scenario::FORMAT;
+    if scenario.format != expected.name {
+        let found = format!("\"{}\"", scenario.format);
+        let problem = DocumentProblem::Format { found, expected };
+        return Err(problem.in_field("format").into());
     }
-    if scenario.version != Scenario::VERSION {
-        return Err(Error::Version {
-            found: scenario.version,
-        });
+    if scenario.version != expected.version {
+        let (found, expected) = (scenario.version.to_string(), expected.version);
+        let problem = DocumentProblem::Version { found, expected };
+        return Err(problem.in_field("version").into());
     }
     if scenario.repeats == 0 {
         return Err(check::expected("repeats", "at least 1"));
@@ -98,7 +99,7 @@ fn plan_targets(scenario: &Scenario, machine: &Machine) -> Result<Vec<PlannedTar
             let field = |name: &str| format!("targets[{i}].{name}");
             check::finite(&field("position_mm"), &target.position_mm)?;
             check::finite(&field("mounting_error_mm"), &target.mounting_error_mm)?;
-            let carrier = check::index_of(field("carried_by"), "axis", &target.carried_by, &axes)?;
+            let carrier = index_of(field("carried_by"), "axis", &target.carried_by, &axes)?;
             let nominal_mm = Point3::from(target.position_mm);
             Ok(PlannedTarget {
                 name: target.name.clone(),

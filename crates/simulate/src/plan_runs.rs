@@ -1,12 +1,13 @@
 //! The runs of a scenario: which positions, targets and directions.
 
-use trueaxis_campaign::Direction;
+use trueaxis_campaign::{AxisSpec, Direction};
+use trueaxis_files::{DocumentProblem, index_of};
 use trueaxis_kinematics::{Axis, Machine};
 
 use crate::axis_unit;
 use crate::check;
 use crate::plan::PlannedTarget;
-use crate::{AxisSpec, Error, RunSpec, Scenario, Sweep};
+use crate::{Error, Problem, RunSpec, Scenario, Sweep};
 
 /// A run with its commanded positions in mm or rad.
 pub(crate) struct PlannedRun {
@@ -35,10 +36,10 @@ pub(crate) fn plan_runs(
         .collect::<Result<Vec<_>, _>>()?;
     for (i, target) in targets.iter().enumerate() {
         if !runs.iter().any(|run| run.targets.contains(&i)) {
-            return Err(Error::TargetUnused {
-                field: format!("targets[{i}]"),
+            return Err(Problem::TargetUnused {
                 target: target.name.clone(),
-            });
+            }
+            .at(format!("targets[{i}]")));
         }
     }
     Ok(runs)
@@ -52,7 +53,7 @@ fn plan_run(
     targets: &[PlannedTarget],
 ) -> Result<PlannedRun, Error> {
     let names: Vec<&str> = machine.axes().iter().map(Axis::name).collect();
-    let axis = check::index_of(format!("{field}.axis"), "axis", &spec.axis, &names)?;
+    let axis = index_of(format!("{field}.axis"), "axis", &spec.axis, &names)?;
     Ok(PlannedRun {
         name: spec.name.clone(),
         axis,
@@ -126,7 +127,7 @@ fn parked(
     let mut positions = vec![0.0; names.len()];
     for (name, &position) in &spec.parked {
         let field = format!("{field}.parked.{name}");
-        let index = check::index_of(&field, "axis", name, &names)?;
+        let index = index_of(&field, "axis", name, &names)?;
         if index == axis {
             return Err(check::expected(field, "another axis than the run moves"));
         }
@@ -157,13 +158,13 @@ fn reachable(
     };
     let [low, high] = *travel;
     if position < low || position > high {
-        return Err(Error::OutsideTravel {
-            field: field.to_owned(),
+        return Err(Problem::OutsideTravel {
             axis: name.clone(),
             position,
             low,
             high,
-        });
+        }
+        .at(field));
     }
     Ok(axis_unit::from_file(axis.kind(), position))
 }
@@ -185,30 +186,32 @@ fn measured_targets(
         }
         return Ok(moved);
     };
-    let field = format!("{field}.targets");
+    let list = format!("{field}.targets");
     if listed.is_empty() {
-        return Err(check::expected(field, "at least one target"));
+        return Err(check::expected(list, "at least one target"));
     }
     let names: Vec<&str> = targets.iter().map(|target| target.name.as_str()).collect();
     let mut measured = Vec::with_capacity(listed.len());
     for (i, name) in listed.iter().enumerate() {
-        let field = format!("{field}[{i}]");
-        let index = check::index_of(&field, "target", name, &names)?;
+        let field = format!("{list}[{i}]");
+        let index = index_of(&field, "target", name, &names)?;
         if measured.contains(&index) {
-            return Err(Error::DuplicateName {
-                field,
+            let first = measured.iter().position(|&other| other == index);
+            let problem = DocumentProblem::DuplicateName {
                 what: "target",
                 name: name.clone(),
-            });
+                first: format!("{list}[{}]", first.unwrap_or_default()),
+            };
+            return Err(problem.in_field(field).into());
         }
         if let Some(target) = targets.get(index).filter(|&target| !moves(target)) {
             let carrier = machine.axes().get(target.carrier).map(Axis::name);
-            return Err(Error::TargetAtRest {
-                field,
+            return Err(Problem::TargetAtRest {
                 axis: spec.axis.clone(),
                 target: name.clone(),
                 carrier: carrier.unwrap_or_default().to_owned(),
-            });
+            }
+            .at(field));
         }
         measured.push(index);
     }
@@ -243,10 +246,12 @@ mod tests {
     fn a_sweep_must_end_on_a_step() {
         for (start, stop, step) in [(0.0, 45.0, 20.0), (10.0, 0.0, 5.0), (0.0, 1.0, 1e-8)] {
             let refused = sweep_positions("sweep", &Sweep { start, stop, step });
-            assert!(matches!(refused, Err(Error::Expected { .. })));
+            let problem = refused.unwrap_err().problem;
+            assert!(matches!(*problem, Problem::Expected { .. }));
         }
         let (start, stop, step) = (0.0, 10.0, 0.0);
         let refused = sweep_positions("sweep", &Sweep { start, stop, step });
-        assert!(matches!(refused, Err(Error::Value { .. })));
+        let problem = refused.unwrap_err().problem;
+        assert!(matches!(*problem, Problem::Value { .. }));
     }
 }

@@ -1,27 +1,28 @@
 //! The error curves and location errors of a scenario by their ISO 230-1 names.
 
+use trueaxis_files::index_of;
 use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Component, LocationComponent, MICROMETRE};
-use trueaxis_kinematics::{LocationError, Machine, MotionError};
+use trueaxis_kinematics::{FrameRule, LocationError, Machine, MotionError};
 
 use crate::check;
-use crate::frame::ReferenceFrame;
+use crate::frame::why_zero;
 use crate::gauge::GaugePart;
 use crate::plan::PlannedRun;
 use crate::true_errors::{Curve, TrueAxis};
-use crate::{AxisErrors, Error, Gauge, LocationValue, Scenario};
+use crate::{AxisErrors, Error, Gauge, LocationValue, Problem, Scenario};
 
 /// The true errors of every axis of the machine, in the gauge that the scenario asks for.
 pub(crate) fn read_errors(
     scenario: &Scenario,
     machine: &Machine,
     runs: &[PlannedRun],
-    frame: &ReferenceFrame,
+    frame: &FrameRule,
 ) -> Result<Vec<TrueAxis>, Error> {
     let mut all: Vec<TrueAxis> = machine.axes().iter().map(TrueAxis::faultless).collect();
     let names: Vec<&str> = machine.axes().iter().map(Axis::name).collect();
     for (name, spec) in &scenario.errors {
         let field = format!("errors.{name}");
-        let index = check::index_of(&field, "axis", name, &names)?;
+        let index = index_of(&field, "axis", name, &names)?;
         let (Some(axis), Some(errors)) = (machine.axes().get(index), all.get_mut(index)) else {
             continue;
         };
@@ -30,7 +31,7 @@ pub(crate) fn read_errors(
         }
         errors.curves = curves(&field, axis, spec)?;
         errors.location = location(&field, axis, spec, |component| {
-            frame.takes(index, component)
+            why_zero(frame, machine, index, component)
         })?;
         errors.half_lost_motion = half_lost_motion(&field, axis, spec)?;
         refuse_unseen_lost_motion(&field, index, axis, errors, runs)?;
@@ -46,7 +47,7 @@ fn curves(field: &str, axis: &Axis, spec: &AxisErrors) -> Result<[Curve; 6], Err
     let known = names.each_ref().map(String::as_str);
     for (name, terms) in &spec.components {
         let field = format!("{field}.components.{name}");
-        check::index_of(&field, "component error", name, &known)?;
+        index_of(&field, "component error", name, &known)?;
         for (i, term) in terms.iter().enumerate() {
             term.check(&format!("{field}[{i}]"), axis.kind())?;
         }
@@ -78,19 +79,19 @@ fn location(
     let mut location = LocationError::default();
     for (name, value) in &spec.location_errors {
         let field = format!("{field}.location_errors.{name}");
-        let index = check::index_of(&field, "location error", name, &known)?;
+        let index = index_of(&field, "location error", name, &known)?;
         let Some(&component) = components.get(index) else {
             continue;
         };
         let (given, unit) = location_value(&field, component, value)?;
         if let Some(reason) = taken(component).filter(|_| given != 0.0) {
-            return Err(Error::TakenByFrame {
-                field,
+            return Err(Problem::TakenByFrame {
                 name: name.clone(),
                 value: given,
                 unit,
                 reason,
-            });
+            }
+            .at(field));
         }
         match component {
             LocationComponent::Offset(i) => location.offset_mm[i] = given,
@@ -150,11 +151,11 @@ fn refuse_unseen_lost_motion(
         .find(|run| run.axis == index && run.directions.len() < 2);
     match one_way {
         None => Ok(()),
-        Some(run) => Err(Error::LostMotionUnseen {
-            field: field.to_owned(),
+        Some(run) => Err(Problem::LostMotionUnseen {
             axis: axis.name().to_owned(),
             run: run.name.clone(),
-        }),
+        }
+        .at(field)),
     }
 }
 
@@ -167,15 +168,17 @@ fn gauge(
 ) -> Result<GaugePart, Error> {
     let (field, name) = (field.to_owned(), axis.name().to_owned());
     if !runs.iter().any(|run| run.axis == index) {
-        return Err(Error::NoRun { field, axis: name });
+        return Err(Problem::NoRun { axis: name }.at(field));
     }
     let positions = distinct_positions(runs, |run| run.axis == index);
     let given: Vec<MotionError> = positions.iter().map(|&q| errors.as_given(q)).collect();
-    GaugePart::fit(axis, &positions, &given).ok_or(Error::GaugeUndefined {
-        field,
-        axis: name,
-        count: positions.len(),
-    })
+    GaugePart::fit(axis, &positions, &given).ok_or(
+        Problem::GaugeUndefined {
+            axis: name,
+            count: positions.len(),
+        }
+        .at(field),
+    )
 }
 
 /// The different commanded positions (mm or rad) of the chosen runs of one axis, increasing.

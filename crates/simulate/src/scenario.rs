@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+use trueaxis_campaign::{Instrument, MachineSpec};
 use trueaxis_effects::GivenEffect;
+use trueaxis_files::{Format, unique_keys};
 
 use crate::Term;
-use crate::unique_keys::unique_keys;
 
 /// What is to be simulated, as `scenario.json` says it.
 ///
@@ -16,9 +17,9 @@ use crate::unique_keys::unique_keys;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
-    /// Always [`Scenario::FORMAT`].
+    /// The name of [`Scenario::FORMAT`].
     pub format: String,
-    /// Always [`Scenario::VERSION`].
+    /// The version of [`Scenario::FORMAT`].
     pub version: u32,
     /// Name of the campaign.
     pub name: String,
@@ -26,7 +27,7 @@ pub struct Scenario {
     pub machine: MachineSpec,
     /// Declared accuracy, as in `campaign.json`; the true noise too, unless `noise` differs.
     #[serde(default)]
-    pub instrument: InstrumentSpec,
+    pub instrument: Instrument,
     /// Targets on the stages.
     pub targets: Vec<TargetSpec>,
     /// Stations of the tracker.
@@ -55,79 +56,12 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// What `format` must say.
-    pub const FORMAT: &str = "trueaxis-scenario";
-    /// The version of the format that this crate reads.
-    pub const VERSION: u32 = 1;
-}
-
-/// Nominal geometry of the machine.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MachineSpec {
-    /// Name of the machine.
-    pub name: String,
-    /// Its branches.
-    pub kinematics: KinematicsSpec,
-    /// Its axes in the order of the columns of `lengths.csv`.
-    pub axes: Vec<AxisSpec>,
-}
-
-/// The two branches, each from the bed outwards.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct KinematicsSpec {
-    /// Names of the axes from bed to tool.
-    #[serde(default)]
-    pub tool: Vec<String>,
-    /// Names of the axes from bed to workpiece.
-    #[serde(default)]
-    pub workpiece: Vec<String>,
-}
-
-/// Nominal geometry of an axis in the reference frame at home.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AxisSpec {
-    /// Name, as `X`.
-    pub name: String,
-    /// Linear or rotary.
-    pub kind: AxisKindSpec,
-    /// Unit vector of positive motion or right-hand rotation.
-    pub direction: [f64; 3],
-    /// Lowest and highest position, mm or deg.
-    pub travel: [f64; 2],
-    /// A point on a rotary axis, mm; a linear axis has none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub position_mm: Option<[f64; 3]>,
-}
-
-/// `linear` or `rotary`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum AxisKindSpec {
-    /// Positions in mm.
-    Linear,
-    /// Positions in degrees.
-    Rotary,
-}
-
-/// Declared accuracy; what is not declared is simulated as zero.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct InstrumentSpec {
-    /// Name of the instrument.
-    #[serde(default)]
-    pub name: String,
-    /// Constant part of a length's standard deviation, µm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub length_sigma_um: Option<f64>,
-    /// Proportional part of a length's standard deviation, µm per m.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub length_sigma_ppm: Option<f64>,
-    /// Standard deviation per coordinate of the position that the machine returns to, µm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub repeatability_um: Option<f64>,
+    /// The format that this crate reads.
+    pub const FORMAT: Format = Format {
+        name: "trueaxis-scenario",
+        version: 1,
+        noun: "a scenario",
+    };
 }
 
 /// A target on a stage.

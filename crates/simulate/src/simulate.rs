@@ -1,7 +1,7 @@
 //! From a scenario to the campaign that would be measured.
 
 use nalgebra::Point3;
-use trueaxis_campaign::{Campaign, Instrument, LengthReading, Lengths, Run, Step};
+use trueaxis_campaign::{Campaign, LengthReading, Lengths, Run, Step};
 use trueaxis_campaign::{Station, Stop, Target};
 
 use crate::circumstances::{Progress, StopCircumstances};
@@ -125,17 +125,11 @@ fn measure_stop(
 }
 
 fn campaign(scenario: &Scenario, plan: Plan, steps: Vec<Step>, lengths: Lengths) -> Campaign {
-    let instrument = &scenario.instrument;
     Campaign {
         name: scenario.name.clone(),
         machine_name: scenario.machine.name.clone(),
         machine: plan.machine,
-        instrument: Instrument {
-            name: instrument.name.clone(),
-            length_sigma_um: instrument.length_sigma_um,
-            length_sigma_ppm: instrument.length_sigma_ppm,
-            repeatability_um: instrument.repeatability_um,
-        },
+        instrument: scenario.instrument.clone(),
         targets: plan
             .targets
             .into_iter()

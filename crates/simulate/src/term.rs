@@ -196,7 +196,7 @@ mod tests {
         let refused = term.check("term", AxisKind::Rotary).unwrap_err();
         assert_eq!(
             refused.to_string(),
-            "term: expected `period_deg` alone for a rotary axis"
+            "field term: expected `period_deg` alone for a rotary axis"
         );
     }
 

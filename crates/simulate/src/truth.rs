@@ -1,13 +1,14 @@
 //! What is true of a simulated campaign.
 
 use nalgebra::Point3;
+use serde::Serialize;
 use trueaxis_campaign::Direction;
 use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::{AxisKind, LocationComponent, MotionError};
 
 use crate::plan::Plan;
 use crate::read_errors::distinct_positions;
-use crate::{Noise, Scenario};
+use crate::{Noise, Scenario, truth_file};
 
 /// The values that an estimator should find, in the reference frame and gauge of the calibration.
 ///
@@ -38,23 +39,25 @@ pub struct Truth {
 }
 
 /// A station as it stood.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TrueStation {
     /// Name.
     pub name: String,
     /// Position, mm.
+    #[serde(serialize_with = "truth_file::point")]
     pub position_mm: Point3<f64>,
     /// Dead path, mm.
     pub dead_path_mm: f64,
 }
 
 /// A target as it was mounted.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TrueTarget {
     /// Name.
     pub name: String,
     /// Home position h in `p = T1(q1) T2(q2) ... h`, mm. The component errors of axes at home are
     /// in the T, so p at home differs from h by the straightness there.
+    #[serde(rename = "position_mm", serialize_with = "truth_file::rounded")]
     pub home_mm: Point3<f64>,
 }
 
@@ -145,7 +148,7 @@ fn components(plan: &Plan, index: usize) -> TrueComponents {
 fn locations(plan: &Plan, index: usize) -> Vec<TrueLocation> {
     let axis = &plan.machine.axes()[index];
     let free = axis.location_components().into_iter();
-    free.filter(|&component| plan.frame.takes(index, component).is_none())
+    free.filter(|&component| !plan.frame.defines(&plan.machine, index, component))
         .map(|component| TrueLocation {
             name: component.name(axis.name()),
             component,

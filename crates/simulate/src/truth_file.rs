@@ -1,14 +1,21 @@
 //! `truth.json`: the truth in the shape and units of `calibration.json`.
+//!
+//! Values are rounded to nine decimals of mm, deg, µm or arcsec: far below the rounding of the lengths,
+//! and without the digits that unit conversion leaves.
 
 use std::path::Path;
 
-use serde::{Serialize, Serializer};
+use nalgebra::Point3;
+use serde::ser::{Serialize, SerializeStruct, Serializer};
 use trueaxis_campaign::Direction;
-use trueaxis_effects::GivenEffect;
-use trueaxis_kinematics::{ARCSEC, AxisKind, Component, LocationComponent, MICROMETRE};
+use trueaxis_files::{Ordered, Place, round};
+use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 
 use crate::axis_unit;
-use crate::{Error, TrueComponents, TrueLocation, Truth};
+use crate::{Error, Problem, TrueComponents, TrueLocation, Truth};
+
+/// Decimals of the values.
+const DECIMALS: i32 = 9;
 
 impl Truth {
     /// What `format` says in `truth.json`.
@@ -19,184 +26,108 @@ impl Truth {
     /// Writes `truth.json`: to a temporary file beside `path`, which is then renamed.
     ///
     /// # Errors
-    /// [`Error::Write`].
+    /// [`Problem::Write`].
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let path = path.as_ref();
         trueaxis_files::to_json(self)
             .map_err(std::io::Error::from)
             .and_then(|text| trueaxis_files::write_whole(path, text.as_bytes()))
-            .map_err(|source| Error::Write {
-                path: path.to_owned(),
-                source,
+            .map_err(|source| Error {
+                place: Place::file(path),
+                problem: Box::new(Problem::Write(source)),
             })
     }
 }
 
 impl Serialize for Truth {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        TruthFile::new(self).serialize(serializer)
-    }
-}
-
-#[derive(Serialize)]
-struct TruthFile<'a> {
-    format: &'a str,
-    version: u32,
-    campaign: &'a str,
-    seed: u64,
-    noise: NoiseEntry,
-    stations: Vec<StationEntry<'a>>,
-    targets: Vec<TargetEntry<'a>>,
-    axes: Vec<AxisEntry<'a>>,
-    location_errors: InOrder<LocationEntry>,
-    #[serde(skip_serializing_if = "<[GivenEffect]>::is_empty")]
-    effects: &'a [GivenEffect],
-}
-
-#[derive(Serialize)]
-struct NoiseEntry {
-    length_sigma_um: f64,
-    length_sigma_ppm: f64,
-    repeatability_um: f64,
-}
-
-#[derive(Serialize)]
-struct StationEntry<'a> {
-    name: &'a str,
-    position_mm: [f64; 3],
-    dead_path_mm: f64,
-}
-
-#[derive(Serialize)]
-struct TargetEntry<'a> {
-    name: &'a str,
-    position_mm: [f64; 3],
-}
-
-#[derive(Serialize)]
-struct AxisEntry<'a> {
-    name: &'a str,
-    kind: &'a str,
-    unit: &'a str,
-    positions: Vec<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    direction: Option<Vec<i8>>,
-    reference_point_mm: [f64; 3],
-    components: InOrder<ComponentEntry>,
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum ComponentEntry {
-    Linear { value_um: Vec<f64> },
-    Angular { value_arcsec: Vec<f64> },
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum LocationEntry {
-    Offset { value_mm: f64 },
-    Tilt { value_arcsec: f64 },
-}
-
-/// A map that keeps the order of its entries.
-struct InOrder<V>(Vec<(String, V)>);
-
-impl<V: Serialize> Serialize for InOrder<V> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
-    }
-}
-
-impl<'a> TruthFile<'a> {
-    fn new(truth: &'a Truth) -> Self {
-        let stations = truth.stations.iter().map(|station| StationEntry {
-            name: &station.name,
-            position_mm: station.position_mm.into(),
-            dead_path_mm: station.dead_path_mm,
-        });
-        let targets = truth.targets.iter().map(|target| TargetEntry {
-            name: &target.name,
-            position_mm: target.home_mm.map(tidy).into(),
-        });
-        let locations = truth.location_errors.iter().map(location_entry);
-        Self {
-            format: Truth::FORMAT,
-            version: Truth::VERSION,
-            campaign: &truth.campaign,
-            seed: truth.seed,
-            noise: NoiseEntry {
-                length_sigma_um: truth.noise.length_sigma_um,
-                length_sigma_ppm: truth.noise.length_sigma_ppm,
-                repeatability_um: truth.noise.repeatability_um,
-            },
-            stations: stations.collect(),
-            targets: targets.collect(),
-            axes: truth.axes.iter().map(AxisEntry::new).collect(),
-            location_errors: InOrder(locations.collect()),
-            effects: &truth.effects,
+        let locations = self.location_errors.iter();
+        let locations = locations.map(|location| (location.name.clone(), location));
+        let mut file = serializer.serialize_struct("Truth", 10)?;
+        file.serialize_field("format", Self::FORMAT)?;
+        file.serialize_field("version", &Self::VERSION)?;
+        file.serialize_field("campaign", &self.campaign)?;
+        file.serialize_field("seed", &self.seed)?;
+        file.serialize_field("noise", &self.noise)?;
+        file.serialize_field("stations", &self.stations)?;
+        file.serialize_field("targets", &self.targets)?;
+        file.serialize_field("axes", &self.axes)?;
+        file.serialize_field("location_errors", &locations.collect::<Ordered<_>>())?;
+        if !self.effects.is_empty() {
+            file.serialize_field("effects", &self.effects)?;
         }
+        file.end()
     }
 }
 
-impl<'a> AxisEntry<'a> {
-    fn new(axis: &'a TrueComponents) -> Self {
-        let (kind, unit) = match axis.kind {
+impl Serialize for TrueComponents {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (kind, unit) = match self.kind {
             AxisKind::Linear => ("linear", "mm"),
             AxisKind::Rotary => ("rotary", "deg"),
         };
-        let positions = axis.positions.iter();
-        let directions = axis.directions.as_ref();
+        let positions = self.positions.iter();
+        let positions = positions.map(|&q| round(axis_unit::to_file(self.kind, q), DECIMALS));
         let components = Component::ALL.map(|component| {
-            let values = axis.errors.iter().map(|e| e.to_vector()[component.index()]);
-            let entry = if component.is_angular() {
-                ComponentEntry::Angular {
-                    value_arcsec: values.map(|v| tidy(v / ARCSEC)).collect(),
-                }
+            let values = self.errors.iter().map(|e| e.to_vector()[component.index()]);
+            let values = values.map(|value| in_file(value, component.is_angular()));
+            let name = if component.is_angular() {
+                "value_arcsec"
             } else {
-                ComponentEntry::Linear {
-                    value_um: values.map(|v| tidy(v / MICROMETRE)).collect(),
-                }
+                "value_um"
             };
-            (component.name(&axis.name), entry)
+            let curve: Ordered<Vec<f64>> =
+                [(name.to_owned(), values.collect())].into_iter().collect();
+            (component.name(&self.name), curve)
         });
-        Self {
-            name: &axis.name,
-            kind,
-            unit,
-            positions: positions
-                .map(|&q| tidy(axis_unit::to_file(axis.kind, q)))
-                .collect(),
-            direction: directions.map(|all| all.iter().copied().map(sign).collect()),
-            reference_point_mm: axis.reference_mm.into(),
-            components: InOrder(components.into()),
+        let mut axis = serializer.serialize_struct("TrueComponents", 7)?;
+        axis.serialize_field("name", &self.name)?;
+        axis.serialize_field("kind", kind)?;
+        axis.serialize_field("unit", unit)?;
+        axis.serialize_field("positions", &positions.collect::<Vec<_>>())?;
+        if let Some(directions) = &self.directions {
+            let signs = directions.iter().map(|direction| match direction {
+                Direction::Forward => 1,
+                Direction::Backward => -1,
+            });
+            axis.serialize_field("direction", &signs.collect::<Vec<i8>>())?;
         }
+        axis.serialize_field("reference_point_mm", &<[f64; 3]>::from(self.reference_mm))?;
+        axis.serialize_field(
+            "components",
+            &components.into_iter().collect::<Ordered<_>>(),
+        )?;
+        axis.end()
     }
 }
 
-fn location_entry(location: &TrueLocation) -> (String, LocationEntry) {
-    let entry = match location.component {
-        LocationComponent::Offset(_) => LocationEntry::Offset {
-            value_mm: tidy(location.value),
-        },
-        LocationComponent::Tilt(_) => LocationEntry::Tilt {
-            value_arcsec: tidy(location.value / ARCSEC),
-        },
-    };
-    (location.name.clone(), entry)
-}
-
-fn sign(direction: Direction) -> i8 {
-    match direction {
-        Direction::Forward => 1,
-        Direction::Backward => -1,
+impl Serialize for TrueLocation {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut location = serializer.serialize_struct("TrueLocation", 1)?;
+        if self.component.is_angular() {
+            location.serialize_field("value_arcsec", &in_file(self.value, true))?;
+        } else {
+            location.serialize_field("value_mm", &round(self.value, DECIMALS))?;
+        }
+        location.end()
     }
 }
 
-/// Rounded to nine decimals of mm, deg, µm or arcsec: far below the rounding of the lengths, and
-/// without the digits that unit conversion leaves.
-fn tidy(value: f64) -> f64 {
-    const PER_UNIT: f64 = 1e9;
-    // Adding zero turns -0 into 0.
-    (value * PER_UNIT).round() / PER_UNIT + 0.0
+/// A component error: µm of mm, or arcsec of rad.
+fn in_file(value: f64, angular: bool) -> f64 {
+    let unit = if angular { ARCSEC } else { MICROMETRE };
+    round(value / unit, DECIMALS)
+}
+
+/// Coordinates as they are.
+pub(crate) fn point<S: Serializer>(point: &Point3<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    <[f64; 3]>::from(*point).serialize(serializer)
+}
+
+/// Coordinates rounded as all values are.
+pub(crate) fn rounded<S: Serializer>(
+    point: &Point3<f64>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    <[f64; 3]>::from(point.map(|c| round(c, DECIMALS))).serialize(serializer)
 }

@@ -12,5 +12,6 @@ mod gross_errors;
 mod machines;
 mod parked;
 mod planar;
+mod reference_frame;
 mod round_trip;
 mod triangle;

@@ -13,7 +13,7 @@ use super::hypothesis::{self, Hypothesis};
 use super::nominal::NominalPoints;
 use super::station_name;
 use crate::reading::readings_of;
-use crate::{Campaign, Error, Lengths, Place};
+use crate::{Campaign, Error, Lengths, Place, Problem};
 
 /// Misfit, mm, that rough positions may have without anything being wrong.
 const LEAST_MISFIT_MM: f64 = 20.0;
@@ -138,12 +138,12 @@ fn check_unit(file: &Path, campaign: &Campaign, seen: &Seen) -> Result<(), Error
     };
     let suspects = hypothesis::for_small_lengths(campaign);
     match suspects.into_iter().find(fits).and_then(|h| h.mistake) {
-        Some(mistake) => Err(Error::ScaleAgainstApprox {
-            place: Place::column(file, seen.sample.first_line, "length_mm"),
+        Some(mistake) => Err(Problem::ScaleAgainstApprox {
             station: station_name(campaign, seen.station),
             misfit_mm,
             mistake,
-        }),
+        }
+        .at(Place::column(file, seen.sample.first_line, "length_mm"))),
         None => Ok(()),
     }
 }
@@ -166,13 +166,13 @@ fn check_names(file: &Path, campaign: &Campaign, seen: &[Seen]) -> Result<(), Er
         };
         let other_too = seems_to_be.get(index).copied().flatten();
         if let (Some(fits), Some(_)) = (seen.get(index), other_too) {
-            return Err(Error::SwappedStations {
-                place: Place::column(file, one.sample.first_line, "station"),
+            return Err(Problem::SwappedStations {
                 station: station_name(campaign, one.station),
                 fits: station_name(campaign, fits.station),
                 own_misfit_mm: one.sample.misfit_mm(one.approx_mm, 1.0),
                 fits_misfit_mm,
-            });
+            }
+            .at(Place::column(file, one.sample.first_line, "station")));
         }
     }
     Ok(())

@@ -41,7 +41,7 @@ fn whole_files() {
             Case {
                 name: "empty lengths.csv",
                 damage: |f| empty(f, "lengths.csv"),
-                says: &["lengths.csv: the file is empty"],
+                says: &["lengths.csv: the file is empty", "saved completely?"],
             },
             Case {
                 name: "header only",
@@ -99,8 +99,16 @@ fn format_and_version() {
                     f.0.insert("campaign.json".to_owned(), calibration.to_owned());
                 },
                 says: &[
-                    "campaign.json, field format",
+                    "campaign.json line 1, field format",
                     "trueaxis calibration, not a campaign",
+                ],
+            },
+            Case {
+                name: "another program's document",
+                damage: |f| f.json("trueaxis-campaign", "survey"),
+                says: &[
+                    "field format: found \"survey\"",
+                    "expected \"trueaxis-campaign\"",
                 ],
             },
             Case {
@@ -130,6 +138,11 @@ fn format_and_version() {
                 name: "cut off",
                 damage: |f| f.lines("campaign.json", |lines| lines.truncate(12)),
                 says: &["campaign.json line 13", "not valid JSON: EOF"],
+            },
+            Case {
+                name: "a missing comma",
+                damage: |f| f.json("\"name\": \"test\",", "\"name\": \"test\""),
+                says: &["campaign.json line 5", "not valid JSON", "RFC 8259"],
             },
             Case {
                 name: "a list",
@@ -306,6 +319,18 @@ fn names() {
                 ],
             },
             Case {
+                name: "station missing from the list",
+                damage: |f| {
+                    f.lines("campaign.json", |lines| {
+                        let last = lines.iter().position(|l| l.contains("\"S4\"")).unwrap();
+                        lines.remove(last);
+                        let before = lines[last - 1].trim_end_matches(',').to_owned();
+                        lines[last - 1] = before;
+                    });
+                },
+                says: &["lengths.csv line 272, column station", "`S4`"],
+            },
+            Case {
                 name: "unknown axis in a branch",
                 damage: |f| f.json("[\"X\", \"Y\", \"Z\"]", "[\"X\", \"Y\", \"ZZ\"]"),
                 says: &["field machine.kinematics.tool[2]", "did you mean `Z`?"],
@@ -326,6 +351,16 @@ fn values() {
                     "field machine.axes[1].direction: axis Y",
                     "length 2, expected a unit vector",
                 ],
+            },
+            Case {
+                name: "direction of no length",
+                damage: |f| f.json("\"direction\": [0, 1, 0]", "\"direction\": [0, 0, 0]"),
+                says: &["field machine.axes[1].direction", "expected a unit vector"],
+            },
+            Case {
+                name: "negative length_sigma_um",
+                damage: |f| f.json("0.269", "-0.3"),
+                says: &["field instrument.length_sigma_um", "more than zero"],
             },
             Case {
                 name: "travel turned round",

@@ -44,6 +44,17 @@ fn headers() {
                 ],
             },
             Case {
+                name: "column that the format does not have",
+                damage: |f| {
+                    f.lines("lengths.csv", |lines| {
+                        for (i, line) in lines.iter_mut().enumerate() {
+                            *line += if i == 0 { ",operator" } else { ",Jo" };
+                        }
+                    });
+                },
+                says: &["line 1, column operator: unknown column", "known: time_s"],
+            },
+            Case {
                 name: "column of an axis that the machine lacks",
                 damage: |f| f.replace("lengths.csv", ",X,Y,Z,", ",X,Y,C,"),
                 says: &["line 1, column C: unknown column", "X, Y, Z"],
@@ -74,6 +85,17 @@ fn headers() {
                     "lengths.csv line 1: the columns are separated by semicolons",
                     "expected commas",
                 ],
+            },
+            Case {
+                name: "semicolons, decimal points",
+                damage: |f| {
+                    f.lines("lengths.csv", |lines| {
+                        for line in lines {
+                            *line = line.replace(',', ";");
+                        }
+                    });
+                },
+                says: &["lengths.csv line 1: the columns are separated by semicolons"],
             },
             Case {
                 name: "tabs",
@@ -144,9 +166,38 @@ fn cells() {
                 says: &["line 17, column time_s: \"-inf\" is not a finite number"],
             },
             Case {
+                name: "infinite length",
+                damage: |f| f.cell("lengths.csv", 17, "length_mm", "inf"),
+                says: &[
+                    "line 17, column length_mm: \"inf\" is not a finite",
+                    "remove the row",
+                ],
+            },
+            Case {
+                name: "number too large for a computer",
+                damage: |f| f.cell("lengths.csv", 17, "length_mm", "1e999"),
+                says: &["line 17, column length_mm: \"1e999\" is not a finite number"],
+            },
+            Case {
+                name: "last row cut off",
+                damage: |f| {
+                    let text = f.0.get_mut("lengths.csv").unwrap();
+                    text.truncate(text.len() - 20);
+                },
+                says: &["lengths.csv line 361", "fields, expected 10"],
+            },
+            Case {
                 name: "empty cell",
                 damage: |f| f.cell("lengths.csv", 17, "length_mm", ""),
-                says: &["line 17, column length_mm: the cell is empty"],
+                says: &[
+                    "line 17, column length_mm: the cell is empty",
+                    "remove the row",
+                ],
+            },
+            Case {
+                name: "empty position",
+                damage: |f| f.cell("lengths.csv", 17, "X", ""),
+                says: &["line 17, column X: the cell is empty"],
             },
             Case {
                 name: "direction 0",
@@ -267,9 +318,31 @@ fn rows_against_each_other() {
                 ],
             },
             Case {
+                name: "a row copied below itself",
+                damage: |f| f.lines("lengths.csv", |lines| lines.insert(17, lines[16].clone())),
+                says: &["lengths.csv line 18", "first in line 17", "keep one"],
+            },
+            Case {
+                name: "all rows twice",
+                damage: |f| f.lines("lengths.csv", |lines| lines.extend_from_within(1..)),
+                says: &[
+                    "lengths.csv line 362",
+                    "in line 2 already",
+                    "duplicated rows",
+                ],
+            },
+            Case {
                 name: "one row copied to the end",
                 damage: |f| f.lines("lengths.csv", |lines| lines.extend_from_within(5..6)),
                 says: &["lengths.csv line 362", "stands in line 6 already"],
+            },
+            Case {
+                name: "axes of two runs exchanged",
+                damage: |f| {
+                    f.json("\"x\", \"axis\": \"X\"", "\"x\", \"axis\": \"Y\"");
+                    f.json("\"y\", \"axis\": \"Y\"", "\"y\", \"axis\": \"X\"");
+                },
+                says: &["lengths.csv line 5: run `x` is of axis Y", "mend the axis"],
             },
             Case {
                 name: "columns exchanged",

@@ -104,6 +104,20 @@ fn lengths_of_three_axes() {
             says: &["values of X, Y, Z look like micrometres, expected mm: multiply them by 0.001"],
         },
         Case {
+            name: "every length the same",
+            damage: |f| f.column("lengths.csv", "length_mm", |_, _| "-412.3553628".to_owned()),
+            says: &[
+                "column length_mm",
+                "vary by only 0.0000 mm",
+                "check the names",
+            ],
+        },
+        Case {
+            name: "axes in the wrong order",
+            damage: |f| f.json("[\"X\", \"Y\", \"Z\"]", "[\"Z\", \"Y\", \"X\"]"),
+            says: &["lengths.csv line", "moves only 0.000 mm", "carried_by"],
+        },
+        Case {
             name: "target on the wrong axis",
             damage: |f| {
                 let text = f.0.get_mut("campaign.json").unwrap();

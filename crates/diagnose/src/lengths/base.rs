@@ -78,7 +78,9 @@ impl<'a> Base<'a> {
         adjustment: Option<&LengthsAdjustment>,
     ) -> Result<Self, Error> {
         let all = network_from_campaign(campaign, lengths, false);
-        let removed = adjustment.iter().flat_map(|adjustment| &adjustment.screened.removed);
+        let removed = adjustment
+            .iter()
+            .flat_map(|adjustment| &adjustment.screened.removed);
         let removed: Vec<usize> = removed.map(|removed| removed.reading).collect();
         let few = removed.len() as f64 <= MOST_GROSS * all.network.readings.len() as f64;
         let many_gross = if few { 0 } else { removed.len() };
@@ -87,7 +89,9 @@ impl<'a> Base<'a> {
         let same = |adjustment: &&LengthsAdjustment| {
             adjustment.method == Method::Joint && !adjustment.by_direction
         };
-        let near = adjustment.filter(same).map(|adjustment| &*adjustment.screened.solution);
+        let near = adjustment
+            .filter(same)
+            .map(|adjustment| &*adjustment.screened.solution);
         let base = Self::leaving_out(campaign, lengths, all, &removed, near)?;
         Ok(Self { many_gross, ..base })
     }

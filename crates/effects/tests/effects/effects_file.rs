@@ -64,13 +64,9 @@ fn wrong_files_are_refused_with_the_reason() {
         (
             "/format",
             json!("trueaxis-diagnosis"),
-            "format: expected `trueaxis-effects`, found `trueaxis-diagnosis`",
+            "format: this is a trueaxis diagnosis, not an effects file",
         ),
-        (
-            "/version",
-            json!(2),
-            "version: expected 1 of the effects format, found 2",
-        ),
+        ("/version", json!(2), "version: found 2; expected 1"),
         (
             "/effects/1/effect",
             json!("machine_drfit"),
@@ -101,7 +97,9 @@ fn wrong_files_are_refused_with_the_reason() {
         let mut json = file();
         *json.pointer_mut(pointer).unwrap() = value;
         let message = read(&json).unwrap_err().to_string();
-        assert!(message.starts_with(expected), "{message}");
+        // What is wrong with the document as such has a line.
+        let (_, reason) = message.split_once(", field ").unwrap_or(("", &message));
+        assert!(reason.starts_with(expected), "{message}");
     }
 }
 
@@ -109,15 +107,17 @@ fn wrong_files_are_refused_with_the_reason() {
 fn the_parser_names_line_and_field() {
     let message = EffectsFile::from_json("{\n  \"effects\": [,]\n}").unwrap_err();
     assert!(
-        message.to_string().starts_with("line 2: expected value"),
+        message
+            .to_string()
+            .starts_with("line 2, character 15: not valid JSON: expected value"),
         "{message}"
     );
     let text = "{ \"format\": \"trueaxis-effects\", \"version\": 1, \"campaign\": \"x\",\n\
                 \"effects\": [ { \"effect\": \"warm_up\", \"parametres\": [] } ] }";
     let message = EffectsFile::from_json(text).unwrap_err().to_string();
-    let expected = "line 2: effects[0].parametres: unknown field `parametres`";
+    let expected = "line 2, field effects[0].parametres: unknown field `parametres`";
     assert!(message.starts_with(expected), "{message}");
-    assert!(message.ends_with("did you mean `parameters`?"), "{message}");
+    assert!(message.contains("did you mean `parameters`?"), "{message}");
 }
 
 /// What is found only with the machine at hand, too, is named from the top of the file.

@@ -3,7 +3,7 @@
 use std::error::Error as _;
 
 use serde_json::{Value, json};
-use trueaxis_simulate::{Error, Scenario};
+use trueaxis_simulate::{Error, Problem, Scenario};
 
 use crate::shipped;
 
@@ -35,7 +35,12 @@ fn altered(name: &str, changes: &[(&str, Value)]) -> Value {
 pub(crate) fn refused(name: &str, changes: &[(&str, Value)]) -> String {
     let text = altered(name, changes).to_string();
     let message = chain(&Scenario::from_json(&text).unwrap_err());
-    message.strip_prefix("line 1: ").unwrap().to_owned()
+    let without_line = message.strip_prefix("line 1").unwrap();
+    let reason = without_line.strip_prefix(", field ");
+    reason
+        .or(without_line.strip_prefix(": "))
+        .unwrap()
+        .to_owned()
 }
 
 #[test]
@@ -53,20 +58,20 @@ fn the_file_and_the_line_are_named() {
         (
             r#""name": "S3""#,
             r#""name": "S2""#,
-            "stations[2].name",
-            "another station named `S2`",
+            "field stations[2].name: station `S2` has this name already",
+            "in stations[1].name",
         ),
         (
             r#""axis": "Y""#,
             r#""axis": "V""#,
-            "runs[1].axis: no axis is named `V`",
-            "(known: X, Y, Z)",
+            "field runs[1].axis: unknown axis `V`",
+            "known: X, Y, Z",
         ),
         (
             "1283.0657",
             r#""long""#,
             "stations[1].dead_path_mm: invalid type",
-            "expected f64",
+            "expected a number with a decimal point",
         ),
         (
             r#""EYX": ["#,
@@ -79,7 +84,7 @@ fn the_file_and_the_line_are_named() {
         std::fs::write(&path, text.replacen(old, new, 1)).unwrap();
         let message = chain(&Scenario::read(&path).unwrap_err());
         let line = 1 + text.lines().position(|line| line.contains(old)).unwrap();
-        let place = format!("{} line {line}: ", path.display());
+        let place = format!("{} line {line}, field ", path.display());
         assert!(message.starts_with(&place), "{message}");
         assert!(message.contains(what), "{message}");
         assert!(message.contains(hint), "{message}");
@@ -89,8 +94,11 @@ fn the_file_and_the_line_are_named() {
 #[test]
 fn a_missing_file_is_named() {
     let missing = Scenario::read("no/such/scenario.json").unwrap_err();
-    assert!(matches!(missing, Error::Read { .. }));
-    assert_eq!(missing.to_string(), "cannot read no/such/scenario.json");
+    assert!(matches!(*missing.problem, Problem::Read(_)));
+    assert_eq!(
+        missing.to_string(),
+        "no/such/scenario.json: the file cannot be read"
+    );
 }
 
 #[test]
@@ -102,45 +110,40 @@ fn each_wrong_field_is_named_with_the_reason() {
             "fxyz",
             "/format",
             json!("trueaxis-campaign"),
-            "format: expected `trueaxis-scenario`, found `trueaxis-campaign`",
+            "format: this is a trueaxis campaign, not a scenario; give the path of the scenario.json",
         ),
-        (
-            "fxyz",
-            "/version",
-            json!(2),
-            "version: expected 1 of the scenario format, found 2",
-        ),
+        ("fxyz", "/version", json!(2), "version: found 2; expected 1"),
         ("fxyz", "/repeats", json!(0), "repeats: expected at least 1"),
         (
             "fxyz",
             "/machine/axes/0/direction",
             json!([1, 1, 0]),
-            "machine.axes[0]: the machine cannot be built: axis X: direction [1, 1, 0] has length",
+            "machine.axes[0].direction: axis X: direction [1, 1, 0] has length",
         ),
         (
             "fxyz",
             "/machine/kinematics/tool",
             json!(["X", "Y"]),
-            "machine.kinematics: the machine cannot be built: axis Z appears in no",
+            "machine.kinematics: axis Z appears in no",
         ),
         (
             "fxyz",
             "/machine/axes/0/position_mm",
             json!([0, 0, 0]),
-            "machine.axes[0].position_mm: expected nothing here for a linear axis",
+            "machine.axes[0].position_mm: axis X is linear and has a position; expected",
         ),
         (
             "fxyz",
             "/targets/1/carried_by",
             json!("ZZ"),
-            "targets[1].carried_by: no axis is named `ZZ` (known: X, Y, Z); did you mean `Z`?",
+            "targets[1].carried_by: unknown axis `ZZ`; did you mean `Z`? known: X, Y, Z",
         ),
         (
             "fxyz",
             "/errors/X/components/EXY",
             json!([]),
-            "errors.X.components.EXY: no component error is named `EXY` (known: EXX, EYX, EZX, \
-             EAX, EBX, ECX); did you mean `EXX`?",
+            "errors.X.components.EXY: unknown component error `EXY`; did you mean `EXX`? known: EXX, \
+             EYX, EZX, EAX, EBX, ECX",
         ),
         (
             "fxyz",
@@ -152,8 +155,8 @@ fn each_wrong_field_is_named_with_the_reason() {
             "fxyz",
             "/errors/X/components/EXX/1/kind",
             json!("sinus"),
-            "errors.X.components.EXX[1].kind: unknown variant `sinus`, expected one of `polynomial`, \
-             `sine`, `table`; did you mean `sine`?",
+            "errors.X.components.EXX[1].kind: unknown value `sinus`; did you mean `sine`? known: \
+             polynomial, sine, table",
         ),
         (
             "fxyz",

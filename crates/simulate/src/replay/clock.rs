@@ -2,7 +2,8 @@
 
 use trueaxis_campaign::Campaign;
 use trueaxis_effects::GivenEffect;
-use trueaxis_simulate::Timing;
+
+use crate::Timing;
 
 /// Times of the campaign's readings and of the same ones in a replay.
 pub(super) struct Clock {
@@ -117,8 +118,8 @@ impl Clock {
 
 #[cfg(test)]
 mod tests {
+    use crate::{Scenario, simulate};
     use trueaxis_effects::GivenParameter;
-    use trueaxis_simulate::{Scenario, simulate};
 
     use super::*;
 

@@ -4,6 +4,8 @@ use std::collections::HashMap;
 
 use trueaxis_campaign::{Campaign, Direction};
 
+use super::ReplayError;
+
 /// Station, repeat, run, side of approach, number of the position in its run, target.
 type Key = (usize, u32, usize, Direction, usize, usize);
 
@@ -11,15 +13,13 @@ type Key = (usize, u32, usize, Direction, usize, usize);
 pub(super) fn places_in_replay(
     campaign: &Campaign,
     replay: &Campaign,
-) -> Result<Vec<usize>, String> {
+) -> Result<Vec<usize>, ReplayError> {
     let place_of: HashMap<Key, usize> = keys(replay).into_iter().zip(0..).collect();
     let mut places: Vec<usize> = Vec::new();
-    let other_order = "its lengths were measured in another order than stations, repeats, runs, sweeps, \
-                       positions, targets";
     for key in keys(campaign) {
         match (place_of.get(&key), places.last()) {
             (Some(place), last) if last.is_none_or(|last| last < place) => places.push(*place),
-            _ => return Err(other_order.to_owned()),
+            _ => return Err(ReplayError::OtherOrder),
         }
     }
     Ok(places)
@@ -70,7 +70,7 @@ fn position_numbers(campaign: &Campaign) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use trueaxis_simulate::{Scenario, simulate};
+    use crate::{Scenario, simulate};
 
     use super::*;
 

@@ -4,7 +4,7 @@
 ///
 /// Where a part of the path is not there (a default applies), it is the line of what should hold
 /// it. The text must be valid JSON; a path is followed to the first match of each key.
-pub(crate) fn field_line(json: &str, path: &str) -> usize {
+pub fn field_line(json: &str, path: &str) -> usize {
     let mut cursor = Cursor {
         json: json.as_bytes(),
         at: 0,

@@ -1,0 +1,388 @@
+//! Reading the JSON documents of this project: where something is wrong, and which name was meant.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use serde_json::error::Category;
+
+use crate::{Alternatives, Part, Place, field_line};
+
+/// A format of this project.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Format {
+    /// What the field `format` must say, as `trueaxis-campaign`.
+    pub name: &'static str,
+    /// What the field `version` must say.
+    pub version: u32,
+    /// A document of this format in words, as `a campaign`.
+    pub noun: &'static str,
+}
+
+/// All formats begin with this.
+const PREFIX: &str = "trueaxis-";
+
+/// What is wrong with a document, and where.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{place}: {problem}")]
+pub struct DocumentError {
+    /// The file, line and field.
+    pub place: Box<Place>,
+    /// What is wrong there.
+    pub problem: DocumentProblem,
+}
+
+/// What can be wrong with any document, with what was found and what is expected.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum DocumentProblem {
+    /// The text is not JSON.
+    #[error(
+        "not valid JSON: {problem}; expected JSON as in RFC 8259 (no comments, no trailing commas)"
+    )]
+    Syntax {
+        /// The parser's reason.
+        problem: String,
+    },
+    /// Another document of this project.
+    #[error(
+        "this is a trueaxis {kind}, not {}; give the path of the {}.json instead",
+        expected.noun,
+        expected.kind()
+    )]
+    OtherDocument {
+        /// Which one, as `calibration`.
+        kind: String,
+        /// The one wanted.
+        expected: Format,
+    },
+    /// Some other JSON.
+    #[error("found {found}; expected \"{}\": is this the right file?", expected.name)]
+    Format {
+        /// The value of `format` as JSON.
+        found: String,
+        /// The one wanted.
+        expected: Format,
+    },
+    /// A version of the format that this release does not know.
+    #[error(
+        "found {found}; expected {expected}: a higher version needs a newer release of trueaxis"
+    )]
+    Version {
+        /// The value of `version` as JSON.
+        found: String,
+        /// The one wanted.
+        expected: u32,
+    },
+    /// A field that the format does not have.
+    #[error("unknown field `{name}`; {alternatives}")]
+    UnknownField {
+        /// Its name.
+        name: String,
+        /// The fields that exist there.
+        alternatives: Alternatives,
+    },
+    /// A field that must be there.
+    #[error("field `{name}` is missing; add it")]
+    MissingField {
+        /// Its name.
+        name: String,
+    },
+    /// A value that cannot be.
+    #[error("{found}; expected {expected}")]
+    Value {
+        /// The value and what is wrong with it.
+        found: String,
+        /// What would be right.
+        expected: String,
+    },
+    /// A name that nothing has.
+    #[error("unknown {what} `{name}`; {alternatives}")]
+    UnknownName {
+        /// What it should name, as `axis`.
+        what: &'static str,
+        /// The name found.
+        name: String,
+        /// The names that exist.
+        alternatives: Alternatives,
+    },
+    /// Two things of one kind share a name.
+    #[error("{what} `{name}` has this name already in {first}; give each its own")]
+    DuplicateName {
+        /// What they are, as `target`.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// Field path of the first use.
+        first: String,
+    },
+}
+
+impl Format {
+    /// `campaign` of `trueaxis-campaign`.
+    fn kind(&self) -> &'static str {
+        self.name.strip_prefix(PREFIX).unwrap_or(self.name)
+    }
+
+    /// Reads a document of this format. Format and version come first: a document of another format
+    /// or a later version is called that, and not blamed for its unknown fields.
+    ///
+    /// # Errors
+    /// With the line and the field; `file` is only named.
+    pub fn read<T: DeserializeOwned>(
+        &self,
+        text: &str,
+        file: Option<&Path>,
+    ) -> Result<T, DocumentError> {
+        self.check_header(text)
+            .and_then(|()| {
+                let deserializer = &mut serde_json::Deserializer::from_str(text);
+                serde_path_to_error::deserialize(deserializer)
+                    .map_err(|error| refused(&error.path().to_string(), error.inner()))
+            })
+            .map_err(|mut error: DocumentError| {
+                error.place.file = file.map(Path::to_owned);
+                error
+            })
+    }
+
+    fn check_header(&self, text: &str) -> Result<(), DocumentError> {
+        let header: Header =
+            serde_json::from_str(text).map_err(|error| self.not_an_object(&error))?;
+        let wrong = |field: &str, problem| {
+            let line = field_line(text, field);
+            let place = Box::new(Place {
+                line: Some(line),
+                ..*Place::in_field(field)
+            });
+            Err(DocumentError { place, problem })
+        };
+        match header.format {
+            Some(Value::String(format)) if format == self.name => {}
+            Some(Value::String(format)) if format.starts_with(PREFIX) => {
+                let kind = format[PREFIX.len()..].to_owned();
+                let expected = *self;
+                return wrong("format", DocumentProblem::OtherDocument { kind, expected });
+            }
+            format => {
+                let (found, expected) = (found(format), *self);
+                return wrong("format", DocumentProblem::Format { found, expected });
+            }
+        }
+        match header.version {
+            Some(version) if version == self.version => Ok(()),
+            version => {
+                let (found, expected) = (found(version), self.version);
+                wrong("version", DocumentProblem::Version { found, expected })
+            }
+        }
+    }
+
+    /// The error for text that is not JSON, or no object.
+    fn not_an_object(&self, error: &serde_json::Error) -> DocumentError {
+        let message = message(error);
+        let is_json = error.classify() == Category::Data;
+        let place = Box::new(Place {
+            line: Some(error.line()),
+            part: (!is_json).then(|| Part::Character(error.column())),
+            ..Place::default()
+        });
+        let problem = match message.split_once(", expected ") {
+            Some((found, _)) if is_json => DocumentProblem::Value {
+                found: found.to_owned(),
+                expected: format!("an object in braces: {}", self.noun),
+            },
+            _ => DocumentProblem::Syntax { problem: message },
+        };
+        DocumentError { place, problem }
+    }
+}
+
+impl DocumentProblem {
+    /// A [`DocumentProblem::Value`].
+    pub fn value(found: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self::Value {
+            found: found.into(),
+            expected: expected.into(),
+        }
+    }
+
+    /// The error with this problem in a field of a document.
+    pub fn in_field(self, path: impl Into<String>) -> DocumentError {
+        DocumentError {
+            place: Place::in_field(path),
+            problem: self,
+        }
+    }
+}
+
+#[derive(Deserialize)]
+struct Header {
+    format: Option<Value>,
+    version: Option<Value>,
+}
+
+fn found(value: Option<Value>) -> String {
+    value.map_or_else(|| "nothing".to_owned(), |value| value.to_string())
+}
+
+/// The error for JSON that is not of the form of the document.
+fn refused(path: &str, error: &serde_json::Error) -> DocumentError {
+    DocumentError {
+        place: Box::new(Place {
+            line: Some(error.line()),
+            part: (path != ".").then(|| Part::Field(path.to_owned())),
+            ..Place::default()
+        }),
+        problem: problem(&message(error)),
+    }
+}
+
+/// How the parser sees an entry too many in a list of fixed length; the syntax has been checked before.
+const TRAILING: &str = "trailing characters";
+
+/// serde writes its reasons in words alone: the kind first, then the name found and those that it
+/// knows, each in backticks.
+fn problem(message: &str) -> DocumentProblem {
+    let mut names = message.split('`').skip(1).step_by(2);
+    let name = names.next().unwrap_or_default().to_owned();
+    if message.starts_with("unknown field") {
+        let alternatives = Alternatives::new(&name, names);
+        return DocumentProblem::UnknownField { name, alternatives };
+    }
+    if message.starts_with("unknown variant") {
+        return DocumentProblem::UnknownName {
+            what: "value",
+            alternatives: Alternatives::new(&name, names),
+            name,
+        };
+    }
+    if message.starts_with("missing field") {
+        return DocumentProblem::MissingField { name };
+    }
+    let (found, expected) = match message {
+        TRAILING => (
+            "the list is too long",
+            "three coordinates for a point, two ends for a travel",
+        ),
+        _ => message
+            .split_once(", expected ")
+            .unwrap_or((message, "the form that the format describes")),
+    };
+    DocumentProblem::Value {
+        found: found.to_owned(),
+        expected: in_words(expected).to_owned(),
+    }
+}
+
+/// The message without the position, which the [`Place`] holds.
+fn message(error: &serde_json::Error) -> String {
+    let position = format!(" at line {} column {}", error.line(), error.column());
+    let message = error.to_string();
+    let without = message.strip_suffix(&position).unwrap_or(&message);
+    without.to_owned()
+}
+
+/// Names of Rust types in words of the user.
+fn in_words(expected: &str) -> &str {
+    match expected {
+        "f64" => "a number with a decimal point",
+        "a sequence" => "a list in square brackets",
+        "an array of length 2" => "two numbers: the low and the high end",
+        "an array of length 3" => "three numbers: x, y and z",
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FORMAT: Format = Format {
+        name: "trueaxis-campaign",
+        version: 1,
+        noun: "a campaign",
+    };
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    #[expect(dead_code, reason = "only read")]
+    struct Document {
+        format: String,
+        version: u32,
+        kind: Kind,
+        travel: Option<[f64; 2]>,
+        direction: Option<[f64; 3]>,
+        axes: Option<Vec<Document>>,
+    }
+
+    #[derive(Debug, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    enum Kind {
+        Linear,
+        Rotary,
+    }
+
+    fn refusal(text: &str) -> DocumentError {
+        FORMAT.read::<Document>(text, None).unwrap_err()
+    }
+
+    #[test]
+    fn another_document_is_named_before_its_fields_are_blamed() {
+        let text = r#"{"format": "trueaxis-calibration", "version": 7, "novelty": []}"#;
+        assert_eq!(
+            refusal(text).to_string(),
+            "line 1, field format: this is a trueaxis calibration, not a campaign; give the path \
+             of the campaign.json instead"
+        );
+    }
+
+    #[test]
+    fn the_version_comes_before_unknown_fields() {
+        let error = refusal(r#"{"format": "trueaxis-campaign", "version": 2, "novelty": 1}"#);
+        assert!(matches!(error.problem, DocumentProblem::Version { found, .. } if found == "2"));
+    }
+
+    /// The wording of serde is what the errors are made from: this fails if it ever changes.
+    #[test]
+    fn serde_messages_are_understood() {
+        for (rest, expected) in [
+            (
+                r#""kin": 1"#,
+                "line 1, field kin: unknown field `kin`; did you mean `kind`? known: format, \
+                 version, kind, travel, direction, axes",
+            ),
+            (
+                r#""kind": "linar""#,
+                "line 1, field kind: unknown value `linar`; did you mean `linear`? known: linear, \
+                 rotary",
+            ),
+            (
+                r#""direction": [1, 2]"#,
+                "line 1, field direction: invalid length 2; expected three numbers: x, y and z",
+            ),
+            (
+                r#""direction": [1, 2, 3, 4]"#,
+                "line 1, field direction: the list is too long; expected three coordinates for a \
+                 point, two ends for a travel",
+            ),
+            (
+                r#""travel": ["0", 1]"#,
+                "line 1, field travel[0]: invalid type: string \"0\"; expected a number with a \
+                 decimal point",
+            ),
+            (
+                r#""axes": [{}]"#,
+                "line 1, field axes[0]: field `format` is missing; add it",
+            ),
+            (
+                r#""axes": [,]"#,
+                "line 1, character 56: not valid JSON: expected value; expected JSON as in RFC \
+                 8259 (no comments, no trailing commas)",
+            ),
+        ] {
+            let start = r#"{"format": "trueaxis-campaign", "version": 1, "#;
+            assert_eq!(refusal(&format!("{start}{rest}}}")).to_string(), expected);
+        }
+    }
+}

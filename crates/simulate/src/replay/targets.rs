@@ -1,0 +1,64 @@
+//! The targets of a replay: where they are at home against where they should be.
+//!
+//! A scenario must agree with the reference frame to the last digit, so what rounding left of the motion
+//! that the frame takes out is taken out here.
+
+use nalgebra::Vector3;
+use trueaxis_campaign::Campaign;
+use trueaxis_kinematics::{FrameRule, NominalTarget};
+
+use super::ReplayError;
+use crate::{TargetSpec, Truth};
+
+/// Rests of mean (mm) and rotation (rad) that an iterated frame may leave; more is not of this frame.
+const FRAME_REST: f64 = 1e-6;
+
+pub(super) fn targets(campaign: &Campaign, truth: &Truth) -> Result<Vec<TargetSpec>, ReplayError> {
+    let mut errors_mm = Vec::new();
+    for target in &campaign.targets {
+        let found = truth.targets.iter().find(|t| t.name == target.name);
+        let found = found.ok_or_else(|| ReplayError::TargetNotMeasured {
+            target: target.name.clone(),
+        })?;
+        errors_mm.push(found.home_mm - target.home_mm);
+    }
+    into_the_frame(campaign, &mut errors_mm)?;
+    let targets = campaign.targets.iter().zip(errors_mm);
+    let specs = targets.map(|(target, error_mm)| TargetSpec {
+        name: target.name.clone(),
+        position_mm: target.home_mm.into(),
+        carried_by: campaign.machine.axes()[target.carrier].name().to_owned(),
+        mounting_error_mm: error_mm.into(),
+    });
+    Ok(specs.collect())
+}
+
+fn into_the_frame(campaign: &Campaign, errors_mm: &mut [Vector3<f64>]) -> Result<(), ReplayError> {
+    let nominal = campaign.targets.iter().map(|target| NominalTarget {
+        carrier: target.carrier,
+        home_mm: target.home_mm,
+    });
+    let lengths = campaign.lengths.iter();
+    let measured = lengths.flat_map(|lengths| {
+        lengths.stops.iter().flat_map(|stop| {
+            let axis = campaign.runs[campaign.steps[stop.step].run].axis;
+            let readings = &lengths.readings[stop.readings.clone()];
+            readings.iter().map(move |reading| (axis, reading.target))
+        })
+    });
+    let frame = FrameRule::new(&campaign.machine, &nominal.collect::<Vec<_>>(), measured);
+    let tilts = vec![Vector3::zeros(); frame.lines().count()];
+    let shifts: Vec<_> = frame.anchors().map(|target| errors_mm[target]).collect();
+    let motion = frame.motion(&tilts, &shifts);
+    let off = motion.translation.norm().max(motion.rotation.norm());
+    if off > FRAME_REST {
+        return Err(ReplayError::OtherFrame {
+            off,
+            most: FRAME_REST,
+        });
+    }
+    for (target, error_mm) in campaign.targets.iter().zip(errors_mm) {
+        *error_mm -= motion.at(target.home_mm);
+    }
+    Ok(())
+}
