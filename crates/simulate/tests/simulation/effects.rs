@@ -240,7 +240,7 @@ fn the_documented_table_is_that_of_the_catalogue() {
         assert_eq!(rows.len(), 1, "{}", effect.id);
         for subject in effect.subjects(&scene) {
             let mut parameters = effect.parameters(&scene, &subject);
-            parameters.extend(shape_parameter(*effect, &scene, &subject));
+            parameters.extend(shape_parameter(effect, &scene, &subject));
             for Parameter { name, unit } in parameters {
                 let name = match name.strip_prefix("rate_") {
                     Some(station) if scene.stations.iter().any(|s| s == station) => "rate_",
