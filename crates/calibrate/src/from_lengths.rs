@@ -140,13 +140,29 @@ impl<'a> AdjustedLengths<'a> {
         targets
     }
 
+    /// Why a group that the axis under test moves has no body.
     fn too_few_targets(&self, group: &Group) -> Error {
+        let step = describe::step(self.campaign, group.step);
+        if group.targets.len() >= 3 {
+            let name = |&target: &usize| self.campaign.targets[target].name.as_str();
+            let names = group
+                .targets
+                .iter()
+                .map(name)
+                .collect::<Vec<_>>()
+                .join(", ");
+            return Error::NotIdentifiable {
+                what: format!(
+                    "{step}: targets {names} are on one line: no rotation about it is seen"
+                ),
+                mend: "place one target well away from the line through the others".to_owned(),
+            };
+        }
         let axis = self.campaign.runs[self.campaign.steps[group.step].run].axis;
         Error::NotIdentifiable {
             what: format!(
-                "{}: {} of the targets that {} moves were measured, three that are not in line are needed \
-                 to see its six component errors",
-                describe::step(self.campaign, group.step),
+                "{step}: {} of the targets that {} moves were measured, three are needed to see its six \
+                 component errors",
                 group.targets.len(),
                 self.campaign.machine.axes()[axis].name(),
             ),

@@ -6,7 +6,7 @@ use trueaxis_multilateration::{Error as MultilaterationError, Group, Part, Stati
 use crate::{Error, describe};
 
 /// What makes many lengths contradict the others.
-const LOOK_AT: &str = "check that every row names its own station, that no beam was interrupted, \
+const LOOK_AT: &str = "check that every row names its own station and target, that no beam was interrupted, \
                        and that no target or tripod was moved";
 
 /// Pairs of lengths named before the rest is only counted.
@@ -95,6 +95,20 @@ pub(crate) fn adjustment_error(
                 target_name(group, point)
             ),
             mend: "place one station well above or below the others".to_owned(),
+        },
+        MultilaterationError::PoseNotDetermined {
+            group,
+            lengths,
+            pivot,
+            limit,
+        } => Error::NotIdentifiable {
+            what: format!(
+                "{}: its {lengths} lengths do not determine the pose of the stage (relative pivot {pivot:.1e}, \
+                 limit {limit:.1e})",
+                describe::step(campaign, groups[group].step)
+            ),
+            mend: "measure it from the missing stations, or leave out the rows of this step"
+                .to_owned(),
         },
         MultilaterationError::TooFewReadings { readings, unknowns } => Error::NotIdentifiable {
             what: format!("{readings} lengths cannot determine {unknowns} unknowns"),

@@ -48,7 +48,7 @@ fn writes_to_a_folder_named_after_the_campaign() {
         let document: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(document["format"], "trueaxis-calibration");
         assert_eq!(document["version"], 1);
-        assert_eq!(document["method"], "nine-equation");
+        assert_eq!(document["method"], "joint");
     }
 }
 

@@ -26,9 +26,9 @@ fn poor_positions_of_a_single_axis() {
     assert_calibration_refused(
         "fxyz",
         &[Refusal {
-            name: "four positions, three of them close together",
+            name: "three positions close together",
             damage: |files| {
-                let positions = ["160", "320", "340", "360"];
+                let positions = ["320", "340", "360"];
                 files.keep(|row| row.text("run") == "x" && positions.contains(&row.text("X")));
             },
             code: NOT_IDENTIFIABLE,

@@ -29,18 +29,18 @@ fn too_few_stations() {
                 says: &["at least 4 stations, found 3", "more stations"],
             },
             Refusal {
-                name: "point seen from two stations",
+                name: "step seen from one station",
                 damage: |files| {
                     files.keep(|row| {
-                        let is_point = row.is(&[("run", "x"), ("X", "200"), ("target", "Q")]);
-                        let is_seen = ["S3", "S4"].contains(&row.text("station"));
+                        let is_point = row.is(&[("run", "x"), ("X", "200")]);
+                        let is_seen = row.text("station") == "S3";
                         is_seen || !is_point
                     });
                 },
                 code: NOT_IDENTIFIABLE,
                 says: &[
-                    "target Q in run x at X = 200 mm",
-                    "from 2 station(s), at least 3",
+                    "run x at X = 200 mm",
+                    "do not determine the pose",
                     "measure it from the missing stations",
                 ],
             },

@@ -76,8 +76,8 @@ fn exchanged_names() {
                         row.is(&[("run", "x"), ("X", "200")])
                     });
                 },
-                code: INPUT,
-                says: &["axis X does not move as commanded", "check"],
+                code: NO_ANSWER,
+                says: &["run x at X = 200 mm", "names its own station and target"],
             },
             Refusal {
                 name: "nominal positions of two targets exchanged",

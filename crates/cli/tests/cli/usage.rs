@@ -52,7 +52,7 @@ fn wrong_command_lines() {
         (vec!["check", campaign, "--json"], "unexpected argument"),
         (
             vec!["calibrate", campaign, "--method", "seven"],
-            "possible values: nine, six",
+            "possible values: joint, nine, six",
         ),
         (
             vec!["calibrate", campaign, "--reference-point", "middle"],
