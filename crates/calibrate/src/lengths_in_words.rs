@@ -107,7 +107,8 @@ pub(crate) fn adjustment_error(
                  limit {limit:.1e})",
                 describe::step(campaign, groups[group].step)
             ),
-            mend: "measure it from the missing stations, or leave out the rows of this step"
+            mend: "measure it from the missing stations, or leave out the rows of this step; if none is missing, \
+                   spread the stations in all directions"
                 .to_owned(),
         },
         MultilaterationError::TooFewReadings { readings, unknowns } => Error::NotIdentifiable {

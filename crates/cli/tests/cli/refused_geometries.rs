@@ -175,7 +175,11 @@ fn bad_places() {
                 name: "stations at one place, the same lengths",
                 damage: same_lengths_from_every_station,
                 code: NOT_IDENTIFIABLE,
-                says: &["target P in run c at C = 0°", "place one station"],
+                says: &[
+                    "run c at C = 0°",
+                    "do not determine the pose",
+                    "spread the stations",
+                ],
             },
             Refusal {
                 name: "stations at one place",
