@@ -11,7 +11,7 @@ use crate::estimate_noise::level;
 use crate::guard;
 use crate::robust_weights::{REMOVED, scale, welsch};
 use crate::screen::{Removed, Screened};
-use crate::solve::{Settings, batches_of, far_at, solve, solve_from, solve_from_start};
+use crate::solve::{ABSURD_MM, Settings, batches_of, far_at, solve, solve_from, solve_from_start};
 use crate::start::{Start, start};
 use crate::whitened::Whitened;
 use crate::{Error, Interruption, Network, NoiseEstimate, Solution, estimate_noise};
@@ -206,6 +206,7 @@ impl<'a> Screening<'a> {
     /// That the reading that was farthest off at the start drove the adjustment away, if one was far.
     fn ran_away(&self) -> Option<Error> {
         let farthest = self.far.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        let farthest = farthest.filter(|far| far.1 >= ABSURD_MM);
         farthest.map(|&(reading, residual_mm)| Error::RanAway {
             reading,
             residual_mm,

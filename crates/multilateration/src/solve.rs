@@ -141,6 +141,9 @@ pub(crate) fn adjust_from<'a>(
     })
 }
 
+/// No length drives an adjustment away that is less far from what the nominal positions say, mm.
+pub(crate) const ABSURD_MM: f64 = 1.0;
+
 /// A length that is off by more at the start, relative to the size of the network, contradicts the
 /// others: nominal positions are never that wrong.
 const CONTRADICTION: f64 = 0.02;
@@ -161,7 +164,8 @@ fn ran_away(network: &Network, model: &GroupAdjustment<'_>, start: &State, error
         .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     match worst {
         Some((reading, residual_mm))
-            if determined || residual_mm.abs() > CONTRADICTION * model.datum().radius_mm =>
+            if determined && residual_mm.abs() >= ABSURD_MM
+                || residual_mm.abs() > CONTRADICTION * model.datum().radius_mm =>
         {
             Error::RanAway {
                 reading,
