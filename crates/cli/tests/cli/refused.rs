@@ -23,6 +23,12 @@ pub(crate) fn assert_calibration_refused(campaign: &str, refusals: &[Refusal]) {
     assert_refused(campaign, "calibrate", &["--out", "out"], refusals);
 }
 
+/// The same by free points and nine equations.
+pub(crate) fn assert_refused_by_nine(campaign: &str, refusals: &[Refusal]) {
+    let options = ["--method", "nine", "--out", "out"];
+    assert_refused(campaign, "calibrate", &options, refusals);
+}
+
 /// The same for `check`.
 pub(crate) fn assert_check_refused(campaign: &str, refusals: &[Refusal]) {
     assert_refused(campaign, "check", &[], refusals);

@@ -3,7 +3,9 @@
 use serde_json::{Value, json};
 
 use crate::campaign_files::CampaignFiles;
-use crate::refused::{NOT_IDENTIFIABLE, Refusal, assert_calibration_refused};
+use crate::refused::{
+    NOT_IDENTIFIABLE, Refusal, assert_calibration_refused, assert_refused_by_nine,
+};
 
 #[test]
 fn too_few_stations() {
@@ -193,18 +195,6 @@ fn bad_places() {
                 code: NOT_IDENTIFIABLE,
                 says: &["station"],
             },
-            Refusal {
-                name: "stations in a plane",
-                damage: |files| {
-                    *files = CampaignFiles::simulated("rotary-stage", |scenario| {
-                        for station in scenario["stations"].as_array_mut().unwrap() {
-                            station["position_mm"][2] = json!(250);
-                        }
-                    });
-                },
-                code: NOT_IDENTIFIABLE,
-                says: &["combination(s) of the stations free", "spread the stations"],
-            },
         ],
     );
     assert_calibration_refused(
@@ -265,4 +255,52 @@ fn same_lengths_from_every_station(files: &mut CampaignFiles) {
             *table.rows[i].last_mut().unwrap() = length;
         }
     });
+}
+
+/// Rigid stages determine these; free points do not.
+#[test]
+fn too_little_for_free_points() {
+    assert_refused_by_nine(
+        "rotary-stage",
+        &[
+            Refusal {
+                name: "two stations at one place",
+                damage: |files| {
+                    *files = CampaignFiles::simulated("rotary-stage", |scenario| {
+                        move_station(scenario, 1, [760.0, -310.0, 180.0]);
+                    });
+                },
+                code: NOT_IDENTIFIABLE,
+                says: &["dead path of S1", "dead path of S2", "spread the stations"],
+            },
+            Refusal {
+                name: "stations in a plane",
+                damage: |files| {
+                    *files = CampaignFiles::simulated("rotary-stage", |scenario| {
+                        for station in scenario["stations"].as_array_mut().unwrap() {
+                            station["position_mm"][2] = json!(250);
+                        }
+                    });
+                },
+                code: NOT_IDENTIFIABLE,
+                says: &["combination(s) of the stations free", "spread the stations"],
+            },
+            Refusal {
+                name: "point seen from two stations",
+                damage: |files| {
+                    files.keep(|row| {
+                        let is_point = row.is(&[("C", "200"), ("target", "Q")]);
+                        let is_seen = ["S3", "S4"].contains(&row.text("station"));
+                        is_seen || !is_point
+                    });
+                },
+                code: NOT_IDENTIFIABLE,
+                says: &[
+                    "target Q in run c at C = 200°",
+                    "from 2 station(s), at least 3",
+                    "measure it from the missing stations",
+                ],
+            },
+        ],
+    );
 }
