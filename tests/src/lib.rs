@@ -1,11 +1,14 @@
 //! Comparison of calibrations with the truth of simulated campaigns.
 //!
-//! Not published; the tests are in `tests/`, the long study of coverage in `examples/`.
+//! Not published; the tests and studies are in `tests/`, programs for other counts in `examples/`.
 
 pub mod blind;
-mod coverage;
+pub mod estimators;
+mod kind;
+mod scatter;
 
-pub use coverage::{Share, Tally};
+pub use kind::Kind;
+pub use scatter::{Estimate, Pooled, Scatter};
 
 use trueaxis_calibrate::{AxisResult, Calibration, coverage_factor};
 use trueaxis_campaign::Direction;
@@ -17,8 +20,8 @@ use trueaxis_simulate::{TrueComponents, Truth};
 pub struct Deviation {
     /// Its name, as `EXX at 40`.
     pub name: String,
-    /// Whether it is an angle.
-    pub angular: bool,
+    /// What it is.
+    pub kind: Kind,
     /// Estimate minus truth.
     pub error: f64,
     /// Stated standard uncertainty.
@@ -41,6 +44,17 @@ impl Deviation {
             return None;
         }
         Some(self.error.abs() < coverage_factor(self.dof) * self.u)
+    }
+
+    /// `(error / u)²`, divided by the mean that it has with Student's distribution: one on average. With
+    /// two degrees of freedom or less there is no mean.
+    pub fn square(&self) -> f64 {
+        let mean = if self.dof.is_finite() {
+            self.dof / (self.dof - 2.0)
+        } else {
+            1.0
+        };
+        (self.error / self.u).powi(2) / mean
     }
 }
 
@@ -85,7 +99,7 @@ fn components_of(found: &AxisResult, truth: &TrueComponents) -> Vec<Deviation> {
             let sum: f64 = at.iter().map(|&k| truth.errors[k].to_vector()[c]).sum();
             all.push(Deviation {
                 name: format!("{} at {}{side}", component.name(&found.name), node.position),
-                angular: component.is_angular(),
+                kind: Kind::Component(component),
                 error: error[c] - sum / at.len() as f64,
                 u: node.u[c],
                 dof: node.dof[c],
@@ -119,7 +133,7 @@ pub fn locations(calibration: &Calibration, truth: &Truth) -> Vec<Deviation> {
             };
             all.push(Deviation {
                 name,
-                angular: location.component.is_angular(),
+                kind: Kind::of_location(location.component),
                 error: location.value - truth.value,
                 u: location.u,
                 dof: location.dof,
@@ -142,15 +156,16 @@ pub fn stations(calibration: &Calibration, truth: &Truth) -> Vec<Deviation> {
         let dead_path = found.dead_path_mm - truth.dead_path_mm;
         let u = found.u_mm.into_iter().chain([found.u_dead_path_mm]);
         let dof = found.dof.into_iter().chain([found.dof_dead_path]);
-        for (((what, error), u), dof) in ["x", "y", "z", "L"]
-            .iter()
-            .zip([d.x, d.y, d.z, dead_path])
-            .zip(u)
-            .zip(dof)
-        {
+        let what = [
+            ("x", d.x, Kind::Station),
+            ("y", d.y, Kind::Station),
+            ("z", d.z, Kind::Station),
+            ("L", dead_path, Kind::DeadPath),
+        ];
+        for (((what, error, kind), u), dof) in what.into_iter().zip(u).zip(dof) {
             all.push(Deviation {
                 name: format!("{what} of {}", found.name),
-                angular: false,
+                kind,
                 error,
                 u,
                 dof,

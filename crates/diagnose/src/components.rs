@@ -33,8 +33,6 @@
 //! than it, as polynomials of low degree, it is too small (bow: by almost half before the Birge ratio).
 
 mod background;
-#[cfg(test)]
-mod blind;
 mod bow;
 mod candidates;
 mod curve_set;

@@ -17,6 +17,8 @@
 mod arrivals;
 mod base;
 mod believed;
+#[cfg(test)]
+mod calibrated_tests;
 mod comparison;
 mod held_out;
 mod hypotheses;
@@ -27,8 +29,6 @@ mod prediction_error;
 mod problem;
 mod report;
 mod search;
-#[cfg(test)]
-mod tests;
 
 use trueaxis_calibrate::Calibration;
 use trueaxis_campaign::{Campaign, Verification};

@@ -1,4 +1,4 @@
-//! What must hold for the generator itself.
+//! What must hold for the generator itself: at once for the smallest kind, in the studies for all.
 
 mod absorbed;
 mod campaigns;
@@ -7,6 +7,11 @@ mod forms;
 mod strengths;
 
 use super::Kind;
+
+/// The fewest readings from both sides.
+fn smallest() -> [Kind; 1] {
+    [Kind::rotary_stage().forward_and_backward()]
+}
 
 /// Kinds of all geometries and ways to measure.
 fn kinds() -> [Kind; 7] {

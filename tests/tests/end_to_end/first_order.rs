@@ -6,20 +6,16 @@ use trueaxis_calibrate::{OutputEntry, Settings, calibrate_for_replay};
 use trueaxis_campaign::read;
 use trueaxis_montecarlo::{Settings as MonteCarlo, Trials, propagate};
 
-/// Trials of each campaign.
-const TRIALS: usize = 3000;
-
 /// Every result of the shipped campaigns: first order and Monte Carlo agree within four standard
 /// errors of the Monte Carlo. By chance one of the 529 results does not with a probability of 3 %; the
-/// seed is fixed. `trueaxis montecarlo` does the same with more trials.
-#[test]
-fn uncertainties_agree_with_monte_carlo() {
+/// seed is fixed.
+fn assert_agreement(trials: usize) {
     for name in ["fxyz", "rotary-stage"] {
         let campaigns = Path::new(env!("CARGO_MANIFEST_DIR")).join("../campaigns");
         let campaign = read(&campaigns.join(name).join("campaign.json")).unwrap();
         let (_, replay) = calibrate_for_replay(&campaign, &Settings::default()).unwrap();
         let settings = MonteCarlo {
-            trials: Trials::Fixed(TRIALS),
+            trials: Trials::Fixed(trials),
             seed: 3,
             ..MonteCarlo::default()
         };
@@ -44,8 +40,21 @@ fn uncertainties_agree_with_monte_carlo() {
             largest = largest.max(off);
         }
         println!(
-            "{name}: {} results, u differs by {largest:.1} standard errors of {TRIALS} trials at most",
+            "{name}: {} results, u differs by {largest:.1} standard errors of {trials} trials at most",
             replay.results().len()
         );
     }
+}
+
+/// A standard deviation from 500 trials is good to 3.2 %.
+#[test]
+fn uncertainties_agree_with_monte_carlo() {
+    assert_agreement(500);
+}
+
+/// To 1.3 %. `trueaxis montecarlo` does the same with more trials.
+#[test]
+#[ignore = "study: 6,000 trials"]
+fn uncertainties_agree_with_many_trials() {
+    assert_agreement(3000);
 }

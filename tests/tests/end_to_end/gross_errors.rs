@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use trueaxis_calibrate::{Calibration, Error, Settings, calibrate};
 use trueaxis_campaign::Campaign;
 use trueaxis_simulate::{Scenario, Simulated, simulate};
-use trueaxis_tests::{Deviation, Tally, components, locations};
+use trueaxis_tests::{Deviation, Scatter, components, locations};
 
 use crate::round_trip::SHIPPED;
 
@@ -42,19 +42,22 @@ fn assert_harmless(name: &str, calibration: &Calibration, simulated: &Simulated)
     }
 }
 
+/// 540 wrong lengths in twelve campaigns: all are found. The smallest is wrong by 7 times what is found with
+/// 80 % power, so none is missed by chance; good lengths leave at a family-wise 1 %, in three of a
+/// scenario's six campaigns with a probability of 2e-5.
 #[test]
 fn three_per_cent_of_gross_errors_do_no_harm() {
     let mut rng = ChaCha8Rng::seed_from_u64(31);
     for (name, text) in [SHIPPED[0], SHIPPED[2]] {
         let scenario = Scenario::from_json(text).unwrap();
         let (mut all, mut missed, mut false_alarms) = (0, 0, 0);
-        let mut tally = Tally::default();
+        let mut scatter = Scatter::default();
         for seed in 0..6 {
             let mut simulated = simulate(&scenario, seed).unwrap();
             let wrong = spoil(&mut simulated.campaign, 3, &mut rng);
             let calibration = calibrate(&simulated.campaign, &Settings::default()).unwrap();
             assert_harmless(name, &calibration, &simulated);
-            tally.add(Tally::of(&calibration, &simulated.truth));
+            scatter.add(&calibration, &simulated.truth);
             let found: Vec<usize> = calibration
                 .adjustment
                 .rejected
@@ -67,9 +70,10 @@ fn three_per_cent_of_gross_errors_do_no_harm() {
             assert!(calibration.adjustment.interruptions.is_empty(), "{name}");
         }
         println!(
-            "{name}: {all} gross errors, {missed} missed, {false_alarms} good lengths removed; components {}",
-            tally.components
+            "{name}: {all} gross errors, {missed} missed, {false_alarms} good lengths removed; {}",
+            scatter.pooled(|d| d.kind.is_of_machine())
         );
+        assert_eq!(missed, 0, "{name}: of {all}");
         assert!(false_alarms <= 2, "{name}");
     }
 }

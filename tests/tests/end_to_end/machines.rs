@@ -5,7 +5,7 @@ use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 use trueaxis_simulate::{Scenario, simulate};
 use trueaxis_tests::{components, locations};
 
-use crate::coverage::assert_scatter_is_as_stated;
+use crate::coverage::{assert_each_scatter_is_as_stated, assert_scatter_is_as_stated};
 use crate::round_trip::{SHIPPED, largest, without_noise};
 
 /// X, Y, Z and a rotary head B behind them; all targets on the head serve all runs, and so the
@@ -54,5 +54,11 @@ fn assert_exact(name: &str, scenario: Scenario, settings: &Settings) {
 #[test]
 fn targets_on_a_rotary_head_serve_all_axes() {
     assert_exact("rotary head", rotary_head(), &Settings::default());
-    assert_scatter_is_as_stated("rotary head", &rotary_head(), &Settings::default());
+    assert_scatter_is_as_stated("rotary head", &rotary_head());
+}
+
+#[test]
+#[ignore = "study: 60 calibrations"]
+fn each_uncertainty_holds_with_a_rotary_head() {
+    assert_each_scatter_is_as_stated("rotary head", &rotary_head());
 }

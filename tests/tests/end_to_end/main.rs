@@ -10,6 +10,7 @@ mod diagnosis;
 mod first_order;
 mod gross_errors;
 mod machines;
+mod one_wrong_length;
 mod parked;
 mod planar;
 mod reference_frame;

@@ -41,7 +41,7 @@ fn calibrated(simulated: &Simulated, settings: &Settings) -> Calibration {
 pub(crate) fn largest(deviations: &[Deviation], angular: bool) -> (f64, &str) {
     deviations
         .iter()
-        .filter(|d| d.angular == angular)
+        .filter(|d| d.kind.is_angular() == angular)
         .map(|d| (d.error.abs(), d.name.as_str()))
         .fold((0.0, ""), |a, b| if b.0 > a.0 { b } else { a })
 }

@@ -25,11 +25,10 @@ fn estimates(campaigns: u64, truth_noise: Noise, given: Noise) -> Vec<[f64; 4]> 
         .collect()
 }
 
-/// Over 500 campaigns the means are within three standard errors of the truth (a right estimator
-/// fails one of the two with a probability of 0.5 %; the seed is fixed), and the stated
-/// uncertainties are the scatter within 10 % (three standard errors of a standard deviation).
-#[test]
-fn both_parts_of_the_noise_are_unbiased() {
+/// The means are within three standard errors of the truth (a right estimator fails one of the two with a
+/// probability of 0.5 %), and the stated uncertainties are the scatter within three standard errors of a
+/// standard deviation; the seed is fixed.
+fn assert_unbiased(campaigns: u64) {
     let noise = Noise {
         length_sigma_mm: 0.269e-3,
         length_sigma_relative: 0.0,
@@ -40,7 +39,6 @@ fn both_parts_of_the_noise_are_unbiased() {
         return_sigma_mm: 0.7e-3,
         ..noise
     };
-    let campaigns = 500;
     let found = estimates(campaigns, noise, given);
     let n = campaigns as f64;
     for (name, place, truth_um) in [("length", 0, 0.269), ("return", 2, 1.0)] {
@@ -54,6 +52,17 @@ fn both_parts_of_the_noise_are_unbiased() {
             (mean - truth_um) / standard_error
         );
         assert!((mean - truth_um).abs() < 3.0 * standard_error);
-        assert!((scatter / stated - 1.0).abs() < 0.1);
+        assert!((scatter / stated - 1.0).abs() < 3.0 / (2.0 * n).sqrt());
     }
+}
+
+#[test]
+fn both_parts_of_the_noise_are_unbiased() {
+    assert_unbiased(60);
+}
+
+#[test]
+#[ignore = "study: 500 networks"]
+fn both_parts_of_the_noise_are_unbiased_to_a_percent() {
+    assert_unbiased(500);
 }

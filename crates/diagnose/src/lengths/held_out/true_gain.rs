@@ -128,21 +128,25 @@ fn sweeps(base: &Base<'_>, adjusted: &Adjusted) -> Option<HeldOut> {
     held_out_sweeps(base, adjusted).unwrap()
 }
 
-/// Of 8 cases right intervals lose more than two in 1 of 170 sets of seeds.
+/// Of 3 cases right intervals lose more than one in 1 of 140 sets of seeds.
 #[test]
 fn the_interval_holds_the_true_gain() {
-    let (inside, cases) = count(0..10, ROTARY, sweeps);
-    assert!(cases >= 8 && inside + 2 >= cases, "{inside} of {cases}");
+    let (inside, cases) = count(0..4, ROTARY, sweeps);
+    assert!(cases >= 3 && inside + 1 >= cases, "{inside} of {cases}");
 }
 
 const FXYZ: &str = include_str!("../../../../../campaigns/fxyz/scenario.json");
 
-/// `cargo test --release -p trueaxis-diagnose true_gain -- --ignored --nocapture`
+/// The figures in docs/diagnosis.md: of 136 cases right intervals lose more than 13 with a probability of
+/// 8e-3.
 #[test]
-#[ignore = "minutes; the study behind the figures in docs/diagnosis.md"]
-fn study_of_the_interval() {
-    count(100..220, ROTARY, sweeps);
-    count(300..360, FXYZ, sweeps);
+#[ignore = "study: 180 cases of five campaigns"]
+fn the_interval_holds_the_true_gain_in_95_of_100() {
+    let (rotary_inside, rotary) = count(100..220, ROTARY, sweeps);
+    let (fxyz_inside, fxyz) = count(300..360, FXYZ, sweeps);
+    let (inside, cases) = (rotary_inside + fxyz_inside, rotary + fxyz);
+    assert!(cases >= 100, "{cases} named");
+    assert!(10 * inside >= 9 * cases, "{inside} of {cases}");
 }
 
 /// Two more stations, and one effect.

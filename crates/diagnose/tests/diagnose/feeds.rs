@@ -1,16 +1,15 @@
 //! Lost motion and late time stamps: one pair at one feed, two causes at two.
 
-use super::iso_run::{curve_um, places, table, values_um};
-use super::lines::report;
-use super::{Counts, found, generator};
-use crate::Verdict;
-use crate::verification::EntryOutcome;
+use trueaxis_diagnose::{Diagnosis, Verdict};
 
-const SEEDS: u64 = 10;
+use crate::counts::Counts;
+use crate::iso_run::{curve_um, places, table, values_um};
+use crate::{found, generator, report};
+
 const SIGMA_UM: f64 = 0.5;
 
 /// Readings on the fly with lost motion (µm) or late time stamps (s).
-fn outcome(lost_um: f64, late_s: f64, speeds: &[f64], seed: u64) -> EntryOutcome {
+fn outcome(lost_um: f64, late_s: f64, speeds: &[f64], seed: u64) -> Diagnosis {
     let mut generator = generator(seed, 3);
     let places = places(6, &[0.0], speeds);
     let disturbance: Vec<f64> = places
@@ -22,9 +21,8 @@ fn outcome(lost_um: f64, late_s: f64, speeds: &[f64], seed: u64) -> EntryOutcome
     found(table(&places, &values, true))
 }
 
-#[test]
-fn at_one_feed_they_cannot_be_told_apart() {
-    for seed in 0..SEEDS {
+fn assert_ambiguous_at_one_feed(seeds: u64) {
+    for seed in 0..seeds {
         for (lost_um, late_s) in [(2.0, 0.0), (0.0, 4e-5)] {
             let found = outcome(lost_um, late_s, &[25.0], seed);
             assert_eq!(found.verdict, Verdict::Ambiguous, "{seed}");
@@ -37,17 +35,27 @@ fn at_one_feed_they_cannot_be_told_apart() {
     }
 }
 
+#[test]
+fn at_one_feed_they_cannot_be_told_apart() {
+    assert_ambiguous_at_one_feed(1);
+}
+
+#[test]
+#[ignore = "study: 20 diagnoses"]
+fn at_one_feed_they_can_never_be_told_apart() {
+    assert_ambiguous_at_one_feed(10);
+}
+
 /// λ is 30 for the lost motion and the largest part of it for the time stamps. A form that holds more than
 /// the cause may stay undecided, never the other one of the pair.
-#[test]
-fn at_two_feeds_each_is_named() {
+fn assert_named_at_two_feeds(seeds: u64) {
     let cases = [
         (2.0, 0.0, "backlash", "timestamp_offset"),
         (0.0, 4e-5, "timestamp_offset", "backlash"),
     ];
     for (lost_um, late_s, effect, other) in cases {
         let mut counts = Counts::default();
-        for seed in 0..SEEDS {
+        for seed in 0..seeds {
             let found = outcome(lost_um, late_s, &[10.0, 40.0], seed);
             counts.add(&found, effect, Some(0));
             assert_eq!(found.causes.len(), 1, "{seed}");
@@ -60,8 +68,19 @@ fn at_two_feeds_each_is_named() {
             );
         }
         report(&format!("two feeds: {effect}: {counts:?}"));
-        assert_eq!(counts.right() as u64, SEEDS, "{effect} {counts:?}");
+        assert_eq!(counts.right() as u64, seeds, "{effect} {counts:?}");
     }
+}
+
+#[test]
+fn at_two_feeds_each_is_named() {
+    assert_named_at_two_feeds(1);
+}
+
+#[test]
+#[ignore = "study: 20 diagnoses"]
+fn at_two_feeds_each_is_always_named() {
+    assert_named_at_two_feeds(10);
 }
 
 /// Where several readings at one position show that the axis stands, it is lost motion.
@@ -89,7 +108,7 @@ fn at_standstill_it_is_lost_motion() {
         (value - 2.0).abs() < 4.0 * u && (0.05..0.09).contains(&u),
         "{value} {u}"
     );
-    let gain = found.report.gain.unwrap();
+    let gain = found.levels[0].gain.unwrap();
     assert!(
         gain.is_claimed() && (0.8..1.2).contains(&gain.share_of_excess_removed),
         "{gain:?}"

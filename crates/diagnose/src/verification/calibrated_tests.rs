@@ -1,34 +1,112 @@
-//! Lines and circles against a calibration that is itself uncertain.
+//! Lines against a calibration that is itself uncertain, with its covariance or without, which no public
+//! call leaves out.
 //!
 //! The machine has error curves; a calibration knows them from points with noise, so that its errors are
 //! correlated along each axis as in real life.
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Point3, Vector6};
-use rand::RngExt;
+use nalgebra::{Point3, Vector3, Vector6};
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_calibrate::{Calibration, Settings, calibrate};
-use trueaxis_campaign::{Campaign, Direction, PointReading, Points, Run, Step, Stop, Target};
+use trueaxis_campaign::{
+    Campaign, Direction, Instrument, PointReading, Points, Run, Step, Stop, Target, Verification,
+    VerificationKind, VerificationReading,
+};
+use trueaxis_effects::Scene;
 use trueaxis_kinematics::{
-    ARCSEC, GeometricErrors, LocationError, MICROMETRE, Machine, MotionError,
+    ARCSEC, Axis, GeometricErrors, LocationError, MICROMETRE, Machine, MotionError,
 };
 
-use super::iso_run::{Place, places, table};
-use super::lines::report;
-use super::{Counts, campaign, generator, length, scene, summary, three_axes};
-use crate::Verdict;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
 use crate::verification::prediction_error::{prediction_directions, with_reference_points};
 use crate::verification::problem::Problem;
 use crate::verification::{EntryOutcome, diagnose_verification};
+use crate::{Cause, Verdict};
 
 const SIGMA_UM: f64 = 0.5;
 /// Of one coordinate of a measured point.
 const POINT_SIGMA_UM: f64 = 0.7;
 const TARGET_MM: [f64; 3] = [100.0, 300.0, 200.0];
+
+/// Cycles there and back along X, 21 positions each way.
+const CYCLES: u32 = 5;
+const STEP_MM: f64 = 20.0;
+
+/// X carries Y carries Z.
+fn three_axes() -> Machine {
+    let axis = |name, direction| Axis::linear(name, direction, [0.0, 400.0]).unwrap();
+    let axes = vec![
+        axis("X", Vector3::x()),
+        axis("Y", Vector3::y()),
+        axis("Z", Vector3::z()),
+    ];
+    Machine::new(axes, vec![0, 1, 2], vec![]).unwrap()
+}
+
+/// A campaign of verifications only.
+fn campaign(verification: Vec<Verification>) -> Campaign {
+    Campaign {
+        name: "verification".into(),
+        machine_name: "FXYZ".into(),
+        machine: three_axes(),
+        instrument: Instrument::default(),
+        targets: Vec::new(),
+        stations: Vec::new(),
+        runs: Vec::new(),
+        steps: Vec::new(),
+        lengths: None,
+        points: None,
+        verification,
+        notices: Vec::new(),
+    }
+}
+
+fn scene() -> Scene {
+    Scene {
+        machine: three_axes(),
+        stations: Vec::new(),
+        targets: Vec::new(),
+        moving: Vec::new(),
+    }
+}
+
+/// Where X stands at the readings, each with its cycle and direction.
+fn stands() -> Vec<(u32, Direction, f64)> {
+    let mut stands = Vec::new();
+    for cycle in 1..=CYCLES {
+        let there = (0..21).map(|i| (cycle, Direction::Forward, STEP_MM * f64::from(i)));
+        let back = (0..21).rev();
+        let back = back.map(|i| (cycle, Direction::Backward, STEP_MM * f64::from(i)));
+        stands.extend(there.chain(back));
+    }
+    stands
+}
+
+fn table(values_um: &[f64]) -> Verification {
+    let rows = stands().into_iter().zip(values_um).enumerate();
+    let readings = rows.map(
+        |(row, ((cycle, direction, x_mm), &value_um))| VerificationReading {
+            time_s: None,
+            cycle,
+            direction,
+            positions: vec![x_mm, 0.0, 0.0],
+            value_um,
+            line: row + 2,
+        },
+    );
+    Verification {
+        name: "LI along X".into(),
+        kind: VerificationKind::Positioning {
+            axis: 0,
+            target_mm: TARGET_MM.into(),
+        },
+        readings: readings.collect(),
+    }
+}
 
 /// Error curves of every axis: a wave each, zero at home for position and angles.
 struct Truth {
@@ -133,7 +211,8 @@ struct Setting {
 
 /// `form` of x is added to the readings with λ in the sight of the diagnosis' projection.
 fn setting(seed: u64, lambda: f64, form: impl Fn(f64) -> f64, covariance: bool) -> Setting {
-    let mut generator = generator(seed, 5);
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    generator.set_stream(5);
     let machine = three_axes();
     let truth = Truth::new(&mut generator);
     let settings = Settings {
@@ -141,18 +220,14 @@ fn setting(seed: u64, lambda: f64, form: impl Fn(f64) -> f64, covariance: bool) 
         ..Settings::default()
     };
     let calibration = calibrate(&points(&machine, &truth, &mut generator), &settings).unwrap();
-    let places = places(5, &[0.0], &[2.0]);
-    let read = |place: &Place| {
-        let positions = [place.x_mm, place.y_mm, 0.0];
-        let actual = machine.position(&truth, 2, &positions, TARGET_MM.into());
-        (actual.x - TARGET_MM[0] - place.x_mm) / MICROMETRE
+    let read = |x_mm: f64| {
+        let actual = machine.position(&truth, 2, &[x_mm, 0.0, 0.0], TARGET_MM.into());
+        (actual.x - TARGET_MM[0] - x_mm) / MICROMETRE
     };
-    let bare: Vec<f64> = places.iter().map(read).collect();
-    let trace: Vec<f64> = places.iter().map(|p| form(p.x_mm)).collect();
-    let visible = length(&beyond_the_prediction(
-        &calibration,
-        &table(&places, &trace, false),
-    ));
+    let bare: Vec<f64> = stands().iter().map(|stand| read(stand.2)).collect();
+    let trace: Vec<f64> = stands().iter().map(|stand| form(stand.2)).collect();
+    let visible = beyond_the_prediction(&calibration, &table(&trace));
+    let visible = visible.iter().map(|x| x * x).sum::<f64>().sqrt();
     let size = if visible > 0.0 { lambda / visible } else { 0.0 };
     let values = bare.iter().zip(&trace).map(|(bare, x)| {
         let noise: f64 = StandardNormal.sample(&mut generator);
@@ -162,73 +237,93 @@ fn setting(seed: u64, lambda: f64, form: impl Fn(f64) -> f64, covariance: bool) 
     let values: Vec<f64> = values.collect();
     Setting {
         calibration,
-        campaign: campaign(vec![table(&places, &values, false)]),
+        campaign: campaign(vec![table(&values)]),
     }
 }
 
 /// What the base model with the calibration's uncertainty leaves of a trace given as readings, in
 /// standard deviations.
-fn beyond_the_prediction(
-    calibration: &Calibration,
-    trace: &trueaxis_campaign::Verification,
-) -> Vec<f64> {
+fn beyond_the_prediction(calibration: &Calibration, trace: &Verification) -> Vec<f64> {
     let machine = with_reference_points(&three_axes(), calibration);
     let comparison = Comparison::new(&machine, trace, &trueaxis_kinematics::Ideal);
     let directions = prediction_directions(&comparison, calibration, SIGMA_UM);
     let base = base_columns(&comparison, true);
-    let scene = scene(&campaign(Vec::new()));
-    Problem::new(&comparison, &scene, SIGMA_UM, &base, &directions)
+    Problem::new(&comparison, &scene(), SIGMA_UM, &base, &directions)
         .base
         .residuals
 }
 
 fn outcome(setting: &Setting) -> EntryOutcome {
-    let scene = scene(&setting.campaign);
-    let outcome = diagnose_verification(&setting.campaign, Some(&setting.calibration), &scene);
+    let outcome = diagnose_verification(&setting.campaign, Some(&setting.calibration), &scene());
     outcome.entries.into_iter().next().unwrap()
 }
 
-/// As [`super::clean`]; 6 of 60 come with a probability of 2e-3 at a rate of 2 %.
+fn assert_silent(of: u64, allowed: usize) {
+    for covariance in [true, false] {
+        let alarms = (0..of).filter(|&seed| {
+            let found = outcome(&setting(seed, 0.0, |_| 0.0, covariance));
+            found.verdict != Verdict::Clean
+        });
+        let alarms: Vec<u64> = alarms.collect();
+        assert!(
+            alarms.len() <= allowed,
+            "covariance {covariance}: seeds {alarms:?}"
+        );
+    }
+}
+
+/// Two families at 1 %; more than one of four alarms comes with a probability of 2e-3 at 2 %. The seeds are
+/// fixed.
 #[test]
 fn a_calibration_within_its_uncertainty_raises_no_alarm() {
-    for covariance in [true, false] {
-        let mut alarms = Vec::new();
-        for seed in 0..60 {
-            let found = outcome(&setting(seed, 0.0, |_| 0.0, covariance));
-            if found.verdict != Verdict::Clean {
-                alarms.push(summary(&found));
-            }
-        }
-        report(&format!(
-            "covariance {covariance}: {} false alarms of 60: {alarms:?}",
-            alarms.len()
-        ));
-        assert!(alarms.len() < 6, "{alarms:?}");
-    }
+    assert_silent(4, 1);
+}
+
+/// 6 of 60 come with a probability of 2e-3 at a rate of 2 %.
+#[test]
+#[ignore = "study: 120 diagnoses"]
+fn a_calibration_within_its_uncertainty_raises_few_alarms() {
+    assert_silent(60, 5);
 }
 
 /// A trace over x.
 type Form = fn(f64) -> f64;
 
-/// Scale and cyclic error beyond the calibration.
-#[test]
-fn each_effect_is_named() {
+/// Scale and cyclic error beyond the calibration: named, or among the rivals, in nine of ten at least.
+fn assert_named(of: u64) {
     let cyclic: Form = |x| (TAU * x / 63.0 + 0.4).sin();
     let cases: [(&str, Form); 2] = [("scale_error", |x| x), ("cyclic_error", cyclic)];
     for lambda in [7.0, 20.0] {
         for (effect, form) in cases {
-            let mut counts = Counts::default();
-            for seed in 0..20 {
-                counts.add(
-                    &outcome(&setting(seed, lambda, form, true)),
-                    effect,
-                    Some(0),
-                );
-            }
-            let line = format!("λ {lambda}: with a calibration: {effect}: {counts:?}");
-            report(&line);
-            assert!(counts.right() >= 18, "{line}");
-            assert!(counts.wrong <= 1, "{line}");
+            let is_it = |found: &EntryOutcome| {
+                let holds = |cause: &Cause| {
+                    let rivals = cause.rivals.iter().map(|rival| &rival.effect);
+                    let mut all = rivals.chain([&cause.effect]);
+                    all.any(|e| e.effect.id == effect && e.subject.axis == Some(0))
+                };
+                let verdict = found.verdict;
+                matches!(verdict, Verdict::Named | Verdict::Ambiguous)
+                    && found.causes.iter().all(holds)
+            };
+            let right = (0..of)
+                .filter(|&seed| is_it(&outcome(&setting(seed, lambda, form, true))))
+                .count() as u64;
+            assert!(
+                10 * right >= 9 * of,
+                "λ {lambda}: {effect}: {right} of {of}"
+            );
         }
     }
+}
+
+#[test]
+fn each_effect_is_named() {
+    assert_named(1);
+}
+
+/// For a true rate of 99 % fewer than 18 of 20 come with a probability of 1e-3 for each case.
+#[test]
+#[ignore = "study: 80 diagnoses"]
+fn each_effect_is_named_in_nine_of_ten() {
+    assert_named(20);
 }

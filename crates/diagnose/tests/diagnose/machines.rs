@@ -5,8 +5,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_simulate::{Scenario, Term};
 
-const FXYZ: &str = include_str!("../../../../../campaigns/fxyz/scenario.json");
-const ROTARY: &str = include_str!("../../../../../campaigns/rotary-stage/scenario.json");
+const FXYZ: &str = include_str!("../../../../campaigns/fxyz/scenario.json");
+const ROTARY: &str = include_str!("../../../../campaigns/rotary-stage/scenario.json");
 
 pub(crate) fn generator(seed: u64) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed)

@@ -1,9 +1,10 @@
 //! What a table cannot show is said, not denied.
 
-use super::iso_run::{curve_um, places, table, values_um};
-use super::{campaign, generator, scene};
-use crate::verification::{VerificationOutcome, diagnose_verification};
 use trueaxis_campaign::{Direction, Verification};
+use trueaxis_diagnose::Diagnosis;
+
+use crate::iso_run::{curve_um, places, table, values_um};
+use crate::{found, generator};
 
 fn line(keep: impl Fn(Direction) -> bool) -> Verification {
     let mut generator = generator(1, 8);
@@ -16,24 +17,19 @@ fn line(keep: impl Fn(Direction) -> bool) -> Verification {
     table
 }
 
-fn outcome(verification: Verification) -> VerificationOutcome {
-    let campaign = campaign(vec![verification]);
-    diagnose_verification(&campaign, None, &scene(&campaign))
-}
-
-fn unseen(outcome: &VerificationOutcome) -> Vec<&'static str> {
-    outcome.not_observable.iter().map(|n| n.effect).collect()
+fn unseen(found: &Diagnosis) -> Vec<&'static str> {
+    found.not_observable.iter().map(|n| n.effect).collect()
 }
 
 #[test]
 fn the_mean_curve_hides_scale_and_cyclic_error() {
-    let outcome = outcome(line(|_| true));
-    let unseen = unseen(&outcome);
+    let found = found(line(|_| true));
+    let unseen = unseen(&found);
     for effect in ["scale_error", "cyclic_error", "timestamp_offset"] {
         assert!(unseen.contains(&effect), "{effect} {unseen:?}");
     }
     assert!(!unseen.contains(&"backlash"), "{unseen:?}");
-    let scale = outcome
+    let scale = found
         .not_observable
         .iter()
         .find(|n| n.effect == "scale_error")
@@ -43,12 +39,8 @@ fn the_mean_curve_hides_scale_and_cyclic_error() {
 
 #[test]
 fn one_direction_hides_lost_motion() {
-    let outcome = outcome(line(|direction| direction == Direction::Forward));
-    assert!(
-        unseen(&outcome).contains(&"backlash"),
-        "{:?}",
-        unseen(&outcome)
-    );
+    let found = found(line(|direction| direction == Direction::Forward));
+    assert!(unseen(&found).contains(&"backlash"), "{:?}", unseen(&found));
 }
 
 /// One cycle in one direction is its own mean curve.
@@ -56,12 +48,12 @@ fn one_direction_hides_lost_motion() {
 fn too_little_is_a_notice() {
     let mut once = line(|direction| direction == Direction::Forward);
     once.readings.retain(|reading| reading.cycle == 1);
-    let outcome = outcome(once);
-    assert!(outcome.entries.is_empty());
+    let found = found(once);
+    assert!(found.levels.is_empty());
     assert!(
-        outcome.notices[0].contains("nothing can be said"),
+        found.notices[0].contains("nothing can be said"),
         "{:?}",
-        outcome.notices
+        found.notices
     );
 }
 
@@ -70,7 +62,7 @@ fn too_little_is_a_notice() {
 fn one_cycle_is_judged_by_what_is_left() {
     let mut once = line(|_| true);
     once.readings.retain(|reading| reading.cycle == 1);
-    let outcome = outcome(once);
-    let floor_um = outcome.entries[0].report.noise_floor_um;
+    let found = found(once);
+    let floor_um = found.levels[0].noise_floor_um;
     assert!((0.3..0.7).contains(&floor_um), "{floor_um}");
 }

@@ -8,26 +8,26 @@ use trueaxis_campaign::{Direction, Verification, VerificationKind, VerificationR
 
 /// One reading to come.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
-    pub(super) time_s: f64,
-    pub(super) cycle: u32,
-    pub(super) forward: bool,
+pub(crate) struct Place {
+    pub(crate) time_s: f64,
+    pub(crate) cycle: u32,
+    pub(crate) forward: bool,
     /// Number of the position along the line.
-    pub(super) step: usize,
-    pub(super) x_mm: f64,
+    pub(crate) step: usize,
+    pub(crate) x_mm: f64,
     /// Number of the line.
-    pub(super) parked: usize,
+    pub(crate) parked: usize,
     /// Where Y is parked.
-    pub(super) y_mm: f64,
+    pub(crate) y_mm: f64,
     /// Speed with sign, mm/s.
-    pub(super) speed: f64,
+    pub(crate) speed: f64,
 }
 
-pub(super) const POSITIONS: usize = 21;
+pub(crate) const POSITIONS: usize = 21;
 const STEP_MM: f64 = 20.0;
 
 /// Where and when: cycles there and back at `speeds` (one after the other), for each parked position.
-pub(super) fn places(cycles: u32, parked_mm: &[f64], speeds: &[f64]) -> Vec<Place> {
+pub(crate) fn places(cycles: u32, parked_mm: &[f64], speeds: &[f64]) -> Vec<Place> {
     let mut places = Vec::new();
     let mut time_s = 0.0;
     let mut cycle = 0;
@@ -59,7 +59,7 @@ pub(super) fn places(cycles: u32, parked_mm: &[f64], speeds: &[f64]) -> Vec<Plac
 }
 
 /// A positioning curve: bends and bumps, µm.
-pub(super) fn curve_um(generator: &mut ChaCha8Rng) -> Vec<f64> {
+pub(crate) fn curve_um(generator: &mut ChaCha8Rng) -> Vec<f64> {
     let [scale, bow, wave]: [f64; 3] = std::array::from_fn(|_| generator.random_range(-4.0..4.0));
     (0..POSITIONS)
         .map(|i| {
@@ -71,7 +71,7 @@ pub(super) fn curve_um(generator: &mut ChaCha8Rng) -> Vec<f64> {
 }
 
 /// The values of the readings: curve, disturbance and noise, µm.
-pub(super) fn values_um(
+pub(crate) fn values_um(
     places: &[Place],
     curve_um: &[f64],
     disturbance_um: &[f64],
@@ -87,7 +87,7 @@ pub(super) fn values_um(
 }
 
 /// The table.
-pub(super) fn table(places: &[Place], values_um: &[f64], timed: bool) -> Verification {
+pub(crate) fn table(places: &[Place], values_um: &[f64], timed: bool) -> Verification {
     let rows = places.iter().zip(values_um).enumerate();
     let readings = rows.map(|(row, (place, &value_um))| VerificationReading {
         time_s: timed.then_some(place.time_s),
@@ -112,7 +112,7 @@ pub(super) fn table(places: &[Place], values_um: &[f64], timed: bool) -> Verific
 }
 
 /// What the mean curve, and the zero of each line, leave of a trace; by sweeping means to and fro.
-pub(super) fn beyond_the_mean_curve(places: &[Place], trace: &[f64]) -> Vec<f64> {
+pub(crate) fn beyond_the_mean_curve(places: &[Place], trace: &[f64]) -> Vec<f64> {
     let mut left = trace.to_vec();
     let by_x = |p: &Place| p.step;
     let by_y = |p: &Place| p.parked;

@@ -7,14 +7,13 @@ use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_campaign::{Direction, Verification, VerificationKind, VerificationReading};
 
-use super::lines::report;
-use super::{Counts, found, generator, length};
+use crate::counts::Counts;
+use crate::{found, generator, length};
 
 const CENTRE_MM: [f64; 2] = [200.0, 180.0];
 const RADIUS_MM: f64 = 100.0;
 const PER_TURN: usize = 72;
 const CYCLES: u32 = 3;
-const SEEDS: u64 = 10;
 
 /// A point of the circle: bar angle, sense of rotation, cycle.
 #[derive(Clone, Copy)]
@@ -95,7 +94,7 @@ fn table(
     }
 }
 
-pub(super) fn clean_circle(seed: u64) -> Verification {
+pub(crate) fn clean_circle(seed: u64) -> Verification {
     table(&stands(), |_| [0.0; 2], 0.5, seed)
 }
 
@@ -119,10 +118,7 @@ fn cyclic(stand: &Stand) -> [f64; 2] {
     [(TAU * stand.x_mm() / 40.0 + 0.7).sin(), 0.0]
 }
 
-/// Each with its name, or among names that the data cannot tell apart, in 9 of 10 at least; the seeds
-/// are fixed.
-#[test]
-fn each_effect_is_named() {
+fn assert_named(seeds: u64) {
     type Form = fn(&Stand) -> [f64; 2];
     let cases: [(&str, usize, Form); 4] = [
         ("squareness_error", 1, squareness),
@@ -134,7 +130,7 @@ fn each_effect_is_named() {
     for lambda in [7.0, 20.0] {
         for (effect, axis, form) in cases {
             let mut counts = Counts::default();
-            for seed in 0..SEEDS {
+            for seed in 0..seeds {
                 let sigma_um = 0.5;
                 let trace: Vec<f64> = stands
                     .iter()
@@ -151,12 +147,24 @@ fn each_effect_is_named() {
                     Some(axis),
                 );
             }
-            let line = format!("λ {lambda}: ball bar: {effect}: {counts:?}");
-            report(&line);
-            assert!(counts.right() >= 9, "{line}");
-            assert!(counts.wrong <= 1, "{line}");
+            counts.assert_named(seeds, &format!("λ {lambda}: ball bar: {effect}"));
         }
     }
+}
+
+/// One of each. For a true rate of 99 % one of the eight fails with a probability of 8 %; the seed is
+/// fixed.
+#[test]
+fn each_effect_is_named() {
+    assert_named(1);
+}
+
+/// For a true rate of 99 % fewer than 9 of 10 come with a probability of 4e-3 for each case; the seeds are
+/// fixed.
+#[test]
+#[ignore = "study: 80 diagnoses"]
+fn each_effect_is_named_in_nine_of_ten() {
+    assert_named(10);
 }
 
 /// What centre and length leave of a trace: means against 1, cos and sin, which are orthogonal over whole

@@ -4,21 +4,20 @@ use std::f64::consts::TAU;
 
 use rand_distr::{Distribution, StandardNormal};
 
-use super::iso_run::{Place, beyond_the_mean_curve, curve_um, places, table, values_um};
-use super::lines::report;
-use super::{found, generator, length, summary};
-use crate::Verdict;
+use trueaxis_diagnose::Verdict;
+
+use crate::counts::summary;
+use crate::iso_run::{Place, beyond_the_mean_curve, curve_um, places, table, values_um};
+use crate::{found, generator, length, report};
 
 const SIGMA_UM: f64 = 0.5;
-const SEEDS: u64 = 10;
 const LAMBDA: f64 = 20.0;
 
 /// Air conditioning, play that is curved along the axis, and a wandering zero.
-#[test]
-fn what_is_not_in_the_catalogue_gets_no_name() {
+fn assert_unknown(seeds: u64) {
     for what in ["air conditioning", "curved play", "wandering zero"] {
         let (mut unknown, mut odd) = (0, Vec::new());
-        for seed in 0..SEEDS {
+        for seed in 0..seeds {
             let mut generator = generator(seed, 6);
             let places = places(5, &[0.0], &[2.0]);
             let mut zero = 0.0;
@@ -47,8 +46,19 @@ fn what_is_not_in_the_catalogue_gets_no_name() {
                 odd.push(summary(&found));
             }
         }
-        let line = format!("{what}: {unknown} of {SEEDS} unknown; {odd:?}");
+        let line = format!("{what}: {unknown} of {seeds} unknown; {odd:?}");
         report(&line);
-        assert!(unknown >= 9, "{line}");
+        assert!(10 * unknown >= 9 * seeds, "{line}");
     }
+}
+
+#[test]
+fn what_is_not_in_the_catalogue_gets_no_name() {
+    assert_unknown(1);
+}
+
+#[test]
+#[ignore = "study: 30 diagnoses"]
+fn what_is_not_in_the_catalogue_hardly_ever_gets_a_name() {
+    assert_unknown(10);
 }

@@ -3,11 +3,11 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::iso_run::{Place, beyond_the_mean_curve, curve_um, places, table, values_um};
-use super::{Counts, found, generator, length};
-use crate::verification::EntryOutcome;
+use trueaxis_diagnose::Diagnosis;
 
-const SEEDS: u64 = 20;
+use crate::counts::Counts;
+use crate::iso_run::{Place, beyond_the_mean_curve, curve_um, places, table, values_um};
+use crate::{found, generator, length};
 
 /// A disturbance of random form, to be scaled.
 type Form = fn(&Place, &[f64]) -> f64;
@@ -85,7 +85,7 @@ fn coupling(place: &Place, _: &[f64]) -> f64 {
     place.x_mm * place.y_mm
 }
 
-fn outcome(case: &Case, lambda: f64, seed: u64) -> EntryOutcome {
+fn outcome(case: &Case, lambda: f64, seed: u64) -> Diagnosis {
     let mut generator: ChaCha8Rng = generator(seed, 1);
     let sigma_um = 0.3 + 0.7 * generator.random::<f64>();
     let random: [f64; 2] = std::array::from_fn(|_| generator.random());
@@ -103,28 +103,31 @@ fn outcome(case: &Case, lambda: f64, seed: u64) -> EntryOutcome {
     found(table(&places, &values, case.timed))
 }
 
-/// At λ = 7 each is found with its name, or among names that the data cannot tell apart, in 9 of 10 at
-/// least. For a true rate of 99 % fewer than 18 of 20 come with a probability of 1e-3 for each case; the
-/// seeds are fixed.
-#[test]
-fn each_effect_is_named() {
+/// Every case `seeds` times, at the strength that is just found and at one that is plain.
+fn assert_named(seeds: u64) {
     for lambda in [7.0, 20.0] {
         for case in &CASES {
             let mut counts = Counts::default();
-            for seed in 0..SEEDS {
+            for seed in 0..seeds {
                 counts.add(&outcome(case, lambda, seed), case.effect, Some(0));
             }
             let Case { effect, timed, .. } = case;
-            let line = format!("λ {lambda}: {effect} (times: {timed}): {counts:?}");
-            report(&line);
-            assert!(counts.right() >= 18, "{line}");
-            assert!(counts.wrong <= 1, "{line}");
+            counts.assert_named(seeds, &format!("λ {lambda}: {effect} (times: {timed})"));
         }
     }
 }
 
-/// A line for those who run the tests with `--nocapture`.
-#[expect(clippy::print_stderr, reason = "counts of a study")]
-pub(super) fn report(line: &str) {
-    eprintln!("{line}");
+/// One of each. For a true rate of 99 % one of the twelve fails with a probability of 11 %; the seed is
+/// fixed.
+#[test]
+fn each_effect_is_named() {
+    assert_named(1);
+}
+
+/// For a true rate of 99 % fewer than 18 of 20 come with a probability of 1e-3 for each case; the seeds
+/// are fixed.
+#[test]
+#[ignore = "study: 240 diagnoses"]
+fn each_effect_is_named_in_nine_of_ten() {
+    assert_named(20);
 }

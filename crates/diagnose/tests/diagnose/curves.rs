@@ -1,0 +1,266 @@
+//! Blind trials: machines with smooth curves, some with an effect, through simulation and calibration.
+//!
+//! The study with 25 machines for each effect: right name and place in 24 (`cyclic_error`, 1.5 to 3 µm or
+//! arcsec), 20 (`scale_error`, 25 to 60 ppm), 25 (all others); nothing wrong in any. True value within
+//! 1.96 u: 72 of 72, 19 of 20, 18 of 25 (`guideway_bow`, before the Birge ratio), 46, 47, 48 of 50 (angle
+//! about the axis, one, two, more waves), 94 and 96 of 100 (wobble, runout).
+
+use rand_chacha::ChaCha8Rng;
+use trueaxis_diagnose::{Cause, Diagnosis, Settings, diagnose};
+use trueaxis_effects::Level;
+use trueaxis_simulate::{Scenario, Term, simulate};
+
+use crate::machines::{Hidden, add, generator, linear_machine, machine_with, rotary_machine, sine};
+use crate::report;
+
+/// What simulated lengths, or else the curves of their calibration, show.
+fn diagnosed(scenario: &Scenario, seed: u64) -> Diagnosis {
+    let campaign = simulate(scenario, seed).unwrap().campaign;
+    diagnose(&campaign, &Settings::default()).unwrap()
+}
+
+/// What is named in the curves.
+fn named(diagnosis: &Diagnosis) -> Vec<&Cause> {
+    let all = diagnosis.causes.iter();
+    all.filter(|cause| cause.level == Level::Components)
+        .collect()
+}
+
+fn show(cause: &Cause) -> String {
+    let parameters = cause.parameters.iter();
+    let parameters: Vec<String> = parameters
+        .map(|p| format!("{}={:.3}({:.3})", p.name, p.value, p.u))
+        .collect();
+    format!(
+        "{} {:?} {:?} p={:.1e} share={:.2} bic={:.0} {} rivals={:?}",
+        cause.effect.effect.id,
+        cause.effect.subject.axis,
+        cause.effect.subject.component,
+        cause.p_value,
+        cause.share_of_curve.unwrap_or(0.0),
+        cause.delta_bic,
+        parameters.join(" "),
+        cause
+            .rivals
+            .iter()
+            .map(|r| r.effect.effect.id)
+            .collect::<Vec<_>>()
+    )
+}
+
+const EFFECTS: [&str; 8] = [
+    "cyclic_error",
+    "scale_error",
+    "guideway_bow",
+    "encoder_eccentricity",
+    "encoder_ellipticity",
+    "worm_gear",
+    "axis_wobble",
+    "axis_runout",
+];
+
+/// Seeds of the studies: machines that nothing was tried on before.
+const HIDDEN_SEED: u64 = 5000;
+const CLEAN_SEED: u64 = 2000;
+
+/// Counts of one effect over many machines.
+#[derive(Debug, Default)]
+struct Counts {
+    trials: u32,
+    right: u32,
+    among_rivals: u32,
+    missed: u32,
+    /// Causes that are not what was hidden.
+    others: u32,
+    covered: u32,
+    values: u32,
+}
+
+fn trial(effect: &'static str, seed: u64, counts: &mut Counts, notes: &mut Vec<String>) {
+    let (scenario, hidden) = machine_with(effect, &mut generator(seed));
+    let diagnosis = diagnosed(&scenario, seed);
+    counts.trials += 1;
+    let mut found = false;
+    for cause in named(&diagnosis) {
+        let rival = cause.rivals.iter().any(|r| r.effect.effect.id == effect);
+        if !found && is(cause, effect, &hidden, &scenario) {
+            found = true;
+            counts.right += u32::from(!rival);
+            compare(cause, &hidden, counts, &mut |note| {
+                notes.push(format!("{effect} {seed} {note}"));
+            });
+        } else if rival && !found {
+            found = true;
+            counts.among_rivals += 1;
+        } else {
+            counts.others += 1;
+            let Hidden {
+                component, values, ..
+            } = &hidden;
+            let shown = show(cause);
+            notes.push(format!(
+                "{effect} {seed} hidden {component:?} {values:?}: {shown}"
+            ));
+        }
+    }
+    if !found {
+        counts.missed += 1;
+        let Hidden {
+            axis,
+            component,
+            values,
+        } = &hidden;
+        notes.push(format!(
+            "{effect} {seed} missed {axis} {component:?} {values:?}"
+        ));
+    }
+}
+
+/// Whether a cause has the name, the place and the number of waves of what was hidden.
+fn is(cause: &Cause, effect: &str, hidden: &Hidden, scenario: &Scenario) -> bool {
+    let subject = &cause.effect.subject;
+    let axis = subject.axis.map(|axis| &*scenario.machine.axes[axis].name);
+    let component = subject.component.zip(axis).map(|(c, axis)| c.name(axis));
+    let waves = hidden.values.iter().find(|value| value.0 == "waves");
+    axis == Some(hidden.axis)
+        && component == hidden.component
+        && cause.effect.effect.id == effect
+        && waves.is_none_or(|waves| (cause.effect.shape - waves.1).abs() < 1e-9)
+}
+
+/// Counts the true values inside 1.96 u.
+fn compare(cause: &Cause, hidden: &Hidden, counts: &mut Counts, note: &mut impl FnMut(String)) {
+    for (name, truth) in hidden.values.iter().filter(|value| value.0 != "waves") {
+        let found = cause.parameters.iter().find(|p| p.name == *name).unwrap();
+        let mut apart = found.value - truth;
+        if *name == "phase" {
+            apart = (apart + 180.0).rem_euclid(360.0) - 180.0;
+        }
+        counts.values += 1;
+        if apart.abs() <= 1.96 * found.u {
+            counts.covered += 1;
+        } else {
+            let (value, u) = (found.value, found.u);
+            note(format!("{name}: {truth:.3} found {value:.3} ({u:.3})"));
+        }
+    }
+}
+
+/// One machine with an effect of each kind of curve: a regression with fixed seeds, the study gives the
+/// rates.
+#[test]
+fn hidden_effects_are_named() {
+    for effect in ["cyclic_error", "guideway_bow", "worm_gear", "axis_runout"] {
+        let (mut counts, mut notes) = (Counts::default(), Vec::new());
+        trial(effect, 1000, &mut counts, &mut notes);
+        assert_eq!(
+            counts.right + counts.among_rivals,
+            1,
+            "{effect} {counts:?} {notes:#?}"
+        );
+        assert_eq!(counts.others, 0, "{effect} {notes:#?}");
+    }
+}
+
+/// Names in smooth curves of one linear and one rotary machine for each seed.
+fn false_names(seeds: std::ops::Range<u64>) -> Vec<String> {
+    let mut names = Vec::new();
+    for seed in seeds {
+        let machines: [fn(&mut ChaCha8Rng) -> Scenario; 2] = [linear_machine, rotary_machine];
+        for machine in machines {
+            let diagnosis = diagnosed(&machine(&mut generator(seed)), seed);
+            let shown = named(&diagnosis).into_iter().map(show);
+            names.extend(shown.map(|cause| format!("{seed} {cause}")));
+        }
+    }
+    names
+}
+
+#[test]
+fn smooth_curves_have_no_names() {
+    let names = false_names(0..1);
+    assert!(names.is_empty(), "{names:#?}");
+}
+
+/// Every axis of the campaign has equal steps, so each hides the periods that divide its step.
+#[test]
+fn periods_of_the_step_are_listed_as_not_observable() {
+    let diagnosis = diagnosed(&linear_machine(&mut generator(0)), 0);
+    let hidden = diagnosis.not_observable.iter();
+    let hidden: Vec<_> = hidden
+        .filter(|n| n.reason.contains("the step is"))
+        .collect();
+    let subjects: Vec<&str> = hidden.iter().map(|n| n.subject.as_str()).collect();
+    assert_eq!(subjects, ["axis X", "axis Y", "axis Z"]);
+    let reason = &hidden[0].reason;
+    assert!(
+        reason.contains("the step is 20 mm") && reason.contains("20, 10, 6.667, 5 mm"),
+        "{reason}"
+    );
+}
+
+/// Five axes with curves for both sides of approach, and a machine without errors measured without noise.
+#[test]
+fn any_calibration_is_judged() {
+    let five = include_str!("../../../../campaigns/five-axis/scenario.json");
+    let by_direction = Scenario::from_json(five).unwrap();
+    let mut exact = linear_machine(&mut generator(0));
+    exact.errors.clear();
+    exact.noise.length_sigma_um = Some(0.0);
+    exact.noise.repeatability_um = Some(0.0);
+    for scenario in [by_direction, exact] {
+        let campaign = simulate(&scenario, 1).unwrap().campaign;
+        let mut settings = Settings::default();
+        settings.calibration.by_direction = true;
+        let diagnosis = diagnose(&campaign, &settings).unwrap();
+        for cause in named(&diagnosis) {
+            let mut parameters = cause.parameters.iter();
+            assert!(parameters.all(|p| p.value.is_finite() && p.u.is_finite()));
+        }
+    }
+}
+
+/// A scale with a cyclic error on one curve.
+#[test]
+fn two_effects_are_both_found() {
+    let mut scenario = linear_machine(&mut generator(3));
+    add(&mut scenario, "X", "EXX", sine(2.0, 70.0, 40.0, true));
+    let coefficients = vec![0.0, 60e-3 * 220.0];
+    add(&mut scenario, "X", "EXX", Term::Polynomial { coefficients });
+    let diagnosis = diagnosed(&scenario, 3);
+    let causes = named(&diagnosis).into_iter();
+    let mut names: Vec<&str> = causes.map(|c| c.effect.effect.id).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["cyclic_error", "scale_error"]);
+}
+
+/// At most 1 % of the machines; more than 2 of 40 come with a probability of 7e-3 at that rate.
+#[test]
+#[ignore = "study: 40 diagnoses"]
+fn smooth_curves_hardly_ever_have_names() {
+    let names = false_names(CLEAN_SEED..CLEAN_SEED + 20);
+    report(&format!(
+        "{} names in 20 linear and 20 rotary machines: {names:#?}",
+        names.len()
+    ));
+    assert!(names.len() <= 2, "{names:#?}");
+}
+
+/// The counts at the top with 25 machines for each effect: 24, 20 and 25 of 25 right. For a true rate of
+/// 96 % fewer than 20 come with a probability of 4e-4; nothing wrong may be named.
+#[test]
+#[ignore = "study: 200 diagnoses"]
+fn hidden_effects_are_named_in_eight_of_ten() {
+    for effect in EFFECTS {
+        let (mut counts, mut notes) = (Counts::default(), Vec::new());
+        for seed in HIDDEN_SEED..HIDDEN_SEED + 25 {
+            trial(effect, seed, &mut counts, &mut notes);
+        }
+        report(&format!(
+            "{effect}: {counts:?}\n    {}",
+            notes.join("\n    ")
+        ));
+        assert!(counts.right >= 20, "{effect}: {counts:?}");
+        assert_eq!(counts.others, 0, "{effect}: {counts:?}");
+    }
+}

@@ -1,0 +1,70 @@
+//! Diagnoses through the public verb, of data made by code that shares nothing with it but the format.
+//!
+//! The fast tests take one case of each effect; the studies (`--ignored`) take as many as the claims in
+//! docs/diagnosis.md need. Strengths are given as λ, the length of an effect's trace in standard
+//! deviations of an arrival after what the base model absorbs has been taken out.
+
+mod ball_bar;
+mod clean;
+mod counts;
+mod curves;
+mod feeds;
+mod iso_run;
+mod lines;
+mod machines;
+mod unknown;
+mod unseen;
+
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use trueaxis_campaign::{Campaign, Instrument, Verification};
+use trueaxis_diagnose::{Diagnosis, Settings, diagnose};
+use trueaxis_kinematics::{Axis, Machine};
+
+/// X carries Y carries Z.
+fn three_axes() -> Machine {
+    let axis = |name, direction| Axis::linear(name, direction, [0.0, 400.0]).unwrap();
+    let axes = vec![
+        axis("X", Vector3::x()),
+        axis("Y", Vector3::y()),
+        axis("Z", Vector3::z()),
+    ];
+    Machine::new(axes, vec![0, 1, 2], vec![]).unwrap()
+}
+
+/// What is found in one verification without a calibration.
+fn found(verification: Verification) -> Diagnosis {
+    let campaign = Campaign {
+        name: "verification".into(),
+        machine_name: "FXYZ".into(),
+        machine: three_axes(),
+        instrument: Instrument::default(),
+        targets: Vec::new(),
+        stations: Vec::new(),
+        runs: Vec::new(),
+        steps: Vec::new(),
+        lengths: None,
+        points: None,
+        verification: vec![verification],
+        notices: Vec::new(),
+    };
+    diagnose(&campaign, &Settings::default()).unwrap()
+}
+
+fn generator(seed: u64, stream: u64) -> ChaCha8Rng {
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    generator.set_stream(stream);
+    generator
+}
+
+/// Length of a trace.
+fn length(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// A line for those who run the tests with `--nocapture`.
+#[expect(clippy::print_stderr, reason = "counts of a study")]
+fn report(line: &str) {
+    eprintln!("{line}");
+}
