@@ -36,6 +36,10 @@ pub(crate) struct Measured<'a> {
     pub(crate) points: Option<(MeasuredPoints, PointPoses)>,
 }
 
+/// Steps up to which the joint adjustment is compared with equations: beyond, these would take most of the
+/// time and say the same.
+const MOST_STEPS: usize = 10_000;
+
 /// Adjusts the lengths, or takes the points, of a campaign.
 pub(crate) fn measure<'a>(
     campaign: &'a Campaign,
@@ -57,9 +61,9 @@ pub(crate) fn measure<'a>(
     };
     let (joint, points) = match (&adjusted, &campaign.points) {
         (Some(adjusted), _) if method == Method::Joint => {
-            let points = adjusted.points();
-            let points = points.and_then(|points| by_equations(points, Method::Nine));
-            (Some(adjusted.poses()?), points.ok())
+            let few = adjusted.moved().len() <= MOST_STEPS;
+            let points = few.then(|| by_equations(adjusted.points()?, Method::Nine));
+            (Some(adjusted.poses()?), points.and_then(Result::ok))
         }
         (Some(adjusted), _) => (None, Some(by_equations(adjusted.points()?, method)?)),
         (None, Some(points)) => {

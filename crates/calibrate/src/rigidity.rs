@@ -69,9 +69,9 @@ pub(crate) fn misfits(campaign: &Campaign, points: &PointPoses, declared: bool) 
     found
 }
 
-/// Steps at which the lengths to a target contradict the rigid body so much that all of them were removed: it
-/// stood elsewhere. The sum of squares is that of the displacement of the target, whose three coordinates
-/// explain them.
+/// Steps at which the lengths to a target contradict the rigid body so much that half of them or more were
+/// removed: it stood elsewhere. The sum of squares is that of the displacement of the target, whose three
+/// coordinates explain them.
 pub(crate) fn lost_targets(
     campaign: &Campaign,
     lengths: &Lengths,
@@ -81,20 +81,20 @@ pub(crate) fn lost_targets(
     for removed in &screened.removed {
         errors.insert(removed.reading, (removed.error_mm, removed.u_mm));
     }
-    // For each step and target the errors of its lengths, as long as all were removed.
-    let mut seen: BTreeMap<(usize, usize), Option<Vec<(f64, f64)>>> = BTreeMap::new();
+    // For each step and target the number of its lengths, and the errors of those that were removed.
+    let mut seen: BTreeMap<(usize, usize), (usize, Vec<(f64, f64)>)> = BTreeMap::new();
     for stop in &lengths.stops {
         for i in stop.readings.clone() {
             let key = (stop.step, lengths.readings[i].target);
-            let all = seen.entry(key).or_insert_with(|| Some(Vec::new()));
-            match (errors.get(&i), &mut *all) {
-                (Some(&error), Some(all)) => all.push(error),
-                _ => *all = None,
-            }
+            let (count, removed) = seen.entry(key).or_default();
+            *count += 1;
+            removed.extend(errors.get(&i));
         }
     }
-    let lost = |((step, _), errors): ((usize, usize), Option<Vec<(f64, f64)>>)| {
-        let errors = errors.filter(|errors| errors.len() >= COORDINATES)?;
+    let lost = |((step, _), (count, errors)): ((usize, usize), (usize, Vec<(f64, f64)>))| {
+        if errors.len() < COORDINATES || 2 * errors.len() < count {
+            return None;
+        }
         let squares: f64 = errors.iter().map(|(error, _)| error * error).sum();
         let chi_squared = errors.iter().map(|(error, u)| (error / u).powi(2)).sum();
         Some(StepMisfit {

@@ -99,7 +99,7 @@ fn few_degrees_of_freedom(campaigns: u64) -> (Scatter, f64) {
     scenario.repeats = 1;
     for run in &mut scenario.runs {
         if let Some(sweep) = &mut run.sweep {
-            (sweep.stop, sweep.step) = (300.0, 60.0);
+            (sweep.stop, sweep.step) = (270.0, 90.0);
         }
     }
     let mut scatter = Scatter::default();
