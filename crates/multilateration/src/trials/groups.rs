@@ -84,7 +84,7 @@ impl TrialGroups {
     ) -> Self {
         let (batch, state) = (&influence.batches()[b], influence.state());
         let mut readings = vec![[None; LANES]; batch.slots()];
-        for lane in 0..batch.groups.len() {
+        for (lane, _) in batch.groups.clone().enumerate() {
             for &(slot, reading) in slots.places(lane) {
                 readings[slot][lane] = Some(reading);
             }
