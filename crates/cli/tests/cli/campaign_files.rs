@@ -169,13 +169,6 @@ impl Table {
         self.header.iter().position(|name| name == column).unwrap()
     }
 
-    /// Takes a column away.
-    pub(crate) fn remove_column(&mut self, column: &str) {
-        let place = self.place(column);
-        self.header.remove(place);
-        self.rows.iter_mut().for_each(|row| drop(row.remove(place)));
-    }
-
     /// Adds a column with the same text in every row.
     pub(crate) fn add_column(&mut self, column: &str, text: &str) {
         self.header.push(column.to_owned());
