@@ -9,23 +9,33 @@ use crate::{Instrument, Run, Station, Target};
 
 /// Of the declared accuracy none is needed, but what is given must be possible.
 pub(crate) fn check_instrument(instrument: &Instrument) -> Result<(), DocumentError> {
-    let check = |field: &str, value: Option<f64>, least: &str| match value {
-        Some(sigma) if sigma < 0.0 || (least != ZERO && sigma == 0.0) => {
+    let sigmas = [
+        (
+            "length_sigma_um",
+            instrument.length_sigma_um,
+            "more than zero",
+        ),
+        (
+            "length_sigma_ppm",
+            instrument.length_sigma_ppm,
+            "zero or more",
+        ),
+        (
+            "repeatability_um",
+            instrument.repeatability_um,
+            "zero or more",
+        ),
+    ];
+    for (field, sigma, least) in sigmas {
+        let zero_too = least == "zero or more";
+        if let Some(sigma) = sigma.filter(|&sigma| sigma < 0.0 || (sigma == 0.0 && !zero_too)) {
             let found = format!("a standard deviation of {sigma}");
             let expected = format!("{least}; leave it out if it is not known");
             let problem = DocumentProblem::value(found, expected);
-            Err(problem.in_field(format!("instrument.{field}")))
+            return Err(problem.in_field(format!("instrument.{field}")));
         }
-        _ => Ok(()),
-    };
-    const ZERO: &str = "zero or more";
-    check(
-        "length_sigma_um",
-        instrument.length_sigma_um,
-        "more than zero",
-    )?;
-    check("length_sigma_ppm", instrument.length_sigma_ppm, ZERO)?;
-    check("repeatability_um", instrument.repeatability_um, ZERO)
+    }
+    Ok(())
 }
 
 /// The targets, with their carriers looked up.

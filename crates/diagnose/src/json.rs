@@ -5,13 +5,12 @@
 //! was held out, named or left.
 
 mod cause;
-mod ordered;
 
 use serde::Serialize;
 use trueaxis_effects::{EffectsFile, Level};
+use trueaxis_files::{Ordered, round, significant};
 
 use crate::json::cause::CauseFile;
-use crate::json::ordered::Ordered;
 use crate::{Cause, Diagnosis, Gain, LevelReport, Misfit, NotObservable, OmnibusTest, Place};
 
 impl Diagnosis {
@@ -243,15 +242,4 @@ fn unseen(unseen: &NotObservable) -> NotObservableFile<'_> {
 /// To a picometre.
 fn um(value_um: f64) -> f64 {
     round(value_um, 6)
-}
-
-/// Rounded to decimals; no negative zero.
-fn round(value: f64, decimals: i32) -> f64 {
-    let scale = 10_f64.powi(decimals);
-    (value * scale).round() / scale + 0.0
-}
-
-/// Three significant digits, for probabilities.
-fn significant(value: f64) -> f64 {
-    format!("{value:.2e}").parse().unwrap_or(value)
 }

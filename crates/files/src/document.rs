@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use serde_json::error::Category;
 
-use crate::{Alternatives, Part, Place, field_line};
+use crate::{Alternatives, DocumentError, DocumentProblem, Part, Place, field_line};
 
 /// A format of this project.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,104 +23,9 @@ pub struct Format {
 /// All formats begin with this.
 const PREFIX: &str = "trueaxis-";
 
-/// What is wrong with a document, and where.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{place}: {problem}")]
-pub struct DocumentError {
-    /// The file, line and field.
-    pub place: Box<Place>,
-    /// What is wrong there.
-    pub problem: DocumentProblem,
-}
-
-/// What can be wrong with any document, with what was found and what is expected.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum DocumentProblem {
-    /// The text is not JSON.
-    #[error(
-        "not valid JSON: {problem}; expected JSON as in RFC 8259 (no comments, no trailing commas)"
-    )]
-    Syntax {
-        /// The parser's reason.
-        problem: String,
-    },
-    /// Another document of this project.
-    #[error(
-        "this is a trueaxis {kind}, not {}; give the path of the {}.json instead",
-        expected.noun,
-        expected.kind()
-    )]
-    OtherDocument {
-        /// Which one, as `calibration`.
-        kind: String,
-        /// The one wanted.
-        expected: Format,
-    },
-    /// Some other JSON.
-    #[error("found {found}; expected \"{}\": is this the right file?", expected.name)]
-    Format {
-        /// The value of `format` as JSON.
-        found: String,
-        /// The one wanted.
-        expected: Format,
-    },
-    /// A version of the format that this release does not know.
-    #[error(
-        "found {found}; expected {expected}: a higher version needs a newer release of trueaxis"
-    )]
-    Version {
-        /// The value of `version` as JSON.
-        found: String,
-        /// The one wanted.
-        expected: u32,
-    },
-    /// A field that the format does not have.
-    #[error("unknown field `{name}`; {alternatives}")]
-    UnknownField {
-        /// Its name.
-        name: String,
-        /// The fields that exist there.
-        alternatives: Alternatives,
-    },
-    /// A field that must be there.
-    #[error("field `{name}` is missing; add it")]
-    MissingField {
-        /// Its name.
-        name: String,
-    },
-    /// A value that cannot be.
-    #[error("{found}; expected {expected}")]
-    Value {
-        /// The value and what is wrong with it.
-        found: String,
-        /// What would be right.
-        expected: String,
-    },
-    /// A name that nothing has.
-    #[error("unknown {what} `{name}`; {alternatives}")]
-    UnknownName {
-        /// What it should name, as `axis`.
-        what: &'static str,
-        /// The name found.
-        name: String,
-        /// The names that exist.
-        alternatives: Alternatives,
-    },
-    /// Two things of one kind share a name.
-    #[error("{what} `{name}` has this name already in {first}; give each its own")]
-    DuplicateName {
-        /// What they are, as `target`.
-        what: &'static str,
-        /// The name.
-        name: String,
-        /// Field path of the first use.
-        first: String,
-    },
-}
-
 impl Format {
     /// `campaign` of `trueaxis-campaign`.
-    fn kind(&self) -> &'static str {
+    pub(crate) fn kind(&self) -> &'static str {
         self.name.strip_prefix(PREFIX).unwrap_or(self.name)
     }
 
@@ -195,24 +100,6 @@ impl Format {
             _ => DocumentProblem::Syntax { problem: message },
         };
         DocumentError { place, problem }
-    }
-}
-
-impl DocumentProblem {
-    /// A [`DocumentProblem::Value`].
-    pub fn value(found: impl Into<String>, expected: impl Into<String>) -> Self {
-        Self::Value {
-            found: found.into(),
-            expected: expected.into(),
-        }
-    }
-
-    /// The error with this problem in a field of a document.
-    pub fn in_field(self, path: impl Into<String>) -> DocumentError {
-        DocumentError {
-            place: Place::in_field(path),
-            problem: self,
-        }
     }
 }
 

@@ -27,6 +27,7 @@
 
 mod alternatives;
 mod document;
+mod document_error;
 mod field_line;
 mod json;
 mod names;
@@ -38,7 +39,8 @@ mod unique_keys;
 mod whole;
 
 pub use alternatives::Alternatives;
-pub use document::{DocumentError, DocumentProblem, Format};
+pub use document::Format;
+pub use document_error::{DocumentError, DocumentProblem};
 pub use field_line::field_line;
 pub use json::to_json;
 pub use names::{check_names, index_of};

@@ -17,6 +17,9 @@
 //! of its axis (a) and a shift of what it carries (b). The value at home is that at `q = 0`, on
 //! the straight line between the neighbouring steps if no step is there, and that of the nearest
 //! step if 0 lies outside the steps.
+//!
+//! A calibration states the same conditions on what it observed. Here they are met in closed form, by
+//! code that shares nothing with the estimator, so that each is a check of the other.
 
 use nalgebra::{Rotation3, Unit, Vector3};
 use trueaxis_kinematics::{Axis, AxisKind, MotionError};

@@ -18,7 +18,7 @@
 //! by side. The rigid machine and the noise are shared with none of the estimators that are tested with
 //! them; the forms of the effects are those that a diagnosis looks for, but here they displace points
 //! and the exact distance is taken, never `u·D`. It does not write the campaign (`trueaxis-campaign`
-//! does). [`replay`] is the inverse: from a campaign and what is believed of it to a scenario.
+//! does). [`replay()`] is the inverse: from a campaign and what is believed of it to a scenario.
 //!
 //! # Example
 //!

@@ -32,7 +32,16 @@ pub(crate) fn plan_runs(
     check::distinct_names("runs", "run", &names)?;
     let specs = scenario.runs.iter().enumerate();
     let runs = specs
-        .map(|(i, spec)| plan_run(&format!("runs[{i}]"), spec, scenario, machine, targets))
+        .map(|(i, spec)| {
+            let run = RunPlan {
+                field: format!("runs[{i}]"),
+                spec,
+                scenario,
+                machine,
+                axes: machine.axes().iter().map(Axis::name).collect(),
+            };
+            run.plan(targets)
+        })
         .collect::<Result<Vec<_>, _>>()?;
     for (i, target) in targets.iter().enumerate() {
         if !runs.iter().any(|run| run.targets.contains(&i)) {
@@ -45,50 +54,146 @@ pub(crate) fn plan_runs(
     Ok(runs)
 }
 
-fn plan_run(
-    field: &str,
-    spec: &RunSpec,
-    scenario: &Scenario,
-    machine: &Machine,
-    targets: &[PlannedTarget],
-) -> Result<PlannedRun, Error> {
-    let names: Vec<&str> = machine.axes().iter().map(Axis::name).collect();
-    let axis = index_of(format!("{field}.axis"), "axis", &spec.axis, &names)?;
-    Ok(PlannedRun {
-        name: spec.name.clone(),
-        axis,
-        positions: positions(field, spec, axis, scenario, machine)?,
-        parked: parked(field, spec, axis, scenario, machine)?,
-        targets: measured_targets(field, spec, axis, machine, targets)?,
-        directions: directions(field, spec)?,
-    })
+/// One run of the scenario, and what it refers to.
+struct RunPlan<'a> {
+    field: String,
+    spec: &'a RunSpec,
+    scenario: &'a Scenario,
+    machine: &'a Machine,
+    /// Names of the axes.
+    axes: Vec<&'a str>,
 }
 
-/// Commanded positions of the run's axis, mm or rad.
-fn positions(
-    field: &str,
-    spec: &RunSpec,
-    axis: usize,
-    scenario: &Scenario,
-    machine: &Machine,
-) -> Result<Vec<f64>, Error> {
-    let (field, positions) = match (&spec.positions, &spec.sweep) {
-        (Some(positions), None) => (format!("{field}.positions"), positions.clone()),
-        (None, Some(sweep)) => {
-            let field = format!("{field}.sweep");
-            let positions = sweep_positions(&field, sweep)?;
-            (field, positions)
-        }
-        _ => return Err(check::expected(field, "either `positions` or `sweep`")),
-    };
-    if positions.is_empty() {
-        return Err(check::expected(field, "at least one position"));
+impl RunPlan<'_> {
+    fn plan(&self, targets: &[PlannedTarget]) -> Result<PlannedRun, Error> {
+        let field = format!("{}.axis", self.field);
+        let axis = index_of(field, "axis", &self.spec.axis, &self.axes)?;
+        Ok(PlannedRun {
+            name: self.spec.name.clone(),
+            axis,
+            positions: self.positions(axis)?,
+            parked: self.parked(axis)?,
+            targets: self.measured_targets(axis, targets)?,
+            directions: self.directions()?,
+        })
     }
-    check::increasing(&field, &positions)?;
-    positions
-        .iter()
-        .map(|&q| reachable(&field, q, axis, scenario, machine))
-        .collect()
+
+    /// Commanded positions of the run's axis, mm or rad.
+    fn positions(&self, axis: usize) -> Result<Vec<f64>, Error> {
+        let (field, positions) = match (&self.spec.positions, &self.spec.sweep) {
+            (Some(positions), None) => (format!("{}.positions", self.field), positions.clone()),
+            (None, Some(sweep)) => {
+                let field = format!("{}.sweep", self.field);
+                let positions = sweep_positions(&field, sweep)?;
+                (field, positions)
+            }
+            _ => {
+                let expected = "either `positions` or `sweep`";
+                return Err(check::expected(&self.field, expected));
+            }
+        };
+        if positions.is_empty() {
+            return Err(check::expected(field, "at least one position"));
+        }
+        check::increasing(&field, &positions)?;
+        let positions = positions.iter();
+        positions
+            .map(|&q| self.reachable(&field, q, axis))
+            .collect()
+    }
+
+    /// Positions of all axes beside the run's, mm or rad.
+    fn parked(&self, axis: usize) -> Result<Vec<f64>, Error> {
+        let mut positions = vec![0.0; self.axes.len()];
+        for (name, &position) in &self.spec.parked {
+            let field = format!("{}.parked.{name}", self.field);
+            let index = index_of(&field, "axis", name, &self.axes)?;
+            if index == axis {
+                return Err(check::expected(field, "another axis than the run moves"));
+            }
+            check::finite(&field, &[position])?;
+            positions[index] = self.reachable(&field, position, index)?;
+        }
+        Ok(positions)
+    }
+
+    /// The position in mm or rad if the axis gets there.
+    fn reachable(&self, field: &str, position: f64, axis: usize) -> Result<f64, Error> {
+        let AxisSpec { name, travel, .. } = &self.scenario.machine.axes[axis];
+        let [low, high] = *travel;
+        if position < low || position > high {
+            let axis = name.clone();
+            let problem = Problem::OutsideTravel {
+                axis,
+                position,
+                low,
+                high,
+            };
+            return Err(problem.at(field));
+        }
+        let kind = self.machine.axes()[axis].kind();
+        Ok(axis_unit::from_file(kind, position))
+    }
+
+    fn measured_targets(
+        &self,
+        axis: usize,
+        targets: &[PlannedTarget],
+    ) -> Result<Vec<usize>, Error> {
+        let moves = |target: usize| {
+            let chain = self.machine.chain(targets[target].carrier);
+            chain.contains(&axis)
+        };
+        let Some(listed) = &self.spec.targets else {
+            let moved: Vec<usize> = (0..targets.len()).filter(|&i| moves(i)).collect();
+            if moved.is_empty() {
+                let expected = format!("a target that axis {} moves", self.spec.axis);
+                return Err(check::expected(&self.field, expected));
+            }
+            return Ok(moved);
+        };
+        let list = format!("{}.targets", self.field);
+        if listed.is_empty() {
+            return Err(check::expected(list, "at least one target"));
+        }
+        let names: Vec<&str> = targets.iter().map(|target| target.name.as_str()).collect();
+        let mut measured = Vec::with_capacity(listed.len());
+        for (i, name) in listed.iter().enumerate() {
+            let field = format!("{list}[{i}]");
+            let index = index_of(&field, "target", name, &names)?;
+            if let Some(first) = measured.iter().position(|&other| other == index) {
+                let problem = DocumentProblem::DuplicateName {
+                    what: "target",
+                    name: name.clone(),
+                    first: format!("{list}[{first}]"),
+                };
+                return Err(problem.in_field(field).into());
+            }
+            if !moves(index) {
+                let problem = Problem::TargetAtRest {
+                    axis: self.spec.axis.clone(),
+                    target: name.clone(),
+                    carrier: self.axes[targets[index].carrier].to_owned(),
+                };
+                return Err(problem.at(field));
+            }
+            measured.push(index);
+        }
+        Ok(measured)
+    }
+
+    fn directions(&self) -> Result<Vec<Direction>, Error> {
+        match self.spec.directions.as_slice() {
+            [1] => Ok(vec![Direction::Forward]),
+            [-1] => Ok(vec![Direction::Backward]),
+            [1, -1] => Ok(vec![Direction::Forward, Direction::Backward]),
+            [-1, 1] => Ok(vec![Direction::Backward, Direction::Forward]),
+            _ => {
+                let field = format!("{}.directions", self.field);
+                Err(check::expected(field, "[1], [-1], [1, -1] or [-1, 1]"))
+            }
+        }
+    }
 }
 
 /// More positions than any axis is measured at; a step this small is a slip.
@@ -113,122 +218,6 @@ fn sweep_positions(field: &str, sweep: &Sweep) -> Result<Vec<f64>, Error> {
         return Err(check::expected(field, expected));
     }
     Ok(positions)
-}
-
-/// Positions of all axes beside the run's, mm or rad.
-fn parked(
-    field: &str,
-    spec: &RunSpec,
-    axis: usize,
-    scenario: &Scenario,
-    machine: &Machine,
-) -> Result<Vec<f64>, Error> {
-    let names: Vec<&str> = machine.axes().iter().map(Axis::name).collect();
-    let mut positions = vec![0.0; names.len()];
-    for (name, &position) in &spec.parked {
-        let field = format!("{field}.parked.{name}");
-        let index = index_of(&field, "axis", name, &names)?;
-        if index == axis {
-            return Err(check::expected(field, "another axis than the run moves"));
-        }
-        check::finite(&field, &[position])?;
-        let reached = reachable(&field, position, index, scenario, machine)?;
-        if let Some(slot) = positions.get_mut(index) {
-            *slot = reached;
-        }
-    }
-    Ok(positions)
-}
-
-/// The position in mm or rad if the axis gets there.
-fn reachable(
-    field: &str,
-    position: f64,
-    axis: usize,
-    scenario: &Scenario,
-    machine: &Machine,
-) -> Result<f64, Error> {
-    let specs = scenario
-        .machine
-        .axes
-        .get(axis)
-        .zip(machine.axes().get(axis));
-    let Some((AxisSpec { name, travel, .. }, axis)) = specs else {
-        return Ok(position);
-    };
-    let [low, high] = *travel;
-    if position < low || position > high {
-        return Err(Problem::OutsideTravel {
-            axis: name.clone(),
-            position,
-            low,
-            high,
-        }
-        .at(field));
-    }
-    Ok(axis_unit::from_file(axis.kind(), position))
-}
-
-fn measured_targets(
-    field: &str,
-    spec: &RunSpec,
-    axis: usize,
-    machine: &Machine,
-    targets: &[PlannedTarget],
-) -> Result<Vec<usize>, Error> {
-    let moves = |target: &PlannedTarget| machine.chain(target.carrier).contains(&axis);
-    let Some(listed) = &spec.targets else {
-        let all = targets.iter().enumerate();
-        let moved: Vec<usize> = all.filter(|(_, t)| moves(t)).map(|(i, _)| i).collect();
-        if moved.is_empty() {
-            let expected = format!("a target that axis {} moves", spec.axis);
-            return Err(check::expected(field, expected));
-        }
-        return Ok(moved);
-    };
-    let list = format!("{field}.targets");
-    if listed.is_empty() {
-        return Err(check::expected(list, "at least one target"));
-    }
-    let names: Vec<&str> = targets.iter().map(|target| target.name.as_str()).collect();
-    let mut measured = Vec::with_capacity(listed.len());
-    for (i, name) in listed.iter().enumerate() {
-        let field = format!("{list}[{i}]");
-        let index = index_of(&field, "target", name, &names)?;
-        if measured.contains(&index) {
-            let first = measured.iter().position(|&other| other == index);
-            let problem = DocumentProblem::DuplicateName {
-                what: "target",
-                name: name.clone(),
-                first: format!("{list}[{}]", first.unwrap_or_default()),
-            };
-            return Err(problem.in_field(field).into());
-        }
-        if let Some(target) = targets.get(index).filter(|&target| !moves(target)) {
-            let carrier = machine.axes().get(target.carrier).map(Axis::name);
-            return Err(Problem::TargetAtRest {
-                axis: spec.axis.clone(),
-                target: name.clone(),
-                carrier: carrier.unwrap_or_default().to_owned(),
-            }
-            .at(field));
-        }
-        measured.push(index);
-    }
-    Ok(measured)
-}
-
-fn directions(field: &str, spec: &RunSpec) -> Result<Vec<Direction>, Error> {
-    match spec.directions.as_slice() {
-        [1] => Ok(vec![Direction::Forward]),
-        [-1] => Ok(vec![Direction::Backward]),
-        [1, -1] => Ok(vec![Direction::Forward, Direction::Backward]),
-        [-1, 1] => Ok(vec![Direction::Backward, Direction::Forward]),
-        _ => Err(check::expected(
-            format!("{field}.directions"),
-            "[1], [-1], [1, -1] or [-1, 1]",
-        )),
-    }
 }
 
 #[cfg(test)]

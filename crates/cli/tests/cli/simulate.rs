@@ -89,7 +89,11 @@ fn wrong_scenarios() {
         (
             "format",
             |s| s["format"] = json!("trueaxis-campaign"),
-            &["format", "not a scenario"],
+            &[
+                "field format",
+                "this is a trueaxis campaign, not a scenario",
+                "give the path of the scenario.json",
+            ],
         ),
         (
             "version",
@@ -151,7 +155,10 @@ fn other_files_than_a_scenario() {
     let folder = tempfile::tempdir().unwrap();
     let campaign = shipped("fxyz");
     for (path, says) in [
-        (campaign.join("campaign.json"), "not a scenario"),
+        (
+            campaign.join("campaign.json"),
+            "this is a trueaxis campaign, not a scenario",
+        ),
         (campaign.join("lengths.csv"), "line 1"),
         (campaign.join("no-such.json"), "No such file"),
         (campaign, "directory"),

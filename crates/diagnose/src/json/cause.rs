@@ -3,9 +3,9 @@
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 use trueaxis_effects::{GivenEffect, GivenParameter, GivenSubject, Scene};
+use trueaxis_files::{Ordered, round, significant};
 
-use crate::json::ordered::Ordered;
-use crate::json::{round, significant, um};
+use crate::json::um;
 use crate::{Cause, Change, EstimatedParameter};
 
 #[derive(Serialize)]

@@ -9,6 +9,7 @@ mod gauge;
 mod noise;
 mod order;
 mod refusals;
+mod replay;
 mod scenario_file;
 mod shipped;
 mod truth_file;

@@ -1,0 +1,53 @@
+//! A campaign and the truth about it give the scenario back: simulated again, it measures the same.
+
+use trueaxis_campaign::Campaign;
+use trueaxis_simulate::{ReplayError, Scenario, Simulated, replay, simulate};
+
+use crate::shipped;
+
+/// Twice the grid of the lengths, mm.
+const LENGTH_TOL_MM: f64 = 2e-7;
+
+fn simulated(name: &str) -> Simulated {
+    simulate(&Scenario::read(shipped::path(name)).unwrap(), 5).unwrap()
+}
+
+fn lengths_mm(campaign: &Campaign) -> Vec<f64> {
+    let readings = &campaign.lengths.as_ref().unwrap().readings;
+    readings.iter().map(|reading| reading.length_mm).collect()
+}
+
+#[test]
+fn what_was_simulated_is_measured_again() {
+    for name in ["fxyz", "rotary-stage"] {
+        let Simulated { campaign, truth } = simulated(name);
+        let replay = replay(&campaign, &truth).unwrap();
+        assert_eq!(replay.notices, [""; 0], "{name}");
+        // The same seed has the same noise at the same stops.
+        let again = simulate(&replay.scenario, 5).unwrap().campaign;
+        assert_eq!(again.steps, campaign.steps, "{name}");
+        let pairs = lengths_mm(&again).into_iter().zip(lengths_mm(&campaign));
+        let largest = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(largest <= LENGTH_TOL_MM, "{name}: {largest:e}");
+    }
+}
+
+#[test]
+fn what_no_scenario_measures_is_refused() {
+    let Simulated { campaign, truth } = simulated("fxyz");
+    let refusal = |campaign: &Campaign, truth| replay(campaign, truth).unwrap_err();
+
+    let mut without = campaign.clone();
+    without.lengths = None;
+    assert!(matches!(refusal(&without, &truth), ReplayError::NoLengths));
+
+    let mut unknown = truth.clone();
+    unknown.targets.pop();
+    let error = refusal(&campaign, &unknown).to_string();
+    assert_eq!(error, "target K was not measured");
+
+    let mut elsewhere = truth.clone();
+    elsewhere.targets[0].home_mm.x += 0.3;
+    let error = refusal(&campaign, &elsewhere);
+    assert!(matches!(error, ReplayError::OtherFrame { off, .. } if (off - 0.1).abs() < 1e-9));
+}
