@@ -28,7 +28,7 @@ pub(crate) struct Identified {
 }
 
 /// How the results of an axis follow from the errors `x_i` of its poses ([`crate::poses`]), seen from its
-/// base as if that were known: with the maps `A_i` of [`Context::from_poses`] and the gauge
+/// base as if that were known: with the maps `A_i` of [`Context::error_maps`] and the gauge
 ///
 /// ```text
 /// e_i = A_i x_i     y = Σ Γ_i e_i     E_k = mean e - Λ_k y
@@ -82,7 +82,7 @@ pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<
         }
         if change_mm <= SETTLED_MM {
             let sensitivity =
-                |(k, gauge)| Sensitivity::new(gauge, context.from_poses(data, &state, k));
+                |(k, gauge)| Sensitivity::new(gauge, context.error_maps(data, &state, k));
             let reported = data.iter().enumerate();
             let reported = reported
                 .map(|(k, axis)| reported_errors(&context.machine.axes()[axis.axis], &frame, k))

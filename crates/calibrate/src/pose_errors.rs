@@ -69,7 +69,7 @@ impl Context<'_> {
     }
 
     /// How these follow from the errors of the measured poses ([`crate::poses`]).
-    pub(crate) fn from_poses(
+    pub(crate) fn error_maps(
         &self,
         data: &[AxisData],
         state: &State,

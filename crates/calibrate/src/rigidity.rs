@@ -81,18 +81,18 @@ pub(crate) fn lost_targets(
     for removed in &screened.removed {
         errors.insert(removed.reading, (removed.error_mm, removed.u_mm));
     }
-    // For each step and target the number of its lengths, and the errors of those that were removed.
-    let mut seen: BTreeMap<(usize, usize), (usize, Vec<(f64, f64)>)> = BTreeMap::new();
+    let mut seen: BTreeMap<(usize, usize), Seen> = BTreeMap::new();
     for stop in &lengths.stops {
         for i in stop.readings.clone() {
             let key = (stop.step, lengths.readings[i].target);
-            let (count, removed) = seen.entry(key).or_default();
-            *count += 1;
-            removed.extend(errors.get(&i));
+            let seen = seen.entry(key).or_default();
+            seen.lengths += 1;
+            seen.removed.extend(errors.get(&i));
         }
     }
-    let lost = |((step, _), (count, errors)): ((usize, usize), (usize, Vec<(f64, f64)>))| {
-        if errors.len() < COORDINATES || 2 * errors.len() < count {
+    let lost = |(&(step, _), seen): (&(usize, usize), &Seen)| {
+        let errors = &seen.removed;
+        if errors.len() < COORDINATES || 2 * errors.len() < seen.lengths {
             return None;
         }
         let squares: f64 = errors.iter().map(|(error, _)| error * error).sum();
@@ -105,7 +105,15 @@ pub(crate) fn lost_targets(
             p_value: chi_squared_upper_tail(chi_squared, COORDINATES as f64),
         })
     };
-    seen.into_iter().filter_map(lost).collect()
+    seen.iter().filter_map(lost).collect()
+}
+
+/// The lengths to a target at a step.
+#[derive(Default)]
+struct Seen {
+    lengths: usize,
+    /// Error and its standard uncertainty of those that were removed, mm.
+    removed: Vec<(f64, f64)>,
 }
 
 /// Of a displacement.

@@ -23,7 +23,7 @@ fn clean_line(seed: u64) -> Verification {
     let curve = curve_um(&mut generator);
     let nothing = vec![0.0; places.len()];
     let values = values_um(&places, &curve, &nothing, sigma_um, &mut generator);
-    table(&places, &values, seed % 2 == 0)
+    table(&places, &values, seed.is_multiple_of(2))
 }
 
 /// Two families at 1 %: 2 % of false alarms at most.
