@@ -181,7 +181,7 @@ fn wrong_files() {
         (
             "a scenario",
             Some(r#"{ "format": "trueaxis-scenario" }"#),
-            "field format: this is a trueaxis scenario, not an effects file",
+            "not an effects file",
         ),
         (
             "an unknown station",
