@@ -3,10 +3,10 @@
 
 use std::hint::black_box;
 
-use criterion::{Criterion, criterion_group, criterion_main};
-use trueaxis_benches::fxyz;
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use trueaxis_benches::{fxyz, measured};
 use trueaxis_diagnose::{Settings, diagnose as find_causes};
-use trueaxis_simulate::{Scenario, simulate};
+use trueaxis_simulate::Scenario;
 
 /// A target slips in its nest by 8 µm in the middle of the campaign.
 const SLIP: &str = r#"[{
@@ -26,9 +26,9 @@ fn diagnose(c: &mut Criterion) {
     let mut group = c.benchmark_group("diagnose");
     group.sample_size(10);
     for (name, scenario) in [("clean", clean), ("one cause", slip)] {
-        let campaign = simulate(&scenario, 1).unwrap().campaign;
-        group.bench_function(name, |b| {
-            b.iter(|| find_causes(black_box(&campaign), &Settings::default()).unwrap());
+        let campaign = measured(&scenario);
+        group.bench_with_input(BenchmarkId::new(name, 2_340), &campaign, |b, campaign| {
+            b.iter(|| find_causes(black_box(campaign), &Settings::default()).unwrap());
         });
     }
     group.finish();

@@ -1,5 +1,5 @@
-//! One Monte Carlo trial of a solved network: drawing the errors, solving with them, both; and many
-//! trials, each from its own random stream, on one thread and on two.
+//! One Monte Carlo trial of a solved network, visits correlated: drawing the errors, solving with them, both;
+//! and many trials, each from its own random stream, on one thread and on two.
 
 use std::hint::black_box;
 
@@ -8,40 +8,27 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
-use trueaxis_benches::network;
-use trueaxis_multilateration::{Network, Settings, Trials, Visit, solve};
+use trueaxis_benches::problem;
 
-/// Every length in a visit of its own: none depend on each other.
-fn with_single_visits(mut network: Network) -> Network {
-    let visits = network.visits.iter().flat_map(|visit| {
-        visit.readings.clone().map(|reading| Visit {
-            readings: reading..reading + 1,
-            ..visit.clone()
-        })
-    });
-    network.visits = visits.collect();
-    network
-}
+const TRIALS: usize = 4_096;
 
-fn one_trial(c: &mut Criterion) {
-    for (part, draws, solves) in [
-        ("draw", true, false),
-        ("solve", false, true),
-        ("trial", true, true),
-    ] {
-        let mut group = c.benchmark_group(format!("montecarlo/{part}"));
+fn trials(c: &mut Criterion) {
+    for name in ["P-A", "P-B"] {
+        let trials = problem(name).trials();
+        let memory = || (trials.workspace(), vec![0.0; trials.readings()]);
+        let (mut workspace, mut errors_mm) = memory();
+        let root = ChaCha8Rng::seed_from_u64(1);
+        let mut rng = root.clone();
+        trials.draw(&mut rng, &mut errors_mm);
+
+        let mut group = c.benchmark_group("montecarlo");
         group.throughput(Throughput::Elements(1));
-        for (visits, network) in [
-            ("single-length", with_single_visits(network(195, 1e-3))),
-            ("three-length", network(195, 1e-3)),
+        for (part, draws, solves) in [
+            ("draw", true, false),
+            ("solve", false, true),
+            ("trial", true, true),
         ] {
-            let solution = solve(&network, &Settings::default()).unwrap();
-            let trials = Trials::new(&network, &solution);
-            let mut workspace = trials.workspace();
-            let mut errors_mm = vec![0.0; trials.readings()];
-            let mut rng = ChaCha8Rng::seed_from_u64(1);
-            trials.draw(&mut rng, &mut errors_mm);
-            group.bench_function(BenchmarkId::new(visits, 195), |b| {
+            group.bench_function(BenchmarkId::new(part, name), |b| {
                 b.iter(|| {
                     if draws {
                         trials.draw(&mut rng, black_box(&mut errors_mm));
@@ -52,40 +39,32 @@ fn one_trial(c: &mut Criterion) {
                 });
             });
         }
+        group.throughput(Throughput::Elements(TRIALS as u64));
+        group.sample_size(10);
+        for threads in [1, 2] {
+            let pool = ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            let one = |(workspace, errors_mm): &mut (_, Vec<f64>), trial: usize| {
+                let mut rng = root.clone();
+                rng.set_stream(trial as u64);
+                trials.draw(&mut rng, errors_mm);
+                black_box(trials.solve(errors_mm, workspace));
+            };
+            let all = || {
+                (0..TRIALS)
+                    .into_par_iter()
+                    .with_min_len(128)
+                    .for_each_init(memory, one);
+            };
+            group.bench_function(BenchmarkId::new(format!("{threads} threads"), name), |b| {
+                pool.install(|| b.iter(all));
+            });
+        }
         group.finish();
     }
 }
 
-fn many_trials(c: &mut Criterion) {
-    const TRIALS: usize = 4_096;
-    let network = with_single_visits(network(195, 1e-3));
-    let solution = solve(&network, &Settings::default()).unwrap();
-    let trials = Trials::new(&network, &solution);
-    let root = ChaCha8Rng::seed_from_u64(1);
-    let memory = || (trials.workspace(), vec![0.0; trials.readings()]);
-    let mut group = c.benchmark_group("montecarlo/threads");
-    group.throughput(Throughput::Elements(TRIALS as u64));
-    for threads in [1, 2] {
-        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-        let pool = pool.unwrap();
-        group.bench_function(BenchmarkId::new("single-length", threads), |b| {
-            b.iter(|| {
-                pool.install(|| {
-                    (0..TRIALS).into_par_iter().with_min_len(128).for_each_init(
-                        memory,
-                        |(workspace, errors_mm), trial| {
-                            let mut rng = root.clone();
-                            rng.set_stream(trial as u64);
-                            trials.draw(&mut rng, errors_mm);
-                            black_box(trials.solve(errors_mm, workspace));
-                        },
-                    );
-                });
-            });
-        });
-    }
-    group.finish();
-}
-
-criterion_group!(benches, one_trial, many_trials);
+criterion_group!(benches, trials);
 criterion_main!(benches);

@@ -1,238 +1,328 @@
-// Ceres on one problem: see problem.rs beside this file for the folders, `run` for the calls.
+// Ceres on one problem: see `run` for the calls, README.md for the layouts.
 //
-//   ceres-peer PROBLEM ceres|ceres-pairs|ceres-one-block TIMES
+//   ceres-peer FOLDER free|joint LAYOUT TIMES
 //
-// prints the seconds of each solve and leaves NAME.solution in the folder of the problem.
-
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
-#include <memory>
-#include <string>
-#include <utility>
-#include <vector>
+// prints the iterations and the seconds of each solve in one line and leaves MODEL.LAYOUT.solution.
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
+#include <memory>
+
+#include "problem.h"
+
 namespace {
 
-using Rows = std::vector<std::vector<double>>;
-
-constexpr double kTolerance = 1e-10;
 // So loose that steps are those of Gauss-Newton; with 1e16 its damping no longer hides the free
 // datum from the Cholesky factorisation, and with 1e6 it costs iterations.
 constexpr double kTrustRegion = 1e10;
 
-Rows Read(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) {
-    std::fprintf(stderr, "cannot read %s\n", path.c_str());
-    std::exit(1);
-  }
-  Rows rows;
-  for (std::string line; std::getline(file, line);) {
-    std::vector<double> row;
-    const char* next = line.c_str();
-    for (char* end; *next != '\0'; next = *end == ',' ? end + 1 : end) {
-      row.push_back(std::strtod(next, &end));
-    }
-    rows.push_back(row);
-  }
-  return rows;
+double Dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+Vec3 Cross(const double* a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-// |p - S| - L minus the measured length.
-class Length final : public ceres::SizedCostFunction<1, 3, 4> {
- public:
-  explicit Length(const double* length_mm) : length_mm_(length_mm) {}
+// Distance of a point from a station, and the unit vector to it.
+double Beam(const double* p, const double* s, double* u) {
+  const double d[3] = {p[0] - s[0], p[1] - s[1], p[2] - s[2]};
+  const double distance = std::sqrt(Dot(d, d)), inverse = 1 / distance;
+  for (int i = 0; i < 3; ++i) u[i] = d[i] * inverse;
+  return distance;
+}
 
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override {
-    const double* p = parameters[0];
-    const double* s = parameters[1];
-    const double d[3] = {p[0] - s[0], p[1] - s[1], p[2] - s[2]};
-    const double distance = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    residuals[0] = distance - s[3] - *length_mm_;
-    if (jacobians == nullptr) return true;
-    for (int i = 0; i < 3; ++i) {
-      const double u = d[i] / distance;
-      if (jacobians[0] != nullptr) jacobians[0][i] = u;
-      if (jacobians[1] != nullptr) jacobians[1][i] = -u;
-    }
-    if (jacobians[1] != nullptr) jacobians[1][3] = -1.0;
-    return true;
-  }
-
- private:
-  const double* length_mm_;
+// The points of a step; in a joint model also the turned arms and directions of deformations, and the left
+// Jacobian of the rotation.
+struct Placed {
+  double p[3][3], turned[3][3], bent[2][3], left[3][3];
 };
 
-// Some lengths to one point: the stations are one parameter block.
-class LengthsToPoint final : public ceres::CostFunction {
- public:
-  LengthsToPoint(std::vector<int> stations, std::vector<const double*> lengths_mm, int all_stations)
-      : stations_(std::move(stations)),
-        lengths_mm_(std::move(lengths_mm)),
-        columns_(4 * all_stations) {
-    set_num_residuals(static_cast<int>(stations_.size()));
-    *mutable_parameter_block_sizes() = {3, columns_};
-  }
-
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override {
-    const double* p = parameters[0];
-    double* of_point = jacobians == nullptr ? nullptr : jacobians[0];
-    double* of_stations = jacobians == nullptr ? nullptr : jacobians[1];
-    if (of_stations != nullptr) std::fill_n(of_stations, stations_.size() * columns_, 0.0);
-    for (size_t row = 0; row < stations_.size(); ++row) {
-      const int first = 4 * stations_[row];
-      const double* s = parameters[1] + first;
-      const double d[3] = {p[0] - s[0], p[1] - s[1], p[2] - s[2]};
-      const double distance = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-      residuals[row] = distance - s[3] - *lengths_mm_[row];
-      for (int i = 0; i < 3; ++i) {
-        const double u = d[i] / distance;
-        if (of_point != nullptr) of_point[3 * row + i] = u;
-        if (of_stations != nullptr) of_stations[row * columns_ + first + i] = -u;
-      }
-      if (of_stations != nullptr) of_stations[row * columns_ + first + 3] = -1.0;
-    }
-    return true;
-  }
-
- private:
-  std::vector<int> stations_;
-  std::vector<const double*> lengths_mm_;
-  int columns_;
-};
-
-struct Data {
-  int points, stations;
-  // x y z of each point, x y z L of each station.
-  std::vector<double> start_points, start_stations;
-  std::vector<int> station, point;
-  std::vector<double> length_mm;
-  Rows trials;
-
-  explicit Data(const std::string& folder) : trials(Read(folder + "/trials.csv")) {
-    const Rows of_points = Read(folder + "/points.csv");
-    const Rows of_stations = Read(folder + "/stations.csv");
-    points = static_cast<int>(of_points.size());
-    stations = static_cast<int>(of_stations.size());
-    for (const auto& p : of_points) start_points.insert(start_points.end(), p.begin(), p.end());
-    for (const auto& s : of_stations) {
-      start_stations.insert(start_stations.end(), s.begin(), s.end());
-    }
-    for (const auto& row : Read(folder + "/lengths.csv")) {
-      station.push_back(static_cast<int>(row[0]));
-      point.push_back(static_cast<int>(row[1]));
-      length_mm.push_back(row[2]);
-    }
-  }
-};
-
-// The unknowns, and the lengths that they are sought for.
 struct State {
-  std::vector<double> points, stations, length_mm;
-};
+  const Measured& measured;
+  bool joint;
+  int stations;
+  Vec3 arms[kTargets];                // from the centroid
+  std::array<Vec3, 2> directions;     // of deformations
+  std::vector<double> blocks;         // of every step: points, or centroid and rotation vector
+  std::vector<double> shared;         // x y z L of every station, three deformations
+  std::vector<double> whitening;      // of every visit: lower triangle of the inverse Cholesky factor
 
-// A residual block for each length, and a parameter block for each station.
-void AddLengths(const Data& data, State& state, ceres::Problem& problem,
-                ceres::ParameterBlockOrdering& ordering) {
-  for (size_t i = 0; i < data.length_mm.size(); ++i) {
-    problem.AddResidualBlock(new Length(&state.length_mm[i]), nullptr,
-                             &state.points[3 * data.point[i]],
-                             &state.stations[4 * data.station[i]]);
-  }
-  for (int j = 0; j < data.stations; ++j) {
-    ordering.AddElementToGroup(&state.stations[4 * j], 1);
-  }
-}
+  int BlockSize() const { return joint ? 6 : 9; }
 
-// One parameter block for all stations, and residual blocks of so many lengths to a point (or fewer): with two,
-// Ceres has an elimination that is compiled for this size.
-void AddPoints(const Data& data, size_t lengths_in_block, State& state, ceres::Problem& problem,
-               ceres::ParameterBlockOrdering& ordering) {
-  std::vector<std::vector<int>> stations(data.points);
-  std::vector<std::vector<const double*>> lengths(data.points);
-  for (size_t i = 0; i < data.length_mm.size(); ++i) {
-    stations[data.point[i]].push_back(data.station[i]);
-    lengths[data.point[i]].push_back(&state.length_mm[i]);
+  void Start() {
+    const Vec3 c = measured.Centroid();
+    for (size_t step = 0; step < measured.steps.size(); ++step) {
+      double* block = &blocks[BlockSize() * step];
+      for (int i = 0; i < BlockSize(); ++i) {
+        block[i] = joint ? (i < 3 ? c[i] + measured.steps[step][i] : 0.0)
+                         : measured.home[i / 3][i % 3] + measured.steps[step][i % 3];
+      }
+    }
+    for (int i = 0; i < 4 * stations; ++i) shared[i] = measured.stations[i / 4][i % 4];
+    std::fill_n(&shared[4 * stations], 3, 0.0);
+    Whiten();
   }
-  for (int i = 0; i < data.points; ++i) {
-    for (size_t first = 0; first < stations[i].size(); first += lengths_in_block) {
-      const size_t last = std::min(first + lengths_in_block, stations[i].size());
-      problem.AddResidualBlock(
-          new LengthsToPoint({stations[i].begin() + first, stations[i].begin() + last},
-                             {lengths[i].begin() + first, lengths[i].begin() + last},
-                             data.stations),
-          nullptr, &state.points[3 * i], state.stations.data());
+
+  void Place(const double* block, const double* shape, Placed& placed) const {
+    if (!joint) {
+      std::copy_n(block, 9, &placed.p[0][0]);
+      return;
+    }
+    const double* w = block + 3;
+    // Rotations of a linear axis are small: series to the last bit.
+    const double q = Dot(w, w);
+    const double a = 1 - q / 6 * (1 - q / 20), b = 0.5 - q / 24 * (1 - q / 30),
+                 c = 1.0 / 6 - q / 120 * (1 - q / 42);
+    const double x[3][3] = {{0, -w[2], w[1]}, {w[2], 0, -w[0]}, {-w[1], w[0], 0}};
+    double r[3][3];
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        const double square = w[i] * w[j] - (i == j ? q : 0.0);
+        r[i][j] = (i == j) + a * x[i][j] + b * square;
+        placed.left[i][j] = (i == j) + b * x[i][j] + c * square;
+      }
+    }
+    for (int i = 0; i < 3; ++i) {
+      for (int m = 0; m < 2; ++m) placed.bent[m][i] = Dot(r[i], directions[m].data());
+      for (int k = 0; k < 3; ++k) placed.turned[k][i] = Dot(r[i], arms[k].data());
+      placed.turned[1][i] += shape[0] * placed.bent[0][i];
+      placed.turned[2][i] += shape[1] * placed.bent[0][i] + shape[2] * placed.bent[1][i];
+      for (int k = 0; k < 3; ++k) placed.p[k][i] = block[i] + placed.turned[k][i];
     }
   }
-  ordering.AddElementToGroup(state.stations.data(), 1);
+
+  // Anew from the beams at the current values.
+  void Whiten() {
+    const double length = measured.length_sigma_mm * measured.length_sigma_mm;
+    const double machine = measured.repeatability_mm * measured.repeatability_mm;
+    Placed placed;
+    for (size_t step = 0; step < measured.steps.size(); ++step) {
+      Place(&blocks[BlockSize() * step], &shared[4 * stations], placed);
+      for (int j = 0; j < stations; ++j) {
+        double u[3][3];
+        for (int k = 0; k < 3; ++k) Beam(placed.p[k], &shared[4 * j], u[k]);
+        const double l00 = std::sqrt(length + machine);
+        const double l10 = machine * Dot(u[1], u[0]) / l00, l20 = machine * Dot(u[2], u[0]) / l00;
+        const double l11 = std::sqrt(length + machine - l10 * l10);
+        const double l21 = (machine * Dot(u[2], u[1]) - l20 * l10) / l11;
+        const double l22 = std::sqrt(length + machine - l20 * l20 - l21 * l21);
+        double* w = &whitening[6 * (step * stations + j)];
+        w[0] = 1 / l00;
+        w[2] = 1 / l11;
+        w[5] = 1 / l22;
+        w[1] = -l10 * w[0] * w[2];
+        w[4] = -l21 * w[2] * w[5];
+        w[3] = -(l20 * w[0] + l21 * w[1]) * w[5];
+      }
+    }
+  }
+};
+
+// The whitened lengths of some visits to a step; all stations are one parameter block with the shape, or each
+// is one.
+template <bool kJoint, int kVisits>
+class Visits final : public ceres::CostFunction {
+ public:
+  Visits(const State& state, size_t step, int first, bool one_block)
+      : state_(state), step_(step), first_(first), one_block_(one_block) {
+    set_num_residuals(3 * kVisits);
+    auto* sizes = mutable_parameter_block_sizes();
+    *sizes = {kBlock};
+    if (one_block) {
+      sizes->push_back(4 * state.stations + (kJoint ? 3 : 0));
+    } else {
+      sizes->insert(sizes->end(), kVisits, 4);
+      if (kJoint) sizes->push_back(3);
+    }
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    // Where the shape is, and how long the rows of shape and stations are.
+    const int at_shape = one_block_ ? 1 : 1 + kVisits, shape_column = one_block_ ? 4 * state_.stations : 0;
+    const int shape_width = shape_column + 3;
+    const int station_width = one_block_ ? parameter_block_sizes()[1] : 4;
+    Placed placed;
+    state_.Place(parameters[0], kJoint ? parameters[at_shape] + shape_column : nullptr, placed);
+    for (int i = 1; jacobians != nullptr && i < static_cast<int>(parameter_block_sizes().size()); ++i) {
+      if (jacobians[i] != nullptr) std::fill_n(jacobians[i], 3 * kVisits * parameter_block_sizes()[i], 0.0);
+    }
+    for (int i = 0; i < kVisits; ++i) {
+      const int j = first_ + i;
+      const size_t visit = step_ * state_.stations + j;
+      const double* s = one_block_ ? parameters[1] + 4 * j : parameters[1 + i];
+      double* of_station = jacobians == nullptr ? nullptr : jacobians[one_block_ ? 1 : 1 + i];
+      double* of_shape = kJoint && jacobians != nullptr ? jacobians[at_shape] : nullptr;
+      const double* w = &state_.whitening[6 * visit];
+      double u[3][3], r[3], of_block[3][kBlock] = {}, bent[3][3] = {};
+      for (int k = 0; k < 3; ++k) {
+        r[k] = Beam(placed.p[k], s, u[k]) - s[3] - state_.measured.lengths[visit][k];
+        if (jacobians == nullptr) continue;
+        if constexpr (kJoint) {
+          const Vec3 turn = Cross(placed.turned[k], {u[k][0], u[k][1], u[k][2]});
+          for (int c = 0; c < 3; ++c) {
+            of_block[k][c] = u[k][c];
+            of_block[k][3 + c] =
+                turn[0] * placed.left[0][c] + turn[1] * placed.left[1][c] + turn[2] * placed.left[2][c];
+          }
+          if (k == 1) bent[1][0] = Dot(u[1], placed.bent[0]);
+          if (k == 2) bent[2][1] = Dot(u[2], placed.bent[0]), bent[2][2] = Dot(u[2], placed.bent[1]);
+        } else {
+          std::copy_n(u[k], 3, of_block[k] + 3 * k);
+        }
+      }
+      for (int k = 0; k < 3; ++k, w += k) {
+        const int row = 3 * i + k;
+        residuals[row] = 0;
+        for (int t = 0; t <= k; ++t) residuals[row] += w[t] * r[t];
+        if (jacobians != nullptr && jacobians[0] != nullptr) {
+          Add(w, k, of_block, 1.0, jacobians[0] + kBlock * row, true);
+        }
+        if (of_station != nullptr) {
+          double* at = of_station + station_width * row + (one_block_ ? 4 * j : 0);
+          Add(w, k, u, -1.0, at, false);
+          for (int t = 0; t <= k; ++t) at[3] -= w[t];
+        }
+        if (of_shape != nullptr) Add(w, k, bent, 1.0, of_shape + shape_width * row + shape_column, false);
+      }
+    }
+    return true;
+  }
+
+ private:
+  static constexpr int kBlock = kJoint ? 6 : 9;
+
+  // Row k of the whitened rows.
+  template <int n>
+  static void Add(const double* w, int k, const double (&rows)[3][n], double sign, double* to, bool anew) {
+    for (int c = 0; c < n; ++c) {
+      double sum = anew ? 0 : to[c];
+      for (int t = 0; t <= k; ++t) sum += sign * w[t] * rows[t][c];
+      to[c] = sum;
+    }
+  }
+
+  const State& state_;
+  size_t step_;
+  int first_;
+  bool one_block_;
+};
+
+// Whitens wherever derivatives are taken.
+class Anew final : public ceres::EvaluationCallback {
+ public:
+  explicit Anew(State& state) : state_(state) {}
+  void PrepareForEvaluation(bool jacobians, bool) override {
+    if (jacobians) state_.Whiten();
+  }
+
+ private:
+  State& state_;
+};
+
+template <bool kJoint, int kVisits>
+void Add(State& state, bool one_block, ceres::Problem& problem) {
+  for (size_t step = 0; step < state.measured.steps.size(); ++step) {
+    for (int first = 0; first < state.stations; first += kVisits) {
+      std::vector<double*> blocks{&state.blocks[state.BlockSize() * step]};
+      if (one_block) {
+        blocks.push_back(state.shared.data());
+      } else {
+        for (int j = first; j < first + kVisits; ++j) blocks.push_back(&state.shared[4 * j]);
+        if (kJoint) blocks.push_back(&state.shared[4 * state.stations]);
+      }
+      problem.AddResidualBlock(new Visits<kJoint, kVisits>(state, step, first, one_block), nullptr, blocks);
+    }
+  }
 }
 
-void WriteRows(std::FILE* file, const std::vector<double>& values, size_t columns) {
-  for (size_t i = 0; i < values.size(); ++i) {
-    std::fprintf(file, "%.17g%c", values[i], (i + 1) % columns == 0 ? '\n' : ',');
-  }
+template <bool kJoint>
+void Add(State& state, int visits, bool one_block, ceres::Problem& problem) {
+  if (visits == 1) return Add<kJoint, 1>(state, one_block, problem);
+  if (visits == 4) return Add<kJoint, 4>(state, one_block, problem);
+  Add<kJoint, 8>(state, one_block, problem);
 }
 
 }  // namespace
 
 int main(int count, char** words) {
-  if (count != 4) {
-    std::fprintf(stderr, "usage: ceres-peer PROBLEM ceres|ceres-pairs|ceres-one-block TIMES\n");
+  if (count != 5) {
+    std::fprintf(stderr, "usage: ceres-peer FOLDER free|joint LAYOUT TIMES\n");
     return 2;
   }
-  const std::string folder = words[1], name = words[2];
-  const Data data(folder);
+  const std::string folder = words[1], model = words[2], layout = words[3];
+  const auto says = [&](const char* word) { return layout.find(word) != std::string::npos; };
+  const Measured measured(folder);
+
+  State state{measured, model == "joint", static_cast<int>(measured.stations.size())};
+  const Vec3 c = measured.Centroid();
+  for (int k = 0; k < kTargets; ++k) {
+    for (int i = 0; i < 3; ++i) state.arms[k][i] = measured.home[k][i] - c[i];
+  }
+  state.directions = measured.ShapeDirections();
+  state.blocks.resize(state.BlockSize() * measured.steps.size());
+  state.shared.resize(4 * state.stations + 3);
+  state.whitening.resize(6 * measured.lengths.size());
 
   // The graph is set up once; its unknowns start anew for every solve.
-  State state{data.start_points, data.start_stations, data.length_mm};
-  ceres::Problem problem;
+  Anew anew(state);
+  ceres::Problem::Options problem_options;
+  if (says("anew")) problem_options.evaluation_callback = &anew;
+  ceres::Problem problem(problem_options);
+  const bool one_block = says("shared");
+  const int visits = says("visit") ? 1 : state.stations;
+  state.joint ? Add<true>(state, visits, one_block, problem) : Add<false>(state, visits, one_block, problem);
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  for (int i = 0; i < data.points; ++i) ordering->AddElementToGroup(&state.points[3 * i], 0);
-  if (name == "ceres") {
-    AddLengths(data, state, problem, *ordering);
+  for (size_t i = 0; i < state.blocks.size(); i += state.BlockSize()) {
+    ordering->AddElementToGroup(&state.blocks[i], 0);
+  }
+  if (one_block) {
+    ordering->AddElementToGroup(state.shared.data(), 1);
   } else {
-    AddPoints(data, name == "ceres-pairs" ? 2 : data.stations, state, problem, *ordering);
+    for (int j = 0; j < state.stations; ++j) ordering->AddElementToGroup(&state.shared[4 * j], 1);
+    if (state.joint) ordering->AddElementToGroup(&state.shared[4 * state.stations], 1);
   }
 
+  const double tolerance = says("anew") ? 1e-10 : 1e-8;
   ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_SCHUR;
+  options.linear_solver_type = says("sparse") ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
   options.linear_solver_ordering = ordering;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
-  options.function_tolerance = kTolerance;
-  options.gradient_tolerance = kTolerance;
-  options.parameter_tolerance = kTolerance;
+  options.function_tolerance = tolerance;
+  options.gradient_tolerance = tolerance;
+  options.parameter_tolerance = tolerance;
   options.initial_trust_region_radius = kTrustRegion;
 
-  // One after the other from the same start; each trial once.
-  const size_t solves = data.trials.empty() ? std::atoi(words[3]) : data.trials.size();
-  for (size_t solve = 0; solve < solves; ++solve) {
-    state.points = data.start_points;
-    state.stations = data.start_stations;
-    for (size_t i = 0; i < data.length_mm.size() && !data.trials.empty(); ++i) {
-      state.length_mm[i] = data.length_mm[i] + data.trials[solve][i];
+  std::string seconds;
+  int iterations = 0;
+  for (int solve = 0; solve < std::atoi(words[4]); ++solve) {
+    state.Start();
+    double time = 0;
+    iterations = 0;
+    // From the weights of the start to the minimum, and again from those of this.
+    for (int pass = 0; pass < (says("anew") ? 1 : 2); ++pass) {
+      if (pass > 0) state.Whiten();
+      ceres::Solver::Summary summary;
+      ceres::Solve(options, &problem, &summary);
+      if (summary.termination_type != ceres::CONVERGENCE) {
+        std::fprintf(stderr, "not converged: %s\n", summary.message.c_str());
+        return 1;
+      }
+      // Without the preprocessor, which belongs to setting up the graph.
+      time += summary.minimizer_time_in_seconds;
+      iterations += static_cast<int>(summary.iterations.size()) - 1;
     }
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
-    if (summary.termination_type != ceres::CONVERGENCE) {
-      std::fprintf(stderr, "not converged: %s\n", summary.message.c_str());
-      return 1;
-    }
-    // Without the preprocessor, which belongs to setting up the graph.
-    std::printf("%.9f\n", summary.minimizer_time_in_seconds);
+    seconds += " " + std::to_string(1e6 * time) + "e-6";
   }
+  std::printf("%d%s\n", iterations, seconds.c_str());
 
-  std::FILE* file = std::fopen((folder + "/" + name + ".solution").c_str(), "w");
-  if (file == nullptr) return 1;
-  WriteRows(file, state.points, 3);
-  WriteRows(file, state.stations, 4);
-  return std::fclose(file);
+  std::vector<double> points;
+  for (size_t step = 0; step < measured.steps.size(); ++step) {
+    Placed placed;
+    state.Place(&state.blocks[state.BlockSize() * step], &state.shared[4 * state.stations], placed);
+    points.insert(points.end(), &placed.p[0][0], &placed.p[0][0] + 9);
+  }
+  state.shared.resize(4 * state.stations);
+  WriteSolution(folder + "/" + model + "." + layout + ".solution", points, state.shared);
 }

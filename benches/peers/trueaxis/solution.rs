@@ -1,13 +1,13 @@
-//! The solution of one solver: `NAME.solution`, points (x y z) and behind them stations (x y z L).
+//! The solution of one solver: `MODEL.SOLVER.solution`, points (x y z) and behind them stations (x y z L).
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Result;
 use nalgebra::{Matrix3, Point3, Vector3};
 use trueaxis_multilateration::Station;
 
-use crate::problem::read_rows;
+use crate::files::read_rows;
 
 /// Points and stations in a frame of the solver's own.
 pub(crate) struct Solution {
@@ -25,7 +25,7 @@ impl Solution {
         }
     }
 
-    pub(crate) fn write(&self, folder: &Path, name: &str) -> Result<()> {
+    pub(crate) fn write(&self, path: &Path) -> Result<()> {
         let (points, stations) = self
             .places
             .split_at(self.places.len() - self.dead_paths_mm.len());
@@ -36,11 +36,11 @@ impl Solution {
         for (s, dead_path_mm) in stations.iter().zip(&self.dead_paths_mm) {
             text += &format!("{},{},{},{dead_path_mm}\n", s.x, s.y, s.z);
         }
-        Ok(fs::write(file(folder, name), text)?)
+        Ok(fs::write(path, text)?)
     }
 
-    pub(crate) fn read(folder: &Path, name: &str) -> Result<Self> {
-        let rows = read_rows(&file(folder, name))?;
+    pub(crate) fn read(path: &Path) -> Result<Self> {
+        let rows = read_rows(path, ',')?;
         let place = |row: &Vec<f64>| Point3::new(row[0], row[1], row[2]);
         Ok(Self {
             places: rows.iter().map(place).collect(),
@@ -58,10 +58,6 @@ impl Solution {
         let dead_paths = dead_paths.map(|(a, b)| (a - b).abs());
         places.chain(dead_paths).fold(0.0, f64::max)
     }
-}
-
-fn file(folder: &Path, name: &str) -> PathBuf {
-    folder.join(format!("{name}.solution"))
 }
 
 /// The motion that takes `from` to `to` with the least squares (Kabsch).
