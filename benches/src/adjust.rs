@@ -3,8 +3,7 @@
 use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::Campaign;
 use trueaxis_multilateration::{
-    Bodies, Network, Refined, RigidSolution, Settings, Solution, Station, Trials,
-    network_from_campaign, refine, solve, solve_rigid,
+    Network, Refined, Settings, Station, Trials, network_from_campaign, refine, solve,
 };
 
 /// What the points of a step have in common.
@@ -18,22 +17,16 @@ pub enum Model {
 
 /// A network with the start that all solvers get: points at their nominal places, stations some 5 mm off.
 pub struct Problem {
-    /// The lengths, and the nominal points.
+    /// The lengths, the nominal points, and the bodies that the joint adjustment ties them to.
     pub network: Network,
     /// Where the iteration starts.
     pub stations: Vec<Station>,
-    bodies: Bodies,
-    /// The start in the words of the joint adjustment.
-    start: Solution,
+    /// The same lengths without bodies.
+    free: Network,
 }
 
-/// What an adjustment found.
-pub enum Solved<'a> {
-    /// With free points.
-    Free(Box<Refined<'a>>),
-    /// With rigid stages, and the covariance.
-    Joint(Box<RigidSolution>),
-}
+/// What an adjustment found, yet without covariance.
+pub struct Solved<'a>(Refined<'a>);
 
 impl Model {
     /// Both.
@@ -55,42 +48,43 @@ impl Problem {
     /// If the campaign cannot be solved.
     pub fn of(campaign: &Campaign) -> Self {
         let lengths = campaign.lengths.as_ref().expect("lengths");
-        let named = network_from_campaign(campaign, lengths, false);
-        let bodies =
-            Bodies::of_campaign(campaign, &named.groups).expect("three targets at every step");
-        let mut start = solve(&named.network, &Settings::default()).expect("a solution");
-        for (station, sign) in start
-            .stations
-            .iter_mut()
-            .zip([1.0, -1.0].into_iter().cycle())
-        {
+        let network = network_from_campaign(campaign, lengths, false).network;
+        let start = solve(&network, &Settings::default()).expect("a solution");
+        let mut stations = start.stations;
+        for (station, sign) in stations.iter_mut().zip([1.0, -1.0].into_iter().cycle()) {
             station.position_mm += sign * Vector3::new(3.0, -3.0, 2.5);
             station.dead_path_mm += sign * 5.0;
         }
         Self {
-            network: named.network,
-            stations: start.stations.clone(),
-            bodies,
-            start,
+            free: Network {
+                bodies: None,
+                ..network.clone()
+            },
+            network,
+            stations,
         }
     }
 
-    /// Adjusts from the start. Today the joint adjustment cannot leave the covariance out.
+    fn network_of(&self, model: Model) -> &Network {
+        match model {
+            Model::Free => &self.free,
+            Model::Joint => &self.network,
+        }
+    }
+
+    /// Adjusts from the start.
     ///
     /// # Panics
     /// If there is no solution.
     pub fn adjust(&self, model: Model) -> Solved<'_> {
-        let (network, settings) = (&self.network, Settings::default());
-        match model {
-            Model::Free => {
-                let refined = refine(network, &self.stations, &network.nominal_mm, &settings);
-                Solved::Free(Box::new(refined.expect("a solution")))
-            }
-            Model::Joint => {
-                let solved = solve_rigid(network, &self.bodies, &self.start, &settings);
-                Solved::Joint(Box::new(solved.expect("a solution")))
-            }
-        }
+        let network = self.network_of(model);
+        let refined = refine(
+            network,
+            &self.stations,
+            &network.nominal_mm,
+            &Settings::default(),
+        );
+        Solved(refined.expect("a solution"))
     }
 
     /// Adjusts from nothing but nominal points, with the covariance: what a calibration does. Sum of squares.
@@ -98,27 +92,17 @@ impl Problem {
     /// # Panics
     /// If there is no solution.
     pub fn solve(&self, model: Model) -> f64 {
-        let (network, settings) = (&self.network, Settings::default());
-        let solution = solve(network, &settings).expect("a solution");
-        match model {
-            Model::Free => solution.squares,
-            Model::Joint => {
-                solve_rigid(network, &self.bodies, &solution, &settings)
-                    .expect("a solution")
-                    .squares
-            }
-        }
+        let solution = solve(self.network_of(model), &Settings::default());
+        solution.expect("a solution").squares
     }
 
-    /// Its Monte Carlo trials.
+    /// Its Monte Carlo trials, with rigid stages.
     ///
     /// # Panics
     /// If there is no solution.
     pub fn trials(&self) -> Trials {
-        Trials::new(
-            &self.network,
-            &solve(&self.network, &Settings::default()).expect("a solution"),
-        )
+        let solution = solve(&self.network, &Settings::default());
+        Trials::new(&self.network, &solution.expect("a solution"))
     }
 }
 
@@ -128,17 +112,10 @@ impl Solved<'_> {
     /// # Panics
     /// If the solution has none.
     pub fn covariance(self, steps: usize) -> f64 {
-        let covariance = match self {
-            Self::Free(refined) => refined.solution().expect("a covariance").covariance,
-            Self::Joint(solution) => solution.covariance,
-        };
+        let covariance = self.0.solution().expect("a covariance").covariance;
         let trace = |step| {
-            covariance
-                .block(step)
-                .diagonal()
-                .column_vector()
-                .iter()
-                .sum::<f64>()
+            let block = covariance.block(step);
+            block.diagonal().column_vector().iter().sum::<f64>()
         };
         (0..steps).map(trace).sum()
     }
@@ -148,12 +125,7 @@ impl Solved<'_> {
     /// # Panics
     /// If the solution has no covariance.
     pub fn found(self) -> (Vec<Point3<f64>>, Vec<Station>, usize) {
-        match self {
-            Self::Free(refined) => {
-                let solution = refined.solution().expect("a covariance");
-                (solution.points_mm, solution.stations, solution.iterations)
-            }
-            Self::Joint(solution) => (solution.points_mm, solution.stations, solution.iterations),
-        }
+        let solution = self.0.solution().expect("a covariance");
+        (solution.points_mm, solution.stations, solution.iterations)
     }
 }
