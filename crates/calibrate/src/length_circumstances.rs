@@ -127,7 +127,9 @@ pub fn length_circumstances(
             let Some(group) = of_step().find(holds) else {
                 continue;
             };
-            let place = groups[group].targets.partition_point(|&t| t < reading.target);
+            let place = groups[group]
+                .targets
+                .partition_point(|&t| t < reading.target);
             let t = reading.time_s;
             all.push(LengthCircumstances {
                 time_s: t,

@@ -180,8 +180,8 @@ impl VisitPart<'_> {
         zeros(row, self.slots.len());
         for k in (0..=i).rev() {
             let mut left = Lanes::splat(f64::from(u8::from(k == i)));
-            for j in k + 1..=i {
-                left -= row[j] * self.unit_errors.at(j, k);
+            for (j, l) in row.iter().enumerate().take(i + 1).skip(k + 1) {
+                left -= *l * self.unit_errors.at(j, k);
             }
             let pivot = self.unit_errors.at(k, k);
             // Without a reading there is no pivot.

@@ -67,6 +67,7 @@ mod guard;
 mod influence_tests;
 mod interruption;
 mod known_stations;
+mod lane_vectors;
 mod linearise;
 mod network;
 mod noise;
