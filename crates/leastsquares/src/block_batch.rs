@@ -17,7 +17,7 @@
 use crate::error::Error;
 use crate::factors::FactorsMut;
 use crate::lane_sums::LaneSums;
-use crate::lanes::{LANES, Lanes, lanes_only, zeros};
+use crate::lanes::{LANES, Lanes, add_times, lanes_only, scale, zeros};
 
 /// Shared unknowns that stand side by side in a row.
 pub const RUN: usize = 4;
@@ -137,13 +137,10 @@ impl BlockBatch {
         for i in (0..count).rev() {
             let weights = &triangle[i * (i + 1) / 2..][..=i];
             let (above, row) = rows.split_at_mut(i * length);
-            for (k, x) in row[..length].iter_mut().enumerate() {
-                lanes_only();
-                let mut sum = *x * weights[i];
-                for (j, w) in weights[..i].iter().enumerate() {
-                    sum = w.mul_add(above[j * length + k], sum);
-                }
-                *x = sum;
+            let row = &mut row[..length];
+            scale(row, weights[i]);
+            for (above, w) in above.chunks_exact(length).zip(weights) {
+                add_times(row, *w, above);
             }
         }
     }
@@ -247,10 +244,7 @@ impl BlockBatch {
                 .zip(self.factor.chunks_exact_mut(unknowns))
                 .enumerate()
             {
-                for (sum, b) in sums[k..].iter_mut().zip(&own[k..]) {
-                    lanes_only();
-                    *sum = a.mul_add(*b, *sum);
-                }
+                add_times(&mut sums[k..], *a, &own[k..]);
             }
         }
         let limit = Lanes::splat(BLOCK_RANK_TOL * BLOCK_RANK_TOL);
@@ -259,11 +253,7 @@ impl BlockBatch {
             let row = &mut below[k..unknowns];
             let whole = row[0];
             for before in above.chunks_exact(unknowns) {
-                let factor = -before[k];
-                for (x, b) in row.iter_mut().zip(&before[k..]) {
-                    lanes_only();
-                    *x = factor.mul_add(*b, *x);
-                }
+                add_times(row, -before[k], &before[k..]);
             }
             let slack = row[0] - limit * whole;
             // Not a number is no slack, too.
@@ -283,10 +273,7 @@ impl BlockBatch {
             }
             let reciprocal = Lanes::splat(1.0) / row[0].sqrt();
             row[0] = reciprocal;
-            for x in &mut row[1..] {
-                lanes_only();
-                *x = *x * reciprocal;
-            }
+            scale(&mut row[1..], reciprocal);
         }
         Ok(())
     }
@@ -336,15 +323,9 @@ impl BlockBatch {
             let (others, residual) = rest.split_at(shared - in_runs);
             for (a, sums) in own.iter().zip(self.coupling.chunks_exact_mut(width)) {
                 if in_runs > 0 {
-                    for (sum, b) in sums[start..start + RUN].iter_mut().zip(run) {
-                        lanes_only();
-                        *sum = a.mul_add(*b, *sum);
-                    }
+                    add_times(&mut sums[start..start + RUN], *a, run);
                 }
-                for (sum, b) in sums[in_runs..].iter_mut().zip(others) {
-                    lanes_only();
-                    *sum = a.mul_add(*b, *sum);
-                }
+                add_times(&mut sums[in_runs..shared], *a, others);
                 sums[width - 1] = a.mul_add(residual[0], sums[width - 1]);
             }
         }
@@ -358,17 +339,9 @@ impl BlockBatch {
             let (above, row) = self.coupling.split_at_mut(k * width);
             let row = &mut row[..width];
             for (j, before) in above.chunks_exact(width).enumerate() {
-                let factor = -self.factor[j * unknowns + k];
-                for (x, b) in row.iter_mut().zip(before) {
-                    lanes_only();
-                    *x = factor.mul_add(*b, *x);
-                }
+                add_times(row, -self.factor[j * unknowns + k], before);
             }
-            let reciprocal = self.factor[k * unknowns + k];
-            for x in row {
-                lanes_only();
-                *x = *x * reciprocal;
-            }
+            scale(row, self.factor[k * unknowns + k]);
         }
     }
 
@@ -434,17 +407,11 @@ impl BlockBatch {
                 lanes_only();
                 left = b.mul_add(Lanes::splat(-*s), left);
             }
-            for (x, a) in self.own_column.iter_mut().zip(own) {
-                lanes_only();
-                *x = a.mul_add(left, *x);
-            }
+            add_times(&mut self.own_column, left, own);
         }
         if !multipliers.is_empty() {
             for (column, multiplier) in self.datum.chunks_exact(unknowns).zip(multipliers) {
-                for (y, h) in self.own_column.iter_mut().zip(column) {
-                    lanes_only();
-                    *y = h.mul_add(Lanes::splat(-*multiplier), *y);
-                }
+                add_times(&mut self.own_column, Lanes::splat(-*multiplier), column);
             }
         }
         // R⁻ᵀ, then R⁻¹.
@@ -452,10 +419,7 @@ impl BlockBatch {
             let x = self.own_column[k] * self.factor[k * unknowns + k];
             self.own_column[k] = x;
             let row = &self.factor[k * unknowns + k + 1..(k + 1) * unknowns];
-            for (y, r) in self.own_column[k + 1..].iter_mut().zip(row) {
-                lanes_only();
-                *y = r.mul_add(-x, *y);
-            }
+            add_times(&mut self.own_column[k + 1..], -x, row);
         }
         Self::solve(&self.factor, &mut self.own_column);
         &self.own_column
@@ -473,15 +437,9 @@ impl BlockBatch {
             let (row, below) = self.coupling[k * width..].split_at_mut(width);
             let of_factor = &self.factor[k * unknowns..(k + 1) * unknowns];
             for (r, other) in of_factor[k + 1..].iter().zip(below.chunks_exact(width)) {
-                for (x, z) in row.iter_mut().zip(other) {
-                    lanes_only();
-                    *x = r.mul_add(-*z, *x);
-                }
+                add_times(row, -*r, other);
             }
-            for x in row {
-                lanes_only();
-                *x = *x * of_factor[k];
-            }
+            scale(row, of_factor[k]);
         }
         for k in 0..unknowns {
             zeros(&mut self.own_column, unknowns);

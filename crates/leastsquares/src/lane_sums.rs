@@ -1,6 +1,6 @@
 //! The sums of the reduced system, one for each lane of the batches that are added.
 
-use crate::lanes::{Lanes, lanes_only};
+use crate::lanes::{Lanes, add_times, lanes_only};
 use crate::reduced::Reduced;
 
 /// Sums over batches of blocks; [`LaneSums::into_reduced`] adds up the lanes.
@@ -87,22 +87,14 @@ impl LaneSums {
         let width = self.width();
         for (i, a) in run.iter().enumerate() {
             let row = &mut self.matrix[(start + i) * width..][..width];
-            for (sum, b) in row[start + i..].iter_mut().zip(&run[i..]) {
-                lanes_only();
-                *sum = a.mul_add(*b, *sum);
-            }
-            for (sum, b) in row[first..].iter_mut().zip(others) {
-                lanes_only();
-                *sum = a.mul_add(*b, *sum);
-            }
+            // The whole run costs less than a loop over a part of it; what is below is not looked at.
+            add_times(&mut row[start..start + run.len()], *a, run);
+            add_times(&mut row[first..first + others.len()], *a, others);
             row[width - 1] = a.mul_add(residual, row[width - 1]);
         }
         for (i, a) in others.iter().enumerate() {
             let row = &mut self.matrix[(first + i) * width..][..width];
-            for (sum, b) in row[first + i..].iter_mut().zip(&others[i..]) {
-                lanes_only();
-                *sum = a.mul_add(*b, *sum);
-            }
+            add_times(&mut row[first + i..first + others.len()], *a, &others[i..]);
             row[width - 1] = a.mul_add(residual, row[width - 1]);
         }
         self.squares = residual.mul_add(residual, self.squares);

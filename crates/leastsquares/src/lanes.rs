@@ -144,3 +144,41 @@ pub fn side_by_side(slices: [&[f64]; LANES], length: usize, lanes: &mut Vec<Lane
         }
     }
 }
+
+/// Elements that a loop takes at a time: one alone costs less than the loop around it.
+const FOUR: usize = 4;
+
+/// `sum += factor x`, element by element.
+#[inline(always)]
+pub fn add_times(sum: &mut [Lanes], factor: Lanes, x: &[Lanes]) {
+    let (sums, sum_rest) = sum.as_chunks_mut::<FOUR>();
+    let (fours, rest) = x.as_chunks::<FOUR>();
+    for ([a, b, c, d], [p, q, r, s]) in sums.iter_mut().zip(fours) {
+        lanes_only();
+        *a = factor.mul_add(*p, *a);
+        *b = factor.mul_add(*q, *b);
+        *c = factor.mul_add(*r, *c);
+        *d = factor.mul_add(*s, *d);
+    }
+    for (sum, x) in sum_rest.iter_mut().zip(rest) {
+        lanes_only();
+        *sum = factor.mul_add(*x, *sum);
+    }
+}
+
+/// `x <- factor x`, element by element.
+#[inline(always)]
+pub fn scale(x: &mut [Lanes], factor: Lanes) {
+    let (fours, rest) = x.as_chunks_mut::<FOUR>();
+    for [a, b, c, d] in fours {
+        lanes_only();
+        *a = *a * factor;
+        *b = *b * factor;
+        *c = *c * factor;
+        *d = *d * factor;
+    }
+    for x in rest {
+        lanes_only();
+        *x = *x * factor;
+    }
+}

@@ -77,7 +77,7 @@ pub use free_gauge::Correction;
 pub use gauss_newton::{Adjusted, Adjustment, Settings, Termination, adjust};
 pub use hat_rows::HatRows;
 pub use lane_sums::LaneSums;
-pub use lanes::{LANES, Lanes, lanes_only, side_by_side, zeros};
+pub use lanes::{LANES, Lanes, add_times, lanes_only, scale, side_by_side, zeros};
 pub use reduced::{Reduced, ReducedSolution};
 pub use student::student_two_sided;
 pub use widest_registers::in_widest_registers;

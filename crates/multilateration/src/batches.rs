@@ -62,11 +62,6 @@ pub(crate) fn batches(network: &Network) -> Vec<Batch> {
     batches
 }
 
-/// The groups that are worked on side by side, for groups of so many points: up to eight in a row of as many.
-pub fn batches_of_groups(points: impl IntoIterator<Item = usize>) -> Vec<Range<usize>> {
-    side_by_side(points)
-}
-
 /// Up to eight groups in a row of one kind.
 fn side_by_side<K: PartialEq>(kinds: impl IntoIterator<Item = K>) -> Vec<Range<usize>> {
     let mut ranges: Vec<Range<usize>> = Vec::new();

@@ -67,6 +67,7 @@ mod guard;
 mod influence_tests;
 mod interruption;
 mod known_stations;
+mod lane_vectors;
 mod linearise;
 mod network;
 mod noise;
@@ -86,7 +87,6 @@ mod step_tests;
 mod trials;
 mod whitened;
 
-pub use batches::batches_of_groups;
 pub use block_noise::BlockNoise;
 pub use bodies::{Bodies, Body, Placed};
 pub use error::{Error, Part, StationUnknown};

@@ -17,12 +17,13 @@
 //! for a triangle). Against free points this ties nine coordinates of a triangle to six unknowns. Rows are
 //! multiplied by the weights `W = L⁻¹` of their visit, `C = L Lᵀ` ([`crate::noise`]).
 
-use nalgebra::{DVector, Point3};
+use nalgebra::{DVector, Matrix3, Point3};
 use trueaxis_leastsquares::{BlockBatch, LANES, Lanes, RowMut, Shape};
 
 use crate::batches::Batch;
 use crate::bodies::Bodies;
 use crate::datum::Datum;
+use crate::lane_vectors::{LaneVector, at, cross, dot, minus, plus, splat, times};
 use crate::noise::{Noise, factor_len};
 use crate::slots::SlotVisit;
 use crate::state::{DATUM, PER_STATION, POSE, State};
@@ -41,7 +42,7 @@ pub(crate) struct Beams {
 #[derive(Debug, Clone, Copy, Default)]
 struct Beam {
     /// Unit vector from the station to the point.
-    unit: [Lanes; 3],
+    unit: LaneVector,
     distance_mm: Lanes,
     /// Observed minus computed length, mm.
     residual_mm: Lanes,
@@ -55,19 +56,18 @@ impl Beams {
         let lengths_mm = batch.lengths_mm();
         for visit in &batch.layout.visits {
             let station = state.stations[visit.station];
-            let station = [station.x, station.y, station.z].map(Lanes::splat);
+            let station = splat(station.x, station.y, station.z);
             let dead_path = Lanes::splat(state.dead_paths_mm[visit.station]);
             for slot in visit.slots.clone() {
-                let point = &self.points[3 * batch.layout.point_of_slot[slot]..][..3];
-                let [x, y, z] = [0, 1, 2].map(|axis| point[axis] - station[axis]);
-                let distance_mm = z.mul_add(z, y.mul_add(y, x * x)).sqrt();
+                let beam_mm = minus(at(&self.points, batch.layout.point_of_slot[slot]), station);
+                let distance_mm = dot(beam_mm, beam_mm).sqrt();
                 let per_distance = Lanes::splat(1.0) / distance_mm;
                 let dead_path = match batch.zeros.get(slot) {
                     Some(zeros) => Lanes::from_fn(|lane| state.dead_paths_mm[zeros[lane]]),
                     None => dead_path,
                 };
                 self.of_slots[slot] = Beam {
-                    unit: [x, y, z].map(|x| x * per_distance),
+                    unit: times(beam_mm, per_distance),
                     distance_mm,
                     residual_mm: lengths_mm[slot] + dead_path - distance_mm,
                 };
@@ -104,8 +104,7 @@ impl Beams {
     /// Cosine of the angle between the beams of two slots.
     #[inline(always)]
     fn cosine(&self, slot: usize, other: usize) -> Lanes {
-        let ([x, y, z], [a, b, c]) = (self.of_slots[slot].unit, self.of_slots[other].unit);
-        x * a + y * b + z * c
+        dot(self.of_slots[slot].unit, self.of_slots[other].unit)
     }
 }
 
@@ -231,48 +230,48 @@ impl Tie {
         bodies: &Bodies,
         (first, deformations): (usize, &[DVector<f64>]),
     ) {
-        let share = Lanes::splat(3.0 / points.len() as f64);
-        let mut centre = [Lanes::ZERO; 3];
-        for (coordinate, x) in points.iter().enumerate() {
-            centre[coordinate % 3] += *x;
+        let count = batch.points;
+        let mut sum = [Lanes::ZERO; 3];
+        for point in 0..count {
+            sum = plus(sum, at(points, point));
         }
-        let arms = points.iter().enumerate();
+        let centre = times(sum, Lanes::splat(1.0 / count as f64));
         self.arms_mm.clear();
-        self.arms_mm
-            .extend(arms.map(|(k, x)| *x - centre[k % 3] * share));
+        for point in 0..count {
+            self.arms_mm.extend(minus(at(points, point), centre));
+        }
         self.first = first;
         let group = |lane: usize| batch.groups.start + lane.min(batch.groups.len() - 1);
         let groups: [usize; LANES] = std::array::from_fn(group);
-        let rotations = groups.map(|g| state.poses[g].rotation.to_rotation_matrix());
-        let rotation = |i: usize, j: usize| Lanes::from_fn(|lane| rotations[lane].matrix()[(i, j)]);
-        let rotation = [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation(i, j)));
-        let places = groups.map(|g| bodies.of_groups[g].places.as_slice());
+        let mut rotations = [Matrix3::zeros(); LANES];
+        let mut places: [&[usize]; LANES] = [&[]; LANES];
+        for (lane, &g) in groups.iter().enumerate() {
+            rotations[lane] = state.poses[g].rotation.to_rotation_matrix().into_inner();
+            places[lane] = &bodies.of_groups[g].places;
+        }
+        let column = |j: usize| -> LaneVector {
+            [
+                Lanes::from_fn(|lane| rotations[lane][(0, j)]),
+                Lanes::from_fn(|lane| rotations[lane][(1, j)]),
+                Lanes::from_fn(|lane| rotations[lane][(2, j)]),
+            ]
+        };
+        let (x, y, z) = (column(0), column(1), column(2));
         self.deformations.clear();
         for deformation in deformations {
-            for point in 0..batch.points {
-                let home = [0, 1, 2]
-                    .map(|axis| Lanes::from_fn(|lane| deformation[3 * places[lane][point] + axis]));
-                let turned = rotation.map(|[x, y, z]| x * home[0] + y * home[1] + z * home[2]);
+            let deformation = deformation.as_slice();
+            for point in 0..count {
+                let home = |axis: usize| {
+                    Lanes::from_fn(|lane| deformation[3 * places[lane][point] + axis])
+                };
+                let turned = plus(
+                    plus(times(x, home(0)), times(y, home(1))),
+                    times(z, home(2)),
+                );
                 self.deformations.extend(turned);
             }
         }
     }
-}
-
-/// The vector product of vectors in lanes.
-#[inline(always)]
-pub(crate) fn cross(a: [Lanes; 3], b: [Lanes; 3]) -> [Lanes; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-/// The vector of a point.
-#[inline(always)]
-pub(crate) fn at(all: &[Lanes], point: usize) -> [Lanes; 3] {
-    [all[3 * point], all[3 * point + 1], all[3 * point + 2]]
 }
 
 /// Fills the equations of a batch; `weights` are those of [`fill_weights`], and `shared` is the number
@@ -337,8 +336,7 @@ fn fill_row(
             row.own[3..].copy_from_slice(&cross(at(&tie.arms_mm, point), u));
             let moved = tie.deformations.chunks_exact(3 * batch.points);
             for (moved, x) in moved.zip(&mut row.others[tie.first - in_runs..]) {
-                let [dx, dy, dz] = at(moved, point);
-                *x = u[0] * dx + u[1] * dy + u[2] * dz;
+                *x = dot(u, at(moved, point));
             }
         }
     }
@@ -363,13 +361,12 @@ fn fill_row(
 /// are.
 #[inline(always)]
 fn fill_datum(datum: &Datum, beams: &Beams, tie: Option<&Tie>, equations: &mut BlockBatch) {
-    let centroid = [datum.centroid.x, datum.centroid.y, datum.centroid.z];
+    let centroid = splat(datum.centroid.x, datum.centroid.y, datum.centroid.z);
     let per_radius = Lanes::splat(1.0 / datum.radius_mm);
     let (one, zero) = (Lanes::splat(1.0), Lanes::ZERO);
     for point in 0..beams.points.len() / 3 {
         let (place, nominal) = (at(&beams.points, point), at(&beams.nominal, point));
-        let lever =
-            [0, 1, 2].map(|axis| (nominal[axis] - Lanes::splat(centroid[axis])) * per_radius);
+        let lever = times(minus(nominal, centroid), per_radius);
         let [rx, ry, rz] = lever;
         let motions = [
             [one, zero, zero],
@@ -379,7 +376,7 @@ fn fill_datum(datum: &Datum, beams: &Beams, tie: Option<&Tie>, equations: &mut B
             [rz, zero, -rx],
             [-ry, rx, zero],
         ];
-        let shift = [0, 1, 2].map(|axis| place[axis] - nominal[axis]);
+        let shift = minus(place, nominal);
         let turn = cross(lever, shift);
         let missed = shift.into_iter().chain(turn);
         for (k, (motion, missed)) in motions.into_iter().zip(missed).enumerate() {

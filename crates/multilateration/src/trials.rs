@@ -72,6 +72,8 @@ pub struct Corrections {
 #[derive(Debug, Clone)]
 pub struct Workspace {
     corrections: Corrections,
+    /// The errors of all slots, batch after batch.
+    errors_mm: Vec<Lanes>,
     /// Corrections and gradients of the unknowns of all groups, batch after batch.
     of_groups: Vec<Lanes>,
     gradients: Vec<Lanes>,
@@ -133,6 +135,7 @@ impl Trials {
     /// Storage for trials, one for each thread. It carries nothing from one trial to the next.
     pub fn workspace(&self) -> Workspace {
         let unknowns = self.groups.iter().map(TrialGroups::unknowns).sum();
+        let slots = self.groups.iter().map(TrialGroups::slots).sum();
         let width = self.reduced_inverse.len().isqrt();
         Workspace {
             corrections: Corrections {
@@ -142,6 +145,7 @@ impl Trials {
                 shared: vec![0.0; self.shared],
                 stations: self.stations,
             },
+            errors_mm: vec![Lanes::ZERO; slots],
             of_groups: vec![Lanes::ZERO; unknowns],
             gradients: vec![Lanes::ZERO; unknowns],
             shared: vec![Lanes::ZERO; width],
@@ -183,14 +187,14 @@ impl Trials {
 
     #[inline(always)]
     fn fill(&self, errors_mm: &[f64], workspace: &mut Workspace) {
-        self.start(workspace);
+        self.start(errors_mm, workspace);
         // Corrections shrink by a constant factor: what is left out after the last is about its
         // square over the one before. The linear solution counts with one unknown's share, because
         // the direction that shrinks least is one of many.
         let unknowns = workspace.corrections.groups.len() + self.shared;
-        let mut before = self.correct(errors_mm, workspace) / (unknowns as f64).sqrt();
+        let mut before = self.correct(workspace) / (unknowns as f64).sqrt();
         for _ in 0..MAX_CORRECTIONS {
-            let length = self.correct(errors_mm, workspace);
+            let length = self.correct(workspace);
             if length * length <= LEFT_OUT * before {
                 self.hand_out(workspace);
                 return;
@@ -208,9 +212,15 @@ impl Trials {
         shared.fill(f64::NAN);
     }
 
-    /// Forgets the corrections of the trial before.
+    /// Takes the errors, and forgets the corrections of the trial before.
     #[inline(always)]
-    fn start(&self, workspace: &mut Workspace) {
+    fn start(&self, errors_mm: &[f64], workspace: &mut Workspace) {
+        let mut rest = workspace.errors_mm.as_mut_slice();
+        for groups in &self.groups {
+            let (own, others) = rest.split_at_mut(groups.slots());
+            rest = others;
+            groups.take_errors(errors_mm, own);
+        }
         workspace.of_groups.fill(Lanes::ZERO);
         workspace.corrections.shared.fill(0.0);
     }
@@ -218,9 +228,10 @@ impl Trials {
     /// Adds the correction that follows from the exact gradient where those before have led; its length in
     /// standard uncertainties.
     #[inline(always)]
-    fn correct(&self, errors_mm: &[f64], workspace: &mut Workspace) -> f64 {
+    fn correct(&self, workspace: &mut Workspace) -> f64 {
         let Workspace {
             corrections,
+            errors_mm,
             of_groups,
             gradients,
             shared,
@@ -233,6 +244,7 @@ impl Trials {
         let mut first = 0;
         let mut closure = [Lanes::ZERO; DATUM];
         let mut gradient = vec![Lanes::ZERO; self.shared];
+        let mut errors = errors_mm.as_slice();
         for groups in &self.groups {
             let own = first..first + groups.unknowns();
             first = own.end;
@@ -240,8 +252,10 @@ impl Trials {
                 own: &of_groups[own.clone()],
                 shared: &corrections.shared,
             };
+            let (own_errors, rest) = errors.split_at(groups.slots());
+            errors = rest;
             groups.gradient(
-                errors_mm,
+                own_errors,
                 &at,
                 (&mut gradients[own.clone()], &mut gradient),
                 of_batch,

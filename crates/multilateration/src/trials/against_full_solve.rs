@@ -261,9 +261,9 @@ fn differences(noise: Noise, is_tied: bool, factor: f64) -> [f64; 3] {
         trials.draw(&mut rng, &mut errors_mm);
         errors_mm.iter_mut().for_each(|error| *error *= factor);
         let full = full_solution(&network, &solution, &errors_mm);
-        trials.start(&mut workspace);
+        trials.start(&errors_mm, &mut workspace);
         for largest in &mut largest[..2] {
-            trials.correct(&errors_mm, &mut workspace);
+            trials.correct(&mut workspace);
             trials.hand_out(&mut workspace);
             let corrections = &workspace.corrections;
             let difference = largest_difference(&network, corrections, &full, &solution);

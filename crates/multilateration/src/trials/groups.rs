@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 use trueaxis_leastsquares::lane_products::add_product;
-use trueaxis_leastsquares::{LANES, Lanes, zeros};
+use trueaxis_leastsquares::{LANES, Lanes, add_times, lanes_only, zeros};
 
 use crate::batch_influence::{BatchInfluence, BatchRows};
-use crate::linearise::{Tie, at, cross, take_points};
+use crate::lane_vectors::{LaneVector, add, at, cross, dot, minus, plus, splat, times};
+use crate::linearise::{Tie, take_points};
 use crate::slots::{Layout, Slots};
 use crate::state::{DATUM, PER_STATION, zero_column};
 
@@ -58,20 +59,12 @@ pub(crate) struct Scratch {
     units: Vec<[Lanes; 3]>,
 }
 
-#[inline(always)]
-fn add(sum: &mut [Lanes], x: [Lanes; 3]) {
-    for (sum, x) in sum.iter_mut().zip(x) {
-        *sum += x;
-    }
-}
-
 /// A vector turned by a rotation vector to second order: the third is below 1e-15 of it.
 #[inline(always)]
-fn turned(by: [Lanes; 3], x: [Lanes; 3]) -> [Lanes; 3] {
+fn turned(by: LaneVector, x: LaneVector) -> LaneVector {
     let once = cross(by, x);
-    let twice = cross(by, once);
-    let half = Lanes::splat(0.5);
-    [0, 1, 2].map(|k| x[k] + (once[k] + half * twice[k]))
+    let twice = times(cross(by, once), Lanes::splat(0.5));
+    plus(x, plus(once, twice))
 }
 
 impl TrialGroups {
@@ -92,12 +85,13 @@ impl TrialGroups {
         let points = rows.points_mm();
         let (mut beams_mm, mut distances_mm) = (Vec::new(), Vec::new());
         for visit in &batch.layout.visits {
-            let station = state.stations[visit.station].coords;
+            let station = state.stations[visit.station];
+            let station = splat(station.x, station.y, station.z);
             for slot in visit.slots.clone() {
                 let point = at(points, batch.layout.point_of_slot[slot]);
-                let [x, y, z] = [0, 1, 2].map(|axis| point[axis] - Lanes::splat(station[axis]));
-                distances_mm.push((x * x + y * y + z * z).sqrt());
-                beams_mm.push([x, y, z]);
+                let beam_mm = minus(point, station);
+                distances_mm.push(dot(beam_mm, beam_mm).sqrt());
+                beams_mm.push(beam_mm);
             }
         }
         let mut weights = Vec::new();
@@ -150,6 +144,18 @@ impl TrialGroups {
         self.unknowns
     }
 
+    /// Number of slots.
+    pub(crate) fn slots(&self) -> usize {
+        self.readings.len()
+    }
+
+    /// Writes the errors of the readings of each slot, zeros where there is none.
+    pub(crate) fn take_errors(&self, errors_mm: &[f64], of_slots: &mut [Lanes]) {
+        for (errors, readings) in of_slots.iter_mut().zip(&self.readings) {
+            *errors = Lanes::from_fn(|lane| readings[lane].map_or(0.0, |i| errors_mm[i]));
+        }
+    }
+
     /// How far the points have moved; of tied ones also their arms as they are.
     #[inline(always)]
     fn displace(&self, values: &At<'_>, scratch: &mut Scratch) {
@@ -180,7 +186,7 @@ impl TrialGroups {
             let arm = turned(turn, at(arms, point));
             let before = at(&tied.arms_mm, point);
             after[3 * point..3 * point + 3].copy_from_slice(&arm);
-            let by = [0, 1, 2].map(|k| shift[k] + (arm[k] - before[k]));
+            let by = plus(shift, minus(arm, before));
             moved[3 * point..3 * point + 3].copy_from_slice(&by);
         }
     }
@@ -190,7 +196,7 @@ impl TrialGroups {
     #[inline(always)]
     pub(crate) fn add_to_closure(&self, closure: &mut [Lanes; DATUM], scratch: &Scratch) {
         for point in 0..self.points {
-            let moved = at(&scratch.moved, point).map(|x| x * self.used);
+            let moved = times(at(&scratch.moved, point), self.used);
             add(&mut closure[..3], moved);
             add(&mut closure[3..], cross(at(&self.levers, point), moved));
         }
@@ -201,7 +207,7 @@ impl TrialGroups {
     #[inline(always)]
     pub(crate) fn gradient(
         &self,
-        errors_mm: &[f64],
+        errors_mm: &[Lanes],
         values: &At<'_>,
         (own, shared): (&mut [Lanes], &mut [Lanes]),
         scratch: &mut Scratch,
@@ -228,7 +234,7 @@ impl TrialGroups {
                 for (p, r) in row.iter().zip(of_visit) {
                     weighted = p.mul_add(*r, weighted);
                 }
-                let force = units[slot].map(|u| u * weighted);
+                let force = times(units[slot], weighted);
                 add(&mut forces[3 * self.layout.point_of_slot[slot]..], force);
                 for (sum, x) in shared[station..].iter_mut().zip(force) {
                     *sum -= x;
@@ -259,14 +265,14 @@ impl TrialGroups {
         for (deformation, sum) in deformations.zip(columns) {
             for point in 0..self.points {
                 let (x, force) = (turned(turn, at(deformation, point)), at(forces, point));
-                *sum += x[0] * force[0] + x[1] * force[1] + x[2] * force[2];
+                *sum += dot(x, force);
             }
         }
     }
 
     /// Errors less what the moved points, stations and dead paths make of the lengths, and the beams there.
     #[inline(always)]
-    fn take_residuals(&self, errors_mm: &[f64], values: &At<'_>, scratch: &mut Scratch) {
+    fn take_residuals(&self, errors_mm: &[Lanes], values: &At<'_>, scratch: &mut Scratch) {
         let Scratch {
             moved,
             residuals,
@@ -277,21 +283,18 @@ impl TrialGroups {
         units.clear();
         for visit in &self.layout.visits {
             let station = &values.shared[PER_STATION * visit.station..][..PER_STATION];
+            let place = splat(station[0], station[1], station[2]);
             for slot in visit.slots.clone() {
                 let point = at(moved, self.layout.point_of_slot[slot]);
-                let beam = self.beams_mm[slot];
-                let beam = [0, 1, 2].map(|k| beam[k] + (point[k] - Lanes::splat(station[k])));
-                let [x, y, z] = beam;
-                let distance = z.mul_add(z, y.mul_add(y, x * x)).sqrt();
+                let beam = plus(self.beams_mm[slot], minus(point, place));
+                let distance = dot(beam, beam).sqrt();
                 let dead_path = match self.zeros.get(slot) {
                     None => Lanes::splat(station[PER_STATION - 1]),
                     Some(columns) => Lanes::from_fn(|lane| values.shared[columns[lane]]),
                 };
-                let readings = &self.readings[slot];
-                let errors = Lanes::from_fn(|lane| readings[lane].map_or(0.0, |i| errors_mm[i]));
-                residuals.push(errors + dead_path - (distance - self.distances_mm[slot]));
+                residuals.push(errors_mm[slot] + dead_path - (distance - self.distances_mm[slot]));
                 let per_distance = Lanes::splat(1.0) / distance;
-                units.push(beam.map(|x| x * per_distance));
+                units.push(times(beam, per_distance));
             }
         }
     }
@@ -300,10 +303,7 @@ impl TrialGroups {
     #[inline(always)]
     pub(crate) fn reduce(&self, gradient: &[Lanes], right: &mut [Lanes]) {
         for (row, g) in self.coupling.chunks_exact(right.len()).zip(gradient) {
-            let g = -*g;
-            for (sum, z) in right.iter_mut().zip(row) {
-                *sum = z.mul_add(g, *sum);
-            }
+            add_times(right, -*g, row);
         }
     }
 
@@ -314,14 +314,9 @@ impl TrialGroups {
         let rows = self.own.chunks_exact(self.unknowns);
         let rows = rows.zip(self.coupling.chunks_exact(step.len()));
         for ((value, g), (d, z)) in own.iter_mut().zip(gradient).zip(rows) {
-            let mut sums = [Lanes::ZERO; 2];
-            for (d, g) in d.iter().zip(gradient) {
-                sums[0] = d.mul_add(*g, sums[0]);
-            }
-            for (z, s) in z.iter().zip(step) {
-                sums[1] = z.mul_add(Lanes::splat(*s), sums[1]);
-            }
-            let correction = sums[0] - sums[1];
+            let by_gradient = product(d, gradient, |g| *g);
+            let by_shared = product(z, step, |s| Lanes::splat(*s));
+            let correction = by_gradient - by_shared;
             *value += correction;
             along = g.mul_add(correction, along);
         }
@@ -348,6 +343,25 @@ impl TrialGroups {
             }
         }
     }
+}
+
+/// `Σ a_i b_i` in four sums that do not wait for each other.
+#[inline(always)]
+fn product<T>(a: &[Lanes], b: &[T], in_lanes: impl Fn(&T) -> Lanes) -> Lanes {
+    let ((a_fours, a_rest), (b_fours, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let mut sums = [Lanes::ZERO; 4];
+    for ([a, b, c, d], [p, q, r, s]) in a_fours.iter().zip(b_fours) {
+        lanes_only();
+        sums[0] = a.mul_add(in_lanes(p), sums[0]);
+        sums[1] = b.mul_add(in_lanes(q), sums[1]);
+        sums[2] = c.mul_add(in_lanes(r), sums[2]);
+        sums[3] = d.mul_add(in_lanes(s), sums[3]);
+    }
+    for (a, b) in a_rest.iter().zip(b_rest) {
+        lanes_only();
+        sums[0] = a.mul_add(in_lanes(b), sums[0]);
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
 
 fn zeros_at(all: &mut Vec<Lanes>, more: usize) {

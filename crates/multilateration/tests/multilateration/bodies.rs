@@ -63,7 +63,7 @@ fn largest_difference_mm(a: &Solution, b: &Solution) -> f64 {
     points.map(|(p, q)| (p - q).norm()).fold(0.0, f64::max)
 }
 
-/// From the tied minimum to the free one and back, in two iterations or less, without a new start.
+/// From the tied minimum to the free one and back: two iterations move it, the third finds nothing left.
 #[test]
 fn one_kind_leads_to_the_other() {
     let (truth, nominal) = displaced(2);
@@ -80,7 +80,7 @@ fn one_kind_leads_to_the_other() {
     let there = solve_from(&free, &tied, &settings).unwrap();
     let back = solve_from(&joint, &loose, &settings).unwrap();
     println!("{} and {} iterations", there.iterations, back.iterations);
-    assert!(there.iterations <= 5 && there.poses.is_empty());
+    assert!(there.iterations.max(back.iterations) <= 3 && there.poses.is_empty());
     assert!(largest_difference_mm(&there, &loose) < 1e-9);
     assert!(largest_difference_mm(&back, &tied) < 1e-9);
     assert!((back.squares / tied.squares - 1.0).abs() < 1e-9);
@@ -88,8 +88,8 @@ fn one_kind_leads_to_the_other() {
     assert!(again.iterations <= 2);
 }
 
-/// 400 noisy campaigns: the scatter of every pose and deformation equals its stated standard deviation. A
-/// sample standard deviation of 400 is good to 3.5 %; 21 of them leave 5 standard errors with a probability
+/// 400 noisy campaigns: the scatter of every pose and of the shape equals its stated standard deviation. A
+/// sample standard deviation of 400 is good to 3.5 %; 19 of them leave 5 standard errors with a probability
 /// below 2e-5. σ0 has mean one to 5 standard errors (6e-7).
 #[test]
 fn stated_covariance_is_the_scatter() {
@@ -100,9 +100,8 @@ fn stated_covariance_is_the_scatter() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);
     let groups = [0, 7, 12];
     let mut squares = vec![[0.0; 6]; groups.len()];
-    let mut distances = [0.0; 3];
+    let mut shape_squares = 0.0;
     let mut variance_factors = 0.0;
-    let side = |shape: &[Point3<f64>], k: usize| (shape[k] - shape[(k + 1) % 3]).norm();
     for _ in 0..TRIALS {
         let solution = solve(
             &noisy(&truth, &truth.points, 1, &mut rng),
@@ -120,10 +119,8 @@ fn stated_covariance_is_the_scatter() {
                 *square += x * x;
             }
         }
-        for (k, square) in distances.iter_mut().enumerate() {
-            let change = side(&solution.shapes_mm[0], k) - side(&reference.shapes_mm[0], k);
-            *square += change * change;
-        }
+        let shapes = solution.shapes_mm[0].iter().zip(&reference.shapes_mm[0]);
+        shape_squares += shapes.map(|(p, q)| (p - q).norm_squared()).sum::<f64>();
     }
     let limit = 5.0 * (0.5 / TRIALS as f64).sqrt();
     for (squares, &g) in squares.iter().zip(&groups) {
@@ -136,9 +133,15 @@ fn stated_covariance_is_the_scatter() {
             );
         }
     }
-    // The deformations are orthonormal: together they scatter as the three sides, times what their squares
-    // add up to.
-    println!("sides scatter by {distances:?} mm² in all");
+    // The deformations are orthonormal: their squares add up to those of the points. Alone they would scatter
+    // by √2 of their mean, together by less.
+    let shared = reference.covariance.shared();
+    let stated: f64 = (16..19).map(|k| shared[(k, k)]).sum();
+    let ratio = shape_squares / TRIALS as f64 / stated;
+    assert!(
+        (ratio - 1.0).abs() < 5.0 * (2.0 / TRIALS as f64).sqrt(),
+        "{ratio}"
+    );
     let dof = reference.degrees_of_freedom() as f64;
     let standard_error = (2.0 / dof / TRIALS as f64).sqrt();
     let mean = variance_factors / TRIALS as f64;

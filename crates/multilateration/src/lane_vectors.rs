@@ -1,0 +1,53 @@
+//! Vectors of three coordinates, eight side by side.
+//!
+//! Written out: closures over arrays may stay calls, outside the registers that a dispatch chose.
+
+use trueaxis_leastsquares::Lanes;
+
+/// A vector in each lane.
+pub(crate) type LaneVector = [Lanes; 3];
+
+/// The vector of a point, of all that stand one after the other.
+#[inline(always)]
+pub(crate) fn at(all: &[Lanes], point: usize) -> LaneVector {
+    [all[3 * point], all[3 * point + 1], all[3 * point + 2]]
+}
+
+#[inline(always)]
+pub(crate) fn plus([a, b, c]: LaneVector, [x, y, z]: LaneVector) -> LaneVector {
+    [a + x, b + y, c + z]
+}
+
+#[inline(always)]
+pub(crate) fn minus([a, b, c]: LaneVector, [x, y, z]: LaneVector) -> LaneVector {
+    [a - x, b - y, c - z]
+}
+
+#[inline(always)]
+pub(crate) fn times([a, b, c]: LaneVector, factor: Lanes) -> LaneVector {
+    [a * factor, b * factor, c * factor]
+}
+
+#[inline(always)]
+pub(crate) fn dot([a, b, c]: LaneVector, [x, y, z]: LaneVector) -> Lanes {
+    c.mul_add(z, b.mul_add(y, a * x))
+}
+
+#[inline(always)]
+pub(crate) fn cross([a, b, c]: LaneVector, [x, y, z]: LaneVector) -> LaneVector {
+    [b * z - c * y, c * x - a * z, a * y - b * x]
+}
+
+/// The same vector in all lanes.
+#[inline(always)]
+pub(crate) fn splat(x: f64, y: f64, z: f64) -> LaneVector {
+    [Lanes::splat(x), Lanes::splat(y), Lanes::splat(z)]
+}
+
+/// Adds a vector to the front of a slice.
+#[inline(always)]
+pub(crate) fn add(sum: &mut [Lanes], [x, y, z]: LaneVector) {
+    sum[0] += x;
+    sum[1] += y;
+    sum[2] += z;
+}
