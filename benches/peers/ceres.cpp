@@ -283,7 +283,7 @@ int main(int count, char** words) {
     if (state.joint) ordering->AddElementToGroup(&state.shared[4 * state.stations], 1);
   }
 
-  const double tolerance = says("anew") ? 1e-10 : 1e-8;
+  const double tolerance = says("anew") ? 1e-11 : 1e-8;
   ceres::Solver::Options options;
   options.linear_solver_type = says("sparse") ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
   options.linear_solver_ordering = ordering;
