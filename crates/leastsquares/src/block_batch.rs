@@ -209,7 +209,7 @@ impl BlockBatch {
         }
     }
 
-    /// Eliminates the blocks' own unknowns. `number` gives the number of the block in a lane and the
+    /// Eliminates the blocks' own unknowns: makes `R` and `[W | W_H | c]`. `number` gives the number of the block in a lane and the
     /// rows that it really has.
     ///
     /// # Errors
@@ -224,7 +224,10 @@ impl BlockBatch {
             }
         } else {
             match self.factorise() {
-                Ok(()) => return Ok(()),
+                Ok(()) => {
+                    self.couple();
+                    return Ok(());
+                }
                 Err(weak) => weak,
             }
         };
@@ -347,8 +350,7 @@ impl BlockBatch {
 
     /// Adds the eliminated blocks to the sums of the reduced system.
     #[inline(always)]
-    pub fn add_to(&mut self, sums: &mut LaneSums) {
-        self.couple();
+    pub fn add_to(&self, sums: &mut LaneSums) {
         let Shape {
             shared, in_runs, ..
         } = self.shape;
@@ -379,27 +381,37 @@ impl BlockBatch {
         }
     }
 
-    /// The corrections to the blocks' unknowns that belong to the solution `t = (s, λ)` of the reduced
-    /// system; the blocks are eliminated.
+    /// Numbers that [`BlockBatch::keep`] writes, for blocks of so many unknowns.
+    pub fn kept_len(unknowns: usize) -> usize {
+        unknowns * (unknowns + 1) / 2
+    }
+
+    /// Writes what [`BlockBatch::correction`] needs of the eliminated blocks: the rows of `R` from their
+    /// diagonal on. Rows are made again for it, which costs less than to keep them.
     #[inline(always)]
-    pub fn correction(&mut self, t: &[f64]) -> &[Lanes] {
+    pub fn keep(&self, kept: &mut [Lanes]) {
+        let (mut kept, n) = (kept, self.shape.unknowns);
+        for (k, row) in self.factor.chunks_exact(n).enumerate() {
+            let own;
+            (own, kept) = kept.split_at_mut(n - k);
+            own.copy_from_slice(&row[k..]);
+        }
+    }
+
+    /// Takes what the shared unknowns `s` explain off the residuals: `r - B s`.
+    #[inline(always)]
+    pub fn take_off(&mut self, s: &[f64]) {
         let Shape {
-            unknowns,
-            in_runs,
-            shared,
-            ..
+            unknowns, in_runs, ..
         } = self.shape;
         let length = self.shape.row_len();
-        let (s, multipliers) = t.split_at(shared);
-        // Aᵀ (r - B s) - H λ.
-        zeros(&mut self.own_column, unknowns);
-        for (row, &start) in self.rows.chunks_exact(length).zip(&self.starts) {
-            let (own, rest) = row.split_at(unknowns);
-            let (run, rest) = rest.split_at(RUN);
-            let (others, residual) = rest.split_at(shared - in_runs);
+        for (row, &start) in self.rows.chunks_exact_mut(length).zip(&self.starts) {
+            let (run, rest) = row[unknowns..].split_at(RUN);
+            let (others, residual) = rest.split_at(rest.len() - 1);
             let mut left = residual[0];
             if in_runs > 0 {
                 for (b, s) in run.iter().zip(&s[start..]) {
+                    lanes_only();
                     left = b.mul_add(Lanes::splat(-*s), left);
                 }
             }
@@ -407,29 +419,76 @@ impl BlockBatch {
                 lanes_only();
                 left = b.mul_add(Lanes::splat(-*s), left);
             }
-            add_times(&mut self.own_column, left, own);
+            row[length - 1] = left;
+        }
+    }
+
+    /// Multiplies the residuals of the rows from `first` on by `LᵀL` of a lower triangle `L`, its rows one after
+    /// the other: what [`BlockBatch::whiten`] would do to both sides of their products.
+    #[inline(always)]
+    pub fn weigh(&mut self, first: usize, count: usize, triangle: &[Lanes]) {
+        let length = self.shape.row_len();
+        let rows = &mut self.rows[first * length..][..count * length];
+        for i in (0..count).rev() {
+            let weights = &triangle[i * (i + 1) / 2..][..=i];
+            let mut whitened = Lanes::ZERO;
+            for (row, w) in rows.chunks_exact(length).zip(weights) {
+                lanes_only();
+                whitened = w.mul_add(row[length - 1], whitened);
+            }
+            // Rows above keep theirs until they have been whitened: this one is needed no more.
+            rows[i * length + length - 1] = whitened;
+        }
+        for j in 0..count {
+            let mut weighed = Lanes::ZERO;
+            for (i, row) in rows.chunks_exact(length).enumerate().skip(j) {
+                lanes_only();
+                weighed = triangle[i * (i + 1) / 2 + j].mul_add(row[length - 1], weighed);
+            }
+            rows[j * length + length - 1] = weighed;
+        }
+    }
+
+    /// The corrections `x = R⁻¹ R⁻ᵀ (Aᵀ y - H λ)` to the blocks' unknowns, for the weighed residuals `y` that the
+    /// shared unknowns leave, the multipliers `λ` of the datum, and `R` as it was kept.
+    #[inline(always)]
+    pub fn correction(&mut self, kept: &[Lanes], multipliers: &[f64]) -> &[Lanes] {
+        let n = self.shape.unknowns;
+        let length = self.shape.row_len();
+        zeros(&mut self.factor, n * n);
+        let mut kept = kept;
+        for (k, row) in self.factor.chunks_exact_mut(n).enumerate() {
+            let own;
+            (own, kept) = kept.split_at(n - k);
+            row[k..].copy_from_slice(own);
+        }
+        zeros(&mut self.own_column, n);
+        for row in self.rows.chunks_exact(length) {
+            add_times(&mut self.own_column, row[length - 1], &row[..n]);
         }
         if !multipliers.is_empty() {
-            for (column, multiplier) in self.datum.chunks_exact(unknowns).zip(multipliers) {
+            for (column, multiplier) in self.datum.chunks_exact(n).zip(multipliers) {
                 add_times(&mut self.own_column, Lanes::splat(-*multiplier), column);
             }
         }
         // R⁻ᵀ, then R⁻¹.
-        for k in 0..unknowns {
-            let x = self.own_column[k] * self.factor[k * unknowns + k];
+        for k in 0..n {
+            let x = self.own_column[k] * self.factor[k * n + k];
             self.own_column[k] = x;
-            let row = &self.factor[k * unknowns + k + 1..(k + 1) * unknowns];
-            add_times(&mut self.own_column[k + 1..], -x, row);
+            add_times(
+                &mut self.own_column[k + 1..],
+                -x,
+                &self.factor[k * n + k + 1..(k + 1) * n],
+            );
         }
         Self::solve(&self.factor, &mut self.own_column);
         &self.own_column
     }
 
     /// Writes the factors `R⁻¹` and `Z = R⁻¹ [W | W_H]` of the first `used` blocks, numbered from `first`; the
-    /// blocks are eliminated.
+    /// blocks are eliminated, and nothing but their rows is left of them.
     #[inline(always)]
     pub fn write_factors(&mut self, first: usize, used: usize, factors: &mut FactorsMut<'_>) {
-        self.couple();
         let Shape { unknowns, .. } = self.shape;
         let width = self.shape.width();
         // Z, from the last row up.

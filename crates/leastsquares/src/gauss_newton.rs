@@ -9,60 +9,45 @@ use crate::reduced::Reduced;
 /// A model that linearises itself.
 ///
 /// An iteration is two passes over the blocks: one that linearises and [reduces](Self::reduce) them,
-/// and when the shared unknowns are known, one that [moves](Self::step) each. Both work on one block at
-/// a time, and nothing of a block is kept from one pass to the next. Weights may depend on the state: each
-/// iteration has those of its own start, and the step that it leads to is judged with them. The datum decides
-/// only among results that fit as well: they are [settled](Self::settle) on it when they are found, and its
-/// [constraints](Self::reduce_with_datum) and the [factors](Self::factors) are needed for the
-/// covariance alone.
+/// and when the shared unknowns are known, one that [moves](Self::step) each with what the first has left.
+/// Weights may depend on the state: each iteration has those of its own start, and the step that it leads to is
+/// judged with them. The datum decides only among results that fit as well: they are [settled](Self::settle) on
+/// it when they are found, and its [constraints](Self::reduce_with_datum) are needed for the covariance alone.
 pub trait Adjustment {
     /// Values of all unknowns.
     type State: Clone;
 
-    /// The weights of all rows.
-    type Weights: Clone;
+    /// What a linearisation leaves to the step that follows: the weights, and the eliminated blocks. The memory
+    /// serves all iterations.
+    type Linearised: Default;
 
-    /// The weights that belong to a state.
-    fn weights(&self, state: &Self::State) -> Self::Weights;
-
-    /// The reduced system without constraints, linearised at `state`, with the sum of squares there;
-    /// bits must not depend on the number of threads.
+    /// The reduced system without constraints, linearised at `state` with the weights that belong to it, with
+    /// the sum of squares there; bits must not depend on the number of threads.
     ///
     /// # Errors
     /// Those of [`BlockBatch::eliminate`](crate::BlockBatch::eliminate).
-    fn reduce(&self, state: &Self::State, weights: &Self::Weights) -> Result<Reduced, Error>;
-
-    /// The same with the constraints of the datum.
-    ///
-    /// # Errors
-    /// As [`Adjustment::reduce`].
-    fn reduce_with_datum(
+    fn reduce(
         &self,
         state: &Self::State,
-        weights: &Self::Weights,
+        linearised: &mut Self::Linearised,
     ) -> Result<Reduced, Error>;
 
-    /// Sum of squares of the whitened residuals at `state`, whether or not it can be reduced there.
-    fn squares(&self, state: &Self::State, weights: &Self::Weights) -> f64;
-
-    /// Writes to `next` the `state` moved by `factor` times the correction that belongs to that of the
-    /// shared unknowns, `s`, from the reduced system at `state`.
+    /// The same with the constraints of the datum, and the factors of all blocks.
     ///
     /// # Errors
     /// As [`Adjustment::reduce`].
+    fn reduce_with_datum(&self, state: &Self::State) -> Result<(Reduced, Factors), Error>;
+
+    /// Writes to `next` the `state` moved by `factor` times the correction that belongs to that of the
+    /// shared unknowns, `s`, from the system linearised at `state`; the sum of squares there, with the weights of
+    /// that system, whether or not it can be reduced there.
     fn step(
         &self,
-        from: (&Self::State, &Self::Weights),
+        from: (&Self::State, &Self::Linearised),
         s: &[f64],
         factor: f64,
         next: &mut Self::State,
-    ) -> Result<(), Error>;
-
-    /// The factors of all blocks at `state`, numbered as [`Adjustment::reduce`] numbers them.
-    ///
-    /// # Errors
-    /// As [`Adjustment::reduce`].
-    fn factors(&self, state: &Self::State, weights: &Self::Weights) -> Result<Factors, Error>;
+    ) -> f64;
 
     /// For each constraint of the datum a motion that changes no observation: its part in the shared
     /// unknowns.
@@ -167,13 +152,9 @@ impl<S: Clone> Adjusted<S> {
     /// # Errors
     /// Those of [`Adjustment::reduce`] and [`Reduced::solve`].
     pub fn covariance<M: Adjustment<State = S>>(&self, model: &M) -> Result<Covariance, Error> {
-        let weights = model.weights(&self.state);
-        let system = model.reduce_with_datum(&self.state, &weights)?;
+        let (system, factors) = model.reduce_with_datum(&self.state)?;
         let reduced = system.solve(|| model.free_motions(&self.state))?;
-        Ok(Covariance::new(
-            model.factors(&self.state, &weights)?,
-            reduced,
-        ))
+        Ok(Covariance::new(factors, reduced))
     }
 }
 
@@ -204,12 +185,12 @@ pub fn adjust<M: Adjustment>(
     settings: &Settings,
 ) -> Result<Adjusted<M::State>, Error> {
     let (mut state, mut next) = (start.clone(), start);
+    let mut linearised = M::Linearised::default();
     let mut iterations = 0;
     // Lengths of the corrections since a step was shortened.
     let mut whole_steps: Vec<f64> = Vec::new();
     loop {
-        let weights = model.weights(&state);
-        let system = model.reduce(&state, &weights)?;
+        let system = model.reduce(&state, &mut linearised)?;
         let motions = model.free_motions(&state);
         let shortest = system.shortest_correction(&motions)?;
         let correction = shortest.decrease.max(0.0).sqrt();
@@ -221,17 +202,16 @@ pub fn adjust<M: Adjustment>(
         iterations += 1;
 
         let tolerance = settings.correction_tol;
-        let from = (&state, &weights);
+        let from = (&state, &linearised);
         let termination = if rate * correction <= tolerance {
-            model.step(from, &shortest.shared, 1.0, &mut next)?;
+            squares = model.step(from, &shortest.shared, 1.0, &mut next);
             std::mem::swap(&mut state, &mut next);
-            squares -= shortest.decrease;
             Termination::Converged {
                 correction: rate * correction,
                 tolerance,
             }
         } else {
-            match descend(model, from, &shortest, squares, &mut next)? {
+            match descend(model, from, &shortest, squares, &mut next) {
                 Some((squares_there, factor)) => {
                     std::mem::swap(&mut state, &mut next);
                     squares = squares_there;
@@ -266,26 +246,22 @@ pub fn adjust<M: Adjustment>(
 
 /// Takes to `next` the longest of the steps 1, 1/2, 1/4, … that does not raise the cost; the cost
 /// there, and the step.
-///
-/// # Errors
-/// Those of [`Adjustment::step`].
 fn descend<M: Adjustment>(
     model: &M,
-    (state, weights): (&M::State, &M::Weights),
+    from: (&M::State, &M::Linearised),
     shortest: &Correction,
     squares: f64,
     next: &mut M::State,
-) -> Result<Option<(f64, f64)>, Error> {
+) -> Option<(f64, f64)> {
     let limit = squares * (1.0 + COST_ROUNDING) + f64::MIN_POSITIVE;
     let mut factor = 1.0;
     for _ in 0..=MAX_HALVINGS {
-        model.step((state, weights), &shortest.shared, factor, next)?;
-        let squares_there = model.squares(next, weights);
+        let squares_there = model.step(from, &shortest.shared, factor, next);
         // Without a finite cost this is false, too.
         if squares_there <= limit {
-            return Ok(Some((squares_there, factor)));
+            return Some((squares_there, factor));
         }
         factor *= 0.5;
     }
-    Ok(None)
+    None
 }

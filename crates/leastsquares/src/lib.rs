@@ -38,12 +38,16 @@
 //! masses.eliminate(|mass| (mass, 2))?;
 //! let mut sums = LaneSums::new(2, 1);
 //! sums.count(4, 2);
-//! masses.clone().add_to(&mut sums);
+//! masses.add_to(&mut sums);
 //! // The data do not change when the masses grow and both zeros fall by as much.
 //! let solved = sums.into_reduced().solve(|| vec![vec![-1.0, -1.0]])?;
 //! assert!((solved.unknowns[0] - 0.5).abs() < 1e-12);
 //! assert!((solved.unknowns[1] - 2.0).abs() < 1e-12);
-//! assert!((masses.correction(&solved.unknowns)[0].0[1] - 2.0).abs() < 1e-12);
+//! let mut kept = vec![Lanes::ZERO; BlockBatch::kept_len(1)];
+//! masses.keep(&mut kept);
+//! let (zeros, multiplier) = solved.unknowns.split_at(2);
+//! masses.take_off(zeros);
+//! assert!((masses.correction(&kept, multiplier)[0].0[1] - 2.0).abs() < 1e-12);
 //! # Ok::<(), trueaxis_leastsquares::Error>(())
 //! ```
 

@@ -8,17 +8,21 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use trueaxis_leastsquares::{Adjustment, Error as LeastSquaresError, Factors, Lanes, Reduced};
+use trueaxis_leastsquares::{
+    Adjustment, BlockBatch, Error as LeastSquaresError, Factors, Lanes, Reduced, zeros,
+};
 
 use crate::Network;
 use crate::batches::Batch;
 use crate::bodies::Deformations;
 use crate::datum::Datum;
-use crate::linearise::{Beams, Tie, fill, fill_weights};
-use crate::passes::{
-    self, At, Gauge, Memories, Memory, in_parallel, pieces, split_mut, try_in_parallel,
-};
-use crate::state::{PER_STATION, POSE, State, centroid, zero_column};
+use crate::linearise::{Tie, by_visit, fill, fill_weights};
+use crate::passes::{self, Gauge, Memories, Memory, groups_of, in_parallel, pieces, split_mut};
+use crate::state::{DATUM, PER_STATION, POSE, State, centroid, zero_column};
+
+/// Places in [`GroupAdjustment::starts`].
+const WEIGHTS: usize = 0;
+const ELIMINATED: usize = 1;
 
 /// A network as an adjustment model.
 pub(crate) struct GroupAdjustment<'a> {
@@ -26,11 +30,22 @@ pub(crate) struct GroupAdjustment<'a> {
     datum: Datum,
     deformations: Deformations,
     batches: Arc<Vec<Batch>>,
-    /// Whether weights depend on the beams at all.
-    by_beams: bool,
-    /// The weights of each batch: within a piece, the same ones as of the batch before if they are equal.
-    weight_ranges: Vec<Range<usize>>,
+    /// Where what each batch leaves to the step starts: weights, and eliminated equations. Behind them their
+    /// numbers.
+    starts: Vec<[usize; 2]>,
     memories: Memories,
+    /// Weights that do not follow the state.
+    #[cfg(test)]
+    pub(crate) held: Option<Vec<Lanes>>,
+}
+
+/// What a linearisation leaves to the step that follows, batch after batch.
+#[derive(Debug, Default)]
+pub(crate) struct Linearised {
+    /// As [`fill_weights`] makes them.
+    pub(crate) weights: Vec<Lanes>,
+    /// As [`BlockBatch::keep`] writes it.
+    eliminated: Vec<Lanes>,
 }
 
 /// The points and poses of the groups of some batches, to be moved.
@@ -44,30 +59,22 @@ impl<'a> GroupAdjustment<'a> {
     /// The model of a network with these groups.
     pub(crate) fn new(network: &'a Network, batches: &Arc<Vec<Batch>>) -> Self {
         let behind = PER_STATION * network.stations.len() + network.interruptions.len();
-        let noise = &network.noise;
-        let correlated = || network.visits.iter().any(|v| v.readings.len() > 1);
-        let by_beams =
-            noise.length_sigma_relative > 0.0 || noise.return_sigma_mm > 0.0 && correlated();
-        let mut weight_ranges: Vec<Range<usize>> = Vec::with_capacity(batches.len());
-        let mut end = 0;
-        for piece in pieces(batches.len()) {
-            for b in piece.clone() {
-                let batch = &batches[b];
-                let is_new = by_beams || b == piece.start || !batch.is_weighted_as(&batches[b - 1]);
-                if is_new {
-                    end += batch.weights();
-                }
-                weight_ranges.push(end - batch.weights()..end);
-            }
+        let deformations = Deformations::new(network.bodies.as_deref(), behind);
+        let mut starts = vec![[0; 2]];
+        for batch in &**batches {
+            let [weights, eliminated] = starts[starts.len() - 1];
+            let kept = BlockBatch::kept_len(unknowns(batch));
+            starts.push([weights + batch.weights(), eliminated + kept]);
         }
         Self {
             network,
             datum: Datum::new(network),
-            deformations: Deformations::new(network.bodies.as_deref(), behind),
+            deformations,
             batches: Arc::clone(batches),
-            by_beams,
-            weight_ranges,
+            starts,
             memories: Memories::default(),
+            #[cfg(test)]
+            held: None,
         }
     }
 
@@ -83,45 +90,67 @@ impl<'a> GroupAdjustment<'a> {
         &self.memories
     }
 
-    /// The weights of a batch: `L⁻¹` of each visit, the rows of its triangle one after the other.
-    #[inline(always)]
-    pub(crate) fn weights_of<'w>(&self, weights: &'w [Lanes], b: usize) -> &'w [Lanes] {
-        &weights[self.weight_ranges[b].clone()]
-    }
-
     /// Number of shared unknowns.
     pub(crate) fn shared(&self) -> usize {
         self.deformations.shared
     }
 
-    /// Makes the equations of batch `b`.
+    /// What batch `b` of a piece that starts at batch `first` has of a kind in [`Self::starts`].
     #[inline(always)]
-    pub(crate) fn fill(
-        &self,
-        (state, weights): At<'_>,
-        b: usize,
-        gauge: Gauge,
-        memory: &mut Memory,
-    ) {
+    fn range(&self, kind: usize, b: usize, first: usize) -> Range<usize> {
+        let start = self.starts[first][kind];
+        self.starts[b][kind] - start..self.starts[b + 1][kind] - start
+    }
+
+    /// The parts of all batches of a kind, for each piece.
+    fn split<'l>(&self, kind: usize, all: &'l mut Vec<Lanes>) -> Vec<&'l mut [Lanes]> {
+        let count = self.starts[self.batches.len()][kind];
+        all.resize(count, Lanes::ZERO);
+        let pieces = pieces(self.batches.len()).into_iter();
+        let lengths = pieces.map(|p| self.starts[p.end][kind] - self.starts[p.start][kind]);
+        split_mut(all, lengths)
+    }
+
+    /// Makes the whitened equations of batch `b`, with the weights that belong to the state.
+    #[inline(always)]
+    pub(crate) fn fill(&self, state: &State, b: usize, gauge: Gauge, memory: &mut Memory) {
+        let batch = &self.batches[b];
+        self.fill_rows(state, b, gauge, memory);
+        let Memory {
+            beams,
+            weights,
+            factor,
+            equations,
+            ..
+        } = memory;
+        zeros(weights, batch.weights());
+        fill_weights(batch, &self.network.noise, beams, factor, weights);
+        #[cfg(test)]
+        if let Some(held) = &self.held {
+            weights.copy_from_slice(&held[self.range(WEIGHTS, b, 0)]);
+        }
+        for (first, count, weights) in by_visit(batch, weights) {
+            equations.whiten(first, count, weights);
+        }
+    }
+
+    /// Makes the equations of batch `b` without weights.
+    #[inline(always)]
+    fn fill_rows(&self, state: &State, b: usize, gauge: Gauge, memory: &mut Memory) {
         let batch = &self.batches[b];
         let Memory {
             beams,
             equations,
             tie,
+            ..
         } = memory;
-        beams.fill(batch, state);
+        let stations = (&state.stations[..], &state.dead_paths_mm[..]);
+        beams.fill(batch, stations, batch.own(&state.points));
         let is_tied = self.fill_tie((state, b), &beams.points, tie);
-        let content = (batch, self.weights_of(weights, b));
         let datum = (gauge == Gauge::Datum).then_some((&self.datum, &self.network.nominal_mm[..]));
         let sizes = (self.network.stations.len(), self.shared());
-        fill(
-            content,
-            is_tied.then_some(&*tie),
-            datum,
-            beams,
-            sizes,
-            equations,
-        );
+        let tie = is_tied.then_some(&*tie);
+        fill(batch, tie, datum, beams, sizes, equations);
     }
 
     /// Takes what ties the points of batch `b`; false if they are free.
@@ -167,21 +196,26 @@ impl<'a> GroupAdjustment<'a> {
         }
     }
 
-    /// Moves the points of batch `b` by `factor` times what follows from the correction `s`; the bodies
-    /// have the new shapes.
+    /// Moves the points of batch `b` by `factor` times what follows from the correction `s`; the bodies have the
+    /// new shapes.
     #[inline(always)]
-    fn step_groups(
+    fn move_groups(
         &self,
-        (at, b): (At<'_>, usize),
+        (state, b): (&State, usize),
+        linearised: &Linearised,
         (s, factor): (&[f64], f64),
         shapes_mm: &[Vec<Point3<f64>>],
-        memory: &mut Memory,
-        moved: &mut Moved<'_>,
-    ) -> Result<(), LeastSquaresError> {
+        (memory, moved): (&mut Memory, &mut Moved<'_>),
+    ) {
         let batch = &self.batches[b];
-        passes::eliminate(self, at, b, Gauge::Free, memory)?;
-        let (state, _) = at;
-        let x = memory.equations.correction(s);
+        self.fill_rows(state, b, Gauge::Free, memory);
+        let equations = &mut memory.equations;
+        equations.take_off(s);
+        let weights = &linearised.weights[self.range(WEIGHTS, b, 0)];
+        for (first, count, weights) in by_visit(batch, weights) {
+            equations.weigh(first, count, weights);
+        }
+        let x = equations.correction(&linearised.eliminated[self.range(ELIMINATED, b, 0)], &[]);
         let of_lanes = moved.points.chunks_exact_mut(batch.points);
         for (lane, (group, moved_points)) in batch.groups.clone().zip(of_lanes).enumerate() {
             let points = &state.points[self.network.groups[group].clone()];
@@ -200,7 +234,6 @@ impl<'a> GroupAdjustment<'a> {
                 }
             }
         }
-        Ok(())
     }
 }
 
@@ -217,132 +250,122 @@ fn moved_pose(
 
 impl Adjustment for GroupAdjustment<'_> {
     type State = State;
-    /// As [`fill_weights`] makes them, batch after batch.
-    type Weights = Vec<Lanes>;
+    type Linearised = Linearised;
 
-    fn weights(&self, state: &State) -> Vec<Lanes> {
-        let pieces = pieces(self.batches.len());
-        let ranges = &self.weight_ranges;
-        let mut weights = vec![Lanes::ZERO; ranges.last().map_or(0, |last| last.end)];
-        let lengths = pieces
-            .iter()
-            .map(|p| ranges[p.end - 1].end - ranges[p.start].start);
-        let parts = split_mut(&mut weights, lengths);
-        let (batches, noise) = (&self.batches, &self.network.noise);
-        in_parallel(
-            pieces.into_iter().zip(parts).collect(),
-            #[inline(always)]
-            |(piece, part): (Range<usize>, &mut [Lanes])| {
-                let (mut beams, mut factor) = (Beams::default(), Vec::new());
-                let (first, mut filled) = (ranges[piece.start].start, 0);
-                for (batch, range) in batches[piece.clone()].iter().zip(&ranges[piece]) {
-                    let (start, end) = (range.start - first, range.end - first);
-                    if end == filled {
-                        continue;
-                    }
-                    filled = end;
-                    if self.by_beams {
-                        beams.fill(batch, state);
-                    }
-                    let beams = self.by_beams.then_some(&beams);
-                    fill_weights(batch, noise, beams, &mut factor, &mut part[start..end]);
-                }
-            },
-        );
-        weights
-    }
-
-    fn reduce(&self, state: &State, weights: &Vec<Lanes>) -> Result<Reduced, LeastSquaresError> {
-        passes::reduce(self, (state, weights), Gauge::Free)
-    }
-
-    fn reduce_with_datum(
+    fn reduce(
         &self,
         state: &State,
-        weights: &Vec<Lanes>,
+        linearised: &mut Linearised,
     ) -> Result<Reduced, LeastSquaresError> {
-        passes::reduce(self, (state, weights), Gauge::Datum)
+        let Linearised {
+            weights,
+            eliminated,
+        } = linearised;
+        let starts = pieces(self.batches.len()).into_iter().map(|p| p.start);
+        let weights = self.split(WEIGHTS, weights).into_iter();
+        let eliminated = self.split(ELIMINATED, eliminated).into_iter();
+        let parts = starts.zip(weights.zip(eliminated)).collect();
+        passes::reduce(
+            self,
+            state,
+            Gauge::Free,
+            parts,
+            #[inline(always)]
+            |b, memory, (first, (weights, eliminated)): &mut (usize, (&mut [_], &mut [_]))| {
+                weights[self.range(WEIGHTS, b, *first)].copy_from_slice(&memory.weights);
+                let kept = &mut eliminated[self.range(ELIMINATED, b, *first)];
+                memory.equations.keep(kept);
+            },
+        )
     }
 
-    fn squares(&self, state: &State, weights: &Vec<Lanes>) -> f64 {
-        let of_pieces = in_parallel(
-            pieces(self.batches.len()),
+    fn reduce_with_datum(&self, state: &State) -> Result<(Reduced, Factors), LeastSquaresError> {
+        let batches = &self.batches;
+        let unknowns = batches
+            .iter()
+            .flat_map(|batch| batch.groups.clone().map(|_| unknowns(batch)));
+        let mut factors = Factors::zeros(self.shared() + DATUM, unknowns);
+        let parts = factors.split_mut(&groups_of(batches, &pieces(batches.len())));
+        let reduced = passes::reduce(
+            self,
+            state,
+            Gauge::Datum,
+            parts,
             #[inline(always)]
-            |piece| {
-                let (mut beams, mut sum) = (Beams::default(), Lanes::ZERO);
-                for b in piece {
-                    beams.fill(&self.batches[b], state);
-                    sum += beams.squares(&self.batches[b], self.weights_of(weights, b));
-                }
-                sum.sum()
+            |b, memory, part| {
+                let groups = &batches[b].groups;
+                let equations = &mut memory.equations;
+                equations.write_factors(groups.start, groups.len(), part);
             },
-        );
-        of_pieces.into_iter().sum()
+        )?;
+        Ok((reduced, factors))
     }
 
     fn step(
         &self,
-        (state, weights): (&State, &Vec<Lanes>),
+        (state, linearised): (&State, &Linearised),
         s: &[f64],
         factor: f64,
         next: &mut State,
-    ) -> Result<(), LeastSquaresError> {
+    ) -> f64 {
         self.step_shared(state, s, factor, next);
+        let State {
+            stations,
+            dead_paths_mm,
+            points,
+            poses,
+            shapes_mm,
+        } = next;
+        let stations = (&stations[..], &dead_paths_mm[..]);
         let batches = &self.batches;
         let pieces = pieces(batches.len());
-        let groups = |piece: &Range<usize>| {
-            batches[piece.start].groups.start..batches[piece.end - 1].groups.end
-        };
-        let of_pieces = |all: &Range<usize>| {
-            let ends = &self.network.groups;
-            ends[all.end - 1].end - ends[all.start].start
-        };
-        let points = pieces.iter().map(|piece| of_pieces(&groups(piece)));
-        let points = split_mut(&mut next.points, points);
-        let has_poses = !next.poses.is_empty();
-        let poses = pieces
+        let groups = groups_of(batches, &pieces);
+        let ends = &self.network.groups;
+        let of_points = groups
             .iter()
-            .map(|piece| if has_poses { groups(piece).len() } else { 0 });
-        let poses = split_mut(&mut next.poses, poses);
-        let shapes_mm = &next.shapes_mm;
+            .map(|g| ends[g.end - 1].end - ends[g.start].start);
+        let points = split_mut(points, of_points);
+        let has_poses = !poses.is_empty();
+        let of_poses = groups.iter().map(|g| if has_poses { g.len() } else { 0 });
+        let poses = split_mut(poses, of_poses);
         let parts = points.into_iter().zip(poses);
-        try_in_parallel(
+        let of_pieces = in_parallel(
             pieces.into_iter().zip(parts).collect(),
             #[inline(always)]
-            |(piece, (points, poses)): (Range<usize>, (&mut [_], &mut [_]))| {
+            |(piece, (mut points, mut poses)): (Range<usize>, (&mut [_], &mut [_]))| {
                 self.memories.lend(
                     #[inline(always)]
                     |memory| {
-                        let (mut points, mut poses) = (points, poses);
+                        let mut squares = Lanes::ZERO;
                         for b in piece {
-                            let groups = batches[b].groups.len();
-                            let own_points;
-                            (own_points, points) = points.split_at_mut(groups * batches[b].points);
+                            let batch = &batches[b];
+                            let groups = batch.groups.len();
+                            let own;
+                            (own, points) = points.split_at_mut(groups * batch.points);
                             let own_poses;
                             (own_poses, poses) =
                                 poses.split_at_mut(if has_poses { groups } else { 0 });
                             let mut moved = Moved {
-                                points: own_points,
+                                points: own,
                                 poses: own_poses,
                             };
-                            self.step_groups(
-                                ((state, weights), b),
+                            self.move_groups(
+                                (state, b),
+                                linearised,
                                 (s, factor),
                                 shapes_mm,
-                                memory,
-                                &mut moved,
-                            )?;
+                                (memory, &mut moved),
+                            );
+                            memory.beams.fill(batch, stations, moved.points);
+                            let weights = &linearised.weights[self.range(WEIGHTS, b, 0)];
+                            squares += memory.beams.squares(batch, weights);
                         }
-                        Ok(())
+                        squares.sum()
                     },
                 )
             },
-        )?;
-        Ok(())
-    }
-
-    fn factors(&self, state: &State, weights: &Vec<Lanes>) -> Result<Factors, LeastSquaresError> {
-        passes::factors(self, (state, weights))
+        );
+        of_pieces.into_iter().sum()
     }
 
     fn free_motions(&self, state: &State) -> Vec<Vec<f64>> {
@@ -355,13 +378,11 @@ impl Adjustment for GroupAdjustment<'_> {
     }
 }
 
-impl GroupAdjustment<'_> {
-    /// Number of unknowns of each group of a batch.
-    pub(crate) fn unknowns(&self, batch: &Batch) -> usize {
-        match batch.body {
-            Some(_) => POSE,
-            None => 3 * batch.points,
-        }
+/// Number of unknowns of each group of a batch.
+pub(crate) fn unknowns(batch: &Batch) -> usize {
+    match batch.body {
+        Some(_) => POSE,
+        None => 3 * batch.points,
     }
 }
 
@@ -436,9 +457,12 @@ mod tests {
             let points = network.nominal_mm.iter().map(|p| turned * p).collect();
             let state = State::new(&network, stations, vec![3.0, 4.0, 5.0], points);
             let batches = Arc::new(batches(&network));
-            let model = GroupAdjustment::new(&network, &batches);
-            let weights = model.weights(&state);
-            let unknowns = model.unknowns(&batches[0]);
+            let mut model = GroupAdjustment::new(&network, &batches);
+            let mut linearised = Linearised::default();
+            let _ = model.reduce(&state, &mut linearised);
+            // The lengths of a step are weighed as where it begins.
+            model.held = Some(linearised.weights);
+            let unknowns = unknowns(&batches[0]);
             let residuals = |k: usize, by: f64| {
                 let mut moved = state.clone();
                 let mut s = vec![0.0; model.shared()];
@@ -462,11 +486,11 @@ mod tests {
                     }
                 }
                 let mut memory = Memory::default();
-                model.fill((&moved, &weights), 0, Gauge::Free, &mut memory);
+                model.fill(&moved, 0, Gauge::Free, &mut memory);
                 [0, 1, 2, 3, 4, 5].map(|row| memory.equations.residual(row))
             };
             let mut memory = Memory::default();
-            model.fill((&state, &weights), 0, Gauge::Free, &mut memory);
+            model.fill(&state, 0, Gauge::Free, &mut memory);
             let equations = &mut memory.equations;
             for k in 0..unknowns + model.shared() {
                 let step = if is_tied && (3..6).contains(&k) {

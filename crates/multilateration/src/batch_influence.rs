@@ -13,9 +13,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 use trueaxis_leastsquares::lane_products::{LaneMatrix, SharedMatrix};
-use trueaxis_leastsquares::{
-    Adjustment, Covariance, HatRows, Lanes, in_widest_registers, lanes_only, zeros,
-};
+use trueaxis_leastsquares::{Covariance, HatRows, Lanes, in_widest_registers, lanes_only, zeros};
 
 use crate::adjustment::GroupAdjustment;
 use crate::batches::{Batch, batches};
@@ -34,7 +32,6 @@ const PIECE: usize = 32;
 pub(crate) struct BatchInfluence<'a> {
     network: &'a Network,
     model: GroupAdjustment<'a>,
-    weights: Vec<Lanes>,
     state: State,
     covariance: &'a Covariance,
 }
@@ -61,7 +58,6 @@ impl<'a> BatchInfluence<'a> {
         let model = GroupAdjustment::new(network, &batches);
         Self {
             network,
-            weights: model.weights(&state),
             model,
             state,
             covariance: &solution.covariance,
@@ -137,8 +133,7 @@ impl<'a> BatchInfluence<'a> {
             variances,
             there,
         } = rows;
-        let at = (&self.state, &self.weights[..]);
-        self.model.fill(at, b, Gauge::Free, memory);
+        self.model.fill(&self.state, b, Gauge::Free, memory);
         let batch = &self.batches()[b];
         let used = batch.groups.len();
         let groups = (batch.groups.start, used);
@@ -153,7 +148,7 @@ impl<'a> BatchInfluence<'a> {
             there.push(is_read(batch, slot) * mask);
         }
         unit_errors.clear();
-        let mut weights = self.model.weights_of(&self.weights, b);
+        let mut weights = memory.weights.as_slice();
         for SlotVisit { slots, .. } in &batch.layout.visits {
             for i in 0..slots.len() {
                 let row = &weights[factor_len(i)..factor_len(i + 1)];

@@ -220,9 +220,10 @@ impl Batch {
         seen
     }
 
-    /// Whether the weights of another batch are its own, if noise is the same for all beams.
-    pub(crate) fn is_weighted_as(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.layout, &other.layout) && !self.has_factors && !other.has_factors
+    /// The points of the groups of the batch.
+    #[inline(always)]
+    pub(crate) fn own<'p, T>(&self, points: &'p [T]) -> &'p [T] {
+        &points[self.first_points[0]..][..self.groups.len() * self.points]
     }
 
     /// Number of weights: the triangles of all visits.

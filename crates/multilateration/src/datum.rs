@@ -66,7 +66,7 @@ impl Datum {
 /// The motion that takes points to where they fit others best: about the centroids the rotation
 /// `R = V diag(1, 1, det VUᵀ) Uᵀ` from `Σ (p - p̄)(n - n̄)ᵀ = U S Vᵀ` (W. Kabsch, *Acta Crystallographica* A
 /// 32, 922, 1976).
-pub(crate) fn best_fit(points: &[Point3<f64>], to: &[Point3<f64>]) -> Isometry3<f64> {
+fn best_fit(points: &[Point3<f64>], to: &[Point3<f64>]) -> Isometry3<f64> {
     let (from_centre, to_centre) = (centroid(points), centroid(to));
     let mut products = Matrix3::zeros();
     for (p, n) in points.iter().zip(to) {
@@ -94,7 +94,7 @@ pub(crate) fn best_fit(points: &[Point3<f64>], to: &[Point3<f64>]) -> Isometry3<
 /// The rotation `R` that makes `R Σ q nᵀ` symmetric, from one that nearly does: the decomposition knows
 /// a turn about the long axis of a thin network to rounding times the square of how thin it is, this
 /// to rounding times that. With `C = R Σ q nᵀ` the turn that is left is `(tr C - C)⁻¹ Σ Rq × n`.
-fn polished(turn: UnitQuaternion<f64>, products: &Matrix3<f64>) -> UnitQuaternion<f64> {
+pub(crate) fn polished(turn: UnitQuaternion<f64>, products: &Matrix3<f64>) -> UnitQuaternion<f64> {
     let c = turn.to_rotation_matrix() * products;
     let symmetric = (c + c.transpose()) * 0.5;
     let hessian = Matrix3::from_diagonal_element(c.trace()) - symmetric;

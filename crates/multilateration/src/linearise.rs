@@ -49,21 +49,27 @@ struct Beam {
 }
 
 impl Beams {
+    /// Takes the beams from stations with these dead paths to the points of a batch ([`Batch::own`]).
     #[inline(always)]
-    pub(crate) fn fill(&mut self, batch: &Batch, state: &State) {
-        take_points(batch, &state.points, &mut self.points);
+    pub(crate) fn fill(
+        &mut self,
+        batch: &Batch,
+        (stations, dead_paths_mm): (&[Point3<f64>], &[f64]),
+        points: &[Point3<f64>],
+    ) {
+        take_points(batch, points, &mut self.points);
         self.of_slots.resize(batch.slots(), Beam::default());
         let lengths_mm = batch.lengths_mm();
         for visit in &batch.layout.visits {
-            let station = state.stations[visit.station];
+            let station = stations[visit.station];
             let station = splat(station.x, station.y, station.z);
-            let dead_path = Lanes::splat(state.dead_paths_mm[visit.station]);
+            let dead_path = Lanes::splat(dead_paths_mm[visit.station]);
             for slot in visit.slots.clone() {
                 let beam_mm = minus(at(&self.points, batch.layout.point_of_slot[slot]), station);
                 let distance_mm = dot(beam_mm, beam_mm).sqrt();
                 let per_distance = Lanes::splat(1.0) / distance_mm;
                 let dead_path = match batch.zeros.get(slot) {
-                    Some(zeros) => Lanes::from_fn(|lane| state.dead_paths_mm[zeros[lane]]),
+                    Some(zeros) => Lanes::from_fn(|lane| dead_paths_mm[zeros[lane]]),
                     None => dead_path,
                 };
                 self.of_slots[slot] = Beam {
@@ -108,12 +114,15 @@ impl Beams {
     }
 }
 
-/// Fills the coordinates of the points of a batch, x y z of each.
+/// Fills the coordinates of the points of a batch ([`Batch::own`]), x y z of each.
 #[inline(always)]
 pub(crate) fn take_points(batch: &Batch, points: &[Point3<f64>], coordinates: &mut Vec<Lanes>) {
     coordinates.clear();
+    let first = batch
+        .first_points
+        .map(|first| first - batch.first_points[0]);
     for point in 0..batch.points {
-        let of_lanes = batch.first_points.map(|first| &points[first + point]);
+        let of_lanes = first.map(|first| &points[first + point]);
         for axis in [0, 1, 2] {
             let of_lane = |lane: usize| of_lanes[lane][axis];
             coordinates.push(Lanes::from_fn(of_lane));
@@ -122,12 +131,11 @@ pub(crate) fn take_points(batch: &Batch, points: &[Point3<f64>], coordinates: &m
 }
 
 /// The weights of a batch: `L⁻¹` of each visit row by row, with zero rows where there is no reading.
-/// Without beams those of noise that is the same for all.
 #[inline(always)]
 pub(crate) fn fill_weights(
     batch: &Batch,
     noise: &Noise,
-    beams: Option<&Beams>,
+    beams: &Beams,
     factor: &mut Vec<Lanes>,
     weights: &mut [Lanes],
 ) {
@@ -168,7 +176,7 @@ pub(crate) fn fill_weights(
 fn append_factor_row(
     batch: &Batch,
     noise: &Noise,
-    beams: Option<&Beams>,
+    beams: &Beams,
     (first, i): (usize, usize),
     factor: &mut Vec<Lanes>,
 ) {
@@ -176,7 +184,7 @@ fn append_factor_row(
     let there = is_read(batch, first + i);
     let start = factor.len();
     for j in 0..i {
-        let cosine = beams.map_or(Lanes::ZERO, |beams| beams.cosine(first + i, first + j));
+        let cosine = beams.cosine(first + i, first + j);
         let mut c = return_variance * cosine * there * is_read(batch, first + j);
         let above = factor_len(j);
         for k in 0..j {
@@ -184,8 +192,7 @@ fn append_factor_row(
         }
         factor.push(c / factor[above + j]);
     }
-    let distance = beams.map_or(Lanes::ZERO, |beams| beams.of_slots[first + i].distance_mm);
-    let own = own_variance(batch, noise, first + i, distance) + return_variance;
+    let own = own_variance(batch, noise, first + i, beams.distance_mm(first + i)) + return_variance;
     let mut c = own * there + (Lanes::splat(1.0) - there);
     for x in &factor[start..] {
         c = x.mul_add(-*x, c);
@@ -274,12 +281,12 @@ impl Tie {
     }
 }
 
-/// Fills the equations of a batch; `weights` are those of [`fill_weights`], and `shared` is the number
-/// of all shared unknowns. The datum comes with the nominal points; without it there are no
-/// constraints. Points of a body come with what ties them.
+/// Fills the equations of a batch, which are not yet whitened; `shared` is the number of all shared unknowns.
+/// The datum comes with the nominal points; without it there are no constraints. Points of a body come with
+/// what ties them.
 #[inline(always)]
 pub(crate) fn fill(
-    (batch, weights): (&Batch, &[Lanes]),
+    batch: &Batch,
     tie: Option<&Tie>,
     datum: Option<(&Datum, &[Point3<f64>])>,
     beams: &mut Beams,
@@ -294,7 +301,6 @@ pub(crate) fn fill(
         shared,
         datum: if datum.is_some() { DATUM } else { 0 },
     });
-    let mut weights = weights;
     for visit in &batch.layout.visits {
         for slot in visit.slots.clone() {
             let row = equations.row_mut(slot);
@@ -307,15 +313,28 @@ pub(crate) fn fill(
                 row,
             );
         }
-        let (own, rest) = weights.split_at(factor_len(visit.slots.len()));
-        weights = rest;
-        equations.whiten(visit.slots.start, visit.slots.len(), own);
     }
     if let Some((datum, nominal_mm)) = datum {
-        take_points(batch, nominal_mm, &mut beams.nominal);
+        take_points(batch, batch.own(nominal_mm), &mut beams.nominal);
         fill_datum(datum, beams, tie, equations);
     }
     equations.use_only(batch.groups.len());
+}
+
+/// The first slot of each visit of a batch, the number of its slots, and its weights ([`fill_weights`]).
+pub(crate) fn by_visit<'w>(
+    batch: &'w Batch,
+    weights: &'w [Lanes],
+) -> impl Iterator<Item = (usize, usize, &'w [Lanes])> {
+    let mut weights = weights;
+    batch.layout.visits.iter().map(
+        #[inline(always)]
+        move |SlotVisit { slots, .. }| {
+            let own;
+            (own, weights) = weights.split_at(factor_len(slots.len()));
+            (slots.start, slots.len(), own)
+        },
+    )
 }
 
 /// The derivatives of a length by all unknowns: the only place where they stand.
@@ -439,8 +458,12 @@ mod tests {
         let state = State::new(&network, vec![Point3::origin()], vec![0.0], points);
         let batch = &batches(&network)[0];
         let (mut beams, mut weights) = (Beams::default(), vec![Lanes::ZERO; batch.weights()]);
-        beams.fill(batch, &state);
-        fill_weights(batch, &noise, Some(&beams), &mut Vec::new(), &mut weights);
+        beams.fill(
+            batch,
+            (&state.stations, &state.dead_paths_mm),
+            &state.points,
+        );
+        fill_weights(batch, &noise, &beams, &mut Vec::new(), &mut weights);
         let w = DMatrix::from_fn(3, 3, |i, j| match j <= i {
             true => weights[factor_len(i) + j].0[0],
             false => 0.0,

@@ -9,21 +9,19 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use trueaxis_leastsquares::{
-    BlockBatch, Error as LeastSquaresError, Factors, LaneSums, Lanes, Reduced, in_widest_registers,
+    BlockBatch, Error as LeastSquaresError, LaneSums, Lanes, Reduced, in_widest_registers,
 };
 
-use crate::adjustment::GroupAdjustment;
+use crate::adjustment::{GroupAdjustment, unknowns};
+use crate::batches::Batch;
 use crate::linearise::{Beams, Tie};
 use crate::state::{DATUM, State};
 
 /// Batches of a piece: enough work, some 50 µs, to be worth handing out.
-const LEAST_BATCHES: usize = 64;
+const LEAST_BATCHES: usize = 16;
 
 /// Most pieces: more would not spread the work better and each has a reduced system of its own.
 const MOST_PIECES: usize = 64;
-
-/// Where equations are made, and with which weights.
-pub(crate) type At<'a> = (&'a State, &'a [Lanes]);
 
 /// What decides among results that differ by a motion of the whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +46,9 @@ impl Gauge {
 #[derive(Debug, Default)]
 pub(crate) struct Memory {
     pub(crate) beams: Beams,
+    /// `L⁻¹` of each visit, the rows of its triangle one after the other; and `L` of one.
+    pub(crate) weights: Vec<Lanes>,
+    pub(crate) factor: Vec<Lanes>,
     pub(crate) equations: BlockBatch,
     pub(crate) tie: Tie,
 }
@@ -111,39 +112,31 @@ pub(crate) fn try_in_parallel<I: Send, T: Send>(
     in_parallel(items, work).into_iter().collect()
 }
 
-/// Fills and eliminates the equations of batch `b`.
-#[inline(always)]
-pub(crate) fn eliminate(
+/// The reduced system of all batches at a state; `take` gets the eliminated equations of each batch, by its
+/// number, with what its piece is given of `parts`.
+pub(crate) fn reduce<P: Send>(
     model: &GroupAdjustment<'_>,
-    (state, weights): At<'_>,
-    b: usize,
+    state: &State,
     gauge: Gauge,
-    memory: &mut Memory,
-) -> Result<(), LeastSquaresError> {
-    model.fill((state, weights), b, gauge, memory);
-    let batch = &model.batches()[b];
-    memory.equations.eliminate(|lane| batch.number(lane))
-}
-
-/// The reduced system of all batches.
-pub(crate) fn reduce(
-    model: &GroupAdjustment<'_>,
-    at: At<'_>,
-    gauge: Gauge,
+    parts: Vec<P>,
+    take: impl Fn(usize, &mut Memory, &mut P) + Sync + Send,
 ) -> Result<Reduced, LeastSquaresError> {
+    let pieces = pieces(model.batches().len()).into_iter();
     let sums = try_in_parallel(
-        pieces(model.batches().len()),
+        pieces.zip(parts).collect(),
         #[inline(always)]
-        |piece| {
+        |(piece, mut part): (Range<usize>, P)| {
             let mut sums = LaneSums::new(model.shared(), gauge.constraints());
             model.memories().lend(
                 #[inline(always)]
                 |memory| {
                     for b in piece {
-                        eliminate(model, at, b, gauge, memory)?;
-                        memory.equations.add_to(&mut sums);
                         let batch = &model.batches()[b];
-                        sums.count(batch.readings, model.unknowns(batch) * batch.groups.len());
+                        model.fill(state, b, gauge, memory);
+                        memory.equations.eliminate(|lane| batch.number(lane))?;
+                        memory.equations.add_to(&mut sums);
+                        sums.count(batch.readings, unknowns(batch) * batch.groups.len());
+                        take(b, memory, &mut part);
                     }
                     Ok(())
                 },
@@ -158,42 +151,11 @@ pub(crate) fn reduce(
     Ok(sum.unwrap_or_else(|| Reduced::new(model.shared(), gauge.constraints())))
 }
 
-/// The factors of all groups.
-pub(crate) fn factors(
-    model: &GroupAdjustment<'_>,
-    at: At<'_>,
-) -> Result<Factors, LeastSquaresError> {
-    let batches = model.batches();
-    let unknowns = batches
-        .iter()
-        .flat_map(|batch| batch.groups.clone().map(|_| model.unknowns(batch)));
-    let mut factors = Factors::zeros(model.shared() + DATUM, unknowns);
-    let pieces = pieces(batches.len());
-    let groups: Vec<_> = pieces
-        .iter()
-        .map(|piece| batches[piece.start].groups.start..batches[piece.end - 1].groups.end)
-        .collect();
-    let parts = factors.split_mut(&groups);
-    try_in_parallel(
-        pieces.into_iter().zip(parts).collect(),
-        #[inline(always)]
-        |(piece, mut part)| {
-            model.memories().lend(
-                #[inline(always)]
-                |memory| {
-                    for b in piece {
-                        eliminate(model, at, b, Gauge::Datum, memory)?;
-                        let groups = &batches[b].groups;
-                        memory
-                            .equations
-                            .write_factors(groups.start, groups.len(), &mut part);
-                    }
-                    Ok(())
-                },
-            )
-        },
-    )?;
-    Ok(factors)
+/// The groups of the batches of some pieces.
+pub(crate) fn groups_of(batches: &[Batch], pieces: &[Range<usize>]) -> Vec<Range<usize>> {
+    let of_piece =
+        |piece: &Range<usize>| batches[piece.start].groups.start..batches[piece.end - 1].groups.end;
+    pieces.iter().map(of_piece).collect()
 }
 
 /// Splits a slice into parts of these lengths.

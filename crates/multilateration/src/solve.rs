@@ -6,7 +6,7 @@ use trueaxis_leastsquares::{
     Adjusted, Adjustment, BLOCK_RANK_TOL, Error as LeastSquaresError, adjust,
 };
 
-use crate::adjustment::GroupAdjustment;
+use crate::adjustment::{GroupAdjustment, Linearised};
 use crate::batches::{Batch, batches, check_seen};
 use crate::passes::within_pool;
 use crate::start::{Image, Start, start};
@@ -154,7 +154,7 @@ fn ran_away(network: &Network, model: &GroupAdjustment<'_>, start: &State, error
         return error;
     }
     let determined = model
-        .reduce(start, &model.weights(start))
+        .reduce(start, &mut Linearised::default())
         .and_then(|system| system.shortest_correction(&model.free_motions(start)))
         .is_ok();
     let worst = start

@@ -1,8 +1,9 @@
 //! Values of all unknowns of a network.
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
 use crate::bodies::{Bodies, Placed};
+use crate::datum::polished;
 use crate::network::Network;
 
 /// Position and orientation.
@@ -117,9 +118,20 @@ impl Placed {
         }
     }
 
+    /// The pose near the nominal one in which the shape fits some points best, to second order in how far it is
+    /// from nominal.
     fn best_fit(&self, shape_mm: &[Point3<f64>], points: &[Point3<f64>]) -> Isometry3<f64> {
-        let home: Vec<_> = self.places.iter().map(|&place| shape_mm[place]).collect();
-        crate::datum::best_fit(&home, points)
+        let home = |k: usize| shape_mm[self.places[k]];
+        let sum = (0..points.len())
+            .map(|k| home(k).coords)
+            .sum::<Vector3<f64>>();
+        let (home_centre, centre) = (sum / points.len() as f64, centroid(points));
+        let mut products = Matrix3::zeros();
+        for (k, p) in points.iter().enumerate() {
+            products += (home(k).coords - home_centre) * (p - centre).transpose();
+        }
+        let turn = polished(self.ref_from_home.rotation, &products);
+        Isometry3::from_parts((centre.coords - turn * home_centre).into(), turn)
     }
 }
 

@@ -74,13 +74,18 @@ fn solve_arrowhead(blocks: &[Block], closure: f64) -> Result<Solved, Error> {
     let mut sums = LaneSums::new(SHARED, 1);
     for (block, batch) in blocks.iter().zip(&batches) {
         sums.count(block.rows.len(), block.unknowns);
-        batch.clone().add_to(&mut sums);
+        batch.add_to(&mut sums);
     }
     let solution = sums.into_reduced().solve(|| vec![vec![-1.0; SHARED]])?;
     let mut factors = Factors::zeros(SHARED + 1, blocks.iter().map(|block| block.unknowns));
     let mut unknowns = Vec::new();
     for (i, mut batch) in batches.into_iter().enumerate() {
-        let x = batch.correction(&solution.unknowns);
+        let mut kept = vec![Lanes::ZERO; BlockBatch::kept_len(blocks[i].unknowns)];
+        batch.keep(&mut kept);
+        let mut rows = batch.clone();
+        let (shared, multiplier) = solution.unknowns.split_at(SHARED);
+        rows.take_off(shared);
+        let x = rows.correction(&kept, multiplier);
         unknowns.extend(x.iter().map(|x| x.0[0]));
         let own = i..i + 1;
         for part in &mut factors.split_mut(&[0..i, own])[1..] {

@@ -7,12 +7,10 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use trueaxis_leastsquares::{
-    Adjustment, Error as LeastSquaresError, Factors, Lanes, Reduced, Settings as Iteration, adjust,
-};
+use trueaxis_leastsquares::{Adjustment, Settings as Iteration, adjust};
 
 use super::{Corrections, Trials};
-use crate::adjustment::GroupAdjustment;
+use crate::adjustment::{GroupAdjustment, Linearised};
 use crate::batches::batches;
 use crate::bodies::{Bodies, Body, Placed};
 use crate::state::{POSE, State, centroid};
@@ -99,59 +97,6 @@ fn network(noise: Noise, is_tied: bool) -> Network {
     network
 }
 
-/// The adjustment with the weights of another one.
-struct HeldWeights<'a> {
-    model: GroupAdjustment<'a>,
-    weights: Vec<Lanes>,
-}
-
-impl Adjustment for HeldWeights<'_> {
-    type State = State;
-    type Weights = Vec<Lanes>;
-
-    fn weights(&self, _: &State) -> Vec<Lanes> {
-        self.weights.clone()
-    }
-
-    fn reduce(&self, state: &State, weights: &Vec<Lanes>) -> Result<Reduced, LeastSquaresError> {
-        self.model.reduce(state, weights)
-    }
-
-    fn reduce_with_datum(
-        &self,
-        state: &State,
-        weights: &Vec<Lanes>,
-    ) -> Result<Reduced, LeastSquaresError> {
-        self.model.reduce_with_datum(state, weights)
-    }
-
-    fn squares(&self, state: &State, weights: &Vec<Lanes>) -> f64 {
-        self.model.squares(state, weights)
-    }
-
-    fn step(
-        &self,
-        from: (&State, &Vec<Lanes>),
-        s: &[f64],
-        factor: f64,
-        next: &mut State,
-    ) -> Result<(), LeastSquaresError> {
-        self.model.step(from, s, factor, next)
-    }
-
-    fn factors(&self, state: &State, weights: &Vec<Lanes>) -> Result<Factors, LeastSquaresError> {
-        self.model.factors(state, weights)
-    }
-
-    fn free_motions(&self, state: &State) -> Vec<Vec<f64>> {
-        self.model.free_motions(state)
-    }
-
-    fn settle(&self, state: &mut State) {
-        self.model.settle(state);
-    }
-}
-
 /// The lengths that follow from the solution, plus errors, adjusted from where they would lie
 /// without errors, with the weights of the solution.
 fn full_solution(network: &Network, solution: &Solution, errors_mm: &[f64]) -> State {
@@ -163,10 +108,11 @@ fn full_solution(network: &Network, solution: &Solution, errors_mm: &[f64]) -> S
     }
     let state = solution.state();
     let batches = Arc::new(batches(&disturbed));
-    let model = HeldWeights {
-        weights: GroupAdjustment::new(network, &batches).weights(&state),
-        model: GroupAdjustment::new(&disturbed, &batches),
-    };
+    let mut linearised = Linearised::default();
+    let of_solution = GroupAdjustment::new(network, &batches);
+    of_solution.reduce(&state, &mut linearised).unwrap();
+    let mut model = GroupAdjustment::new(&disturbed, &batches);
+    model.held = Some(linearised.weights);
     let adjusted = adjust(&model, state, &Iteration::default()).unwrap();
     assert!(adjusted.termination.is_converged());
     adjusted.state

@@ -104,7 +104,8 @@ impl TrialGroups {
         // Lanes without a group would count twice.
         let used = Lanes::from_fn(|lane| f64::from(u8::from(lane < batch.groups.len())));
         let mut levers = Vec::new();
-        take_points(batch, &influence.network().nominal_mm, &mut levers);
+        let nominal_mm = batch.own(&influence.network().nominal_mm);
+        take_points(batch, nominal_mm, &mut levers);
         let datum = influence.datum();
         let per_radius = Lanes::splat(1.0 / datum.radius_mm);
         for (k, lever) in levers.iter_mut().enumerate() {
