@@ -1,11 +1,10 @@
 //! The adjustment in `calibration.json`.
 
 use serde::Serialize;
-use trueaxis_multilateration::NoiseBasis;
-
-use crate::adjustment_report::{
-    AdjustmentReport, InterruptedTurn, NoiseReport, PartReport, RejectedLength,
+use trueaxis_poses::{
+    AdjustmentReport, InterruptedTurn, NoiseBasis, NoiseReport, PartReport, RejectedLength,
 };
+
 use crate::json::{round, significant, um};
 
 #[derive(Serialize)]

@@ -3,10 +3,10 @@
 use nalgebra::Point3;
 use trueaxis_campaign::{Campaign, Direction};
 use trueaxis_kinematics::{AxisKind, Machine};
+use trueaxis_poses::{Poses, step_in_words};
 
+use crate::Error;
 use crate::interpolation::{Place, sides_of, weights_at};
-use crate::poses::Poses;
-use crate::{Error, describe};
 
 /// All measurements of one axis.
 pub(crate) struct AxisData {
@@ -120,7 +120,7 @@ fn check_other_axes(data: &AxisData, campaign: &Campaign, poses: &Poses) -> Resu
                     run,
                     axis: machine.axes()[data.axis].name().to_owned(),
                     other: other_name,
-                    step: describe::step(campaign, step),
+                    step: step_in_words(campaign, step),
                 });
             }
             if axis.kind() == AxisKind::Rotary && first[other].abs() > HOME_TOL_RAD {

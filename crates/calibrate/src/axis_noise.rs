@@ -3,7 +3,7 @@
 //! These are its parameters `y` and, for each node, the mean pose error `m_k = mean A_i x_i` of its
 //! records ([`crate::identify_axes::Sensitivity`]): the component errors are `E_k = m_k - Λ_k y`, and what
 //! other axes need of this one is linear in `y` and `m` as well. With the noise of
-//! [`crate::poses`] every linear function `f` of them is
+//! [`trueaxis_poses`] every linear function `f` of them is
 //!
 //! ```text
 //! f = f(ξ) - F s     cov(f, g) = cov(f(ξ), g(ξ)) + F Σ Gᵀ
@@ -13,13 +13,13 @@
 //! between the `m` of different nodes.
 
 use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
+use trueaxis_poses::PoseNoise;
 
 use crate::axis_data::AxisData;
 use crate::gauge::Gauge;
 use crate::identify_axes::Sensitivity;
 use crate::in_order;
 use crate::node_records::NodeRecords;
-use crate::poses::PoseNoise;
 use crate::variance::Variance;
 
 /// Linear functions of an axis' parameters and mean pose errors.

@@ -6,13 +6,13 @@
 //! the targets; component errors answer only to the difference between runs.
 
 use nalgebra::{Isometry3, Matrix6, MatrixXx6};
+use trueaxis_poses::Poses;
 
 use crate::axis_data::AxisData;
 use crate::axis_noise::AxisForm;
 use crate::gauge::Gauge;
 use crate::identify_axes::Sensitivity;
 use crate::in_order;
-use crate::poses::Poses;
 
 /// Response of an axis' parameters and mean pose errors to a twist of all poses of a run, given as
 /// by [`crate::twist::Twist::rows`].

@@ -6,12 +6,11 @@ use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::{
     AxisKind, GeometricErrors, LocationComponent, LocationError, MotionError,
 };
+use trueaxis_poses::{AdjustmentReport, Method, SideDifference, StepMisfit};
 
-use crate::adjustment_report::AdjustmentReport;
 use crate::budget::Budget;
 use crate::interpolation::{Place, sides_of, weights_at};
 use crate::output_covariance::OutputCovariance;
-use crate::settings::Method;
 
 /// All geometric errors of a machine in its reference frame, with standard uncertainties (k = 1).
 ///
@@ -99,17 +98,6 @@ pub struct AxisResult {
     pub sides: Option<SideDifference>,
 }
 
-/// Forward minus backward approach, the mean over the positions of a run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SideDifference {
-    /// δ of the reference point (mm) and ε (rad).
-    pub value: [f64; 6],
-    /// Standard uncertainties, mm and rad.
-    pub u: [f64; 6],
-    /// Probability of a difference as significant if the sides are the same.
-    pub p_value: f64,
-}
-
 /// Standard uncertainty of each component error by other methods, relative to that of the joint adjustment
 /// (rms over the positions).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -151,21 +139,6 @@ pub struct LocationResult {
     pub dof: f64,
     /// Where its square comes from.
     pub budget: Budget,
-}
-
-/// A step whose points do not move as a rigid body.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StepMisfit {
-    /// The step in words.
-    pub step: String,
-    /// Rms of what a rigid motion leaves, µm.
-    pub rms_um: f64,
-    /// `vᵀ C⁻¹ v`.
-    pub chi_squared: f64,
-    /// Its degrees of freedom.
-    pub degrees_of_freedom: usize,
-    /// Probability of one as large if the targets are rigid.
-    pub p_value: f64,
 }
 
 /// A distance between two targets, measured against nominal.

@@ -3,6 +3,7 @@
 
 use nalgebra::{Isometry3, Matrix6, MatrixXx6, Point3, Translation3, Vector3, Vector6};
 use trueaxis_kinematics::{Axis, AxisKind, LocationComponent, MotionError};
+use trueaxis_poses::turned_about;
 
 use crate::Error;
 use crate::axis_data::AxisData;
@@ -11,7 +12,6 @@ use crate::frame::{Anchor, FrameRule, SmallMotion};
 use crate::gauge::{Gauge, GaugeDefect, PER_RUN};
 use crate::in_order;
 use crate::pose_errors::Context;
-use crate::poses::turned_about;
 use crate::start::average_lines_and_axes;
 use crate::state::{AxisState, ModelErrors, State};
 
@@ -27,7 +27,7 @@ pub(crate) struct Identified {
     pub(crate) reported: Vec<Vec<LocationComponent>>,
 }
 
-/// How the results of an axis follow from the errors `x_i` of its poses ([`crate::poses`]), seen from its
+/// How the results of an axis follow from the errors `x_i` of its poses ([`trueaxis_poses`]), seen from its
 /// base as if that were known: with the maps `A_i` of [`Context::error_maps`] and the gauge
 ///
 /// ```text

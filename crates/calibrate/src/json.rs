@@ -8,13 +8,11 @@ use serde::ser::{SerializeMap, Serializer};
 use trueaxis_campaign::Direction;
 use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
+use trueaxis_poses::{Method, SideDifference};
 
 use crate::adjustment_file::AdjustmentFile;
 use crate::budget::Budget;
-use crate::calibration::{
-    AxisResult, Calibration, MethodLoss, NodeResult, SideDifference, StationResult,
-};
-use crate::settings::Method;
+use crate::calibration::{AxisResult, Calibration, MethodLoss, NodeResult, StationResult};
 
 impl Calibration {
     /// The text of `calibration.json`, version 1.

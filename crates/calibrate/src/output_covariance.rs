@@ -11,15 +11,13 @@
 use nalgebra::DMatrix;
 use trueaxis_campaign::Direction;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, LocationComponent, MICROMETRE, Machine};
-use trueaxis_multilateration::Solution;
 
 use crate::Error;
 use crate::axis_data::AxisData;
 use crate::axis_noise::AxisForm;
-use crate::calibrate::place_of;
 use crate::calibration::{AxisResult, StationResult};
 use crate::results::{NumberedResult, results};
-use crate::uncertainty::{Dependence, Propagation};
+use crate::uncertainty::{Dependence, Propagation, place_of};
 
 /// Covariance of all results of a calibration, in the units of `calibration.json`.
 ///
@@ -136,12 +134,11 @@ const LIMIT_GIB: u32 = 1;
 pub(crate) fn check_size(
     machine: &Machine,
     data: &[AxisData],
-    solution: Option<&Solution>,
+    stations: usize,
 ) -> Result<(), Error> {
     let of_axis = |axis: &AxisData| {
         6 * axis.nodes.len() + machine.axes()[axis.axis].location_components().len()
     };
-    let stations = solution.map_or(0, |solution| solution.stations.len());
     require_size(data.iter().map(of_axis).sum::<usize>() + 4 * stations)
 }
 

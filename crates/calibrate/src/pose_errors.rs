@@ -14,10 +14,10 @@
 use nalgebra::{Isometry3, Matrix3, Matrix6, Point3, UnitQuaternion, Vector6};
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{Machine, MotionError};
+use trueaxis_poses::Poses;
 
 use crate::axis_data::{AxisData, RunData};
 use crate::in_order;
-use crate::poses::Poses;
 use crate::state::{ModelErrors, State};
 
 /// What is common to the records of an axis.
@@ -68,7 +68,7 @@ impl Context<'_> {
         })
     }
 
-    /// How these follow from the errors of the measured poses ([`crate::poses`]).
+    /// How these follow from the errors of the measured poses ([`trueaxis_poses`]).
     pub(crate) fn error_maps(
         &self,
         data: &[AxisData],

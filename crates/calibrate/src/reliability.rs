@@ -1,7 +1,7 @@
 //! Which error of a length would be noticed, and what one that is not does to the results.
 //!
 //! Internal reliability is the minimal detectable error of each length
-//! ([`trueaxis_multilateration::Reliability`]); external reliability is what an error of that size,
+//! (of `trueaxis-multilateration`); external reliability is what an error of that size,
 //! unnoticed, does to each result. It goes through the whole calibration ([`Replay::respond`]).
 
 use nalgebra::DMatrix;
@@ -44,9 +44,10 @@ impl Replay<'_> {
     /// # Errors
     /// [`Error::ReliabilityTooLarge`] if the table of effects would not fit.
     pub fn reliability(&self) -> Result<Option<LengthsReliability>, Error> {
-        let Some(screened) = self.screened() else {
+        let Some(lengths) = &self.trials.measured.lengths else {
             return Ok(None);
         };
+        let screened = &lengths.screened;
         let (rows, columns) = (screened.kept.len(), self.outputs());
         let gib = rows as f64 * columns as f64 * size_of::<f64>() as f64 / 1024_f64.powi(3);
         if gib > LIMIT_GIB {

@@ -2,9 +2,9 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use trueaxis_kinematics::{GeometricErrors, LocationError, Machine, MotionError};
+use trueaxis_poses::TargetBody;
 
 use crate::axis_data::AxisData;
-use crate::poses::TargetBody;
 
 /// The current values of everything that the poses determine.
 #[derive(Debug, Clone)]

@@ -5,7 +5,6 @@ use trueaxis_identify::triangle_mismatch;
 
 use crate::axis_data::AxisData;
 use crate::calibration::TriangleSide;
-use crate::points::MeasuredPoints;
 use crate::pose_errors::Context;
 
 /// A measured distance between targets that differs less from nominal needs no word, mm.
@@ -20,11 +19,11 @@ pub(crate) fn triangle(
     context: &Context<'_>,
     data: &[AxisData],
     mean_mm: &[Option<Point3<f64>>],
-    points: Option<&MeasuredPoints>,
+    point_variance_mm2: Option<f64>,
 ) -> Vec<TriangleSide> {
     let targets = &context.campaign.targets;
     let mut found: Vec<TriangleSide> = Vec::new();
-    let variance_mm2 = points.map_or(0.0, |points| points.noise.largest_variance_mm2());
+    let variance_mm2 = point_variance_mm2.unwrap_or(0.0);
     for axis in data {
         for run in &axis.runs {
             let seen: Vec<(usize, Point3<f64>)> = run

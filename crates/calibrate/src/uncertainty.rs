@@ -8,6 +8,8 @@
 //! whole. Location errors and stations do ([`crate::frame_forms`]).
 
 use nalgebra::{DMatrix, Matrix2, Matrix6xX, Point3, Vector6};
+use trueaxis_kinematics::LocationComponent;
+use trueaxis_poses::{PoseNoise, Poses};
 
 use crate::axis_data::AxisData;
 use crate::axis_noise::ThroughBase;
@@ -16,7 +18,6 @@ use crate::budget::Budget;
 use crate::frame_forms::FrameForms;
 use crate::identify_axes::Identified;
 use crate::pose_errors::Context;
-use crate::poses::{PoseNoise, Poses};
 use crate::sources::{SourceNoise, Sources};
 use crate::variance::Variance;
 
@@ -55,6 +56,14 @@ pub(crate) struct Uncertainty {
     /// Degrees of freedom.
     pub(crate) dof: f64,
     pub(crate) budget: Budget,
+}
+
+/// Place of a location error among shift and tilt.
+pub(crate) fn place_of(component: LocationComponent) -> usize {
+    match component {
+        LocationComponent::Offset(i) => i,
+        LocationComponent::Tilt(i) => 3 + i,
+    }
 }
 
 impl<'a> Dependence<'a> {

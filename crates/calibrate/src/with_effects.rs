@@ -1,7 +1,7 @@
 //! A calibration of lengths from which known effects were taken out.
 //!
 //! With the effects' values `θ` each length loses what they do to it (exact distances at the
-//! adjusted geometry, see [`crate::LengthCircumstances`]), and everything is calibrated anew. The values are
+//! adjusted geometry, [`EffectsOnLengths`]), and everything is calibrated anew. The values are
 //! estimates with a covariance `C`. They come from the residuals of the adjustment, which are
 //! uncorrelated with what is adjusted, so that variances add:
 //!
@@ -16,14 +16,12 @@
 //! Shapes (instants, time constants) are taken as known.
 
 use nalgebra::{DMatrix, DVector};
-use trueaxis_campaign::{Campaign, Lengths};
+use trueaxis_campaign::Campaign;
 use trueaxis_effects::{GivenEffect, ResolvedEffect, ResolvedEffects};
 use trueaxis_montecarlo::Model;
-use trueaxis_multilateration::{CampaignNetwork, Network, Solution, network_from_campaign, solve};
+use trueaxis_poses::{EffectsOnLengths, scene_of};
 
 use crate::calibration::Calibration;
-use crate::length_circumstances::{LengthCircumstances, length_circumstances, scene_of};
-use crate::lengths_in_words::adjustment_error;
 use crate::replay::{Replay, calibrate_for_replay};
 use crate::{Error, Settings};
 
@@ -33,78 +31,26 @@ use crate::{Error, Settings};
 /// Without a covariance the effects are taken as exact.
 ///
 /// # Errors
-/// Those of [`crate::calibrate`], and [`Error::EffectsWithoutLengths`].
+/// Those of [`crate::calibrate`], and [`trueaxis_poses::Error::EffectsWithoutLengths`].
 pub fn calibrate_with_effects(
     campaign: &Campaign,
     effects: &ResolvedEffects,
     settings: &Settings,
 ) -> Result<Calibration, Error> {
-    let Some(lengths) = &campaign.lengths else {
-        return Err(Error::EffectsWithoutLengths);
-    };
-    let adjusted = AdjustedGeometry::new(campaign, lengths)?;
-    let effects_mm = adjusted.effects_mm(&effects.effects);
-    let mut corrected = lengths.clone();
-    for (reading, effect_mm) in corrected.readings.iter_mut().zip(&effects_mm) {
-        reading.length_mm -= effect_mm;
-    }
-    let corrected = Campaign {
-        lengths: Some(corrected),
-        ..campaign.clone()
-    };
+    let on_lengths = EffectsOnLengths::new(campaign)?;
+    let effects_mm = on_lengths.of(&effects.effects);
+    let corrected = on_lengths.taken_out(&effects_mm);
     let (mut calibration, replay) = calibrate_for_replay(&corrected, settings)?;
     if let Some(covariance) = &effects.covariance {
         for step in root(covariance).column_iter() {
             let moved = moved(&effects.effects, step.as_slice());
-            let moved_mm = adjusted.effects_mm(&moved);
+            let moved_mm = on_lengths.of(&moved);
             let change = |i: usize| effects_mm[i] - moved_mm[i];
             calibration.add_uncertainty(&response(&replay, change));
         }
     }
     calibration.effects = given(campaign, effects);
     Ok(calibration)
-}
-
-/// The lengths as they are, adjusted: where everything is, to a millionth.
-struct AdjustedGeometry<'a> {
-    campaign: &'a Campaign,
-    network: Network,
-    solution: Solution,
-    circumstances: Vec<LengthCircumstances>,
-}
-
-impl<'a> AdjustedGeometry<'a> {
-    fn new(campaign: &'a Campaign, lengths: &Lengths) -> Result<Self, Error> {
-        let CampaignNetwork { network, groups } = network_from_campaign(campaign, lengths, false);
-        let solution = solve(&network, &trueaxis_multilateration::Settings::default())
-            .map_err(|error| adjustment_error(campaign, lengths, &groups, error))?;
-        let all: Vec<usize> = (0..lengths.readings.len()).collect();
-        let circumstances = length_circumstances(campaign, lengths, &network, &groups, &all);
-        Ok(Self {
-            campaign,
-            network,
-            solution,
-            circumstances,
-        })
-    }
-
-    /// What effects together do to each length, mm.
-    fn effects_mm(&self, effects: &[ResolvedEffect]) -> Vec<f64> {
-        let of_length = |circumstances: &LengthCircumstances| {
-            let observation = circumstances.observation(
-                &self.campaign.machine,
-                &self.campaign.steps[circumstances.step].positions,
-                &self.network,
-                &self.solution.stations,
-                &self.solution.points_mm,
-            );
-            let displaced = effects
-                .iter()
-                .map(|effect| effect.displaced(&observation.at));
-            observation.lengthening_mm(&displaced.sum())
-        };
-        self.circumstances.iter().map(of_length).collect()
-    }
 }
 
 /// Correlations with eigenvalues below this are rounding: the direction is known.

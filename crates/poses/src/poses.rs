@@ -10,7 +10,7 @@
 //!
 //! `D_i` is the pose's own covariance, `s` what all have in common: first the stations (x y z and dead path
 //! of each), then other dead paths, shapes of targets, and the datum. The joint adjustment and the nine
-//! or six equations both end here; nothing behind this file knows which it was.
+//! or six equations both end here; who takes poses does not know which it was.
 
 use nalgebra::{
     DMatrix, Isometry3, Matrix2, Matrix6, Matrix6xX, Point3, RowDVector, Translation3,
@@ -19,59 +19,63 @@ use nalgebra::{
 use trueaxis_campaign::Direction;
 
 /// All measured poses of the stages under test.
-pub(crate) struct Poses {
-    pub(crate) bodies: Vec<TargetBody>,
+#[derive(Debug, Clone)]
+pub struct Poses {
+    /// The bodies that the poses are of.
+    pub bodies: Vec<TargetBody>,
     /// One for each step (and side of approach, where kept apart) of each run.
-    pub(crate) observations: Vec<PoseObservation>,
-    pub(crate) noise: PoseNoise,
+    pub observations: Vec<PoseObservation>,
+    /// Covariance of their errors.
+    pub noise: PoseNoise,
     /// The part of the noise that comes from the instrument alone.
-    pub(crate) instrument: PoseNoise,
+    pub instrument: PoseNoise,
     /// How well the two variance factors of the noise (the instrument's, the repeatability) are known:
     /// their covariance relative to their values. Zero if the declared noise is taken for the truth.
-    pub(crate) relative_covariance: Matrix2<f64>,
+    pub relative_covariance: Matrix2<f64>,
 }
 
 /// Targets that move together.
 #[derive(Debug, Clone)]
-pub(crate) struct TargetBody {
+pub struct TargetBody {
     /// The campaign's targets, ascending.
-    pub(crate) targets: Vec<usize>,
+    pub targets: Vec<usize>,
     /// Their adjusted positions at home, mm.
-    pub(crate) home_mm: Vec<Point3<f64>>,
+    pub home_mm: Vec<Point3<f64>>,
 }
 
 /// A measured pose.
 #[derive(Debug, Clone)]
-pub(crate) struct PoseObservation {
+pub struct PoseObservation {
     /// The campaign's step.
-    pub(crate) step: usize,
+    pub step: usize,
     /// Side of approach, where kept apart.
-    pub(crate) direction: Option<Direction>,
-    pub(crate) body: usize,
+    pub direction: Option<Direction>,
+    /// The body, an index into [`Poses::bodies`].
+    pub body: usize,
     /// Brings the body from home to where it was, in the datum.
-    pub(crate) datum_from_home: Isometry3<f64>,
+    pub datum_from_home: Isometry3<f64>,
     /// The point that the error of the pose refers to, in the datum, mm.
-    pub(crate) pivot_mm: Point3<f64>,
+    pub pivot_mm: Point3<f64>,
 }
 
-/// Covariance of the errors of all poses.
+/// Covariance of the errors of all poses, mm and rad.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct PoseNoise {
+pub struct PoseNoise {
     /// `D` of each pose.
-    pub(crate) own: Vec<Matrix6<f64>>,
+    pub own: Vec<Matrix6<f64>>,
     /// `Z` of each pose.
-    pub(crate) coupling: Vec<Matrix6xX<f64>>,
+    pub coupling: Vec<Matrix6xX<f64>>,
     /// `Σ`. It may be indefinite and makes sense only between couplings, but for the stations.
-    pub(crate) shared: DMatrix<f64>,
+    pub shared: DMatrix<f64>,
     /// How many of the shared sources, which are the first, come from stations, dead paths and datum. The
     /// others, independent of them, are shapes as functions of the points: noise even if the stations are
     /// known.
-    pub(crate) of_stations: usize,
+    pub of_stations: usize,
 }
 
 impl PoseNoise {
     /// Number of shared sources.
-    pub(crate) fn width(&self) -> usize {
+    pub fn width(&self) -> usize {
         self.shared.nrows()
     }
 
@@ -83,11 +87,31 @@ impl PoseNoise {
 
     /// The variance of a function with these coefficients of the shared sources, in two parts: what comes
     /// through the stations, and the rest.
-    pub(crate) fn through_sources(&self, coefficients: RowDVector<f64>) -> [f64; 2] {
+    pub fn through_sources(&self, coefficients: RowDVector<f64>) -> [f64; 2] {
         let products = (&coefficients * &self.shared).component_mul(&coefficients);
         let of_stations: f64 = products.columns(0, self.of_stations).sum();
         let of_shapes = products.columns(self.of_stations, self.width() - self.of_stations);
         [of_stations, of_shapes.sum()]
+    }
+}
+
+impl Poses {
+    /// The same errors about the pivots of `other`; `None` if those are not poses of the same steps.
+    pub(crate) fn noise_about_pivots_of(&self, other: &Self) -> Option<PoseNoise> {
+        let mut noise = self.noise.clone();
+        if self.observations.len() != other.observations.len() {
+            return None;
+        }
+        let pairs = self.observations.iter().zip(&other.observations);
+        for (i, (from, to)) in pairs.enumerate() {
+            if (from.step, from.direction) != (to.step, to.direction) {
+                return None;
+            }
+            let map = from.to_pivot(&to.pivot_mm);
+            noise.own[i] = map * noise.own[i] * map.transpose();
+            noise.coupling[i] = map * &noise.coupling[i];
+        }
+        Some(noise)
     }
 }
 
@@ -96,9 +120,7 @@ impl PoseObservation {
     pub(crate) fn moved(&self, twist: &Vector6<f64>) -> Isometry3<f64> {
         turned_about(&self.pivot_mm, twist) * self.datum_from_home
     }
-}
 
-impl PoseObservation {
     /// The twist about another pivot (datum, mm) from that about the own one.
     pub(crate) fn to_pivot(&self, pivot_mm: &Point3<f64>) -> Matrix6<f64> {
         let mut map = Matrix6::identity();
@@ -110,7 +132,7 @@ impl PoseObservation {
 }
 
 /// The motion by a twist: the pivot moves by its first three elements, everything turns by the others.
-pub(crate) fn turned_about(pivot_mm: &Point3<f64>, twist: &Vector6<f64>) -> Isometry3<f64> {
+pub fn turned_about(pivot_mm: &Point3<f64>, twist: &Vector6<f64>) -> Isometry3<f64> {
     let part = |first: usize| -> Vector3<f64> { twist.fixed_rows::<3>(first).into_owned() };
     Translation3::from(pivot_mm.coords + part(0))
         * UnitQuaternion::from_scaled_axis(part(3))

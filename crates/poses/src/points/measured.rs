@@ -13,7 +13,7 @@ pub(crate) struct MeasuredPoints {
     pub(crate) noise: PointNoise,
     /// The instrument's own part of the noise.
     pub(crate) instrument: PointNoise,
-    /// As [`crate::poses::Poses::relative_covariance`].
+    /// As [`crate::Poses::relative_covariance`].
     pub(crate) relative_covariance: Matrix2<f64>,
     /// Scatter of repeated points about their means in units of the declared variance, and its
     /// degrees of freedom; nothing where lengths were measured, whose repeats the adjustment tests.

@@ -1,7 +1,7 @@
 //! Poses from points: the nine equations of each step (paper Eqs. 20 and 21), or six of them.
 //!
 //! Each body's points at all steps make its poses and its shape ([`trueaxis_identify::poses_of_body`]); what
-//! the bodies have in common are the shared sources of the points ([`crate::points`]), to which each
+//! the bodies have in common are the shared sources of the points ([`crate::points::PointNoise`]), to which each
 //! shape adds its own.
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6xX, Point3};
@@ -12,16 +12,22 @@ use trueaxis_identify::{
 };
 use trueaxis_kinematics::{Ideal, Machine};
 
+use crate::Error;
 use crate::points::{MeasuredPoints, PointNoise};
 use crate::poses::{PoseNoise, PoseObservation, Poses, TargetBody};
 use crate::settings::Method;
-use crate::{Error, describe};
+use crate::words::{step_in_words, target_names, too_few_targets};
 
 /// Poses with the equations that they solve.
 pub(crate) struct PointPoses {
     pub(crate) poses: Poses,
+    pub(crate) equations: PointEquations,
+}
+
+/// The equations of all steps at their solution.
+pub(crate) struct PointEquations {
     bodies: Vec<BodyPoses>,
-    /// Where each observation comes from.
+    /// Where each pose comes from.
     sources: Vec<Source>,
 }
 
@@ -41,8 +47,8 @@ struct NominalBody {
     targets: Vec<usize>,
     home_mm: Vec<Point3<f64>>,
     steps: Vec<BodyStep>,
-    /// For each step the measured group and the places of the points.
-    points: Vec<(usize, Vec<usize>)>,
+    /// The source of each step.
+    sources: Vec<usize>,
 }
 
 /// Targets needed to see six component errors.
@@ -54,20 +60,24 @@ pub(crate) fn poses_from_points(
     points: &MeasuredPoints,
     method: Method,
 ) -> Result<PointPoses, Error> {
-    let (nominal, sources) = nominal_bodies(campaign, points)?;
+    let targets = targets_of_runs(campaign, points)?;
+    let (nominal, sources) = nominal_bodies(campaign, points, &targets);
     let equations = match method {
         Method::Six(rows) => Equations::Six(rows),
         Method::Joint | Method::Nine => Equations::Weighted,
     };
     let mut bodies = Vec::new();
     for body in &nominal {
-        let of_step = |i: usize| points.noise.of(body.points[i].0, &body.points[i].1);
+        let of_step = |i: usize| sources[body.sources[i]].noise(&points.noise);
         let noise = BodyNoise {
             of_step: &of_step,
             shared: &points.noise.shared,
         };
         let found = poses_of_body(&body.home_mm, &body.steps, &noise, equations);
-        bodies.push(found.map_err(|error| refused(campaign, points, body, &error))?);
+        bodies.push(found.map_err(|StepError { step, error }| {
+            let group = &points.groups[sources[body.sources[step]].group];
+            refused(campaign, group.step, &body.targets, &error)
+        })?);
     }
     let observation = |source: &Source| {
         let (group, body) = (&points.groups[source.group], &bodies[source.body]);
@@ -80,76 +90,68 @@ pub(crate) fn poses_from_points(
             pivot_mm: datum_from_home * body.pivot_mm,
         }
     };
-    let shapes = nominal
-        .iter()
-        .zip(&bodies)
-        .map(|(nominal, body)| TargetBody {
-            targets: nominal.targets.clone(),
-            home_mm: body.shape_mm.clone(),
-        });
-    Ok(PointPoses {
-        poses: Poses {
-            observations: sources.iter().map(observation).collect(),
-            noise: pose_noise(&points.noise, &nominal, &bodies, &sources),
-            instrument: pose_noise(&points.instrument, &nominal, &bodies, &sources),
-            relative_covariance: points.relative_covariance,
-            bodies: shapes.collect(),
-        },
-        bodies,
-        sources,
-    })
+    let noise_from = |noise: &PointNoise| pose_noise(noise, &nominal, &bodies, &sources);
+    let poses = Poses {
+        observations: sources.iter().map(observation).collect(),
+        noise: noise_from(&points.noise),
+        instrument: noise_from(&points.instrument),
+        relative_covariance: points.relative_covariance,
+        bodies: nominal
+            .iter()
+            .zip(&bodies)
+            .map(|(nominal, body)| TargetBody {
+                targets: nominal.targets.clone(),
+                home_mm: body.shape_mm.clone(),
+            })
+            .collect(),
+    };
+    let equations = PointEquations { bodies, sources };
+    Ok(PointPoses { poses, equations })
 }
 
-/// The bodies with their nominal shapes. Targets that were not measured at every step of a run are left
+/// For each run the targets that its axis moves. Targets that were not measured at every step of a run are left
 /// out: the shape must be the same function of the points at every step.
-fn nominal_bodies(
-    campaign: &Campaign,
-    points: &MeasuredPoints,
-) -> Result<(Vec<NominalBody>, Vec<Source>), Error> {
-    let machine = &campaign.machine;
+fn targets_of_runs(campaign: &Campaign, points: &MeasuredPoints) -> Result<Vec<Vec<usize>>, Error> {
     let mut common: Vec<Option<Vec<usize>>> = vec![None; campaign.runs.len()];
     for group in &points.groups {
         let run = campaign.steps[group.step].run;
         let axis = campaign.runs[run].axis;
-        let moved = |t: &&usize| machine.chain(campaign.targets[**t].carrier).contains(&axis);
-        let moved: Vec<usize> = group.targets.iter().filter(moved).copied().collect();
+        let chain = |target: usize| campaign.machine.chain(campaign.targets[target].carrier);
+        let mut moved = group.targets.clone();
+        moved.retain(|&target| chain(target).contains(&axis));
         if moved.len() < MIN_TARGETS {
-            return Err(Error::NotIdentifiable {
-                what: format!(
-                    "{}: {} of the targets that {} moves were measured, three are needed to see \
-                     its six component errors",
-                    describe::step(campaign, group.step),
-                    moved.len(),
-                    machine.axes()[axis].name(),
-                ),
-                mend: "measure the missing targets there, or leave out the rows of this step"
-                    .to_owned(),
-            });
+            return Err(too_few_targets(campaign, group.step, moved.len()));
         }
-        match &mut common[run] {
-            Some(common) => common.retain(|t| moved.contains(t)),
-            none => *none = Some(moved),
-        }
-        let left = common[run].as_ref().map_or(0, Vec::len);
-        if left < MIN_TARGETS {
-            return Err(Error::NotIdentifiable {
-                what: format!(
-                    "run {}: only {left} target(s) were measured at all of its steps, three are needed \
+        let common = common[run].get_or_insert_with(|| moved.clone());
+        common.retain(|target| moved.contains(target));
+        if common.len() < MIN_TARGETS {
+            return Err(Error::not_identifiable(
+                format!(
+                    "run {}: only {} target(s) were measured at all of its steps, three are needed \
                      (one is missing in {})",
                     campaign.runs[run].name,
-                    describe::step(campaign, group.step),
+                    common.len(),
+                    step_in_words(campaign, group.step),
                 ),
-                mend: "measure the missing targets, or leave out the rows of the steps that lack \
-                       them"
-                    .to_owned(),
-            });
+                "measure the missing targets, or leave out the rows of the steps that lack them",
+            ));
         }
     }
-    let mut keys: Vec<(Option<usize>, Vec<usize>)> = Vec::new();
+    Ok(common.into_iter().map(Option::unwrap_or_default).collect())
+}
+
+/// The bodies with their nominal shapes, and where each pose comes from.
+fn nominal_bodies(
+    campaign: &Campaign,
+    points: &MeasuredPoints,
+    targets_of_runs: &[Vec<usize>],
+) -> (Vec<NominalBody>, Vec<Source>) {
+    let machine = &campaign.machine;
+    let mut keys: Vec<(Option<usize>, &[usize])> = Vec::new();
     let (mut bodies, mut sources): (Vec<NominalBody>, Vec<Source>) = (Vec::new(), Vec::new());
     for (number, group) in points.groups.iter().enumerate() {
         let step = &campaign.steps[group.step];
-        let targets = common[step.run].clone().unwrap_or_default();
+        let targets = &targets_of_runs[step.run];
         let carrier_of = |t: &usize| campaign.targets[*t].carrier;
         let depth = |carrier: &usize| machine.chain(*carrier).len();
         let outermost = targets.iter().map(carrier_of).max_by_key(depth);
@@ -158,73 +160,60 @@ fn nominal_bodies(
         let nominal = machine.motion(&Ideal, outermost, &step.positions);
         // On several carriers targets are one body during this run only, and at home where the
         // outermost carrier would bring them from.
-        let key = ((!one_carrier).then_some(step.run), targets.clone());
-        let body = keys
-            .iter()
-            .position(|known| *known == key)
-            .unwrap_or_else(|| {
-                let home = |t: &usize| {
-                    let home_mm = campaign.targets[*t].home_mm;
-                    let position =
-                        machine.position(&Ideal, carrier_of(t), &step.positions, home_mm);
-                    nominal.inverse() * position
-                };
-                bodies.push(NominalBody {
-                    home_mm: targets.iter().map(home).collect(),
-                    targets: targets.clone(),
-                    steps: Vec::new(),
-                    points: Vec::new(),
-                });
-                keys.push(key);
-                keys.len() - 1
+        let key = ((!one_carrier).then_some(step.run), targets.as_slice());
+        let known = keys.iter().position(|known| *known == key);
+        let body = known.unwrap_or_else(|| {
+            let home = |t: &usize| {
+                let home_mm = campaign.targets[*t].home_mm;
+                let position = machine.position(&Ideal, carrier_of(t), &step.positions, home_mm);
+                nominal.inverse() * position
+            };
+            bodies.push(NominalBody {
+                home_mm: targets.iter().map(home).collect(),
+                targets: targets.clone(),
+                steps: Vec::new(),
+                sources: Vec::new(),
             });
+            keys.push(key);
+            keys.len() - 1
+        });
         let place = |t: &usize| group.targets.iter().position(|seen| seen == t);
         let places: Vec<usize> = targets.iter().filter_map(place).collect();
         let content = &mut bodies[body];
-        sources.push(Source {
-            group: number,
-            places: places.clone(),
-            body,
-            step: content.steps.len(),
-        });
+        content.sources.push(sources.len());
         content.steps.push(BodyStep {
             nominal,
             points_mm: places.iter().map(|&place| group.points_mm[place]).collect(),
         });
-        content.points.push((number, places));
+        sources.push(Source {
+            group: number,
+            places,
+            body,
+            step: content.steps.len() - 1,
+        });
     }
-    Ok((bodies, sources))
+    (bodies, sources)
 }
 
 /// A step that gives no pose, in the words of the campaign.
-fn refused(
-    campaign: &Campaign,
-    points: &MeasuredPoints,
-    body: &NominalBody,
-    StepError { step, error }: &StepError,
-) -> Error {
-    let group = &points.groups[body.points[*step].0];
-    let in_words = describe::step(campaign, group.step);
-    let names = body
-        .targets
-        .iter()
-        .map(|&t| campaign.targets[t].name.as_str());
-    let names = names.collect::<Vec<_>>().join(", ");
+fn refused(campaign: &Campaign, step: usize, targets: &[usize], error: &Identify) -> Error {
+    let in_words = step_in_words(campaign, step);
+    let names = target_names(campaign, targets);
     match error {
-        Identify::Collinear { .. } => Error::NotIdentifiable {
-            what: format!("{in_words}: targets {names}: {error}"),
-            mend: "place one target well away from the line through the others".to_owned(),
-        },
-        Identify::BlindRows { .. } | Identify::SingularRows { .. } => Error::NotIdentifiable {
-            what: format!("{in_words}: targets {names}: {error}"),
-            mend: "use the method nine, or move a target".to_owned(),
-        },
-        Identify::TargetCount { measured, .. } => Error::NotIdentifiable {
-            what: format!("{in_words}: the method six needs three targets, found {measured}"),
-            mend: "use the method nine".to_owned(),
-        },
+        Identify::Collinear { .. } => Error::not_identifiable(
+            format!("{in_words}: targets {names}: {error}"),
+            "place one target well away from the line through the others",
+        ),
+        Identify::BlindRows { .. } | Identify::SingularRows { .. } => Error::not_identifiable(
+            format!("{in_words}: targets {names}: {error}"),
+            "use the method nine, or move a target",
+        ),
+        Identify::TargetCount { measured, .. } => Error::not_identifiable(
+            format!("{in_words}: the method six needs three targets, found {measured}"),
+            "use the method nine",
+        ),
         _ => {
-            let axis = campaign.runs[campaign.steps[group.step].run].axis;
+            let axis = campaign.runs[campaign.steps[step].run].axis;
             Error::Numerical {
                 axis: campaign.machine.axes()[axis].name().to_owned(),
                 what: format!("{in_words}: {error}"),
@@ -233,8 +222,15 @@ fn refused(
     }
 }
 
-impl PointPoses {
-    /// The equations of each observation at their solution.
+impl Source {
+    /// `D` and `Z` of the points.
+    fn noise(&self, points: &PointNoise) -> (DMatrix<f64>, DMatrix<f64>) {
+        points.of(self.group, &self.places)
+    }
+}
+
+impl PointEquations {
+    /// Those of each pose.
     pub(crate) fn steps(&self) -> impl Iterator<Item = &StepPose> {
         self.sources.iter().map(|source| self.step(source))
     }
@@ -243,34 +239,33 @@ impl PointPoses {
         &self.bodies[source.body].steps[source.step]
     }
 
-    /// Noise gains of an observation: standard deviations of the component errors at the reference point of
+    /// Noise gains of a pose: standard deviations of the component errors at the reference point of
     /// the axis per unit noise of the points, by the equations used and by all nine without weights.
     pub(crate) fn noise_gain(
         &self,
         campaign: &Campaign,
         machine: &Machine,
-        observation: usize,
+        poses: &Poses,
+        pose: usize,
     ) -> [[f64; 6]; 2] {
-        let content = &self.poses.observations[observation];
-        let step = &campaign.steps[content.step];
+        let observation = &poses.observations[pose];
+        let step = &campaign.steps[observation.step];
         let axis = campaign.runs[step.run].axis;
         let motion = machine.motion(&Ideal, axis, &step.positions);
-        let to_reference = content.to_pivot(&(motion * machine.axes()[axis].reference_mm()));
-        let used = &self.step(&self.sources[observation]).pose.from_points;
+        let to_reference = observation.to_pivot(&(motion * machine.axes()[axis].reference_mm()));
+        let used = &self.step(&self.sources[pose]).pose.from_points;
         let gain = |matrix: Matrix6xX<f64>| {
             let rows = to_reference * matrix;
             std::array::from_fn(|c| rows.row(c).norm())
         };
         let plain = trueaxis_identify::nine(used.targets_mm());
-        [
-            gain(used.matrix()),
-            plain.map_or([f64::NAN; 6], |plain| gain(plain.matrix())),
-        ]
+        let plain = plain.map_or([f64::NAN; 6], |plain| gain(plain.matrix()));
+        [gain(used.matrix()), plain]
     }
 
     /// The measured poses for other points near the measured ones, with the same operators: `errors_mm` are
     /// the displacements of the points of each group, x y z of each.
-    pub(crate) fn moved(&self, errors_mm: &[&[f64]]) -> Vec<Isometry3<f64>> {
+    pub(crate) fn moved(&self, poses: &Poses, errors_mm: &[&[f64]]) -> Vec<Isometry3<f64>> {
         let mut of_bodies: Vec<Vec<DVector<f64>>> = vec![Vec::new(); self.bodies.len()];
         for source in &self.sources {
             let errors = errors_mm[source.group];
@@ -281,7 +276,7 @@ impl PointPoses {
         }
         let bodies = self.bodies.iter().zip(&of_bodies);
         let twists: Vec<_> = bodies.map(|(body, errors)| body.twists(errors)).collect();
-        let observations = self.poses.observations.iter().zip(&self.sources);
+        let observations = poses.observations.iter().zip(&self.sources);
         observations
             .map(|(pose, source)| pose.moved(&twists[source.body][source.step]))
             .collect()
@@ -299,14 +294,14 @@ fn pose_noise(
         return PoseNoise::default();
     }
     let of_stations = noise.shared.nrows();
-    let found = nominal.iter().zip(bodies).map(|(nominal, body)| {
-        let of_step = |i: usize| noise.of(nominal.points[i].0, &nominal.points[i].1);
+    let of_body = |(nominal, body): (&NominalBody, &BodyPoses)| {
+        let of_step = |i: usize| sources[nominal.sources[i]].noise(noise);
         body.noise(&BodyNoise {
             of_step: &of_step,
             shared: &noise.shared,
         })
-    });
-    let found: Vec<_> = found.collect();
+    };
+    let found: Vec<_> = nominal.iter().zip(bodies).map(of_body).collect();
     let mut firsts = vec![of_stations];
     for body in &found {
         firsts.push(firsts[firsts.len() - 1] + body.of_shape.nrows());

@@ -42,12 +42,11 @@ pub(crate) fn weak_stations(
             variance_mm2.sqrt()
         );
         if second_order.is_nan() || second_order > HOPELESS_STATION {
-            return Err(Error::NotIdentifiable {
-                what: format!("{what} mean nothing"),
-                mend: "spread the stations in all directions, heights included; let the targets \
-                       move through a larger volume"
-                    .to_owned(),
-            });
+            return Err(Error::not_identifiable(
+                format!("{what} mean nothing"),
+                "spread the stations in all directions, heights included; let the targets move through a \
+                 larger volume",
+            ));
         }
         if second_order > WEAK_STATION {
             weak.push(format!("{what} may be too small: spread the stations more"));

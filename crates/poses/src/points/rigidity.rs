@@ -4,22 +4,22 @@
 //! steps that fail do not bend, then with the mean over those that passed. The noise is the declared
 //! one, or larger if most steps say so.
 
-use std::collections::{BTreeMap, HashMap};
-
 use nalgebra::Vector3;
-use trueaxis_campaign::{Campaign, Lengths};
+use rayon::prelude::*;
+use trueaxis_campaign::Campaign;
 use trueaxis_identify::{RigidMisfit, StepPose, nine, rigid_misfit};
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::chi_squared_upper_tail;
-use trueaxis_multilateration::Screened;
 
-use crate::calibration::StepMisfit;
-use crate::describe;
-use crate::in_order;
-use crate::nine::PointPoses;
+use crate::points::equations::PointPoses;
+use crate::report::StepMisfit;
+use crate::words::step_in_words;
 
 /// Family-wise significance of the test of all steps together.
 const LEVEL: f64 = 0.01;
+
+/// Steps that one thread takes at a time.
+const PIECE: usize = 32;
 
 /// Sum of squares of the test over all steps, and its degrees of freedom: those of the steps less
 /// the shape of each body, which is estimated.
@@ -28,12 +28,15 @@ const LEVEL: f64 = 0.01;
 /// its sum equals its own degrees of freedom; together they have fewer, and the sum is scaled down
 /// to follow chi-squared with these.
 pub(crate) fn total(points: &PointPoses) -> (f64, usize) {
-    let (squares, degrees) = points.steps().fold((0.0, 0), |(squares, degrees), step| {
-        (
-            squares + step.pose.misfit.chi_squared,
-            degrees + step.pose.misfit.degrees_of_freedom,
-        )
-    });
+    let (squares, degrees) = points
+        .equations
+        .steps()
+        .fold((0.0, 0), |(squares, degrees), step| {
+            (
+                squares + step.pose.misfit.chi_squared,
+                degrees + step.pose.misfit.degrees_of_freedom,
+            )
+        });
     let bodies = points.poses.bodies.iter();
     let shapes: usize = bodies.map(|body| 3 * body.targets.len() - 6).sum();
     let left = degrees.saturating_sub(shapes);
@@ -42,7 +45,7 @@ pub(crate) fn total(points: &PointPoses) -> (f64, usize) {
 
 /// Rms of what rigid motions leave, mm.
 pub(crate) fn rms_mm(points: &PointPoses) -> f64 {
-    let steps = points.steps();
+    let steps = points.equations.steps();
     let squares: Vec<f64> = steps.map(|step| step.pose.misfit.rms_um.powi(2)).collect();
     (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt() * MICROMETRE
 }
@@ -50,7 +53,7 @@ pub(crate) fn rms_mm(points: &PointPoses) -> f64 {
 /// The steps that fail, in measuring order. `declared` says whether the noise is; if not, the
 /// steps themselves are the measure.
 pub(crate) fn misfits(campaign: &Campaign, points: &PointPoses, declared: bool) -> Vec<StepMisfit> {
-    let fits: Vec<&StepPose> = points.steps().collect();
+    let fits: Vec<&StepPose> = points.equations.steps().collect();
     let level = LEVEL / fits.len() as f64;
     let run_of = |i: usize| campaign.steps[points.poses.observations[i].step].run;
     let mut found = Vec::new();
@@ -58,7 +61,7 @@ pub(crate) fn misfits(campaign: &Campaign, points: &PointPoses, declared: bool) 
         let records: Vec<usize> = (0..fits.len()).filter(|&i| run_of(i) == run).collect();
         for (record, misfit, p_value) in failing(&records, &fits, declared, level) {
             found.push(StepMisfit {
-                step: describe::step(campaign, points.poses.observations[record].step),
+                step: step_in_words(campaign, points.poses.observations[record].step),
                 rms_um: misfit.rms_um,
                 chi_squared: misfit.chi_squared,
                 degrees_of_freedom: misfit.degrees_of_freedom,
@@ -68,56 +71,6 @@ pub(crate) fn misfits(campaign: &Campaign, points: &PointPoses, declared: bool) 
     }
     found
 }
-
-/// Steps at which the lengths to a target contradict the rigid body so much that half of them or more were
-/// removed: it stood elsewhere. The sum of squares is that of the displacement of the target, whose three
-/// coordinates explain them.
-pub(crate) fn lost_targets(
-    campaign: &Campaign,
-    lengths: &Lengths,
-    screened: &Screened,
-) -> Vec<StepMisfit> {
-    let mut errors: HashMap<usize, (f64, f64)> = HashMap::new();
-    for removed in &screened.removed {
-        errors.insert(removed.reading, (removed.error_mm, removed.u_mm));
-    }
-    let mut seen: BTreeMap<(usize, usize), Seen> = BTreeMap::new();
-    for stop in &lengths.stops {
-        for i in stop.readings.clone() {
-            let key = (stop.step, lengths.readings[i].target);
-            let seen = seen.entry(key).or_default();
-            seen.lengths += 1;
-            seen.removed.extend(errors.get(&i));
-        }
-    }
-    let lost = |(&(step, _), seen): (&(usize, usize), &Seen)| {
-        let errors = &seen.removed;
-        if errors.len() < COORDINATES || 2 * errors.len() < seen.lengths {
-            return None;
-        }
-        let squares: f64 = errors.iter().map(|(error, _)| error * error).sum();
-        let chi_squared = errors.iter().map(|(error, u)| (error / u).powi(2)).sum();
-        Some(StepMisfit {
-            step: describe::step(campaign, step),
-            rms_um: (squares / errors.len() as f64).sqrt() / MICROMETRE,
-            chi_squared,
-            degrees_of_freedom: COORDINATES,
-            p_value: chi_squared_upper_tail(chi_squared, COORDINATES as f64),
-        })
-    };
-    seen.iter().filter_map(lost).collect()
-}
-
-/// The lengths to a target at a step.
-#[derive(Default)]
-struct Seen {
-    lengths: usize,
-    /// Error and its standard uncertainty of those that were removed, mm.
-    removed: Vec<(f64, f64)>,
-}
-
-/// Of a displacement.
-const COORDINATES: usize = 3;
 
 /// A record that fails, with its test and p-value.
 type Failing = (usize, RigidMisfit, f64);
@@ -129,15 +82,12 @@ fn failing(records: &[usize], fits: &[&StepPose], declared: bool, level: f64) ->
         return Vec::new();
     };
     let against_shape = |shape: &[Vector3<f64>]| -> Vec<Failing> {
-        let mut tested: Vec<(usize, RigidMisfit)> = in_order::map(records.len(), |n| {
-            let i = records[n];
-            (i, against(fits[i], shape))
-        });
+        let tested = records.par_iter().with_min_len(PIECE);
+        let tested: Vec<(usize, RigidMisfit)> =
+            tested.map(|&i| (i, against(fits[i], shape))).collect();
         let variance = typical_variance(&tested, declared);
-        tested
-            .iter_mut()
-            .for_each(|(_, misfit)| misfit.chi_squared /= variance);
-        let with_p = |(i, misfit): (usize, RigidMisfit)| {
+        let with_p = |(i, mut misfit): (usize, RigidMisfit)| {
+            misfit.chi_squared /= variance;
             let degrees_of_freedom = misfit.degrees_of_freedom as f64;
             let p_value = chi_squared_upper_tail(misfit.chi_squared, degrees_of_freedom);
             (i, misfit, p_value)
@@ -145,22 +95,19 @@ fn failing(records: &[usize], fits: &[&StepPose], declared: bool, level: f64) ->
         let tested = tested.into_iter().map(with_p);
         tested.filter(|(_, _, p_value)| *p_value < level).collect()
     };
-    let shape_of = |combine: fn(Vec<f64>) -> f64, without: &[Failing]| {
-        let kept = records
-            .iter()
-            .filter(|&&i| without.binary_search_by_key(&i, |bad| bad.0).is_err());
-        let kept: Vec<&StepPose> = kept.map(|&i| fits[i]).collect();
-        let targets = 0..fits[first].deltas_mm.len();
+    let shape_of = |combine: fn(Vec<f64>) -> f64, without: &[Failing]| -> Vec<Vector3<f64>> {
+        let is_kept = |i: &&usize| without.binary_search_by_key(*i, |bad| bad.0).is_err();
+        let kept: Vec<usize> = records.iter().filter(is_kept).copied().collect();
         let coordinate = |target: usize, c: usize| {
             combine(
                 kept.iter()
-                    .map(|fit| fit.distortion_mm[target][c])
+                    .map(|&i| fits[i].distortion_mm[target][c])
                     .collect(),
             )
         };
-        targets
-            .map(|t| Vector3::from_fn(|c, _| coordinate(t, c)))
-            .collect::<Vec<_>>()
+        let targets = 0..fits[first].deltas_mm.len();
+        let targets = targets.map(|t| Vector3::from_fn(|c, _| coordinate(t, c)));
+        targets.collect()
     };
     let suspects = against_shape(&shape_of(median, &[]));
     if suspects.is_empty() {

@@ -1,9 +1,10 @@
 //! What is wrong with the lengths, in the words of the campaign.
 
-use trueaxis_campaign::{Campaign, Direction, Lengths, Stop};
-use trueaxis_multilateration::{Error as MultilaterationError, Group, Part, StationUnknown};
+use trueaxis_campaign::{Campaign, Direction, Lengths};
+use trueaxis_multilateration::{Error as Failure, Group, Part, StationUnknown};
 
-use crate::{Error, describe};
+use crate::Error;
+use crate::words::{length_in_words, step_in_words, stop_of};
 
 /// What makes many lengths contradict the others.
 const LOOK_AT: &str = "check that every row names its own station and target, that no beam was interrupted, \
@@ -12,38 +13,19 @@ const LOOK_AT: &str = "check that every row names its own station and target, th
 /// Pairs of lengths named before the rest is only counted.
 const MOST_NAMED: usize = 5;
 
-/// Where positions were approached from both sides, lost motion contradicts itself.
-fn lost_motion(campaign: &Campaign, lengths: &Lengths) -> &'static str {
+/// What to do about lengths that contradict others: `first`, or adjust them all. Where positions were
+/// approached from both sides, lost motion contradicts itself.
+fn or_as_they_are(campaign: &Campaign, lengths: &Lengths, first: &str) -> String {
     let mut steps: Vec<Option<Direction>> = vec![None; campaign.steps.len()];
-    let both = lengths.stops.iter().any(|stop| {
+    let both_sides = lengths.stops.iter().any(|stop| {
         let first = *steps[stop.step].get_or_insert(stop.direction);
         first != stop.direction
     });
-    match both {
+    let by_direction = match both_sides {
         true => "--by-direction tells lost motion from wrong lengths; ",
         false => "",
-    }
-}
-
-/// A length as `line 7 (station S1, target P, run x at X = 20 mm)`.
-pub(crate) fn length_in_words(campaign: &Campaign, lengths: &Lengths, reading: usize) -> String {
-    let stop = stop_of(lengths, reading);
-    let length = &lengths.readings[reading];
-    format!(
-        "line {} (station {}, target {}, {})",
-        length.line,
-        campaign.stations[stop.station].name,
-        campaign.targets[length.target].name,
-        describe::step(campaign, stop.step),
-    )
-}
-
-/// The stop of a reading.
-pub(crate) fn stop_of(lengths: &Lengths, reading: usize) -> &Stop {
-    let stop = lengths
-        .stops
-        .partition_point(|stop| stop.readings.end <= reading);
-    &lengths.stops[stop]
+    };
+    format!("{first}; {by_direction}--no-robust adjusts all lengths as they are")
 }
 
 /// A failed adjustment in the words of the campaign; `groups` are those of its network.
@@ -51,83 +33,78 @@ pub(crate) fn adjustment_error(
     campaign: &Campaign,
     lengths: &Lengths,
     groups: &[Group],
-    error: MultilaterationError,
+    failure: Failure,
 ) -> Error {
-    let target_name = |group: usize, point: usize| {
-        let target = groups[group].targets[point];
-        let step = describe::step(campaign, groups[group].step);
-        format!("target {} in {step}", campaign.targets[target].name)
+    let step = |group: usize| step_in_words(campaign, groups[group].step);
+    let target = |group: usize, point: usize| {
+        let name = &campaign.targets[groups[group].targets[point]].name;
+        format!("target {name} in {}", step(group))
     };
     let station = |j: usize| campaign.stations[j].name.clone();
-    match error {
-        MultilaterationError::TooFewStations { need, found } => Error::NotIdentifiable {
-            what: format!(
+    let length = |reading: usize| length_in_words(campaign, lengths, reading);
+    match failure {
+        Failure::TooFewStations { need, found } => Error::not_identifiable(
+            format!(
                 "stations and points together need lengths from at least {need} stations, found {found}"
             ),
-            mend: "measure the whole path from more stations".to_owned(),
-        },
-        MultilaterationError::StationWithoutReadings { station: j } => Error::NotIdentifiable {
-            what: format!("station {} has no lengths", station(j)),
-            mend: "remove it from `stations`, or add its rows".to_owned(),
-        },
-        MultilaterationError::PointSeenTooRarely {
+            "measure the whole path from more stations",
+        ),
+        Failure::StationWithoutReadings { station: j } => Error::not_identifiable(
+            format!("station {} has no lengths", station(j)),
+            "remove it from `stations`, or add its rows",
+        ),
+        Failure::PointSeenTooRarely {
             group,
             point,
             seen,
             need,
-        } => Error::NotIdentifiable {
-            what: format!(
+        } => Error::not_identifiable(
+            format!(
                 "{} was measured from {seen} station(s), at least {need} are needed",
-                target_name(group, point)
+                target(group, point)
             ),
-            mend: "measure it from the missing stations, or leave out the rows of this step"
-                .to_owned(),
-        },
-        MultilaterationError::PointNotDetermined {
+            "measure it from the missing stations, or leave out the rows of this step",
+        ),
+        Failure::PointNotDetermined {
             group,
             point,
             pivot,
             limit,
-        } => Error::NotIdentifiable {
-            what: format!(
+        } => Error::not_identifiable(
+            format!(
                 "{}: the beams that meet there lie in one plane (relative pivot {pivot:.1e}, \
-                     limit {limit:.1e})",
-                target_name(group, point)
+                 limit {limit:.1e})",
+                target(group, point)
             ),
-            mend: "place one station well above or below the others".to_owned(),
-        },
-        MultilaterationError::PoseNotDetermined {
+            "place one station well above or below the others",
+        ),
+        Failure::PoseNotDetermined {
             group,
             lengths,
             pivot,
             limit,
-        } => Error::NotIdentifiable {
-            what: format!(
+        } => Error::not_identifiable(
+            format!(
                 "{}: its {lengths} lengths do not determine the pose of the stage (relative pivot {pivot:.1e}, \
                  limit {limit:.1e})",
-                describe::step(campaign, groups[group].step)
+                step(group)
             ),
-            mend: "measure it from the missing stations, or leave out the rows of this step; if none is missing, \
-                   spread the stations in all directions"
-                .to_owned(),
-        },
-        MultilaterationError::TooFewReadings { readings, unknowns } => Error::NotIdentifiable {
-            what: format!("{readings} lengths cannot determine {unknowns} unknowns"),
-            mend: "measure more steps, targets or stations".to_owned(),
-        },
-        MultilaterationError::StationsNotDetermined { defect, free, .. } => {
-            Error::NotIdentifiable {
-                what: format!(
-                    "the lengths leave {defect} combination(s) of the stations free: {}",
-                    unknowns_in_words(campaign, &free)
-                ),
-                mend:
-                    "spread the stations in all directions around the machine, and let the targets \
-                   move in all directions"
-                        .to_owned(),
-            }
-        }
-        MultilaterationError::NoStart {
+            "measure it from the missing stations, or leave out the rows of this step; if none is missing, \
+             spread the stations in all directions",
+        ),
+        Failure::TooFewReadings { readings, unknowns } => Error::not_identifiable(
+            format!("{readings} lengths cannot determine {unknowns} unknowns"),
+            "measure more steps, targets or stations",
+        ),
+        Failure::StationsNotDetermined { defect, free, .. } => Error::not_identifiable(
+            format!(
+                "the lengths leave {defect} combination(s) of the stations free: {}",
+                unknowns_in_words(campaign, &free)
+            ),
+            "spread the stations in all directions around the machine, and let the targets move in all \
+             directions",
+        ),
+        Failure::NoStart {
             station: j,
             readings,
             rms_mm,
@@ -136,77 +113,63 @@ pub(crate) fn adjustment_error(
             readings,
             rms_mm,
         },
-        MultilaterationError::RanAway {
+        Failure::RanAway {
             reading,
             residual_mm,
         } => Error::RanAway {
-            length: length_in_words(campaign, lengths, reading),
+            length: length(reading),
             residual_mm,
         },
-        MultilaterationError::TooManyGrossErrors {
+        Failure::TooManyGrossErrors {
             removed,
             readings,
             limit,
-        } => Error::NotTrustworthy {
-            what: format!(
+        } => Error::not_trustworthy(
+            format!(
                 "{} of {readings} lengths contradict the others, more than the {:.0} % that may be \
                  accidents; most of them: {}",
                 removed.len(),
                 limit * 100.0,
                 most_of(campaign, lengths, &removed)
             ),
-            mend: format!(
-                "{LOOK_AT}; {}--no-robust adjusts all lengths as they are",
-                lost_motion(campaign, lengths)
-            ),
-        },
-        MultilaterationError::PartLost {
+            or_as_they_are(campaign, lengths, LOOK_AT),
+        ),
+        Failure::PartLost {
             part,
             removed,
             readings,
             ..
-        } => Error::NotTrustworthy {
-            what: format!(
+        } => Error::not_trustworthy(
+            format!(
                 "{removed} of the {readings} lengths of {} contradict the others, more than a third",
                 match part {
                     Part::Station(j) => format!("station {}", station(j)),
-                    Part::Group(g) => describe::step(campaign, groups[g].step),
+                    Part::Group(g) => step(g),
                 }
             ),
-            mend: format!(
-                "{LOOK_AT}; {}--no-robust adjusts all lengths as they are",
-                lost_motion(campaign, lengths)
-            ),
-        },
-        MultilaterationError::Undecidable { pairs } => {
-            let in_words = |&(reading, other): &(usize, usize)| {
-                format!(
-                    "{} and {}",
-                    length_in_words(campaign, lengths, reading),
-                    length_in_words(campaign, lengths, other)
-                )
-            };
-            let named: Vec<String> = pairs.iter().take(MOST_NAMED).map(in_words).collect();
+            or_as_they_are(campaign, lengths, LOOK_AT),
+        ),
+        Failure::Undecidable { pairs } => {
+            let named = pairs.iter().take(MOST_NAMED);
+            let named = named.map(|&(one, other)| format!("{} and {}", length(one), length(other)));
+            let named: Vec<String> = named.collect();
             let more = match pairs.len().saturating_sub(MOST_NAMED) {
                 0 => String::new(),
                 more => format!("; and {more} more"),
             };
-            Error::NotTrustworthy {
-                what: format!(
+            Error::not_trustworthy(
+                format!(
                     "lengths contradict each other, and nothing tells which one is wrong: {}{more}",
                     named.join("; ")
                 ),
-                mend: format!(
-                    "measure these steps again, or leave out their rows; {}--no-robust adjusts all \
-                     lengths as they are",
-                    lost_motion(campaign, lengths)
+                or_as_they_are(
+                    campaign,
+                    lengths,
+                    "measure these steps again, or leave out their rows",
                 ),
-            }
+            )
         }
-        other => Error::NotIdentifiable {
-            what: chain(&other),
-            mend: "check the campaign with `trueaxis check`".to_owned(),
-        },
+        other => Error::not_identifiable(chain(&other), "check the campaign with `trueaxis check`"),
     }
 }
 
@@ -256,7 +219,7 @@ pub(crate) fn contradictory(
             worst.1,
             worst.0 * 1e3
         ),
-        hint: LOOK_AT.to_owned(),
+        hint: LOOK_AT,
     }
 }
 
