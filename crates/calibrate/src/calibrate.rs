@@ -6,17 +6,18 @@ use trueaxis_kinematics::Machine;
 use trueaxis_poses::{LengthsAdjustment, MeasuredPoses, Station, centroid, measure};
 
 use crate::Error;
-use crate::axis_data::{AxisData, by_axis};
-use crate::axis_results::{axis_results, station_results};
-use crate::calibration::{Calibration, TargetResult};
-use crate::identify_axes::{Identified, identify_axes, mean_targets};
-use crate::notices::notices;
-use crate::output_covariance::{OutputCovariance, check_size};
-use crate::plausibility::{check_motion, check_noise};
-use crate::pose_errors::Context;
+use crate::identify::axis_data::{AxisData, by_axis};
+use crate::identify::identify_axes::{Identified, identify_axes, mean_targets};
+use crate::identify::plausibility::{check_motion, check_noise};
+use crate::identify::pose_errors::Context;
+use crate::propagate::output_covariance::check_size;
+use crate::propagate::propagation::{Dependence, Propagation};
+use crate::report::axis_results::{axis_results, station_results};
+use crate::report::notices::notices;
+use crate::report::triangle::triangle;
+use crate::result::calibration::{Calibration, TargetResult};
+use crate::result::output::OutputCovariance;
 use crate::settings::{ReferencePoint, Settings};
-use crate::triangle::triangle;
-use crate::uncertainty::{Dependence, Propagation};
 
 /// Finds all component and location errors of the axes that a campaign measured.
 ///

@@ -67,62 +67,30 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod added_uncertainty;
-mod adjustment_file;
-mod axis_data;
-mod axis_noise;
-mod axis_results;
-mod axis_twist;
-mod base_response;
-mod basis;
-mod budget;
 mod calibrate;
-mod calibration;
-mod covariance_files;
 mod error;
-mod frame;
-mod frame_forms;
-mod frame_map;
-mod gauge;
-mod identify_axes;
+mod files;
+mod identify;
 mod in_order;
-mod interpolation;
-mod json;
-mod method_loss;
-mod node_records;
-mod notices;
-mod output_covariance;
-mod output_entry;
-mod plausibility;
-mod pose_errors;
-mod reliability;
-mod reliability_files;
+mod propagate;
 mod replay;
-mod results;
+mod report;
+mod result;
 mod settings;
-mod sources;
-mod start;
-mod state;
-mod triangle;
-mod twist;
-mod uncertainty;
-mod variance;
 mod volumetric;
-mod with_effects;
 
-pub use budget::{Budget, coverage_factor};
 pub use calibrate::{calibrate, calibrate_with_adjustment};
-pub use calibration::{
+pub use error::Error;
+pub use replay::reliability::{LengthReliability, LengthsReliability};
+pub use replay::replay::{Replay, calibrate_for_replay};
+pub use replay::with_effects::calibrate_with_effects;
+pub use result::budget::{Budget, coverage_factor};
+pub use result::calibration::{
     AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, StationResult, TargetResult,
     TriangleSide,
 };
-pub use error::Error;
-pub use output_covariance::{Output, OutputCovariance, Unit};
-pub use output_entry::OutputEntry;
-pub use reliability::{LengthReliability, LengthsReliability};
-pub use replay::{Replay, calibrate_for_replay};
-pub use results::NumberedResult;
+pub use result::numbered::NumberedResult;
+pub use result::output::{Output, OutputCovariance, Unit};
 pub use settings::{ReferencePoint, Settings};
 pub use trueaxis_poses::Method;
 pub use volumetric::VolumetricError;
-pub use with_effects::calibrate_with_effects;
