@@ -3,78 +3,16 @@
 /// A campaign that does not yield a calibration.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// The campaign has neither lengths nor points.
-    #[error(
-        "the campaign has neither lengths nor points to calibrate from: add `lengths` or `points`"
-    )]
-    NothingMeasured,
-    /// The lengths do not determine points and stations.
+    /// The campaign does not yield poses.
+    #[error(transparent)]
+    Poses(#[from] trueaxis_poses::Error),
+    /// The poses do not determine the errors of an axis, or nothing tells their uncertainty.
     #[error("{what}; {mend}")]
     NotIdentifiable {
         /// What cannot be determined, by name.
         what: String,
         /// What would determine it.
         mend: String,
-    },
-    /// The adjustment did not reach a minimum.
-    #[error(
-        "the adjustment of the lengths did not converge after {iterations} iterations: {termination}"
-    )]
-    NotConverged {
-        /// Iterations used.
-        iterations: usize,
-        /// Why it stopped, with numbers.
-        termination: String,
-    },
-    /// So much would have to be removed, or so little tells what, that no result can be trusted.
-    #[error("{what}; {mend}")]
-    NotTrustworthy {
-        /// What contradicts what.
-        what: String,
-        /// What to do.
-        mend: String,
-    },
-    /// The lengths contradict each other far beyond their noise.
-    #[error(
-        "the lengths contradict each other: rms residual {rms_um:.1} µm, {sigma0:.0} times what \
-         the noise explains; worst is {worst}; {hint}"
-    )]
-    Contradictory {
-        /// Rms of the residuals, µm.
-        rms_um: f64,
-        /// Standard deviation of unit weight.
-        sigma0: f64,
-        /// Where the misfit is largest.
-        worst: String,
-        /// What to look at.
-        hint: String,
-    },
-    /// The lengths contradict each other so much that the adjustment drove a station away.
-    #[error(
-        "the lengths contradict each other: the adjustment runs away; {length} is \
-         {residual_mm:.1} mm off what the nominal positions say, more than any other: check it, and \
-         that every row names its own station"
-    )]
-    RanAway {
-        /// The length with the largest misfit, in words.
-        length: String,
-        /// Its misfit, mm.
-        residual_mm: f64,
-    },
-    /// A length that no position of its station explains.
-    #[error(
-        "no position of station {station} explains its {readings} lengths: the best leaves {rms_mm:.1} mm \
-         rms; check its name in every row, the units, the \
-         directions of the axes and the nominal positions of the targets; a beam that lost its count \
-         by centimetres does the same"
-    )]
-    StationUnexplained {
-        /// Name of the station.
-        station: String,
-        /// Number of its lengths.
-        readings: usize,
-        /// Rms of the best attempt, mm.
-        rms_mm: f64,
     },
     /// The component errors did not settle.
     #[error(
@@ -117,11 +55,6 @@ pub enum Error {
         /// The first step at which it has moved.
         step: String,
     },
-    /// Effects on lengths in a campaign that has none.
-    #[error(
-        "effects are taken out of lengths, but this campaign has none; calibrate it without them"
-    )]
-    EffectsWithoutLengths,
     /// The covariance of all results does not fit.
     #[error(
         "the covariance of all {outputs} results takes {gib:.1} GiB, at most {limit_gib} GiB are \
@@ -149,13 +82,5 @@ pub enum Error {
         gib: f64,
         /// Largest size, GiB.
         limit_gib: f64,
-    },
-    /// A covariance or an equation system failed although all checks before it passed.
-    #[error("axis {axis}: {what}")]
-    Numerical {
-        /// The axis.
-        axis: String,
-        /// What failed, with numbers.
-        what: String,
     },
 }

@@ -1,21 +1,29 @@
 //! All geometric errors of a machine tool from a measuring campaign.
 //!
-//! From the lengths (or coordinates) of three targets on each axis' stage, every measured pose is
+//! From lengths to (or coordinates of) three targets on each axis' stage come the poses of the stages
+//! (`trueaxis-poses`; by default in one adjustment of all lengths with rigid stages). Every measured pose is
 //! explained by the exact machine model
 //!
 //! ```text
-//! p = T1(q1) … Tk(qk) r        T: commanded motion, location errors, component errors
+//! P = T1(q1) … Tk(qk) H        T: commanded motion, location errors, component errors
 //! ```
 //!
-//! and each axis' component errors, its location errors and the home positions of the targets
-//! follow in the least-squares gauge: location errors are what the average line or axis of
-//! rotation takes, component errors are what is left.
+//! (`H`: the targets at home on their stage), and each axis' component errors, its location errors and the home
+//! positions of the targets follow in the least-squares gauge: location errors are what the average line or
+//! axis of rotation takes, component errors are what is left.
 //!
-//! Noun in: a [`trueaxis_campaign::Campaign`]; noun out: a [`Calibration`] with standard
-//! uncertainties propagated from the lengths. The path is lengths → points
-//! (`trueaxis-multilateration`) → pose errors by the nine equations (`trueaxis-identify`) → average
-//! lines and axes (start: `trueaxis-fitting`) → gauge and reference frame, repeated until the exact
-//! model reproduces the measured poses.
+//! Noun in: a [`trueaxis_campaign::Campaign`] and [`Settings`]; noun out: a [`Calibration`] with standard
+//! uncertainties propagated from the noise of the poses. [`calibrate()`] goes
+//!
+//! 1. measure: campaign → poses with their covariance ([`trueaxis_poses::measure()`]), sorted by the axis
+//!    under test;
+//! 2. identify: from average lines and axes (`trueaxis-fitting`) Newton's method on the pose, axis after axis
+//!    from the bed outwards, with the gauge and the reference frame settled in every pass, until the model
+//!    reproduces the measured poses;
+//! 3. propagate: every result as a linear function of the errors of the poses;
+//! 4. report: results, what contradicts them, what a user must know.
+//!
+//! Nothing behind the first step knows how the poses were found.
 //!
 //! # The reference frame
 //!
@@ -30,27 +38,20 @@
 //!
 //! # Uncertainties
 //!
-//! Everything is linear in the points' errors, and these in the noise of the lengths and of the
-//! machine's return. Each standard uncertainty comes with its [`Budget`] and its degrees of freedom
+//! Each standard uncertainty comes with its [`Budget`] and its degrees of freedom
 //! ([`coverage_factor`]); on request the covariance of all results together
 //! ([`OutputCovariance`]), and with it that of the volumetric error
 //! ([`Calibration::volumetric_error_at`]).
 //!
-//! # Gross errors, noise, trials
+//! # The same campaign again
 //!
-//! Lengths that contradict the others leave, interrupted turns are split, and the noise is estimated
-//! from what is left ([`trueaxis_multilateration::screen`]; [`AdjustmentReport`] says what was done).
 //! [`calibrate_for_replay`] keeps what other errors of the same measurement need: Monte Carlo and
-//! reliability.
-//!
-//! # Effects that are known
-//!
-//! [`calibrate_with_effects`] takes what effects beyond the rigid machine do (drift, jumps, lost motion)
-//! out of the lengths, and lets the uncertainty of their values into that of the results.
+//! reliability ([`Replay`]). [`calibrate_with_effects`] takes what effects beyond the rigid machine do (drift,
+//! jumps, lost motion) out of the lengths, and lets the uncertainty of their values into that of the results.
 //!
 //! # What it does not do
 //!
-//! It does not say why a model fails. Points are not screened, and their noise is only tested.
+//! It does not measure, and it does not say why a model fails (`trueaxis-diagnose` does).
 //!
 //! ```
 //! use trueaxis_calibrate::{Settings, calibrate};
@@ -66,77 +67,30 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod added_uncertainty;
-mod adjustment_file;
-mod adjustment_report;
-mod axis_data;
-mod axis_noise;
-mod axis_twist;
-mod base_response;
-mod basis;
-mod budget;
 mod calibrate;
-mod calibration;
-mod covariance_files;
-mod describe;
 mod error;
-mod frame;
-mod frame_forms;
-mod frame_map;
-mod from_lengths;
-mod from_points;
-mod gauge;
-mod identify_axes;
+mod files;
+mod identify;
 mod in_order;
-mod interpolation;
-mod json;
-mod length_circumstances;
-mod lengths_in_words;
-mod measure;
-mod method_loss;
-mod nine;
-mod node_records;
-mod output_covariance;
-mod output_entry;
-mod points;
-mod points_report;
-mod pose_errors;
-mod poses;
-mod reliability;
-mod reliability_files;
+mod propagate;
 mod replay;
-mod results;
-mod rigid_fit;
-mod rigidity;
+mod report;
+mod result;
 mod settings;
-mod sides;
-mod sources;
-mod start;
-mod state;
-mod triangle;
-mod twist;
-mod uncertainty;
-mod variance;
 mod volumetric;
-mod weak_stations;
-mod with_effects;
 
-pub use adjustment_report::{
-    AdjustmentReport, InterruptedTurn, NoiseReport, PartReport, RejectedLength,
-};
-pub use budget::{Budget, coverage_factor};
-pub use calibrate::{LengthsAdjustment, calibrate, calibrate_with_adjustment};
-pub use calibration::{
-    AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, SideDifference, StationResult,
-    StepMisfit, TargetResult, TriangleSide,
-};
+pub use calibrate::{calibrate, calibrate_with_adjustment};
 pub use error::Error;
-pub use length_circumstances::{LengthCircumstances, Observation, length_circumstances, scene_of};
-pub use output_covariance::{Output, OutputCovariance, Unit};
-pub use output_entry::OutputEntry;
-pub use reliability::{LengthReliability, LengthsReliability};
-pub use replay::{Replay, ReplayWorkspace, calibrate_for_replay};
-pub use results::NumberedResult;
-pub use settings::{Method, ReferencePoint, Settings};
+pub use replay::reliability::{LengthReliability, LengthsReliability};
+pub use replay::replay::{Replay, calibrate_for_replay};
+pub use replay::with_effects::calibrate_with_effects;
+pub use result::budget::{Budget, coverage_factor};
+pub use result::calibration::{
+    AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, StationResult, TargetResult,
+    TriangleSide,
+};
+pub use result::numbered::NumberedResult;
+pub use result::output::{Output, OutputCovariance, Unit};
+pub use settings::{ReferencePoint, Settings};
+pub use trueaxis_poses::Method;
 pub use volumetric::VolumetricError;
-pub use with_effects::calibrate_with_effects;

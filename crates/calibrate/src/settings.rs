@@ -1,7 +1,7 @@
 //! How to calibrate.
 
 use nalgebra::Point3;
-use trueaxis_identify::SixRows;
+use trueaxis_poses::Method;
 
 /// Settings of [`crate::calibrate`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,18 +31,15 @@ impl Default for Settings {
     }
 }
 
-/// How six component errors follow from the lengths or points of a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Method {
-    /// The lengths of all steps in one adjustment with rigid stages: the pose of each step is an unknown
-    /// of it. Measured points are identified as with [`Method::Nine`].
-    #[default]
-    Joint,
-    /// Points first, each free of the others; then all nine equations (three for each target), weighted with
-    /// the covariance of the points. The paper's path.
-    Nine,
-    /// Points first, then six of nine equations without weights; [`SixRows::PAPER`] is the paper's choice.
-    Six(SixRows),
+impl Settings {
+    /// Those of the poses.
+    pub(crate) fn of_poses(&self) -> trueaxis_poses::Settings {
+        trueaxis_poses::Settings {
+            method: self.method,
+            by_direction: self.by_direction,
+            robust: self.robust,
+        }
+    }
 }
 
 /// The point of the stage whose translation is δ.

@@ -15,9 +15,9 @@
 use nalgebra::{Isometry3, Matrix3, Matrix3xX, Point3, Vector3};
 use trueaxis_kinematics::{Branch, GeometricErrors, LocationComponent, Machine};
 
-use crate::axis_twist::{ROTATION, SHIFT, TILT, TRANSLATION, axis_twist};
-use crate::calibration::{AxisResult, Calibration};
-use crate::output_covariance::OutputCovariance;
+use crate::propagate::axis_twist::{ROTATION, SHIFT, TILT, TRANSLATION, axis_twist};
+use crate::result::calibration::{AxisResult, Calibration};
+use crate::result::output::OutputCovariance;
 
 /// How far the tool is from where it should be relative to the workpiece.
 #[derive(Debug, Clone, PartialEq)]

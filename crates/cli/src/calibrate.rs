@@ -3,9 +3,10 @@
 use anyhow::Context;
 use trueaxis_calibrate::{
     Calibration, LengthsReliability, OutputCovariance, Settings, calibrate, calibrate_for_replay,
-    calibrate_with_effects, scene_of,
+    calibrate_with_effects,
 };
 use trueaxis_campaign::read;
+use trueaxis_poses::scene_of;
 
 use crate::args::CalibrateArgs;
 use crate::exit::Exit;

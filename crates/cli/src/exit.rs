@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use trueaxis_calibrate::Error as Calibrate;
 use trueaxis_diagnose::Error as Diagnose;
+use trueaxis_poses::Error as Poses;
 
 use crate::effects_input::EffectsInputError;
 use crate::output::OutputError;
@@ -86,20 +87,26 @@ impl Exit {
 
     fn of_calibration(error: &Calibrate) -> Self {
         match error {
-            Calibrate::NothingMeasured | Calibrate::NotIdentifiable { .. } => Self::NotIdentifiable,
-            Calibrate::NotThatMotion { .. }
-            | Calibrate::SeveralAxesMove { .. }
-            | Calibrate::EffectsWithoutLengths => Self::Input,
-            Calibrate::NotConverged { .. }
-            | Calibrate::NotTrustworthy { .. }
-            | Calibrate::Contradictory { .. }
-            | Calibrate::RanAway { .. }
-            | Calibrate::StationUnexplained { .. }
-            | Calibrate::NotSettled { .. } => Self::NotConverged,
+            Calibrate::Poses(error) => Self::of_poses(error),
+            Calibrate::NotIdentifiable { .. } => Self::NotIdentifiable,
+            Calibrate::NotThatMotion { .. } | Calibrate::SeveralAxesMove { .. } => Self::Input,
+            Calibrate::NotSettled { .. } => Self::NotConverged,
             Calibrate::CovarianceTooLarge { .. } | Calibrate::ReliabilityTooLarge { .. } => {
                 Self::Usage
             }
-            Calibrate::Numerical { .. } => Self::Internal,
+        }
+    }
+
+    fn of_poses(error: &Poses) -> Self {
+        match error {
+            Poses::NothingMeasured | Poses::NotIdentifiable { .. } => Self::NotIdentifiable,
+            Poses::EffectsWithoutLengths => Self::Input,
+            Poses::NotConverged { .. }
+            | Poses::NotTrustworthy { .. }
+            | Poses::Contradictory { .. }
+            | Poses::RanAway { .. }
+            | Poses::StationUnexplained { .. } => Self::NotConverged,
+            Poses::Numerical { .. } => Self::Internal,
         }
     }
 }

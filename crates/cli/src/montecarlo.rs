@@ -1,8 +1,9 @@
 //! `trueaxis montecarlo`.
 
 use anyhow::Context;
-use trueaxis_calibrate::{NumberedResult, Output, OutputEntry, Unit, calibrate_for_replay};
+use trueaxis_calibrate::{NumberedResult, Output, Unit, calibrate_for_replay};
 use trueaxis_campaign::read;
+use trueaxis_files::round;
 use trueaxis_kinematics::AxisKind;
 use trueaxis_montecarlo::{
     FirstOrder, Outcome, Propagation, Settings, Summary, Trials, Validation, propagate, validate,
@@ -232,16 +233,15 @@ fn verdict(compared: &[Compared<'_>]) -> Vec<String> {
 }
 
 pub(crate) fn in_words(output: &Output) -> String {
-    let entry = OutputEntry::new(output);
-    match (output, entry.position, entry.station) {
-        (Output::ComponentError { kind, .. }, Some(position), _) => {
-            let unit = match kind {
-                AxisKind::Linear => " mm",
-                AxisKind::Rotary => "°",
-            };
-            format!("{} at {position}{unit}", entry.name)
+    let name = output.name();
+    match output {
+        Output::ComponentError { kind, position, .. } => match kind {
+            AxisKind::Linear => format!("{name} at {position} mm"),
+            AxisKind::Rotary => format!("{name} at {}°", round(position.to_degrees(), 9)),
+        },
+        Output::LocationError { .. } => name,
+        Output::StationPosition { station, .. } | Output::DeadPath { station } => {
+            format!("{name} of {station}")
         }
-        (_, _, Some(station)) => format!("{} of {station}", entry.name),
-        _ => entry.name,
     }
 }

@@ -4,7 +4,7 @@
 //! `calibration.json`.
 
 use serde::Serialize;
-use trueaxis_calibrate::OutputEntry;
+use trueaxis_calibrate::Output;
 use trueaxis_montecarlo::{Outcome, Propagation};
 
 use crate::montecarlo::Compared;
@@ -25,7 +25,7 @@ struct File<'a> {
 #[derive(Serialize)]
 struct Entry<'a> {
     #[serde(flatten)]
-    output: OutputEntry<'a>,
+    output: &'a Output,
     value: f64,
     u_first_order: f64,
     mean: f64,
@@ -61,7 +61,7 @@ fn entry<'a>(one: &Compared<'a>) -> Entry<'a> {
     let found = &one.monte_carlo;
     let rounded = |x: f64| (x * 1e9).round() / 1e9 + 0.0;
     Entry {
-        output: OutputEntry::new(&one.result.output),
+        output: &one.result.output,
         value: rounded(one.first_order.value),
         u_first_order: rounded(one.first_order.u),
         mean: rounded(found.mean),

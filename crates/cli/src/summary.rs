@@ -2,12 +2,13 @@
 
 use nalgebra::Vector3;
 use trueaxis_calibrate::{
-    AxisResult, Calibration, LengthReliability, LengthsReliability, Method, NoiseReport,
-    NumberedResult, PartReport, coverage_factor,
+    AxisResult, Calibration, LengthReliability, LengthsReliability, Method, NumberedResult,
+    coverage_factor,
 };
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_fitting::{paper_c_axis_tilt, paper_squareness};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
+use trueaxis_poses::{NoiseReport, PartReport};
 
 use crate::montecarlo::in_words;
 

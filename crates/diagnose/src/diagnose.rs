@@ -1,8 +1,9 @@
 //! The headline verb: a campaign to a diagnosis.
 
-use trueaxis_calibrate::{Calibration, LengthsAdjustment, calibrate_with_adjustment};
+use trueaxis_calibrate::{Calibration, calibrate_with_adjustment};
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::Scene;
+use trueaxis_poses::LengthsAdjustment;
 
 use crate::changes::changes;
 use crate::components::diagnose_components;
@@ -195,11 +196,11 @@ fn scene_of_all(campaign: &Campaign) -> Scene {
 
 /// A calibration even of data that the screening refuses: what is wrong with them is the question here.
 /// With its covariance, unless that does not fit into memory. What had to be given up is a notice.
-fn calibrated(
-    campaign: &Campaign,
+fn calibrated<'a>(
+    campaign: &'a Campaign,
     settings: &Settings,
     notices: &mut Vec<String>,
-) -> Result<(Calibration, Option<LengthsAdjustment>), Error> {
+) -> Result<(Calibration, Option<LengthsAdjustment<'a>>), Error> {
     let mut wanted = trueaxis_calibrate::Settings {
         covariance: true,
         ..settings.calibration

@@ -34,4 +34,4 @@ mod step_scan;
 mod unexplained;
 
 pub(crate) use search::{LengthsOutcome, diagnose_lengths};
-pub(crate) use trueaxis_calibrate::scene_of as scene;
+pub(crate) use trueaxis_poses::scene_of as scene;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use trueaxis_calibrate::{OutputEntry, Settings, calibrate_for_replay};
+use trueaxis_calibrate::{Settings, calibrate_for_replay};
 use trueaxis_campaign::read;
 use trueaxis_montecarlo::{Settings as MonteCarlo, Trials, propagate};
 
@@ -23,7 +23,7 @@ fn assert_agreement(trials: usize) {
         let mut largest = 0.0_f64;
         for (result, found) in replay.results().iter().zip(&propagation.outputs) {
             let unit = result.output.unit().size();
-            let entry = OutputEntry::new(&result.output);
+            let entry = &result.output;
             // The mean, too: what is not linear is far below the noise.
             let bias = (found.mean - result.value / unit).abs() / found.scatter.mean;
             let off = (found.u - result.u / unit).abs() / found.scatter.u;

@@ -5,6 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use trueaxis_calibrate::{Calibration, Error, Settings, calibrate};
 use trueaxis_campaign::Campaign;
+use trueaxis_poses::Error as Poses;
 use trueaxis_simulate::{Scenario, Simulated, simulate};
 use trueaxis_tests::{Deviation, Scatter, components, locations};
 
@@ -88,7 +89,7 @@ fn ten_per_cent_are_refused() {
         let error = calibrate(&simulated.campaign, &Settings::default()).unwrap_err();
         println!("{name}: {error}");
         assert!(
-            matches!(error, Error::NotTrustworthy { .. }),
+            matches!(error, Error::Poses(Poses::NotTrustworthy { .. })),
             "{name}: {error}"
         );
     }

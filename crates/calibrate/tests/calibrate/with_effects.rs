@@ -1,10 +1,11 @@
 //! Effects that are taken out of the lengths.
 
 use trueaxis_calibrate::{
-    Calibration, NumberedResult, Settings, calibrate, calibrate_with_effects, scene_of,
+    Calibration, NumberedResult, Settings, calibrate, calibrate_with_effects,
 };
 use trueaxis_campaign::Campaign;
 use trueaxis_effects::{EffectsFile, GivenEffect, ResolvedEffects, resolve_all};
+use trueaxis_poses::scene_of;
 use trueaxis_simulate::{Scenario, simulate};
 
 const SCENARIO: &str = include_str!("../../../../campaigns/rotary-stage/scenario.json");

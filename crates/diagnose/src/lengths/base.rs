@@ -1,13 +1,13 @@
 //! The joint adjustment with rigid stages, with and without causes.
 
-use trueaxis_calibrate::{
-    LengthCircumstances as Reading, LengthsAdjustment, Method, length_circumstances, scene_of,
-};
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{ResolvedEffect, Scene};
 use trueaxis_multilateration::{
     CampaignNetwork, Group, Network, Noise, Settings, Solution, Whitened, estimate_noise,
     network_from_campaign, solve, solve_from,
+};
+use trueaxis_poses::{
+    LengthCircumstances as Reading, LengthsAdjustment, Method, length_circumstances, scene_of,
 };
 
 use crate::Error;
@@ -75,7 +75,7 @@ impl<'a> Base<'a> {
     pub(crate) fn new(
         campaign: &'a Campaign,
         lengths: &Lengths,
-        adjustment: Option<&LengthsAdjustment>,
+        adjustment: Option<&LengthsAdjustment<'_>>,
     ) -> Result<Self, Error> {
         let all = network_from_campaign(campaign, lengths, false);
         let removed = adjustment
@@ -86,7 +86,7 @@ impl<'a> Base<'a> {
         let many_gross = if few { 0 } else { removed.len() };
         let removed = if few { removed } else { Vec::new() };
         // With other groups it is no start.
-        let same = |adjustment: &&LengthsAdjustment| {
+        let same = |adjustment: &&LengthsAdjustment<'_>| {
             adjustment.method == Method::Joint && !adjustment.by_direction
         };
         let near = adjustment

@@ -18,7 +18,7 @@ mod true_gain;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use trueaxis_calibrate::LengthCircumstances as Reading;
+use trueaxis_poses::LengthCircumstances as Reading;
 
 use crate::lengths::base::{Adjusted, Base, Suspect};
 use crate::lengths::hypotheses::{scan, visit_times};

@@ -4,10 +4,10 @@
 //! Without them its instant is not known, either; so the search is made again with them. And several in a
 //! row to one target, or from one station, are no accidents at all.
 
-use trueaxis_calibrate::{LengthCircumstances as Reading, length_circumstances};
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::Shape;
 use trueaxis_multilateration::{Group, Network};
+use trueaxis_poses::{LengthCircumstances as Reading, length_circumstances};
 
 use crate::lengths::base::{Adjusted, Base, Suspect};
 

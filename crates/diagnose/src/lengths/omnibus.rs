@@ -5,8 +5,8 @@
 //! noise. Several tests share their level (Bonferroni).
 
 use rayon::prelude::*;
-use trueaxis_calibrate::LengthCircumstances as Reading;
 use trueaxis_kinematics::Machine;
+use trueaxis_poses::LengthCircumstances as Reading;
 
 use crate::OmnibusTest;
 use crate::lengths::base::{Adjusted, Base};

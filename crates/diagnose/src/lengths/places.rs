@@ -1,7 +1,7 @@
 //! Where the misfit lives.
 
-use trueaxis_calibrate::LengthCircumstances as Reading;
 use trueaxis_campaign::Direction;
+use trueaxis_poses::LengthCircumstances as Reading;
 
 use crate::Place;
 use crate::lengths::base::Base;

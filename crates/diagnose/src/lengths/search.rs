@@ -1,9 +1,9 @@
 //! The search for causes in the lengths.
 
-use trueaxis_calibrate::LengthsAdjustment;
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::Level;
 use trueaxis_multilateration::network_from_campaign;
+use trueaxis_poses::LengthsAdjustment;
 
 use crate::lengths::base::{Adjusted, Base, Suspect};
 use crate::lengths::causes::{Found, Search, find_causes};
@@ -40,7 +40,7 @@ pub(crate) struct LengthsOutcome {
 pub(crate) fn diagnose_lengths(
     campaign: &Campaign,
     lengths: &Lengths,
-    adjustment: Option<&LengthsAdjustment>,
+    adjustment: Option<&LengthsAdjustment<'_>>,
 ) -> Result<LengthsOutcome, Error> {
     let mut base = Base::new(campaign, lengths, adjustment)?;
     let mut looked = look(&base)?;

@@ -1,0 +1,80 @@
+//! The adjustment in `calibration.json`.
+
+use serde_json::{Value, json};
+use trueaxis_files::{round, significant};
+use trueaxis_poses::{
+    AdjustmentReport, InterruptedTurn, NoiseBasis, NoiseReport, PartReport, RejectedLength,
+};
+
+use crate::files::without_nulls;
+use crate::result::output::Unit;
+
+fn um(value_mm: f64) -> f64 {
+    Unit::Micrometre.in_file(value_mm)
+}
+
+pub(super) fn adjustment(adjustment: &AdjustmentReport) -> Value {
+    let noise = adjustment.noise.as_ref();
+    let interrupted = !adjustment.interruptions.is_empty();
+    without_nulls(json!({
+        "observations": adjustment.observations,
+        "unknowns": adjustment.unknowns,
+        "degrees_of_freedom": adjustment.degrees_of_freedom,
+        "sigma0": round(adjustment.sigma0, 6),
+        "p_value": significant(adjustment.p_value),
+        "uncertainty_factor": round(adjustment.uncertainty_factor, 6),
+        "rms_residual_um": um(adjustment.rms_residual_mm),
+        "length_sigma_um": noise.map(|noise| um(noise.length.used.sigma_mm)),
+        "repeatability_um": noise.map(|noise| um(noise.machine_return.used.sigma_mm)),
+        "noise": noise.map(noise_report),
+        "iterations": adjustment.iterations,
+        "termination": adjustment.termination,
+        "rejected": adjustment.rejected.iter().map(rejected).collect::<Value>(),
+        "interruptions": interrupted
+            .then(|| adjustment.interruptions.iter().map(interruption).collect::<Value>()),
+    }))
+}
+
+fn noise_report(noise: &NoiseReport) -> Value {
+    let part = |part: &PartReport| {
+        without_nulls(json!({
+            "declared_um": part.declared_mm.map(um),
+            "used_um": um(part.used.sigma_mm),
+            "u_um": um(part.used.u_mm),
+            "p_value": part.used.p_value.map(significant),
+        }))
+    };
+    without_nulls(json!({
+        "basis": match noise.basis {
+            NoiseBasis::Given => "declared",
+            NoiseBasis::CommonFactor => "one factor from the residuals",
+            NoiseBasis::Components => "estimated from the residuals",
+        },
+        "length_sigma": part(&noise.length),
+        "length_sigma_ppm": (noise.length_ppm > 0.0).then(|| round(noise.length_ppm, 6)),
+        "repeatability": part(&noise.machine_return),
+    }))
+}
+
+fn rejected(rejected: &RejectedLength) -> Value {
+    let why = match rejected.unchecked {
+        false => "contradicts the other lengths",
+        true => "unchecked beside a wrong length",
+    };
+    json!({
+        "row": rejected.line,
+        "reason": format!("{why}: {}", rejected.length),
+        "error_um": um(rejected.error_mm),
+        "u_um": um(rejected.u_mm),
+    })
+}
+
+fn interruption(turn: &InterruptedTurn) -> Value {
+    json!({
+        "station": turn.station,
+        "rows": turn.lines,
+        "times_s": turn.times_s,
+        "change_um": um(turn.change_mm),
+        "u_um": um(turn.u_mm),
+    })
+}

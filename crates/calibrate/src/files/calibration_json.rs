@@ -1,0 +1,216 @@
+//! `calibration.json`, version 1.
+//!
+//! Positions are mm or degrees, linear errors µm, angular errors arcsec; `u` is a standard
+//! uncertainty. Numbers are rounded far below anything measurable, so that the file reads well.
+
+use nalgebra::Point3;
+use serde::Serialize;
+use serde_json::{Value, json};
+use trueaxis_files::{round, significant};
+use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
+use trueaxis_poses::{Method, SideDifference, StepMisfit};
+
+use crate::files::adjustment_json::adjustment;
+use crate::files::{text, without_nulls};
+use crate::result::budget::Budget;
+use crate::result::calibration::{
+    AxisResult, Calibration, LocationResult, StationResult, TriangleSide,
+};
+use crate::result::output::{Unit, direction_in_file, position_in_file};
+
+impl Calibration {
+    /// The text of `calibration.json`, version 1.
+    ///
+    /// Optional fields beyond the fixed ones: `p_value` and `uncertainty_factor` of the
+    /// adjustment, `direction` of each position where the sides of approach are kept apart,
+    /// `noise_gain` of each axis where equations were solved, `u_ratio` where they
+    /// were not (what they would lose), `dof` (degrees of freedom of u, the least of a curve; absent if
+    /// infinite) and `budget` (shares of u², mean of a curve) of each error, `misfits`, `triangle`,
+    /// `effects_taken_out` where there are any, `notices`.
+    pub fn to_json(&self) -> String {
+        let targets = self.targets.iter();
+        let targets =
+            targets.map(|t| json!({ "name": t.name, "position_mm": point(t.position_mm) }));
+        let locations = self.axes.iter().flat_map(|axis| {
+            let errors = axis.location_errors.iter();
+            errors.map(|error| (error.component.name(&axis.name), location_error(error)))
+        });
+        text(&without_nulls(json!({
+            "format": "trueaxis-calibration",
+            "version": 1,
+            "campaign": self.campaign,
+            "method": match self.method {
+                Method::Joint => "joint".to_owned(),
+                Method::Nine => "nine-equation".to_owned(),
+                Method::Six(rows) => format!("six-equation {rows}"),
+            },
+            "adjustment": adjustment(&self.adjustment),
+            "stations": self.stations.iter().map(station).collect::<Value>(),
+            "targets": targets.collect::<Value>(),
+            "axes": self.axes.iter().map(axis).collect::<Value>(),
+            "location_errors": locations.collect::<Value>(),
+            "misfits": self.misfits.iter().map(misfit).collect::<Value>(),
+            "triangle": self.triangle.iter().map(side).collect::<Value>(),
+            "effects_taken_out": (!self.effects.is_empty()).then_some(&self.effects),
+            "notices": self.notices,
+        })))
+    }
+}
+
+fn mm(value: f64) -> f64 {
+    Unit::Millimetre.in_file(value)
+}
+
+fn point(point_mm: Point3<f64>) -> [f64; 3] {
+    point_mm.map(mm).into()
+}
+
+fn station(station: &StationResult) -> Value {
+    json!({
+        "name": station.name,
+        "position_mm": point(station.position_mm),
+        "u_mm": station.u_mm.map(mm),
+        "dead_path_mm": mm(station.dead_path_mm),
+        "u_dead_path_mm": mm(station.u_dead_path_mm),
+    })
+}
+
+fn axis(axis: &AxisResult) -> Value {
+    let (kind, unit) = match axis.kind {
+        AxisKind::Linear => ("linear", "mm"),
+        AxisKind::Rotary => ("rotary", "deg"),
+    };
+    let nodes = axis.nodes.iter();
+    let positions = nodes
+        .clone()
+        .map(|node| position_in_file(axis.kind, node.position));
+    let directions = nodes
+        .filter_map(|node| node.direction)
+        .map(direction_in_file);
+    let directions: Vec<i8> = directions.collect();
+    without_nulls(json!({
+        "name": axis.name,
+        "kind": kind,
+        "unit": unit,
+        "positions": positions.collect::<Value>(),
+        "direction": (!directions.is_empty()).then_some(directions),
+        "reference_point_mm": point(axis.reference_point_mm),
+        "components": by_component(axis, |c| curve(axis, c)),
+        "noise_gain": axis.noise_gain.map(|gains| by_component(axis, |c| noise_gain(&gains, c))),
+        "u_ratio": axis.u_ratio.map(|loss| {
+            by_component(axis, |c| without_nulls(json!({
+                "nine": round(loss.nine[c.index()], 4),
+                "six": loss.six.map(|six| round(six[c.index()], 4)),
+            })))
+        }),
+        "forward_minus_backward": axis.sides.map(|sides| json!({
+            "p_value": significant(sides.p_value),
+            "components": by_component(axis, |c| side_difference(&sides, c)),
+        })),
+    }))
+}
+
+/// One entry for each of the six components, by their names.
+fn by_component(axis: &AxisResult, entry: impl Fn(Component) -> Value) -> Value {
+    let entries = Component::ALL.into_iter();
+    entries
+        .map(|component| (component.name(&axis.name), entry(component)))
+        .collect()
+}
+
+/// `value_um` and `u_um`, or the same in another unit, with what is behind the uncertainties: the least degrees
+/// of freedom, and the mean shares of what is not zero by definition.
+fn quantity(
+    unit: Unit,
+    value: impl Serialize,
+    u: impl Serialize,
+    behind: impl Iterator<Item = (f64, Budget)>,
+) -> Value {
+    let mut least = f64::INFINITY;
+    let (mut sums, mut count) = ([0.0; 4], 0.0);
+    for (dof, budget) in behind {
+        least = least.min(dof);
+        if let Some(shares) = budget.shares() {
+            for (sum, share) in sums.iter_mut().zip(shares) {
+                *sum += share;
+            }
+            count += 1.0;
+        }
+    }
+    let [laser, machine_return, station_geometry, effects] = sums.map(|sum| round(sum / count, 4));
+    let budget = without_nulls(json!({
+        "laser": laser,
+        "machine_return": machine_return,
+        "station_geometry": station_geometry,
+        "effects": (effects > 0.0).then_some(effects),
+    }));
+    without_nulls(json!({
+        (format!("value_{}", unit.suffix())): value,
+        (format!("u_{}", unit.suffix())): u,
+        "dof": least.is_finite().then(|| round(least, 1)),
+        "budget": (count > 0.0).then_some(budget),
+    }))
+}
+
+fn curve(axis: &AxisResult, component: Component) -> Value {
+    let (c, unit) = (component.index(), Unit::of_component(component));
+    let nodes = axis.nodes.iter();
+    let values = nodes
+        .clone()
+        .map(|node| unit.in_file(node.error.to_vector()[c]));
+    let uncertainties = nodes.clone().map(|node| unit.in_file(node.u[c]));
+    let behind = nodes.map(|node| (node.dof[c], node.budget[c]));
+    quantity(
+        unit,
+        values.collect::<Value>(),
+        uncertainties.collect::<Value>(),
+        behind,
+    )
+}
+
+fn location_error(error: &LocationResult) -> Value {
+    let unit = Unit::of_location(error.component);
+    let behind = std::iter::once((error.dof, error.budget));
+    quantity(
+        unit,
+        unit.in_file(error.value),
+        unit.in_file(error.u),
+        behind,
+    )
+}
+
+fn side_difference(sides: &SideDifference, component: Component) -> Value {
+    let (c, unit) = (component.index(), Unit::of_component(component));
+    let [value, u] = [sides.value, sides.u].map(|of| unit.in_file(of[c]));
+    quantity(unit, value, u, std::iter::empty())
+}
+
+/// µm or arcsec for 1 µm of independent noise on every coordinate, by the method used and by the nine equations.
+fn noise_gain([used, nine]: &[[f64; 6]; 2], component: Component) -> Value {
+    // mm per mm is µm per µm; rad per mm becomes arcsec per µm.
+    let unit = match component.is_angular() {
+        true => MICROMETRE / ARCSEC,
+        false => 1.0,
+    };
+    let [used, nine] = [used, nine].map(|gain| round(gain[component.index()] * unit, 4));
+    json!({ "used": used, "nine": nine })
+}
+
+fn misfit(misfit: &StepMisfit) -> Value {
+    json!({
+        "step": misfit.step,
+        "rms_um": round(misfit.rms_um, 3),
+        "chi_squared": round(misfit.chi_squared, 3),
+        "degrees_of_freedom": misfit.degrees_of_freedom,
+        "p_value": significant(misfit.p_value),
+    })
+}
+
+fn side(side: &TriangleSide) -> Value {
+    json!({
+        "targets": side.targets,
+        "nominal_mm": mm(side.nominal_mm),
+        "measured_mm": mm(side.measured_mm),
+        "difference_um": round((side.measured_mm - side.nominal_mm) / MICROMETRE, 3),
+    })
+}

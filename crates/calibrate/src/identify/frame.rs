@@ -1,0 +1,104 @@
+//! The reference frame of a campaign: the rule of `trueaxis-kinematics` on what was measured.
+
+use nalgebra::Vector3;
+use trueaxis_campaign::Campaign;
+use trueaxis_kinematics::{AxisKind, Machine, NominalTarget};
+
+use crate::identify::axis_data::AxisData;
+
+pub(crate) use trueaxis_kinematics::SmallMotion;
+
+/// The rule that fixes the frame of a campaign.
+pub(crate) struct FrameRule {
+    /// Up to two linear axes (indices of the axis data) with their nominal directions.
+    pub(crate) lines: Vec<(usize, Vector3<f64>)>,
+    /// The targets that decide the rest, once for each run that measured them.
+    pub(crate) anchors: Vec<Anchor>,
+    /// Number of different targets among the anchors.
+    targets: usize,
+    rule: trueaxis_kinematics::FrameRule,
+}
+
+/// A target in a run, whose position at home enters the frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Anchor {
+    /// Index of the axis data.
+    pub(crate) data: usize,
+    /// Its run.
+    pub(crate) run: usize,
+    /// Place of the target among the run's targets.
+    pub(crate) place: usize,
+    /// Number of the target among those of the rule.
+    number: usize,
+    /// The mean over the runs counts, whatever their number.
+    weight: f64,
+}
+
+impl FrameRule {
+    pub(crate) fn new(campaign: &Campaign, machine: &Machine, data: &[AxisData]) -> Self {
+        let targets = campaign.targets.iter().map(|target| NominalTarget {
+            carrier: target.carrier,
+            home_mm: target.home_mm,
+        });
+        let targets: Vec<NominalTarget> = targets.collect();
+        let measured = data.iter().flat_map(|axis| {
+            let targets = axis.runs.iter().flat_map(|run| &run.targets);
+            targets.map(|&target| (axis.axis, target))
+        });
+        let rule = trueaxis_kinematics::FrameRule::new(machine, &targets, measured);
+        let lines = rule.lines().filter_map(|axis| {
+            let k = data.iter().position(|data| data.axis == axis)?;
+            Some((k, machine.axes()[axis].direction().into_inner()))
+        });
+        let lines: Vec<_> = lines.collect();
+        let numbers: Vec<usize> = rule.anchors().collect();
+        let mut anchors = Vec::new();
+        for (k, axis) in data.iter().enumerate() {
+            let kind = machine.axes()[axis.axis].kind();
+            if !lines.is_empty() && kind != AxisKind::Linear {
+                continue;
+            }
+            for (run, content) in axis.runs.iter().enumerate() {
+                for (place, target) in content.targets.iter().enumerate() {
+                    if let Ok(number) = numbers.binary_search(target) {
+                        anchors.push(Anchor {
+                            data: k,
+                            run,
+                            place,
+                            number,
+                            weight: 0.0,
+                        });
+                    }
+                }
+            }
+        }
+        let mut counts = vec![0.0; numbers.len()];
+        for anchor in &anchors {
+            counts[anchor.number] += 1.0;
+        }
+        for anchor in &mut anchors {
+            anchor.weight = 1.0 / counts[anchor.number];
+        }
+        Self {
+            lines,
+            anchors,
+            targets: numbers.len(),
+            rule,
+        }
+    }
+
+    /// Whether a rotary axis has a place along itself.
+    pub(crate) fn places_along_itself(&self, axis: usize) -> bool {
+        self.rule.places_along_itself(axis)
+    }
+
+    /// The motion that is to be taken out: from the tilts of the lines (rotation vectors in the
+    /// reference frame) and the shifts of the anchors. It is linear in both.
+    pub(crate) fn motion(&self, tilts: &[Vector3<f64>], shifts: &[Vector3<f64>]) -> SmallMotion {
+        let mut means = vec![Vector3::zeros(); self.targets];
+        for (anchor, shift) in self.anchors.iter().zip(shifts) {
+            means[anchor.number] += shift * anchor.weight;
+        }
+        self.rule.motion(tilts, &means)
+    }
+}

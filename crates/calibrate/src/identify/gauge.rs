@@ -1,0 +1,324 @@
+//! The least-squares gauge: which part of the measured motion is location error, which is the
+//! position of the targets, and which is component error.
+//!
+//! The pose errors `e_i = (δ, ε)` of all records of an axis determine its component errors `E`
+//! only up to the motions
+//!
+//! ```text
+//! linear   δ += (t × d) q + g_δ            ε += g_ε
+//! rotary   δ += a - R a + R g_δ            ε += α - R α + R g_ε        R = R(d, θ)
+//! ```
+//!
+//! of the axis (tilt `t`; shift `a`, tilt `α` across the axis) and of the targets (`g`, six for
+//! each run). The gauge fixes them:
+//!
+//! ```text
+//! linear   Σ δ⊥ = 0,  Σ q δ⊥ = 0;                          δ∥ = 0, ε = 0 at home
+//! rotary   Σ δ⊥ = 0,  Σ Rᵀδ⊥ = 0,  Σ ε⊥ = 0,  Σ Rᵀε⊥ = 0;  δ∥ = 0, ε∥ = 0 at home
+//! ```
+//!
+//! with sums over the different positions (nodes). Runs that share positions are joined by least
+//! squares: `E` at a node is the mean over the runs there, each with its own `g`. All of this is
+//! linear: `x = Σ Γ_i e_i`, `E_k = mean e - Λ x`, and `Γ` serves the uncertainties as well.
+
+use faer::Mat;
+use faer::linalg::solvers::DenseSolveCore;
+use nalgebra::{DMatrix, DVector, Matrix6xX, MatrixXx6, UnitQuaternion, Vector3, Vector6};
+use trueaxis_kinematics::{Axis, AxisKind};
+
+use crate::identify::axis_data::AxisData;
+use crate::identify::basis::Basis;
+use crate::in_order;
+
+/// The gauge of one axis.
+pub(crate) struct Gauge {
+    /// Parameters of the axis itself: tilts of a linear, shifts and tilts of a rotary axis, along
+    /// the two directions of its [`Basis`].
+    pub(crate) location_parameters: usize,
+    /// `Λ` of each record: what the parameters do to its pose error.
+    pub(crate) effects: Vec<Matrix6xX<f64>>,
+    /// Mean `Λ` of each node's records.
+    pub(crate) node_effects: Vec<Matrix6xX<f64>>,
+    /// `Γ` of each record: its part in the parameters.
+    pub(crate) shares: Vec<MatrixXx6<f64>>,
+}
+
+/// A gauge that the measured positions do not determine.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum GaugeDefect {
+    /// Too few different positions, or all too close together.
+    Positions {
+        /// Smallest singular value relative to the largest.
+        singular_value: f64,
+    },
+    /// Runs without common positions.
+    Disjoint,
+}
+
+/// Relative singular value below which positions do not determine the gauge: a rotary axis turned
+/// by less than half a degree has 1e-5.
+const RANK_TOL: f64 = 1e-6;
+
+/// Parameters of the targets of one run.
+pub(crate) const PER_RUN: usize = 6;
+
+impl Gauge {
+    pub(crate) fn new(axis: &Axis, data: &AxisData) -> Result<Self, GaugeDefect> {
+        let location_parameters = match axis.kind() {
+            AxisKind::Linear => 2,
+            AxisKind::Rotary => 4,
+        };
+        let width = location_parameters + PER_RUN * data.runs.len();
+        let effects = in_order::map(data.records.len(), |i| {
+            let record = &data.records[i];
+            let position = data.nodes[record.node].position;
+            let mut effect = Matrix6xX::zeros(width);
+            effect
+                .columns_mut(0, location_parameters)
+                .copy_from(&location_effect(axis, position));
+            effect
+                .columns_mut(location_parameters + PER_RUN * record.run, PER_RUN)
+                .copy_from(&target_effect(axis, position));
+            effect
+        });
+        let conditions = conditions(axis, data);
+
+        // Means over the records of each node.
+        let mut node_effects = vec![Matrix6xX::zeros(width); data.nodes.len()];
+        for (record, effect) in data.records.iter().zip(&effects) {
+            node_effects[record.node] += effect / data.nodes[record.node].records as f64;
+        }
+        let count = conditions.first().map_or(0, MatrixXx6::nrows);
+        let mut constraint = DMatrix::zeros(count, width);
+        for (condition, effect) in conditions.iter().zip(&node_effects) {
+            constraint += condition * effect;
+        }
+        let deviation = |i: usize| &effects[i] - &node_effects[data.records[i].node];
+        let zero = || DMatrix::zeros(width, width);
+        let add = |sum: &mut DMatrix<f64>, i: usize| {
+            let deviation = deviation(i);
+            sum.gemm_tr(1.0, &deviation, &deviation, 1.0);
+        };
+        let records = data.records.len();
+        let agreement = in_order::sum(records, zero, add);
+        let solver = bordered_inverse(&agreement, &constraint)?;
+        let (of_agreement, of_constraint) =
+            (solver.columns(0, width), solver.columns(width, count));
+        let shares = in_order::map(records, |i| {
+            let node = data.records[i].node;
+            let condition = &conditions[node] / data.nodes[node].records as f64;
+            of_agreement * deviation(i).transpose() + of_constraint * condition
+        });
+        Ok(Self {
+            location_parameters,
+            effects,
+            node_effects,
+            shares,
+        })
+    }
+
+    /// Number of parameters.
+    pub(crate) fn parameters(&self) -> usize {
+        self.shares.first().map_or(0, MatrixXx6::nrows)
+    }
+
+    /// The parameters of given pose errors.
+    pub(crate) fn apply(&self, pose_errors: &[Vector6<f64>]) -> DVector<f64> {
+        let mut x = DVector::zeros(self.parameters());
+        for (share, error) in self.shares.iter().zip(pose_errors) {
+            x += share * error;
+        }
+        x
+    }
+}
+
+/// The first rows of the inverse of `[N Aᵀ; A 0]`: they map `(Σ Λᵀe, A-part)` to the parameters
+/// that minimise the disagreement `xᵀN x / 2 - …` subject to `A x = c`.
+fn bordered_inverse(
+    agreement: &DMatrix<f64>,
+    constraint: &DMatrix<f64>,
+) -> Result<DMatrix<f64>, GaugeDefect> {
+    let (width, count) = (agreement.nrows(), constraint.nrows());
+    // Columns and rows of unit size: rotations and translations, large and small travels alike.
+    let unit = |size: f64| if size > 0.0 { size } else { 1.0 };
+    let columns: Vec<f64> = (0..width)
+        .map(|j| unit(constraint.column(j).norm()))
+        .collect();
+    let rows: Vec<f64> = (0..count).map(|i| unit(constraint.row(i).norm())).collect();
+    let scaled_agreement = Mat::from_fn(width, width, |i, j| {
+        agreement[(i, j)] / (columns[i] * columns[j])
+    });
+    let weight = 1.0 / unit(scaled_agreement.norm_max());
+    let scaled_constraint = Mat::from_fn(count, width, |i, j| {
+        constraint[(i, j)] / (rows[i] * columns[j])
+    });
+    let bordered = Mat::from_fn(width + count, width + count, |i, j| {
+        match (i < width, j < width) {
+            (true, true) => weight * scaled_agreement[(i, j)],
+            (true, false) => scaled_constraint[(j - width, i)],
+            (false, true) => scaled_constraint[(i - width, j)],
+            (false, false) => 0.0,
+        }
+    });
+    let singular_value = relative_singular_value(&bordered);
+    if singular_value < RANK_TOL {
+        // The constraints alone must be independent: with one run only positions are at fault.
+        let of_positions = relative_singular_value(&scaled_constraint);
+        return Err(if of_positions < RANK_TOL {
+            GaugeDefect::Positions {
+                singular_value: of_positions,
+            }
+        } else {
+            GaugeDefect::Disjoint
+        });
+    }
+    let inverse = bordered.partial_piv_lu().inverse();
+    Ok(DMatrix::from_fn(width, width + count, |i, j| {
+        let right = if j < width {
+            weight / columns[j]
+        } else {
+            1.0 / rows[j - width]
+        };
+        inverse[(i, j)] / columns[i] * right
+    }))
+}
+
+/// Smallest singular value over the largest; zero where that has no meaning.
+fn relative_singular_value(matrix: &Mat<f64>) -> f64 {
+    let values = matrix.singular_values().unwrap_or_default();
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
+    if largest > 0.0 {
+        smallest / largest
+    } else {
+        0.0
+    }
+}
+
+/// What the axis' own parameters do to a pose error.
+fn location_effect(axis: &Axis, position: f64) -> Matrix6xX<f64> {
+    let Basis { across, along } = Basis::of(axis);
+    let column = |translation: Vector3<f64>, rotation: Vector3<f64>| {
+        Vector6::from_iterator(translation.iter().chain(rotation.iter()).copied())
+    };
+    let zero = Vector3::zeros();
+    match axis.kind() {
+        AxisKind::Linear => {
+            Matrix6xX::from_columns(&across.map(|t| column(t.cross(&along) * position, zero)))
+        }
+        AxisKind::Rotary => {
+            let turn = UnitQuaternion::from_axis_angle(&axis.direction(), position);
+            let [a, b] = across.map(|v| v - turn * v);
+            Matrix6xX::from_columns(&[
+                column(a, zero),
+                column(b, zero),
+                column(zero, a),
+                column(zero, b),
+            ])
+        }
+    }
+}
+
+/// What a twist of the targets on the stage does to a pose error.
+fn target_effect(axis: &Axis, position: f64) -> Matrix6xX<f64> {
+    let turn = match axis.kind() {
+        AxisKind::Linear => UnitQuaternion::identity(),
+        AxisKind::Rotary => UnitQuaternion::from_axis_angle(&axis.direction(), position),
+    };
+    let turn = turn.to_rotation_matrix();
+    let mut effect = Matrix6xX::zeros(PER_RUN);
+    effect.fixed_view_mut::<3, 3>(0, 0).copy_from(turn.matrix());
+    effect.fixed_view_mut::<3, 3>(3, 3).copy_from(turn.matrix());
+    effect
+}
+
+/// The gauge conditions: for each node the matrix by which its component errors enter them.
+fn conditions(axis: &Axis, data: &AxisData) -> Vec<MatrixXx6<f64>> {
+    let Basis { across, along } = Basis::of(axis);
+    let count = match axis.kind() {
+        AxisKind::Linear => 8,
+        AxisKind::Rotary => 10,
+    };
+    let nodes = data.nodes.len() as f64;
+    let mean = data.nodes.iter().map(|node| node.position).sum::<f64>() / nodes;
+    let spread = data
+        .nodes
+        .iter()
+        .map(|node| (node.position - mean).powi(2))
+        .sum::<f64>();
+    let mut all: Vec<MatrixXx6<f64>> = data
+        .nodes
+        .iter()
+        .map(|node| {
+            let mut rows = Conditions {
+                matrix: MatrixXx6::zeros(count),
+                next: 0,
+            };
+            match axis.kind() {
+                AxisKind::Linear => {
+                    let lever = (node.position - mean) / spread.sqrt().max(f64::MIN_POSITIVE);
+                    for direction in across {
+                        rows.translation(direction / nodes);
+                        rows.translation(direction * (lever / nodes.sqrt()));
+                    }
+                }
+                AxisKind::Rotary => {
+                    let turn = UnitQuaternion::from_axis_angle(&axis.direction(), node.position);
+                    for direction in across {
+                        rows.translation(direction / nodes);
+                        rows.translation(turn * direction / nodes);
+                        rows.rotation(direction / nodes);
+                        rows.rotation(turn * direction / nodes);
+                    }
+                }
+            }
+            rows.matrix
+        })
+        .collect();
+    for (node, weight) in data.weights_at(0.0) {
+        let home = std::mem::replace(&mut all[node], MatrixXx6::zeros(0));
+        let mut rows = Conditions {
+            matrix: home,
+            next: 0,
+        };
+        match axis.kind() {
+            AxisKind::Linear => {
+                rows.next = 4;
+                rows.translation(along * weight);
+                for i in 0..3 {
+                    rows.rotation(Vector3::ith(i, weight));
+                }
+            }
+            AxisKind::Rotary => {
+                rows.next = 8;
+                rows.translation(along * weight);
+                rows.rotation(along * weight);
+            }
+        }
+        all[node] = rows.matrix;
+    }
+    all
+}
+
+/// Fills condition rows one after the other.
+struct Conditions {
+    matrix: MatrixXx6<f64>,
+    next: usize,
+}
+
+impl Conditions {
+    fn translation(&mut self, direction: Vector3<f64>) {
+        self.add(0, direction);
+    }
+
+    fn rotation(&mut self, direction: Vector3<f64>) {
+        self.add(3, direction);
+    }
+
+    fn add(&mut self, first: usize, direction: Vector3<f64>) {
+        for i in 0..3 {
+            self.matrix[(self.next, first + i)] += direction[i];
+        }
+        self.next += 1;
+    }
+}

@@ -1,0 +1,51 @@
+//! What is no calibration although everything converged.
+
+use trueaxis_kinematics::Machine;
+use trueaxis_poses::AdjustmentReport;
+
+use crate::Error;
+use crate::identify::axis_data::AxisData;
+use crate::identify::identify_axes::Identified;
+
+/// Component errors beyond these are no errors but another motion: wrong unit, sign or axis.
+const IMPLAUSIBLE_MM: f64 = 50.0;
+const IMPLAUSIBLE_RAD: f64 = 0.1;
+
+/// Refuses axes that moved otherwise than commanded.
+pub(crate) fn check_motion(
+    machine: &Machine,
+    data: &[AxisData],
+    identified: &Identified,
+) -> Result<(), Error> {
+    for (axis, values) in data.iter().zip(&identified.state.axes) {
+        let errors = values.curve.iter();
+        let (translation_mm, rotation_rad) = errors.fold((0.0_f64, 0.0_f64), |worst, error| {
+            (
+                worst.0.max(error.translation_mm.amax()),
+                worst.1.max(error.rotation_rad.amax()),
+            )
+        });
+        if translation_mm > IMPLAUSIBLE_MM || rotation_rad > IMPLAUSIBLE_RAD {
+            return Err(Error::NotThatMotion {
+                axis: machine.axes()[axis.axis].name().to_owned(),
+                translation_mm,
+                rotation_deg: rotation_rad.to_degrees(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a measurement that neither declares its noise nor shows it.
+pub(crate) fn check_noise(adjustment: &AdjustmentReport) -> Result<(), Error> {
+    if adjustment.degrees_of_freedom == 0 && !adjustment.noise_declared {
+        return Err(Error::NotIdentifiable {
+            what: "the noise is not declared and nothing checks the measurement, so that no \
+                   uncertainty can be given"
+                .to_owned(),
+            mend: "declare `length_sigma_um` (or `sigma_um` of the points), or measure more"
+                .to_owned(),
+        });
+    }
+    Ok(())
+}

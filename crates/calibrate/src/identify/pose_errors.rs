@@ -1,0 +1,149 @@
+//! The component errors of every record of an axis, relative to the current model.
+//!
+//! With everything outside the axis under test (`B`) and inside it (`C`) taken from the model, and the
+//! body at home where the run has it (`H`), the measured pose `P` is
+//!
+//! ```text
+//! B⁻¹ P = T(q) C H        T: commanded motion, location errors, component errors
+//! ```
+//!
+//! What the model of the axis leaves of it is a small motion, whose translation at the reference point
+//! and rotation are added to the component errors. As the prediction is exact, repeating this leaves no
+//! second-order error (Newton's method on the pose; paper Eqs. 2 and 20).
+
+use nalgebra::{Isometry3, Matrix3, Matrix6, Point3, UnitQuaternion, Vector6};
+use trueaxis_campaign::Campaign;
+use trueaxis_kinematics::{Machine, MotionError};
+use trueaxis_poses::Poses;
+
+use crate::identify::axis_data::{AxisData, RunData};
+use crate::identify::state::{ModelErrors, State};
+use crate::in_order;
+
+/// What is common to the records of an axis.
+#[derive(Clone, Copy)]
+pub(crate) struct Context<'a> {
+    pub(crate) campaign: &'a Campaign,
+    pub(crate) machine: &'a Machine,
+    pub(crate) poses: &'a Poses,
+    /// The measured poses (datum from home), which a replay moves.
+    pub(crate) measured: &'a [Isometry3<f64>],
+}
+
+/// What the other axes do to the body of a run, during which they stand still.
+struct Surroundings {
+    /// `B⁻¹` after the motion into the reference frame.
+    base_from_datum: Isometry3<f64>,
+    /// `C H`.
+    stage_from_body: Isometry3<f64>,
+}
+
+/// A record seen from the base of its axis.
+struct Seen {
+    base_from_datum: Isometry3<f64>,
+    /// `B⁻¹ P (C H)⁻¹ T⁻¹`: what the model leaves.
+    left: Isometry3<f64>,
+    /// The reference point of δ where the model has it, mm.
+    reference_mm: Point3<f64>,
+    /// The component errors of the model.
+    current: MotionError,
+}
+
+impl Context<'_> {
+    /// Component errors of every record of the axis `data[k]`, before the gauge: δ (mm) and ε (rad).
+    pub(crate) fn pose_errors(
+        &self,
+        data: &[AxisData],
+        state: &State,
+        k: usize,
+    ) -> Vec<Vector6<f64>> {
+        let surroundings = self.surroundings(data, state, k);
+        in_order::map(data[k].records.len(), |record| {
+            let seen = self.seen(data, state, k, &surroundings, record);
+            let correction = MotionError::new(
+                seen.left * seen.reference_mm - seen.reference_mm,
+                seen.left.rotation.scaled_axis(),
+            );
+            composed(&correction, &seen.current).to_vector()
+        })
+    }
+
+    /// How these follow from the errors of the measured poses ([`trueaxis_poses`]).
+    pub(crate) fn error_maps(
+        &self,
+        data: &[AxisData],
+        state: &State,
+        k: usize,
+    ) -> Vec<Matrix6<f64>> {
+        let surroundings = self.surroundings(data, state, k);
+        in_order::map(data[k].records.len(), |record| {
+            let seen = self.seen(data, state, k, &surroundings, record);
+            let observation = &self.poses.observations[data[k].records[record].pose];
+            let turn = seen
+                .base_from_datum
+                .rotation
+                .to_rotation_matrix()
+                .into_inner();
+            let arm_mm = seen.reference_mm - seen.base_from_datum * observation.pivot_mm;
+            let mut map = Matrix6::zeros();
+            map.fixed_view_mut::<3, 3>(0, 0).copy_from(&turn);
+            map.fixed_view_mut::<3, 3>(3, 3).copy_from(&turn);
+            let by_rotation: Matrix3<f64> = -arm_mm.cross_matrix() * turn;
+            map.fixed_view_mut::<3, 3>(0, 3).copy_from(&by_rotation);
+            map
+        })
+    }
+
+    /// For each run of the axis `data[k]`.
+    fn surroundings(&self, data: &[AxisData], state: &State, k: usize) -> Vec<Surroundings> {
+        let errors = ModelErrors { data, state };
+        let of_run = |(run, home_from_body): (&RunData, &Isometry3<f64>)| {
+            let (outer, inner) = run.around(self.machine, data[k].axis);
+            let base = self.machine.chain_motion(&errors, outer, &run.positions);
+            let inside = self.machine.chain_motion(&errors, inner, &run.positions);
+            Surroundings {
+                base_from_datum: base.inverse() * state.ref_from_datum,
+                stage_from_body: inside * home_from_body,
+            }
+        };
+        let placements = &state.axes[k].placements;
+        data[k].runs.iter().zip(placements).map(of_run).collect()
+    }
+
+    fn seen(
+        &self,
+        data: &[AxisData],
+        state: &State,
+        k: usize,
+        surroundings: &[Surroundings],
+        record: usize,
+    ) -> Seen {
+        let (own, values) = (&data[k], &state.axes[k]);
+        let record = &own.records[record];
+        let axis = &self.machine.axes()[own.axis];
+        let current = values.curve[record.node];
+        let position = own.nodes[record.node].position;
+        let motion = axis.motion(position, &values.location, &current);
+        let Surroundings {
+            base_from_datum,
+            stage_from_body,
+        } = &surroundings[record.run];
+        Seen {
+            base_from_datum: *base_from_datum,
+            left: base_from_datum
+                * self.measured[record.pose]
+                * (motion * stage_from_body).inverse(),
+            reference_mm: motion * axis.reference_at_home_mm(&values.location),
+            current,
+        }
+    }
+}
+
+/// `exp(ε₂) exp(ε₁)` and the sum of the translations: a correction on top of an error.
+fn composed(correction: &MotionError, current: &MotionError) -> MotionError {
+    let turn = |e: &MotionError| UnitQuaternion::from_scaled_axis(e.rotation_rad);
+    MotionError::new(
+        correction.translation_mm + current.translation_mm,
+        (turn(correction) * turn(current)).scaled_axis(),
+    )
+}

@@ -1,0 +1,13 @@
+//! The errors of the poses to those of all results.
+
+pub(crate) mod axis_noise;
+pub(crate) mod axis_twist;
+pub(crate) mod base_response;
+pub(crate) mod frame_forms;
+pub(crate) mod frame_map;
+pub(crate) mod node_records;
+pub(crate) mod output_covariance;
+pub(crate) mod propagation;
+pub(crate) mod sources;
+pub(crate) mod twist;
+pub(crate) mod variance;

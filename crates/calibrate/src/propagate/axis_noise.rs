@@ -1,0 +1,191 @@
+//! The joint covariance of what an axis' results follow from.
+//!
+//! These are its parameters `y` and, for each node, the mean pose error `m_k = mean A_i x_i` of its
+//! records ([`crate::identify::identify_axes::Sensitivity`]): the component errors are `E_k = m_k - Λ_k y`, and what
+//! other axes need of this one is linear in `y` and `m` as well. With the noise of
+//! [`trueaxis_poses`] every linear function `f` of them is
+//!
+//! ```text
+//! f = f(ξ) - F s     cov(f, g) = cov(f(ξ), g(ξ)) + F Σ Gᵀ
+//! ```
+//!
+//! The first part, *own*, is what remains if the shared sources are known; it is zero between axes and
+//! between the `m` of different nodes.
+
+use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
+use trueaxis_poses::PoseNoise;
+
+use crate::identify::axis_data::AxisData;
+use crate::identify::gauge::Gauge;
+use crate::identify::identify_axes::Sensitivity;
+use crate::in_order;
+use crate::propagate::node_records::NodeRecords;
+use crate::propagate::variance::Variance;
+
+/// Linear functions of an axis' parameters and mean pose errors.
+pub(crate) struct AxisForm {
+    /// Coefficients of `y`, one row for each function.
+    pub(crate) parameters: DMatrix<f64>,
+    /// The mean pose errors that enter.
+    pub(crate) poses: Vec<PosePart>,
+}
+
+/// `weight m_node`, added to six consecutive functions.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PosePart {
+    /// First of the functions.
+    pub(crate) row: usize,
+    pub(crate) node: usize,
+    pub(crate) weight: f64,
+}
+
+impl AxisForm {
+    /// The component errors of some nodes: six functions each.
+    pub(crate) fn component_errors(gauge: &Gauge, nodes: std::ops::Range<usize>) -> Self {
+        let mut parameters = DMatrix::zeros(6 * nodes.len(), gauge.parameters());
+        let mut poses = Vec::new();
+        for (i, node) in nodes.enumerate() {
+            let effect = &gauge.node_effects[node];
+            parameters.rows_mut(6 * i, 6).copy_from(&-effect);
+            poses.push(PosePart {
+                row: 6 * i,
+                node,
+                weight: 1.0,
+            });
+        }
+        Self { parameters, poses }
+    }
+}
+
+/// Covariance of the parameters and mean pose errors of one axis.
+pub(crate) struct AxisNoise<'a> {
+    noise: &'a PoseNoise,
+    axis: &'a AxisData,
+    gauge: &'a Gauge,
+    sensitivity: &'a Sensitivity,
+    records: NodeRecords,
+    /// Own part of `cov(y)`.
+    parameters: DMatrix<f64>,
+    /// Coefficients of `-s` in `y`.
+    parameters_shared: DMatrix<f64>,
+}
+
+/// The same of one node's mean pose error `m`.
+struct NodeNoise {
+    own: Matrix6<f64>,
+    /// Own part of `cov(m, y)`.
+    cross: Matrix6xX<f64>,
+    shared: Matrix6xX<f64>,
+}
+
+/// What component errors owe to all sources through a base that moves: its part of their own variance,
+/// and the coefficients of the shared sources.
+pub(crate) struct ThroughBase {
+    pub(crate) own: Vector6<f64>,
+    pub(crate) shared: Matrix6xX<f64>,
+}
+
+impl<'a> AxisNoise<'a> {
+    pub(crate) fn new(
+        noise: &'a PoseNoise,
+        axis: &'a AxisData,
+        gauge: &'a Gauge,
+        sensitivity: &'a Sensitivity,
+    ) -> Self {
+        let (width, sources) = (gauge.parameters(), noise.width());
+        let zero = || DMatrix::zeros(width, width + sources);
+        let both = in_order::sum(axis.records.len(), zero, |sum, i| {
+            let (y, pose) = (&sensitivity.parameters[i], axis.records[i].pose);
+            let mut own = sum.columns_mut(0, width);
+            own.gemm(1.0, &(y * noise.own[pose]), &y.transpose(), 1.0);
+            let mut shared = sum.columns_mut(width, sources);
+            shared.gemm(1.0, y, &noise.coupling[pose], 1.0);
+        });
+        Self {
+            noise,
+            axis,
+            gauge,
+            sensitivity,
+            records: NodeRecords::new(axis),
+            parameters: both.columns(0, width).into_owned(),
+            parameters_shared: both.columns(width, sources).into_owned(),
+        }
+    }
+
+    fn node(&self, node: usize) -> NodeNoise {
+        let mut sum = NodeNoise {
+            own: Matrix6::zeros(),
+            cross: Matrix6xX::zeros(self.gauge.parameters()),
+            shared: Matrix6xX::zeros(self.noise.width()),
+        };
+        let records = self.records.of(node);
+        let weight = 1.0 / records.len() as f64;
+        for &i in records {
+            let pose = self.axis.records[i].pose;
+            let from_pose = self.sensitivity.poses[i] * weight;
+            let with_noise = from_pose * self.noise.own[pose];
+            sum.own += with_noise * from_pose.transpose();
+            sum.cross += with_noise * self.sensitivity.parameters[i].transpose();
+            sum.shared += from_pose * &self.noise.coupling[pose];
+        }
+        sum
+    }
+
+    /// The variances of the six component errors of every node.
+    pub(crate) fn node_variances(
+        &self,
+        through_base: impl Fn(usize) -> Option<ThroughBase> + Sync,
+    ) -> Vec<[Variance; 6]> {
+        in_order::map(self.axis.nodes.len(), |k| {
+            let node = self.node(k);
+            let effect = &self.gauge.node_effects[k];
+            let mixed = &node.cross * effect.transpose();
+            let of_parameters = effect * &self.parameters * effect.transpose();
+            let mut own = (node.own + of_parameters - mixed - mixed.transpose()).diagonal();
+            let uncancelled = (node.own + of_parameters).diagonal();
+            let mut shared = effect * &self.parameters_shared - &node.shared;
+            if let Some(base) = through_base(k) {
+                own += base.own;
+                shared += base.shared;
+            }
+            std::array::from_fn(|c| {
+                let [through, of_shapes] = self.noise.through_sources(shared.row(c).into_owned());
+                Variance {
+                    own: own[c] + of_shapes,
+                    through,
+                    uncancelled: uncancelled[c],
+                }
+            })
+        })
+    }
+
+    /// Own part of the covariance between functions `a` (rows) and `b` (columns).
+    pub(crate) fn own(&self, a: &AxisForm, b: &AxisForm) -> DMatrix<f64> {
+        let mut covariance = &a.parameters * &self.parameters * b.parameters.transpose();
+        for pose in &a.poses {
+            let node = self.node(pose.node);
+            let mut rows = covariance.rows_mut(pose.row, 6);
+            rows += &node.cross * b.parameters.transpose() * pose.weight;
+            for second in b.poses.iter().filter(|other| other.node == pose.node) {
+                let mut block = covariance.fixed_view_mut::<6, 6>(pose.row, second.row);
+                block += node.own * (pose.weight * second.weight);
+            }
+        }
+        for pose in &b.poses {
+            let cross = self.node(pose.node).cross.transpose() * pose.weight;
+            let mut columns = covariance.columns_mut(pose.row, 6);
+            columns += &a.parameters * cross;
+        }
+        covariance
+    }
+
+    /// Coefficients of the shared sources `s` in the functions.
+    pub(crate) fn shared(&self, form: &AxisForm) -> DMatrix<f64> {
+        let mut coefficients = -(&form.parameters * &self.parameters_shared);
+        for pose in &form.poses {
+            let mut rows = coefficients.rows_mut(pose.row, 6);
+            rows -= self.node(pose.node).shared * pose.weight;
+        }
+        coefficients
+    }
+}

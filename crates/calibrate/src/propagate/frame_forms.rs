@@ -1,0 +1,65 @@
+//! How location errors and stations follow from the sources ([`crate::propagate::sources`]), and component
+//! errors from those of other axes ([`crate::propagate::frame_map`]).
+
+use nalgebra::{DMatrix, Matrix6xX, Point3};
+
+use crate::identify::axis_data::AxisData;
+use crate::identify::identify_axes::Identified;
+use crate::identify::pose_errors::Context;
+use crate::propagate::axis_noise::AxisForm;
+use crate::propagate::base_response::BaseResponse;
+use crate::propagate::frame_map::FrameMap;
+use crate::propagate::sources::Sources;
+
+/// Linear functions of the sources; columns are the sources.
+pub(crate) struct FrameForms {
+    /// For each axis, in the order of the data: shift (mm) and tilt (rad), three rows each.
+    pub(crate) locations: Vec<DMatrix<f64>>,
+    /// For each station x y z and dead path, mm.
+    pub(crate) stations: Vec<DMatrix<f64>>,
+    /// For each axis how it answers to motions of its base, and for each run that motion.
+    bases: Vec<(BaseResponse, Vec<Matrix6xX<f64>>)>,
+}
+
+impl FrameForms {
+    pub(crate) fn new(
+        context: &Context<'_>,
+        data: &[AxisData],
+        identified: &Identified,
+        sources: &Sources,
+        stations_in_ref: &[Point3<f64>],
+    ) -> Self {
+        let mut map = FrameMap::new(context, data, identified, sources);
+        let frame = map.settle();
+        let locations = (0..data.len()).map(|k| map.location(k, &frame)).collect();
+        let stations = stations_in_ref.iter().enumerate();
+        let stations = stations.map(|(j, &p)| map.station(j, p, &frame)).collect();
+        let of_axis = |(k, axis): (usize, &AxisData)| -> Vec<Matrix6xX<f64>> {
+            let runs = 0..axis.runs.len();
+            runs.map(|run| map.base_motion(k, run).rows()).collect()
+        };
+        let motions: Vec<_> = data.iter().enumerate().map(of_axis).collect();
+        Self {
+            locations,
+            stations,
+            bases: map.into_responses().into_iter().zip(motions).collect(),
+        }
+    }
+
+    /// Whether the base of axis `k` may have stood elsewhere in another run.
+    pub(crate) fn has_moving_base(&self, k: usize) -> bool {
+        self.bases[k].1.len() > 1
+    }
+
+    /// What functions of axis `k` owe to the errors of its base; `None` if it had one run, so that
+    /// its base stood still.
+    pub(crate) fn through_base(&self, k: usize, form: &AxisForm) -> Option<DMatrix<f64>> {
+        if !self.has_moving_base(k) {
+            return None;
+        }
+        let (response, motions) = &self.bases[k];
+        let answer = |(run, motion): (usize, &Matrix6xX<f64>)| -(response.of(form, run) * motion);
+        let runs = motions.iter().enumerate().map(answer);
+        runs.reduce(|sum, answer| sum + answer)
+    }
+}

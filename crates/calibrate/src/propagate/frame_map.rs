@@ -1,0 +1,310 @@
+//! The errors of axes, targets, stations and frame as functions of the sources.
+//!
+//! The sources of an axis ([`crate::propagate::sources`]) are found from its points in the frame of its base,
+//! as if that were known. In turn, from the bed outwards, each axis is freed of the errors of the
+//! axes outside it where they stood during its runs; the axes inside it stand still and shift only
+//! the targets. The results are relative to the reference frame, which itself moves with the errors
+//! of its lines and anchors.
+
+use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix3xX, Point3, RowDVector, Vector3};
+use trueaxis_kinematics::{AxisKind, GeometricErrors};
+
+use crate::identify::axis_data::AxisData;
+use crate::identify::basis::Basis;
+use crate::identify::frame::SmallMotion;
+use crate::identify::identify_axes::Identified;
+use crate::identify::pose_errors::Context;
+use crate::identify::state::ModelErrors;
+use crate::propagate::axis_twist::{AXIS_ERRORS, SHIFT, TILT, axis_twist};
+use crate::propagate::base_response::BaseResponse;
+use crate::propagate::sources::Sources;
+use crate::propagate::twist::Twist;
+
+/// Linear maps from the sources to results; columns are the sources.
+pub(crate) struct FrameMap<'a> {
+    context: &'a Context<'a>,
+    data: &'a [AxisData],
+    identified: &'a Identified,
+    sources: &'a Sources,
+    responses: Vec<BaseResponse>,
+    /// The sources freed of the errors of the axes outside.
+    net: DMatrix<f64>,
+    /// For each axis the error of its place along itself; zero for linear axes.
+    axial: Vec<RowDVector<f64>>,
+}
+
+/// The place of an axis along itself depends on those of the axes it shares targets with, and the
+/// targets of axes inside it depend on that; such axes are across each other but for their errors,
+/// so the second sweep confirms the first.
+const AXIAL_SWEEPS: usize = 3;
+
+impl<'a> FrameMap<'a> {
+    pub(crate) fn new(
+        context: &'a Context<'a>,
+        data: &'a [AxisData],
+        identified: &'a Identified,
+        sources: &'a Sources,
+    ) -> Self {
+        let response = |k: usize| {
+            BaseResponse::new(
+                context.poses,
+                &data[k],
+                &identified.gauges[k],
+                &identified.sensitivities[k],
+                &identified.state.ref_from_datum,
+            )
+        };
+        Self {
+            context,
+            data,
+            identified,
+            sources,
+            responses: (0..data.len()).map(response).collect(),
+            net: DMatrix::identity(sources.count, sources.count),
+            axial: vec![RowDVector::zeros(sources.count); data.len()],
+        }
+    }
+
+    /// How each axis answers to motions of its base.
+    pub(crate) fn into_responses(self) -> Vec<BaseResponse> {
+        self.responses
+    }
+
+    fn errors(&self) -> ModelErrors<'_> {
+        ModelErrors {
+            data: self.data,
+            state: &self.identified.state,
+        }
+    }
+
+    /// Three consecutive sources.
+    fn pick(&self, first: usize) -> Matrix3xX<f64> {
+        self.net.fixed_rows::<3>(first).into_owned()
+    }
+
+    /// A vector across an axis whose two coordinates are consecutive sources.
+    fn across(&self, k: usize, first: usize) -> Matrix3xX<f64> {
+        let [a, b] = Basis::of(&self.context.machine.axes()[self.data[k].axis]).across;
+        a * self.net.row(first) + b * self.net.row(first + 1)
+    }
+
+    /// Frees the sources of all axes of the errors outside them, and finds the places of rotary
+    /// axes along themselves; returns the error motion of the frame.
+    pub(crate) fn settle(&mut self) -> Twist {
+        let mut frame = Twist::zero(self.sources.count);
+        for _ in 0..AXIAL_SWEEPS {
+            self.free_from_bases();
+            frame = self.frame();
+            self.find_axial(&frame);
+        }
+        frame
+    }
+
+    /// One axis after the other, from the bed outwards.
+    fn free_from_bases(&mut self) {
+        let depth = |k: usize| self.context.machine.chain(self.data[k].axis).len();
+        let mut order: Vec<usize> = (0..self.data.len()).collect();
+        order.sort_by_key(|&k| depth(k));
+        for k in order {
+            let own = &self.sources.axes[k];
+            let mut rows = DMatrix::zeros(own.places.len(), self.sources.count);
+            for (i, &place) in own.places.iter().enumerate() {
+                rows[(i, place)] = 1.0;
+            }
+            for run in 0..self.data[k].runs.len() {
+                rows -= self.responses[k].of(&own.form, run) * self.base_motion(k, run).rows();
+            }
+            for (i, &place) in own.places.iter().enumerate() {
+                self.net.row_mut(place).copy_from(&rows.row(i));
+            }
+        }
+    }
+
+    /// The errors of axis `k` at a position, in the order of [`axis_twist`].
+    fn axis_errors(&self, k: usize, position: f64) -> DMatrix<f64> {
+        let axis = &self.context.machine.axes()[self.data[k].axis];
+        let mut rows = DMatrix::zeros(AXIS_ERRORS, self.sources.count);
+        if let Some(first) = self.sources.held_at(k, position) {
+            rows.rows_mut(0, 6).copy_from(&self.net.rows(first, 6));
+        }
+        let first = self.sources.location[k];
+        match axis.kind() {
+            AxisKind::Linear => rows.rows_mut(TILT, 3).copy_from(&self.across(k, first)),
+            AxisKind::Rotary => {
+                let along = axis.direction().into_inner() * &self.axial[k];
+                let shift = self.across(k, first) + along;
+                rows.rows_mut(SHIFT, 3).copy_from(&shift);
+                rows.rows_mut(TILT, 3).copy_from(&self.across(k, first + 2));
+            }
+        }
+        rows
+    }
+
+    /// The error motion of axis `k` where it stands, in the frame of its own base.
+    fn twist_of(&self, k: usize, position: f64) -> Twist {
+        let index = self.data[k].axis;
+        let location = self.identified.state.axes[k].location;
+        let error = self.errors().motion(index, position);
+        let axis = &self.context.machine.axes()[index];
+        axis_twist(axis, position, &location, &error).through(&self.axis_errors(k, position))
+    }
+
+    /// The error motion of some axes in the reference frame, given in the order of a chain; `base` is
+    /// the motion of what is outside them.
+    fn twist_of_chain(&self, base: Isometry3<f64>, chain: &[usize], positions: &[f64]) -> Twist {
+        let errors = self.errors();
+        let mut sum = Twist::zero(self.sources.count);
+        let mut before = base;
+        for &axis in chain {
+            if let Some(k) = self.data.iter().position(|data| data.axis == axis) {
+                sum.add(&self.twist_of(k, positions[axis]).seen_from(&before));
+            }
+            before *= self
+                .context
+                .machine
+                .chain_motion(&errors, &[axis], positions);
+        }
+        sum
+    }
+
+    /// The error motion of an axis' base in a run; the axes outside are the same for all targets.
+    pub(crate) fn base_motion(&self, k: usize, run: usize) -> Twist {
+        let run = &self.data[k].runs[run];
+        let (outer, _) = run.around(self.context.machine, self.data[k].axis);
+        self.twist_of_chain(Isometry3::identity(), outer, &run.positions)
+    }
+
+    /// The base of an axis in a run.
+    fn base(&self, k: usize, run: usize) -> Isometry3<f64> {
+        let run = &self.data[k].runs[run];
+        let (outer, _) = run.around(self.context.machine, self.data[k].axis);
+        self.context
+            .machine
+            .chain_motion(&self.errors(), outer, &run.positions)
+    }
+
+    /// Rotation from the axis' base: other rotary axes stand at home, so it is all but none.
+    fn turn(&self, k: usize) -> Matrix3<f64> {
+        self.base(k, 0).rotation.to_rotation_matrix().into_inner()
+    }
+
+    /// Errors of the targets' home positions in the reference frame before the frame is settled, and
+    /// where the targets are. Deformations of the shape are left out: they are none of the motions from
+    /// which the frame follows.
+    fn targets(&self, k: usize, r: usize) -> Vec<(Matrix3xX<f64>, Point3<f64>)> {
+        let (axis, run, errors) = (&self.data[k], &self.data[k].runs[r], self.errors());
+        let machine = self.context.machine;
+        let base = self.base(k, r);
+        let values = &self.identified.state.axes[k];
+        let reference = machine.axes()[axis.axis].reference_at_home_mm(&values.location);
+        let first = self.sources.placements[k][r];
+        let placed = Twist::about(reference, self.pick(first), self.pick(first + 3));
+        let placed = placed.seen_from(&base);
+        let homes = errors.targets_mm(machine, &self.context.poses.bodies, (k, r));
+        let target = |(place, home): (usize, Point3<f64>)| {
+            let inner = run.inside(machine, axis.axis, place);
+            let at = base * machine.chain_motion(&errors, inner, &run.positions) * home;
+            let carried = self.twist_of_chain(base, inner, &run.positions);
+            (placed.at(at) - carried.at(at), home)
+        };
+        homes.into_iter().enumerate().map(target).collect()
+    }
+
+    /// The error motion of the frame.
+    fn frame(&self) -> Twist {
+        let rule = &self.identified.frame;
+        let tilt = |k: usize| self.turn(k) * self.across(k, self.sources.location[k]);
+        let tilts: Vec<Matrix3xX<f64>> = rule.lines.iter().map(|&(k, _)| tilt(k)).collect();
+        let mut shifts: Vec<Matrix3xX<f64>> = Vec::new();
+        // The anchors are all targets of some runs, run after run.
+        for run in rule
+            .anchors
+            .chunk_by(|a, b| (a.data, a.run) == (b.data, b.run))
+        {
+            let targets = self.targets(run[0].data, run[0].run);
+            shifts.extend(run.iter().map(|anchor| targets[anchor.place].0.clone()));
+        }
+        // The rule is linear: one column at a time.
+        let column = |m: &Matrix3xX<f64>, j: usize| Vector3::new(m[(0, j)], m[(1, j)], m[(2, j)]);
+        let mut displacement = Matrix3xX::zeros(self.sources.count);
+        let mut rotation = Matrix3xX::zeros(self.sources.count);
+        let mut pivot = Point3::origin();
+        for j in 0..self.sources.count {
+            let tilts: Vec<_> = tilts.iter().map(|m| column(m, j)).collect();
+            let shifts: Vec<_> = shifts.iter().map(|m| column(m, j)).collect();
+            let motion: SmallMotion = rule.motion(&tilts, &shifts);
+            displacement.column_mut(j).copy_from(&motion.translation);
+            rotation.column_mut(j).copy_from(&motion.rotation);
+            pivot = motion.pivot;
+        }
+        Twist::about(pivot, displacement, rotation)
+    }
+
+    /// Errors of an axis' shift and tilt, three rows each.
+    pub(crate) fn location(&self, k: usize, frame: &Twist) -> DMatrix<f64> {
+        let axis = &self.context.machine.axes()[self.data[k].axis];
+        let direction = axis.direction().into_inner();
+        let across = without(direction) * self.turn(k).transpose();
+        let first = self.sources.location[k];
+        let mut rows = DMatrix::zeros(6, self.sources.count);
+        let tilt = match axis.kind() {
+            AxisKind::Linear => self.across(k, first),
+            AxisKind::Rotary => {
+                let centre = axis.reference_at_home_mm(&self.identified.state.axes[k].location);
+                let mut shift = self.across(k, first) - across * frame.at(centre);
+                shift += direction * &self.axial[k];
+                rows.rows_mut(0, 3).copy_from(&shift);
+                self.across(k, first + 2)
+            }
+        };
+        rows.rows_mut(3, 3)
+            .copy_from(&(tilt - across * &frame.rotation));
+        rows
+    }
+
+    /// Finds the errors of the places of rotary axes along themselves.
+    fn find_axial(&mut self, frame: &Twist) {
+        for k in 0..self.data.len() {
+            let index = self.data[k].axis;
+            let rotary = self.context.machine.axes()[index].kind() == AxisKind::Rotary;
+            if rotary && self.identified.frame.places_along_itself(index) {
+                self.axial[k] = self.axial_shift(k, frame);
+            }
+        }
+    }
+
+    /// Error of the mean shift of an axis' targets along it: one row.
+    fn axial_shift(&self, k: usize, frame: &Twist) -> RowDVector<f64> {
+        let axis = &self.data[k];
+        let along = self.turn(k)
+            * self.context.machine.axes()[axis.axis]
+                .direction()
+                .into_inner();
+        let mut sum = RowDVector::zeros(self.sources.count);
+        let mut count = 0.0;
+        for r in 0..axis.runs.len() {
+            for (shift, at) in self.targets(k, r) {
+                sum += along.transpose() * (shift - frame.at(at));
+                count += 1.0;
+            }
+        }
+        sum / count
+    }
+
+    /// Errors of a station's position and dead path.
+    pub(crate) fn station(&self, j: usize, in_ref: Point3<f64>, frame: &Twist) -> DMatrix<f64> {
+        let first = self.sources.stations + 4 * j;
+        let ref_from_datum = self.identified.state.ref_from_datum.rotation;
+        let turn = ref_from_datum.to_rotation_matrix().into_inner();
+        let mut rows = DMatrix::zeros(4, self.sources.count);
+        let position = turn * self.pick(first) - frame.at(in_ref);
+        rows.rows_mut(0, 3).copy_from(&position);
+        rows[(3, first + 3)] = 1.0;
+        rows
+    }
+}
+
+/// Projection across a direction.
+fn without(direction: Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::identity() - direction * direction.transpose()
+}

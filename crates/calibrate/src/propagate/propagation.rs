@@ -1,0 +1,219 @@
+//! Standard uncertainties of all results, with their budget and degrees of freedom.
+//!
+//! Every result is a linear function of the poses' errors, propagated twice: for the whole noise
+//! and for the instrument's own part of it. Each variance has a part with the stations known and
+//! one that comes through them.
+//!
+//! Component errors do not depend on the reference frame: the gauge removes a rigid motion of the
+//! whole. Location errors and stations do ([`crate::propagate::frame_forms`]).
+
+use nalgebra::{DMatrix, Matrix2, Matrix6xX, Point3, Vector6};
+use trueaxis_kinematics::LocationComponent;
+use trueaxis_poses::{PoseNoise, Poses};
+
+use crate::identify::axis_data::AxisData;
+use crate::identify::identify_axes::Identified;
+use crate::identify::pose_errors::Context;
+use crate::propagate::axis_noise::ThroughBase;
+use crate::propagate::axis_noise::{AxisForm, AxisNoise};
+use crate::propagate::frame_forms::FrameForms;
+use crate::propagate::sources::{SourceNoise, Sources};
+use crate::propagate::variance::Variance;
+use crate::result::budget::Budget;
+
+/// How the results depend on the poses.
+pub(crate) struct Dependence<'a> {
+    pub(crate) data: &'a [AxisData],
+    pub(crate) identified: &'a Identified,
+    pub(crate) sources: Sources,
+    pub(crate) forms: FrameForms,
+}
+
+/// How the results depend on the poses, and the poses' errors.
+pub(crate) struct Propagation<'a> {
+    pub(crate) dependence: &'a Dependence<'a>,
+    pub(crate) whole: Noise<'a>,
+    /// The instrument's own part of it.
+    instrument: Noise<'a>,
+    /// Of the variance factors of the two parts.
+    relative_covariance: Matrix2<f64>,
+}
+
+/// The errors of what the results follow from, for one origin of noise.
+pub(crate) struct Noise<'a> {
+    dependence: &'a Dependence<'a>,
+    pub(crate) axes: Vec<AxisNoise<'a>>,
+    pub(crate) sources: SourceNoise,
+    /// `Σ`.
+    noise: &'a PoseNoise,
+}
+
+/// A standard uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Uncertainty {
+    /// mm or rad.
+    pub(crate) u: f64,
+    /// Degrees of freedom.
+    pub(crate) dof: f64,
+    pub(crate) budget: Budget,
+}
+
+/// Place of a location error among shift and tilt.
+pub(crate) fn place_of(component: LocationComponent) -> usize {
+    match component {
+        LocationComponent::Offset(i) => i,
+        LocationComponent::Tilt(i) => 3 + i,
+    }
+}
+
+impl<'a> Dependence<'a> {
+    pub(crate) fn new(
+        context: &'a Context<'a>,
+        data: &'a [AxisData],
+        identified: &'a Identified,
+        stations_in_ref: &[Point3<f64>],
+    ) -> Self {
+        let sources = Sources::new(context, data, identified, stations_in_ref.len());
+        Self {
+            data,
+            identified,
+            forms: FrameForms::new(context, data, identified, &sources, stations_in_ref),
+            sources,
+        }
+    }
+}
+
+impl<'a> Propagation<'a> {
+    pub(crate) fn new(dependence: &'a Dependence<'a>, poses: &'a Poses) -> Self {
+        Self {
+            dependence,
+            whole: Noise::new(dependence, &poses.noise),
+            instrument: Noise::new(dependence, &poses.instrument),
+            relative_covariance: poses.relative_covariance,
+        }
+    }
+
+    /// Of the component errors of axis `k`: for each node δ and ε.
+    pub(crate) fn components(&self, k: usize) -> Vec<[Uncertainty; 6]> {
+        let variances = [&self.whole, &self.instrument].map(|noise| noise.components(k));
+        let of_node = |(whole, instrument): (&[Variance; 6], &[Variance; 6])| {
+            std::array::from_fn(|c| self.stated(&whole[c], &instrument[c]))
+        };
+        variances[0]
+            .iter()
+            .zip(&variances[1])
+            .map(of_node)
+            .collect()
+    }
+
+    /// Of the location errors of axis `k`: shift and tilt.
+    pub(crate) fn location(&self, k: usize) -> [Uncertainty; 6] {
+        self.of_sources(&self.dependence.forms.locations[k])
+    }
+
+    /// Of a station: x y z and dead path.
+    pub(crate) fn station(&self, j: usize) -> [Uncertainty; 4] {
+        self.of_sources(&self.dependence.forms.stations[j])
+    }
+
+    fn of_sources<const N: usize>(&self, rows: &DMatrix<f64>) -> [Uncertainty; N] {
+        let whole = self.whole.of_sources(rows);
+        let instrument = self.instrument.of_sources(rows);
+        std::array::from_fn(|i| self.stated(&whole[i], &instrument[i]))
+    }
+
+    fn stated(&self, whole: &Variance, instrument: &Variance) -> Uncertainty {
+        let budget = if whole.is_defined_away() {
+            Budget::default()
+        } else {
+            let all = (whole.own + whole.through).max(0.0);
+            Budget::new(
+                [instrument.own, whole.own],
+                [instrument.own + instrument.through, all],
+            )
+        };
+        Uncertainty {
+            u: budget.variance().max(0.0).sqrt(),
+            dof: budget.degrees_of_freedom(&self.relative_covariance),
+            budget,
+        }
+    }
+}
+
+impl<'a> Noise<'a> {
+    pub(crate) fn new(dependence: &'a Dependence<'a>, noise: &'a PoseNoise) -> Self {
+        let identified = dependence.identified;
+        let maps = identified.gauges.iter().zip(&identified.sensitivities);
+        let axes: Vec<AxisNoise> = dependence
+            .data
+            .iter()
+            .zip(maps)
+            .map(|(axis, (gauge, sensitivity))| AxisNoise::new(noise, axis, gauge, sensitivity))
+            .collect();
+        Self {
+            dependence,
+            sources: dependence.sources.noise(&axes, noise.width()),
+            axes,
+            noise,
+        }
+    }
+
+    /// `Σ`.
+    pub(crate) fn shared(&self) -> &DMatrix<f64> {
+        &self.noise.shared
+    }
+
+    /// Variances of the component errors of axis `k`, for each node.
+    pub(crate) fn components(&self, k: usize) -> Vec<[Variance; 6]> {
+        self.axes[k].node_variances(|node| self.through_base(k, node))
+    }
+
+    /// What the component errors of a node of axis `k` owe to all sources through its base, if that moves.
+    fn through_base(&self, k: usize, node: usize) -> Option<ThroughBase> {
+        let Dependence {
+            identified,
+            sources,
+            forms,
+            ..
+        } = self.dependence;
+        // Most axes have one run, during which their base stands still.
+        if !forms.has_moving_base(k) {
+            return None;
+        }
+        let form = AxisForm::component_errors(&identified.gauges[k], node..node + 1);
+        let rows = forms.through_base(k, &form)?;
+        let own_sources = &sources.axes[k];
+        let of_own_sources = rows.select_columns(&own_sources.places);
+        let cross = self.axes[k].own(&form, &own_sources.form) * of_own_sources.transpose();
+        let own = &cross + cross.transpose() + &rows * &self.sources.own * rows.transpose();
+        let shared = rows * &self.sources.shared;
+        Some(ThroughBase {
+            own: Vector6::from_fn(|c, _| own[(c, c)]),
+            shared: Matrix6xX::from_column_slice(shared.as_slice()),
+        })
+    }
+
+    /// Variances of functions of the sources, one for each row.
+    fn of_sources(&self, rows: &DMatrix<f64>) -> Vec<Variance> {
+        let own = rows * &self.sources.own * rows.transpose();
+        let variances = self.sources.own.diagonal();
+        let uncancelled: Vec<f64> = rows
+            .row_iter()
+            .map(|row| row.iter().zip(&variances).map(|(f, v)| f * f * v).sum())
+            .collect();
+        let coefficients = rows * &self.sources.shared;
+        uncancelled
+            .iter()
+            .enumerate()
+            .map(|(i, &uncancelled)| {
+                let coefficients = coefficients.row(i).into_owned();
+                let [through, of_shapes] = self.noise.through_sources(coefficients);
+                Variance {
+                    own: own[(i, i)] + of_shapes,
+                    through,
+                    uncancelled,
+                }
+            })
+            .collect()
+    }
+}

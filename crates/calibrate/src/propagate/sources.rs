@@ -1,0 +1,190 @@
+//! The quantities of each axis on which location errors and stations depend.
+//!
+//! Each axis contributes its location parameters, the places of its bodies on the stage, and its
+//! component errors where it stands while others are measured: linear functions of its parameters
+//! and mean pose errors ([`crate::propagate::axis_noise`]). The stations are shared sources themselves.
+
+use nalgebra::DMatrix;
+
+use crate::identify::axis_data::AxisData;
+use crate::identify::gauge::PER_RUN;
+use crate::identify::identify_axes::Identified;
+use crate::identify::pose_errors::Context;
+use crate::propagate::axis_noise::{AxisForm, AxisNoise, PosePart};
+
+/// All quantities and their places.
+pub(crate) struct Sources {
+    /// Number of quantities.
+    pub(crate) count: usize,
+    /// First location parameter of each axis.
+    pub(crate) location: Vec<usize>,
+    /// For each axis and run the first of the six of the body's twist on the stage: translation of the
+    /// axis' reference point (mm), then rotation (rad), seen from the base.
+    pub(crate) placements: Vec<Vec<usize>>,
+    /// Where other axes stand.
+    held: Vec<Held>,
+    /// First unknown of the first station (x y z L each), and the number of stations.
+    pub(crate) stations: usize,
+    station_count: usize,
+    /// What each axis contributes.
+    pub(crate) axes: Vec<OwnSources>,
+}
+
+/// The quantities of one axis.
+pub(crate) struct OwnSources {
+    /// Their places among all: location parameters, placements, held component errors.
+    pub(crate) places: Vec<usize>,
+    /// How they follow from the axis' parameters and mean pose errors.
+    pub(crate) form: AxisForm,
+}
+
+/// Component errors of an axis at a position where it stands while another one is measured.
+#[derive(Debug, Clone, Copy)]
+struct Held {
+    /// Index of the axis data.
+    data: usize,
+    /// Position, mm or rad.
+    position: f64,
+    /// First of its six places.
+    first: usize,
+}
+
+/// The errors of all quantities.
+pub(crate) struct SourceNoise {
+    /// Covariance with the stations known.
+    pub(crate) own: DMatrix<f64>,
+    /// Coefficients of the shared sources.
+    pub(crate) shared: DMatrix<f64>,
+}
+
+impl Sources {
+    pub(crate) fn new(
+        context: &Context<'_>,
+        data: &[AxisData],
+        identified: &Identified,
+        stations: usize,
+    ) -> Self {
+        let mut sources = Self::layout(context, data, identified, stations);
+        sources.axes = (0..data.len())
+            .map(|k| sources.own(data, identified, k))
+            .collect();
+        sources
+    }
+
+    /// The errors of all quantities from those of the axes.
+    pub(crate) fn noise(&self, axes: &[AxisNoise<'_>], shared_sources: usize) -> SourceNoise {
+        let mut own = DMatrix::zeros(self.count, self.count);
+        let mut shared = DMatrix::zeros(self.count, shared_sources);
+        for (sources, noise) in self.axes.iter().zip(axes) {
+            let covariance = noise.own(&sources.form, &sources.form);
+            let coefficients = noise.shared(&sources.form);
+            for (i, &row) in sources.places.iter().enumerate() {
+                for (j, &column) in sources.places.iter().enumerate() {
+                    own[(row, column)] = covariance[(i, j)];
+                }
+                shared.row_mut(row).copy_from(&coefficients.row(i));
+            }
+        }
+        for i in 0..4 * self.station_count {
+            shared[(self.stations + i, i)] = 1.0;
+        }
+        SourceNoise { own, shared }
+    }
+
+    fn layout(
+        context: &Context<'_>,
+        data: &[AxisData],
+        identified: &Identified,
+        stations: usize,
+    ) -> Self {
+        let mut next = 0;
+        let mut take = |rows: usize| {
+            next += rows;
+            next - rows
+        };
+        let location = identified
+            .sensitivities
+            .iter()
+            .map(|s| take(s.location_parameters))
+            .collect();
+        let placements = data
+            .iter()
+            .map(|axis| axis.runs.iter().map(|_| take(PER_RUN)).collect())
+            .collect();
+        let mut held: Vec<Held> = Vec::new();
+        for axis in data {
+            for run in &axis.runs {
+                let (outer, inner) = run.around(context.machine, axis.axis);
+                for &other in outer.iter().chain(inner) {
+                    let Some(k) = data.iter().position(|d| d.axis == other) else {
+                        continue;
+                    };
+                    let position = run.positions[other];
+                    if find(&held, k, position).is_none() {
+                        held.push(Held {
+                            data: k,
+                            position,
+                            first: take(6),
+                        });
+                    }
+                }
+            }
+        }
+        let station_count = stations;
+        let stations = take(4 * station_count);
+        Self {
+            count: next,
+            location,
+            placements,
+            held,
+            stations,
+            station_count,
+            axes: Vec::new(),
+        }
+    }
+
+    /// The place of a held axis' component errors.
+    pub(crate) fn held_at(&self, data: usize, position: f64) -> Option<usize> {
+        find(&self.held, data, position)
+    }
+
+    fn own(&self, data: &[AxisData], identified: &Identified, k: usize) -> OwnSources {
+        let (axis, sensitivity) = (&data[k], &identified.sensitivities[k]);
+        let first = self.location[k];
+        let mut places: Vec<usize> = (first..first + sensitivity.location_parameters).collect();
+        let placements = self.placements[k].iter();
+        places.extend(placements.flat_map(|&first| first..first + PER_RUN));
+        let held: Vec<Held> = self.held.iter().copied().filter(|h| h.data == k).collect();
+        let mut poses = Vec::new();
+        for place in &held {
+            for (node, weight) in axis.weights_at(place.position) {
+                poses.push(PosePart {
+                    row: places.len(),
+                    node,
+                    weight,
+                });
+            }
+            places.extend(place.first..place.first + 6);
+        }
+        // Location parameters and placements are the axis' parameters themselves.
+        let gauge = &identified.gauges[k];
+        let mut parameters = DMatrix::zeros(places.len(), gauge.parameters());
+        parameters.fill_diagonal(1.0);
+        for (i, place) in held.iter().enumerate() {
+            let first = gauge.parameters() + 6 * i;
+            let mut rows = parameters.rows_mut(first, 6);
+            for (node, weight) in axis.weights_at(place.position) {
+                rows -= &gauge.node_effects[node] * weight;
+            }
+        }
+        OwnSources {
+            places,
+            form: AxisForm { parameters, poses },
+        }
+    }
+}
+
+fn find(held: &[Held], data: usize, position: f64) -> Option<usize> {
+    let same = |h: &&Held| h.data == data && h.position.total_cmp(&position).is_eq();
+    held.iter().find(same).map(|h| h.first)
+}

@@ -1,0 +1,93 @@
+//! Which error of a length would be noticed, and what one that is not does to the results.
+//!
+//! Internal reliability is the minimal detectable error of each length
+//! (of `trueaxis-multilateration`); external reliability is what an error of that size,
+//! unnoticed, does to each result. It goes through the whole calibration ([`Replay::respond`]).
+
+use nalgebra::DMatrix;
+use trueaxis_montecarlo::Model;
+
+use crate::Error;
+use crate::replay::replay::Replay;
+
+/// Reliability of all used lengths.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LengthsReliability {
+    /// The used lengths in measuring order.
+    pub lengths: Vec<LengthReliability>,
+    /// What the minimal detectable error of each length (row) does to each result (column, in the
+    /// order and units of [`Replay::results`]); zero where nothing checks the length.
+    pub effects: DMatrix<f64>,
+}
+
+/// Reliability of one length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LengthReliability {
+    /// The reading of the campaign.
+    pub reading: usize,
+    /// Redundancy number.
+    pub redundancy: f64,
+    /// Smallest error that is found with a probability of 80 %, mm; infinite where nothing checks the
+    /// length.
+    pub minimal_detectable_mm: f64,
+    /// The result on which that error acts most, measured in its standard uncertainty, and how many
+    /// of these.
+    pub worst: (usize, f64),
+}
+
+/// Largest table of effects that is made, GiB.
+const LIMIT_GIB: f64 = 1.0;
+
+impl Replay<'_> {
+    /// Reliability of the used lengths; `None` in a points campaign.
+    ///
+    /// # Errors
+    /// [`Error::ReliabilityTooLarge`] if the table of effects would not fit.
+    pub fn reliability(&self) -> Result<Option<LengthsReliability>, Error> {
+        let Some(lengths) = &self.trials.measured.lengths else {
+            return Ok(None);
+        };
+        let screened = &lengths.screened;
+        let (rows, columns) = (screened.kept.len(), self.outputs());
+        let gib = rows as f64 * columns as f64 * size_of::<f64>() as f64 / 1024_f64.powi(3);
+        if gib > LIMIT_GIB {
+            return Err(Error::ReliabilityTooLarge {
+                lengths: rows,
+                results: columns,
+                gib,
+                limit_gib: LIMIT_GIB,
+            });
+        }
+        let mut workspace = self.workspace();
+        let mut errors_mm = vec![0.0; rows];
+        let mut undisturbed = vec![0.0; columns];
+        self.respond(&errors_mm, &mut workspace, &mut undisturbed);
+        let mut disturbed = vec![0.0; columns];
+        let mut effects = DMatrix::zeros(rows, columns);
+        let mut lengths = Vec::with_capacity(rows);
+        let internal = screened.solution.reliability(&screened.network);
+        for (row, (internal, &reading)) in internal.iter().zip(&screened.kept).enumerate() {
+            let mut worst = (0, 0.0);
+            if internal.minimal_detectable_mm.is_finite() {
+                errors_mm[row] = internal.minimal_detectable_mm;
+                self.respond(&errors_mm, &mut workspace, &mut disturbed);
+                errors_mm[row] = 0.0;
+                for (column, result) in self.results().iter().enumerate() {
+                    let effect = disturbed[column] - undisturbed[column];
+                    effects[(row, column)] = effect;
+                    let in_u = effect.abs() * result.output.unit().size() / result.u;
+                    if in_u > worst.1 {
+                        worst = (column, in_u);
+                    }
+                }
+            }
+            lengths.push(LengthReliability {
+                reading,
+                redundancy: internal.redundancy,
+                minimal_detectable_mm: internal.minimal_detectable_mm,
+                worst,
+            });
+        }
+        Ok(Some(LengthsReliability { lengths, effects }))
+    }
+}

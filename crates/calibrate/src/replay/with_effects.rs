@@ -1,0 +1,123 @@
+//! A calibration of lengths from which known effects were taken out.
+//!
+//! With the effects' values `θ` each length loses what they do to it (exact distances at the
+//! adjusted geometry, [`EffectsOnLengths`]), and everything is calibrated anew. The values are
+//! estimates with a covariance `C`. They come from the residuals of the adjustment, which are
+//! uncorrelated with what is adjusted, so that variances add:
+//!
+//! ```text
+//! cov(x) = cov(x; θ known) + J C Jᵀ        J = ∂x/∂θ
+//! ```
+//!
+//! For the joint adjustment, in which a diagnosis estimates θ, this is exact to first order; the nine
+//! equations weight the points almost as it does, so that it holds closely for them.
+//! `J C Jᵀ` is summed over the columns of a square root of `C`: each moves θ by one standard deviation, and
+//! what that does to the lengths goes through the whole calibration ([`crate::Replay::respond`]).
+//! Shapes (instants, time constants) are taken as known.
+
+use nalgebra::{DMatrix, DVector};
+use trueaxis_campaign::Campaign;
+use trueaxis_effects::{GivenEffect, ResolvedEffect, ResolvedEffects};
+use trueaxis_montecarlo::Model;
+use trueaxis_poses::{EffectsOnLengths, scene_of};
+
+use crate::replay::replay::{Replay, calibrate_for_replay};
+use crate::result::calibration::Calibration;
+use crate::{Error, Settings};
+
+/// Calibrates the lengths of a campaign less what `effects` do to them; these must have been resolved in the
+/// scene of this campaign ([`scene_of`]).
+///
+/// Without a covariance the effects are taken as exact.
+///
+/// # Errors
+/// Those of [`crate::calibrate`], and [`trueaxis_poses::Error::EffectsWithoutLengths`].
+pub fn calibrate_with_effects(
+    campaign: &Campaign,
+    effects: &ResolvedEffects,
+    settings: &Settings,
+) -> Result<Calibration, Error> {
+    let on_lengths = EffectsOnLengths::new(campaign)?;
+    let effects_mm = on_lengths.of(&effects.effects);
+    let corrected = on_lengths.taken_out(&effects_mm);
+    let (mut calibration, replay) = calibrate_for_replay(&corrected, settings)?;
+    if let Some(covariance) = &effects.covariance {
+        for step in root(covariance).column_iter() {
+            let moved = moved(&effects.effects, step.as_slice());
+            let moved_mm = on_lengths.of(&moved);
+            let change = |i: usize| effects_mm[i] - moved_mm[i];
+            calibration.add_uncertainty(&response(&replay, change));
+        }
+    }
+    calibration.effects = given(campaign, effects);
+    Ok(calibration)
+}
+
+/// Correlations with eigenvalues below this are rounding: the direction is known.
+const KNOWN_DIRECTION: f64 = 1e-12;
+
+/// `R` with `R Rᵀ` the covariance, from the eigenvectors of the correlations; columns without variance
+/// are left out.
+fn root(covariance: &[Vec<f64>]) -> DMatrix<f64> {
+    let count = covariance.len();
+    let u = DVector::from_fn(count, |i, _| covariance[i][i].sqrt());
+    let inverse = u.map(|u| if u > 0.0 { u.recip() } else { 0.0 });
+    let correlation = DMatrix::from_fn(count, count, |i, j| {
+        0.5 * (covariance[i][j] + covariance[j][i]) * inverse[i] * inverse[j]
+    });
+    let eigen = correlation.symmetric_eigen();
+    let columns: Vec<DVector<f64>> = eigen
+        .eigenvalues
+        .iter()
+        .zip(eigen.eigenvectors.column_iter())
+        .filter(|(value, _)| **value > KNOWN_DIRECTION)
+        .map(|(value, vector)| vector.component_mul(&u) * value.sqrt())
+        .collect();
+    DMatrix::from_fn(count, columns.len(), |i, j| columns[j][i])
+}
+
+/// The effects with their parameters moved by `step`, effect after effect.
+fn moved(effects: &[ResolvedEffect], step: &[f64]) -> Vec<ResolvedEffect> {
+    let mut steps = step.iter();
+    let mut moved = effects.to_vec();
+    for effect in &mut moved {
+        for (value, step) in effect.parameters.iter_mut().zip(&mut steps) {
+            *value += step;
+        }
+    }
+    moved
+}
+
+/// What a change of each length (mm) does to all results, mm and rad, in the order of
+/// [`Calibration::results`] without those that are defined.
+fn response(replay: &Replay<'_>, change_mm: impl Fn(usize) -> f64) -> Vec<f64> {
+    let mut workspace = replay.workspace();
+    let used = replay.used_lengths();
+    let mut before = vec![0.0; replay.outputs()];
+    replay.respond(&vec![0.0; used.len()], &mut workspace, &mut before);
+    let mut after = vec![0.0; replay.outputs()];
+    let changes_mm: Vec<f64> = used.iter().map(|&i| change_mm(i)).collect();
+    replay.respond(&changes_mm, &mut workspace, &mut after);
+    let results = replay.results().iter().zip(before.iter().zip(&after));
+    results
+        .map(|(result, (before, after))| (after - before) * result.output.unit().size())
+        .collect()
+}
+
+/// The effects by name, with the uncertainties that were used.
+fn given(campaign: &Campaign, effects: &ResolvedEffects) -> Vec<GivenEffect> {
+    let scene = scene_of(campaign);
+    let mut first = 0;
+    let given = effects.effects.iter().map(|effect| {
+        let mut given = effect.to_given(&scene);
+        let count = effect.parameters.len();
+        if let Some(covariance) = &effects.covariance {
+            for (k, parameter) in given.parameters.iter_mut().take(count).enumerate() {
+                parameter.u = Some(covariance[first + k][first + k].sqrt());
+            }
+        }
+        first += count;
+        given
+    });
+    given.collect()
+}

@@ -1,0 +1,6 @@
+//! What is said of the results beside their values.
+
+pub(crate) mod axis_results;
+pub(crate) mod method_loss;
+pub(crate) mod notices;
+pub(crate) mod triangle;

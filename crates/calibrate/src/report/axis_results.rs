@@ -1,0 +1,136 @@
+//! The results of axes and stations with their uncertainties.
+
+use nalgebra::Point3;
+use trueaxis_campaign::Campaign;
+use trueaxis_kinematics::{GeometricErrors, Machine};
+use trueaxis_poses::{MeasuredPoses, SideDifference, Station};
+
+use crate::identify::axis_data::AxisData;
+use crate::identify::state::ModelErrors;
+use crate::propagate::propagation::{Dependence, Propagation, Uncertainty, place_of};
+use crate::report::method_loss::method_loss;
+use crate::result::calibration::{AxisResult, LocationResult, NodeResult, StationResult};
+
+/// The errors of all axes.
+pub(crate) fn axis_results(
+    campaign: &Campaign,
+    machine: &Machine,
+    measured: &MeasuredPoses<'_>,
+    propagation: &Propagation<'_>,
+) -> Vec<AxisResult> {
+    let axes = 0..propagation.dependence.data.len();
+    let losses = measured.by_equations.as_ref();
+    let losses = losses.map(|by_equations| method_loss(by_equations, propagation));
+    let sides = side_differences(campaign, machine, measured, propagation.dependence);
+    axes.zip(sides)
+        .map(|(k, sides)| AxisResult {
+            u_ratio: losses.as_ref().map(|losses| losses[k]),
+            sides,
+            ..axis_result(machine, measured, propagation, k)
+        })
+        .collect()
+}
+
+/// For each axis how the sides of approach differ that share its curves.
+fn side_differences(
+    campaign: &Campaign,
+    machine: &Machine,
+    measured: &MeasuredPoses<'_>,
+    Dependence {
+        data, identified, ..
+    }: &Dependence<'_>,
+) -> Vec<Option<SideDifference>> {
+    let errors = ModelErrors {
+        data,
+        state: &identified.state,
+    };
+    let reference_mm = |step: usize| {
+        let step = &campaign.steps[step];
+        let axis = campaign.runs[step.run].axis;
+        let at_home_mm = machine.axes()[axis].reference_at_home_mm(&errors.location(axis));
+        machine.motion(&errors, axis, &step.positions) * at_home_mm
+    };
+    let axes: Vec<usize> = data.iter().map(|axis| axis.axis).collect();
+    measured.lengths.as_ref().map_or_else(
+        || vec![None; axes.len()],
+        |lengths| lengths.side_differences(&axes, reference_mm),
+    )
+}
+
+/// The errors of axis `k` of the data.
+fn axis_result(
+    machine: &Machine,
+    measured: &MeasuredPoses<'_>,
+    propagation: &Propagation<'_>,
+    k: usize,
+) -> AxisResult {
+    let Dependence {
+        data, identified, ..
+    } = propagation.dependence;
+    let own: &AxisData = &data[k];
+    let axis = &machine.axes()[own.axis];
+    let values = &identified.state.axes[k];
+    let nodes = own.nodes.iter().zip(&values.curve);
+    let nodes = nodes.zip(propagation.components(k));
+    let nodes = nodes.map(|((node, &error), uncertainties)| NodeResult {
+        position: node.position,
+        direction: node.direction,
+        error,
+        u: uncertainties.map(|c| c.u),
+        dof: uncertainties.map(|c| c.dof),
+        budget: uncertainties.map(|c| c.budget),
+    });
+    let uncertainties = propagation.location(k);
+    let location_errors = identified.reported[k].iter().map(|&component| {
+        let Uncertainty { u, dof, budget } = uncertainties[place_of(component)];
+        LocationResult {
+            component,
+            value: component.of(&values.location),
+            u,
+            dof,
+            budget,
+        }
+    });
+    let poses: Vec<usize> = own.records.iter().map(|record| record.pose).collect();
+    AxisResult {
+        name: axis.name().to_owned(),
+        axis: own.axis,
+        kind: axis.kind(),
+        reference_point_mm: axis.reference_mm(),
+        nodes: nodes.collect(),
+        location: values.location,
+        location_errors: location_errors.collect(),
+        noise_gain: measured.noise_gain(machine, &poses),
+        u_ratio: None,
+        sides: None,
+    }
+}
+
+/// Stations at `in_ref` in the reference frame, with their dead paths.
+pub(crate) fn station_results(
+    campaign: &Campaign,
+    adjusted: &[Station],
+    in_ref: &[Point3<f64>],
+    propagation: &Propagation<'_>,
+) -> Vec<StationResult> {
+    let stations = campaign
+        .stations
+        .iter()
+        .zip(adjusted)
+        .zip(in_ref)
+        .enumerate();
+    stations
+        .map(|(j, ((station, adjusted), &position_mm))| {
+            let [x, y, z, dead_path] = propagation.station(j);
+            StationResult {
+                name: station.name.clone(),
+                position_mm,
+                u_mm: [x.u, y.u, z.u],
+                dof: [x.dof, y.dof, z.dof],
+                dead_path_mm: adjusted.dead_path_mm,
+                u_dead_path_mm: dead_path.u,
+                dof_dead_path: dead_path.dof,
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,121 @@
+//! What a user must know before using the numbers.
+
+use trueaxis_campaign::Campaign;
+use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
+
+use crate::result::calibration::{AxisResult, Calibration, NodeResult, StationResult};
+
+/// A paced-off position of a station is right to this, mm.
+const APPROXIMATE_MM: f64 = 500.0;
+
+/// Linear errors and tilts beyond these are worth a word: no machine in use is that bad, a mistyped
+/// position or direction is.
+const ABSURD_MM: f64 = 1.0;
+const ABSURD_RAD: f64 = 5e-3;
+
+/// What there is to say of a calibration beyond the notices of its poses.
+pub(crate) fn notices(
+    campaign: &Campaign,
+    calibration: &Calibration,
+    mirror_image_open: bool,
+) -> Vec<String> {
+    let axes = &calibration.axes;
+    let mut notices: Vec<String> = axes.iter().filter_map(differing_sides).collect();
+    notices.extend(unmeasured_axes(campaign, axes));
+    notices.extend(axes.iter().flat_map(absurd_errors));
+    notices.extend(stations_elsewhere(campaign, &calibration.stations));
+    if mirror_image_open {
+        notices.push(
+            "all points lie in one plane, and the lengths fit as well with all stations on its other side: \
+             errors across the plane may have the wrong sign; give `approx_mm` of one station to be sure"
+                .to_owned(),
+        );
+    }
+    notices
+}
+
+/// Whether the joined curve of an axis is the mean of two that differ.
+fn differing_sides(axis: &AxisResult) -> Option<String> {
+    let (name, sides) = (&axis.name, axis.sides?);
+    let significance = |c: &Component| (sides.value[c.index()] / sides.u[c.index()]).abs();
+    let most = Component::ALL
+        .into_iter()
+        .max_by(|a, b| significance(a).total_cmp(&significance(b)))?;
+    let (size, unit) = match most.is_angular() {
+        true => (ARCSEC, "″"),
+        false => (MICROMETRE, " µm"),
+    };
+    let [value, u] = [sides.value, sides.u].map(|of| of[most.index()] / size);
+    Some(format!(
+        "axis {name}: forward and backward approach differ, {} by {value:+.2}{unit} (U {:.2}{unit}): its \
+         curves are the mean of both sides; --by-direction keeps them apart",
+        most.name(name),
+        2.0 * u
+    ))
+}
+
+fn unmeasured_axes(campaign: &Campaign, measured: &[AxisResult]) -> Option<String> {
+    let all = campaign.machine.axes().iter().enumerate();
+    let unmeasured = all.filter(|(index, _)| measured.iter().all(|axis| axis.axis != *index));
+    let names: Vec<&str> = unmeasured.map(|(_, axis)| axis.name()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "no run measures {}: taken as free of errors ({} components unknown)",
+            names.join(", "),
+            names.len() * Component::ALL.len()
+        )
+    })
+}
+
+/// Errors that are more likely mistakes in the campaign.
+fn absurd_errors(axis: &AxisResult) -> Vec<String> {
+    let position = |node: &NodeResult| match axis.kind {
+        AxisKind::Linear => format!("{} mm", node.position),
+        AxisKind::Rotary => format!("{:.4}°", node.position.to_degrees()),
+    };
+    let worst = |component: Component| {
+        let (limit, unit, scale) = match component.is_angular() {
+            true => (ABSURD_RAD, "°", 1_f64.to_degrees()),
+            false => (ABSURD_MM, " mm", 1.0),
+        };
+        let size = |node: &NodeResult| node.error.to_vector()[component.index()].abs();
+        let nodes = axis.nodes.iter();
+        let node = nodes.max_by(|a, b| size(a).total_cmp(&size(b)))?;
+        (size(node) > limit).then(|| {
+            format!(
+                "axis {}: {} reaches {:.2}{unit} at {}: check the positions in the rows, and \
+                 the direction of the axis in the campaign",
+                axis.name,
+                component.name(&axis.name),
+                size(node) * scale,
+                position(node)
+            )
+        })
+    };
+    let mut found: Vec<String> = Component::ALL.into_iter().filter_map(worst).collect();
+    let tilt_rad = axis.location.tilt_rad.norm();
+    if tilt_rad > ABSURD_RAD {
+        found.push(format!(
+            "axis {} is {:.2}° off its nominal direction: check `direction` in the campaign",
+            axis.name,
+            tilt_rad.to_degrees()
+        ));
+    }
+    found
+}
+
+/// Stations that are not where the campaign says they are, roughly.
+fn stations_elsewhere(campaign: &Campaign, found: &[StationResult]) -> Vec<String> {
+    let stations = campaign.stations.iter().zip(found);
+    let elsewhere = stations.filter_map(|(station, found)| {
+        let distance_mm = (found.position_mm - station.approx_mm?).norm();
+        (distance_mm > APPROXIMATE_MM).then(|| {
+            format!(
+                "station {} was found {distance_mm:.0} mm from its approx_mm: check its name and \
+                 `approx_mm`",
+                station.name
+            )
+        })
+    });
+    elsewhere.collect()
+}

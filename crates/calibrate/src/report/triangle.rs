@@ -1,0 +1,54 @@
+//! The measured shape of the targets against the nominal one.
+
+use nalgebra::Point3;
+use trueaxis_identify::triangle_mismatch;
+
+use crate::identify::axis_data::AxisData;
+use crate::identify::pose_errors::Context;
+use crate::result::calibration::TriangleSide;
+
+/// A measured distance between targets that differs less from nominal needs no word, mm.
+const TRIANGLE_TOL_MM: f64 = 0.01;
+
+/// The same in standard deviations of the distance at one step.
+const TRIANGLE_TOL_SIGMAS: f64 = 5.0;
+
+/// Distances between the targets of each run that differ from nominal by more than measurement
+/// explains.
+pub(crate) fn triangle(
+    context: &Context<'_>,
+    data: &[AxisData],
+    mean_mm: &[Option<Point3<f64>>],
+    point_variance_mm2: Option<f64>,
+) -> Vec<TriangleSide> {
+    let targets = &context.campaign.targets;
+    let mut found: Vec<TriangleSide> = Vec::new();
+    let variance_mm2 = point_variance_mm2.unwrap_or(0.0);
+    for axis in data {
+        for run in &axis.runs {
+            let seen: Vec<(usize, Point3<f64>)> = run
+                .targets
+                .iter()
+                .filter_map(|&t| mean_mm[t].map(|p| (t, p)))
+                .collect();
+            let nominal: Vec<_> = seen.iter().map(|&(t, _)| targets[t].home_mm).collect();
+            let measured: Vec<_> = seen.iter().map(|&(_, p)| p).collect();
+            let Ok(sides) = triangle_mismatch(&nominal, &measured) else {
+                continue;
+            };
+            let limit_mm = TRIANGLE_TOL_MM.max(TRIANGLE_TOL_SIGMAS * (2.0 * variance_mm2).sqrt());
+            for side in sides {
+                let names = [side.first, side.second].map(|i| targets[seen[i].0].name.clone());
+                let known = found.iter().any(|other| other.targets == names);
+                if !known && (side.measured_mm - side.nominal_mm).abs() > limit_mm {
+                    found.push(TriangleSide {
+                        targets: names,
+                        nominal_mm: side.nominal_mm,
+                        measured_mm: side.measured_mm,
+                    });
+                }
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,7 @@
+//! What a calibration is: plain data, and what can be asked of it.
+
+pub(crate) mod budget;
+pub(crate) mod calibration;
+pub(crate) mod interpolation;
+pub(crate) mod numbered;
+pub(crate) mod output;

@@ -1,0 +1,15 @@
+//! From lengths to poses or to points.
+
+mod adjustment;
+mod circumstances;
+mod effects;
+mod refused;
+mod report;
+mod side_difference;
+mod targets_that_moved;
+mod weak_stations;
+
+pub use adjustment::LengthsAdjustment;
+pub use circumstances::{LengthCircumstances, Observation, length_circumstances, scene_of};
+pub use effects::EffectsOnLengths;
+pub use side_difference::SideDifference;

@@ -1,0 +1,272 @@
+//! What is wrong with the lengths, in the words of the campaign.
+
+use trueaxis_campaign::{Campaign, Direction, Lengths};
+use trueaxis_multilateration::{Error as Failure, Group, Part, StationUnknown};
+
+use crate::Error;
+use crate::words::{length_in_words, step_in_words, stop_of};
+
+/// What makes many lengths contradict the others.
+const LOOK_AT: &str = "check that every row names its own station and target, that no beam was interrupted, \
+                       and that no target or tripod was moved";
+
+/// Pairs of lengths named before the rest is only counted.
+const MOST_NAMED: usize = 5;
+
+/// What to do about lengths that contradict others: `first`, or adjust them all. Where positions were
+/// approached from both sides, lost motion contradicts itself.
+fn or_as_they_are(campaign: &Campaign, lengths: &Lengths, first: &str) -> String {
+    let mut steps: Vec<Option<Direction>> = vec![None; campaign.steps.len()];
+    let both_sides = lengths.stops.iter().any(|stop| {
+        let first = *steps[stop.step].get_or_insert(stop.direction);
+        first != stop.direction
+    });
+    let by_direction = match both_sides {
+        true => "--by-direction tells lost motion from wrong lengths; ",
+        false => "",
+    };
+    format!("{first}; {by_direction}--no-robust adjusts all lengths as they are")
+}
+
+/// A failed adjustment in the words of the campaign; `groups` are those of its network.
+pub(crate) fn adjustment_error(
+    campaign: &Campaign,
+    lengths: &Lengths,
+    groups: &[Group],
+    failure: Failure,
+) -> Error {
+    let step = |group: usize| step_in_words(campaign, groups[group].step);
+    let target = |group: usize, point: usize| {
+        let name = &campaign.targets[groups[group].targets[point]].name;
+        format!("target {name} in {}", step(group))
+    };
+    let station = |j: usize| campaign.stations[j].name.clone();
+    let length = |reading: usize| length_in_words(campaign, lengths, reading);
+    match failure {
+        Failure::TooFewStations { need, found } => Error::not_identifiable(
+            format!(
+                "stations and points together need lengths from at least {need} stations, found {found}"
+            ),
+            "measure the whole path from more stations",
+        ),
+        Failure::StationWithoutReadings { station: j } => Error::not_identifiable(
+            format!("station {} has no lengths", station(j)),
+            "remove it from `stations`, or add its rows",
+        ),
+        Failure::PointSeenTooRarely {
+            group,
+            point,
+            seen,
+            need,
+        } => Error::not_identifiable(
+            format!(
+                "{} was measured from {seen} station(s), at least {need} are needed",
+                target(group, point)
+            ),
+            "measure it from the missing stations, or leave out the rows of this step",
+        ),
+        Failure::PointNotDetermined {
+            group,
+            point,
+            pivot,
+            limit,
+        } => Error::not_identifiable(
+            format!(
+                "{}: the beams that meet there lie in one plane (relative pivot {pivot:.1e}, \
+                 limit {limit:.1e})",
+                target(group, point)
+            ),
+            "place one station well above or below the others",
+        ),
+        Failure::PoseNotDetermined {
+            group,
+            lengths,
+            pivot,
+            limit,
+        } => Error::not_identifiable(
+            format!(
+                "{}: its {lengths} lengths do not determine the pose of the stage (relative pivot {pivot:.1e}, \
+                 limit {limit:.1e})",
+                step(group)
+            ),
+            "measure it from the missing stations, or leave out the rows of this step; if none is missing, \
+             spread the stations in all directions",
+        ),
+        Failure::TooFewReadings { readings, unknowns } => Error::not_identifiable(
+            format!("{readings} lengths cannot determine {unknowns} unknowns"),
+            "measure more steps, targets or stations",
+        ),
+        Failure::StationsNotDetermined { defect, free, .. } => Error::not_identifiable(
+            format!(
+                "the lengths leave {defect} combination(s) of the stations free: {}",
+                unknowns_in_words(campaign, &free)
+            ),
+            "spread the stations in all directions around the machine, and let the targets move in all \
+             directions",
+        ),
+        Failure::NoStart {
+            station: j,
+            readings,
+            rms_mm,
+        } => Error::StationUnexplained {
+            station: station(j),
+            readings,
+            rms_mm,
+        },
+        Failure::RanAway {
+            reading,
+            residual_mm,
+        } => Error::RanAway {
+            length: length(reading),
+            residual_mm,
+        },
+        Failure::TooManyGrossErrors {
+            removed,
+            readings,
+            limit,
+        } => Error::not_trustworthy(
+            format!(
+                "{} of {readings} lengths contradict the others, more than the {:.0} % that may be \
+                 accidents; most of them: {}",
+                removed.len(),
+                limit * 100.0,
+                most_of(campaign, lengths, &removed)
+            ),
+            or_as_they_are(campaign, lengths, LOOK_AT),
+        ),
+        Failure::PartLost {
+            part,
+            removed,
+            readings,
+            ..
+        } => Error::not_trustworthy(
+            format!(
+                "{removed} of the {readings} lengths of {} contradict the others, more than a third",
+                match part {
+                    Part::Station(j) => format!("station {}", station(j)),
+                    Part::Group(g) => step(g),
+                }
+            ),
+            or_as_they_are(campaign, lengths, LOOK_AT),
+        ),
+        Failure::Undecidable { pairs } => {
+            let named = pairs.iter().take(MOST_NAMED);
+            let named = named.map(|&(one, other)| format!("{} and {}", length(one), length(other)));
+            let named: Vec<String> = named.collect();
+            let more = match pairs.len().saturating_sub(MOST_NAMED) {
+                0 => String::new(),
+                more => format!("; and {more} more"),
+            };
+            Error::not_trustworthy(
+                format!(
+                    "lengths contradict each other, and nothing tells which one is wrong: {}{more}",
+                    named.join("; ")
+                ),
+                or_as_they_are(
+                    campaign,
+                    lengths,
+                    "measure these steps again, or leave out their rows",
+                ),
+            )
+        }
+        other => Error::not_identifiable(chain(&other), "check the campaign with `trueaxis check`"),
+    }
+}
+
+/// Says where the residuals are worst: by station, then by run.
+pub(crate) fn contradictory(
+    campaign: &Campaign,
+    lengths: &Lengths,
+    sigma0: f64,
+    residuals_mm: &[f64],
+) -> Error {
+    let mut stations = vec![(0.0_f64, 0_usize); campaign.stations.len()];
+    let mut runs = vec![(0.0_f64, 0_usize); campaign.runs.len()];
+    let mut worst = (0.0_f64, 0);
+    for stop in &lengths.stops {
+        for i in stop.readings.clone() {
+            let v = residuals_mm[i];
+            for sum in [
+                &mut stations[stop.station],
+                &mut runs[campaign.steps[stop.step].run],
+            ] {
+                sum.0 += v * v;
+                sum.1 += 1;
+            }
+            if v.abs() > worst.0 {
+                worst = (v.abs(), lengths.readings[i].line);
+            }
+        }
+    }
+    let largest = |sums: &[(f64, usize)]| {
+        let rms = |&(squares, count): &(f64, usize)| (squares / count.max(1) as f64).sqrt();
+        let all = sums.iter().map(rms).enumerate();
+        all.fold(
+            (0, 0.0),
+            |best, (k, rms)| if rms > best.1 { (k, rms) } else { best },
+        )
+    };
+    let ((j, station_rms), (r, run_rms)) = (largest(&stations), largest(&runs));
+    Error::Contradictory {
+        rms_um: rms(residuals_mm) * 1e3,
+        sigma0,
+        worst: format!(
+            "station {} ({:.1} µm rms), run {} ({:.1} µm rms), line {} of the lengths ({:.1} µm)",
+            campaign.stations[j].name,
+            station_rms * 1e3,
+            campaign.runs[r].name,
+            run_rms * 1e3,
+            worst.1,
+            worst.0 * 1e3
+        ),
+        hint: LOOK_AT,
+    }
+}
+
+fn rms(values: &[f64]) -> f64 {
+    let squares: f64 = values.iter().map(|v| v * v).sum();
+    (squares / values.len().max(1) as f64).sqrt()
+}
+
+/// Where some lengths come from mostly: their commonest station, run and target.
+fn most_of(campaign: &Campaign, lengths: &Lengths, readings: &[usize]) -> String {
+    let mut stations = vec![0; campaign.stations.len()];
+    let mut runs = vec![0; campaign.runs.len()];
+    let mut targets = vec![0; campaign.targets.len()];
+    for &reading in readings {
+        let stop = stop_of(lengths, reading);
+        stations[stop.station] += 1;
+        runs[campaign.steps[stop.step].run] += 1;
+        targets[lengths.readings[reading].target] += 1;
+    }
+    let most = |counts: &[usize]| (0..counts.len()).max_by_key(|&k| counts[k]).unwrap_or(0);
+    let (j, r, t) = (most(&stations), most(&runs), most(&targets));
+    format!(
+        "station {} ({}), run {} ({}), target {} ({})",
+        campaign.stations[j].name,
+        stations[j],
+        campaign.runs[r].name,
+        runs[r],
+        campaign.targets[t].name,
+        targets[t]
+    )
+}
+
+/// An error with its sources.
+fn chain(error: &dyn std::error::Error) -> String {
+    match error.source() {
+        Some(source) => format!("{error}: {}", chain(source)),
+        None => error.to_string(),
+    }
+}
+
+fn unknowns_in_words(campaign: &Campaign, free: &[StationUnknown]) -> String {
+    let names = ["x", "y", "z", "dead path"];
+    let word = |u: &StationUnknown| {
+        format!(
+            "{} of {}",
+            names[u.unknown], campaign.stations[u.station].name
+        )
+    };
+    free.iter().map(word).collect::<Vec<_>>().join(", ")
+}

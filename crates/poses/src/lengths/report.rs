@@ -1,0 +1,143 @@
+//! What the residuals of adjusted lengths say about the measurement and its noise.
+
+use trueaxis_kinematics::MICROMETRE;
+use trueaxis_leastsquares::chi_squared_upper_tail;
+use trueaxis_multilateration::{Jump, NoiseBasis, PartEstimate};
+
+use crate::lengths::LengthsAdjustment;
+use crate::report::{
+    AdjustmentReport, InterruptedTurn, NoiseReport, PartReport, RejectedLength,
+    approached_from_both_sides,
+};
+use crate::words::{length_in_words, stop_of};
+
+impl LengthsAdjustment<'_> {
+    /// The report of the adjusted lengths.
+    pub(crate) fn report(&self) -> AdjustmentReport {
+        let (campaign, lengths, screened) = (self.campaign, self.lengths, &self.screened);
+        let solution = &screened.solution;
+        let degrees_of_freedom = solution.degrees_of_freedom();
+        let noise_declared = self.is_noise_declared();
+        let sigma0 = match noise_declared {
+            true => self.given_sigma0(),
+            false if degrees_of_freedom > 0 => solution.sigma0(),
+            false => 1.0,
+        };
+        let squares = sigma0.powi(2) * degrees_of_freedom as f64;
+        let rejected = screened.removed.iter().map(|removed| RejectedLength {
+            line: lengths.readings[removed.reading].line,
+            length: length_in_words(campaign, lengths, removed.reading),
+            error_mm: removed.error_mm,
+            u_mm: removed.u_mm,
+            unchecked: removed.unchecked,
+        });
+        AdjustmentReport {
+            observations: solution.observations,
+            unknowns: solution.unknowns,
+            degrees_of_freedom,
+            sigma0,
+            p_value: chi_squared_upper_tail(squares, degrees_of_freedom as f64),
+            noise_declared,
+            uncertainty_factor: 1.0,
+            factor_degrees_of_freedom: f64::INFINITY,
+            rms_residual_mm: solution.rms_residual_mm(),
+            noise: Some(self.noise_report()),
+            iterations: solution.iterations,
+            termination: solution.termination.to_string(),
+            rejected: rejected.collect(),
+            interruptions: screened
+                .jumps
+                .iter()
+                .map(|j| self.interruption(j))
+                .collect(),
+        }
+    }
+
+    /// What a user must know of it.
+    pub(crate) fn report_notices(&self, report: &AdjustmentReport) -> Vec<String> {
+        let screened = &self.screened;
+        let consequence = match screened.noise.basis {
+            NoiseBasis::Given => "uncertainties are those of the declared noise",
+            _ => "uncertainties follow the residuals",
+        };
+        let both_sides = !self.by_direction && approached_from_both_sides(self.campaign);
+        let mut notices = report.residual_notices(consequence, both_sides);
+        if screened.noise.basis == NoiseBasis::CommonFactor {
+            let declared = self.campaign.instrument.repeatability_um.is_some();
+            notices.push(match declared {
+                true => "the lengths do not tell their own noise from the machine's return: the declared \
+                         ratio of the two is kept"
+                    .to_owned(),
+                false => "the lengths do not tell their own noise from the machine's return, and no \
+                          `repeatability_um` is declared: all noise is taken for that of single lengths"
+                    .to_owned(),
+            });
+        }
+        if !screened.settled {
+            notices.push(
+                "the search for gross errors did not come to an end: some lengths still contradict the \
+                 others"
+                    .to_owned(),
+            );
+        }
+        let changed = !screened.removed.is_empty() || !screened.jumps.is_empty();
+        if both_sides && changed && !report.is_contradicted() {
+            notices.push(
+                "positions were approached from both sides: lost motion, too, makes lengths contradict each \
+                 other; compare with --by-direction"
+                    .to_owned(),
+            );
+        }
+        if report.is_contradicted() && report.noise_declared {
+            let worst = self.worst_length();
+            notices.push(format!("the largest residual is that of {worst}"));
+        }
+        notices
+    }
+
+    fn noise_report(&self) -> NoiseReport {
+        let instrument = &self.campaign.instrument;
+        let part = |declared_um: Option<f64>, used: PartEstimate| PartReport {
+            declared_mm: declared_um.map(|um| um * MICROMETRE),
+            used: PartEstimate {
+                p_value: used.p_value.filter(|_| declared_um.is_some()),
+                ..used
+            },
+        };
+        let noise = &self.screened.noise;
+        NoiseReport {
+            basis: noise.basis,
+            length: part(instrument.length_sigma_um, noise.length),
+            length_ppm: noise.noise.length_sigma_relative * 1e6,
+            machine_return: part(instrument.repeatability_um, noise.machine_return),
+        }
+    }
+
+    fn interruption(&self, jump: &Jump) -> InterruptedTurn {
+        let readings = &self.lengths.readings;
+        let after = jump.first_reading;
+        let of_station = |&i: &usize| stop_of(self.lengths, i).station == jump.station;
+        let pair = [(0..after).rfind(of_station).unwrap_or(after), after];
+        InterruptedTurn {
+            station: self.campaign.stations[jump.station].name.clone(),
+            lines: pair.map(|i| readings[i].line),
+            times_s: pair.map(|i| readings[i].time_s),
+            change_mm: jump.change_mm,
+            u_mm: jump.u_mm,
+        }
+    }
+
+    /// The used length with the largest residual, in words.
+    fn worst_length(&self) -> String {
+        let residuals = &self.screened.solution.residuals_mm;
+        let residuals = self.screened.kept.iter().zip(residuals);
+        let worst = residuals.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        worst.map_or_else(String::new, |(&reading, residual_mm)| {
+            format!(
+                "{} with {:.1} µm",
+                length_in_words(self.campaign, self.lengths, reading),
+                residual_mm.abs() / MICROMETRE
+            )
+        })
+    }
+}

@@ -1,0 +1,56 @@
+//! Stations that the lengths hardly determine.
+
+use trueaxis_campaign::{Campaign, Lengths};
+use trueaxis_kinematics::MICROMETRE;
+use trueaxis_multilateration::Solution;
+
+use crate::Error;
+
+/// Second-order error of a length, in standard deviations of its noise, from which a station is
+/// worth a notice, and from which nothing that follows from it can be trusted.
+const WEAK_STATION: f64 = 1.0;
+const HOPELESS_STATION: f64 = 5.0;
+
+/// Stations that are so poorly determined that uncertainties of first order mean little: the length
+/// to a station that is off by u across the beam is off by u²/2d, which no linear propagation sees.
+pub(crate) fn weak_stations(
+    campaign: &Campaign,
+    lengths: &Lengths,
+    solution: &Solution,
+    residuals_mm: &[f64],
+) -> Result<Vec<String>, Error> {
+    let noise_mm = campaign.instrument.length_sigma_um.unwrap_or(1.0) * MICROMETRE;
+    let mut nearest_mm = vec![f64::INFINITY; solution.stations.len()];
+    for stop in &lengths.stops {
+        for i in stop.readings.clone() {
+            let station = &solution.stations[stop.station];
+            let distance_mm =
+                lengths.readings[i].length_mm + station.dead_path_mm - residuals_mm[i];
+            nearest_mm[stop.station] = nearest_mm[stop.station].min(distance_mm.abs());
+        }
+    }
+    let mut weak = Vec::new();
+    for (j, (station, distance_mm)) in campaign.stations.iter().zip(nearest_mm).enumerate() {
+        let covariance = solution.station_covariance(j);
+        let position = covariance.fixed_view::<3, 3>(0, 0).into_owned();
+        let variance_mm2 = position.symmetric_eigenvalues().max();
+        let second_order = variance_mm2 / (2.0 * distance_mm) / noise_mm;
+        let what = format!(
+            "station {} is known to {:.1} mm only (standard uncertainty), so poorly that first-order \
+             uncertainties",
+            station.name,
+            variance_mm2.sqrt()
+        );
+        if second_order.is_nan() || second_order > HOPELESS_STATION {
+            return Err(Error::not_identifiable(
+                format!("{what} mean nothing"),
+                "spread the stations in all directions, heights included; let the targets move through a \
+                 larger volume",
+            ));
+        }
+        if second_order > WEAK_STATION {
+            weak.push(format!("{what} may be too small: spread the stations more"));
+        }
+    }
+    Ok(weak)
+}

@@ -1,0 +1,74 @@
+//! Measured poses of a machine's stages, from lengths or from coordinates.
+//!
+//! A pose is the rigid motion that brings the targets of a stage from home to where they were at a step,
+//! relative to where they were expected a small twist `x = (δ, ε)`: a translation (mm) of a pivot and a rotation
+//! (rad) about it. The errors of all poses are
+//!
+//! ```text
+//! x_i = ξ_i - Z_i s     cov(x_i, x_k) = [i = k] D_i + Z_i Σ Z_kᵀ
+//! ```
+//!
+//! with a part of its own for each pose and one through what all share: stations, dead paths, the shapes of the
+//! targets, the datum.
+//!
+//! Noun in: a checked [`trueaxis_campaign::Campaign`] and [`Settings`]; noun out: [`MeasuredPoses`], the
+//! [`Poses`] with what was adjusted beside them. Three ways lead there, and nobody behind needs to know which
+//! was taken:
+//!
+//! - [`Method::Joint`]: one adjustment of all lengths with rigid stages
+//!   (`trueaxis-multilateration`), in which every pose is an unknown;
+//! - [`Method::Nine`]: lengths → points, each free of the others → poses by the nine equations of each step
+//!   (`trueaxis-identify`, paper Eqs. 20 and 21); the paper's path;
+//! - [`Method::Six`]: the same with six of the nine.
+//!
+//! Coordinates that an instrument measured directly are brought into the datum and go by the equations.
+//!
+//! Before, lengths that contradict the others leave, interrupted turns are split, and the noise is estimated
+//! from what is left ([`trueaxis_multilateration::screen`]); [`AdjustmentReport`] says what was done.
+//! [`PoseTrials`] measures again with other errors: Monte Carlo and reliability.
+//! [`EffectsOnLengths`] takes what known effects do (drift, jumps, lost motion) out of the lengths.
+//!
+//! ```
+//! use trueaxis_poses::{Settings, measure};
+//! use trueaxis_simulate::{Scenario, simulate};
+//!
+//! let scenario = Scenario::from_json(include_str!("../../../campaigns/rotary-stage/scenario.json"))?;
+//! let campaign = simulate(&scenario, 1)?.campaign;
+//! let measured = measure(&campaign, &Settings::default())?;
+//! let (poses, noise) = (&measured.poses.observations, &measured.poses.noise);
+//! let (turned, u) = (poses[9].datum_from_home.rotation.angle(), noise.own[9][(5, 5)].sqrt());
+//! println!("step 9: turned by {:.4}°, own standard uncertainty {u:.1e} rad", turned.to_degrees());
+//! assert_eq!(poses.len(), campaign.steps.len());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What it does not do
+//!
+//! It knows no axes' errors and no reference frame: poses are in the datum, the best fit of all targets to their
+//! nominal positions. Measured coordinates are not screened, and their noise is only tested.
+
+mod error;
+mod lengths;
+mod measure;
+mod points;
+mod poses;
+mod report;
+mod settings;
+mod trials;
+mod words;
+
+pub use error::Error;
+pub use lengths::{
+    EffectsOnLengths, LengthCircumstances, LengthsAdjustment, Observation, SideDifference,
+    length_circumstances, scene_of,
+};
+pub use measure::{MeasuredPoses, NoiseByEquations, measure};
+pub use points::centroid;
+pub use poses::{PoseNoise, PoseObservation, Poses, TargetBody, turned_about};
+pub use report::{
+    AdjustmentReport, InterruptedTurn, NoiseReport, PartReport, RejectedLength, StepMisfit,
+};
+pub use settings::{Method, Settings};
+pub use trials::{PoseTrials, Trial, TrialWorkspace};
+pub use trueaxis_multilateration::{NoiseBasis, Station};
+pub use words::step_in_words;

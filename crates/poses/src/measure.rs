@@ -1,0 +1,197 @@
+//! The headline verb: a campaign to the poses of its stages.
+
+use nalgebra::Matrix2;
+use trueaxis_campaign::{Campaign, Lengths, Points};
+use trueaxis_identify::SixRows;
+use trueaxis_kinematics::Machine;
+use trueaxis_multilateration::Station;
+
+use crate::Error;
+use crate::lengths::LengthsAdjustment;
+use crate::points::equations::{PointEquations, PointPoses, poses_from_points};
+use crate::points::report::points_report;
+use crate::points::{MeasuredPoints, points_from_coordinates, rigidity};
+use crate::poses::{PoseNoise, Poses};
+use crate::report::{AdjustmentReport, StepMisfit};
+use crate::settings::{Method, Settings};
+
+/// The poses of a campaign with what was adjusted beside them.
+pub struct MeasuredPoses<'a> {
+    campaign: &'a Campaign,
+    /// How the poses were found: [`Method::Nine`] where [`Method::Joint`] was asked of measured points.
+    pub method: Method,
+    /// The poses, with the noise that was declared or that the residuals show.
+    pub poses: Poses,
+    /// What the measurement says about itself.
+    pub adjustment: AdjustmentReport,
+    /// Steps whose targets do not move as a rigid body.
+    pub misfits: Vec<StepMisfit>,
+    /// Largest variance of a coordinate of a point at the first step, mm²; `None` where there are no points.
+    pub point_variance_mm2: Option<f64>,
+    /// The noise that the poses of the joint adjustment would have by equations; `None` for other methods and
+    /// where equations do not give the same poses.
+    pub by_equations: Option<NoiseByEquations>,
+    /// The adjusted lengths; `None` for a points campaign.
+    pub lengths: Option<LengthsAdjustment<'a>>,
+    /// The points, and the equations by which the poses follow from them; `None` for the joint adjustment.
+    pub(crate) points: Option<(MeasuredPoints, PointEquations)>,
+    /// What a user must know before using the poses.
+    pub notices: Vec<String>,
+}
+
+/// The noise of poses by points and equations, from the same lengths as those of the joint adjustment and about
+/// the same pivots.
+#[derive(Debug, Clone)]
+pub struct NoiseByEquations {
+    /// By all nine equations, weighted.
+    pub nine: PoseNoise,
+    /// By the paper's six; `None` where these do not determine the poses.
+    pub six: Option<PoseNoise>,
+}
+
+/// Steps up to which the joint adjustment is compared with equations: beyond, these would take most of the
+/// time and say the same.
+const MOST_STEPS: usize = 10_000;
+
+/// The poses of all stages under test, in the datum: the best fit of the targets to their nominal positions.
+///
+/// # Errors
+/// See [`Error`]; nothing is returned that is not converged or not determined.
+pub fn measure<'a>(
+    campaign: &'a Campaign,
+    settings: &Settings,
+) -> Result<MeasuredPoses<'a>, Error> {
+    let measured = match (&campaign.lengths, &campaign.points) {
+        (Some(lengths), _) => from_lengths(campaign, lengths, settings)?,
+        (None, Some(points)) => from_points(campaign, points, settings)?,
+        (None, None) => return Err(Error::NothingMeasured),
+    };
+    if measured.poses.observations.is_empty() {
+        return Err(Error::NothingMeasured);
+    }
+    Ok(measured)
+}
+
+fn from_lengths<'a>(
+    campaign: &'a Campaign,
+    lengths: &'a Lengths,
+    settings: &Settings,
+) -> Result<MeasuredPoses<'a>, Error> {
+    let (lengths, mut notices) = LengthsAdjustment::new(campaign, lengths, settings)?;
+    let adjustment = lengths.report();
+    notices.extend(lengths.report_notices(&adjustment));
+    let joint = settings.method == Method::Joint;
+    let by_points = match joint {
+        true if lengths.moved().len() > MOST_STEPS => None,
+        true => by_points(campaign, &lengths, Method::Nine).ok(),
+        false => Some(by_points(campaign, &lengths, settings.method)?),
+    };
+    let mut misfits = by_points.as_ref().map_or_else(Vec::new, |(_, found)| {
+        rigidity::misfits(campaign, found, adjustment.noise_declared)
+    });
+    misfits.extend(lengths.lost_targets());
+    let points = by_points.as_ref().map(|(points, _)| points);
+    let point_variance_mm2 = points.map(|points| points.noise.largest_variance_mm2());
+    let (poses, by_equations, points) = match by_points {
+        Some((points, found)) if !joint => (found.poses, None, Some((points, found.equations))),
+        compared => {
+            let joint = lengths.poses()?;
+            let by_equations = compared.and_then(|(points, nine)| {
+                let six = Method::Six(SixRows::PAPER);
+                let six = poses_from_points(campaign, &points, six).ok();
+                Some(NoiseByEquations {
+                    nine: nine.poses.noise_about_pivots_of(&joint)?,
+                    six: six.and_then(|six| six.poses.noise_about_pivots_of(&joint)),
+                })
+            });
+            (joint, by_equations, None)
+        }
+    };
+    Ok(MeasuredPoses {
+        campaign,
+        method: settings.method,
+        poses,
+        adjustment,
+        misfits,
+        point_variance_mm2,
+        by_equations,
+        lengths: Some(lengths),
+        points,
+        notices,
+    })
+}
+
+/// The points that the lengths have without rigid stages, and the poses that follow from them.
+fn by_points(
+    campaign: &Campaign,
+    lengths: &LengthsAdjustment<'_>,
+    method: Method,
+) -> Result<(MeasuredPoints, PointPoses), Error> {
+    let points = lengths.points()?;
+    let found = poses_from_points(campaign, &points, method)?;
+    Ok((points, found))
+}
+
+fn from_points<'a>(
+    campaign: &'a Campaign,
+    points: &Points,
+    settings: &Settings,
+) -> Result<MeasuredPoses<'a>, Error> {
+    let method = match settings.method {
+        Method::Joint => Method::Nine,
+        method => method,
+    };
+    let points = points_from_coordinates(campaign, points, settings.by_direction);
+    let mut found = poses_from_points(campaign, &points, method)?;
+    let (adjustment, notices) = points_report(campaign, settings.by_direction, &points, &found);
+    let misfits = rigidity::misfits(campaign, &found, adjustment.noise_declared);
+    found.poses.follow(&adjustment);
+    Ok(MeasuredPoses {
+        campaign,
+        method,
+        poses: found.poses,
+        adjustment,
+        misfits,
+        point_variance_mm2: Some(points.noise.largest_variance_mm2()),
+        by_equations: None,
+        lengths: None,
+        points: Some((points, found.equations)),
+        notices,
+    })
+}
+
+impl Poses {
+    /// Follows the report: all variances by the square of its factor, which is known as well as it says.
+    fn follow(&mut self, report: &AdjustmentReport) {
+        let factor = report.uncertainty_factor.powi(2);
+        self.noise.scale(factor);
+        self.instrument.scale(factor);
+        if report.factor_degrees_of_freedom.is_finite() {
+            let variance = 2.0 / report.factor_degrees_of_freedom;
+            self.relative_covariance = Matrix2::from_element(variance);
+        }
+    }
+}
+
+impl MeasuredPoses<'_> {
+    /// The adjusted stations, in the order of the campaign and in the datum; none for a points campaign.
+    pub fn stations(&self) -> &[Station] {
+        let lengths = self.lengths.as_ref();
+        lengths.map_or(&[], |lengths| &lengths.screened.solution.stations)
+    }
+
+    /// Standard deviations of the component errors at the reference point of the axis under test for unit
+    /// noise of the points, by the equations used and by all nine without weights, mm and rad per mm: the mean
+    /// over some of the poses, by their numbers. `None` for the joint adjustment, which has no points.
+    pub fn noise_gain(&self, machine: &Machine, poses: &[usize]) -> Option<[[f64; 6]; 2]> {
+        let (_, equations) = self.points.as_ref()?;
+        let mut mean = [[0.0; 6]; 2];
+        for &pose in poses {
+            let gains = equations.noise_gain(self.campaign, machine, &self.poses, pose);
+            for (mean, gain) in mean.iter_mut().flatten().zip(gains.iter().flatten()) {
+                *mean += gain / poses.len() as f64;
+            }
+        }
+        Some(mean)
+    }
+}

@@ -1,0 +1,58 @@
+//! Measured points with their errors: what the nine and the six equations start from.
+//!
+//! ```text
+//! dp_i = ξ_i - Z_i s     cov(ξ_i) = D_i, independent between steps     cov(s) = Σ
+//! ```
+
+use nalgebra::{DMatrix, Matrix2, Point3};
+use trueaxis_campaign::Direction;
+
+/// All measured points in the datum: best fit to their nominal positions.
+pub(crate) struct MeasuredPoints {
+    pub(crate) groups: Vec<PointGroup>,
+    pub(crate) noise: PointNoise,
+    /// The instrument's own part of the noise.
+    pub(crate) instrument: PointNoise,
+    /// As [`crate::Poses::relative_covariance`].
+    pub(crate) relative_covariance: Matrix2<f64>,
+    /// Scatter of repeated points about their means in units of the declared variance, and its
+    /// degrees of freedom; nothing where lengths were measured, whose repeats the adjustment tests.
+    pub(crate) repeat_scatter: (f64, usize),
+}
+
+/// The targets of one step (and side of approach, where kept apart).
+#[derive(Debug, Clone)]
+pub(crate) struct PointGroup {
+    pub(crate) step: usize,
+    pub(crate) direction: Option<Direction>,
+    pub(crate) targets: Vec<usize>,
+    pub(crate) points_mm: Vec<Point3<f64>>,
+}
+
+/// Covariance of the points, mm².
+#[derive(Debug, Clone, Default)]
+pub(crate) struct PointNoise {
+    /// `D` of each group, three rows for each point.
+    pub(crate) own: Vec<DMatrix<f64>>,
+    /// `Z` of each group.
+    pub(crate) coupling: Vec<DMatrix<f64>>,
+    /// `Σ`: first the stations (x y z and dead path of each).
+    pub(crate) shared: DMatrix<f64>,
+}
+
+impl PointNoise {
+    /// `D` and `Z` of the points at these places of a group.
+    pub(crate) fn of(&self, group: usize, places: &[usize]) -> (DMatrix<f64>, DMatrix<f64>) {
+        let rows: Vec<usize> = places.iter().flat_map(|p| 3 * p..3 * p + 3).collect();
+        let own = self.own[group].select_rows(&rows).select_columns(&rows);
+        (own, self.coupling[group].select_rows(&rows))
+    }
+
+    /// The largest variance of a coordinate at the first step, mm².
+    pub(crate) fn largest_variance_mm2(&self) -> f64 {
+        let first = self.own.first().zip(self.coupling.first());
+        first.map_or(0.0, |(own, z)| {
+            (own + z * &self.shared * z.transpose()).diagonal().max()
+        })
+    }
+}

@@ -1,0 +1,81 @@
+//! What measured coordinates say about their noise: the rigid triangle and the repeats test it.
+
+use trueaxis_campaign::Campaign;
+use trueaxis_leastsquares::chi_squared_upper_tail;
+
+use crate::points::MeasuredPoints;
+use crate::points::equations::PointPoses;
+use crate::points::rigidity;
+use crate::report::{AdjustmentReport, GLOBAL_TEST_LEVEL, approached_from_both_sides};
+
+/// The report of measured points and the poses found from them, with what a user must know of it.
+pub(crate) fn points_report(
+    campaign: &Campaign,
+    by_direction: bool,
+    measured: &MeasuredPoints,
+    found: &PointPoses,
+) -> (AdjustmentReport, Vec<String>) {
+    let (squares, degrees_of_freedom) = rigidity::total(found);
+    let mut readings = campaign.points.iter().flat_map(|points| &points.readings);
+    let noise_declared = readings.all(|reading| reading.sigma_um.is_some());
+    let sigma0 = match degrees_of_freedom {
+        0 => 1.0,
+        _ => (squares / degrees_of_freedom as f64).sqrt(),
+    };
+    let observations = 3 * measured
+        .groups
+        .iter()
+        .map(|g| g.points_mm.len())
+        .sum::<usize>();
+    let mut report = AdjustmentReport {
+        observations,
+        unknowns: observations - degrees_of_freedom,
+        degrees_of_freedom,
+        sigma0,
+        p_value: chi_squared_upper_tail(squares, degrees_of_freedom as f64),
+        noise_declared,
+        uncertainty_factor: 1.0,
+        factor_degrees_of_freedom: f64::INFINITY,
+        rms_residual_mm: rigidity::rms_mm(found),
+        noise: None,
+        iterations: 0,
+        termination: "points measured directly, nothing to adjust".to_owned(),
+        rejected: Vec::new(),
+        interruptions: Vec::new(),
+    };
+    let scaled = !noise_declared || report.is_contradicted();
+    if scaled {
+        report.uncertainty_factor = sigma0;
+        report.factor_degrees_of_freedom = degrees_of_freedom as f64;
+    }
+    let mut notices = Vec::new();
+    if let Some((factor, degrees_of_freedom, p_value)) = repeat_factor(measured, noise_declared) {
+        if noise_declared {
+            notices.push(format!(
+                "repeated points scatter {factor:.2} times as much as declared (p = {p_value:.1e}): declare \
+                 repeatability_um; until then all uncertainties are multiplied by {factor:.2} at least"
+            ));
+        }
+        if factor > report.uncertainty_factor {
+            report.uncertainty_factor = factor;
+            report.factor_degrees_of_freedom = degrees_of_freedom;
+        }
+    }
+    let consequence = match scaled {
+        true => "all uncertainties are multiplied by this",
+        false => "uncertainties are those of the declared noise",
+    };
+    let both_sides = !by_direction && approached_from_both_sides(campaign);
+    notices.extend(report.residual_notices(consequence, both_sides));
+    (report, notices)
+}
+
+/// How much larger than declared the scatter of repeated points is, if that is significant, with its
+/// degrees of freedom and p-value.
+fn repeat_factor(measured: &MeasuredPoints, declared: bool) -> Option<(f64, f64, f64)> {
+    let (squares, degrees_of_freedom) = measured.repeat_scatter;
+    let degrees = degrees_of_freedom as f64;
+    let p_value = chi_squared_upper_tail(squares, degrees);
+    let significant = !declared || p_value < GLOBAL_TEST_LEVEL;
+    (degrees_of_freedom > 0 && significant).then(|| ((squares / degrees).sqrt(), degrees, p_value))
+}

@@ -1,0 +1,140 @@
+//! Poses: what an adjustment says of the stages, whatever kind it was.
+//!
+//! A pose is the rigid motion that brings the targets of a stage (a *body*) from home to where they were
+//! at a step, in the datum of the adjustment. Its error is a small twist: a translation of the pivot (mm)
+//! and a rotation about it (rad), both along the axes of the datum,
+//!
+//! ```text
+//! x_i = ξ_i - Z_i s     cov(x_i, x_k) = [i = k] D_i + Z_i Σ Z_kᵀ
+//! ```
+//!
+//! `D_i` is the pose's own covariance, `s` what all have in common: first the stations (x y z and dead path
+//! of each), then other dead paths, shapes of targets, and the datum. The joint adjustment and the nine
+//! or six equations both end here; who takes poses does not know which it was.
+
+use nalgebra::{
+    DMatrix, Isometry3, Matrix2, Matrix6, Matrix6xX, Point3, RowDVector, Translation3,
+    UnitQuaternion, Vector3, Vector6,
+};
+use trueaxis_campaign::Direction;
+
+/// All measured poses of the stages under test.
+#[derive(Debug, Clone)]
+pub struct Poses {
+    /// The bodies that the poses are of.
+    pub bodies: Vec<TargetBody>,
+    /// One for each step (and side of approach, where kept apart) of each run.
+    pub observations: Vec<PoseObservation>,
+    /// Covariance of their errors.
+    pub noise: PoseNoise,
+    /// The part of the noise that comes from the instrument alone.
+    pub instrument: PoseNoise,
+    /// How well the two variance factors of the noise (the instrument's, the repeatability) are known:
+    /// their covariance relative to their values. Zero if the declared noise is taken for the truth.
+    pub relative_covariance: Matrix2<f64>,
+}
+
+/// Targets that move together.
+#[derive(Debug, Clone)]
+pub struct TargetBody {
+    /// The campaign's targets, ascending.
+    pub targets: Vec<usize>,
+    /// Their adjusted positions at home, mm.
+    pub home_mm: Vec<Point3<f64>>,
+}
+
+/// A measured pose.
+#[derive(Debug, Clone)]
+pub struct PoseObservation {
+    /// The campaign's step.
+    pub step: usize,
+    /// Side of approach, where kept apart.
+    pub direction: Option<Direction>,
+    /// The body, an index into [`Poses::bodies`].
+    pub body: usize,
+    /// Brings the body from home to where it was, in the datum.
+    pub datum_from_home: Isometry3<f64>,
+    /// The point that the error of the pose refers to, in the datum, mm.
+    pub pivot_mm: Point3<f64>,
+}
+
+/// Covariance of the errors of all poses, mm and rad.
+#[derive(Debug, Clone, Default)]
+pub struct PoseNoise {
+    /// `D` of each pose.
+    pub own: Vec<Matrix6<f64>>,
+    /// `Z` of each pose.
+    pub coupling: Vec<Matrix6xX<f64>>,
+    /// `Σ`. It may be indefinite and makes sense only between couplings, but for the stations.
+    pub shared: DMatrix<f64>,
+    /// How many of the shared sources, which are the first, come from stations, dead paths and datum. The
+    /// others, independent of them, are shapes as functions of the points: noise even if the stations are
+    /// known.
+    pub of_stations: usize,
+}
+
+impl PoseNoise {
+    /// Number of shared sources.
+    pub fn width(&self) -> usize {
+        self.shared.nrows()
+    }
+
+    /// Multiplies all variances.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        self.own.iter_mut().for_each(|own| *own *= factor);
+        self.shared *= factor;
+    }
+
+    /// The variance of a function with these coefficients of the shared sources, in two parts: what comes
+    /// through the stations, and the rest.
+    pub fn through_sources(&self, coefficients: RowDVector<f64>) -> [f64; 2] {
+        let products = (&coefficients * &self.shared).component_mul(&coefficients);
+        let of_stations: f64 = products.columns(0, self.of_stations).sum();
+        let of_shapes = products.columns(self.of_stations, self.width() - self.of_stations);
+        [of_stations, of_shapes.sum()]
+    }
+}
+
+impl Poses {
+    /// The same errors about the pivots of `other`; `None` if those are not poses of the same steps.
+    pub(crate) fn noise_about_pivots_of(&self, other: &Self) -> Option<PoseNoise> {
+        let mut noise = self.noise.clone();
+        if self.observations.len() != other.observations.len() {
+            return None;
+        }
+        let pairs = self.observations.iter().zip(&other.observations);
+        for (i, (from, to)) in pairs.enumerate() {
+            if (from.step, from.direction) != (to.step, to.direction) {
+                return None;
+            }
+            let map = from.to_pivot(&to.pivot_mm);
+            noise.own[i] = map * noise.own[i] * map.transpose();
+            noise.coupling[i] = map * &noise.coupling[i];
+        }
+        Some(noise)
+    }
+}
+
+impl PoseObservation {
+    /// The pose moved by a small twist: translation (mm) of the pivot and rotation (rad).
+    pub(crate) fn moved(&self, twist: &Vector6<f64>) -> Isometry3<f64> {
+        turned_about(&self.pivot_mm, twist) * self.datum_from_home
+    }
+
+    /// The twist about another pivot (datum, mm) from that about the own one.
+    pub(crate) fn to_pivot(&self, pivot_mm: &Point3<f64>) -> Matrix6<f64> {
+        let mut map = Matrix6::identity();
+        let arm_mm = pivot_mm - self.pivot_mm;
+        map.fixed_view_mut::<3, 3>(0, 3)
+            .copy_from(&-arm_mm.cross_matrix());
+        map
+    }
+}
+
+/// The motion by a twist: the pivot moves by its first three elements, everything turns by the others.
+pub fn turned_about(pivot_mm: &Point3<f64>, twist: &Vector6<f64>) -> Isometry3<f64> {
+    let part = |first: usize| -> Vector3<f64> { twist.fixed_rows::<3>(first).into_owned() };
+    Translation3::from(pivot_mm.coords + part(0))
+        * UnitQuaternion::from_scaled_axis(part(3))
+        * Translation3::from(-pivot_mm.coords)
+}

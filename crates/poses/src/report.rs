@@ -1,0 +1,171 @@
+//! What a measurement says about itself and its noise.
+
+use trueaxis_campaign::Campaign;
+use trueaxis_multilateration::{NoiseBasis, PartEstimate};
+
+/// What the measurement says about itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AdjustmentReport {
+    /// Lengths used, or coordinates of a points campaign.
+    pub observations: usize,
+    /// Unknowns that they determine.
+    pub unknowns: usize,
+    /// Redundancy.
+    pub degrees_of_freedom: usize,
+    /// Standard deviation of unit weight with the declared noise: 1 if the noise is as declared.
+    pub sigma0: f64,
+    /// Probability of residuals at least as large if the noise is as declared.
+    pub p_value: f64,
+    /// Whether the noise was declared.
+    pub noise_declared: bool,
+    /// Factor on all standard uncertainties beyond the noise that was used: 1 unless a points
+    /// campaign's residuals contradict its declared noise.
+    pub uncertainty_factor: f64,
+    /// Degrees of freedom of that factor; infinite where it is 1 because the declared noise holds.
+    pub factor_degrees_of_freedom: f64,
+    /// Rms of the residuals, mm.
+    pub rms_residual_mm: f64,
+    /// The noise of the lengths; `None` for a points campaign.
+    pub noise: Option<NoiseReport>,
+    /// Iterations of the adjustment.
+    pub iterations: usize,
+    /// Why it stopped.
+    pub termination: String,
+    /// Lengths that were removed as gross errors, in measuring order.
+    pub rejected: Vec<RejectedLength>,
+    /// Turns that were split because the zero of the interferometer jumped, in measuring order.
+    pub interruptions: Vec<InterruptedTurn>,
+}
+
+/// The noise that was used for weights and uncertainties.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoiseReport {
+    /// What it rests on.
+    pub basis: NoiseBasis,
+    /// Constant part of a length's standard deviation.
+    pub length: PartReport,
+    /// Proportional part of it, µm per m; it keeps its declared ratio to the constant one.
+    pub length_ppm: f64,
+    /// Standard deviation per coordinate of the machine's return.
+    pub machine_return: PartReport,
+}
+
+/// One part of the noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PartReport {
+    /// The declared standard deviation, mm.
+    pub declared_mm: Option<f64>,
+    /// The one used; its p-value is that of the test against the declared one.
+    pub used: PartEstimate,
+}
+
+/// A length that contradicts the others.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RejectedLength {
+    /// Line of the file, from 1 (the header).
+    pub line: usize,
+    /// Station, target and step in words.
+    pub length: String,
+    /// Its estimated error, observed minus right, mm.
+    pub error_mm: f64,
+    /// Standard uncertainty of that, mm.
+    pub u_mm: f64,
+    /// It does not contradict the others, but nothing checks it beside a length of the same point that
+    /// does.
+    pub unchecked: bool,
+}
+
+/// A turn of a station in which all lengths change by a constant from an instant on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InterruptedTurn {
+    /// Name of the station.
+    pub station: String,
+    /// The last line before the jump and the first one after it, of this station.
+    pub lines: [usize; 2],
+    /// Their times, s.
+    pub times_s: [f64; 2],
+    /// By how much the lengths change, mm.
+    pub change_mm: f64,
+    /// Standard uncertainty of that, mm.
+    pub u_mm: f64,
+}
+
+/// A step whose points do not move as a rigid body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepMisfit {
+    /// The step in words.
+    pub step: String,
+    /// Rms of what a rigid motion leaves, µm.
+    pub rms_um: f64,
+    /// `vᵀ C⁻¹ v`.
+    pub chi_squared: f64,
+    /// Its degrees of freedom.
+    pub degrees_of_freedom: usize,
+    /// Probability of one as large if the targets are rigid.
+    pub p_value: f64,
+}
+
+/// Significance at which the declared noise is given up for the residuals' own in a points campaign,
+/// and at which a word is said about it: one clean campaign in a thousand.
+pub(crate) const GLOBAL_TEST_LEVEL: f64 = 1e-3;
+
+impl AdjustmentReport {
+    /// Whether the residuals are larger than the noise that was assumed.
+    pub(crate) fn is_contradicted(&self) -> bool {
+        self.p_value < GLOBAL_TEST_LEVEL
+    }
+
+    /// How the residuals compare with the declared noise, if that is worth a word, and what follows.
+    /// `both_sides` says whether the mean of both sides of approach is adjusted.
+    pub(crate) fn residual_notices(&self, consequence: &str, both_sides: bool) -> Vec<String> {
+        let Self {
+            sigma0,
+            p_value,
+            degrees_of_freedom,
+            ..
+        } = self;
+        if *degrees_of_freedom == 0 {
+            let notice =
+                "nothing checks the measurement: there are no more observations than unknowns";
+            return vec![notice.to_owned()];
+        }
+        if !self.noise_declared {
+            return vec![format!(
+                "the noise is not declared: uncertainties follow from the residuals \
+                 ({degrees_of_freedom} degrees of freedom)"
+            )];
+        }
+        if self.is_contradicted() {
+            let p_value = match *p_value < f64::MIN_POSITIVE {
+                true => "below 1e-300".to_owned(),
+                false => format!("= {p_value:.0e}"),
+            };
+            let notice = format!(
+                "the residuals are {sigma0:.2} times what the declared noise explains (p {p_value}): the model \
+                 or the declared noise is wrong; {consequence}"
+            );
+            let lost_motion = "positions were approached from both sides: lost motion makes such \
+                               residuals; --by-direction gives each side curves of its own";
+            return match both_sides {
+                true => vec![notice, lost_motion.to_owned()],
+                false => vec![notice],
+            };
+        }
+        if *p_value > 1.0 - GLOBAL_TEST_LEVEL {
+            return vec![format!(
+                "the residuals are only {sigma0:.3} times what the declared noise explains: it is \
+                 declared too large; {consequence}"
+            )];
+        }
+        Vec::new()
+    }
+}
+
+/// Whether positions were approached from both sides.
+pub(crate) fn approached_from_both_sides(campaign: &Campaign) -> bool {
+    let lengths = campaign.lengths.iter().flat_map(|lengths| &lengths.stops);
+    let points = campaign.points.iter().flat_map(|points| &points.stops);
+    let mut directions = lengths.chain(points).map(|stop| stop.direction);
+    let first = directions.next();
+    directions.any(|direction| Some(direction) != first)
+}

@@ -1,0 +1,39 @@
+//! How to find poses.
+
+use trueaxis_identify::SixRows;
+
+/// Settings of [`crate::measure()`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// How poses follow from the measurement.
+    pub method: Method,
+    /// Whether the two sides of approach get poses of their own.
+    pub by_direction: bool,
+    /// Whether gross errors are removed and interrupted turns split; otherwise all lengths are
+    /// adjusted as they are.
+    pub robust: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            method: Method::default(),
+            by_direction: false,
+            robust: true,
+        }
+    }
+}
+
+/// How the pose of a stage follows from the lengths or points of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// The lengths of all steps in one adjustment with rigid stages: the pose of each step is an unknown
+    /// of it. Measured points are identified as with [`Method::Nine`].
+    #[default]
+    Joint,
+    /// Points first, each free of the others; then all nine equations (three for each target), weighted with
+    /// the covariance of the points. The paper's path.
+    Nine,
+    /// Points first, then six of nine equations without weights; [`SixRows::PAPER`] is the paper's choice.
+    Six(SixRows),
+}
