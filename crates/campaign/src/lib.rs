@@ -67,10 +67,14 @@
 
 mod axis_columns;
 mod cell;
+mod date;
 mod document;
 mod duplicates;
 mod error;
+mod expansion;
+mod known_lengths;
 mod lengths;
+mod logged;
 mod machine;
 mod model;
 mod names;
@@ -80,6 +84,7 @@ mod points;
 mod position_unit;
 mod read;
 mod reading;
+mod reflectors;
 mod rows;
 mod run_axes;
 mod setup;
@@ -92,6 +97,7 @@ mod write;
 
 pub use document::{AxisKindSpec, AxisSpec, KinematicsSpec, MachineSpec};
 pub use error::{Error, Problem};
+pub use logged::{LoggedColumn, LoggedQuantity};
 pub use model::*;
 pub use plausibility::UnitMistake;
 pub use read::read;

@@ -5,12 +5,13 @@ use std::path::Path;
 
 use csv::ByteRecord;
 
+use crate::logged::is_column;
 use crate::names::Names;
 use crate::text_file::newlines;
-use crate::{Alternatives, Direction, Error, Place, Problem, cell};
+use crate::{Alternatives, Direction, Error, LoggedQuantity, Place, Problem, cell};
 
-/// Every column of any file that is not an axis.
-pub(crate) const FIXED_COLUMNS: [&str; 18] = [
+/// Every column of any file that is neither an axis nor logged.
+const FIXED_COLUMNS: [&str; 14] = [
     "time_s",
     "station",
     "repeat",
@@ -18,10 +19,6 @@ pub(crate) const FIXED_COLUMNS: [&str; 18] = [
     "direction",
     "target",
     "length_mm",
-    "air_temp_c",
-    "air_pressure_hpa",
-    "air_humidity_pct",
-    "machine_temp_c",
     "x_mm",
     "y_mm",
     "z_mm",
@@ -30,6 +27,11 @@ pub(crate) const FIXED_COLUMNS: [&str; 18] = [
     "deviation_um",
     "delta_um",
 ];
+
+/// Whether some file has a column of that name, so that no axis can have it.
+pub(crate) fn is_fixed_column(name: &str) -> bool {
+    FIXED_COLUMNS.contains(&name) || LoggedQuantity::of_column(name).is_some()
+}
 
 /// Least size of a piece of a table: some milliseconds of work, beside which the hand-over to
 /// another thread is nothing.
@@ -55,7 +57,8 @@ pub(crate) struct Table<'a> {
 pub(crate) struct Column(usize);
 
 impl<'a> Table<'a> {
-    /// Reads the header of `text`. Every column must be one of `required` or `optional`.
+    /// Reads the header of `text`. Every column must be one of `required` or `optional`, in which
+    /// `<name>` stands for any text.
     pub(crate) fn open(
         file: &'a Path,
         text: &'a str,
@@ -124,6 +127,12 @@ impl<'a> Table<'a> {
     /// The column of that name, if it is there.
     pub(crate) fn optional_column(&self, name: &str) -> Option<Column> {
         self.header.iter().position(|c| *c == name).map(Column)
+    }
+
+    /// All columns with their names, in the order of the file.
+    pub(crate) fn columns(&self) -> impl Iterator<Item = (&'a str, Column)> {
+        let names = self.header.iter().enumerate();
+        names.map(|(i, &name)| (name, Column(i)))
     }
 
     /// The next row that is not blank.
@@ -207,7 +216,8 @@ fn check_header(
         }
     }
     let known = || required.iter().chain(optional);
-    if !header.iter().any(|column| known().any(|k| k == column)) {
+    let is_known = |column: &str| known().any(|k| is_column(k, column));
+    if !header.iter().any(|column| is_known(column)) {
         return Err(Problem::NoHeader {
             found: header.join(","),
             expected: required.join(","),
@@ -215,9 +225,9 @@ fn check_header(
         .at(Place::line(file, line)));
     }
     for (i, &column) in header.iter().enumerate() {
-        if !known().any(|k| *k == column) {
+        if !is_known(column) {
             return Err(Problem::UnknownColumn {
-                alternatives: Alternatives::new(column, known()),
+                alternatives: alternatives(column, known()),
             }
             .at(place(column)));
         }
@@ -229,6 +239,23 @@ fn check_header(
         .iter()
         .find(|column| !header.contains(column))
         .map_or(Ok(()), |column| Err(missing_column(place(column), header)))
+}
+
+/// The columns that exist. One that begins like a column with a name of its own is meant as such,
+/// however far the edits are.
+fn alternatives<'k>(
+    column: &str,
+    known: impl Iterator<Item = &'k &'k str> + Clone,
+) -> Alternatives {
+    let begins_like = |known: &&&str| {
+        let begin = known.split_once("<name>");
+        begin.is_some_and(|(begin, _)| column.starts_with(begin))
+    };
+    let mut alternatives = Alternatives::new(column, known.clone());
+    if let Some(meant) = known.clone().find(begins_like) {
+        alternatives.nearest = Some((*meant).to_owned());
+    }
+    alternatives
 }
 
 fn missing_column(place: Box<Place>, header: &[&str]) -> Error {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use trueaxis_campaign::{Campaign, Direction, Environment, VerificationKind, read, write};
+use trueaxis_campaign::{Campaign, Direction, VerificationKind, read, write};
 
 use crate::fixture::{rotary_table, table_points, three_axes};
 
@@ -28,7 +28,7 @@ fn lengths_become_stops_and_steps() {
     assert_eq!(turning_point.step, lengths.stops[4].step);
     let reading = &lengths.readings[4];
     assert_eq!((reading.target, reading.line), (1, 6));
-    assert_eq!(lengths.environment, None);
+    assert_eq!(lengths.logged, []);
     assert_eq!(campaign.targets[2].carrier, 2);
     assert_eq!(campaign.instrument.repeatability_um, Some(1.0));
     let value_um = campaign.verification[0].readings[4].value_um;
@@ -86,20 +86,11 @@ fn air_and_machine_state_is_optional_cell_by_cell() {
         }
     });
     let campaign = files.read().unwrap();
-    let environment = campaign
-        .lengths
-        .as_ref()
-        .unwrap()
-        .environment
-        .as_ref()
-        .unwrap();
-    assert_eq!(environment.len(), 360);
-    let first = Environment {
-        machine_temp_c: Some(20.25),
-        ..Default::default()
-    };
-    assert_eq!(environment[0], first);
-    assert_eq!(environment[1], Environment::default());
+    let lengths = campaign.lengths.as_ref().unwrap();
+    let values = |name: &str| &lengths.logged_column(name).unwrap().values;
+    assert_eq!(values("machine_temp_c").len(), 360);
+    assert_eq!(values("machine_temp_c")[..2], [Some(20.25), None]);
+    assert!(values("air_temp_c").iter().all(Option::is_none));
     assert_eq!(written_and_read(&campaign), campaign);
 }
 

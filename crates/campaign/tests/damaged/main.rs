@@ -2,6 +2,7 @@
 //! is and how to mend it.
 
 mod correct;
+mod declared;
 mod documents;
 mod fixture;
 mod geometries;
