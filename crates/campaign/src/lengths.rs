@@ -10,7 +10,7 @@ use crate::rows::Rows;
 use crate::steps::Steps;
 use crate::table::{Column, Table};
 use crate::visits::{Sighting, VisitRows, Visits, append, required_columns};
-use crate::{Campaign, Error, LengthReading, Lengths, LoggedColumn, LoggedQuantity, Stop};
+use crate::{Campaign, Error, LengthReading, Lengths, LoggedColumn, LoggedQuantity, Problem, Stop};
 
 /// Columns before those of the axes.
 const FIRST_COLUMNS: [&str; 5] = ["time_s", "station", "repeat", "run", "direction"];
@@ -89,7 +89,12 @@ fn read_piece(mut table: Table<'_>, campaign: &Campaign) -> Result<Piece, Error>
             line: row.line(),
         });
         for (column, logged) in &mut piece.logged {
-            logged.values.push(row.optional_number(Some(*column))?);
+            let value = row.optional_number(Some(*column))?;
+            if let (Some(value), Some(quantity)) = (value, logged.quantity()) {
+                let refused = |problem: Problem| problem.at(row.place(*column));
+                quantity.check(value).map_err(refused)?;
+            }
+            logged.values.push(value);
         }
     }
     piece.visits = visits.finish();

@@ -72,6 +72,7 @@ mod document;
 mod duplicates;
 mod error;
 mod expansion;
+mod header;
 mod known_lengths;
 mod lengths;
 mod logged;
@@ -97,6 +98,7 @@ mod write;
 
 pub use document::{AxisKindSpec, AxisSpec, KinematicsSpec, MachineSpec};
 pub use error::{Error, Problem};
+pub use header::ColumnFault;
 pub use logged::{LoggedColumn, LoggedQuantity};
 pub use model::*;
 pub use plausibility::UnitMistake;

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Unit, Vector3};
 use trueaxis_files::{check_names, index_of};
 use trueaxis_kinematics::{Axis, AxisKind, Branch, Machine};
 
-use crate::table::is_fixed_column;
+use crate::header::is_fixed_column;
 use crate::{
     AxisKindSpec, AxisSpec, Error, KinematicsSpec, MachineSpec, Place, Problem, position_unit,
 };

@@ -9,8 +9,9 @@ use crate::document::{Document, FORMAT, VerificationEntry};
 use crate::reading::Reading;
 use crate::steps::Steps;
 use crate::{
-    Campaign, Error, Place, Problem, Stop, date, duplicates, expansion, known_lengths, lengths,
-    notices, plausibility, points, run_axes, setup, text_file, verification,
+    Campaign, Error, Lengths, Place, Points, Problem, Stop, date, duplicates, expansion,
+    known_lengths, lengths, notices, plausibility, points, run_axes, setup, text_file,
+    verification,
 };
 
 /// Reads the campaign at `path` (its `campaign.json`) with every file that it names, and checks
@@ -106,7 +107,11 @@ impl<'t> Folder<'_, 't> {
             steps,
         )?;
         let notices = plausibility::check_lengths(&file, name, campaign, &lengths)?;
-        campaign.notices.extend(notices);
+        let Lengths {
+            stops, readings, ..
+        } = &lengths;
+        let copies = plausibility::check_copies(&file, name, campaign, stops, readings)?;
+        campaign.notices.extend(notices.into_iter().chain(copies));
         campaign.lengths = Some(lengths);
         Ok(())
     }
@@ -125,7 +130,9 @@ impl<'t> Folder<'_, 't> {
             steps,
         )?;
         let notices = plausibility::check_points(&file, name, campaign, &points)?;
-        campaign.notices.extend(notices);
+        let Points { stops, readings } = &points;
+        let copies = plausibility::check_copies(&file, name, campaign, stops, readings)?;
+        campaign.notices.extend(notices.into_iter().chain(copies));
         campaign.points = Some(points);
         Ok(())
     }
@@ -184,10 +191,9 @@ fn check_rows<R: Reading>(
     steps: Steps,
 ) -> Result<(), Error> {
     duplicates::check(file, stops, readings, &campaign.targets)?;
+    let clock = plausibility::check_order(file, name, stops, readings)?;
     run_axes::check(file, campaign, &steps)?;
     campaign.steps = steps.steps;
-    let rows = readings.iter().map(|r| (r.time_s(), r.line()));
-    let clock = notices::clock_going_back(name, rows);
     let unseen = notices::without_rows(name, campaign, stops, readings);
     campaign.notices.extend(clock.into_iter().chain(unseen));
     Ok(())

@@ -5,33 +5,9 @@ use std::path::Path;
 
 use csv::ByteRecord;
 
-use crate::logged::is_column;
 use crate::names::Names;
 use crate::text_file::newlines;
-use crate::{Alternatives, Direction, Error, LoggedQuantity, Place, Problem, cell};
-
-/// Every column of any file that is neither an axis nor logged.
-const FIXED_COLUMNS: [&str; 14] = [
-    "time_s",
-    "station",
-    "repeat",
-    "run",
-    "direction",
-    "target",
-    "length_mm",
-    "x_mm",
-    "y_mm",
-    "z_mm",
-    "sigma_um",
-    "cycle",
-    "deviation_um",
-    "delta_um",
-];
-
-/// Whether some file has a column of that name, so that no axis can have it.
-pub(crate) fn is_fixed_column(name: &str) -> bool {
-    FIXED_COLUMNS.contains(&name) || LoggedQuantity::of_column(name).is_some()
-}
+use crate::{Direction, Error, Place, Problem, cell, header};
 
 /// Least size of a piece of a table: some milliseconds of work, beside which the hand-over to
 /// another thread is nothing.
@@ -70,7 +46,7 @@ impl<'a> Table<'a> {
             .find(|(_, line)| !line.is_empty())
             .unwrap_or((1, ""));
         let header: Vec<&str> = first.split(',').map(unquoted).collect();
-        check_header(file, line, &header, required, optional)?;
+        header::check(file, line, &header, required, optional)?;
         Ok(Self {
             file,
             text: text.as_bytes(),
@@ -117,10 +93,8 @@ impl<'a> Table<'a> {
     /// The column of that name, which must be there.
     pub(crate) fn column(&self, name: &str) -> Result<Column, Error> {
         self.optional_column(name).ok_or_else(|| {
-            missing_column(
-                Place::column(self.file, self.header_line, name),
-                &self.header,
-            )
+            let place = Place::column(self.file, self.header_line, name);
+            header::missing(&self.header).at(place)
         })
     }
 
@@ -200,71 +174,6 @@ fn unquoted(name: &str) -> &str {
     name.trim().trim_matches('"').trim()
 }
 
-fn check_header(
-    file: &Path,
-    line: usize,
-    header: &[&str],
-    required: &[&str],
-    optional: &[&str],
-) -> Result<(), Error> {
-    let place = |column: &str| Place::column(file, line, column);
-    if let [whole] = header {
-        for (separator, words) in [(';', "semicolons"), ('\t', "tabs")] {
-            if whole.contains(separator) {
-                return Err(Problem::Separator { separator: words }.at(Place::line(file, line)));
-            }
-        }
-    }
-    let known = || required.iter().chain(optional);
-    let is_known = |column: &str| known().any(|k| is_column(k, column));
-    if !header.iter().any(|column| is_known(column)) {
-        return Err(Problem::NoHeader {
-            found: header.join(","),
-            expected: required.join(","),
-        }
-        .at(Place::line(file, line)));
-    }
-    for (i, &column) in header.iter().enumerate() {
-        if !is_known(column) {
-            return Err(Problem::UnknownColumn {
-                alternatives: alternatives(column, known()),
-            }
-            .at(place(column)));
-        }
-        if header[..i].contains(&column) {
-            return Err(Problem::DuplicateColumn.at(place(column)));
-        }
-    }
-    required
-        .iter()
-        .find(|column| !header.contains(column))
-        .map_or(Ok(()), |column| Err(missing_column(place(column), header)))
-}
-
-/// The columns that exist. One that begins like a column with a name of its own is meant as such,
-/// however far the edits are.
-fn alternatives<'k>(
-    column: &str,
-    known: impl Iterator<Item = &'k &'k str> + Clone,
-) -> Alternatives {
-    let begins_like = |known: &&&str| {
-        let begin = known.split_once("<name>");
-        begin.is_some_and(|(begin, _)| column.starts_with(begin))
-    };
-    let mut alternatives = Alternatives::new(column, known.clone());
-    if let Some(meant) = known.clone().find(begins_like) {
-        alternatives.nearest = Some((*meant).to_owned());
-    }
-    alternatives
-}
-
-fn missing_column(place: Box<Place>, header: &[&str]) -> Error {
-    Problem::MissingColumn {
-        found: header.iter().map(|&column| column.to_owned()).collect(),
-    }
-    .at(place)
-}
-
 /// One row; each cell is read without the blanks around it.
 pub(crate) struct Row<'t> {
     file: &'t Path,
@@ -305,6 +214,15 @@ impl Row<'_> {
             Some(column) if !self.cell(column).is_empty() => self.number(column).map(Some),
             _ => Ok(None),
         }
+    }
+
+    /// A time, s: a finite number.
+    pub(crate) fn time_s(&self, column: Column) -> Result<f64, Error> {
+        let cell = self.cell(column);
+        cell::number(cell).ok_or_else(|| {
+            let (found, expected) = cell::time_problem(cell);
+            Problem::value(found, expected).at(self.place(column))
+        })
     }
 
     /// A whole number from 1.

@@ -138,7 +138,7 @@ pub(crate) fn read(
         axes.read(&row, &mut positions)?;
         axes.check_travel(&row, &positions)?;
         readings.push(VerificationReading {
-            time_s: time.map(|column| row.number(column)).transpose()?,
+            time_s: time.map(|column| row.time_s(column)).transpose()?,
             cycle: row.counting_number(cycle)?,
             direction: row.direction(direction)?,
             positions,

@@ -243,7 +243,7 @@ fn axes_expand_with_a_logged_temperature() {
 
     let by_default = declared(|f| {
         add(f, "\"travel\": [0, 440]", "\"expansion_ppm_per_k\": 0");
-        log(f, "machine_temp_c", "");
+        log(f, "machine_temp_c", "20");
     });
     let expansion = &by_default.expansions[0];
     assert_eq!(expansion.temperature_column, "machine_temp_c");
@@ -442,7 +442,7 @@ fn the_day_and_the_operator() {
 fn any_number_of_machine_temperatures() {
     let names = "air_pressure_hpa,machine_temp_spindle_c,machine_temp_c,machine_temp_column_2_c";
     let campaign = declared(|f| {
-        log(f, names, "1013.2,21.5,,20.25");
+        log(f, names, "1013.2,21.5,20,20.25");
         f.cell("lengths.csv", 3, "machine_temp_spindle_c", "");
         f.cell("lengths.csv", 4, "machine_temp_spindle_c", "22");
     });

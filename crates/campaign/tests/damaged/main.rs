@@ -6,5 +6,6 @@ mod declared;
 mod documents;
 mod fixture;
 mod geometries;
+mod implausible;
 mod rows;
 mod units;
