@@ -67,6 +67,7 @@
 
 mod axis_columns;
 mod cell;
+mod coverage;
 mod date;
 mod document;
 mod duplicates;
@@ -96,6 +97,7 @@ mod verification;
 mod visits;
 mod write;
 
+pub use coverage::{Coverage, Hole, Seen};
 pub use document::{AxisKindSpec, AxisSpec, KinematicsSpec, MachineSpec};
 pub use error::{Error, Problem};
 pub use header::ColumnFault;
