@@ -40,6 +40,51 @@ pub(crate) fn number_problem(cell: &[u8]) -> (String, String) {
     }
 }
 
+/// The same for a cell that should hold seconds: clocks and calendars have words of their own.
+pub(crate) fn time_problem(cell: &[u8]) -> (String, String) {
+    let text = String::from_utf8_lossy(cell);
+    if let Some(seconds) = seconds_of_clock(&text) {
+        (
+            format!("\"{text}\" is a time of day"),
+            format!(
+                "seconds since the start of the campaign: as hours, minutes and seconds it is {seconds}"
+            ),
+        )
+    } else if is_date(&text) {
+        (
+            format!("\"{text}\" is a date"),
+            "seconds since the start of the campaign: subtract the date and time of the first row"
+                .to_owned(),
+        )
+    } else {
+        number_problem(cell)
+    }
+}
+
+/// `hh:mm` or `hh:mm:ss`, in seconds.
+fn seconds_of_clock(text: &str) -> Option<f64> {
+    let parts: Vec<f64> = text
+        .split(':')
+        .map(|part| number(part.replace(',', ".").as_bytes()))
+        .collect::<Option<_>>()?;
+    match *parts.as_slice() {
+        [hours, minutes] => Some(3600.0 * hours + 60.0 * minutes),
+        [hours, minutes, seconds] => Some(3600.0 * hours + 60.0 * minutes + seconds),
+        _ => None,
+    }
+}
+
+/// Whether the text begins like a day of the calendar, as 2026-03-31, 31.3.2026 or 3/31/26.
+fn is_date(text: &str) -> bool {
+    let day = text.split([' ', 'T']).next().unwrap_or_default();
+    ['-', '.', '/'].into_iter().any(|separator| {
+        let parts: Vec<&str> = day.split(separator).collect();
+        let is_number =
+            |part: &&str| matches!(part.len(), 1 | 2 | 4) && part.parse::<u32>().is_ok();
+        parts.len() == 3 && parts.iter().all(is_number)
+    })
+}
+
 /// A whole number from 1.
 pub(crate) fn counting_number(cell: &[u8]) -> Option<u32> {
     let number = std::str::from_utf8(cell).ok()?.parse().ok()?;
@@ -68,6 +113,24 @@ mod tests {
         );
         assert!(expected("").contains("remove the row"));
         assert!(expected("NaN").contains("remove the row"));
+    }
+
+    #[test]
+    fn clocks_and_calendars_are_no_seconds() {
+        for (cell, says) in [
+            ("10:15:30.5", "it is 36930.5"),
+            ("0:01", "it is 60"),
+            ("2026-03-31T10:15:30", "subtract the date"),
+            ("31.3.2026 10:15", "subtract the date"),
+            ("3/31/26", "subtract the date"),
+            ("12.5 s", "without unit"),
+            ("12,5", "as 12.5"),
+            ("1:2:3:4", "without unit"),
+            ("1.234.567", "without unit"),
+        ] {
+            let expected = time_problem(cell.as_bytes()).1;
+            assert!(expected.contains(says), "{cell}: {expected}");
+        }
     }
 
     #[test]

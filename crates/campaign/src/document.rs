@@ -19,6 +19,10 @@ pub(crate) struct Document {
     pub(crate) format: String,
     pub(crate) version: u32,
     pub(crate) name: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) date: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) operator: Option<String>,
     pub(crate) machine: MachineSpec,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) instrument: Option<Instrument>,
@@ -26,6 +30,8 @@ pub(crate) struct Document {
     pub(crate) targets: Vec<TargetEntry>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) stations: Vec<StationEntry>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) known_lengths: Vec<KnownLengthEntry>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) runs: Vec<RunEntry>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -78,6 +84,15 @@ pub struct AxisSpec {
     /// A point on a rotary axis, mm; a linear axis has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_mm: Option<[f64; 3]>,
+    /// Thermal expansion of a linear axis, µm per m and K.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expansion_ppm_per_k: Option<f64>,
+    /// The column of `lengths.csv` with its temperature; `machine_temp_c` if it is not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature_column: Option<String>,
+    /// Standard uncertainty of that temperature as the axis', K.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature_sigma_k: Option<f64>,
 }
 
 /// `linear` or `rotary`.
@@ -95,7 +110,13 @@ pub enum AxisKindSpec {
 pub(crate) struct TargetEntry {
     pub(crate) name: String,
     pub(crate) position_mm: [f64; 3],
-    pub(crate) carried_by: String,
+    /// Null is refused with its own words, and must not be taken for a field left out.
+    #[serde(deserialize_with = "Option::deserialize")]
+    pub(crate) carried_by: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) reflector: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) position_sigma_mm: Option<f64>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -104,6 +125,18 @@ pub(crate) struct StationEntry {
     pub(crate) name: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) approx_mm: Option<[f64; 3]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) dead_path_mm: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) dead_path_sigma_mm: Option<f64>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object: a known length")]
+pub(crate) struct KnownLengthEntry {
+    pub(crate) targets: [String; 2],
+    pub(crate) length_mm: f64,
+    pub(crate) sigma_um: f64,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -130,6 +163,10 @@ pub(crate) struct VerificationEntry {
     pub(crate) ball_carried_by: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) center_mm: Option<[f64; 3]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) u_um: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) u_ppm: Option<f64>,
     pub(crate) readings: String,
 }
 

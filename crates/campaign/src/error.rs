@@ -6,7 +6,7 @@ use std::path::Path;
 
 use trueaxis_files::{DocumentError, DocumentProblem};
 
-use crate::{Alternatives, Place, UnitMistake};
+use crate::{Alternatives, ColumnFault, Place, UnitMistake};
 
 /// A campaign that cannot be read or written.
 ///
@@ -167,6 +167,19 @@ pub enum Problem {
     /// A column stands twice in the header.
     #[error("the column stands twice in the header; remove one")]
     DuplicateColumn,
+    /// More than one column of the header is wrong.
+    #[error(
+        "{} columns are wrong: {}; known: {}",
+        faults.len(),
+        in_a_row(faults),
+        known.join(", ")
+    )]
+    Columns {
+        /// What is wrong with each.
+        faults: Vec<ColumnFault>,
+        /// The columns that exist.
+        known: Vec<String>,
+    },
     /// A row is longer or shorter than the header.
     #[error(
         "found {found} fields, expected {expected} as in the header; a decimal comma \
@@ -221,6 +234,47 @@ pub enum Problem {
         time_s: f64,
         /// The first row.
         first_line: usize,
+    },
+    /// Rows in another order than that of measuring.
+    #[error(
+        "the rows are not in measuring order: the time goes back {}, here from {before_s} s to \
+         {time_s} s, and the rows would be {stops_by_time} stops in {turns_by_time} turns of stations in the \
+         order of time, not {stops} stops in {turns} turns; sort the table by time_s",
+        how_often(*times)
+    )]
+    NotInMeasuringOrder {
+        /// How often the time goes back.
+        times: usize,
+        /// The time before it first goes back, s.
+        before_s: f64,
+        /// The time after it, s.
+        time_s: f64,
+        /// Groups of consecutive rows of one visit of the machine.
+        stops: usize,
+        /// Groups of consecutive rows of one station.
+        turns: usize,
+        /// The same, if the rows were sorted by time.
+        stops_by_time: usize,
+        /// The same, if the rows were sorted by time.
+        turns_by_time: usize,
+    },
+    /// The readings of one station under the name of another.
+    #[error(
+        "all {count} readings of run `{run}` from station `{station}` equal those from station `{original}` \
+         (line {original_line}) to the last digit; no two stations see the same lengths: put in what was \
+         measured from `{station}`, or remove these rows"
+    )]
+    StationCopied {
+        /// How many.
+        count: usize,
+        /// The run.
+        run: String,
+        /// The station named in the rows.
+        station: String,
+        /// The station with the same readings.
+        original: String,
+        /// Its first row.
+        original_line: usize,
     },
     /// A run in which only other axes move.
     #[error(
@@ -331,4 +385,16 @@ pub enum Problem {
         /// What is wrong.
         problem: String,
     },
+}
+
+fn in_a_row(faults: &[ColumnFault]) -> String {
+    let faults: Vec<String> = faults.iter().map(ToString::to_string).collect();
+    faults.join("; ")
+}
+
+fn how_often(times: usize) -> String {
+    match times {
+        1 => "once".to_owned(),
+        _ => format!("{times} times"),
+    }
 }

@@ -67,10 +67,16 @@
 
 mod axis_columns;
 mod cell;
+mod coverage;
+mod date;
 mod document;
 mod duplicates;
 mod error;
+mod expansion;
+mod header;
+mod known_lengths;
 mod lengths;
+mod logged;
 mod machine;
 mod model;
 mod names;
@@ -80,6 +86,7 @@ mod points;
 mod position_unit;
 mod read;
 mod reading;
+mod reflectors;
 mod rows;
 mod run_axes;
 mod setup;
@@ -90,8 +97,11 @@ mod verification;
 mod visits;
 mod write;
 
+pub use coverage::{Coverage, Hole, Seen};
 pub use document::{AxisKindSpec, AxisSpec, KinematicsSpec, MachineSpec};
 pub use error::{Error, Problem};
+pub use header::ColumnFault;
+pub use logged::{LoggedColumn, LoggedQuantity};
 pub use model::*;
 pub use plausibility::UnitMistake;
 pub use read::read;

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Unit, Vector3};
 use trueaxis_files::{check_names, index_of};
 use trueaxis_kinematics::{Axis, AxisKind, Branch, Machine};
 
-use crate::table::FIXED_COLUMNS;
+use crate::header::is_fixed_column;
 use crate::{
     AxisKindSpec, AxisSpec, Error, KinematicsSpec, MachineSpec, Place, Problem, position_unit,
 };
@@ -39,7 +39,7 @@ impl MachineSpec {
     }
 
     /// What [`MachineSpec::build`] makes a machine from. There is no place for the reference point of a
-    /// linear axis.
+    /// linear axis; no thermal expansion is declared.
     pub fn of(name: &str, machine: &Machine) -> Self {
         let axes = machine.axes();
         let branch = |branch| {
@@ -61,7 +61,7 @@ impl AxisSpec {
     fn build(&self, path: &str) -> Result<Axis, Error> {
         let place = |field: &str| Place::in_field(format!("{path}.{field}"));
         let name = &self.name;
-        if FIXED_COLUMNS.contains(&name.as_str()) {
+        if is_fixed_column(name) {
             let found = format!("axis `{name}` has the name of another column");
             let expected = "a name like X or C, because each axis has a column";
             return Err(Problem::value(found, expected).at(place("name")));
@@ -109,6 +109,9 @@ impl AxisSpec {
             direction: direction_in_file(axis.direction()),
             travel: axis.travel().map(|end| position_unit::in_file(kind, end)),
             position_mm: (kind == AxisKind::Rotary).then(|| axis.reference_mm().coords.into()),
+            expansion_ppm_per_k: None,
+            temperature_column: None,
+            temperature_sigma_k: None,
         }
     }
 }

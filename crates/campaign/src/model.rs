@@ -6,6 +6,8 @@ use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 use trueaxis_kinematics::Machine;
 
+use crate::LoggedColumn;
+
 /// A measuring campaign that has been read and checked.
 ///
 /// Every index in it (station, target, run, step, axis) is valid. Inside, lengths are mm, angles
@@ -14,16 +16,24 @@ use trueaxis_kinematics::Machine;
 pub struct Campaign {
     /// Name of the campaign.
     pub name: String,
+    /// Day of the measurement as `YYYY-MM-DD`, if it is given; never the computer's clock.
+    pub date: Option<String>,
+    /// Who measured, if it is given.
+    pub operator: Option<String>,
     /// Name of the machine.
     pub machine_name: String,
     /// Its axes and branches.
     pub machine: Machine,
+    /// Declared thermal expansion of linear axes, at most one for an axis, in the order of the axes.
+    pub expansions: Vec<AxisExpansion>,
     /// The instrument's declared accuracy.
     pub instrument: Instrument,
     /// Targets in the order of the file.
     pub targets: Vec<Target>,
     /// Stations of the tracker in the order of the file; empty for a points campaign.
     pub stations: Vec<Station>,
+    /// Calibrated distances between targets.
+    pub known_lengths: Vec<KnownLength>,
     /// Runs in the order of the file.
     pub runs: Vec<Run>,
     /// Commanded positions: one step for each different position of a run.
@@ -39,12 +49,15 @@ pub struct Campaign {
 }
 
 /// Declared accuracy. What is `None` was not declared.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default, expecting = "an object: the instrument")]
 pub struct Instrument {
     /// Name of the instrument.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub name: String,
+    /// Serial number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub serial: Option<String>,
     /// Constant part of a length's standard deviation, µm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length_sigma_um: Option<f64>,
@@ -55,10 +68,71 @@ pub struct Instrument {
     /// to the targets measured at one stop.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub repeatability_um: Option<f64>,
+    /// Standard deviation of the constants of a set of reflectors, µm along the beam. A reflector
+    /// with the constant c shows every length longer by c.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reflector_sigma_um: Option<f64>,
+    /// Standard uncertainty of the scale of all lengths together, µm per m: systematic, common to
+    /// the campaign, no noise of single lengths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scale_sigma_ppm: Option<f64>,
+    /// Whether the instrument corrects lengths for the refractive index of the air itself; true if
+    /// it is not given.
+    #[serde(skip_serializing_if = "is_true")]
+    pub air_compensated: bool,
+}
+
+impl Default for Instrument {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            serial: None,
+            length_sigma_um: None,
+            length_sigma_ppm: None,
+            repeatability_um: None,
+            reflector_sigma_um: None,
+            scale_sigma_ppm: None,
+            air_compensated: true,
+        }
+    }
+}
+
+fn is_true(value: &bool) -> bool {
+    *value
+}
+
+/// Thermal expansion of a linear axis: at the temperature T its scale is `α (T - 20 °C)` longer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AxisExpansion {
+    /// The axis.
+    pub axis: usize,
+    /// Coefficient α, µm per m and K.
+    pub ppm_per_k: f64,
+    /// The column of `lengths.csv` that holds the temperature T of the axis, °C; there is one of that
+    /// name where the campaign has lengths.
+    pub temperature_column: String,
+    /// Standard uncertainty of that temperature as the axis', K.
+    pub temperature_sigma_k: Option<f64>,
+}
+
+impl AxisExpansion {
+    /// The temperature column of an axis that names none.
+    pub const DEFAULT_COLUMN: &str = "machine_temp_c";
+}
+
+/// A calibrated distance between two targets of one stage.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownLength {
+    /// The two targets.
+    pub targets: [usize; 2],
+    /// Their distance, mm.
+    pub length_mm: f64,
+    /// Its standard uncertainty, µm.
+    pub sigma_um: f64,
 }
 
 /// A target on a stage.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Target {
     /// Name, as `P`.
     pub name: String,
@@ -66,15 +140,30 @@ pub struct Target {
     pub home_mm: Point3<f64>,
     /// The outermost axis that moves it.
     pub carrier: usize,
+    /// Name of the reflector in its nest, if it is given; see [`Campaign::reflectors`].
+    pub reflector: Option<String>,
+    /// Standard deviation of each coordinate of `home_mm`, independent, mm: how well the nest was set.
+    pub position_sigma_mm: Option<f64>,
 }
 
 /// A station of the tracker, on the bed.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Station {
     /// Name, as `S1`.
     pub name: String,
     /// Rough position in the reference frame, mm; not needed to solve.
     pub approx_mm: Option<Point3<f64>>,
+    /// Its dead path, where it is known.
+    pub dead_path: Option<KnownDeadPath>,
+}
+
+/// A dead path L that is known beforehand (absolute distance meter): `|p - S| = l + L`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownDeadPath {
+    /// L, mm.
+    pub length_mm: f64,
+    /// Its standard uncertainty, mm.
+    pub sigma_mm: f64,
 }
 
 /// One sweep of an axis.
@@ -126,8 +215,15 @@ pub struct Lengths {
     pub stops: Vec<Stop>,
     /// Readings in measuring order.
     pub readings: Vec<LengthReading>,
-    /// Air and machine state of each reading, where the file has any of these columns.
-    pub environment: Option<Vec<Environment>>,
+    /// Air and machine state at the readings: one entry for each such column of the file, in its order.
+    pub logged: Vec<LoggedColumn>,
+}
+
+impl Lengths {
+    /// The logged column of that name, as `machine_temp_spindle_c`.
+    pub fn logged_column(&self, name: &str) -> Option<&LoggedColumn> {
+        self.logged.iter().find(|column| column.name == name)
+    }
 }
 
 /// One length.
@@ -141,19 +237,6 @@ pub struct LengthReading {
     pub length_mm: f64,
     /// Line of the file, from 1 (the header).
     pub line: usize,
-}
-
-/// Optional state of air and machine at a reading.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Environment {
-    /// Air temperature, °C.
-    pub air_temp_c: Option<f64>,
-    /// Air pressure, hPa.
-    pub air_pressure_hpa: Option<f64>,
-    /// Relative humidity, %.
-    pub air_humidity_pct: Option<f64>,
-    /// Machine temperature, °C.
-    pub machine_temp_c: Option<f64>,
 }
 
 /// The rows of `points.csv`.
@@ -187,6 +270,11 @@ pub struct Verification {
     pub name: String,
     /// What was measured.
     pub kind: VerificationKind,
+    /// Constant part of the standard uncertainty of a reading, µm.
+    pub u_um: Option<f64>,
+    /// Proportional part, µm per m: of the commanded position of the axis, or of the nominal length of
+    /// the bar.
+    pub u_ppm: Option<f64>,
     /// Its readings in measuring order.
     pub readings: Vec<VerificationReading>,
 }

@@ -1,4 +1,8 @@
-//! A wrong unit must never be calibrated silently.
+//! Data that cannot be as they stand must never be calibrated silently.
+//!
+//! What a row says alone: logged states that no hall has ([`logged`]). What the rows say together: rows
+//! that are not in measuring order ([`order`]), repeats that were copied ([`copies`]), lengths that no
+//! known dead path leaves positive ([`dead_paths`]). All else here is about units.
 //!
 //! Measured data are compared with the nominal motion of the machine. Nominal means: within some
 //! mm (targets are mounted by hand) and some degrees (of axis directions), so every test is far
@@ -32,13 +36,20 @@
 //! within the travel, which tells `X` in metres from `length_mm` in micrometres.
 
 mod approx;
+mod copies;
+mod dead_paths;
 mod hypothesis;
 mod least_spread;
+mod logged;
 mod moments;
 mod nominal;
+mod order;
 mod pairs;
 
 pub use hypothesis::UnitMistake;
+
+pub(crate) use copies::check as check_copies;
+pub(crate) use order::check as check_order;
 
 use std::path::Path;
 
@@ -101,6 +112,8 @@ pub(crate) fn check_lengths(
         .at(Place::column(file, small.line, "length_mm")));
     }
     against_approx?;
+    dead_paths::check(file, campaign, lengths)?;
+    notices.extend(logged::notices(name, &lengths.logged));
     Ok(notices)
 }
 

@@ -9,8 +9,9 @@ use crate::document::{Document, FORMAT, VerificationEntry};
 use crate::reading::Reading;
 use crate::steps::Steps;
 use crate::{
-    Campaign, Error, Place, Problem, Stop, duplicates, lengths, notices, plausibility, points,
-    run_axes, setup, text_file, verification,
+    Campaign, Error, Lengths, Place, Points, Problem, Stop, date, duplicates, expansion,
+    known_lengths, lengths, notices, plausibility, points, run_axes, setup, text_file,
+    verification,
 };
 
 /// Reads the campaign at `path` (its `campaign.json`) with every file that it names, and checks
@@ -55,14 +56,20 @@ pub(crate) fn read_from(path: &Path, text_of: &TextOf<'_>) -> Result<Campaign, E
 
 /// Everything that `campaign.json` itself says.
 fn without_data(document: Document) -> Result<Campaign, Error> {
+    date::check(document.date.as_deref())?;
     let machine = document.machine.build()?;
     let instrument = document.instrument.unwrap_or_default();
     setup::check_instrument(&instrument)?;
+    let targets = setup::targets(document.targets, &machine)?;
     Ok(Campaign {
         name: document.name,
+        date: document.date,
+        operator: document.operator,
+        expansions: document.machine.expansions()?,
         machine_name: document.machine.name,
         instrument,
-        targets: setup::targets(document.targets, &machine)?,
+        known_lengths: known_lengths::from_entries(&document.known_lengths, &targets)?,
+        targets,
         stations: setup::stations(document.stations)?,
         runs: setup::runs(document.runs, &machine)?,
         machine,
@@ -89,6 +96,8 @@ impl<'t> Folder<'_, 't> {
         self.check_list("runs", campaign.runs.is_empty(), "lengths")?;
         let (file, text) = self.text(name, "lengths")?;
         let (lengths, steps) = lengths::read(&file, &text, campaign)?;
+        expansion::check_columns(name, &campaign.expansions, &lengths)
+            .map_err(|error| Error::from(error).in_file(self.path))?;
         check_rows(
             &file,
             name,
@@ -98,7 +107,11 @@ impl<'t> Folder<'_, 't> {
             steps,
         )?;
         let notices = plausibility::check_lengths(&file, name, campaign, &lengths)?;
-        campaign.notices.extend(notices);
+        let Lengths {
+            stops, readings, ..
+        } = &lengths;
+        let copies = plausibility::check_copies(&file, name, campaign, stops, readings)?;
+        campaign.notices.extend(notices.into_iter().chain(copies));
         campaign.lengths = Some(lengths);
         Ok(())
     }
@@ -117,7 +130,9 @@ impl<'t> Folder<'_, 't> {
             steps,
         )?;
         let notices = plausibility::check_points(&file, name, campaign, &points)?;
-        campaign.notices.extend(notices);
+        let Points { stops, readings } = &points;
+        let copies = plausibility::check_copies(&file, name, campaign, stops, readings)?;
+        campaign.notices.extend(notices.into_iter().chain(copies));
         campaign.points = Some(points);
         Ok(())
     }
@@ -133,9 +148,10 @@ impl<'t> Folder<'_, 't> {
         for (index, entry) in entries.into_iter().enumerate() {
             let machine = &campaign.machine;
             let kind = verification::kind(index, &entry, machine).map_err(in_file)?;
+            let declared = verification::Declared::of(index, &entry).map_err(in_file)?;
             let field = format!("verification[{index}].readings");
             let (file, text) = self.text(&entry.readings, &field)?;
-            let verification = verification::read(&file, &text, entry.name, kind, machine)?;
+            let verification = verification::read(&file, &text, declared, kind, machine)?;
             let readings = verification.readings.iter();
             let rows = readings.filter_map(|r| Some((r.time_s?, r.line)));
             let notice = notices::clock_going_back(&entry.readings, rows);
@@ -175,10 +191,9 @@ fn check_rows<R: Reading>(
     steps: Steps,
 ) -> Result<(), Error> {
     duplicates::check(file, stops, readings, &campaign.targets)?;
+    let clock = plausibility::check_order(file, name, stops, readings)?;
     run_axes::check(file, campaign, &steps)?;
     campaign.steps = steps.steps;
-    let rows = readings.iter().map(|r| (r.time_s(), r.line()));
-    let clock = notices::clock_going_back(name, rows);
     let unseen = notices::without_rows(name, campaign, stops, readings);
     campaign.notices.extend(clock.into_iter().chain(unseen));
     Ok(())

@@ -10,6 +10,9 @@ pub(crate) trait Reading {
     fn time_s(&self) -> f64;
     fn target(&self) -> usize;
     fn line(&self) -> usize;
+
+    /// What was read, mm.
+    fn values(&self) -> [f64; 3];
 }
 
 impl Reading for LengthReading {
@@ -26,6 +29,10 @@ impl Reading for LengthReading {
     fn line(&self) -> usize {
         self.line
     }
+
+    fn values(&self) -> [f64; 3] {
+        [self.length_mm, 0.0, 0.0]
+    }
 }
 
 impl Reading for PointReading {
@@ -41,6 +48,10 @@ impl Reading for PointReading {
 
     fn line(&self) -> usize {
         self.line
+    }
+
+    fn values(&self) -> [f64; 3] {
+        self.position_mm.coords.into()
     }
 }
 

@@ -5,7 +5,7 @@ use trueaxis_files::{DocumentError, DocumentProblem, check_names, index_of};
 use trueaxis_kinematics::Machine;
 
 use crate::document::{RunEntry, StationEntry, TargetEntry};
-use crate::{Instrument, Run, Station, Target};
+use crate::{Instrument, KnownDeadPath, Run, Station, Target};
 
 /// Of the declared accuracy none is needed, but what is given must be possible.
 pub(crate) fn check_instrument(instrument: &Instrument) -> Result<(), DocumentError> {
@@ -24,6 +24,16 @@ pub(crate) fn check_instrument(instrument: &Instrument) -> Result<(), DocumentEr
             "repeatability_um",
             instrument.repeatability_um,
             "zero or more",
+        ),
+        (
+            "reflector_sigma_um",
+            instrument.reflector_sigma_um,
+            "more than zero",
+        ),
+        (
+            "scale_sigma_ppm",
+            instrument.scale_sigma_ppm,
+            "more than zero",
         ),
     ];
     for (field, sigma, least) in sigmas {
@@ -45,25 +55,100 @@ pub(crate) fn targets(
 ) -> Result<Vec<Target>, DocumentError> {
     check_names("targets", "target", &names(&entries, |entry| &entry.name))?;
     let axes = axis_names(machine);
+    check_reflectors(&entries)?;
     let targets = entries.into_iter().enumerate().map(|(i, entry)| {
-        let field = format!("targets[{i}].carried_by");
+        let field = |name: &str| format!("targets[{i}].{name}");
+        let Some(carrier) = &entry.carried_by else {
+            let expected = format!(
+                "the name of the outermost axis that moves the target ({}); a target on the bed has no \
+                 place yet",
+                axes.join(", ")
+            );
+            let problem = DocumentProblem::value("found null", expected);
+            return Err(problem.in_field(field("carried_by")));
+        };
+        check_sigma_mm(field("position_sigma_mm"), entry.position_sigma_mm)?;
         Ok(Target {
-            carrier: index_of(field, "axis", &entry.carried_by, &axes)?,
+            carrier: index_of(field("carried_by"), "axis", carrier, &axes)?,
             name: entry.name,
             home_mm: Point3::from(entry.position_mm),
+            reflector: entry.reflector,
+            position_sigma_mm: entry.position_sigma_mm,
         })
     });
     targets.collect()
 }
 
+/// A reflector has a name, and not that of a target which has one of its own: that one is called like
+/// the target.
+fn check_reflectors(entries: &[TargetEntry]) -> Result<(), DocumentError> {
+    for (i, entry) in entries.iter().enumerate() {
+        let Some(name) = &entry.reflector else {
+            continue;
+        };
+        let field = format!("targets[{i}].reflector");
+        if name.is_empty() || name.trim() != name {
+            let found = format!("name \"{name}\"");
+            let problem = DocumentProblem::value(found, "a name, without blanks around it");
+            return Err(problem.in_field(field));
+        }
+        let owner = |other: &TargetEntry| other.reflector.is_none() && other.name == *name;
+        if let Some(owner) = entries.iter().position(owner) {
+            let found = format!("`{name}` is a target (targets[{owner}]) that names no reflector");
+            let expected = format!(
+                "a name of its own; if both have the same reflector, write `\"reflector\": \
+                 \"{name}\"` in both"
+            );
+            return Err(DocumentProblem::value(found, expected).in_field(field));
+        }
+    }
+    Ok(())
+}
+
+/// What is declared in mm must be possible.
+fn check_sigma_mm(field: String, sigma_mm: Option<f64>) -> Result<(), DocumentError> {
+    match sigma_mm {
+        Some(sigma_mm) if sigma_mm <= 0.0 => {
+            let found = format!("a standard deviation of {sigma_mm} mm");
+            let expected = "more than zero; leave it out if it is not known";
+            Err(DocumentProblem::value(found, expected).in_field(field))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// The stations.
 pub(crate) fn stations(entries: Vec<StationEntry>) -> Result<Vec<Station>, DocumentError> {
     check_names("stations", "station", &names(&entries, |entry| &entry.name))?;
-    let stations = entries.into_iter().map(|entry| Station {
-        name: entry.name,
-        approx_mm: entry.approx_mm.map(Point3::from),
+    let stations = entries.into_iter().enumerate().map(|(i, entry)| {
+        Ok(Station {
+            dead_path: dead_path(&format!("stations[{i}]"), &entry)?,
+            name: entry.name,
+            approx_mm: entry.approx_mm.map(Point3::from),
+        })
     });
-    Ok(stations.collect())
+    stations.collect()
+}
+
+/// A dead path is known with its uncertainty, or not at all.
+fn dead_path(path: &str, entry: &StationEntry) -> Result<Option<KnownDeadPath>, DocumentError> {
+    let missing = |name: &str| {
+        let name = name.to_owned();
+        Err(DocumentProblem::MissingField { name }.in_field(path))
+    };
+    check_sigma_mm(
+        format!("{path}.dead_path_sigma_mm"),
+        entry.dead_path_sigma_mm,
+    )?;
+    match (entry.dead_path_mm, entry.dead_path_sigma_mm) {
+        (None, None) => Ok(None),
+        (Some(_), None) => missing("dead_path_sigma_mm"),
+        (None, Some(_)) => missing("dead_path_mm"),
+        (Some(length_mm), Some(sigma_mm)) => Ok(Some(KnownDeadPath {
+            length_mm,
+            sigma_mm,
+        })),
+    }
 }
 
 /// The runs, with their axes looked up.
@@ -88,7 +173,9 @@ pub(crate) fn targets_to_entries(targets: &[Target], machine: &Machine) -> Vec<T
     let entries = targets.iter().map(|target| TargetEntry {
         name: target.name.clone(),
         position_mm: target.home_mm.into(),
-        carried_by: axis_name(machine, target.carrier),
+        carried_by: Some(axis_name(machine, target.carrier)),
+        reflector: target.reflector.clone(),
+        position_sigma_mm: target.position_sigma_mm,
     });
     entries.collect()
 }
@@ -98,6 +185,8 @@ pub(crate) fn stations_to_entries(stations: &[Station]) -> Vec<StationEntry> {
     let entries = stations.iter().map(|station| StationEntry {
         name: station.name.clone(),
         approx_mm: station.approx_mm.map(Into::into),
+        dead_path_mm: station.dead_path.map(|known| known.length_mm),
+        dead_path_sigma_mm: station.dead_path.map(|known| known.sigma_mm),
     });
     entries.collect()
 }

@@ -7,29 +7,7 @@ use csv::ByteRecord;
 
 use crate::names::Names;
 use crate::text_file::newlines;
-use crate::{Alternatives, Direction, Error, Place, Problem, cell};
-
-/// Every column of any file that is not an axis.
-pub(crate) const FIXED_COLUMNS: [&str; 18] = [
-    "time_s",
-    "station",
-    "repeat",
-    "run",
-    "direction",
-    "target",
-    "length_mm",
-    "air_temp_c",
-    "air_pressure_hpa",
-    "air_humidity_pct",
-    "machine_temp_c",
-    "x_mm",
-    "y_mm",
-    "z_mm",
-    "sigma_um",
-    "cycle",
-    "deviation_um",
-    "delta_um",
-];
+use crate::{Direction, Error, Place, Problem, cell, header};
 
 /// Least size of a piece of a table: some milliseconds of work, beside which the hand-over to
 /// another thread is nothing.
@@ -55,7 +33,8 @@ pub(crate) struct Table<'a> {
 pub(crate) struct Column(usize);
 
 impl<'a> Table<'a> {
-    /// Reads the header of `text`. Every column must be one of `required` or `optional`.
+    /// Reads the header of `text`. Every column must be one of `required` or `optional`, in which
+    /// `<name>` stands for any text.
     pub(crate) fn open(
         file: &'a Path,
         text: &'a str,
@@ -67,7 +46,7 @@ impl<'a> Table<'a> {
             .find(|(_, line)| !line.is_empty())
             .unwrap_or((1, ""));
         let header: Vec<&str> = first.split(',').map(unquoted).collect();
-        check_header(file, line, &header, required, optional)?;
+        header::check(file, line, &header, required, optional)?;
         Ok(Self {
             file,
             text: text.as_bytes(),
@@ -114,16 +93,20 @@ impl<'a> Table<'a> {
     /// The column of that name, which must be there.
     pub(crate) fn column(&self, name: &str) -> Result<Column, Error> {
         self.optional_column(name).ok_or_else(|| {
-            missing_column(
-                Place::column(self.file, self.header_line, name),
-                &self.header,
-            )
+            let place = Place::column(self.file, self.header_line, name);
+            header::missing(&self.header).at(place)
         })
     }
 
     /// The column of that name, if it is there.
     pub(crate) fn optional_column(&self, name: &str) -> Option<Column> {
         self.header.iter().position(|c| *c == name).map(Column)
+    }
+
+    /// All columns with their names, in the order of the file.
+    pub(crate) fn columns(&self) -> impl Iterator<Item = (&'a str, Column)> {
+        let names = self.header.iter().enumerate();
+        names.map(|(i, &name)| (name, Column(i)))
     }
 
     /// The next row that is not blank.
@@ -191,53 +174,6 @@ fn unquoted(name: &str) -> &str {
     name.trim().trim_matches('"').trim()
 }
 
-fn check_header(
-    file: &Path,
-    line: usize,
-    header: &[&str],
-    required: &[&str],
-    optional: &[&str],
-) -> Result<(), Error> {
-    let place = |column: &str| Place::column(file, line, column);
-    if let [whole] = header {
-        for (separator, words) in [(';', "semicolons"), ('\t', "tabs")] {
-            if whole.contains(separator) {
-                return Err(Problem::Separator { separator: words }.at(Place::line(file, line)));
-            }
-        }
-    }
-    let known = || required.iter().chain(optional);
-    if !header.iter().any(|column| known().any(|k| k == column)) {
-        return Err(Problem::NoHeader {
-            found: header.join(","),
-            expected: required.join(","),
-        }
-        .at(Place::line(file, line)));
-    }
-    for (i, &column) in header.iter().enumerate() {
-        if !known().any(|k| *k == column) {
-            return Err(Problem::UnknownColumn {
-                alternatives: Alternatives::new(column, known()),
-            }
-            .at(place(column)));
-        }
-        if header[..i].contains(&column) {
-            return Err(Problem::DuplicateColumn.at(place(column)));
-        }
-    }
-    required
-        .iter()
-        .find(|column| !header.contains(column))
-        .map_or(Ok(()), |column| Err(missing_column(place(column), header)))
-}
-
-fn missing_column(place: Box<Place>, header: &[&str]) -> Error {
-    Problem::MissingColumn {
-        found: header.iter().map(|&column| column.to_owned()).collect(),
-    }
-    .at(place)
-}
-
 /// One row; each cell is read without the blanks around it.
 pub(crate) struct Row<'t> {
     file: &'t Path,
@@ -278,6 +214,15 @@ impl Row<'_> {
             Some(column) if !self.cell(column).is_empty() => self.number(column).map(Some),
             _ => Ok(None),
         }
+    }
+
+    /// A time, s: a finite number.
+    pub(crate) fn time_s(&self, column: Column) -> Result<f64, Error> {
+        let cell = self.cell(column);
+        cell::number(cell).ok_or_else(|| {
+            let (found, expected) = cell::time_problem(cell);
+            Problem::value(found, expected).at(self.place(column))
+        })
     }
 
     /// A whole number from 1.

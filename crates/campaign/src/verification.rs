@@ -85,11 +85,41 @@ impl Fields<'_> {
     }
 }
 
+/// What an entry declares beside its kind.
+pub(crate) struct Declared {
+    name: String,
+    u_um: Option<f64>,
+    u_ppm: Option<f64>,
+}
+
+impl Declared {
+    /// Entry number `index`. A standard uncertainty is more than zero; its proportional part may be zero.
+    pub(crate) fn of(index: usize, entry: &VerificationEntry) -> Result<Self, Error> {
+        let refused = |field: &str, u: f64, expected: &str| {
+            let found = format!("a standard uncertainty of {u}");
+            let place = Place::in_field(format!("verification[{index}].{field}"));
+            Err(Problem::value(found, expected).at(place))
+        };
+        let &VerificationEntry { u_um, u_ppm, .. } = entry;
+        if let Some(u) = u_um.filter(|&u| u <= 0.0) {
+            return refused("u_um", u, "more than zero; leave it out if it is not known");
+        }
+        if let Some(u) = u_ppm.filter(|&u| u < 0.0) {
+            return refused("u_ppm", u, "zero or more; leave it out if it is not known");
+        }
+        Ok(Self {
+            name: entry.name.clone(),
+            u_um,
+            u_ppm,
+        })
+    }
+}
+
 /// Reads the readings file of a verification.
 pub(crate) fn read(
     file: &Path,
     text: &str,
-    name: String,
+    declared: Declared,
     kind: VerificationKind,
     machine: &Machine,
 ) -> Result<Verification, Error> {
@@ -108,7 +138,7 @@ pub(crate) fn read(
         axes.read(&row, &mut positions)?;
         axes.check_travel(&row, &positions)?;
         readings.push(VerificationReading {
-            time_s: time.map(|column| row.number(column)).transpose()?,
+            time_s: time.map(|column| row.time_s(column)).transpose()?,
             cycle: row.counting_number(cycle)?,
             direction: row.direction(direction)?,
             positions,
@@ -120,8 +150,10 @@ pub(crate) fn read(
         return Err(table.no_rows());
     }
     Ok(Verification {
-        name,
+        name: declared.name,
         kind,
+        u_um: declared.u_um,
+        u_ppm: declared.u_ppm,
         readings,
     })
 }
@@ -173,6 +205,8 @@ pub(crate) fn to_entry(
         ball_mm: None,
         ball_carried_by: None,
         center_mm: None,
+        u_um: verification.u_um,
+        u_ppm: verification.u_ppm,
         readings,
     };
     match verification.kind {

@@ -67,7 +67,7 @@ impl<'a> Visits<'a> {
 
     /// Reads the shared part of `row`, which is reading number `reading`.
     pub(crate) fn read(&mut self, row: &Row<'_>, reading: usize) -> Result<Sighting, Error> {
-        let time_s = row.number(self.time)?;
+        let time_s = row.time_s(self.time)?;
         let station = match &mut self.station {
             Some((column, names)) => row.name(*column, names)?,
             None => 0,

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use crate::document::{Document, FORMAT};
 use crate::read::read_from;
 use crate::{
-    Campaign, Error, Instrument, MachineSpec, Place, Problem, lengths, points, setup, verification,
+    Campaign, Error, Instrument, MachineSpec, Place, Problem, known_lengths, lengths, points,
+    setup, verification,
 };
 
 const CAMPAIGN_FILE: &str = "campaign.json";
@@ -106,11 +107,15 @@ fn document(campaign: &Campaign) -> Document {
         format: FORMAT.name.to_owned(),
         version: FORMAT.version,
         name: campaign.name.clone(),
-        machine: MachineSpec::of(&campaign.machine_name, machine),
+        date: campaign.date.clone(),
+        operator: campaign.operator.clone(),
+        machine: MachineSpec::of(&campaign.machine_name, machine)
+            .with_expansions(&campaign.expansions),
         instrument: (campaign.instrument != Instrument::default())
             .then(|| campaign.instrument.clone()),
         targets: setup::targets_to_entries(&campaign.targets, machine),
         stations: setup::stations_to_entries(&campaign.stations),
+        known_lengths: known_lengths::to_entries(&campaign.known_lengths, &campaign.targets),
         runs: setup::runs_to_entries(&campaign.runs, machine),
         lengths: None,
         points: None,

@@ -41,6 +41,10 @@ pub(crate) struct CheckArgs {
     /// The campaign file.
     #[arg(value_name = "CAMPAIGN.json")]
     pub(crate) campaign: PathBuf,
+
+    /// Also print what is in it, with its coverage, as JSON on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, ClapArgs)]

@@ -5,7 +5,11 @@ use trueaxis_kinematics::{AxisKind, Branch};
 
 use crate::args::CheckArgs;
 use crate::exit::Exit;
+use crate::output;
 use crate::talk::{notice, say};
+
+mod coverage;
+mod json;
 
 pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
@@ -14,6 +18,9 @@ pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<Exit> {
         notice(text);
     }
     say(&format!("{}: good", args.campaign.display()));
+    if args.json {
+        output::print(&json::text(&campaign))?;
+    }
     Ok(Exit::Good)
 }
 
@@ -84,6 +91,9 @@ fn describe(campaign: &Campaign) {
             "  run       {}: axis {axis}, {steps} steps",
             run.name
         ));
+    }
+    for line in coverage::lines(campaign) {
+        say(&line);
     }
     for verification in &campaign.verification {
         let count = verification.readings.len();

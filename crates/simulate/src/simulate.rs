@@ -127,8 +127,11 @@ fn measure_stop(
 fn campaign(scenario: &Scenario, plan: Plan, steps: Vec<Step>, lengths: Lengths) -> Campaign {
     Campaign {
         name: scenario.name.clone(),
+        date: None,
+        operator: None,
         machine_name: scenario.machine.name.clone(),
         machine: plan.machine,
+        expansions: Vec::new(),
         instrument: scenario.instrument.clone(),
         targets: plan
             .targets
@@ -137,9 +140,11 @@ fn campaign(scenario: &Scenario, plan: Plan, steps: Vec<Step>, lengths: Lengths)
                 name: target.name,
                 home_mm: target.nominal_mm,
                 carrier: target.carrier,
+                ..Target::default()
             })
             .collect(),
         stations: scenario.stations.iter().map(declared_station).collect(),
+        known_lengths: Vec::new(),
         runs: plan
             .runs
             .into_iter()
@@ -164,5 +169,6 @@ fn declared_station(station: &StationSpec) -> Station {
         approx_mm: station
             .declare_approx
             .then(|| Point3::from(station.position_mm.map(paced))),
+        dead_path: None,
     }
 }

@@ -155,10 +155,12 @@ impl Experiment {
             name: target.name.to_owned(),
             home_mm: target.home_mm,
             carrier: target.carrier,
+            ..Target::default()
         });
         let stations = (0..self.kind.stations).map(|i| Station {
             name: station_name(i),
             approx_mm: None,
+            dead_path: None,
         });
         let runs = layout.sweeps.iter().map(|sweep| Run {
             name: layout.machine.axes()[sweep.axis].name().to_lowercase(),
@@ -166,16 +168,21 @@ impl Experiment {
         });
         Campaign {
             name: format!("blind {}", self.seed),
+            date: None,
+            operator: None,
             machine_name: layout.name.to_owned(),
             machine: layout.machine.clone(),
+            expansions: Vec::new(),
             instrument: Instrument {
                 name: "laser tracker".to_owned(),
                 length_sigma_um: Some(declared.length_um),
                 length_sigma_ppm: None,
                 repeatability_um: Some(declared.return_um),
+                ..Instrument::default()
             },
             targets: targets.collect(),
             stations: stations.collect(),
+            known_lengths: Vec::new(),
             runs: runs.collect(),
             steps: self.schedule.steps.clone(),
             lengths: Some(self.lengths(lengths_mm)),

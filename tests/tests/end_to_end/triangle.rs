@@ -35,8 +35,11 @@ fn contradictory_coordinates_of_the_paper_are_noticed() {
     .unwrap();
     let mut campaign = Campaign {
         name: "rotary stage of the paper".to_owned(),
+        date: None,
+        operator: None,
         machine_name: "rotary stage".to_owned(),
         machine,
+        expansions: Vec::new(),
         instrument: Instrument::default(),
         targets: ["P", "Q", "K"]
             .iter()
@@ -45,9 +48,11 @@ fn contradictory_coordinates_of_the_paper_are_noticed() {
                 name: (*name).to_owned(),
                 home_mm: Point3::from(home),
                 carrier: 0,
+                ..Target::default()
             })
             .collect(),
         stations: Vec::new(),
+        known_lengths: Vec::new(),
         runs: vec![Run {
             name: "c".to_owned(),
             axis: 0,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use trueaxis_campaign::{Campaign, Direction, Environment, VerificationKind, read, write};
+use trueaxis_campaign::{Campaign, Direction, Hole, Seen, VerificationKind, read, write};
 
 use crate::fixture::{rotary_table, table_points, three_axes};
 
@@ -28,12 +28,49 @@ fn lengths_become_stops_and_steps() {
     assert_eq!(turning_point.step, lengths.stops[4].step);
     let reading = &lengths.readings[4];
     assert_eq!((reading.target, reading.line), (1, 6));
-    assert_eq!(lengths.environment, None);
+    assert_eq!(lengths.logged, []);
     assert_eq!(campaign.targets[2].carrier, 2);
     assert_eq!(campaign.instrument.repeatability_um, Some(1.0));
     let value_um = campaign.verification[0].readings[4].value_um;
     assert_eq!(Some(value_um), Some(3.0));
     assert_eq!(campaign.notices, [""; 0]);
+}
+
+#[test]
+fn coverage_counts_readings_and_steps() {
+    let mut files = three_axes();
+    files.lines("lengths.csv", |lines| {
+        // One of two lengths at Y = 100 from S2: the step is still seen.
+        let is = |l: &String| l.contains(",S2,1,y,1,0,100,0,Q,");
+        lines.retain(|line| !is(line));
+        // Both directions at Z = 400 from S3.
+        lines.retain(|line| !(line.contains(",S3,1,z,") && line.contains(",0,0,400,K,")));
+        lines.retain(|line| !(line.contains(",S1,1,x,") && line.contains(",P,")));
+    });
+    let coverage = files.read().unwrap().coverage();
+    assert_eq!(coverage.len(), 9);
+    let full = Seen {
+        readings: 10,
+        steps: 5,
+    };
+    for covered in &coverage {
+        assert_eq!(covered.steps_of_run, 5);
+        for (station, &seen) in covered.seen.iter().enumerate() {
+            let hole = match (covered.run, covered.target, station) {
+                (0, 0, 0) => Some((Hole::NotSeen, 0, 0)),
+                (1, 1, 1) => Some((Hole::Readings, 9, 5)),
+                (2, 2, 2) => Some((Hole::Steps, 8, 4)),
+                _ => None,
+            };
+            assert_eq!(covered.hole(station), hole.map(|(hole, ..)| hole));
+            let expected = hole.map_or(full, |(_, readings, steps)| Seen { readings, steps });
+            assert_eq!(seen, expected);
+        }
+    }
+    let points = table_points().read().unwrap().coverage();
+    assert_eq!(points.len(), 3);
+    assert_eq!(points[2].seen.len(), 1);
+    assert_eq!(points[2].hole(0), None);
 }
 
 #[test]
@@ -86,20 +123,11 @@ fn air_and_machine_state_is_optional_cell_by_cell() {
         }
     });
     let campaign = files.read().unwrap();
-    let environment = campaign
-        .lengths
-        .as_ref()
-        .unwrap()
-        .environment
-        .as_ref()
-        .unwrap();
-    assert_eq!(environment.len(), 360);
-    let first = Environment {
-        machine_temp_c: Some(20.25),
-        ..Default::default()
-    };
-    assert_eq!(environment[0], first);
-    assert_eq!(environment[1], Environment::default());
+    let lengths = campaign.lengths.as_ref().unwrap();
+    let values = |name: &str| &lengths.logged_column(name).unwrap().values;
+    assert_eq!(values("machine_temp_c").len(), 360);
+    assert_eq!(values("machine_temp_c")[..2], [Some(20.25), None]);
+    assert!(values("air_temp_c").iter().all(Option::is_none));
     assert_eq!(written_and_read(&campaign), campaign);
 }
 

@@ -164,7 +164,7 @@ fn fields() {
                 says: &[
                     "campaign.json line 14, field instrument.lenght_sigma_um",
                     "did you mean `length_sigma_um`?",
-                    "known: name, length_sigma_um, length_sigma_ppm, repeatability_um",
+                    "known: name, serial, length_sigma_um, length_sigma_ppm, repeatability_um",
                 ],
             },
             Case {

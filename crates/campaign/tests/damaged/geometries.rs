@@ -143,6 +143,7 @@ impl Random {
                 name: format!("T{i}"),
                 home_mm: Point3::from(self.direction().scale(self.0.random_range(100.0..400.0))),
                 carrier: carriers[i / 3],
+                ..Target::default()
             })
             .collect();
         let mounted_mm: Vec<_> = targets
@@ -198,7 +199,10 @@ impl Random {
         }
         Campaign {
             name: format!("{kind:?}"),
+            date: None,
+            operator: None,
             machine_name: "random".to_owned(),
+            expansions: Vec::new(),
             instrument: Instrument::default(),
             stations: stations
                 .iter()
@@ -206,8 +210,10 @@ impl Random {
                 .map(|(i, position)| Station {
                     name: format!("S{i}"),
                     approx_mm: has_approx.then(|| position + self.vector(approx_error_mm)),
+                    dead_path: None,
                 })
                 .collect(),
+            known_lengths: Vec::new(),
             runs: axes
                 .iter()
                 .enumerate()

@@ -2,8 +2,10 @@
 //! is and how to mend it.
 
 mod correct;
+mod declared;
 mod documents;
 mod fixture;
 mod geometries;
+mod implausible;
 mod rows;
 mod units;

@@ -57,12 +57,35 @@ fn headers() {
             Case {
                 name: "column of an axis that the machine lacks",
                 damage: |f| f.replace("lengths.csv", ",X,Y,Z,", ",X,Y,C,"),
-                says: &["line 1, column C: unknown column", "X, Y, Z"],
+                says: &[
+                    "lengths.csv line 1: 2 columns are wrong: `C` is unknown; `Z` is missing; known: time_s,",
+                    "X, Y, Z",
+                ],
             },
             Case {
                 name: "a column twice",
-                damage: |f| f.replace("lengths.csv", ",X,Y,Z,", ",X,Y,X,"),
+                damage: |f| {
+                    f.lines("lengths.csv", |lines| {
+                        for line in lines {
+                            let cell = line.split(',').nth(5).unwrap().to_owned();
+                            *line += &format!(",{cell}");
+                        }
+                    });
+                },
                 says: &["line 1, column X: the column stands twice"],
+            },
+            Case {
+                name: "most columns wrong",
+                damage: |f| {
+                    let header = "time_s,station,repeat,run,direction,X,Y,Z,target,length_mm";
+                    let wrong = "time,station,station,run,dir,X,Y,target,length_mm,Zet";
+                    f.replace("lengths.csv", header, wrong);
+                },
+                says: &[
+                    "lengths.csv line 1: 7 columns are wrong: `time` is unknown, did you mean `time_s`?; \
+                     `station` stands twice; `dir` is unknown; `Zet` is unknown; ",
+                    "`repeat` is missing; `direction` is missing; `Z` is missing; known: time_s,",
+                ],
             },
             Case {
                 name: "no header",
@@ -289,7 +312,9 @@ fn cells() {
             Case {
                 name: "station in a points campaign",
                 damage: |f| f.replace("points.csv", "repeat", "station"),
-                says: &["points.csv line 1, column station: unknown column"],
+                says: &[
+                    "points.csv line 1: 2 columns are wrong: `station` is unknown; `repeat` is missing",
+                ],
             },
         ],
     );

@@ -49,7 +49,10 @@ fn wrong_command_lines() {
         (vec!["calibrat"], "'calibrate'"),
         (vec!["calibrate"], "<CAMPAIGN.json>"),
         (vec!["check", campaign, campaign], "unexpected argument"),
-        (vec!["check", campaign, "--json"], "unexpected argument"),
+        (
+            vec!["check", campaign, "--covariance"],
+            "unexpected argument",
+        ),
         (
             vec!["calibrate", campaign, "--method", "seven"],
             "possible values: joint, nine, six",

@@ -51,11 +51,15 @@ fn three_axes() -> Machine {
 fn campaign(verification: Vec<Verification>) -> Campaign {
     Campaign {
         name: "verification".into(),
+        date: None,
+        operator: None,
         machine_name: "FXYZ".into(),
         machine: three_axes(),
+        expansions: Vec::new(),
         instrument: Instrument::default(),
         targets: Vec::new(),
         stations: Vec::new(),
+        known_lengths: Vec::new(),
         runs: Vec::new(),
         steps: Vec::new(),
         lengths: None,
@@ -104,6 +108,8 @@ fn table(values_um: &[f64]) -> Verification {
             axis: 0,
             target_mm: TARGET_MM.into(),
         },
+        u_um: None,
+        u_ppm: None,
         readings: readings.collect(),
     }
 }
@@ -159,6 +165,7 @@ fn points(machine: &Machine, truth: &Truth, generator: &mut ChaCha8Rng) -> Campa
             name: (*name).into(),
             home_mm: home.into(),
             carrier: 2,
+            ..Target::default()
         })
         .collect();
     let (mut stops, mut readings) = (Vec::new(), Vec::new());

@@ -90,6 +90,8 @@ fn table(
             ball_carrier: 2,
             center_mm: Point3::new(CENTRE_MM[0], CENTRE_MM[1], 50.0),
         },
+        u_um: None,
+        u_ppm: None,
         readings: rows.collect(),
     }
 }

@@ -107,6 +107,8 @@ pub(crate) fn table(places: &[Place], values_um: &[f64], timed: bool) -> Verific
             axis: 0,
             target_mm: Point3::new(100.0, 300.0, 200.0),
         },
+        u_um: None,
+        u_ppm: None,
         readings: readings.collect(),
     }
 }

@@ -37,11 +37,15 @@ fn three_axes() -> Machine {
 fn found(verification: Verification) -> Diagnosis {
     let campaign = Campaign {
         name: "verification".into(),
+        date: None,
+        operator: None,
         machine_name: "FXYZ".into(),
         machine: three_axes(),
+        expansions: Vec::new(),
         instrument: Instrument::default(),
         targets: Vec::new(),
         stations: Vec::new(),
+        known_lengths: Vec::new(),
         runs: Vec::new(),
         steps: Vec::new(),
         lengths: None,

@@ -1,0 +1,169 @@
+//! The header of a CSV file: which columns a file may have, and all that is wrong with those it has.
+
+use std::fmt;
+use std::path::Path;
+
+use crate::logged::is_column;
+use crate::{Alternatives, Error, LoggedQuantity, Place, Problem};
+
+/// Every column of any file that is neither an axis nor logged.
+const FIXED_COLUMNS: [&str; 14] = [
+    "time_s",
+    "station",
+    "repeat",
+    "run",
+    "direction",
+    "target",
+    "length_mm",
+    "x_mm",
+    "y_mm",
+    "z_mm",
+    "sigma_um",
+    "cycle",
+    "deviation_um",
+    "delta_um",
+];
+
+/// Whether some file has a column of that name, so that no axis can have it.
+pub(crate) fn is_fixed_column(name: &str) -> bool {
+    FIXED_COLUMNS.contains(&name) || LoggedQuantity::of_column(name).is_some()
+}
+
+/// What is wrong with a column of a header.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ColumnFault {
+    /// The format does not have it.
+    Unknown {
+        /// Its name.
+        column: String,
+        /// The column that could be meant; if it is missing, that is no other fault.
+        nearest: Option<String>,
+    },
+    /// It stands there a second time.
+    Twice {
+        /// Its name.
+        column: String,
+    },
+    /// It must be there.
+    Missing {
+        /// Its name.
+        column: String,
+    },
+}
+
+impl fmt::Display for ColumnFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown {
+                column,
+                nearest: Some(nearest),
+            } => write!(f, "`{column}` is unknown, did you mean `{nearest}`?"),
+            Self::Unknown { column, .. } => write!(f, "`{column}` is unknown"),
+            Self::Twice { column } => write!(f, "`{column}` stands twice"),
+            Self::Missing { column } => write!(f, "`{column}` is missing"),
+        }
+    }
+}
+
+/// Refuses a header in which a column is not one of `required` or `optional` (in which `<name>` stands
+/// for any text), stands twice, or is missing: with all that is wrong.
+pub(crate) fn check(
+    file: &Path,
+    line: usize,
+    header: &[&str],
+    required: &[&str],
+    optional: &[&str],
+) -> Result<(), Error> {
+    if let [whole] = header {
+        for (separator, words) in [(';', "semicolons"), ('\t', "tabs")] {
+            if whole.contains(separator) {
+                return Err(Problem::Separator { separator: words }.at(Place::line(file, line)));
+            }
+        }
+    }
+    let known: Vec<&str> = required.iter().chain(optional).copied().collect();
+    let is_known = |column: &str| known.iter().any(|known| is_column(known, column));
+    if !header.iter().any(|column| is_known(column)) {
+        return Err(Problem::NoHeader {
+            found: header.join(","),
+            expected: required.join(","),
+        }
+        .at(Place::line(file, line)));
+    }
+    let faults = faults(header, required, &known);
+    match faults.as_slice() {
+        [] => Ok(()),
+        [fault] => Err(single(fault, header, &known).at(place(file, line, fault))),
+        _ => Err(Problem::Columns {
+            faults,
+            known: known.iter().map(|&column| column.to_owned()).collect(),
+        }
+        .at(Place::line(file, line))),
+    }
+}
+
+/// All faults: those of the columns that are there in their order, then those that are not.
+fn faults(header: &[&str], required: &[&str], known: &[&str]) -> Vec<ColumnFault> {
+    let mut missing: Vec<&str> = required.to_vec();
+    missing.retain(|column| !header.contains(column));
+    let mut faults = Vec::new();
+    for (i, &column) in header.iter().enumerate() {
+        if header[..i].contains(&column) {
+            let column = column.to_owned();
+            faults.push(ColumnFault::Twice { column });
+        } else if !known.iter().any(|known| is_column(known, column)) {
+            // What is missing is meant rather than what is there already.
+            let nearest = Alternatives::new(column, &missing).nearest;
+            let nearest = nearest.or_else(|| alternatives(column, known).nearest);
+            missing.retain(|&column| nearest.as_deref() != Some(column));
+            let column = column.to_owned();
+            faults.push(ColumnFault::Unknown { column, nearest });
+        }
+    }
+    faults.extend(missing.into_iter().map(|column| ColumnFault::Missing {
+        column: column.to_owned(),
+    }));
+    faults
+}
+
+/// The columns that exist. One that begins like a column with a name of its own is meant as such,
+/// however far the edits are.
+fn alternatives(column: &str, known: &[&str]) -> Alternatives {
+    let begins_like = |known: &&&str| {
+        let begin = known.split_once("<name>");
+        begin.is_some_and(|(begin, _)| column.starts_with(begin))
+    };
+    let mut alternatives = Alternatives::new(column, known);
+    if let Some(meant) = known.iter().find(begins_like) {
+        alternatives.nearest = Some((*meant).to_owned());
+    }
+    alternatives
+}
+
+/// A fault that is the only one.
+fn single(fault: &ColumnFault, header: &[&str], known: &[&str]) -> Problem {
+    match fault {
+        ColumnFault::Unknown { column, nearest } => Problem::UnknownColumn {
+            alternatives: Alternatives {
+                nearest: nearest.clone(),
+                ..alternatives(column, known)
+            },
+        },
+        ColumnFault::Twice { .. } => Problem::DuplicateColumn,
+        ColumnFault::Missing { .. } => missing(header),
+    }
+}
+
+/// A column is missing in this header.
+pub(crate) fn missing(header: &[&str]) -> Problem {
+    Problem::MissingColumn {
+        found: header.iter().map(|&column| column.to_owned()).collect(),
+    }
+}
+
+fn place(file: &Path, line: usize, fault: &ColumnFault) -> Box<Place> {
+    let (ColumnFault::Unknown { column, .. }
+    | ColumnFault::Twice { column }
+    | ColumnFault::Missing { column }) = fault;
+    Place::column(file, line, column)
+}

@@ -1,0 +1,124 @@
+//! Repeats that were not measured but copied.
+//!
+//! The readings of a repeat of a run from a station are a copy if all of them, for the same steps,
+//! directions and targets, equal those of another to the last digit. Even a coarse display of 1 µm does
+//! that to one length in three at most, so never to [`LEAST_READINGS`].
+//!
+//! Two repeats of one station: a notice, because lengths that a program made without noise look the
+//! same. Two stations: an error, because no two places see the same lengths of a motion.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::station_name;
+use crate::reading::{Reading, readings_of};
+use crate::{Campaign, Direction, Error, Place, Problem, Stop};
+
+/// Fewer readings may be equal by chance, or because nothing moved.
+const LEAST_READINGS: usize = 10;
+
+/// Station, run, repeat.
+type Series = (usize, usize, u32);
+
+/// The readings of a series, whatever their order.
+#[derive(Default)]
+struct Content {
+    first_line: usize,
+    count: usize,
+    /// Sum of a hash of each reading.
+    hash: u64,
+}
+
+/// Refuses a station's readings under the name of another; returns a notice on repeats.
+pub(crate) fn check<R: Reading>(
+    file: &Path,
+    name: &str,
+    campaign: &Campaign,
+    stops: &[Stop],
+    readings: &[R],
+) -> Result<Option<String>, Error> {
+    let mut contents: BTreeMap<Series, Content> = BTreeMap::new();
+    for stop in stops {
+        let Some(step) = campaign.steps.get(stop.step) else {
+            continue;
+        };
+        let series = (stop.station, step.run, stop.repeat);
+        let content = contents.entry(series).or_default();
+        for reading in readings_of(stop, readings) {
+            if content.count == 0 {
+                content.first_line = reading.line();
+            }
+            content.count += 1;
+            content.hash = content.hash.wrapping_add(hash(stop, reading));
+        }
+    }
+    let mut first: BTreeMap<(usize, usize, u64), (Series, usize)> = BTreeMap::new();
+    let mut copies = Vec::new();
+    for (&series, content) in &contents {
+        if content.count < LEAST_READINGS {
+            continue;
+        }
+        let key = (series.1, content.count, content.hash);
+        match first.get(&key) {
+            Some(&(original, _)) if original.0 != series.0 => {
+                return Err(Problem::StationCopied {
+                    count: content.count,
+                    run: run_name(campaign, series.1),
+                    station: station_name(campaign, series.0),
+                    original: station_name(campaign, original.0),
+                    original_line: contents[&original].first_line,
+                }
+                .at(Place::line(file, content.first_line)));
+            }
+            Some(&(original, line)) => copies.push((series, content, original, line)),
+            None => drop(first.insert(key, (series, content.first_line))),
+        }
+    }
+    let Some(&((station, run, repeat), content, (.., original), line)) = copies.first() else {
+        return Ok(None);
+    };
+    let from = if R::HAS_STATION {
+        format!(" from station `{}`", station_name(campaign, station))
+    } else {
+        String::new()
+    };
+    let more = match copies.len() - 1 {
+        0 => String::new(),
+        more => format!(" (and {more} more like it)"),
+    };
+    Ok(Some(format!(
+        "{name} line {}: repeat {repeat} of run `{}`{from} equals repeat {original} (line {line}) in all \
+         {} readings to the last digit{more}; a copy is no second measurement and makes every uncertainty too \
+         small: remove it, unless a program made the data without noise",
+        content.first_line,
+        run_name(campaign, run),
+        content.count,
+    )))
+}
+
+fn run_name(campaign: &Campaign, run: usize) -> String {
+    let run = campaign.runs.get(run);
+    run.map(|run| run.name.clone()).unwrap_or_default()
+}
+
+/// Of what was read where; the time is none of it.
+fn hash<R: Reading>(stop: &Stop, reading: &R) -> u64 {
+    let direction = match stop.direction {
+        Direction::Backward => 0,
+        Direction::Forward => 1,
+    };
+    let place = [stop.step as u64, direction, reading.target() as u64];
+    let values = reading.values().map(f64::to_bits);
+    place
+        .into_iter()
+        .chain(values)
+        .fold(0, |hash, word| mixed(hash ^ word))
+}
+
+/// The finaliser of `SplitMix64` (Steele, Lea, Flood 2014): every bit of a word changes half of the bits.
+fn mixed(word: u64) -> u64 {
+    let word = word.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let word = (word ^ (word >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let word = (word ^ (word >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    word ^ (word >> 31)
+}

@@ -1,0 +1,107 @@
+//! Rows that are not in measuring order, and times that are not seconds.
+//!
+//! A stop is a group of consecutive rows, and a station's turn a group of consecutive stops. A table that
+//! was sorted by point, target or station has the rows of these groups apart, and its times jump to and
+//! fro. It is told from a clock that was set back, which is only a notice, by what sorting by time would
+//! make of it: a sorted table then has fewer stops, or as many in fewer turns; with a clock that was
+//! reset the rows of different stations or runs would be mixed.
+
+use std::path::Path;
+
+use crate::reading::{Reading, readings_of};
+use crate::{Error, Place, Problem, Stop, notices};
+
+/// A mean time between readings below this, s, is a time in days or hours: no tracker is carried, no
+/// machine moved in hundredths of a second.
+const LEAST_SPACING_S: f64 = 0.01;
+
+/// Fewer readings may be in a test of the instrument.
+const LEAST_READINGS: usize = 10;
+
+/// Refuses rows in another order than that of measuring; returns notices about the clock.
+pub(crate) fn check<R: Reading>(
+    file: &Path,
+    name: &str,
+    stops: &[Stop],
+    readings: &[R],
+) -> Result<Vec<String>, Error> {
+    let rows = || readings.iter().map(|r| (r.time_s(), r.line()));
+    let goes_back = notices::clock_going_back(name, rows());
+    if goes_back.is_some() {
+        check_order(file, stops, readings)?;
+    }
+    Ok(goes_back
+        .into_iter()
+        .chain(too_fast(name, readings))
+        .collect())
+}
+
+fn check_order<R: Reading>(file: &Path, stops: &[Stop], readings: &[R]) -> Result<(), Error> {
+    let mut rows: Vec<(f64, &Stop)> = Vec::with_capacity(readings.len());
+    for stop in stops {
+        rows.extend(
+            readings_of(stop, readings)
+                .iter()
+                .map(|r| (r.time_s(), stop)),
+        );
+    }
+    let given = Groups::of(&rows);
+    let pairs = rows
+        .iter()
+        .zip(rows.iter().skip(1))
+        .zip(readings.iter().skip(1));
+    let mut back = pairs.filter(|((before, now), _)| now.0 < before.0);
+    let Some(((&(before_s, _), &(time_s, _)), reading)) = back.next() else {
+        return Ok(());
+    };
+    let times = 1 + back.count();
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let by_time = Groups::of(&rows);
+    if by_time < given {
+        return Err(Problem::NotInMeasuringOrder {
+            times,
+            before_s,
+            time_s,
+            stops: given.stops,
+            turns: given.turns,
+            stops_by_time: by_time.stops,
+            turns_by_time: by_time.turns,
+        }
+        .at(Place::column(file, reading.line(), "time_s")));
+    }
+    Ok(())
+}
+
+/// How many groups of consecutive rows there are.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct Groups {
+    /// Of one visit of the machine.
+    stops: usize,
+    /// Of one station.
+    turns: usize,
+}
+
+impl Groups {
+    fn of(rows: &[(f64, &Stop)]) -> Self {
+        let visit = |stop: &Stop| (stop.station, stop.repeat, stop.step, stop.direction);
+        Self {
+            stops: rows.chunk_by(|a, b| visit(a.1) == visit(b.1)).count(),
+            turns: rows.chunk_by(|a, b| a.1.station == b.1.station).count(),
+        }
+    }
+}
+
+/// A notice if the readings follow each other faster than any machine.
+fn too_fast<R: Reading>(name: &str, readings: &[R]) -> Option<String> {
+    let times = || readings.iter().map(Reading::time_s);
+    let span_s = times().fold(f64::NEG_INFINITY, f64::max) - times().fold(f64::INFINITY, f64::min);
+    let count = readings.len();
+    // Exact: far below 2^53 rows. Times that are all alike say nothing.
+    let is_too_fast = span_s > 0.0 && span_s < LEAST_SPACING_S * count as f64;
+    (is_too_fast && count >= LEAST_READINGS).then(|| {
+        format!(
+            "{name}, column time_s: {count} readings within {span_s:.3} s; the times look like days or \
+             hours, expected seconds: multiply them by 86400 or 3600"
+        )
+    })
+}

@@ -1,0 +1,299 @@
+//! Readings that no machine gives: states of no hall, copies, rows in another order, times that are no
+//! seconds.
+
+use crate::fixture::{Case, Files, assert_refused, rotary_table, table_points, three_axes};
+
+/// Adds a column with the same cell in every row.
+fn log(files: &mut Files, name: &str, cell: &str) {
+    files.lines("lengths.csv", |lines| {
+        for (i, line) in lines.iter_mut().enumerate() {
+            *line += &format!(",{}", if i == 0 { name } else { cell });
+        }
+    });
+}
+
+/// Sorts the rows by the cells of these columns; the header stays.
+fn sort(files: &mut Files, file: &str, columns: &[&str]) {
+    files.lines(file, |lines| {
+        let header: Vec<&str> = lines[0].split(',').collect();
+        let indices: Vec<usize> = columns
+            .iter()
+            .map(|column| header.iter().position(|c| c == column).unwrap())
+            .collect();
+        lines[1..].sort_by_cached_key(|line| {
+            let cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            let key = indices.iter().map(|&i| format!("{:0>9}", cells[i]));
+            key.collect::<Vec<String>>()
+        });
+    });
+}
+
+/// The rows of one station again as repeat 2, ten hours later; with `change` of each length.
+fn repeat(files: &mut Files, station: &str, change: impl Fn(usize, f64) -> f64) {
+    files.lines("lengths.csv", |lines| {
+        let start = lines.iter().position(|l| l.contains(station)).unwrap();
+        let end = 1 + lines.iter().rposition(|l| l.contains(station)).unwrap();
+        let mut copies = Vec::new();
+        for (i, line) in lines[start..end].iter().enumerate() {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            cells[0] = (36_000.0 + cells[0].parse::<f64>().unwrap()).to_string();
+            cells[2] = "2".to_owned();
+            let length = cells.last_mut().unwrap();
+            *length = change(i, length.parse().unwrap()).to_string();
+            copies.push(cells.join(","));
+        }
+        lines.extend(copies);
+    });
+}
+
+fn notices(files: &Files) -> Vec<String> {
+    files.read().unwrap().notices
+}
+
+#[test]
+fn states_of_no_hall() {
+    assert_refused(
+        &three_axes(),
+        &[
+            Case {
+                name: "machine at 2930 degrees",
+                damage: |f| {
+                    log(f, "machine_temp_spindle_c", "20.5");
+                    f.cell("lengths.csv", 17, "machine_temp_spindle_c", "2930");
+                },
+                says: &[
+                    "lengths.csv line 17, column machine_temp_spindle_c: a temperature of 2930 deg C",
+                    "expected -40 to 150 deg C; is the decimal point missing, as in 29.3?",
+                ],
+            },
+            Case {
+                name: "air in kelvin",
+                damage: |f| log(f, "air_temp_c", "293.2"),
+                says: &[
+                    "lengths.csv line 2, column air_temp_c: a temperature of 293.2 deg C",
+                    "kelvin: subtract 273.15",
+                ],
+            },
+            Case {
+                name: "pressure in Pa",
+                damage: |f| log(f, "air_pressure_hpa", "101325"),
+                says: &["line 2, column air_pressure_hpa", "Pa: divide by 100"],
+            },
+            Case {
+                name: "negative humidity",
+                damage: |f| log(f, "air_humidity_pct", "-1"),
+                says: &["line 2, column air_humidity_pct", "expected 0 to 100 %"],
+            },
+        ],
+    );
+    let mut files = three_axes();
+    log(&mut files, "air_humidity_pct", "0.45");
+    let said = notices(&files);
+    assert_eq!(said.len(), 1);
+    assert!(said[0].starts_with("lengths.csv, column air_humidity_pct: no value is above 1"));
+    let mut files = three_axes();
+    log(&mut files, "machine_temp_x_c", "");
+    let said = notices(&files);
+    assert_eq!(said.len(), 1);
+    assert!(said[0].starts_with("lengths.csv, column machine_temp_x_c: every cell is empty"));
+}
+
+#[test]
+fn a_copied_repeat_is_said_and_a_measured_one_is_not() {
+    let mut files = three_axes();
+    repeat(&mut files, ",S2,", |_, length_mm| length_mm);
+    let said = notices(&files);
+    assert_eq!(said.len(), 1);
+    assert!(
+        said[0].starts_with(
+            "lengths.csv line 362: repeat 2 of run `x` from station `S2` equals repeat 1 (line 92) in all \
+             30 readings to the last digit (and 2 more like it); a copy is no second measurement"
+        ),
+        "{said:?}"
+    );
+
+    let mut files = three_axes();
+    repeat(&mut files, ",S2,", |i, length_mm| {
+        length_mm + if i % 30 == 7 { 1e-4 } else { 0.0 }
+    });
+    assert_eq!(notices(&files), [""; 0], "one length of thirty differs");
+
+    let mut files = table_points();
+    files.lines("points.csv", |lines| {
+        let copies: Vec<String> = lines[1..]
+            .iter()
+            .map(|line| {
+                let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+                cells[0] = (9000.0 + cells[0].parse::<f64>().unwrap()).to_string();
+                cells[1] = "2".to_owned();
+                cells.join(",")
+            })
+            .collect();
+        lines.extend(copies);
+    });
+    let said = notices(&files);
+    assert_eq!(said.len(), 1);
+    assert!(
+        said[0].starts_with("points.csv line 53: repeat 2 of run `c` equals repeat 1 (line 2)")
+    );
+}
+
+#[test]
+fn a_station_copied_from_another() {
+    assert_refused(
+        &rotary_table(),
+        &[Case {
+            name: "the lengths of S3 are those of S1",
+            damage: |f| {
+                f.lines("lengths.csv", |lines| {
+                    for i in 0..51 {
+                        let length = lines[1 + i].rsplit(',').next().unwrap().to_owned();
+                        let row = &mut lines[1 + 2 * 51 + i];
+                        row.truncate(row.rfind(',').unwrap() + 1);
+                        *row += &length;
+                    }
+                });
+            },
+            says: &[
+                "lengths.csv line 104: all 51 readings of run `c` from station `S3` equal those from station \
+                 `S1` (line 2) to the last digit",
+                "put in what was measured from `S3`",
+            ],
+        }],
+    );
+}
+
+#[test]
+fn rows_that_were_sorted() {
+    assert_refused(
+        &three_axes(),
+        &[
+            Case {
+                name: "by target and point",
+                damage: |f| {
+                    sort(
+                        f,
+                        "lengths.csv",
+                        &["target", "run", "X", "Y", "Z", "station"],
+                    );
+                },
+                says: &[
+                    "column time_s: the rows are not in measuring order: the time goes back",
+                    "would be 120 stops in 4 turns",
+                    "sort the table by time_s",
+                ],
+            },
+            Case {
+                name: "by point, the stops whole",
+                damage: |f| {
+                    sort(
+                        f,
+                        "lengths.csv",
+                        &["run", "X", "Y", "Z", "direction", "station", "time_s"],
+                    );
+                },
+                says: &[
+                    "would be 120 stops in 4 turns",
+                    "not 120 stops in 120 turns",
+                ],
+            },
+            Case {
+                name: "one row put at the end",
+                damage: |f| {
+                    f.lines("lengths.csv", |lines| {
+                        let row = lines.remove(16);
+                        lines.push(row);
+                    });
+                },
+                says: &[
+                    "lengths.csv line 361, column time_s",
+                    "the time goes back once, here from 897.5 s to 37.5 s",
+                ],
+            },
+        ],
+    );
+    assert_refused(
+        &table_points(),
+        &[Case {
+            name: "points by target",
+            damage: |f| sort(f, "points.csv", &["target", "time_s"]),
+            says: &[
+                "points.csv line 19, column time_s",
+                "would be 17 stops in 1 turns",
+            ],
+        }],
+    );
+}
+
+/// A clock that begins again at each station is no sorted table.
+#[test]
+fn a_clock_that_was_reset_is_a_notice() {
+    let mut files = three_axes();
+    files.column("lengths.csv", "time_s", |cell, _| {
+        (cell.parse::<f64>().unwrap() % 225.0).to_string()
+    });
+    let said = notices(&files);
+    assert_eq!(said.len(), 1);
+    assert!(said[0].contains("lengths.csv line 92, column time_s: the time goes back"));
+}
+
+#[test]
+fn times_that_are_no_seconds() {
+    assert_refused(
+        &three_axes(),
+        &[
+            Case {
+                name: "a clock",
+                damage: |f| f.cell("lengths.csv", 17, "time_s", "09:30:05"),
+                says: &[
+                    "lengths.csv line 17, column time_s: \"09:30:05\" is a time of day",
+                    "seconds since the start of the campaign: as hours, minutes and seconds it is 34205",
+                ],
+            },
+            Case {
+                name: "a date",
+                damage: |f| f.cell("lengths.csv", 2, "time_s", "2026-03-31 09:30:05"),
+                says: &[
+                    "lengths.csv line 2, column time_s: \"2026-03-31 09:30:05\" is a date",
+                    "subtract the date and time of the first row",
+                ],
+            },
+        ],
+    );
+    assert_refused(
+        &rotary_table(),
+        &[Case {
+            name: "a clock in a verification",
+            damage: |f| f.cell("dbb_a.csv", 3, "time_s", "0:10"),
+            says: &["dbb_a.csv line 3, column time_s: \"0:10\" is a time of day"],
+        }],
+    );
+    let mut files = three_axes();
+    files.scale("lengths.csv", "time_s", 1.0 / 86_400.0);
+    let said = notices(&files);
+    assert_eq!(said.len(), 1);
+    assert!(
+        said[0].starts_with("lengths.csv, column time_s: 360 readings within 0.010 s"),
+        "{said:?}"
+    );
+}
+
+#[test]
+fn known_dead_paths_leave_distances_positive() {
+    assert_refused(
+        &three_axes(),
+        &[Case {
+            name: "a dead path of the other sign",
+            damage: |f| {
+                let place = "\"approx_mm\": [1500, -800, 300]";
+                let known = "\"dead_path_mm\": -1234.568, \"dead_path_sigma_mm\": 0.01";
+                f.json(place, &format!("{place}, {known}"));
+            },
+            says: &[
+                "lengths.csv line 2, column length_mm",
+                "with the dead path of station `S1` (-1234.568 mm)",
+                "mend its sign or unit",
+            ],
+        }],
+    );
+}
