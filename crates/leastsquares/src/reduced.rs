@@ -103,6 +103,15 @@ impl Reduced {
         self.squares += squares;
     }
 
+    /// Adds a whitened row that holds a single shared unknown: what is known of it beforehand.
+    pub fn observe(&mut self, unknown: usize, derivative: f64, residual: f64) {
+        let width = self.width() + 1;
+        let row = &mut self.matrix[unknown * width..][..width];
+        row[unknown] += derivative * derivative;
+        row[width - 1] += derivative * residual;
+        self.count(1, 0, residual * residual);
+    }
+
     /// Adds the sums of other blocks.
     pub fn merge(&mut self, other: &Self) {
         for (m, o) in self.matrix.iter_mut().zip(&other.matrix) {

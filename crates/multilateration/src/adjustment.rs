@@ -2,7 +2,8 @@
 //!
 //! Block unknowns are those of the groups: the coordinates of free points, or the six of the pose of a
 //! body ([`crate::linearise`]). Shared unknowns are the stations and dead paths, four each: `x y z L`, behind
-//! them the dead paths after interruptions, and behind these the deformations of all bodies.
+//! them the dead paths after interruptions, behind these the deformations of all bodies, and last the contrasts
+//! of the reflectors' constants.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -16,7 +17,7 @@ use crate::Network;
 use crate::batches::Batch;
 use crate::bodies::Deformations;
 use crate::datum::Datum;
-use crate::linearise::{Tie, by_visit, fill, fill_weights};
+use crate::linearise::{Common, Tie, by_visit, fill, fill_weights};
 use crate::passes::{self, Gauge, Memories, Memory, groups_of, in_parallel, pieces, split_mut};
 use crate::state::{DATUM, PER_STATION, POSE, State, centroid, zero_column};
 
@@ -29,6 +30,8 @@ pub(crate) struct GroupAdjustment<'a> {
     network: &'a Network,
     datum: Datum,
     deformations: Deformations,
+    /// Number of all shared unknowns.
+    shared: usize,
     batches: Arc<Vec<Batch>>,
     /// Where what each batch leaves to the step starts: weights, and eliminated equations. Behind them their
     /// numbers.
@@ -69,6 +72,7 @@ impl<'a> GroupAdjustment<'a> {
         Self {
             network,
             datum: Datum::new(network),
+            shared: deformations.shared + network.contrasts(),
             deformations,
             batches: Arc::clone(batches),
             starts,
@@ -92,7 +96,7 @@ impl<'a> GroupAdjustment<'a> {
 
     /// Number of shared unknowns.
     pub(crate) fn shared(&self) -> usize {
-        self.deformations.shared
+        self.shared
     }
 
     /// What batch `b` of a piece that starts at batch `first` has of a kind in [`Self::starts`].
@@ -144,8 +148,7 @@ impl<'a> GroupAdjustment<'a> {
             tie,
             ..
         } = memory;
-        let stations = (&state.stations[..], &state.dead_paths_mm[..]);
-        beams.fill(batch, stations, batch.own(&state.points));
+        beams.fill(batch, state.common(), batch.own(&state.points));
         let is_tied = self.fill_tie((state, b), &beams.points, tie);
         let datum = (gauge == Gauge::Datum).then_some((&self.datum, &self.network.nominal_mm[..]));
         let sizes = (self.network.stations.len(), self.shared());
@@ -173,6 +176,16 @@ impl<'a> GroupAdjustment<'a> {
         true
     }
 
+    /// Adds what is known of the contrasts beforehand.
+    fn observe_contrasts(&self, state: &State, reduced: &mut Reduced) {
+        if let Some(sigma_mm) = self.network.contrast_sigma_mm() {
+            for (m, contrast_mm) in state.contrasts_mm.iter().enumerate() {
+                let first = self.deformations.shared;
+                reduced.observe(first + m, 1.0 / sigma_mm, -contrast_mm / sigma_mm);
+            }
+        }
+    }
+
     /// Moves stations, dead paths and shapes by `factor` times the correction `s`.
     fn step_shared(&self, state: &State, s: &[f64], factor: f64, next: &mut State) {
         let stations = state.stations.len();
@@ -183,6 +196,11 @@ impl<'a> GroupAdjustment<'a> {
         next.dead_paths_mm.clone_from(&state.dead_paths_mm);
         for (zero, dead_path) in next.dead_paths_mm.iter_mut().enumerate() {
             *dead_path += s[zero_column(zero, stations)] * factor;
+        }
+        next.contrasts_mm.clone_from(&state.contrasts_mm);
+        let contrasts = next.contrasts_mm.iter_mut();
+        for (contrast, x) in contrasts.zip(&s[self.deformations.shared..]) {
+            *contrast += x * factor;
         }
         next.shapes_mm.clone_from(&state.shapes_mm);
         let deformations = &self.deformations;
@@ -265,7 +283,7 @@ impl Adjustment for GroupAdjustment<'_> {
         let weights = self.split(WEIGHTS, weights).into_iter();
         let eliminated = self.split(ELIMINATED, eliminated).into_iter();
         let parts = starts.zip(weights.zip(eliminated)).collect();
-        passes::reduce(
+        let mut reduced = passes::reduce(
             self,
             state,
             Gauge::Free,
@@ -276,7 +294,9 @@ impl Adjustment for GroupAdjustment<'_> {
                 let kept = &mut eliminated[self.range(ELIMINATED, b, *first)];
                 memory.equations.keep(kept);
             },
-        )
+        )?;
+        self.observe_contrasts(state, &mut reduced);
+        Ok(reduced)
     }
 
     fn reduce_with_datum(&self, state: &State) -> Result<(Reduced, Factors), LeastSquaresError> {
@@ -286,7 +306,7 @@ impl Adjustment for GroupAdjustment<'_> {
             .flat_map(|batch| batch.groups.clone().map(|_| unknowns(batch)));
         let mut factors = Factors::zeros(self.shared() + DATUM, unknowns);
         let parts = factors.split_mut(&groups_of(batches, &pieces(batches.len())));
-        let reduced = passes::reduce(
+        let mut reduced = passes::reduce(
             self,
             state,
             Gauge::Datum,
@@ -298,6 +318,7 @@ impl Adjustment for GroupAdjustment<'_> {
                 equations.write_factors(groups.start, groups.len(), part);
             },
         )?;
+        self.observe_contrasts(state, &mut reduced);
         Ok((reduced, factors))
     }
 
@@ -315,8 +336,13 @@ impl Adjustment for GroupAdjustment<'_> {
             points,
             poses,
             shapes_mm,
+            contrasts_mm,
         } = next;
-        let stations = (&stations[..], &dead_paths_mm[..]);
+        let common = Common {
+            stations,
+            dead_paths_mm,
+            contrasts_mm,
+        };
         let batches = &self.batches;
         let pieces = pieces(batches.len());
         let groups = groups_of(batches, &pieces);
@@ -356,7 +382,7 @@ impl Adjustment for GroupAdjustment<'_> {
                                 shapes_mm,
                                 (memory, &mut moved),
                             );
-                            memory.beams.fill(batch, stations, moved.points);
+                            memory.beams.fill(batch, common, moved.points);
                             let weights = &linearised.weights[self.range(WEIGHTS, b, 0)];
                             squares += memory.beams.squares(batch, weights);
                         }
@@ -365,7 +391,12 @@ impl Adjustment for GroupAdjustment<'_> {
                 )
             },
         );
-        of_pieces.into_iter().sum()
+        let known = self.network.contrast_sigma_mm();
+        let of_contrasts = known.map_or(0.0, |sigma_mm| {
+            let contrasts = next.contrasts_mm.iter();
+            contrasts.map(|a| (a / sigma_mm).powi(2)).sum()
+        });
+        of_pieces.into_iter().sum::<f64>() + of_contrasts
     }
 
     fn free_motions(&self, state: &State) -> Vec<Vec<f64>> {
@@ -391,7 +422,7 @@ mod tests {
     use super::*;
     use crate::batches::batches;
     use crate::bodies::{Bodies, Body, Placed};
-    use crate::{Interruption, Noise, Reading, Visit};
+    use crate::{Interruption, Noise, Reading, Reflectors, Visit};
 
     /// Three points read from two stations, one of them interrupted.
     fn network(is_tied: bool) -> Network {
@@ -441,6 +472,11 @@ mod tests {
                 ..Noise::default()
             },
             bodies: is_tied.then(|| Arc::new(bodies)),
+            reflectors: Some(Arc::new(Reflectors {
+                count: 3,
+                sigma_mm: None,
+                of_points: vec![0, 2, 1],
+            })),
         }
     }
 

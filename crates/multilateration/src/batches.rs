@@ -13,6 +13,7 @@ use crate::Error;
 use crate::network::{Network, VisitsByGroup};
 use crate::noise::factor_len;
 use crate::passes::{in_parallel, pieces};
+use crate::reflectors::contrast;
 use crate::slots::{Layout, SlotVisit, Slots};
 
 /// Up to eight groups.
@@ -33,6 +34,9 @@ pub(crate) struct Batch {
     has_factors: bool,
     /// The dead path of each slot; empty in a network without interruptions.
     pub(crate) zeros: Vec<[usize; LANES]>,
+    /// What a unit of each contrast does to the constants of the reflectors, point after point; empty in a
+    /// network without reflectors.
+    pub(crate) contrasts: Vec<Lanes>,
     /// Number of readings.
     pub(crate) readings: usize,
 }
@@ -103,8 +107,10 @@ fn piece(
             has_factors: is_inflated
                 || slots.readings() < groups.len() * slots.layout().point_of_slot.len(),
             zeros: Vec::new(),
+            contrasts: Vec::new(),
             readings: slots.readings(),
         };
+        batch.take_contrasts(network);
         batch.append_numbers(network, &slots, &mut numbers);
         if !zero_of_readings.is_empty() {
             batch.take_zeros(&slots, zero_of_readings);
@@ -166,6 +172,27 @@ impl Batch {
                 }
             }
         }
+    }
+
+    fn take_contrasts(&mut self, network: &Network) {
+        let Some(reflectors) = &network.reflectors else {
+            return;
+        };
+        for point in 0..self.points {
+            let of_lanes = self
+                .first_points
+                .map(|first| reflectors.of_points[first + point]);
+            let contrasts = (0..reflectors.contrasts())
+                .map(|m| Lanes::from_fn(|lane| contrast(of_lanes[lane], m)));
+            self.contrasts.extend(contrasts);
+        }
+    }
+
+    /// What a unit of each contrast does to the constant of the reflector at a point.
+    #[inline(always)]
+    pub(crate) fn contrasts_of(&self, point: usize) -> &[Lanes] {
+        let each = self.contrasts.len() / self.points;
+        &self.contrasts[point * each..][..each]
     }
 
     fn take_zeros(&mut self, slots: &Slots, zero_of_readings: &[usize]) {

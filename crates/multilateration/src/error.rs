@@ -80,6 +80,17 @@ pub enum Error {
         /// The least value accepted.
         limit: f64,
     },
+    /// The lengths leave the constants of the reflectors open.
+    #[error(
+        "the lengths do not determine how the constants of the reflectors differ (relative eigenvalue \
+         {eigenvalue:.1e}, limit {limit:.1e})"
+    )]
+    ReflectorsNotDetermined {
+        /// Size of what should determine the free difference.
+        eigenvalue: f64,
+        /// The least value accepted.
+        limit: f64,
+    },
     /// Fewer readings than unknowns.
     #[error("{readings} lengths cannot determine {unknowns} unknowns")]
     TooFewReadings {

@@ -7,7 +7,7 @@ use trueaxis_campaign::{Campaign, Direction, Lengths, Step};
 use trueaxis_kinematics::Ideal;
 
 use crate::bodies::{Bodies, Body, Placed, RIGID, are_in_line};
-use crate::{Network, Noise, Reading, Visit};
+use crate::{Network, Noise, Reading, Reflectors, Visit};
 
 /// A campaign's network and what its groups are.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +16,9 @@ pub struct CampaignNetwork {
     pub network: Network,
     /// What each group of the network stands for.
     pub groups: Vec<Group>,
+    /// The number in the campaign ([`Campaign::reflectors`]) of each reflector of the network: those that were
+    /// measured.
+    pub reflectors: Vec<usize>,
 }
 
 /// Targets that move together, at one step.
@@ -107,8 +110,34 @@ pub fn network_from_campaign(
         *number = place_of[*number];
     }
     let bodies = bodies(campaign, &groups, shapes.targets);
-    let network = network(campaign, lengths, &groups, &group_of_reading, bodies);
-    CampaignNetwork { network, groups }
+    let mut network = network(campaign, lengths, &groups, &group_of_reading, bodies);
+    let (_, of_targets) = campaign.reflectors();
+    let of_points: Vec<usize> = groups
+        .iter()
+        .flat_map(|group| group.targets.iter().map(|&target| of_targets[target]))
+        .collect();
+    let mut reflectors = of_points.clone();
+    reflectors.sort_unstable();
+    reflectors.dedup();
+    // The constant of a single reflector is dead path.
+    network.reflectors = (reflectors.len() > 1).then(|| {
+        Arc::new(Reflectors {
+            count: reflectors.len(),
+            sigma_mm: campaign
+                .instrument
+                .reflector_sigma_um
+                .map(|sigma_um| sigma_um * MM_PER_UM),
+            of_points: of_points
+                .iter()
+                .map(|r| reflectors.partition_point(|known| known < r))
+                .collect(),
+        })
+    });
+    CampaignNetwork {
+        network,
+        groups,
+        reflectors,
+    }
 }
 
 fn network(

@@ -3,10 +3,10 @@
 //! With the beam `u = (p - S) / |p - S|`:
 //!
 //! ```text
-//! dl = uᵀ dp - uᵀ dS - dL
+//! dl = uᵀ dp - uᵀ dS - dL + hᵀ da
 //! ```
 //!
-//! where a free point has three unknowns `dp` of its own. Points of a body have home positions `r_k`, common to
+//! with the contrasts `a` of the reflectors' constants ([`crate::reflectors`]), where a free point has three unknowns `dp` of its own. Points of a body have home positions `r_k`, common to
 //! all groups, and a pose in each:
 //!
 //! ```text
@@ -18,7 +18,7 @@
 //! multiplied by the weights `W = L⁻¹` of their visit, `C = L Lᵀ` ([`crate::noise`]).
 
 use nalgebra::{DVector, Matrix3, Point3};
-use trueaxis_leastsquares::{BlockBatch, LANES, Lanes, RowMut, Shape};
+use trueaxis_leastsquares::{BlockBatch, LANES, Lanes, RowMut, Shape, lanes_only};
 
 use crate::batches::Batch;
 use crate::bodies::Bodies;
@@ -38,6 +38,14 @@ pub(crate) struct Beams {
     of_slots: Vec<Beam>,
 }
 
+/// What all lengths have in common.
+#[derive(Clone, Copy)]
+pub(crate) struct Common<'a> {
+    pub(crate) stations: &'a [Point3<f64>],
+    pub(crate) dead_paths_mm: &'a [f64],
+    pub(crate) contrasts_mm: &'a [f64],
+}
+
 /// The beam of a slot.
 #[derive(Debug, Clone, Copy, Default)]
 struct Beam {
@@ -49,14 +57,14 @@ struct Beam {
 }
 
 impl Beams {
-    /// Takes the beams from stations with these dead paths to the points of a batch ([`Batch::own`]).
+    /// Takes the beams to the points of a batch ([`Batch::own`]).
     #[inline(always)]
-    pub(crate) fn fill(
-        &mut self,
-        batch: &Batch,
-        (stations, dead_paths_mm): (&[Point3<f64>], &[f64]),
-        points: &[Point3<f64>],
-    ) {
+    pub(crate) fn fill(&mut self, batch: &Batch, common: Common<'_>, points: &[Point3<f64>]) {
+        let Common {
+            stations,
+            dead_paths_mm,
+            contrasts_mm,
+        } = common;
         take_points(batch, points, &mut self.points);
         self.of_slots.resize(batch.slots(), Beam::default());
         let lengths_mm = batch.lengths_mm();
@@ -65,17 +73,23 @@ impl Beams {
             let station = splat(station.x, station.y, station.z);
             let dead_path = Lanes::splat(dead_paths_mm[visit.station]);
             for slot in visit.slots.clone() {
-                let beam_mm = minus(at(&self.points, batch.layout.point_of_slot[slot]), station);
+                let point = batch.layout.point_of_slot[slot];
+                let beam_mm = minus(at(&self.points, point), station);
                 let distance_mm = dot(beam_mm, beam_mm).sqrt();
                 let per_distance = Lanes::splat(1.0) / distance_mm;
                 let dead_path = match batch.zeros.get(slot) {
                     Some(zeros) => Lanes::from_fn(|lane| dead_paths_mm[zeros[lane]]),
                     None => dead_path,
                 };
+                let mut constant = Lanes::ZERO;
+                for (h, a) in batch.contrasts_of(point).iter().zip(contrasts_mm) {
+                    lanes_only();
+                    constant = h.mul_add(Lanes::splat(*a), constant);
+                }
                 self.of_slots[slot] = Beam {
                     unit: times(beam_mm, per_distance),
                     distance_mm,
-                    residual_mm: lengths_mm[slot] + dead_path - distance_mm,
+                    residual_mm: lengths_mm[slot] + dead_path - constant - distance_mm,
                 };
             }
         }
@@ -359,6 +373,10 @@ fn fill_row(
             }
         }
     }
+    // The last shared unknowns.
+    let contrasts = batch.contrasts_of(point);
+    let first = row.others.len() - contrasts.len();
+    row.others[first..].copy_from_slice(contrasts);
     for (x, u) in row.run.iter_mut().zip(u) {
         *x = -u;
     }
@@ -458,11 +476,7 @@ mod tests {
         let state = State::new(&network, vec![Point3::origin()], vec![0.0], points);
         let batch = &batches(&network)[0];
         let (mut beams, mut weights) = (Beams::default(), vec![Lanes::ZERO; batch.weights()]);
-        beams.fill(
-            batch,
-            (&state.stations, &state.dead_paths_mm),
-            &state.points,
-        );
+        beams.fill(batch, state.common(), &state.points);
         fill_weights(batch, &noise, &beams, &mut Vec::new(), &mut weights);
         let w = DMatrix::from_fn(3, 3, |i, j| match j <= i {
             true => weights[factor_len(i) + j].0[0],

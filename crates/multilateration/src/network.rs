@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Point3;
 
-use crate::{Bodies, Error, Noise};
+use crate::{Bodies, Error, Noise, Reflectors};
 
 /// Lengths between stations and points.
 ///
@@ -36,6 +36,8 @@ pub struct Network {
     /// bodies the points of a group that has one are tied to its pose: six unknowns, and the shape is
     /// common to all groups.
     pub bodies: Option<Arc<Bodies>>,
+    /// Which reflector stands at each point: their constants are then unknowns. Without them all are equal.
+    pub reflectors: Option<Arc<Reflectors>>,
 }
 
 /// A lost count of a station's interferometer.
@@ -135,6 +137,9 @@ impl Network {
         if let Some(bodies) = &self.bodies {
             bodies.check(&self.groups)?;
         }
+        if let Some(reflectors) = &self.reflectors {
+            reflectors.check(self.nominal_mm.len())?;
+        }
         self.noise.check()
     }
 
@@ -142,6 +147,17 @@ impl Network {
     pub(crate) fn body_of(&self, group: usize) -> Option<usize> {
         let bodies = self.bodies.as_deref()?;
         bodies.of_groups[group].body
+    }
+
+    /// Number of contrasts of reflectors that are unknown.
+    pub(crate) fn contrasts(&self) -> usize {
+        let reflectors = self.reflectors.as_deref();
+        reflectors.map_or(0, Reflectors::contrasts)
+    }
+
+    /// Standard deviation of the contrasts, where it is known, mm.
+    pub(crate) fn contrast_sigma_mm(&self) -> Option<f64> {
+        self.reflectors.as_deref()?.sigma_mm
     }
 
     /// Number of dead paths: one for each station and one for each interruption.
@@ -169,6 +185,7 @@ impl Network {
             interruptions: Vec::new(),
             variance_factors: Vec::new(),
             bodies: self.bodies.clone(),
+            reflectors: self.reflectors.clone(),
         };
         (network, kept)
     }

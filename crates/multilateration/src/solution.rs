@@ -1,9 +1,10 @@
 //! The adjusted points and stations with the evidence.
 
 use faer::Mat;
-use nalgebra::{Isometry3, Matrix4, Point3};
+use nalgebra::{DMatrix, Isometry3, Matrix4, Point3};
 use trueaxis_leastsquares::{Covariance, Termination};
 
+use crate::reflectors::contrast;
 use crate::state::{PER_STATION, State, zero_column};
 
 /// Adjusted stations and points in the datum of the nominal points.
@@ -20,11 +21,13 @@ pub struct Solution {
     pub poses: Vec<Isometry3<f64>>,
     /// Home positions of the targets of each body, mm; empty in a network without bodies.
     pub shapes_mm: Vec<Vec<Point3<f64>>>,
+    /// Constants of the reflectors, relative to their mean, mm; empty in a network without reflectors.
+    pub reflectors_mm: Vec<f64>,
     /// Observed minus computed length of every reading, mm.
     pub residuals_mm: Vec<f64>,
     /// Sum of squares of the whitened residuals.
     pub squares: f64,
-    /// Number of lengths.
+    /// Number of lengths, and of contrasts of reflectors that are known beforehand.
     pub observations: usize,
     /// Number of unknowns less the six that the datum fixes.
     pub unknowns: usize,
@@ -39,8 +42,8 @@ pub struct Solution {
     /// Covariance for the noise as given (its variance factor is one). Blocks are the groups: x y z of each
     /// free point, mm, or of a body the translation, mm, and the rotation vector, rad, about the centroid of
     /// the group's adjusted points, both in the datum's axes. Shared unknowns are the stations (x y z L of
-    /// each), behind them the dead paths after interruptions, mm, and behind these for each body the
-    /// amounts of its deformations, mm. The datum is the best fit to the nominal points.
+    /// each), behind them the dead paths after interruptions, mm, behind these for each body the
+    /// amounts of its deformations, mm, and last the contrasts of the reflectors' constants, mm. The datum is the best fit to the nominal points.
     pub covariance: Covariance,
 }
 
@@ -96,6 +99,26 @@ impl Solution {
         )
     }
 
+    /// Covariance of the reflectors' constants, relative to their mean, mm².
+    pub fn reflector_covariance(&self) -> DMatrix<f64> {
+        let count = self.reflectors_mm.len();
+        let contrasts = count.saturating_sub(1);
+        let shared = self.covariance.shared();
+        let first = shared.nrows() - contrasts;
+        let h = DMatrix::from_fn(count, contrasts, contrast);
+        let of_contrasts =
+            DMatrix::from_fn(contrasts, contrasts, |i, j| shared[(first + i, first + j)]);
+        &h * of_contrasts * h.transpose()
+    }
+
+    fn contrasts_mm(&self) -> Vec<f64> {
+        let constants = || self.reflectors_mm.iter().enumerate();
+        let of = |m: usize| constants().map(|(r, k)| contrast(r, m) * k).sum();
+        (0..self.reflectors_mm.len().saturating_sub(1))
+            .map(of)
+            .collect()
+    }
+
     /// The values of all unknowns.
     pub(crate) fn state(&self) -> State {
         let dead_paths = self.stations.iter().map(|s| s.dead_path_mm);
@@ -107,6 +130,7 @@ impl Solution {
             points: self.points_mm.clone(),
             poses: self.poses.clone(),
             shapes_mm: self.shapes_mm.clone(),
+            contrasts_mm: self.contrasts_mm(),
         }
     }
 }

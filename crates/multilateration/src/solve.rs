@@ -9,6 +9,7 @@ use trueaxis_leastsquares::{
 use crate::adjustment::{GroupAdjustment, Linearised};
 use crate::batches::{Batch, batches, check_seen};
 use crate::passes::within_pool;
+use crate::reflectors::constants_mm;
 use crate::start::{Image, Start, start};
 use crate::state::{DATUM, PER_STATION, POSE, State};
 use crate::{Error, Network, Solution, Station, StationUnknown};
@@ -92,9 +93,12 @@ pub fn solve_from(
     let sizes = network.bodies.iter().flat_map(|bodies| &bodies.bodies);
     let sizes = sizes.map(|body| body.home_mm.len());
     let poses = network.bodies.as_ref().map_or(0, |_| network.groups.len());
+    state.contrasts_mm.resize(network.contrasts(), 0.0);
     let same_ties = state.poses.len() == poses && state.shapes_mm.iter().map(Vec::len).eq(sizes);
     if !same_ties {
+        let contrasts_mm = state.contrasts_mm;
         state = State::new(network, state.stations, state.dead_paths_mm, state.points);
+        state.contrasts_mm = contrasts_mm;
     }
     let attempt = adjust_from(network, &batches, state, settings)?;
     solution(network, attempt, near.mirror_image_open)
@@ -254,7 +258,7 @@ pub(crate) fn batches_of(network: &Network) -> Result<Arc<Vec<Batch>>, Error> {
     let shapes: usize = bodies
         .map(|body| (3 * body.home_mm.len()).saturating_sub(POSE))
         .sum();
-    let unknowns = of_groups + shared + shapes - DATUM;
+    let unknowns = of_groups + shared + shapes + network.contrasts() - DATUM;
     if readings < unknowns {
         return Err(Error::TooFewReadings { readings, unknowns });
     }
@@ -318,10 +322,13 @@ fn named(network: &Network, error: LeastSquaresError) -> Error {
             let behind_zeros = behind_stations + network.interruptions.len();
             // The largest share says what is free.
             if let Some(&(k, _)) = free.first().filter(|&&(k, _)| k >= behind_zeros) {
-                return Error::ShapeNotDetermined {
-                    body: body_of_deformation(network, k - behind_zeros),
-                    eigenvalue,
-                    limit,
+                return match body_of_deformation(network, k - behind_zeros) {
+                    Some(body) => Error::ShapeNotDetermined {
+                        body,
+                        eigenvalue,
+                        limit,
+                    },
+                    None => Error::ReflectorsNotDetermined { eigenvalue, limit },
                 };
             }
             let unknown = |&(k, _): &(usize, f64)| match k.checked_sub(behind_stations) {
@@ -352,16 +359,16 @@ fn lengths_of(network: &Network, group: usize) -> usize {
     visits.map(|visit| visit.readings.len()).sum()
 }
 
-/// The body of a deformation, by its number among those of all bodies.
-fn body_of_deformation(network: &Network, mut number: usize) -> usize {
+/// The body of a deformation, by its number among those of all bodies; none for what is behind them.
+fn body_of_deformation(network: &Network, mut number: usize) -> Option<usize> {
     let bodies = network.bodies.iter().flat_map(|bodies| &bodies.bodies);
     for (b, body) in bodies.enumerate() {
         match number.checked_sub((3 * body.home_mm.len()).saturating_sub(POSE)) {
             Some(left) => number = left,
-            None => return b,
+            None => return Some(b),
         }
     }
-    0
+    None
 }
 
 pub(crate) fn solution(
@@ -394,5 +401,6 @@ pub(crate) fn solution(
         points_mm: adjusted.state.points,
         poses: adjusted.state.poses,
         shapes_mm: adjusted.state.shapes_mm,
+        reflectors_mm: constants_mm(&adjusted.state.contrasts_mm),
     })
 }

@@ -4,7 +4,9 @@ use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
 use crate::bodies::{Bodies, Placed};
 use crate::datum::polished;
+use crate::linearise::Common;
 use crate::network::Network;
+use crate::reflectors::constants_mm;
 
 /// Position and orientation.
 pub(crate) const DATUM: usize = 6;
@@ -37,6 +39,8 @@ pub(crate) struct State {
     pub(crate) poses: Vec<Isometry3<f64>>,
     /// Home positions of the targets of each body, mm.
     pub(crate) shapes_mm: Vec<Vec<Point3<f64>>>,
+    /// Of the constants of reflectors ([`crate::reflectors`]).
+    pub(crate) contrasts_mm: Vec<f64>,
 }
 
 impl State {
@@ -53,6 +57,7 @@ impl State {
             points,
             poses: Vec::new(),
             shapes_mm: Vec::new(),
+            contrasts_mm: vec![0.0; network.contrasts()],
         };
         if let Some(bodies) = network.bodies.as_deref() {
             state.place_bodies(network, bodies);
@@ -78,6 +83,15 @@ impl State {
         }
     }
 
+    /// What all lengths have in common.
+    pub(crate) fn common(&self) -> Common<'_> {
+        Common {
+            stations: &self.stations,
+            dead_paths_mm: &self.dead_paths_mm,
+            contrasts_mm: &self.contrasts_mm,
+        }
+    }
+
     /// Moves everything as a whole; dead paths stay.
     pub(crate) fn move_by(&mut self, motion: &Isometry3<f64>) {
         for place in self.stations.iter_mut().chain(&mut self.points) {
@@ -91,13 +105,21 @@ impl State {
     /// Observed minus computed length of every reading, mm.
     pub(crate) fn residuals_mm(&self, network: &Network) -> Vec<f64> {
         let zeros = network.zero_of_readings();
+        let constants_mm = constants_mm(&self.contrasts_mm);
+        let constant_mm = |point: usize| match &network.reflectors {
+            Some(reflectors) if !constants_mm.is_empty() => {
+                constants_mm[reflectors.of_points[point]]
+            }
+            _ => 0.0,
+        };
         let mut residuals = Vec::with_capacity(network.readings.len());
         for visit in &network.visits {
             let station = self.stations[visit.station];
             for i in visit.readings.clone() {
                 let reading = &network.readings[i];
-                let point = self.points[network.point(visit.group, reading.point)];
-                let computed_mm = (point - station).norm() - self.dead_paths_mm[zeros[i]];
+                let point = network.point(visit.group, reading.point);
+                let distance_mm = (self.points[point] - station).norm();
+                let computed_mm = distance_mm - self.dead_paths_mm[zeros[i]] + constant_mm(point);
                 residuals.push(reading.length_mm - computed_mm);
             }
         }

@@ -72,8 +72,9 @@ pub struct Corrections {
 #[derive(Debug, Clone)]
 pub struct Workspace {
     corrections: Corrections,
-    /// The errors of all slots, batch after batch.
+    /// The errors of all slots, batch after batch, and those of known contrasts.
     errors_mm: Vec<Lanes>,
+    contrasts_mm: Vec<f64>,
     /// Corrections and gradients of the unknowns of all groups, batch after batch.
     of_groups: Vec<Lanes>,
     gradients: Vec<Lanes>,
@@ -122,9 +123,10 @@ impl Trials {
         }
     }
 
-    /// Number of readings: a trial needs an error for each.
-    pub fn readings(&self) -> usize {
-        self.noise.readings()
+    /// Number of errors that a trial needs: one for each reading, and behind them one for each contrast of the
+    /// reflectors that is known beforehand.
+    pub fn errors(&self) -> usize {
+        self.noise.errors()
     }
 
     /// Number of points of the network.
@@ -146,6 +148,7 @@ impl Trials {
                 stations: self.stations,
             },
             errors_mm: vec![Lanes::ZERO; slots],
+            contrasts_mm: vec![0.0; self.noise.contrasts],
             of_groups: vec![Lanes::ZERO; unknowns],
             gradients: vec![Lanes::ZERO; unknowns],
             shared: vec![Lanes::ZERO; width],
@@ -154,7 +157,8 @@ impl Trials {
         }
     }
 
-    /// Draws the error of every reading from the noise of the network: a return of the machine for
+    /// Draws all errors: of known contrasts from what is known of them, of every reading from the noise of the
+    /// network: a return of the machine for
     /// each visit, `N(0, σ_m² I)`, and a part of each length's own, `N(0, σ_l²)`.
     ///
     /// The return acts to first order, by its part along the beam (what is left out is 1e-6 of
@@ -162,9 +166,9 @@ impl Trials {
     /// are drawn as `L z`: one normal number for each reading, in measuring order.
     ///
     /// # Panics
-    /// If there is not one error for each reading.
+    /// If there are not [`Trials::errors`].
     pub fn draw<R: Rng + ?Sized>(&self, rng: &mut R, errors_mm: &mut [f64]) {
-        assert_eq!(errors_mm.len(), self.readings(), "one error per reading");
+        assert_eq!(errors_mm.len(), self.errors(), "one error per reading");
         self.noise.draw(rng, errors_mm);
     }
 
@@ -175,9 +179,9 @@ impl Trials {
     /// uncertainties. Errors so large that no solution is found give NaN for all unknowns.
     ///
     /// # Panics
-    /// If there is not one error for each reading.
+    /// If there are not [`Trials::errors`].
     pub fn solve<'w>(&self, errors_mm: &[f64], workspace: &'w mut Workspace) -> &'w Corrections {
-        assert_eq!(errors_mm.len(), self.readings(), "one error per reading");
+        assert_eq!(errors_mm.len(), self.errors(), "one error per reading");
         in_widest_registers(
             #[inline(always)]
             || self.fill(errors_mm, workspace),
@@ -221,6 +225,8 @@ impl Trials {
             rest = others;
             groups.take_errors(errors_mm, own);
         }
+        let known = &errors_mm[errors_mm.len() - self.noise.contrasts..];
+        workspace.contrasts_mm.copy_from_slice(known);
         workspace.of_groups.fill(Lanes::ZERO);
         workspace.corrections.shared.fill(0.0);
     }
@@ -232,6 +238,7 @@ impl Trials {
         let Workspace {
             corrections,
             errors_mm,
+            contrasts_mm,
             of_groups,
             gradients,
             shared,
@@ -262,6 +269,14 @@ impl Trials {
             );
             groups.add_to_closure(&mut closure, of_batch);
             groups.reduce(&gradients[own], shared);
+        }
+        // Known contrasts are the last shared unknowns.
+        let first = self.shared - contrasts_mm.len();
+        let of_contrasts = gradient[first..]
+            .iter_mut()
+            .zip(&corrections.shared[first..]);
+        for ((gradient, moved), error) in of_contrasts.zip(&*contrasts_mm) {
+            gradient.0[0] += (error - moved) / self.noise.contrast_sigma_mm.powi(2);
         }
         let mut right: Vec<f64> = shared.iter().map(|x| x.sum()).collect();
         for (right, gradient) in right.iter_mut().zip(&gradient) {
@@ -343,7 +358,7 @@ impl Corrections {
     }
 
     /// Of all shared unknowns, in the order of the covariance, mm: x y z L of each station, the dead paths
-    /// after interruptions, the deformations of the bodies.
+    /// after interruptions, the deformations of the bodies, the contrasts of the reflectors' constants.
     pub fn shared_mm(&self) -> &[f64] {
         &self.shared
     }

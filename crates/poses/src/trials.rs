@@ -90,7 +90,7 @@ impl<'a> PoseTrials<'a> {
     /// Storage for trials, with errors zero.
     pub fn workspace(&self) -> TrialWorkspace {
         let (lengths, errors) = match &self.source {
-            Source::Lengths { trials, .. } => (Some(trials.workspace()), trials.readings()),
+            Source::Lengths { trials, .. } => (Some(trials.workspace()), trials.errors()),
             Source::Points(factors) => (None, factors.iter().map(DMatrix::nrows).sum()),
         };
         TrialWorkspace {

@@ -82,7 +82,10 @@ impl Replay<'_> {
     /// # Panics
     /// If there is not one error for each used length and one place for each result.
     pub fn respond(&self, errors_mm: &[f64], workspace: &mut TrialWorkspace, results: &mut [f64]) {
-        workspace.errors_mm.copy_from_slice(errors_mm);
+        // What is known beforehand is as it was.
+        let (of_lengths, known) = workspace.errors_mm.split_at_mut(errors_mm.len());
+        of_lengths.copy_from_slice(errors_mm);
+        known.fill(0.0);
         self.solve(workspace, results);
     }
 

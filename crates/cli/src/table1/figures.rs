@@ -129,7 +129,7 @@ impl Model for Measured {
 
     fn workspace(&self) -> Storage {
         Storage {
-            errors_mm: vec![0.0; self.trials.readings()],
+            errors_mm: vec![0.0; self.trials.errors()],
             trial: self.trials.workspace(),
         }
     }

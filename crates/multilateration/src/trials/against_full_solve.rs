@@ -14,7 +14,7 @@ use crate::adjustment::{GroupAdjustment, Linearised};
 use crate::batches::batches;
 use crate::bodies::{Bodies, Body, Placed};
 use crate::state::{POSE, State, centroid};
-use crate::{Interruption, Network, Noise, Reading, Settings, Solution, Visit, solve};
+use crate::{Interruption, Network, Noise, Reading, Reflectors, Settings, Solution, Visit, solve};
 
 const STATIONS_MM: [[f64; 3]; 4] = [
     [1500.0, 300.0, 900.0],
@@ -66,6 +66,12 @@ fn network(noise: Noise, is_tied: bool) -> Network {
         });
     }
     network.bodies = is_tied.then(|| Arc::new(bodies));
+    let of_points = network.groups.iter().flat_map(|group| 0..group.len());
+    network.reflectors = Some(Arc::new(Reflectors {
+        count: 3,
+        sigma_mm: None,
+        of_points: of_points.collect(),
+    }));
     for (station, position_mm) in STATIONS_MM.iter().enumerate() {
         for turn in 0..2 * STEPS {
             let group = turn.min(2 * STEPS - 1 - turn);
@@ -177,6 +183,12 @@ fn largest_difference(
         let found = corrections.dead_path_mm(zero);
         compare(found - expected, shared[(column, column)]);
     }
+    let contrasts = shared.nrows() - network.contrasts();
+    for m in 0..network.contrasts() {
+        let expected = full.contrasts_mm[m] - base.contrasts_mm[m];
+        let found = corrections.shared_mm()[contrasts + m];
+        compare(found - expected, shared[(contrasts + m, contrasts + m)]);
+    }
     let bodies = network.bodies.iter().flat_map(|bodies| &bodies.bodies);
     for (b, body) in bodies.enumerate() {
         for (k, deformation) in body.deformations().iter().enumerate() {
@@ -184,7 +196,7 @@ fn largest_difference(
             let expected: f64 = places
                 .map(|(i, (a, b))| deformation.fixed_rows::<3>(3 * i).dot(&(a - b)))
                 .sum();
-            let column = shared.nrows() - (3 * body.home_mm.len() - POSE) + k;
+            let column = contrasts - (3 * body.home_mm.len() - POSE) + k;
             let found = corrections.shared_mm()[column];
             compare(found - expected, shared[(column, column)]);
         }
@@ -201,7 +213,7 @@ fn differences(noise: Noise, is_tied: bool, factor: f64) -> [f64; 3] {
     let trials = Trials::new(&network, &solution);
     let mut workspace = trials.workspace();
     let mut rng = ChaCha8Rng::seed_from_u64(3);
-    let mut errors_mm = vec![0.0; trials.readings()];
+    let mut errors_mm = vec![0.0; trials.errors()];
     let mut largest = [0.0_f64; 3];
     for _ in 0..5 {
         trials.draw(&mut rng, &mut errors_mm);

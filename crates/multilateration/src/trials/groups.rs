@@ -31,6 +31,8 @@ pub(crate) struct TrialGroups {
     /// The column of the dead path of each slot, where that is not the station's for all lanes.
     zeros: Vec<[usize; LANES]>,
     tie: Option<Tie>,
+    /// What a unit of each contrast of the reflectors does to the length of each slot.
+    contrasts: Vec<Lanes>,
     /// Lever arms of the rotations of the datum at the nominal points, x y z of each; and one in lanes with a
     /// group, zero in others.
     levers: Vec<Lanes>,
@@ -134,6 +136,13 @@ impl TrialGroups {
             weights,
             zeros: batch.zeros.iter().map(columns).collect(),
             tie: batch.body.map(|_| rows.tie().clone()),
+            contrasts: batch
+                .layout
+                .point_of_slot
+                .iter()
+                .flat_map(|&point| batch.contrasts_of(point))
+                .copied()
+                .collect(),
             levers,
             used,
             own,
@@ -148,6 +157,12 @@ impl TrialGroups {
     /// Number of slots.
     pub(crate) fn slots(&self) -> usize {
         self.readings.len()
+    }
+
+    #[inline(always)]
+    fn contrasts_of(&self, slot: usize) -> &[Lanes] {
+        let each = self.contrasts.len() / self.slots();
+        &self.contrasts[slot * each..][..each]
     }
 
     /// Writes the errors of the readings of each slot, zeros where there is none.
@@ -240,6 +255,9 @@ impl TrialGroups {
                 for (sum, x) in shared[station..].iter_mut().zip(force) {
                     *sum -= x;
                 }
+                let contrasts = self.contrasts_of(slot);
+                let first = shared.len() - contrasts.len();
+                add_times(&mut shared[first..], weighted, contrasts);
                 match self.zeros.get(slot) {
                     None => shared[station + PER_STATION - 1] -= weighted,
                     Some(columns) => {
@@ -293,7 +311,11 @@ impl TrialGroups {
                     None => Lanes::splat(station[PER_STATION - 1]),
                     Some(columns) => Lanes::from_fn(|lane| values.shared[columns[lane]]),
                 };
-                residuals.push(errors_mm[slot] + dead_path - (distance - self.distances_mm[slot]));
+                let contrasts = self.contrasts_of(slot);
+                let amounts = &values.shared[values.shared.len() - contrasts.len()..];
+                let constant = product(contrasts, amounts, |a| Lanes::splat(*a));
+                let longer = distance - self.distances_mm[slot] + constant;
+                residuals.push(errors_mm[slot] + dead_path - longer);
                 let per_distance = Lanes::splat(1.0) / distance;
                 units.push(times(beam, per_distance));
             }

@@ -6,5 +6,6 @@ mod bodies;
 mod gross_errors;
 mod noise_components;
 mod properties;
+mod reflectors;
 mod trials;
 mod world;

@@ -33,7 +33,7 @@ fn trials_are_solutions_of_the_disturbed_lengths() {
     let solution = solve(&network, &Settings::default()).unwrap();
     let trials = Trials::new(&network, &solution);
     let mut workspace = trials.workspace();
-    let mut errors_mm = vec![0.0; trials.readings()];
+    let mut errors_mm = vec![0.0; trials.errors()];
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let mut largest = 0.0_f64;
     for _ in 0..5 {
@@ -78,7 +78,7 @@ fn corrections_keep_the_datum() {
     let solution = solve(&network, &Settings::default()).unwrap();
     let trials = Trials::new(&network, &solution);
     let mut workspace = trials.workspace();
-    let mut errors_mm = vec![0.0; trials.readings()];
+    let mut errors_mm = vec![0.0; trials.errors()];
     trials.draw(&mut ChaCha8Rng::seed_from_u64(12), &mut errors_mm);
     let corrections = trials.solve(&errors_mm, &mut workspace);
     let (mut shift, mut turn, mut size) = (Vector3::zeros(), Vector3::zeros(), 0.0);
@@ -104,7 +104,7 @@ fn scatter_of_trials_is_the_stated_covariance() {
     let solution = solve(&network, &Settings::default()).unwrap();
     let trials = Trials::new(&network, &solution);
     let mut workspace = trials.workspace();
-    let mut errors_mm = vec![0.0; trials.readings()];
+    let mut errors_mm = vec![0.0; trials.errors()];
     let mut rng = ChaCha8Rng::seed_from_u64(13);
     let mut point_squares = vec![Vector3::zeros(); truth.points.len()];
     let mut station_squares = [[0.0; 4]; 4];
@@ -161,7 +161,7 @@ fn drawn_errors_have_the_covariance_of_the_noise() {
     let solution = solve(&network, &Settings::default()).unwrap();
     let trials = Trials::new(&network, &solution);
     let visit = network.visits[5].clone();
-    let mut errors_mm = vec![0.0; trials.readings()];
+    let mut errors_mm = vec![0.0; trials.errors()];
     let mut rng = ChaCha8Rng::seed_from_u64(14);
     let mut products = [[0.0; 3]; 3];
     for _ in 0..DRAWS {
@@ -200,7 +200,7 @@ fn errors_without_a_solution_give_nan() {
     let solution = solve(&network, &Settings::default()).unwrap();
     let trials = Trials::new(&network, &solution);
     let mut workspace = trials.workspace();
-    let mut errors_mm = vec![0.0; trials.readings()];
+    let mut errors_mm = vec![0.0; trials.errors()];
     trials.draw(&mut ChaCha8Rng::seed_from_u64(15), &mut errors_mm);
     let good = trials.solve(&errors_mm, &mut workspace).clone();
     for bad in [f64::NAN, f64::INFINITY, 1e5] {

@@ -1,0 +1,101 @@
+//! Constants of the reflectors: every length to one of them is longer by its constant.
+//!
+//! ```text
+//! l = |p - S| - L + k_r
+//! ```
+//!
+//! What all constants have in common is dead path. The unknowns are therefore `K - 1` contrasts `a` of the `K`
+//! constants, with orthonormal columns of sum zero (Helmert's):
+//!
+//! ```text
+//! k = H a     1ᵀH = 0     HᵀH = I
+//! ```
+//!
+//! so that constants are relative to their mean, and no reflector is preferred. Constants that are drawn
+//! independently with a standard deviation `σ` have contrasts that are, too.
+
+use crate::Error;
+
+/// Which reflector stands at each point of a network.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reflectors {
+    /// Number of reflectors.
+    pub count: usize,
+    /// Standard deviation of the constants of a set, where it is known, mm: each contrast is then observed to
+    /// be zero with it.
+    pub sigma_mm: Option<f64>,
+    /// The reflector at each point, in the order of the network.
+    pub of_points: Vec<usize>,
+}
+
+impl Reflectors {
+    /// Number of unknowns.
+    pub fn contrasts(&self) -> usize {
+        self.count.saturating_sub(1)
+    }
+
+    /// Checks that each point has one that is there.
+    pub(crate) fn check(&self, points: usize) -> Result<(), Error> {
+        if self
+            .sigma_mm
+            .is_some_and(|sigma| !sigma.is_finite() || sigma <= 0.0)
+        {
+            return Err(Error::Malformed {
+                what: "the standard deviation of reflectors is not positive and finite".to_owned(),
+            });
+        }
+        let found = self.of_points.len();
+        let largest = self.of_points.iter().max();
+        if found != points || largest.is_some_and(|&r| r >= self.count) {
+            return Err(Error::Malformed {
+                what: format!(
+                    "reflectors are named for {found} of {points} points, of {}",
+                    self.count
+                ),
+            });
+        }
+        Ok(())
+    }
+}
+
+/// `H`: what a unit of contrast `m` does to the constant of a reflector.
+pub fn contrast(reflector: usize, m: usize) -> f64 {
+    let before = (m + 1) as f64;
+    let length = (before * (before + 1.0)).sqrt();
+    match reflector {
+        r if r <= m => 1.0 / length,
+        r if r == m + 1 => -before / length,
+        _ => 0.0,
+    }
+}
+
+/// The constants that belong to contrasts, mm.
+pub(crate) fn constants_mm(contrasts_mm: &[f64]) -> Vec<f64> {
+    let constant = |r: usize| {
+        let all = contrasts_mm.iter().enumerate();
+        all.map(|(m, a)| contrast(r, m) * a).sum()
+    };
+    match contrasts_mm.len() {
+        0 => Vec::new(),
+        n => (0..=n).map(constant).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contrasts_are_orthonormal_and_have_no_mean() {
+        const COUNT: usize = 8;
+        for m in 0..COUNT - 1 {
+            let sum: f64 = (0..COUNT).map(|r| contrast(r, m)).sum();
+            assert!(sum.abs() < 1e-15);
+            for n in 0..COUNT - 1 {
+                let product: f64 = (0..COUNT).map(|r| contrast(r, m) * contrast(r, n)).sum();
+                let expected = f64::from(u8::from(m == n));
+                assert!((product - expected).abs() < 1e-15, "{m} {n}");
+            }
+        }
+    }
+}
