@@ -43,14 +43,14 @@ pub(crate) struct Record {
     pub(crate) node: usize,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Node {
     /// mm or rad.
     pub(crate) position: f64,
     /// Side of approach, where kept apart.
     pub(crate) direction: Option<Direction>,
-    /// Records at this node.
-    pub(crate) records: usize,
+    /// Its records, in the order of measuring.
+    pub(crate) records: Vec<usize>,
 }
 
 /// A rotary axis this close to home is at home, rad.
@@ -143,21 +143,20 @@ fn number_nodes(data: &mut AxisData, campaign: &Campaign, poses: &Poses) {
         Node {
             position: campaign.steps[observation.step].positions[data.axis],
             direction: observation.direction,
-            records: 0,
+            records: Vec::new(),
         }
     };
     let order = |a: &Node, b: &Node| {
-        a.position
-            .total_cmp(&b.position)
-            .then(a.direction.cmp(&b.direction))
+        let by_position = a.position.total_cmp(&b.position);
+        by_position.then(a.direction.cmp(&b.direction))
     };
-    let mut nodes: Vec<Node> = data.records.iter().map(node_of).collect();
-    let own = nodes.clone();
+    let own: Vec<Node> = data.records.iter().map(node_of).collect();
+    let mut nodes = own.clone();
     nodes.sort_by(order);
     nodes.dedup_by(|a, b| order(a, b).is_eq());
-    for (record, own) in data.records.iter_mut().zip(&own) {
+    for (i, (record, own)) in data.records.iter_mut().zip(&own).enumerate() {
         record.node = nodes.partition_point(|node| order(node, own).is_lt());
-        nodes[record.node].records += 1;
+        nodes[record.node].records.push(i);
     }
     data.sides = sides_of(&nodes);
     data.nodes = nodes;

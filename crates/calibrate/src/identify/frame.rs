@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::{AxisKind, Machine, NominalTarget};
+use trueaxis_kinematics::{AxisKind, LocationComponent, Machine, NominalTarget};
 
 use crate::identify::axis_data::AxisData;
 
@@ -10,8 +10,8 @@ pub(crate) use trueaxis_kinematics::SmallMotion;
 
 /// The rule that fixes the frame of a campaign.
 pub(crate) struct FrameRule {
-    /// Up to two linear axes (indices of the axis data) with their nominal directions.
-    pub(crate) lines: Vec<(usize, Vector3<f64>)>,
+    /// Up to two linear axes (indices of the axis data).
+    pub(crate) lines: Vec<usize>,
     /// The targets that decide the rest, once for each run that measured them.
     pub(crate) anchors: Vec<Anchor>,
     /// Number of different targets among the anchors.
@@ -46,11 +46,8 @@ impl FrameRule {
             targets.map(|&target| (axis.axis, target))
         });
         let rule = trueaxis_kinematics::FrameRule::new(machine, &targets, measured);
-        let lines = rule.lines().filter_map(|axis| {
-            let k = data.iter().position(|data| data.axis == axis)?;
-            Some((k, machine.axes()[axis].direction().into_inner()))
-        });
-        let lines: Vec<_> = lines.collect();
+        let place = |axis: usize| data.iter().position(|data| data.axis == axis);
+        let lines: Vec<usize> = rule.lines().filter_map(place).collect();
         let numbers: Vec<usize> = rule.anchors().collect();
         let mut anchors = Vec::new();
         for (k, axis) in data.iter().enumerate() {
@@ -90,6 +87,16 @@ impl FrameRule {
     /// Whether a rotary axis has a place along itself.
     pub(crate) fn places_along_itself(&self, axis: usize) -> bool {
         self.rule.places_along_itself(axis)
+    }
+
+    /// The location errors of an axis that are reported: of lines those that the frame does not define away.
+    pub(crate) fn reported(&self, machine: &Machine, axis: usize) -> Vec<LocationComponent> {
+        let geometry = &machine.axes()[axis];
+        let mut all = geometry.location_components();
+        all.retain(|&c| {
+            geometry.kind() == AxisKind::Rotary || !self.rule.defines(machine, axis, c)
+        });
+        all
     }
 
     /// The motion that is to be taken out: from the tilts of the lines (rotation vectors in the

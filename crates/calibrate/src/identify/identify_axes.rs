@@ -2,7 +2,7 @@
 //! model reproduces the measured poses.
 
 use nalgebra::{Isometry3, Matrix6, MatrixXx6, Point3, Translation3, Vector3, Vector6};
-use trueaxis_kinematics::{Axis, AxisKind, LocationComponent, MotionError};
+use trueaxis_kinematics::{AxisKind, LocationComponent, MotionError};
 use trueaxis_poses::turned_about;
 
 use crate::Error;
@@ -64,13 +64,10 @@ const SETTLED_MM: f64 = 1e-9;
 
 pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<Identified, Error> {
     let frame = FrameRule::new(context.campaign, context.machine, data);
-    let gauges = data
-        .iter()
-        .map(|axis| {
-            Gauge::new(&context.machine.axes()[axis.axis], axis)
-                .map_err(|d| defect(context, axis, &d))
-        })
-        .collect::<Result<Vec<_>, _>>()?;
+    let gauge = |axis: &AxisData| {
+        Gauge::new(&context.machine.axes()[axis.axis], axis).map_err(|d| defect(context, axis, &d))
+    };
+    let gauges = data.iter().map(gauge).collect::<Result<Vec<_>, _>>()?;
     let mut state = average_lines_and_axes(context, data);
     let mut worst = (0.0, 0);
     for _ in 0..MAX_PASSES {
@@ -83,13 +80,12 @@ pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<
         if change_mm <= SETTLED_MM {
             let sensitivity =
                 |(k, gauge)| Sensitivity::new(gauge, context.error_maps(data, &state, k));
-            let reported = data.iter().enumerate();
-            let reported = reported
-                .map(|(k, axis)| reported_errors(&context.machine.axes()[axis.axis], &frame, k))
-                .collect();
+            let reported = data
+                .iter()
+                .map(|axis| frame.reported(context.machine, axis.axis));
             return Ok(Identified {
                 sensitivities: gauges.iter().enumerate().map(sensitivity).collect(),
-                reported,
+                reported: reported.collect(),
                 state,
                 gauges,
                 frame,
@@ -175,7 +171,7 @@ fn improve(
     // Component errors: the mean over the records of a node, without what the gauge takes.
     let mut curve = vec![Vector6::zeros(); own.nodes.len()];
     for ((record, error), effect) in own.records.iter().zip(&pose_errors).zip(&gauge.effects) {
-        curve[record.node] += (error - effect * &x) / own.nodes[record.node].records as f64;
+        curve[record.node] += (error - effect * &x) / own.nodes[record.node].records.len() as f64;
     }
     let lever_mm = lever_mm(context, own, &state.axes[k], &reference);
     let mut change_mm = 0.0_f64;
@@ -257,7 +253,7 @@ fn settle_frame(
     let tilts: Vec<Vector3<f64>> = frame
         .lines
         .iter()
-        .map(|&(k, _)| next.axes[k].location.tilt_rad)
+        .map(|&k| next.axes[k].location.tilt_rad)
         .collect();
     let homes_mm = home_positions(context, data, next);
     let shift = |anchor: &Anchor| {
@@ -348,27 +344,31 @@ fn mean_axial_shift(
 
 fn defect(context: &Context<'_>, axis: &AxisData, defect: &GaugeDefect) -> Error {
     let name = context.machine.axes()[axis.axis].name();
-    let runs: Vec<&str> = axis
-        .runs
-        .iter()
-        .map(|run| context.campaign.runs[run.run].name.as_str())
-        .collect();
-    match defect {
-        GaugeDefect::Positions { singular_value } => Error::NotIdentifiable {
-            what: format!(
+    let (what, mend) = match defect {
+        GaugeDefect::Positions { singular_value } => (
+            format!(
                 "axis {name}: {} position(s) do not tell its location errors from its component \
                  errors (relative singular value {singular_value:.1e})",
                 axis.nodes.len()
             ),
-            mend: "measure it at more positions, over more of its travel".to_owned(),
-        },
-        GaugeDefect::Disjoint => Error::NotIdentifiable {
-            what: format!("axis {name}: runs {} share no position", runs.join(", ")),
-            mend:
-                "measure at least two common positions in every run of an axis, or calibrate the \
-                   runs one at a time"
-                    .to_owned(),
-        },
+            "measure it at more positions, over more of its travel",
+        ),
+        GaugeDefect::Disjoint => {
+            let runs = axis
+                .runs
+                .iter()
+                .map(|run| context.campaign.runs[run.run].name.as_str());
+            let runs = runs.collect::<Vec<_>>().join(", ");
+            (
+                format!("axis {name}: runs {runs} share no position"),
+                "measure at least two common positions in every run of an axis, or calibrate the runs one at \
+                 a time",
+            )
+        }
+    };
+    Error::NotIdentifiable {
+        what,
+        mend: mend.to_owned(),
     }
 }
 
@@ -390,28 +390,4 @@ pub(crate) fn mean_targets(
     sums.into_iter()
         .map(|(sum, n)| (n > 0.0).then(|| Point3::from(sum / n)))
         .collect()
-}
-
-/// Part of a unit normal below which it has none in that direction.
-const NORMAL_TOL: f64 = 1e-9;
-
-/// The location errors that the reference frame does not define away.
-fn reported_errors(axis: &Axis, frame: &FrameRule, k: usize) -> Vec<LocationComponent> {
-    let all = axis.location_components();
-    if axis.kind() == AxisKind::Rotary {
-        return all;
-    }
-    match frame.lines.iter().position(|&(line, _)| line == k) {
-        Some(0) => Vec::new(),
-        Some(_) => {
-            // Only the tilt within the plane of the two lines is left: about the normal of the
-            // plane, of which more than one part may be reported if the lines are oblique.
-            let (first, second) = (frame.lines[0].1, frame.lines[1].1);
-            let normal = first.cross(&second).normalize();
-            all.into_iter()
-                .filter(|component| matches!(component, LocationComponent::Tilt(i) if normal[*i].abs() > NORMAL_TOL))
-                .collect()
-        }
-        None => all,
-    }
 }

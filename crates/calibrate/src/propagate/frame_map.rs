@@ -214,7 +214,7 @@ impl<'a> FrameMap<'a> {
     fn frame(&self) -> Twist {
         let rule = &self.identified.frame;
         let tilt = |k: usize| self.turn(k) * self.across(k, self.sources.location[k]);
-        let tilts: Vec<Matrix3xX<f64>> = rule.lines.iter().map(|&(k, _)| tilt(k)).collect();
+        let tilts: Vec<Matrix3xX<f64>> = rule.lines.iter().map(|&k| tilt(k)).collect();
         let mut shifts: Vec<Matrix3xX<f64>> = Vec::new();
         // The anchors are all targets of some runs, run after run.
         for run in rule

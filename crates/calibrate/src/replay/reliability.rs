@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 use trueaxis_montecarlo::Model;
 
 use crate::Error;
-use crate::replay::replay::Replay;
+use crate::replay::Replay;
 
 /// Reliability of all used lengths.
 #[derive(Debug, Clone, PartialEq)]

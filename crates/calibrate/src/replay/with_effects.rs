@@ -21,7 +21,7 @@ use trueaxis_effects::{GivenEffect, ResolvedEffect, ResolvedEffects};
 use trueaxis_montecarlo::Model;
 use trueaxis_poses::{EffectsOnLengths, scene_of};
 
-use crate::replay::replay::{Replay, calibrate_for_replay};
+use crate::replay::{Replay, calibrate_for_replay};
 use crate::result::calibration::Calibration;
 use crate::{Error, Settings};
 
