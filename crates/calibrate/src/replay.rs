@@ -16,8 +16,8 @@ use trueaxis_poses::{PoseTrials, Station, Trial, TrialWorkspace};
 use crate::Error;
 use crate::calibrate::{Parts, calibrate_in_parts};
 use crate::identify::axis_data::AxisData;
+use crate::identify::context::Context;
 use crate::identify::identify_axes::Identified;
-use crate::identify::pose_errors::Context;
 use crate::identify::state::State;
 use crate::result::calibration::Calibration;
 use crate::result::numbered::NumberedResult;
@@ -73,27 +73,22 @@ impl Replay<'_> {
         &self.results
     }
 
-    /// The readings of the campaign whose lengths were used, in measuring order; none in a points
-    /// campaign.
-    pub(crate) fn used_lengths(&self) -> &[usize] {
-        self.trials.used_lengths()
-    }
-
-    /// The results for these errors of the used lengths (mm), beyond those of the calibration; in the
-    /// units of the results' [`crate::Output::unit`]. Not a number if they do not settle: errors so
-    /// large belong to another machine.
-    ///
-    /// # Panics
-    /// If there is not one error for each used length and one place for each result.
-    pub fn respond(&self, errors_mm: &[f64], workspace: &mut TrialWorkspace, results: &mut [f64]) {
-        workspace.errors_mm.copy_from_slice(errors_mm);
-        self.solve(workspace, results);
+    /// How the results change with errors of the used lengths.
+    pub fn responses(&self) -> Responses<'_> {
+        let mut workspace = self.workspace();
+        let mut undisturbed = vec![0.0; self.outputs()];
+        self.solve(&mut workspace, &mut undisturbed);
+        Responses {
+            replay: self,
+            workspace,
+            undisturbed,
+        }
     }
 
     fn solve(&self, workspace: &mut TrialWorkspace, results: &mut [f64]) {
         let trial = self.trials.solve(workspace);
         let context = self.context(&trial);
-        let Some(state) = self.identified.replayed(&context, &self.data) else {
+        let Some(state) = self.identified.replayed(&context) else {
             results.fill(f64::NAN);
             return;
         };
@@ -110,6 +105,7 @@ impl Replay<'_> {
             machine: &self.machine,
             poses: &self.trials.measured.poses,
             measured: &trial.poses,
+            data: &self.data,
         }
     }
 
@@ -127,6 +123,32 @@ impl Replay<'_> {
             all.push(station.dead_path_mm);
         }
         all
+    }
+}
+
+/// See [`Replay::responses`].
+pub struct Responses<'a> {
+    replay: &'a Replay<'a>,
+    workspace: TrialWorkspace,
+    /// The results without errors.
+    undisturbed: Vec<f64>,
+}
+
+impl Responses<'_> {
+    /// The change of each result by errors of the used lengths in measuring order (mm), or of the points (x y z
+    /// of each); in the unit of the result ([`crate::Output::unit`]). Not a number if they do not settle: errors
+    /// so large belong to another machine.
+    ///
+    /// # Panics
+    /// If there is not one error for each used length.
+    pub fn to(&mut self, errors_mm: &[f64]) -> Vec<f64> {
+        self.workspace.errors_mm.copy_from_slice(errors_mm);
+        let mut changes = vec![0.0; self.undisturbed.len()];
+        self.replay.solve(&mut self.workspace, &mut changes);
+        for (change, undisturbed) in changes.iter_mut().zip(&self.undisturbed) {
+            *change -= undisturbed;
+        }
+        changes
     }
 }
 
@@ -183,7 +205,7 @@ mod tests {
                 let mut rng = ChaCha8Rng::seed_from_u64(trial);
                 replay.trial(&mut rng, &mut workspace, &mut found);
                 let trial = replay.trials.solve(&mut workspace);
-                let whole = identify_axes(&replay.context(&trial), &replay.data).unwrap();
+                let whole = identify_axes(&replay.context(&trial)).unwrap();
                 let all = replay.collect(&whole.state, &[]);
                 for ((found, &place), result) in
                     found.iter().zip(&replay.places).zip(replay.results())
