@@ -7,9 +7,10 @@ use trueaxis_poses::{LengthsAdjustment, MeasuredPoses, Station, centroid, measur
 
 use crate::Error;
 use crate::identify::axis_data::{AxisData, by_axis};
-use crate::identify::identify_axes::{Identified, identify_axes, mean_targets};
+use crate::identify::context::Context;
+use crate::identify::identify_axes::{Identified, identify_axes};
 use crate::identify::plausibility::{check_motion, check_noise};
-use crate::identify::pose_errors::Context;
+use crate::identify::settle_frame::mean_targets;
 use crate::propagate::output_covariance::check_size;
 use crate::propagate::propagation::{Dependence, Propagation};
 use crate::report::axis_results::{axis_results, station_results};
@@ -79,24 +80,25 @@ pub(crate) fn calibrate_in_parts<'a>(
         machine: &machine,
         poses,
         measured: &found,
+        data: &data,
     };
-    let identified = identify_axes(&context, &data)?;
-    check_motion(&machine, &data, &identified)?;
+    let identified = identify_axes(&context)?;
+    check_motion(&context, &identified)?;
     check_noise(&measured.adjustment)?;
 
     // Propagate: how all results depend on the poses, and these on the noise.
     let in_ref = |station: &Station| identified.state.ref_from_datum * station.position_mm;
     let stations_in_ref: Vec<Point3<f64>> = stations.iter().map(in_ref).collect();
-    let dependence = Dependence::new(&context, &data, &identified, &stations_in_ref);
+    let dependence = Dependence::new(&context, &identified, &stations_in_ref);
     let propagation = Propagation::new(&dependence, poses);
 
     // Report.
-    let axes = axis_results(campaign, &machine, &measured, &propagation);
+    let axes = axis_results(&measured, &propagation);
     let stations = station_results(campaign, stations, &stations_in_ref, &propagation);
     let covariance = settings
         .covariance
         .then(|| OutputCovariance::new(&propagation, &axes, &stations));
-    let targets_mm = mean_targets(&context, &data, &identified.state);
+    let targets_mm = mean_targets(&context, &identified.state);
     let mut calibration = Calibration {
         campaign: campaign.name.clone(),
         method: measured.method,
@@ -106,7 +108,7 @@ pub(crate) fn calibrate_in_parts<'a>(
         axes,
         covariance,
         misfits: measured.misfits.clone(),
-        triangle: triangle(&context, &data, &targets_mm, measured.point_variance_mm2),
+        triangle: triangle(&context, &targets_mm, measured.point_variance_mm2),
         effects: Vec::new(),
         notices: measured.notices.clone(),
     };

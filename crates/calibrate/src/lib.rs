@@ -82,8 +82,8 @@ mod volumetric;
 pub use calibrate::{calibrate, calibrate_with_adjustment};
 pub use error::Error;
 pub use replay::reliability::{LengthReliability, LengthsReliability};
-pub use replay::replay::{Replay, calibrate_for_replay};
 pub use replay::with_effects::calibrate_with_effects;
+pub use replay::{Replay, Responses, calibrate_for_replay};
 pub use result::budget::{Budget, coverage_factor};
 pub use result::calibration::{
     AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, StationResult, TargetResult,

@@ -5,7 +5,6 @@ pub(crate) mod axis_twist;
 pub(crate) mod base_response;
 pub(crate) mod frame_forms;
 pub(crate) mod frame_map;
-pub(crate) mod node_records;
 pub(crate) mod output_covariance;
 pub(crate) mod propagation;
 pub(crate) mod sources;

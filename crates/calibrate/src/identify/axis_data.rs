@@ -3,12 +3,13 @@
 use nalgebra::Point3;
 use trueaxis_campaign::{Campaign, Direction};
 use trueaxis_kinematics::{AxisKind, Machine};
-use trueaxis_poses::{Poses, step_in_words};
+use trueaxis_poses::{PoseObservation, Poses, step_in_words};
 
 use crate::Error;
 use crate::result::interpolation::{Place, sides_of, weights_at};
 
 /// All measurements of one axis.
+#[derive(Default)]
 pub(crate) struct AxisData {
     pub(crate) axis: usize,
     /// Campaign runs of the axis.
@@ -43,14 +44,14 @@ pub(crate) struct Record {
     pub(crate) node: usize,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Node {
     /// mm or rad.
     pub(crate) position: f64,
     /// Side of approach, where kept apart.
     pub(crate) direction: Option<Direction>,
-    /// Records at this node.
-    pub(crate) records: usize,
+    /// Its records, in the order of measuring.
+    pub(crate) records: Vec<usize>,
 }
 
 /// A rotary axis this close to home is at home, rad.
@@ -66,25 +67,14 @@ pub(crate) fn by_axis(campaign: &Campaign, poses: &Poses) -> Result<Vec<AxisData
         let place = place.unwrap_or_else(|| {
             all.push(AxisData {
                 axis,
-                runs: Vec::new(),
-                records: Vec::new(),
-                nodes: Vec::new(),
-                sides: Vec::new(),
+                ..AxisData::default()
             });
             all.len() - 1
         });
         let data = &mut all[place];
         let run = data.runs.iter().position(|r| r.run == step.run);
         let run = run.unwrap_or_else(|| {
-            let targets = &poses.bodies[observation.body].targets;
-            let run = RunData::new(
-                campaign,
-                step.run,
-                observation.body,
-                targets,
-                &step.positions,
-            );
-            data.runs.push(run);
+            data.runs.push(RunData::new(campaign, poses, observation));
             data.runs.len() - 1
         });
         data.records.push(Record { run, pose, node: 0 });
@@ -110,11 +100,8 @@ fn check_other_axes(data: &AxisData, campaign: &Campaign, poses: &Poses) -> Resu
             if other == data.axis {
                 continue;
             }
-            let (run, axis) = (
-                campaign.runs[content.run].name.clone(),
-                &machine.axes()[other],
-            );
-            let other_name = axis.name().to_owned();
+            let run = campaign.runs[content.run].name.clone();
+            let other_name = machine.axes()[other].name().to_owned();
             if positions[other].total_cmp(&first[other]).is_ne() {
                 return Err(Error::SeveralAxesMove {
                     run,
@@ -123,7 +110,8 @@ fn check_other_axes(data: &AxisData, campaign: &Campaign, poses: &Poses) -> Resu
                     step: step_in_words(campaign, step),
                 });
             }
-            if axis.kind() == AxisKind::Rotary && first[other].abs() > HOME_TOL_RAD {
+            let rotary = machine.axes()[other].kind() == AxisKind::Rotary;
+            if rotary && first[other].abs() > HOME_TOL_RAD {
                 return Err(Error::NotIdentifiable {
                     what: format!(
                         "run {run}: rotary axis {other_name} stands at {:.4}° instead of home",
@@ -143,21 +131,20 @@ fn number_nodes(data: &mut AxisData, campaign: &Campaign, poses: &Poses) {
         Node {
             position: campaign.steps[observation.step].positions[data.axis],
             direction: observation.direction,
-            records: 0,
+            records: Vec::new(),
         }
     };
     let order = |a: &Node, b: &Node| {
-        a.position
-            .total_cmp(&b.position)
-            .then(a.direction.cmp(&b.direction))
+        let by_position = a.position.total_cmp(&b.position);
+        by_position.then(a.direction.cmp(&b.direction))
     };
-    let mut nodes: Vec<Node> = data.records.iter().map(node_of).collect();
-    let own = nodes.clone();
+    let own: Vec<Node> = data.records.iter().map(node_of).collect();
+    let mut nodes = own.clone();
     nodes.sort_by(order);
     nodes.dedup_by(|a, b| order(a, b).is_eq());
-    for (record, own) in data.records.iter_mut().zip(&own) {
+    for (i, (record, own)) in data.records.iter_mut().zip(&own).enumerate() {
         record.node = nodes.partition_point(|node| order(node, own).is_lt());
-        nodes[record.node].records += 1;
+        nodes[record.node].records.push(i);
     }
     data.sides = sides_of(&nodes);
     data.nodes = nodes;
@@ -181,24 +168,20 @@ impl AxisData {
 }
 
 impl RunData {
-    fn new(
-        campaign: &Campaign,
-        run: usize,
-        body: usize,
-        targets: &[usize],
-        positions: &[f64],
-    ) -> Self {
-        let carrier_of = |&target: &usize| campaign.targets[target].carrier;
-        let carriers: Vec<usize> = targets.iter().map(carrier_of).collect();
+    /// The run of its first pose.
+    fn new(campaign: &Campaign, poses: &Poses, first: &PoseObservation) -> Self {
+        let step = &campaign.steps[first.step];
+        let targets = poses.bodies[first.body].targets.clone();
+        let carriers = targets.iter().map(|&t| campaign.targets[t].carrier);
         let depth = |&carrier: &usize| campaign.machine.chain(carrier).len();
-        let carrier = carriers.iter().copied().max_by_key(depth);
+        let carrier = carriers.clone().max_by_key(depth);
         Self {
-            run,
-            body,
-            targets: targets.to_vec(),
-            carrier: carrier.unwrap_or(campaign.runs[run].axis),
-            carriers,
-            positions: positions.to_vec(),
+            run: step.run,
+            body: first.body,
+            carrier: carrier.unwrap_or(campaign.runs[step.run].axis),
+            carriers: carriers.collect(),
+            targets,
+            positions: step.positions.clone(),
         }
     }
 

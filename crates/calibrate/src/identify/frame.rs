@@ -1,21 +1,20 @@
 //! The reference frame of a campaign: the rule of `trueaxis-kinematics` on what was measured.
 
 use nalgebra::Vector3;
-use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::{AxisKind, Machine, NominalTarget};
+use trueaxis_kinematics::{AxisKind, LocationComponent, Machine, NominalTarget};
 
-use crate::identify::axis_data::AxisData;
+use crate::identify::context::Context;
 
 pub(crate) use trueaxis_kinematics::SmallMotion;
 
 /// The rule that fixes the frame of a campaign.
 pub(crate) struct FrameRule {
-    /// Up to two linear axes (indices of the axis data) with their nominal directions.
-    pub(crate) lines: Vec<(usize, Vector3<f64>)>,
+    /// Up to two linear axes (indices of the axis data).
+    pub(crate) lines: Vec<usize>,
     /// The targets that decide the rest, once for each run that measured them.
     pub(crate) anchors: Vec<Anchor>,
-    /// Number of different targets among the anchors.
-    targets: usize,
+    /// Of each target among the anchors: the mean over the runs counts, whatever their number.
+    weights: Vec<f64>,
     rule: trueaxis_kinematics::FrameRule,
 }
 
@@ -30,12 +29,16 @@ pub(crate) struct Anchor {
     pub(crate) place: usize,
     /// Number of the target among those of the rule.
     number: usize,
-    /// The mean over the runs counts, whatever their number.
-    weight: f64,
 }
 
 impl FrameRule {
-    pub(crate) fn new(campaign: &Campaign, machine: &Machine, data: &[AxisData]) -> Self {
+    pub(crate) fn new(context: &Context<'_>) -> Self {
+        let Context {
+            campaign,
+            machine,
+            data,
+            ..
+        } = *context;
         let targets = campaign.targets.iter().map(|target| NominalTarget {
             carrier: target.carrier,
             home_mm: target.home_mm,
@@ -46,16 +49,14 @@ impl FrameRule {
             targets.map(|&target| (axis.axis, target))
         });
         let rule = trueaxis_kinematics::FrameRule::new(machine, &targets, measured);
-        let lines = rule.lines().filter_map(|axis| {
-            let k = data.iter().position(|data| data.axis == axis)?;
-            Some((k, machine.axes()[axis].direction().into_inner()))
-        });
-        let lines: Vec<_> = lines.collect();
+        let lines: Vec<usize> = rule
+            .lines()
+            .filter_map(|axis| context.place_of(axis))
+            .collect();
         let numbers: Vec<usize> = rule.anchors().collect();
         let mut anchors = Vec::new();
         for (k, axis) in data.iter().enumerate() {
-            let kind = machine.axes()[axis.axis].kind();
-            if !lines.is_empty() && kind != AxisKind::Linear {
+            if !lines.is_empty() && context.axis(k).kind() != AxisKind::Linear {
                 continue;
             }
             for (run, content) in axis.runs.iter().enumerate() {
@@ -66,23 +67,22 @@ impl FrameRule {
                             run,
                             place,
                             number,
-                            weight: 0.0,
                         });
                     }
                 }
             }
         }
-        let mut counts = vec![0.0; numbers.len()];
-        for anchor in &anchors {
-            counts[anchor.number] += 1.0;
-        }
-        for anchor in &mut anchors {
-            anchor.weight = 1.0 / counts[anchor.number];
-        }
+        let mut weights = vec![0.0; numbers.len()];
+        anchors
+            .iter()
+            .for_each(|a: &Anchor| weights[a.number] += 1.0);
+        weights
+            .iter_mut()
+            .for_each(|weight| *weight = 1.0 / *weight);
         Self {
             lines,
             anchors,
-            targets: numbers.len(),
+            weights,
             rule,
         }
     }
@@ -92,12 +92,22 @@ impl FrameRule {
         self.rule.places_along_itself(axis)
     }
 
+    /// The location errors of an axis that are reported: of lines those that the frame does not define away.
+    pub(crate) fn reported(&self, machine: &Machine, axis: usize) -> Vec<LocationComponent> {
+        let geometry = &machine.axes()[axis];
+        let mut all = geometry.location_components();
+        all.retain(|&c| {
+            geometry.kind() == AxisKind::Rotary || !self.rule.defines(machine, axis, c)
+        });
+        all
+    }
+
     /// The motion that is to be taken out: from the tilts of the lines (rotation vectors in the
     /// reference frame) and the shifts of the anchors. It is linear in both.
     pub(crate) fn motion(&self, tilts: &[Vector3<f64>], shifts: &[Vector3<f64>]) -> SmallMotion {
-        let mut means = vec![Vector3::zeros(); self.targets];
+        let mut means = vec![Vector3::zeros(); self.weights.len()];
         for (anchor, shift) in self.anchors.iter().zip(shifts) {
-            means[anchor.number] += shift * anchor.weight;
+            means[anchor.number] += shift * self.weights[anchor.number];
         }
         self.rule.motion(tilts, &means)
     }

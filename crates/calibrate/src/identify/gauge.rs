@@ -23,10 +23,12 @@
 
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
-use nalgebra::{DMatrix, DVector, Matrix6xX, MatrixXx6, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{
+    DMatrix, DVector, Matrix6xX, MatrixXx6, RowVector6, UnitQuaternion, Vector3, Vector6,
+};
 use trueaxis_kinematics::{Axis, AxisKind};
 
-use crate::identify::axis_data::AxisData;
+use crate::identify::axis_data::{AxisData, Node};
 use crate::identify::basis::Basis;
 use crate::in_order;
 
@@ -86,7 +88,7 @@ impl Gauge {
         // Means over the records of each node.
         let mut node_effects = vec![Matrix6xX::zeros(width); data.nodes.len()];
         for (record, effect) in data.records.iter().zip(&effects) {
-            node_effects[record.node] += effect / data.nodes[record.node].records as f64;
+            node_effects[record.node] += effect / data.nodes[record.node].records.len() as f64;
         }
         let count = conditions.first().map_or(0, MatrixXx6::nrows);
         let mut constraint = DMatrix::zeros(count, width);
@@ -106,7 +108,7 @@ impl Gauge {
             (solver.columns(0, width), solver.columns(width, count));
         let shares = in_order::map(records, |i| {
             let node = data.records[i].node;
-            let condition = &conditions[node] / data.nodes[node].records as f64;
+            let condition = &conditions[node] / data.nodes[node].records.len() as f64;
             of_agreement * deviation(i).transpose() + of_constraint * condition
         });
         Ok(Self {
@@ -235,90 +237,39 @@ fn target_effect(axis: &Axis, position: f64) -> Matrix6xX<f64> {
 /// The gauge conditions: for each node the matrix by which its component errors enter them.
 fn conditions(axis: &Axis, data: &AxisData) -> Vec<MatrixXx6<f64>> {
     let Basis { across, along } = Basis::of(axis);
-    let count = match axis.kind() {
-        AxisKind::Linear => 8,
-        AxisKind::Rotary => 10,
-    };
     let nodes = data.nodes.len() as f64;
-    let mean = data.nodes.iter().map(|node| node.position).sum::<f64>() / nodes;
-    let spread = data
-        .nodes
-        .iter()
-        .map(|node| (node.position - mean).powi(2))
-        .sum::<f64>();
-    let mut all: Vec<MatrixXx6<f64>> = data
-        .nodes
-        .iter()
-        .map(|node| {
-            let mut rows = Conditions {
-                matrix: MatrixXx6::zeros(count),
-                next: 0,
-            };
-            match axis.kind() {
-                AxisKind::Linear => {
-                    let lever = (node.position - mean) / spread.sqrt().max(f64::MIN_POSITIVE);
-                    for direction in across {
-                        rows.translation(direction / nodes);
-                        rows.translation(direction * (lever / nodes.sqrt()));
-                    }
-                }
-                AxisKind::Rotary => {
-                    let turn = UnitQuaternion::from_axis_angle(&axis.direction(), node.position);
-                    for direction in across {
-                        rows.translation(direction / nodes);
-                        rows.translation(turn * direction / nodes);
-                        rows.rotation(direction / nodes);
-                        rows.rotation(turn * direction / nodes);
-                    }
-                }
-            }
-            rows.matrix
-        })
-        .collect();
-    for (node, weight) in data.weights_at(0.0) {
-        let home = std::mem::replace(&mut all[node], MatrixXx6::zeros(0));
-        let mut rows = Conditions {
-            matrix: home,
-            next: 0,
-        };
+    let positions = data.nodes.iter().map(|node| node.position);
+    let mean = positions.clone().sum::<f64>() / nodes;
+    let spread = positions.map(|q| (q - mean).powi(2)).sum::<f64>().sqrt();
+    let at_home = data.weights_at(0.0);
+    let translation = |d: Vector3<f64>| RowVector6::new(d.x, d.y, d.z, 0.0, 0.0, 0.0);
+    let rotation = |d: Vector3<f64>| RowVector6::new(0.0, 0.0, 0.0, d.x, d.y, d.z);
+    let of_node = |(number, node): (usize, &Node)| {
+        let home = at_home.iter().find(|(n, _)| *n == number);
+        let home = home.map_or(0.0, |&(_, weight)| weight);
+        let mut rows = Vec::new();
         match axis.kind() {
             AxisKind::Linear => {
-                rows.next = 4;
-                rows.translation(along * weight);
-                for i in 0..3 {
-                    rows.rotation(Vector3::ith(i, weight));
+                let lever = (node.position - mean) / spread.max(f64::MIN_POSITIVE);
+                for direction in across {
+                    rows.push(translation(direction / nodes));
+                    rows.push(translation(direction * (lever / nodes.sqrt())));
                 }
+                rows.push(translation(along * home));
+                rows.extend((0..3).map(|i| rotation(Vector3::ith(i, home))));
             }
             AxisKind::Rotary => {
-                rows.next = 8;
-                rows.translation(along * weight);
-                rows.rotation(along * weight);
+                let turn = UnitQuaternion::from_axis_angle(&axis.direction(), node.position);
+                for direction in across {
+                    rows.push(translation(direction / nodes));
+                    rows.push(translation(turn * direction / nodes));
+                    rows.push(rotation(direction / nodes));
+                    rows.push(rotation(turn * direction / nodes));
+                }
+                rows.extend([translation(along * home), rotation(along * home)]);
             }
         }
-        all[node] = rows.matrix;
-    }
-    all
-}
-
-/// Fills condition rows one after the other.
-struct Conditions {
-    matrix: MatrixXx6<f64>,
-    next: usize,
-}
-
-impl Conditions {
-    fn translation(&mut self, direction: Vector3<f64>) {
-        self.add(0, direction);
-    }
-
-    fn rotation(&mut self, direction: Vector3<f64>) {
-        self.add(3, direction);
-    }
-
-    fn add(&mut self, first: usize, direction: Vector3<f64>) {
-        for i in 0..3 {
-            self.matrix[(self.next, first + i)] += direction[i];
-        }
-        self.next += 1;
-    }
+        MatrixXx6::from_rows(&rows)
+    };
+    data.nodes.iter().enumerate().map(of_node).collect()
 }

@@ -1,18 +1,19 @@
 //! Composes single axes to a machine: pose errors, gauge and reference frame, repeated until the exact
 //! model reproduces the measured poses.
 
-use nalgebra::{Isometry3, Matrix6, MatrixXx6, Point3, Translation3, Vector3, Vector6};
-use trueaxis_kinematics::{Axis, AxisKind, LocationComponent, MotionError};
+use nalgebra::{Matrix6, MatrixXx6, Point3, Vector3, Vector6};
+use trueaxis_kinematics::{AxisKind, LocationComponent, MotionError};
 use trueaxis_poses::turned_about;
 
 use crate::Error;
 use crate::identify::axis_data::AxisData;
 use crate::identify::basis::Basis;
-use crate::identify::frame::{Anchor, FrameRule, SmallMotion};
+use crate::identify::context::Context;
+use crate::identify::frame::FrameRule;
 use crate::identify::gauge::{Gauge, GaugeDefect, PER_RUN};
-use crate::identify::pose_errors::Context;
+use crate::identify::settle_frame::settle_frame;
 use crate::identify::start::average_lines_and_axes;
-use crate::identify::state::{AxisState, ModelErrors, State};
+use crate::identify::state::{AxisState, State};
 use crate::in_order;
 
 /// The identified machine with the linear maps that its uncertainties need.
@@ -34,8 +35,6 @@ pub(crate) struct Identified {
 /// e_i = A_i x_i     y = Σ Γ_i e_i     E_k = mean e - Λ_k y
 /// ```
 pub(crate) struct Sensitivity {
-    /// Number of the axis' own parameters, which come first in `y`.
-    pub(crate) location_parameters: usize,
     /// `A` of each record.
     pub(crate) poses: Vec<Matrix6<f64>>,
     /// `Γ A` of each record.
@@ -45,7 +44,6 @@ pub(crate) struct Sensitivity {
 impl Sensitivity {
     fn new(gauge: &Gauge, poses: Vec<Matrix6<f64>>) -> Self {
         Self {
-            location_parameters: gauge.location_parameters,
             parameters: in_order::map(poses.len(), |i| &gauge.shares[i] * poses[i]),
             poses,
         }
@@ -62,45 +60,41 @@ const DIVERGED_MM: f64 = 1e4;
 /// Settled when no coordinate changes by more, mm: a picometre of the results is rounding.
 const SETTLED_MM: f64 = 1e-9;
 
-pub(crate) fn identify_axes(context: &Context<'_>, data: &[AxisData]) -> Result<Identified, Error> {
-    let frame = FrameRule::new(context.campaign, context.machine, data);
-    let gauges = data
-        .iter()
-        .map(|axis| {
-            Gauge::new(&context.machine.axes()[axis.axis], axis)
-                .map_err(|d| defect(context, axis, &d))
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut state = average_lines_and_axes(context, data);
+/// Finds the errors of all axes and the reference frame from the measured poses.
+pub(crate) fn identify_axes(context: &Context<'_>) -> Result<Identified, Error> {
+    let frame = FrameRule::new(context);
+    let gauge = |(k, data): (usize, &AxisData)| {
+        Gauge::new(context.axis(k), data).map_err(|d| defect(context, k, &d))
+    };
+    let gauges = context.data.iter().enumerate().map(gauge);
+    let gauges = gauges.collect::<Result<Vec<_>, _>>()?;
+    let mut state = average_lines_and_axes(context);
     let mut worst = (0.0, 0);
     for _ in 0..MAX_PASSES {
-        let changes_mm = improve_all(context, data, &gauges, &frame, &mut state);
+        let changes_mm = improve_all(context, &gauges, &frame, &mut state);
         worst = changes_mm.axes;
         let change_mm = worst.0.max(changes_mm.frame);
         if change_mm.is_nan() || change_mm > DIVERGED_MM {
             break;
         }
         if change_mm <= SETTLED_MM {
-            let sensitivity =
-                |(k, gauge)| Sensitivity::new(gauge, context.error_maps(data, &state, k));
-            let reported = data.iter().enumerate();
-            let reported = reported
-                .map(|(k, axis)| reported_errors(&context.machine.axes()[axis.axis], &frame, k))
-                .collect();
+            let sensitivity = |(k, gauge)| Sensitivity::new(gauge, context.error_maps(&state, k));
+            let axes = context.data.iter().map(|data| data.axis);
             return Ok(Identified {
                 sensitivities: gauges.iter().enumerate().map(sensitivity).collect(),
-                reported,
+                reported: axes
+                    .map(|axis| frame.reported(context.machine, axis))
+                    .collect(),
                 state,
                 gauges,
                 frame,
             });
         }
     }
-    let axis = context.machine.axes()[data[worst.1].axis].name().to_owned();
     Err(Error::NotSettled {
         passes: MAX_PASSES,
         change_mm: worst.0,
-        axis,
+        axis: context.axis(worst.1).name().to_owned(),
     })
 }
 
@@ -115,17 +109,13 @@ struct Changes {
 /// it as they are found.
 fn improve_all(
     context: &Context<'_>,
-    data: &[AxisData],
     gauges: &[Gauge],
     frame: &FrameRule,
     state: &mut State,
 ) -> Changes {
-    let depth = |k: &usize| context.machine.chain(data[*k].axis).len();
-    let mut order: Vec<usize> = (0..data.len()).collect();
-    order.sort_by_key(depth);
     let mut worst = (0.0, 0);
-    for k in order {
-        let change_mm = improve(context, data, &gauges[k], state, k);
+    for k in context.outwards() {
+        let change_mm = improve(context, &gauges[k], state, k);
         if change_mm > worst.0 {
             worst = (change_mm, k);
         }
@@ -136,7 +126,7 @@ fn improve_all(
     }
     Changes {
         axes: worst,
-        frame: settle_frame(context, data, frame, state),
+        frame: settle_frame(context, frame, state),
     }
 }
 
@@ -145,10 +135,10 @@ const REPLAY_SETTLED_MM: f64 = 1e-10;
 
 impl Identified {
     /// The values for other poses near those that were identified. `None` if they do not settle.
-    pub(crate) fn replayed(&self, context: &Context<'_>, data: &[AxisData]) -> Option<State> {
+    pub(crate) fn replayed(&self, context: &Context<'_>) -> Option<State> {
         let mut state = self.state.clone();
         for _ in 0..MAX_PASSES {
-            let changes_mm = improve_all(context, data, &self.gauges, &self.frame, &mut state);
+            let changes_mm = improve_all(context, &self.gauges, &self.frame, &mut state);
             if changes_mm.axes.0.max(changes_mm.frame) <= REPLAY_SETTLED_MM {
                 return Some(state);
             }
@@ -159,23 +149,16 @@ impl Identified {
 
 /// Updates the values of axis `k`; returns the largest change of a coordinate, mm (infinite where
 /// it is not a number).
-fn improve(
-    context: &Context<'_>,
-    data: &[AxisData],
-    gauge: &Gauge,
-    state: &mut State,
-    k: usize,
-) -> f64 {
-    let own = &data[k];
-    let axis = &context.machine.axes()[own.axis];
+fn improve(context: &Context<'_>, gauge: &Gauge, state: &mut State, k: usize) -> f64 {
+    let (own, axis) = (&context.data[k], context.axis(k));
     let reference = axis.reference_at_home_mm(&state.axes[k].location);
-    let pose_errors = context.pose_errors(data, state, k);
+    let pose_errors = context.pose_errors(state, k);
     let x = gauge.apply(&pose_errors);
 
     // Component errors: the mean over the records of a node, without what the gauge takes.
     let mut curve = vec![Vector6::zeros(); own.nodes.len()];
     for ((record, error), effect) in own.records.iter().zip(&pose_errors).zip(&gauge.effects) {
-        curve[record.node] += (error - effect * &x) / own.nodes[record.node].records as f64;
+        curve[record.node] += (error - effect * &x) / own.nodes[record.node].records.len() as f64;
     }
     let lever_mm = lever_mm(context, own, &state.axes[k], &reference);
     let mut change_mm = 0.0_f64;
@@ -202,10 +185,7 @@ fn improve(
         let first = gauge.location_parameters + PER_RUN * r;
         let twist: Vector6<f64> = x.fixed_rows::<PER_RUN>(first).into_owned();
         let (_, inner) = run.around(context.machine, own.axis);
-        let inside =
-            context
-                .machine
-                .chain_motion(&ModelErrors { data, state }, inner, &run.positions);
+        let inside = context.errors(state).chain_motion(inner, &run.positions);
         let placement = &mut state.axes[k].placements[r];
         *placement = inside.inverse() * turned_about(&reference, &twist) * inside * *placement;
         let part = |first: usize| twist.fixed_rows::<3>(first).into_owned();
@@ -237,181 +217,40 @@ fn lever_mm(
     values: &AxisState,
     reference: &Point3<f64>,
 ) -> f64 {
-    let of_run = |(run, placement): (&crate::identify::axis_data::RunData, &Isometry3<f64>)| {
-        let shape_mm = &context.poses.bodies[run.body].home_mm;
-        let distances = shape_mm.iter().map(|p| (placement * p - reference).norm());
-        distances.fold(0.0, f64::max)
-    };
     let runs = axis.runs.iter().zip(&values.placements);
-    runs.map(of_run).fold(0.0, f64::max)
+    let distances = runs.flat_map(|(run, placement)| {
+        let shape_mm = context.poses.bodies[run.body].home_mm.iter();
+        shape_mm.map(move |p| (placement * p - reference).norm())
+    });
+    distances.fold(0.0, f64::max)
 }
 
-/// Moves the reference frame and the axial places of rotary axes to where the rule wants them;
-/// returns the largest change, mm.
-fn settle_frame(
-    context: &Context<'_>,
-    data: &[AxisData],
-    frame: &FrameRule,
-    next: &mut State,
-) -> f64 {
-    let tilts: Vec<Vector3<f64>> = frame
-        .lines
-        .iter()
-        .map(|&(k, _)| next.axes[k].location.tilt_rad)
-        .collect();
-    let homes_mm = home_positions(context, data, next);
-    let shift = |anchor: &Anchor| {
-        let target = data[anchor.data].runs[anchor.run].targets[anchor.place];
-        let home_mm = homes_mm[anchor.data][anchor.run][anchor.place];
-        home_mm - context.campaign.targets[target].home_mm
-    };
-    let shifts: Vec<Vector3<f64>> = frame.anchors.iter().map(shift).collect();
-    let motion = frame.motion(&tilts, &shifts);
-    take_out(context, data, &motion, next);
-    let pivots = context.poses.observations.iter().map(|pose| pose.pivot_mm);
-    let distances = pivots.map(|p| (p - motion.pivot).norm());
-    let size_mm = distances.fold(0.0, f64::max);
-    let mut change_mm = motion.translation.norm() + motion.rotation.norm() * size_mm;
-
-    for (k, axis) in data.iter().enumerate() {
-        let geometry = &context.machine.axes()[axis.axis];
-        if geometry.kind() == AxisKind::Rotary && frame.places_along_itself(axis.axis) {
-            let along = geometry.direction().into_inner();
-            let shift_mm = mean_axial_shift(context, data, next, k, along);
-            let values = &mut next.axes[k];
-            values.location.offset_mm += along * shift_mm;
-            let back = Translation3::from(-along * shift_mm);
-            for placement in &mut values.placements {
-                *placement = back * *placement;
-            }
-            change_mm = change_mm.max(shift_mm.abs());
-        }
-    }
-    change_mm
-}
-
-/// Where the targets of each run of each axis are at home in the reference frame, mm.
-fn home_positions(
-    context: &Context<'_>,
-    data: &[AxisData],
-    state: &State,
-) -> Vec<Vec<Vec<Point3<f64>>>> {
-    let errors = ModelErrors { data, state };
-    let of_run = |place| errors.targets_mm(context.machine, &context.poses.bodies, place);
-    let of_axis =
-        |(k, axis): (usize, &AxisData)| (0..axis.runs.len()).map(|r| of_run((k, r))).collect();
-    data.iter().enumerate().map(of_axis).collect()
-}
-
-/// Takes a motion of the whole out of the frame and of what was found in it: to first order, which the
-/// next pass mends, so that it begins where this one ended.
-fn take_out(context: &Context<'_>, data: &[AxisData], motion: &SmallMotion, next: &mut State) {
-    let removal = motion.removal();
-    next.ref_from_datum = removal * next.ref_from_datum;
-    for (axis, values) in data.iter().zip(&mut next.axes) {
-        let geometry = &context.machine.axes()[axis.axis];
-        let along = geometry.direction().into_inner();
-        let across = |v: Vector3<f64>| v - along * along.dot(&v);
-        values.location.tilt_rad -= across(motion.rotation);
-        if geometry.kind() == AxisKind::Rotary {
-            let reference = geometry.reference_mm();
-            values.location.offset_mm += across(removal * reference - reference);
-        }
-        for placement in &mut values.placements {
-            *placement = removal * *placement;
-        }
-    }
-}
-
-/// How far the targets of a rotary axis are from nominal along it, in the mean.
-fn mean_axial_shift(
-    context: &Context<'_>,
-    data: &[AxisData],
-    state: &State,
-    k: usize,
-    along: Vector3<f64>,
-) -> f64 {
-    let errors = ModelErrors { data, state };
-    let mut shifts = Vec::new();
-    for (r, run) in data[k].runs.iter().enumerate() {
-        let found = errors.targets_mm(context.machine, &context.poses.bodies, (k, r));
-        let nominal = run.nominal_mm(context.campaign);
-        shifts.extend(
-            found
-                .iter()
-                .zip(&nominal)
-                .map(|(p, home)| (p - home).dot(&along)),
-        );
-    }
-    shifts.iter().sum::<f64>() / shifts.len().max(1) as f64
-}
-
-fn defect(context: &Context<'_>, axis: &AxisData, defect: &GaugeDefect) -> Error {
-    let name = context.machine.axes()[axis.axis].name();
-    let runs: Vec<&str> = axis
-        .runs
-        .iter()
-        .map(|run| context.campaign.runs[run.run].name.as_str())
-        .collect();
-    match defect {
-        GaugeDefect::Positions { singular_value } => Error::NotIdentifiable {
-            what: format!(
+fn defect(context: &Context<'_>, k: usize, defect: &GaugeDefect) -> Error {
+    let (axis, name) = (&context.data[k], context.axis(k).name());
+    let (what, mend) = match defect {
+        GaugeDefect::Positions { singular_value } => (
+            format!(
                 "axis {name}: {} position(s) do not tell its location errors from its component \
                  errors (relative singular value {singular_value:.1e})",
                 axis.nodes.len()
             ),
-            mend: "measure it at more positions, over more of its travel".to_owned(),
-        },
-        GaugeDefect::Disjoint => Error::NotIdentifiable {
-            what: format!("axis {name}: runs {} share no position", runs.join(", ")),
-            mend:
-                "measure at least two common positions in every run of an axis, or calibrate the \
-                   runs one at a time"
-                    .to_owned(),
-        },
-    }
-}
-
-/// Mean position of each target over the runs that measured it, in the reference frame at home.
-pub(crate) fn mean_targets(
-    context: &Context<'_>,
-    data: &[AxisData],
-    state: &State,
-) -> Vec<Option<Point3<f64>>> {
-    let mut sums = vec![(Vector3::zeros(), 0.0); context.campaign.targets.len()];
-    for (axis, homes_mm) in data.iter().zip(home_positions(context, data, state)) {
-        for (run, positions) in axis.runs.iter().zip(homes_mm) {
-            for (&target, position) in run.targets.iter().zip(positions) {
-                sums[target].0 += position.coords;
-                sums[target].1 += 1.0;
-            }
+            "measure it at more positions, over more of its travel",
+        ),
+        GaugeDefect::Disjoint => {
+            let runs = axis
+                .runs
+                .iter()
+                .map(|run| context.campaign.runs[run.run].name.as_str());
+            let runs = runs.collect::<Vec<_>>().join(", ");
+            (
+                format!("axis {name}: runs {runs} share no position"),
+                "measure at least two common positions in every run of an axis, or calibrate the runs one at \
+                 a time",
+            )
         }
-    }
-    sums.into_iter()
-        .map(|(sum, n)| (n > 0.0).then(|| Point3::from(sum / n)))
-        .collect()
-}
-
-/// Part of a unit normal below which it has none in that direction.
-const NORMAL_TOL: f64 = 1e-9;
-
-/// The location errors that the reference frame does not define away.
-fn reported_errors(axis: &Axis, frame: &FrameRule, k: usize) -> Vec<LocationComponent> {
-    let all = axis.location_components();
-    if axis.kind() == AxisKind::Rotary {
-        return all;
-    }
-    match frame.lines.iter().position(|&(line, _)| line == k) {
-        Some(0) => Vec::new(),
-        Some(_) => {
-            // Only the tilt within the plane of the two lines is left: about the normal of the
-            // plane, of which more than one part may be reported if the lines are oblique.
-            let (first, second) = (frame.lines[0].1, frame.lines[1].1);
-            let normal = first.cross(&second).normalize();
-            all.into_iter()
-                .filter(|component| matches!(component, LocationComponent::Tilt(i) if normal[*i].abs() > NORMAL_TOL))
-                .collect()
-        }
-        None => all,
+    };
+    Error::NotIdentifiable {
+        what,
+        mend: mend.to_owned(),
     }
 }

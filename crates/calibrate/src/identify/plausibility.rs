@@ -1,10 +1,9 @@
 //! What is no calibration although everything converged.
 
-use trueaxis_kinematics::Machine;
 use trueaxis_poses::AdjustmentReport;
 
 use crate::Error;
-use crate::identify::axis_data::AxisData;
+use crate::identify::context::Context;
 use crate::identify::identify_axes::Identified;
 
 /// Component errors beyond these are no errors but another motion: wrong unit, sign or axis.
@@ -12,12 +11,8 @@ const IMPLAUSIBLE_MM: f64 = 50.0;
 const IMPLAUSIBLE_RAD: f64 = 0.1;
 
 /// Refuses axes that moved otherwise than commanded.
-pub(crate) fn check_motion(
-    machine: &Machine,
-    data: &[AxisData],
-    identified: &Identified,
-) -> Result<(), Error> {
-    for (axis, values) in data.iter().zip(&identified.state.axes) {
+pub(crate) fn check_motion(context: &Context<'_>, identified: &Identified) -> Result<(), Error> {
+    for (k, values) in identified.state.axes.iter().enumerate() {
         let errors = values.curve.iter();
         let (translation_mm, rotation_rad) = errors.fold((0.0_f64, 0.0_f64), |worst, error| {
             (
@@ -27,7 +22,7 @@ pub(crate) fn check_motion(
         });
         if translation_mm > IMPLAUSIBLE_MM || rotation_rad > IMPLAUSIBLE_RAD {
             return Err(Error::NotThatMotion {
-                axis: machine.axes()[axis.axis].name().to_owned(),
+                axis: context.axis(k).name().to_owned(),
                 translation_mm,
                 rotation_deg: rotation_rad.to_degrees(),
             });

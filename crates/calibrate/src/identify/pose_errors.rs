@@ -12,23 +12,12 @@
 //! second-order error (Newton's method on the pose; paper Eqs. 2 and 20).
 
 use nalgebra::{Isometry3, Matrix3, Matrix6, Point3, UnitQuaternion, Vector6};
-use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::{Machine, MotionError};
-use trueaxis_poses::Poses;
+use trueaxis_kinematics::MotionError;
 
-use crate::identify::axis_data::{AxisData, RunData};
-use crate::identify::state::{ModelErrors, State};
+use crate::identify::axis_data::RunData;
+use crate::identify::context::Context;
+use crate::identify::state::State;
 use crate::in_order;
-
-/// What is common to the records of an axis.
-#[derive(Clone, Copy)]
-pub(crate) struct Context<'a> {
-    pub(crate) campaign: &'a Campaign,
-    pub(crate) machine: &'a Machine,
-    pub(crate) poses: &'a Poses,
-    /// The measured poses (datum from home), which a replay moves.
-    pub(crate) measured: &'a [Isometry3<f64>],
-}
 
 /// What the other axes do to the body of a run, during which they stand still.
 struct Surroundings {
@@ -50,16 +39,11 @@ struct Seen {
 }
 
 impl Context<'_> {
-    /// Component errors of every record of the axis `data[k]`, before the gauge: δ (mm) and ε (rad).
-    pub(crate) fn pose_errors(
-        &self,
-        data: &[AxisData],
-        state: &State,
-        k: usize,
-    ) -> Vec<Vector6<f64>> {
-        let surroundings = self.surroundings(data, state, k);
-        in_order::map(data[k].records.len(), |record| {
-            let seen = self.seen(data, state, k, &surroundings, record);
+    /// Component errors of every record of the axis `self.data[k]`, before the gauge: δ (mm) and ε (rad).
+    pub(crate) fn pose_errors(&self, state: &State, k: usize) -> Vec<Vector6<f64>> {
+        let surroundings = self.surroundings(state, k);
+        in_order::map(self.data[k].records.len(), |record| {
+            let seen = self.seen(state, k, &surroundings, record);
             let correction = MotionError::new(
                 seen.left * seen.reference_mm - seen.reference_mm,
                 seen.left.rotation.scaled_axis(),
@@ -69,16 +53,11 @@ impl Context<'_> {
     }
 
     /// How these follow from the errors of the measured poses ([`trueaxis_poses`]).
-    pub(crate) fn error_maps(
-        &self,
-        data: &[AxisData],
-        state: &State,
-        k: usize,
-    ) -> Vec<Matrix6<f64>> {
-        let surroundings = self.surroundings(data, state, k);
-        in_order::map(data[k].records.len(), |record| {
-            let seen = self.seen(data, state, k, &surroundings, record);
-            let observation = &self.poses.observations[data[k].records[record].pose];
+    pub(crate) fn error_maps(&self, state: &State, k: usize) -> Vec<Matrix6<f64>> {
+        let surroundings = self.surroundings(state, k);
+        in_order::map(self.data[k].records.len(), |record| {
+            let seen = self.seen(state, k, &surroundings, record);
+            let observation = &self.poses.observations[self.data[k].records[record].pose];
             let turn = seen
                 .base_from_datum
                 .rotation
@@ -94,33 +73,31 @@ impl Context<'_> {
         })
     }
 
-    /// For each run of the axis `data[k]`.
-    fn surroundings(&self, data: &[AxisData], state: &State, k: usize) -> Vec<Surroundings> {
-        let errors = ModelErrors { data, state };
+    /// For each run of the axis `self.data[k]`.
+    fn surroundings(&self, state: &State, k: usize) -> Vec<Surroundings> {
+        let errors = self.errors(state);
         let of_run = |(run, home_from_body): (&RunData, &Isometry3<f64>)| {
-            let (outer, inner) = run.around(self.machine, data[k].axis);
-            let base = self.machine.chain_motion(&errors, outer, &run.positions);
-            let inside = self.machine.chain_motion(&errors, inner, &run.positions);
+            let (outer, inner) = run.around(self.machine, self.data[k].axis);
+            let base = errors.chain_motion(outer, &run.positions);
+            let inside = errors.chain_motion(inner, &run.positions);
             Surroundings {
                 base_from_datum: base.inverse() * state.ref_from_datum,
                 stage_from_body: inside * home_from_body,
             }
         };
         let placements = &state.axes[k].placements;
-        data[k].runs.iter().zip(placements).map(of_run).collect()
+        self.data[k]
+            .runs
+            .iter()
+            .zip(placements)
+            .map(of_run)
+            .collect()
     }
 
-    fn seen(
-        &self,
-        data: &[AxisData],
-        state: &State,
-        k: usize,
-        surroundings: &[Surroundings],
-        record: usize,
-    ) -> Seen {
-        let (own, values) = (&data[k], &state.axes[k]);
+    fn seen(&self, state: &State, k: usize, surroundings: &[Surroundings], record: usize) -> Seen {
+        let (own, values) = (&self.data[k], &state.axes[k]);
         let record = &own.records[record];
-        let axis = &self.machine.axes()[own.axis];
+        let axis = self.axis(k);
         let current = values.curve[record.node];
         let position = own.nodes[record.node].position;
         let motion = axis.motion(position, &values.location, &current);

@@ -9,12 +9,13 @@ use trueaxis_fitting::{NominalAxis, axis_location, fit_common_axis, fit_line, sq
 use trueaxis_kinematics::{Axis, AxisKind, Ideal, LocationError, MotionError};
 
 use crate::identify::axis_data::{AxisData, RunData};
-use crate::identify::pose_errors::Context;
+use crate::identify::context::Context;
 use crate::identify::state::{AxisState, State};
 
 /// The nominal machine with average directions and axes.
-pub(crate) fn average_lines_and_axes(context: &Context<'_>, data: &[AxisData]) -> State {
-    let axes = data
+pub(crate) fn average_lines_and_axes(context: &Context<'_>) -> State {
+    let axes = context
+        .data
         .iter()
         .map(|axis| AxisState {
             location: axis

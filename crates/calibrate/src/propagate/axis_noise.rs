@@ -19,7 +19,6 @@ use crate::identify::axis_data::AxisData;
 use crate::identify::gauge::Gauge;
 use crate::identify::identify_axes::Sensitivity;
 use crate::in_order;
-use crate::propagate::node_records::NodeRecords;
 use crate::propagate::variance::Variance;
 
 /// Linear functions of an axis' parameters and mean pose errors.
@@ -63,7 +62,6 @@ pub(crate) struct AxisNoise<'a> {
     axis: &'a AxisData,
     gauge: &'a Gauge,
     sensitivity: &'a Sensitivity,
-    records: NodeRecords,
     /// Own part of `cov(y)`.
     parameters: DMatrix<f64>,
     /// Coefficients of `-s` in `y`.
@@ -106,7 +104,6 @@ impl<'a> AxisNoise<'a> {
             axis,
             gauge,
             sensitivity,
-            records: NodeRecords::new(axis),
             parameters: both.columns(0, width).into_owned(),
             parameters_shared: both.columns(width, sources).into_owned(),
         }
@@ -118,7 +115,7 @@ impl<'a> AxisNoise<'a> {
             cross: Matrix6xX::zeros(self.gauge.parameters()),
             shared: Matrix6xX::zeros(self.noise.width()),
         };
-        let records = self.records.of(node);
+        let records = &self.axis.nodes[node].records;
         let weight = 1.0 / records.len() as f64;
         for &i in records {
             let pose = self.axis.records[i].pose;

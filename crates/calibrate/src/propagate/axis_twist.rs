@@ -13,7 +13,7 @@
 use nalgebra::{Matrix3, Matrix3xX};
 use trueaxis_kinematics::{Axis, AxisKind, LocationError, MotionError};
 
-use crate::propagate::twist::{Twist, cross_matrix};
+use crate::propagate::twist::Twist;
 
 /// Number of errors of an axis: δ, ε, shift and tilt.
 pub(crate) const AXIS_ERRORS: usize = 12;
@@ -44,7 +44,7 @@ pub(crate) fn axis_twist(
     match axis.kind() {
         AxisKind::Linear => {
             let along = direction * position;
-            set(&mut displacement, TILT, -cross_matrix(along));
+            set(&mut displacement, TILT, -along.cross_matrix());
         }
         AxisKind::Rotary => {
             let turn = axis

@@ -46,7 +46,7 @@ impl BaseResponse {
             moved.fixed_view_mut::<3, 3>(3, 3).copy_from(datum_from_ref);
             let lever = -datum_from_ref * pivot.coords.cross_matrix();
             moved.fixed_view_mut::<3, 3>(0, 3).copy_from(&lever);
-            let weight = 1.0 / axis.nodes[record.node].records as f64;
+            let weight = 1.0 / axis.nodes[record.node].records.len() as f64;
             let pose = sensitivity.poses[i] * moved * weight;
             (&sensitivity.parameters[i] * moved, pose)
         });

@@ -4,8 +4,8 @@
 use nalgebra::{DMatrix, Matrix6xX, Point3};
 
 use crate::identify::axis_data::AxisData;
+use crate::identify::context::Context;
 use crate::identify::identify_axes::Identified;
-use crate::identify::pose_errors::Context;
 use crate::propagate::axis_noise::AxisForm;
 use crate::propagate::base_response::BaseResponse;
 use crate::propagate::frame_map::FrameMap;
@@ -24,21 +24,22 @@ pub(crate) struct FrameForms {
 impl FrameForms {
     pub(crate) fn new(
         context: &Context<'_>,
-        data: &[AxisData],
         identified: &Identified,
         sources: &Sources,
         stations_in_ref: &[Point3<f64>],
     ) -> Self {
-        let mut map = FrameMap::new(context, data, identified, sources);
+        let mut map = FrameMap::new(context, identified, sources);
         let frame = map.settle();
-        let locations = (0..data.len()).map(|k| map.location(k, &frame)).collect();
+        let locations = (0..context.data.len())
+            .map(|k| map.location(k, &frame))
+            .collect();
         let stations = stations_in_ref.iter().enumerate();
         let stations = stations.map(|(j, &p)| map.station(j, p, &frame)).collect();
         let of_axis = |(k, axis): (usize, &AxisData)| -> Vec<Matrix6xX<f64>> {
             let runs = 0..axis.runs.len();
             runs.map(|run| map.base_motion(k, run).rows()).collect()
         };
-        let motions: Vec<_> = data.iter().enumerate().map(of_axis).collect();
+        let motions: Vec<_> = context.data.iter().enumerate().map(of_axis).collect();
         Self {
             locations,
             stations,

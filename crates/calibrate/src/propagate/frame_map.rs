@@ -9,12 +9,10 @@
 use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix3xX, Point3, RowDVector, Vector3};
 use trueaxis_kinematics::{AxisKind, GeometricErrors};
 
-use crate::identify::axis_data::AxisData;
 use crate::identify::basis::Basis;
+use crate::identify::context::{Context, ModelErrors};
 use crate::identify::frame::SmallMotion;
 use crate::identify::identify_axes::Identified;
-use crate::identify::pose_errors::Context;
-use crate::identify::state::ModelErrors;
 use crate::propagate::axis_twist::{AXIS_ERRORS, SHIFT, TILT, axis_twist};
 use crate::propagate::base_response::BaseResponse;
 use crate::propagate::sources::Sources;
@@ -23,7 +21,6 @@ use crate::propagate::twist::Twist;
 /// Linear maps from the sources to results; columns are the sources.
 pub(crate) struct FrameMap<'a> {
     context: &'a Context<'a>,
-    data: &'a [AxisData],
     identified: &'a Identified,
     sources: &'a Sources,
     responses: Vec<BaseResponse>,
@@ -41,14 +38,13 @@ const AXIAL_SWEEPS: usize = 3;
 impl<'a> FrameMap<'a> {
     pub(crate) fn new(
         context: &'a Context<'a>,
-        data: &'a [AxisData],
         identified: &'a Identified,
         sources: &'a Sources,
     ) -> Self {
         let response = |k: usize| {
             BaseResponse::new(
                 context.poses,
-                &data[k],
+                &context.data[k],
                 &identified.gauges[k],
                 &identified.sensitivities[k],
                 &identified.state.ref_from_datum,
@@ -56,12 +52,11 @@ impl<'a> FrameMap<'a> {
         };
         Self {
             context,
-            data,
             identified,
             sources,
-            responses: (0..data.len()).map(response).collect(),
+            responses: (0..context.data.len()).map(response).collect(),
             net: DMatrix::identity(sources.count, sources.count),
-            axial: vec![RowDVector::zeros(sources.count); data.len()],
+            axial: vec![RowDVector::zeros(sources.count); context.data.len()],
         }
     }
 
@@ -71,10 +66,7 @@ impl<'a> FrameMap<'a> {
     }
 
     fn errors(&self) -> ModelErrors<'_> {
-        ModelErrors {
-            data: self.data,
-            state: &self.identified.state,
-        }
+        self.context.errors(&self.identified.state)
     }
 
     /// Three consecutive sources.
@@ -84,7 +76,7 @@ impl<'a> FrameMap<'a> {
 
     /// A vector across an axis whose two coordinates are consecutive sources.
     fn across(&self, k: usize, first: usize) -> Matrix3xX<f64> {
-        let [a, b] = Basis::of(&self.context.machine.axes()[self.data[k].axis]).across;
+        let [a, b] = Basis::of(self.context.axis(k)).across;
         a * self.net.row(first) + b * self.net.row(first + 1)
     }
 
@@ -102,16 +94,13 @@ impl<'a> FrameMap<'a> {
 
     /// One axis after the other, from the bed outwards.
     fn free_from_bases(&mut self) {
-        let depth = |k: usize| self.context.machine.chain(self.data[k].axis).len();
-        let mut order: Vec<usize> = (0..self.data.len()).collect();
-        order.sort_by_key(|&k| depth(k));
-        for k in order {
+        for k in self.context.outwards() {
             let own = &self.sources.axes[k];
             let mut rows = DMatrix::zeros(own.places.len(), self.sources.count);
             for (i, &place) in own.places.iter().enumerate() {
                 rows[(i, place)] = 1.0;
             }
-            for run in 0..self.data[k].runs.len() {
+            for run in 0..self.context.data[k].runs.len() {
                 rows -= self.responses[k].of(&own.form, run) * self.base_motion(k, run).rows();
             }
             for (i, &place) in own.places.iter().enumerate() {
@@ -122,7 +111,7 @@ impl<'a> FrameMap<'a> {
 
     /// The errors of axis `k` at a position, in the order of [`axis_twist`].
     fn axis_errors(&self, k: usize, position: f64) -> DMatrix<f64> {
-        let axis = &self.context.machine.axes()[self.data[k].axis];
+        let axis = self.context.axis(k);
         let mut rows = DMatrix::zeros(AXIS_ERRORS, self.sources.count);
         if let Some(first) = self.sources.held_at(k, position) {
             rows.rows_mut(0, 6).copy_from(&self.net.rows(first, 6));
@@ -142,7 +131,7 @@ impl<'a> FrameMap<'a> {
 
     /// The error motion of axis `k` where it stands, in the frame of its own base.
     fn twist_of(&self, k: usize, position: f64) -> Twist {
-        let index = self.data[k].axis;
+        let index = self.context.data[k].axis;
         let location = self.identified.state.axes[k].location;
         let error = self.errors().motion(index, position);
         let axis = &self.context.machine.axes()[index];
@@ -156,31 +145,26 @@ impl<'a> FrameMap<'a> {
         let mut sum = Twist::zero(self.sources.count);
         let mut before = base;
         for &axis in chain {
-            if let Some(k) = self.data.iter().position(|data| data.axis == axis) {
+            if let Some(k) = self.context.place_of(axis) {
                 sum.add(&self.twist_of(k, positions[axis]).seen_from(&before));
             }
-            before *= self
-                .context
-                .machine
-                .chain_motion(&errors, &[axis], positions);
+            before *= errors.chain_motion(&[axis], positions);
         }
         sum
     }
 
     /// The error motion of an axis' base in a run; the axes outside are the same for all targets.
     pub(crate) fn base_motion(&self, k: usize, run: usize) -> Twist {
-        let run = &self.data[k].runs[run];
-        let (outer, _) = run.around(self.context.machine, self.data[k].axis);
+        let run = &self.context.data[k].runs[run];
+        let (outer, _) = run.around(self.context.machine, self.context.data[k].axis);
         self.twist_of_chain(Isometry3::identity(), outer, &run.positions)
     }
 
     /// The base of an axis in a run.
     fn base(&self, k: usize, run: usize) -> Isometry3<f64> {
-        let run = &self.data[k].runs[run];
-        let (outer, _) = run.around(self.context.machine, self.data[k].axis);
-        self.context
-            .machine
-            .chain_motion(&self.errors(), outer, &run.positions)
+        let run = &self.context.data[k].runs[run];
+        let (outer, _) = run.around(self.context.machine, self.context.data[k].axis);
+        self.errors().chain_motion(outer, &run.positions)
     }
 
     /// Rotation from the axis' base: other rotary axes stand at home, so it is all but none.
@@ -192,7 +176,11 @@ impl<'a> FrameMap<'a> {
     /// where the targets are. Deformations of the shape are left out: they are none of the motions from
     /// which the frame follows.
     fn targets(&self, k: usize, r: usize) -> Vec<(Matrix3xX<f64>, Point3<f64>)> {
-        let (axis, run, errors) = (&self.data[k], &self.data[k].runs[r], self.errors());
+        let (axis, run, errors) = (
+            &self.context.data[k],
+            &self.context.data[k].runs[r],
+            self.errors(),
+        );
         let machine = self.context.machine;
         let base = self.base(k, r);
         let values = &self.identified.state.axes[k];
@@ -200,10 +188,10 @@ impl<'a> FrameMap<'a> {
         let first = self.sources.placements[k][r];
         let placed = Twist::about(reference, self.pick(first), self.pick(first + 3));
         let placed = placed.seen_from(&base);
-        let homes = errors.targets_mm(machine, &self.context.poses.bodies, (k, r));
+        let homes = errors.targets_mm(k, r);
         let target = |(place, home): (usize, Point3<f64>)| {
             let inner = run.inside(machine, axis.axis, place);
-            let at = base * machine.chain_motion(&errors, inner, &run.positions) * home;
+            let at = base * errors.chain_motion(inner, &run.positions) * home;
             let carried = self.twist_of_chain(base, inner, &run.positions);
             (placed.at(at) - carried.at(at), home)
         };
@@ -214,7 +202,7 @@ impl<'a> FrameMap<'a> {
     fn frame(&self) -> Twist {
         let rule = &self.identified.frame;
         let tilt = |k: usize| self.turn(k) * self.across(k, self.sources.location[k]);
-        let tilts: Vec<Matrix3xX<f64>> = rule.lines.iter().map(|&(k, _)| tilt(k)).collect();
+        let tilts: Vec<Matrix3xX<f64>> = rule.lines.iter().map(|&k| tilt(k)).collect();
         let mut shifts: Vec<Matrix3xX<f64>> = Vec::new();
         // The anchors are all targets of some runs, run after run.
         for run in rule
@@ -242,7 +230,7 @@ impl<'a> FrameMap<'a> {
 
     /// Errors of an axis' shift and tilt, three rows each.
     pub(crate) fn location(&self, k: usize, frame: &Twist) -> DMatrix<f64> {
-        let axis = &self.context.machine.axes()[self.data[k].axis];
+        let axis = self.context.axis(k);
         let direction = axis.direction().into_inner();
         let across = without(direction) * self.turn(k).transpose();
         let first = self.sources.location[k];
@@ -264,8 +252,8 @@ impl<'a> FrameMap<'a> {
 
     /// Finds the errors of the places of rotary axes along themselves.
     fn find_axial(&mut self, frame: &Twist) {
-        for k in 0..self.data.len() {
-            let index = self.data[k].axis;
+        for k in 0..self.context.data.len() {
+            let index = self.context.data[k].axis;
             let rotary = self.context.machine.axes()[index].kind() == AxisKind::Rotary;
             if rotary && self.identified.frame.places_along_itself(index) {
                 self.axial[k] = self.axial_shift(k, frame);
@@ -275,7 +263,7 @@ impl<'a> FrameMap<'a> {
 
     /// Error of the mean shift of an axis' targets along it: one row.
     fn axial_shift(&self, k: usize, frame: &Twist) -> RowDVector<f64> {
-        let axis = &self.data[k];
+        let axis = &self.context.data[k];
         let along = self.turn(k)
             * self.context.machine.axes()[axis.axis]
                 .direction()

@@ -11,9 +11,8 @@ use nalgebra::{DMatrix, Matrix2, Matrix6xX, Point3, Vector6};
 use trueaxis_kinematics::LocationComponent;
 use trueaxis_poses::{PoseNoise, Poses};
 
-use crate::identify::axis_data::AxisData;
+use crate::identify::context::Context;
 use crate::identify::identify_axes::Identified;
-use crate::identify::pose_errors::Context;
 use crate::propagate::axis_noise::ThroughBase;
 use crate::propagate::axis_noise::{AxisForm, AxisNoise};
 use crate::propagate::frame_forms::FrameForms;
@@ -23,7 +22,7 @@ use crate::result::budget::Budget;
 
 /// How the results depend on the poses.
 pub(crate) struct Dependence<'a> {
-    pub(crate) data: &'a [AxisData],
+    pub(crate) context: &'a Context<'a>,
     pub(crate) identified: &'a Identified,
     pub(crate) sources: Sources,
     pub(crate) forms: FrameForms,
@@ -69,15 +68,14 @@ pub(crate) fn place_of(component: LocationComponent) -> usize {
 impl<'a> Dependence<'a> {
     pub(crate) fn new(
         context: &'a Context<'a>,
-        data: &'a [AxisData],
         identified: &'a Identified,
         stations_in_ref: &[Point3<f64>],
     ) -> Self {
-        let sources = Sources::new(context, data, identified, stations_in_ref.len());
+        let sources = Sources::new(context, identified, stations_in_ref.len());
         Self {
-            data,
+            context,
             identified,
-            forms: FrameForms::new(context, data, identified, &sources, stations_in_ref),
+            forms: FrameForms::new(context, identified, &sources, stations_in_ref),
             sources,
         }
     }
@@ -145,6 +143,7 @@ impl<'a> Noise<'a> {
         let identified = dependence.identified;
         let maps = identified.gauges.iter().zip(&identified.sensitivities);
         let axes: Vec<AxisNoise> = dependence
+            .context
             .data
             .iter()
             .zip(maps)

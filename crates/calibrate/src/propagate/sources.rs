@@ -6,10 +6,9 @@
 
 use nalgebra::DMatrix;
 
-use crate::identify::axis_data::AxisData;
+use crate::identify::context::Context;
 use crate::identify::gauge::PER_RUN;
 use crate::identify::identify_axes::Identified;
-use crate::identify::pose_errors::Context;
 use crate::propagate::axis_noise::{AxisForm, AxisNoise, PosePart};
 
 /// All quantities and their places.
@@ -58,15 +57,10 @@ pub(crate) struct SourceNoise {
 }
 
 impl Sources {
-    pub(crate) fn new(
-        context: &Context<'_>,
-        data: &[AxisData],
-        identified: &Identified,
-        stations: usize,
-    ) -> Self {
-        let mut sources = Self::layout(context, data, identified, stations);
-        sources.axes = (0..data.len())
-            .map(|k| sources.own(data, identified, k))
+    pub(crate) fn new(context: &Context<'_>, identified: &Identified, stations: usize) -> Self {
+        let mut sources = Self::layout(context, identified, stations);
+        sources.axes = (0..context.data.len())
+            .map(|k| sources.own(context, identified, k))
             .collect();
         sources
     }
@@ -91,32 +85,28 @@ impl Sources {
         SourceNoise { own, shared }
     }
 
-    fn layout(
-        context: &Context<'_>,
-        data: &[AxisData],
-        identified: &Identified,
-        stations: usize,
-    ) -> Self {
+    fn layout(context: &Context<'_>, identified: &Identified, stations: usize) -> Self {
         let mut next = 0;
         let mut take = |rows: usize| {
             next += rows;
             next - rows
         };
         let location = identified
-            .sensitivities
+            .gauges
             .iter()
-            .map(|s| take(s.location_parameters))
+            .map(|gauge| take(gauge.location_parameters))
             .collect();
-        let placements = data
+        let placements = context
+            .data
             .iter()
             .map(|axis| axis.runs.iter().map(|_| take(PER_RUN)).collect())
             .collect();
         let mut held: Vec<Held> = Vec::new();
-        for axis in data {
+        for axis in context.data {
             for run in &axis.runs {
                 let (outer, inner) = run.around(context.machine, axis.axis);
                 for &other in outer.iter().chain(inner) {
-                    let Some(k) = data.iter().position(|d| d.axis == other) else {
+                    let Some(k) = context.place_of(other) else {
                         continue;
                     };
                     let position = run.positions[other];
@@ -148,10 +138,10 @@ impl Sources {
         find(&self.held, data, position)
     }
 
-    fn own(&self, data: &[AxisData], identified: &Identified, k: usize) -> OwnSources {
-        let (axis, sensitivity) = (&data[k], &identified.sensitivities[k]);
+    fn own(&self, context: &Context<'_>, identified: &Identified, k: usize) -> OwnSources {
+        let (axis, gauge) = (&context.data[k], &identified.gauges[k]);
         let first = self.location[k];
-        let mut places: Vec<usize> = (first..first + sensitivity.location_parameters).collect();
+        let mut places: Vec<usize> = (first..first + gauge.location_parameters).collect();
         let placements = self.placements[k].iter();
         places.extend(placements.flat_map(|&first| first..first + PER_RUN));
         let held: Vec<Held> = self.held.iter().copied().filter(|h| h.data == k).collect();
@@ -167,7 +157,6 @@ impl Sources {
             places.extend(place.first..place.first + 6);
         }
         // Location parameters and placements are the axis' parameters themselves.
-        let gauge = &identified.gauges[k];
         let mut parameters = DMatrix::zeros(places.len(), gauge.parameters());
         parameters.fill_diagonal(1.0);
         for (i, place) in held.iter().enumerate() {

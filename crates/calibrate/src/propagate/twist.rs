@@ -3,7 +3,7 @@
 //! A twist `(ρ, v)` displaces a point by `v + ρ × p`. Rows are coordinates; columns are whatever
 //! the errors are linear in.
 
-use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix3xX, Matrix6xX, Point3, Vector3};
+use nalgebra::{DMatrix, Isometry3, Matrix3xX, Matrix6xX, Point3};
 
 /// ρ (rad) and v (mm, displacement of the origin), three rows each.
 #[derive(Debug, Clone)]
@@ -27,7 +27,7 @@ impl Twist {
         rotation: Matrix3xX<f64>,
     ) -> Self {
         // v = d - ρ × p = d + [p]ₓ ρ
-        let origin = displacement + cross_matrix(point.coords) * &rotation;
+        let origin = displacement + point.coords.cross_matrix() * &rotation;
         Self { rotation, origin }
     }
 
@@ -63,18 +63,14 @@ impl Twist {
 
     /// Displacement of a point.
     pub(crate) fn at(&self, point: Point3<f64>) -> Matrix3xX<f64> {
-        &self.origin - cross_matrix(point.coords) * &self.rotation
+        &self.origin - point.coords.cross_matrix() * &self.rotation
     }
-}
-
-/// `[a]ₓ` with `[a]ₓ b = a × b`.
-pub(crate) fn cross_matrix(a: Vector3<f64>) -> Matrix3<f64> {
-    a.cross_matrix()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Vector3;
 
     #[test]
     fn a_twist_moves_points_the_same_way_from_every_frame() {

@@ -2,13 +2,13 @@
 //!
 //! Internal reliability is the minimal detectable error of each length
 //! (of `trueaxis-multilateration`); external reliability is what an error of that size,
-//! unnoticed, does to each result. It goes through the whole calibration ([`Replay::respond`]).
+//! unnoticed, does to each result. It goes through the whole calibration ([`Replay::responses`]).
 
 use nalgebra::DMatrix;
 use trueaxis_montecarlo::Model;
 
 use crate::Error;
-use crate::replay::replay::Replay;
+use crate::replay::Replay;
 
 /// Reliability of all used lengths.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,11 +58,8 @@ impl Replay<'_> {
                 limit_gib: LIMIT_GIB,
             });
         }
-        let mut workspace = self.workspace();
+        let mut responses = self.responses();
         let mut errors_mm = vec![0.0; rows];
-        let mut undisturbed = vec![0.0; columns];
-        self.respond(&errors_mm, &mut workspace, &mut undisturbed);
-        let mut disturbed = vec![0.0; columns];
         let mut effects = DMatrix::zeros(rows, columns);
         let mut lengths = Vec::with_capacity(rows);
         let internal = screened.solution.reliability(&screened.network);
@@ -70,11 +67,10 @@ impl Replay<'_> {
             let mut worst = (0, 0.0);
             if internal.minimal_detectable_mm.is_finite() {
                 errors_mm[row] = internal.minimal_detectable_mm;
-                self.respond(&errors_mm, &mut workspace, &mut disturbed);
+                let changes = responses.to(&errors_mm);
                 errors_mm[row] = 0.0;
-                for (column, result) in self.results().iter().enumerate() {
-                    let effect = disturbed[column] - undisturbed[column];
-                    effects[(row, column)] = effect;
+                for (column, (effect, result)) in changes.iter().zip(self.results()).enumerate() {
+                    effects[(row, column)] = *effect;
                     let in_u = effect.abs() * result.output.unit().size() / result.u;
                     if in_u > worst.1 {
                         worst = (column, in_u);

@@ -12,16 +12,15 @@
 //! For the joint adjustment, in which a diagnosis estimates θ, this is exact to first order; the nine
 //! equations weight the points almost as it does, so that it holds closely for them.
 //! `J C Jᵀ` is summed over the columns of a square root of `C`: each moves θ by one standard deviation, and
-//! what that does to the lengths goes through the whole calibration ([`crate::Replay::respond`]).
+//! what that does to the lengths goes through the whole calibration ([`crate::Replay::responses`]).
 //! Shapes (instants, time constants) are taken as known.
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_campaign::Campaign;
 use trueaxis_effects::{GivenEffect, ResolvedEffect, ResolvedEffects};
-use trueaxis_montecarlo::Model;
 use trueaxis_poses::{EffectsOnLengths, scene_of};
 
-use crate::replay::replay::{Replay, calibrate_for_replay};
+use crate::replay::calibrate_for_replay;
 use crate::result::calibration::Calibration;
 use crate::{Error, Settings};
 
@@ -42,11 +41,15 @@ pub fn calibrate_with_effects(
     let corrected = on_lengths.taken_out(&effects_mm);
     let (mut calibration, replay) = calibrate_for_replay(&corrected, settings)?;
     if let Some(covariance) = &effects.covariance {
+        let mut responses = replay.responses();
         for step in root(covariance).column_iter() {
-            let moved = moved(&effects.effects, step.as_slice());
-            let moved_mm = on_lengths.of(&moved);
-            let change = |i: usize| effects_mm[i] - moved_mm[i];
-            calibration.add_uncertainty(&response(&replay, change));
+            let moved_mm = on_lengths.of(&moved(&effects.effects, step.as_slice()));
+            let used = replay.trials.used_lengths().iter();
+            let errors_mm: Vec<f64> = used.map(|&i| effects_mm[i] - moved_mm[i]).collect();
+            let changes = responses.to(&errors_mm).into_iter().zip(replay.results());
+            let in_mm_and_rad =
+                changes.map(|(change, result)| change * result.output.unit().size());
+            calibration.add_uncertainty(&in_mm_and_rad.collect::<Vec<f64>>());
         }
     }
     calibration.effects = given(campaign, effects);
@@ -86,22 +89,6 @@ fn moved(effects: &[ResolvedEffect], step: &[f64]) -> Vec<ResolvedEffect> {
         }
     }
     moved
-}
-
-/// What a change of each length (mm) does to all results, mm and rad, in the order of
-/// [`Calibration::results`] without those that are defined.
-fn response(replay: &Replay<'_>, change_mm: impl Fn(usize) -> f64) -> Vec<f64> {
-    let mut workspace = replay.workspace();
-    let used = replay.used_lengths();
-    let mut before = vec![0.0; replay.outputs()];
-    replay.respond(&vec![0.0; used.len()], &mut workspace, &mut before);
-    let mut after = vec![0.0; replay.outputs()];
-    let changes_mm: Vec<f64> = used.iter().map(|&i| change_mm(i)).collect();
-    replay.respond(&changes_mm, &mut workspace, &mut after);
-    let results = replay.results().iter().zip(before.iter().zip(&after));
-    results
-        .map(|(result, (before, after))| (after - before) * result.output.unit().size())
-        .collect()
 }
 
 /// The effects by name, with the uncertainties that were used.

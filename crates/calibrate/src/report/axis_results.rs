@@ -2,55 +2,48 @@
 
 use nalgebra::Point3;
 use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::{GeometricErrors, Machine};
+use trueaxis_kinematics::GeometricErrors;
 use trueaxis_poses::{MeasuredPoses, SideDifference, Station};
 
-use crate::identify::axis_data::AxisData;
-use crate::identify::state::ModelErrors;
 use crate::propagate::propagation::{Dependence, Propagation, Uncertainty, place_of};
 use crate::report::method_loss::method_loss;
 use crate::result::calibration::{AxisResult, LocationResult, NodeResult, StationResult};
 
 /// The errors of all axes.
 pub(crate) fn axis_results(
-    campaign: &Campaign,
-    machine: &Machine,
     measured: &MeasuredPoses<'_>,
     propagation: &Propagation<'_>,
 ) -> Vec<AxisResult> {
-    let axes = 0..propagation.dependence.data.len();
     let losses = measured.by_equations.as_ref();
     let losses = losses.map(|by_equations| method_loss(by_equations, propagation));
-    let sides = side_differences(campaign, machine, measured, propagation.dependence);
-    axes.zip(sides)
-        .map(|(k, sides)| AxisResult {
-            u_ratio: losses.as_ref().map(|losses| losses[k]),
-            sides,
-            ..axis_result(machine, measured, propagation, k)
-        })
-        .collect()
+    let sides = side_differences(measured, propagation.dependence);
+    let axes = sides.into_iter().enumerate();
+    axes.map(|(k, sides)| AxisResult {
+        u_ratio: losses.as_ref().map(|losses| losses[k]),
+        sides,
+        ..axis_result(measured, propagation, k)
+    })
+    .collect()
 }
 
 /// For each axis how the sides of approach differ that share its curves.
 fn side_differences(
-    campaign: &Campaign,
-    machine: &Machine,
     measured: &MeasuredPoses<'_>,
     Dependence {
-        data, identified, ..
+        context,
+        identified,
+        ..
     }: &Dependence<'_>,
 ) -> Vec<Option<SideDifference>> {
-    let errors = ModelErrors {
-        data,
-        state: &identified.state,
-    };
+    let errors = context.errors(&identified.state);
     let reference_mm = |step: usize| {
-        let step = &campaign.steps[step];
-        let axis = campaign.runs[step.run].axis;
-        let at_home_mm = machine.axes()[axis].reference_at_home_mm(&errors.location(axis));
-        machine.motion(&errors, axis, &step.positions) * at_home_mm
+        let step = &context.campaign.steps[step];
+        let axis = context.campaign.runs[step.run].axis;
+        let geometry = &context.machine.axes()[axis];
+        let at_home_mm = geometry.reference_at_home_mm(&errors.location(axis));
+        context.machine.motion(&errors, axis, &step.positions) * at_home_mm
     };
-    let axes: Vec<usize> = data.iter().map(|axis| axis.axis).collect();
+    let axes: Vec<usize> = context.data.iter().map(|data| data.axis).collect();
     measured.lengths.as_ref().map_or_else(
         || vec![None; axes.len()],
         |lengths| lengths.side_differences(&axes, reference_mm),
@@ -59,16 +52,16 @@ fn side_differences(
 
 /// The errors of axis `k` of the data.
 fn axis_result(
-    machine: &Machine,
     measured: &MeasuredPoses<'_>,
     propagation: &Propagation<'_>,
     k: usize,
 ) -> AxisResult {
     let Dependence {
-        data, identified, ..
+        context,
+        identified,
+        ..
     } = propagation.dependence;
-    let own: &AxisData = &data[k];
-    let axis = &machine.axes()[own.axis];
+    let (own, axis) = (&context.data[k], context.axis(k));
     let values = &identified.state.axes[k];
     let nodes = own.nodes.iter().zip(&values.curve);
     let nodes = nodes.zip(propagation.components(k));
@@ -100,7 +93,7 @@ fn axis_result(
         nodes: nodes.collect(),
         location: values.location,
         location_errors: location_errors.collect(),
-        noise_gain: measured.noise_gain(machine, &poses),
+        noise_gain: measured.noise_gain(context.machine, &poses),
         u_ratio: None,
         sides: None,
     }

@@ -14,7 +14,7 @@ pub(crate) fn method_loss(
     by_equations: &NoiseByEquations,
     propagation: &Propagation<'_>,
 ) -> Vec<MethodLoss> {
-    let axes = propagation.dependence.data.len();
+    let axes = propagation.dependence.context.data.len();
     let joint = squares(&propagation.whole, axes);
     let ratios = |noise: &PoseNoise| -> Vec<[f64; 6]> {
         let other = squares(&Noise::new(propagation.dependence, noise), axes);

@@ -3,8 +3,7 @@
 use nalgebra::Point3;
 use trueaxis_identify::triangle_mismatch;
 
-use crate::identify::axis_data::AxisData;
-use crate::identify::pose_errors::Context;
+use crate::identify::context::Context;
 use crate::result::calibration::TriangleSide;
 
 /// A measured distance between targets that differs less from nominal needs no word, mm.
@@ -17,14 +16,13 @@ const TRIANGLE_TOL_SIGMAS: f64 = 5.0;
 /// explains.
 pub(crate) fn triangle(
     context: &Context<'_>,
-    data: &[AxisData],
     mean_mm: &[Option<Point3<f64>>],
     point_variance_mm2: Option<f64>,
 ) -> Vec<TriangleSide> {
     let targets = &context.campaign.targets;
     let mut found: Vec<TriangleSide> = Vec::new();
     let variance_mm2 = point_variance_mm2.unwrap_or(0.0);
-    for axis in data {
+    for axis in context.data {
         for run in &axis.runs {
             let seen: Vec<(usize, Point3<f64>)> = run
                 .targets

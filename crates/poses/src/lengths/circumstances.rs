@@ -9,8 +9,10 @@
 //!
 //! with the adjusted `p` and `S`: their errors of some µm over a metre change it by a millionth.
 
+use std::collections::HashMap;
+
 use nalgebra::{Point3, Vector3};
-use trueaxis_campaign::{Campaign, Direction, Lengths};
+use trueaxis_campaign::{Campaign, Direction, Lengths, Stop};
 use trueaxis_effects::{Circumstances, Displaced, Scene, SceneTarget};
 use trueaxis_kinematics::Machine;
 use trueaxis_multilateration::{Group, Network, Station};
@@ -92,20 +94,22 @@ pub fn length_circumstances(
         }
     }
     let speeds = speeds(campaign, lengths);
-    let mut groups_of_step = vec![Vec::new(); campaign.steps.len()];
-    for (g, group) in groups.iter().enumerate() {
-        groups_of_step[group.step].push(g);
+    // Where each target is at each step (and side of approach): its group and the number of its point.
+    let mut place_of = HashMap::new();
+    for (g, (group, points)) in groups.iter().zip(&network.groups).enumerate() {
+        for (&target, point) in group.targets.iter().zip(points.clone()) {
+            place_of.insert((group.step, group.direction, target), (g, point));
+        }
     }
     let (mut sweep, mut sweep_of_turn) = (0, 0);
-    let mut earlier: Option<(usize, u32, usize, Direction)> = None;
+    let mut earlier: Option<SweepKey> = None;
     let mut all = Vec::with_capacity(kept.len());
     for (number, stop) in lengths.stops.iter().enumerate() {
         let step = &campaign.steps[stop.step];
-        let key = (stop.station, stop.repeat, step.run, stop.direction);
+        let key = sweep_key(campaign, stop);
         if let Some(earlier) = earlier.filter(|&earlier| earlier != key) {
-            let (station, ..) = earlier;
             sweep += 1;
-            sweep_of_turn = if station == stop.station {
+            sweep_of_turn = if earlier.0 == stop.station {
                 sweep_of_turn + 1
             } else {
                 0
@@ -113,23 +117,12 @@ pub fn length_circumstances(
         }
         earlier = Some(key);
         for i in stop.readings.clone() {
-            if kept.binary_search(&i).is_err() {
-                continue;
-            }
             let reading = &lengths.readings[i];
-            let of_step = || groups_of_step[stop.step].iter().copied();
-            let holds = |&g: &usize| {
-                let group = &groups[g];
-                group.direction.is_none_or(|side| side == stop.direction)
-                    && group.targets.binary_search(&reading.target).is_ok()
-            };
-            // Each length is in one group.
-            let Some(group) = of_step().find(holds) else {
+            let place = |side| place_of.get(&(stop.step, side, reading.target));
+            let place = place(None).or_else(|| place(Some(stop.direction)));
+            let Some(&(group, point)) = place.filter(|_| kept.binary_search(&i).is_ok()) else {
                 continue;
             };
-            let place = groups[group]
-                .targets
-                .partition_point(|&t| t < reading.target);
             let t = reading.time_s;
             all.push(LengthCircumstances {
                 time_s: t,
@@ -146,12 +139,20 @@ pub fn length_circumstances(
                 step: stop.step,
                 sweep,
                 sweep_of_turn,
-                point: network.groups[group].start + place,
+                point,
                 group,
             });
         }
     }
     all
+}
+
+/// Station, repeat, run and direction.
+type SweepKey = (usize, u32, usize, Direction);
+
+fn sweep_key(campaign: &Campaign, stop: &Stop) -> SweepKey {
+    let run = campaign.steps[stop.step].run;
+    (stop.station, stop.repeat, run, stop.direction)
 }
 
 /// A feed is constant if the speeds between neighbouring stops differ by less than this part.
@@ -161,44 +162,30 @@ const CONSTANT_FEED: f64 = 0.02;
 /// single readings along a sweep whose positions grow in proportion to time. Several readings at one
 /// stop show that it stands still.
 fn speeds(campaign: &Campaign, lengths: &Lengths) -> Vec<f64> {
-    let mut speeds = vec![0.0; lengths.stops.len()];
-    let mut start = 0;
-    let key = |i: usize| {
-        let stop = &lengths.stops[i];
-        let run = campaign.steps[stop.step].run;
-        (stop.station, stop.repeat, run, stop.direction)
-    };
-    while start < speeds.len() {
-        let mut end = start + 1;
-        while end < speeds.len() && key(end) == key(start) {
-            end += 1;
-        }
-        let axis = campaign.runs[campaign.steps[lengths.stops[start].step].run].axis;
-        let at: Vec<(f64, f64)> = lengths.stops[start..end]
-            .iter()
-            .filter(|stop| stop.readings.len() == 1)
-            .map(|stop| {
-                let time_s = lengths.readings[stop.readings.start].time_s;
-                (time_s, campaign.steps[stop.step].positions[axis])
-            })
-            .collect();
-        if at.len() == end - start && at.len() > 2 {
-            let mut between = Vec::new();
-            for pair in at.windows(2) {
-                // Sweeps of one target each follow one another in one key: a jump back is no motion.
-                between.push((pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0));
-            }
-            let mut sorted = between.clone();
-            sorted.sort_by(f64::total_cmp);
-            let median = sorted[sorted.len() / 2];
-            let alike = between
-                .iter()
-                .filter(|v| (*v - median).abs() <= CONSTANT_FEED * median.abs());
-            if median.is_finite() && median != 0.0 && 10 * alike.count() >= 9 * between.len() {
-                speeds[start..end].fill(median);
-            }
-        }
-        start = end;
+    let mut speeds = Vec::with_capacity(lengths.stops.len());
+    let same = |a: &Stop, b: &Stop| sweep_key(campaign, a) == sweep_key(campaign, b);
+    for sweep in lengths.stops.chunk_by(same) {
+        let axis = campaign.runs[campaign.steps[sweep[0].step].run].axis;
+        let at = |stop: &Stop| {
+            let time_s = lengths.readings[stop.readings.start].time_s;
+            (time_s, campaign.steps[stop.step].positions[axis])
+        };
+        let single = sweep.iter().all(|stop| stop.readings.len() == 1);
+        // Sweeps of one target each follow one another in one key: a jump back is no motion.
+        let between = sweep.windows(2).map(|pair| {
+            let (from, to) = (at(&pair[0]), at(&pair[1]));
+            (to.1 - from.1) / (to.0 - from.0)
+        });
+        let mut between: Vec<f64> = between.collect();
+        between.sort_by(f64::total_cmp);
+        let median = between.get(between.len() / 2).copied().unwrap_or(0.0);
+        let alike = |v: &&f64| (*v - median).abs() <= CONSTANT_FEED * median.abs();
+        let constant = 10 * between.iter().filter(alike).count() >= 9 * between.len();
+        let moving = single && sweep.len() > 2 && median.is_finite() && median != 0.0 && constant;
+        speeds.resize(
+            speeds.len() + sweep.len(),
+            if moving { median } else { 0.0 },
+        );
     }
     speeds
 }

@@ -1,0 +1,101 @@
+//! What identification works on, and the machine's errors while it does.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+use trueaxis_campaign::Campaign;
+use trueaxis_kinematics::{Axis, GeometricErrors, LocationError, Machine, MotionError};
+use trueaxis_poses::Poses;
+
+use crate::identify::axis_data::AxisData;
+use crate::identify::state::State;
+
+/// The machine and the measured poses.
+#[derive(Clone, Copy)]
+pub(crate) struct Context<'a> {
+    pub(crate) campaign: &'a Campaign,
+    pub(crate) machine: &'a Machine,
+    pub(crate) poses: &'a Poses,
+    /// The measured poses (datum from home), which a replay moves.
+    pub(crate) measured: &'a [Isometry3<f64>],
+    /// The poses by the axis under test.
+    pub(crate) data: &'a [AxisData],
+}
+
+impl<'a> Context<'a> {
+    /// The axis of `data[k]`.
+    pub(crate) fn axis(&self, k: usize) -> &'a Axis {
+        &self.machine.axes()[self.data[k].axis]
+    }
+
+    /// The place of an axis of the machine among the data, if it was measured.
+    pub(crate) fn place_of(&self, axis: usize) -> Option<usize> {
+        self.data.iter().position(|data| data.axis == axis)
+    }
+
+    /// The measured axes from the bed outwards.
+    pub(crate) fn outwards(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.data.len()).collect();
+        order.sort_by_key(|&k| self.machine.chain(self.data[k].axis).len());
+        order
+    }
+
+    /// The errors of the whole machine: what is identified so far, nothing for other axes.
+    pub(crate) fn errors<'b>(&'b self, state: &'b State) -> ModelErrors<'b> {
+        ModelErrors {
+            context: self,
+            state,
+        }
+    }
+}
+
+/// See [`Context::errors`].
+#[derive(Clone, Copy)]
+pub(crate) struct ModelErrors<'a> {
+    context: &'a Context<'a>,
+    state: &'a State,
+}
+
+impl ModelErrors<'_> {
+    /// The motion of some axes, in the order of a chain.
+    pub(crate) fn chain_motion(&self, chain: &[usize], positions: &[f64]) -> Isometry3<f64> {
+        self.context.machine.chain_motion(self, chain, positions)
+    }
+
+    /// The targets of run `r` of axis `data[k]` at home in the reference frame, mm.
+    pub(crate) fn targets_mm(&self, k: usize, r: usize) -> Vec<Point3<f64>> {
+        let Context {
+            machine,
+            poses,
+            data,
+            ..
+        } = self.context;
+        let (run, axis) = (&data[k].runs[r], data[k].axis);
+        let (_, inner) = run.around(machine, axis);
+        let on_stage = self.chain_motion(inner, &run.positions) * self.state.axes[k].placements[r];
+        let home = |(place, p): (usize, &Point3<f64>)| {
+            let inner = run.inside(machine, axis, place);
+            self.chain_motion(inner, &run.positions).inverse() * (on_stage * p)
+        };
+        let shape_mm = poses.bodies[run.body].home_mm.iter();
+        shape_mm.enumerate().map(home).collect()
+    }
+}
+
+impl GeometricErrors for ModelErrors<'_> {
+    fn location(&self, axis: usize) -> LocationError {
+        let place = self.context.place_of(axis);
+        place.map_or_else(LocationError::default, |k| self.state.axes[k].location)
+    }
+
+    fn motion(&self, axis: usize, position: f64) -> MotionError {
+        let Some(k) = self.context.place_of(axis) else {
+            return MotionError::default();
+        };
+        let curve = &self.state.axes[k].curve;
+        let mut sum = (Vector3::zeros(), Vector3::zeros());
+        for (node, weight) in self.context.data[k].weights_at(position) {
+            sum.0 += curve[node].translation_mm * weight;
+            sum.1 += curve[node].rotation_rad * weight;
+        }
+        MotionError::new(sum.0, sum.1)
+    }
+}
