@@ -46,6 +46,7 @@ pub fn scenario(stations: usize, steps: usize) -> Scenario {
             position_mm,
             dead_path_mm,
             declare_approx: false,
+            dead_path_sigma_mm: None,
         });
     scenario.stations.extend(more);
     scenario.stations.truncate(stations);

@@ -105,5 +105,6 @@ pub use logged::{LoggedColumn, LoggedQuantity};
 pub use model::*;
 pub use plausibility::UnitMistake;
 pub use read::read;
+pub use reflectors::reflectors;
 pub use trueaxis_files::{Alternatives, Part, Place};
 pub use write::write;

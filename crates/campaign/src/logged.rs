@@ -40,8 +40,8 @@ pub(crate) const LOGGED_COLUMNS: [&str; 5] = [
 ];
 
 impl LoggedQuantity {
-    /// What a column of that name holds.
-    pub(crate) fn of_column(name: &str) -> Option<Self> {
+    /// What a column of that name holds; none if the format has no such logged column.
+    pub fn of_column(name: &str) -> Option<Self> {
         use LoggedQuantity::{AirHumidity, AirPressure, AirTemperature, MachineTemperature};
         let quantities = [
             AirTemperature,

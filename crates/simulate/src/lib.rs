@@ -4,14 +4,16 @@
 //! h on a machine at the axis positions q,
 //!
 //! ```text
-//! length = |T1(q1) T2(q2) ... h + d + D_p - (S + D_S)| - L + D_l + e
+//! length = |T1(q1) T2(q2) ... h + d + D_p - (S + D_S)| (1 + s) + c - L + D_l + e
 //! ```
 //!
 //! with the exact rigid motions T of `trueaxis-kinematics` (location errors, six component errors
 //! and lost motion in rotation matrices, never the linear form `δ + ε × r`), the random deviation
 //! `d` of the machine at a stop, common to the targets measured there, the random error `e` of the
-//! instrument, and the displacements `D` by the effects of `trueaxis-effects` that the scenario gives
-//! (drift, jumps, bending, refraction, lost motion and so on).
+//! instrument, its scale `s` and the reflector's constant `c`, and the displacements `D` by the effects
+//! of `trueaxis-effects` that the scenario gives (drift, jumps, bending, refraction, lost motion and so
+//! on). Scale, constants and nests are drawn once for a campaign ([`SystematicSpec`]); axes may expand
+//! with temperatures that are logged ([`TemperatureSpec`]).
 //!
 //! Noun in: a [`Scenario`]; nouns out: the [`Campaign`](trueaxis_campaign::Campaign) that would be
 //! measured and the [`Truth`] about it, in the shape of a calibration so that both can be laid side
@@ -72,7 +74,8 @@
 //! # Noise
 //!
 //! Each stop of the machine has its own stream of the random generator: the same seed gives the same
-//! campaign, and neither later stops nor the size of the noise change the deviates of a stop.
+//! campaign, and neither later stops nor the size of the noise change the deviates of a stop. What is
+//! drawn once for a campaign has streams of its own.
 //! Lengths are rounded to 1e-7 mm and times to 1 ms; a scenario without noise can ask for exact
 //! lengths ([`NoiseSpec::exact`]).
 //!
@@ -95,6 +98,8 @@ mod replay;
 mod scenario;
 mod schedule;
 mod simulate;
+mod systematic;
+mod temperature;
 mod term;
 mod true_errors;
 mod truth;
@@ -108,5 +113,7 @@ pub use scenario::{
     Timing,
 };
 pub use simulate::{Simulated, simulate};
+pub use systematic::{KnownLengthSpec, ReflectorSpec, SystematicSpec};
+pub use temperature::{TemperatureSpec, TemperatureTerm};
 pub use term::Term;
-pub use truth::{TrueComponents, TrueLocation, TrueStation, TrueTarget, Truth};
+pub use truth::{TrueComponents, TrueLocation, TrueReflector, TrueStation, TrueTarget, Truth};

@@ -63,16 +63,43 @@ impl Noise {
     }
 }
 
-/// The normal deviates of one stop. Each stop has its own stream, so they do not depend on the
-/// order in which stops are simulated, nor on the size of the noise.
-pub(crate) struct StopDeviates(ChaCha8Rng);
+/// Normal deviates. Each stop, and each part that is drawn once for a campaign, has its own stream, so
+/// that they do not depend on the order in which stops are simulated, nor on the size of the noise.
+pub(crate) struct Deviates(ChaCha8Rng);
 
-impl StopDeviates {
+/// What is drawn once for a campaign.
+#[derive(Clone, Copy)]
+pub(crate) enum Part {
+    Reflectors,
+    Scale,
+    Nests,
+    DeadPaths,
+    KnownLengths,
+    AxisTemperatures,
+    /// By its number.
+    Thermometer(usize),
+}
+
+impl Deviates {
     /// The deviates of stop number `stop` under `seed`.
-    pub(crate) fn new(seed: u64, stop: u64) -> Self {
+    pub(crate) fn of_stop(seed: u64, stop: u64) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(stop);
         Self(generator)
+    }
+
+    /// The deviates of a part under `seed`: streams from the other end, where no stop comes.
+    pub(crate) fn of_part(seed: u64, part: Part) -> Self {
+        let number = match part {
+            Part::Reflectors => 0,
+            Part::Scale => 1,
+            Part::Nests => 2,
+            Part::DeadPaths => 3,
+            Part::KnownLengths => 4,
+            Part::AxisTemperatures => 5,
+            Part::Thermometer(number) => 6 + number as u64,
+        };
+        Self::of_stop(seed, u64::MAX - number)
     }
 
     /// The next standard normal deviate.

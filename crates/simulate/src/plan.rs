@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use nalgebra::{Point3, Vector3};
+use trueaxis_campaign::{AxisExpansion, Target};
 use trueaxis_effects::{ResolvedEffect, Scene, SceneTarget, resolve_all};
 use trueaxis_files::{DocumentProblem, index_of};
 use trueaxis_kinematics::{Axis, FrameRule, Machine};
@@ -12,6 +13,8 @@ use crate::frame::frame_rule;
 use crate::mounting::check_mounting;
 use crate::plan_runs::plan_runs;
 use crate::read_errors::read_errors;
+use crate::systematic::PlannedSystematic;
+use crate::temperature::{check_expansions, check_temperatures};
 use crate::true_errors::TrueAxis;
 use crate::{Error, Noise, Scenario};
 
@@ -26,6 +29,8 @@ pub(crate) struct Plan {
     pub(crate) errors: Vec<TrueAxis>,
     pub(crate) noise: Noise,
     pub(crate) effects: Vec<ResolvedEffect>,
+    pub(crate) systematic: PlannedSystematic,
+    pub(crate) expansions: Vec<AxisExpansion>,
 }
 
 /// A target with its nominal and its true home position.
@@ -34,12 +39,25 @@ pub(crate) struct PlannedTarget {
     pub(crate) nominal_mm: Point3<f64>,
     pub(crate) home_mm: Point3<f64>,
     pub(crate) carrier: usize,
+    pub(crate) reflector: Option<String>,
+    pub(crate) position_sigma_mm: Option<f64>,
 }
 
 impl PlannedTarget {
     /// True minus nominal, mm.
     pub(crate) fn mounting_mm(&self) -> Vector3<f64> {
         self.home_mm - self.nominal_mm
+    }
+
+    /// The target as the campaign file declares it.
+    pub(crate) fn declared(&self) -> Target {
+        Target {
+            name: self.name.clone(),
+            home_mm: self.nominal_mm,
+            carrier: self.carrier,
+            reflector: self.reflector.clone(),
+            position_sigma_mm: self.position_sigma_mm,
+        }
     }
 }
 
@@ -59,6 +77,10 @@ impl Plan {
             &scenario.effects,
             &scene(scenario, &machine, &targets, &runs),
         )?;
+        let systematic = PlannedSystematic::new(scenario, &targets)?;
+        let expansions = scenario.machine.expansions()?;
+        check_temperatures(scenario)?;
+        check_expansions(scenario, &expansions)?;
         Ok(Self {
             machine,
             targets,
@@ -67,6 +89,8 @@ impl Plan {
             errors,
             noise,
             effects,
+            systematic,
+            expansions,
         })
     }
 }
@@ -99,6 +123,9 @@ fn plan_targets(scenario: &Scenario, machine: &Machine) -> Result<Vec<PlannedTar
             let field = |name: &str| format!("targets[{i}].{name}");
             check::finite(&field("position_mm"), &target.position_mm)?;
             check::finite(&field("mounting_error_mm"), &target.mounting_error_mm)?;
+            if let Some(sigma_mm) = target.position_sigma_mm {
+                check::positive(&field("position_sigma_mm"), sigma_mm)?;
+            }
             let carrier = index_of(field("carried_by"), "axis", &target.carried_by, &axes)?;
             let nominal_mm = Point3::from(target.position_mm);
             Ok(PlannedTarget {
@@ -106,6 +133,8 @@ fn plan_targets(scenario: &Scenario, machine: &Machine) -> Result<Vec<PlannedTar
                 nominal_mm,
                 home_mm: nominal_mm + Vector3::from(target.mounting_error_mm),
                 carrier,
+                reflector: target.reflector.clone(),
+                position_sigma_mm: target.position_sigma_mm,
             })
         })
         .collect()
@@ -118,6 +147,9 @@ fn check_stations(scenario: &Scenario) -> Result<(), Error> {
         let field = |name: &str| format!("stations[{i}].{name}");
         check::finite(&field("position_mm"), &station.position_mm)?;
         check::finite(&field("dead_path_mm"), &[station.dead_path_mm])?;
+        if let Some(sigma_mm) = station.dead_path_sigma_mm {
+            check::positive(&field("dead_path_sigma_mm"), sigma_mm)?;
+        }
     }
     Ok(())
 }

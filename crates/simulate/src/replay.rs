@@ -11,11 +11,12 @@ mod targets;
 use std::collections::BTreeMap;
 
 use trueaxis_campaign::{Campaign, Direction, MachineSpec};
+use trueaxis_effects::{GivenEffect, GivenParameter, GivenSubject};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 
 use crate::{
-    AxisErrors, Error, Gauge, LocationValue, NoiseSpec, RunSpec, Scenario, StationSpec, Term,
-    Timing, TrueComponents, TrueLocation, Truth, simulate,
+    AxisErrors, Error, Gauge, LocationValue, NoiseSpec, ReflectorSpec, RunSpec, Scenario,
+    StationSpec, SystematicSpec, Term, Timing, TrueComponents, TrueLocation, Truth, simulate,
 };
 use clock::Clock;
 use order::places_in_replay;
@@ -101,7 +102,7 @@ pub fn replay(campaign: &Campaign, truth: &Truth) -> Result<Replay, ReplayError>
             .map(|axis| (axis.name.clone(), errors(truth, axis)))
             .collect(),
         gauge: Gauge::None,
-        effects: truth.effects.clone(),
+        effects: truth.effects.iter().cloned().chain(scale(truth)).collect(),
         runs: runs(campaign)?,
         repeats: lengths
             .stops
@@ -115,6 +116,10 @@ pub fn replay(campaign: &Campaign, truth: &Truth) -> Result<Replay, ReplayError>
             repeatability_um: Some(truth.noise.repeatability_um),
             exact: false,
         },
+        systematic: systematic(campaign),
+        reflectors: reflectors(truth),
+        known_lengths: Vec::new(),
+        temperatures: Vec::new(),
         timing: Timing::default(),
     };
     let simulated = |scenario: &Scenario| simulate(scenario, 1).map(|simulated| simulated.campaign);
@@ -138,6 +143,45 @@ pub fn replay(campaign: &Campaign, truth: &Truth) -> Result<Replay, ReplayError>
     Ok(Replay { scenario, notices })
 }
 
+/// What is declared as uncertain is not drawn again: the replay has what is believed of it.
+fn systematic(campaign: &Campaign) -> SystematicSpec {
+    let instrument = &campaign.instrument;
+    let declares = instrument.reflector_sigma_um.is_some()
+        || instrument.scale_sigma_ppm.is_some()
+        || campaign
+            .targets
+            .iter()
+            .any(|t| t.position_sigma_mm.is_some());
+    if declares {
+        SystematicSpec::NONE
+    } else {
+        SystematicSpec::default()
+    }
+}
+
+/// The scale of all lengths, as an effect.
+fn scale(truth: &Truth) -> Option<GivenEffect> {
+    let has_scale = truth.scale_ppm.abs() > 0.0;
+    has_scale.then(|| GivenEffect {
+        effect: "length_scale".to_owned(),
+        subject: GivenSubject::default(),
+        parameters: vec![GivenParameter {
+            name: "scale".to_owned(),
+            value: truth.scale_ppm,
+            u: None,
+            unit: "ppm".to_owned(),
+        }],
+    })
+}
+
+fn reflectors(truth: &Truth) -> Vec<ReflectorSpec> {
+    let reflectors = truth.reflectors.iter().map(|reflector| ReflectorSpec {
+        name: reflector.name.clone(),
+        constant_um: reflector.constant_um,
+    });
+    reflectors.collect()
+}
+
 /// mm or degrees.
 fn in_file(kind: AxisKind, position: f64) -> f64 {
     match kind {
@@ -153,6 +197,7 @@ fn stations(campaign: &Campaign, truth: &Truth) -> Vec<StationSpec> {
         position_mm: found.position_mm.into(),
         dead_path_mm: found.dead_path_mm,
         declare_approx: declared.approx_mm.is_some(),
+        dead_path_sigma_mm: None,
     });
     stations.collect()
 }

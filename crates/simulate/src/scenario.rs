@@ -7,7 +7,7 @@ use trueaxis_campaign::{Instrument, MachineSpec};
 use trueaxis_effects::GivenEffect;
 use trueaxis_files::{Format, unique_keys};
 
-use crate::Term;
+use crate::{KnownLengthSpec, ReflectorSpec, SystematicSpec, TemperatureSpec, Term};
 
 /// What is to be simulated, as `scenario.json` says it.
 ///
@@ -50,6 +50,19 @@ pub struct Scenario {
     /// True noise where it differs from what the instrument declares.
     #[serde(default)]
     pub noise: NoiseSpec,
+    /// True standard deviations of what is drawn once for the campaign where they differ from what is
+    /// declared.
+    #[serde(default, skip_serializing_if = "SystematicSpec::is_as_declared")]
+    pub systematic: SystematicSpec,
+    /// Reflectors whose constants are given and not drawn.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reflectors: Vec<ReflectorSpec>,
+    /// Calibrated distances between targets that the campaign declares.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub known_lengths: Vec<KnownLengthSpec>,
+    /// Temperatures that are logged with the lengths.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub temperatures: Vec<TemperatureSpec>,
     /// The clock.
     #[serde(default)]
     pub timing: Timing,
@@ -77,6 +90,13 @@ pub struct TargetSpec {
     /// True minus nominal position at home, mm.
     #[serde(default)]
     pub mounting_error_mm: [f64; 3],
+    /// Name of its reflector, as the campaign declares it; targets that name the same share its constant.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reflector: Option<String>,
+    /// How well its nest is set, as the campaign declares it, mm per coordinate: the nest is off by as
+    /// much, drawn, beside `mounting_error_mm`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position_sigma_mm: Option<f64>,
 }
 
 /// A station of the tracker.
@@ -93,6 +113,10 @@ pub struct StationSpec {
     /// paces it off.
     #[serde(default)]
     pub declare_approx: bool,
+    /// Whether the campaign file gives the dead path, with this standard uncertainty, mm: off by as
+    /// much, drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dead_path_sigma_mm: Option<f64>,
 }
 
 /// The true errors of one axis.

@@ -1,13 +1,15 @@
 //! From a scenario to the campaign that would be measured.
 
 use nalgebra::Point3;
-use trueaxis_campaign::{Campaign, LengthReading, Lengths, Run, Step};
-use trueaxis_campaign::{Station, Stop, Target};
+use trueaxis_campaign::{Campaign, KnownDeadPath, LengthReading, Lengths, Run};
+use trueaxis_campaign::{Station, Step, Stop};
 
 use crate::circumstances::{Progress, StopCircumstances};
-use crate::noise::StopDeviates;
+use crate::noise::Deviates;
 use crate::plan::{Plan, PlannedTarget};
 use crate::schedule::{steps, visits};
+use crate::systematic::{Systematic, known_dead_paths};
+use crate::temperature::{self, Expansions};
 use crate::true_errors::Sweeping;
 use crate::{Error, Scenario, StationSpec, Truth};
 
@@ -27,40 +29,58 @@ const PACE_MM: f64 = 100.0;
 
 /// Measures the scenario's machine with the scenario's instrument.
 ///
-/// Each length is `|p + d + D_p - S - D_S| - L + D_l + e`: p is the exact position of the target on
-/// the erroneous machine, d the machine's random deviation at the stop (common to its targets), S and
-/// L are the station and its dead path, e is the instrument's noise, and the D are the sums of what the
-/// scenario's effects do to target, station and display. The order is stations, repeats, runs,
-/// directions, positions, targets; the same seed gives the same campaign, and effects change neither
-/// its order, its times nor its deviates.
+/// Each length is `|p + d + D_p - S - D_S| (1 + s) + c - L + D_l + e`: p is the exact position of the
+/// target on the erroneous machine, d the machine's random deviation at the stop (common to its targets),
+/// S and L are the station and its dead path, s is the instrument's scale and c the reflector's constant,
+/// e is the instrument's noise, and the D are the sums of what the scenario's effects do to target,
+/// station and display. The order is stations, repeats, runs, directions, positions, targets; the same
+/// seed gives the same campaign, and effects change neither its order, its times nor its deviates.
 ///
 /// # Errors
 /// If the scenario is inconsistent; the error names the field.
 pub fn simulate(scenario: &Scenario, seed: u64) -> Result<Simulated, Error> {
-    let plan = Plan::new(scenario)?;
+    let mut plan = Plan::new(scenario)?;
+    plan.set_nests(seed);
     let steps = steps(&plan);
-    let lengths = measure(scenario, &plan, &steps, seed);
-    let truth = Truth::new(scenario, &plan, seed);
+    let once = DrawnOnce {
+        systematic: Systematic::draw(&plan.systematic, seed),
+        expansions: Expansions::draw(scenario, &plan.expansions, seed),
+    };
+    let mut lengths = measure(scenario, &plan, &once, &steps, seed);
+    lengths.logged = temperature::logged(scenario, &lengths.readings, seed);
+    let truth = Truth::new(scenario, &plan, &once.systematic, seed);
     Ok(Simulated {
-        campaign: campaign(scenario, plan, steps, lengths),
+        campaign: campaign(scenario, plan, steps, lengths, seed),
         truth,
     })
 }
 
+/// What is the same in all readings.
+struct DrawnOnce<'a> {
+    systematic: Systematic,
+    expansions: Expansions<'a>,
+}
+
 /// Reads every length at every visit.
-fn measure(scenario: &Scenario, plan: &Plan, steps: &[Step], seed: u64) -> Lengths {
+fn measure(
+    scenario: &Scenario,
+    plan: &Plan,
+    once: &DrawnOnce<'_>,
+    steps: &[Step],
+    seed: u64,
+) -> Lengths {
     let mut lengths = Lengths::default();
     let visits = visits(scenario, plan);
     let progress = Progress::new(&visits);
     for (stop_number, visit) in (0_u64..).zip(visits) {
-        let mut deviates = StopDeviates::new(seed, stop_number);
+        let mut deviates = Deviates::of_stop(seed, stop_number);
         let stop = StopCircumstances {
             plan,
             visit: &visit,
             positions: &steps[visit.step].positions,
             progress: &progress,
         };
-        let measured_mm = measure_stop(scenario, &stop, &mut deviates);
+        let measured_mm = measure_stop(scenario, once, &stop, &mut deviates);
 
         let first = lengths.readings.len();
         let readings = visit.run.targets.iter().zip(&visit.times_s);
@@ -87,8 +107,9 @@ fn measure(scenario: &Scenario, plan: &Plan, steps: &[Step], seed: u64) -> Lengt
 /// The lengths of one stop in the order of the run's targets, mm.
 fn measure_stop(
     scenario: &Scenario,
+    once: &DrawnOnce<'_>,
     stop: &StopCircumstances<'_>,
-    deviates: &mut StopDeviates,
+    deviates: &mut Deviates,
 ) -> Vec<f64> {
     let (plan, visit) = (stop.plan, stop.visit);
     let errors = Sweeping {
@@ -99,22 +120,25 @@ fn measure_stop(
     let station = &scenario.stations[visit.station];
     let station_mm = Point3::from(station.position_mm);
     let deviation_mm = deviates.normal_vector() * plan.noise.repeatability_mm();
-    let points = visit.run.targets.iter().map(|&target| {
+    let readings = visit.run.targets.iter().zip(&visit.times_s);
+    let points = readings.map(|(&target, &time_s)| {
         let PlannedTarget {
             carrier, home_mm, ..
         } = &plan.targets[target];
-        let p = plan
-            .machine
-            .position(&errors, *carrier, stop.positions, *home_mm);
+        let reached = once.expansions.reached(stop.positions, time_s);
+        let p = plan.machine.position(&errors, *carrier, &reached, *home_mm);
         p + deviation_mm
     });
     let points: Vec<Point3<f64>> = points.collect();
     let displaced = stop.displaced(station_mm, &points);
-    let lengths = points.iter().zip(displaced).map(|(p, by)| {
+    let readings = visit.run.targets.iter().zip(&points).zip(displaced);
+    let lengths = readings.map(|((&target, p), by)| {
         let beam = (p + by.point_mm) - (station_mm + by.station_mm);
         let distance_mm = beam.norm();
         let noise_mm = deviates.normal() * plan.noise.length_sigma_mm(distance_mm);
-        let length_mm = distance_mm - station.dead_path_mm + by.length_mm + noise_mm;
+        let systematic_mm = once.systematic.length_mm(target, distance_mm);
+        let length_mm =
+            distance_mm - station.dead_path_mm + by.length_mm + noise_mm + systematic_mm;
         if scenario.noise.exact {
             length_mm
         } else {
@@ -124,27 +148,26 @@ fn measure_stop(
     lengths.collect()
 }
 
-fn campaign(scenario: &Scenario, plan: Plan, steps: Vec<Step>, lengths: Lengths) -> Campaign {
+fn campaign(
+    scenario: &Scenario,
+    plan: Plan,
+    steps: Vec<Step>,
+    lengths: Lengths,
+    seed: u64,
+) -> Campaign {
+    let dead_paths = known_dead_paths(scenario, seed);
+    let stations = scenario.stations.iter().zip(dead_paths);
     Campaign {
         name: scenario.name.clone(),
         date: None,
         operator: None,
         machine_name: scenario.machine.name.clone(),
-        machine: plan.machine,
-        expansions: Vec::new(),
         instrument: scenario.instrument.clone(),
-        targets: plan
-            .targets
-            .into_iter()
-            .map(|target| Target {
-                name: target.name,
-                home_mm: target.nominal_mm,
-                carrier: target.carrier,
-                ..Target::default()
-            })
+        known_lengths: plan.known_lengths(seed),
+        targets: plan.targets.iter().map(PlannedTarget::declared).collect(),
+        stations: stations
+            .map(|(s, known)| declared_station(s, known))
             .collect(),
-        stations: scenario.stations.iter().map(declared_station).collect(),
-        known_lengths: Vec::new(),
         runs: plan
             .runs
             .into_iter()
@@ -153,6 +176,8 @@ fn campaign(scenario: &Scenario, plan: Plan, steps: Vec<Step>, lengths: Lengths)
                 axis: run.axis,
             })
             .collect(),
+        expansions: plan.expansions,
+        machine: plan.machine,
         steps,
         lengths: Some(lengths),
         points: None,
@@ -162,13 +187,13 @@ fn campaign(scenario: &Scenario, plan: Plan, steps: Vec<Step>, lengths: Lengths)
 }
 
 /// The station as the campaign file declares it.
-fn declared_station(station: &StationSpec) -> Station {
+fn declared_station(station: &StationSpec, dead_path: Option<KnownDeadPath>) -> Station {
     let paced = |c: f64| (c / PACE_MM).round() * PACE_MM;
     Station {
         name: station.name.clone(),
         approx_mm: station
             .declare_approx
             .then(|| Point3::from(station.position_mm.map(paced))),
-        dead_path: None,
+        dead_path,
     }
 }

@@ -123,7 +123,7 @@ fn normalised(q: f64, [low, high]: [f64; 2]) -> f64 {
 }
 
 /// Linear interpolation; the end values are held outside.
-fn interpolate(entries: impl Iterator<Item = (f64, f64)>, q: f64) -> f64 {
+pub(crate) fn interpolate(entries: impl Iterator<Item = (f64, f64)>, q: f64) -> f64 {
     let mut before: Option<(f64, f64)> = None;
     for (position, value) in entries {
         if q <= position {

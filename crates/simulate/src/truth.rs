@@ -8,6 +8,7 @@ use trueaxis_kinematics::{AxisKind, LocationComponent, MotionError};
 
 use crate::plan::Plan;
 use crate::read_errors::distinct_positions;
+use crate::systematic::Systematic;
 use crate::{Noise, Scenario, truth_file};
 
 /// The values that an estimator should find, in the reference frame and gauge of the calibration.
@@ -25,6 +26,10 @@ pub struct Truth {
     pub seed: u64,
     /// True noise.
     pub noise: Noise,
+    /// By how much all lengths are shown too long, µm per m, beside effects.
+    pub scale_ppm: f64,
+    /// Reflectors as the targets name them.
+    pub reflectors: Vec<TrueReflector>,
     /// Stations in the order of the campaign.
     pub stations: Vec<TrueStation>,
     /// Targets in the order of the campaign.
@@ -36,6 +41,15 @@ pub struct Truth {
     pub location_errors: Vec<TrueLocation>,
     /// What disturbed the readings, as the scenario says it.
     pub effects: Vec<GivenEffect>,
+}
+
+/// A reflector.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TrueReflector {
+    /// Name.
+    pub name: String,
+    /// By how much every length to it is shown too long, µm.
+    pub constant_um: f64,
 }
 
 /// A station as it stood.
@@ -91,7 +105,13 @@ pub struct TrueLocation {
 }
 
 impl Truth {
-    pub(crate) fn new(scenario: &Scenario, plan: &Plan, seed: u64) -> Self {
+    pub(crate) fn new(
+        scenario: &Scenario,
+        plan: &Plan,
+        systematic: &Systematic,
+        seed: u64,
+    ) -> Self {
+        let reflectors = systematic.reflectors.iter();
         let stations = scenario.stations.iter();
         let targets = plan.targets.iter();
         let runs = |axis| plan.runs.iter().any(|run| run.axis == axis);
@@ -102,6 +122,13 @@ impl Truth {
             campaign: scenario.name.clone(),
             seed,
             noise: plan.noise,
+            scale_ppm: systematic.scale_ppm,
+            reflectors: reflectors
+                .map(|(name, constant_um)| TrueReflector {
+                    name: name.clone(),
+                    constant_um: *constant_um,
+                })
+                .collect(),
             stations: stations
                 .map(|station| TrueStation {
                     name: station.name.clone(),

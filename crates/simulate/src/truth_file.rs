@@ -43,12 +43,19 @@ impl Serialize for Truth {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let locations = self.location_errors.iter();
         let locations = locations.map(|location| (location.name.clone(), location));
-        let mut file = serializer.serialize_struct("Truth", 10)?;
+        let mut file = serializer.serialize_struct("Truth", 12)?;
         file.serialize_field("format", Self::FORMAT)?;
         file.serialize_field("version", &Self::VERSION)?;
         file.serialize_field("campaign", &self.campaign)?;
         file.serialize_field("seed", &self.seed)?;
         file.serialize_field("noise", &self.noise)?;
+        // A campaign with an ideal scale and ideal reflectors says nothing of them.
+        if self.scale_ppm.abs() > 0.0 {
+            file.serialize_field("scale_ppm", &round(self.scale_ppm, DECIMALS))?;
+        }
+        if self.reflectors.iter().any(|r| r.constant_um.abs() > 0.0) {
+            file.serialize_field("reflectors", &self.reflectors)?;
+        }
         file.serialize_field("stations", &self.stations)?;
         file.serialize_field("targets", &self.targets)?;
         file.serialize_field("axes", &self.axes)?;

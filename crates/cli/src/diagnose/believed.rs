@@ -37,6 +37,8 @@ pub(crate) fn truth(calibration: &Calibration, effects: &[GivenEffect]) -> anyho
             length_sigma_ppm: noise.length_ppm,
             repeatability_um: noise.machine_return.used.sigma_mm / MICROMETRE,
         },
+        scale_ppm: 0.0,
+        reflectors: Vec::new(),
         stations: stations.collect(),
         targets: targets.collect(),
         axes: calibration.axes.iter().map(components).collect(),

@@ -29,6 +29,8 @@ pub(super) fn targets(campaign: &Campaign, truth: &Truth) -> Result<Vec<TargetSp
         position_mm: target.home_mm.into(),
         carried_by: campaign.machine.axes()[target.carrier].name().to_owned(),
         mounting_error_mm: error_mm.into(),
+        reflector: target.reflector.clone(),
+        position_sigma_mm: target.position_sigma_mm,
     });
     Ok(specs.collect())
 }

@@ -12,4 +12,5 @@ mod refusals;
 mod replay;
 mod scenario_file;
 mod shipped;
+mod systematic;
 mod truth_file;

@@ -32,6 +32,33 @@ fn what_was_simulated_is_measured_again() {
     }
 }
 
+/// What is drawn once for a campaign is not drawn again, but taken from the truth.
+#[test]
+fn what_is_off_in_all_readings_is_measured_again() {
+    let mut json = shipped::json("fxyz");
+    json["instrument"]["reflector_sigma_um"] = 2.0.into();
+    json["instrument"]["scale_sigma_ppm"] = 1.5.into();
+    json["targets"][2]["reflector"] = "P".into();
+    json["targets"][0]["reflector"] = "P".into();
+    let Simulated { campaign, truth } = simulate(&shipped::scenario(&json), 5).unwrap();
+    assert!(truth.scale_ppm.abs() > 0.01);
+    let replay = replay(&campaign, &truth).unwrap();
+    let text = trueaxis_files::to_json(&replay.scenario).unwrap();
+    assert_eq!(Scenario::from_json(&text).unwrap(), replay.scenario);
+    // Another seed for what is drawn once, the same noise: none.
+    let mut exact = replay.scenario.clone();
+    exact.noise = serde_json::from_str(
+        r#"{ "length_sigma_um": 0, "length_sigma_ppm": 0, "repeatability_um": 0, "exact": true }"#,
+    )
+    .unwrap();
+    let of_seed = |seed| lengths_mm(&simulate(&exact, seed).unwrap().campaign);
+    assert_eq!(of_seed(1), of_seed(2));
+    let again = simulate(&replay.scenario, 5).unwrap().campaign;
+    let pairs = lengths_mm(&again).into_iter().zip(lengths_mm(&campaign));
+    let largest = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(largest <= LENGTH_TOL_MM, "{largest:e}");
+}
+
 #[test]
 fn what_no_scenario_measures_is_refused() {
     let Simulated { campaign, truth } = simulated("fxyz");

@@ -27,6 +27,22 @@ fn every_field_comes_back() {
         "start_s": 1.5, "per_reading_s": 2.5, "per_move_s": 0.1, "per_station_change_s": 1000.0
     });
     json["stations"][0]["declare_approx"] = json!(true);
+    json["stations"][0]["dead_path_sigma_mm"] = json!(0.01);
+    json["targets"][0]["reflector"] = json!("R1");
+    json["targets"][0]["position_sigma_mm"] = json!(0.5);
+    json["reflectors"] = json!([{ "name": "R1", "constant_um": 1.0 / 3.0 }]);
+    json["systematic"] =
+        json!({ "reflector_sigma_um": 2.0, "scale_sigma_ppm": 0.1, "position_sigma_mm": 0.0 });
+    json["known_lengths"] = json!([{ "targets": ["P", "Q"], "sigma_um": 0.3 }]);
+    json["temperatures"] = json!([
+        { "column": "machine_temp_x_c", "sigma_k": 0.01, "course": [
+            { "kind": "table", "times_s": [0.0, 60.0], "values_c": [20.0, 21.0] },
+            { "kind": "exponential", "change_k": 3.0, "time_constant_s": 600.0, "start_s": 10.0 },
+            { "kind": "sine", "amplitude_k": 1.0, "period_s": 86400.0, "phase_deg": 90.0 } ] }
+    ]);
+    json["machine"]["axes"][0]["expansion_ppm_per_k"] = json!(11.5);
+    json["machine"]["axes"][0]["temperature_column"] = json!("machine_temp_x_c");
+    json["machine"]["axes"][0]["temperature_sigma_k"] = json!(0.2);
     json["runs"][0]["parked"] = json!({ "Y": 0.1 });
     json["runs"][0]["targets"] = json!(["K", "P", "Q"]);
     json["runs"][0]["directions"] = json!([-1, 1]);
