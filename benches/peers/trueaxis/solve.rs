@@ -48,7 +48,7 @@ fn timed<T>(work: impl FnOnce() -> T) -> f64 {
 fn trials(problem: &Problem) -> f64 {
     let trials = problem.trials();
     let mut workspace = trials.workspace();
-    let mut errors_mm = vec![0.0; trials.readings()];
+    let mut errors_mm = vec![0.0; trials.errors()];
     let all = || {
         for trial in 0..TRIALS {
             let mut rng = ChaCha8Rng::seed_from_u64(1);

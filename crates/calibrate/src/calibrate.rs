@@ -104,6 +104,7 @@ pub(crate) fn calibrate_in_parts<'a>(
         method: measured.method,
         adjustment: measured.adjustment.clone(),
         stations,
+        reflectors: measured.reflectors(),
         targets: target_results(campaign, &targets_mm),
         axes,
         covariance,

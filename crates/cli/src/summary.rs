@@ -69,6 +69,7 @@ pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
         ),
     ];
     lines.extend(a.noise.as_ref().map(noise));
+    lines.extend(reflectors(calibration));
     for turn in &a.interruptions {
         lines.push(format!(
             "{}: the lengths jump by {:+.2} ± {:.2} µm between lines {} and {} ({:.0} … {:.0} s), as an \
@@ -108,6 +109,28 @@ pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
         }
     }
     lines
+}
+
+/// The constants of the reflectors, if they are few enough for a line.
+fn reflectors(calibration: &Calibration) -> Option<String> {
+    let constants = calibration.reflectors.iter().take(MOST_LISTED);
+    let constants: Vec<String> = constants
+        .map(|reflector| {
+            let (value, u) = (reflector.constant_mm, COVERAGE * reflector.u_mm);
+            let [value, u] = [value, u].map(|x| x / MICROMETRE);
+            format!("{} {value:+.2} ± {u:.2} µm", reflector.name)
+        })
+        .collect();
+    let more = match calibration.reflectors.len().checked_sub(MOST_LISTED + 1) {
+        Some(more) => format!(" and {} more in calibration.json", more + 1),
+        None => String::new(),
+    };
+    (!constants.is_empty()).then(|| {
+        format!(
+            "reflector constants (relative to their mean): {}{more}",
+            constants.join(", ")
+        )
+    })
 }
 
 /// What the uncertainties are multiplied with.

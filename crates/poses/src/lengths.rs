@@ -3,6 +3,7 @@
 mod adjustment;
 mod circumstances;
 mod effects;
+mod reflectors;
 mod refused;
 mod report;
 mod side_difference;
@@ -12,4 +13,5 @@ mod weak_stations;
 pub use adjustment::LengthsAdjustment;
 pub use circumstances::{LengthCircumstances, Observation, length_circumstances, scene_of};
 pub use effects::EffectsOnLengths;
+pub use reflectors::ReflectorConstant;
 pub use side_difference::SideDifference;

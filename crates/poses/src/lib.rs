@@ -59,8 +59,8 @@ mod words;
 
 pub use error::Error;
 pub use lengths::{
-    EffectsOnLengths, LengthCircumstances, LengthsAdjustment, Observation, SideDifference,
-    length_circumstances, scene_of,
+    EffectsOnLengths, LengthCircumstances, LengthsAdjustment, Observation, ReflectorConstant,
+    SideDifference, length_circumstances, scene_of,
 };
 pub use measure::{MeasuredPoses, NoiseByEquations, measure};
 pub use points::centroid;

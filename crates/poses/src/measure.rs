@@ -7,7 +7,7 @@ use trueaxis_kinematics::Machine;
 use trueaxis_multilateration::Station;
 
 use crate::Error;
-use crate::lengths::LengthsAdjustment;
+use crate::lengths::{LengthsAdjustment, ReflectorConstant};
 use crate::points::equations::{PointEquations, PointPoses, poses_from_points};
 use crate::points::report::points_report;
 use crate::points::{MeasuredPoints, points_from_coordinates, rigidity};
@@ -80,6 +80,7 @@ fn from_lengths<'a>(
     let (lengths, mut notices) = LengthsAdjustment::new(campaign, lengths, settings)?;
     let adjustment = lengths.report();
     notices.extend(lengths.report_notices(&adjustment));
+    notices.extend(lengths.reflector_notices());
     let joint = settings.method == Method::Joint;
     let by_points = match joint {
         true if lengths.moved().len() > MOST_STEPS => None,
@@ -174,6 +175,12 @@ impl Poses {
 }
 
 impl MeasuredPoses<'_> {
+    /// The constants of the reflectors; none where they were not determined and for a points campaign.
+    pub fn reflectors(&self) -> Vec<ReflectorConstant> {
+        let lengths = self.lengths.as_ref();
+        lengths.map_or_else(Vec::new, LengthsAdjustment::reflectors)
+    }
+
     /// The adjusted stations, in the order of the campaign and in the datum; none for a points campaign.
     pub fn stations(&self) -> &[Station] {
         let lengths = self.lengths.as_ref();

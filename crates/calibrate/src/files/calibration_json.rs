@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use trueaxis_files::{round, significant};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
-use trueaxis_poses::{Method, SideDifference, StepMisfit};
+use trueaxis_poses::{Method, ReflectorConstant, SideDifference, StepMisfit};
 
 use crate::files::adjustment_json::adjustment;
 use crate::files::{text, without_nulls};
@@ -23,7 +23,7 @@ impl Calibration {
     ///
     /// Optional fields beyond the fixed ones: `p_value` and `uncertainty_factor` of the
     /// adjustment, `direction` of each position where the sides of approach are kept apart,
-    /// `noise_gain` of each axis where equations were solved, `u_ratio` where they
+    /// `reflectors` with their constants relative to the mean, and their correlations, `noise_gain` of each axis where equations were solved, `u_ratio` where they
     /// were not (what they would lose), `dof` (degrees of freedom of u, the least of a curve; absent if
     /// infinite) and `budget` (shares of u², mean of a curve) of each error, `misfits`, `triangle`,
     /// `effects_taken_out` where there are any, `notices`.
@@ -46,6 +46,8 @@ impl Calibration {
             },
             "adjustment": adjustment(&self.adjustment),
             "stations": self.stations.iter().map(station).collect::<Value>(),
+            "reflectors": (!self.reflectors.is_empty())
+                .then(|| self.reflectors.iter().map(reflector).collect::<Value>()),
             "targets": targets.collect::<Value>(),
             "axes": self.axes.iter().map(axis).collect::<Value>(),
             "location_errors": locations.collect::<Value>(),
@@ -72,6 +74,16 @@ fn station(station: &StationResult) -> Value {
         "u_mm": station.u_mm.map(mm),
         "dead_path_mm": mm(station.dead_path_mm),
         "u_dead_path_mm": mm(station.u_dead_path_mm),
+    })
+}
+
+fn reflector(reflector: &ReflectorConstant) -> Value {
+    let correlation = reflector.correlation.iter();
+    json!({
+        "name": reflector.name,
+        "constant_um": Unit::Micrometre.in_file(reflector.constant_mm),
+        "u_um": Unit::Micrometre.in_file(reflector.u_mm),
+        "correlation": correlation.map(|r| round(*r, 4)).collect::<Value>(),
     })
 }
 

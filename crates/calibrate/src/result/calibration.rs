@@ -6,7 +6,7 @@ use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::{
     AxisKind, GeometricErrors, LocationComponent, LocationError, MotionError,
 };
-use trueaxis_poses::{AdjustmentReport, Method, SideDifference, StepMisfit};
+use trueaxis_poses::{AdjustmentReport, Method, ReflectorConstant, SideDifference, StepMisfit};
 
 use crate::result::budget::Budget;
 use crate::result::interpolation::{Place, sides_of, weights_at};
@@ -26,6 +26,9 @@ pub struct Calibration {
     pub adjustment: AdjustmentReport,
     /// Stations of the tracker; empty for a points campaign.
     pub stations: Vec<StationResult>,
+    /// Constants of the reflectors, relative to their mean; empty where they were not determined, where there is
+    /// one reflector only, and for a points campaign.
+    pub reflectors: Vec<ReflectorConstant>,
     /// Adjusted home positions of the targets, mean over the runs.
     pub targets: Vec<TargetResult>,
     /// Axes that were measured, in the order of the machine.

@@ -106,12 +106,25 @@ impl<'a> Base<'a> {
         near: Option<&Solution>,
     ) -> Result<Self, Error> {
         let settings = Settings::default();
-        let CampaignNetwork { network, groups } = all;
+        let CampaignNetwork {
+            network, groups, ..
+        } = all;
         let left_out = LeftOut::of(campaign, lengths, &network, &groups, removed);
-        let (network, kept) = network.without(removed);
-        let start = match near {
-            Some(near) => solve_from(&network, near, &settings)?,
-            None => solve(&network, &settings)?,
+        let (mut network, kept) = network.without(removed);
+        if near.is_some_and(|near| near.reflectors_mm.is_empty()) {
+            network.reflectors = None;
+        }
+        let solved = |network: &Network| match near {
+            Some(near) => solve_from(network, near, &settings),
+            None => solve(network, &settings),
+        };
+        let start = match solved(&network) {
+            // The lengths may not determine how reflectors differ: they then count as equal.
+            Err(_) if network.reflectors.is_some() => {
+                network.reflectors = None;
+                solved(&network)?
+            }
+            start => start?,
         };
         let readings = length_circumstances(campaign, lengths, &network, &groups, &kept);
         Ok(Self {

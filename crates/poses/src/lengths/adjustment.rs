@@ -28,6 +28,8 @@ pub struct LengthsAdjustment<'a> {
     /// Whether the sides of approach have poses of their own.
     pub by_direction: bool,
     pub(crate) groups: Vec<Group>,
+    /// The number in the campaign ([`Campaign::reflectors`]) of each reflector that was measured.
+    pub(crate) reflectors: Vec<usize>,
     /// The screened network with its solution and noise.
     pub screened: Arc<Screened>,
 }
@@ -48,6 +50,7 @@ impl<'a> LengthsAdjustment<'a> {
         let CampaignNetwork {
             mut network,
             groups,
+            reflectors,
         } = network_from_campaign(campaign, lengths, settings.by_direction);
         if settings.method != Method::Joint {
             network.bodies = None;
@@ -58,14 +61,24 @@ impl<'a> LengthsAdjustment<'a> {
             Screened::plain
         };
         let declared = is_noise_declared(campaign);
-        let screened = adjust(&network, declared, &multilateration::Settings::default())
-            .map_err(|error| adjustment_error(campaign, lengths, &groups, error))?;
+        let iteration = multilateration::Settings::default();
+        let adjusted = match adjust(&network, declared, &iteration) {
+            // What the constants of reflectors leave open may be determined if they are alike.
+            Err(error) if network.reflectors.is_some() && leaves_open(&error) => {
+                network.reflectors = None;
+                adjust(&network, declared, &iteration)
+            }
+            adjusted => adjusted,
+        };
+        let screened =
+            adjusted.map_err(|error| adjustment_error(campaign, lengths, &groups, error))?;
         let adjustment = Self {
             campaign,
             lengths,
             method: settings.method,
             by_direction: settings.by_direction,
             groups,
+            reflectors,
             screened: Arc::new(screened),
         };
         let weak = adjustment.check()?;
@@ -207,6 +220,17 @@ impl<'a> LengthsAdjustment<'a> {
             repeat_scatter: (0.0, 0),
         }
     }
+}
+
+/// Whether an adjustment failed because something was not determined.
+fn leaves_open(error: &multilateration::Error) -> bool {
+    matches!(
+        error,
+        multilateration::Error::ReflectorsNotDetermined { .. }
+            | multilateration::Error::StationsNotDetermined { .. }
+            | multilateration::Error::ShapeNotDetermined { .. }
+            | multilateration::Error::TooFewReadings { .. }
+    )
 }
 
 /// Whether both parts of the noise are declared: one alone can be tested against nothing.

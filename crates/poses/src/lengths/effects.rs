@@ -28,7 +28,9 @@ impl<'a> EffectsOnLengths<'a> {
     pub fn new(campaign: &'a Campaign) -> Result<Self, Error> {
         let lengths = campaign.lengths.as_ref();
         let lengths = lengths.ok_or(Error::EffectsWithoutLengths)?;
-        let CampaignNetwork { network, groups } = network_from_campaign(campaign, lengths, false);
+        let CampaignNetwork {
+            network, groups, ..
+        } = network_from_campaign(campaign, lengths, false);
         let solution = solve(&network, &Settings::default())
             .map_err(|error| adjustment_error(campaign, lengths, &groups, error))?;
         let all: Vec<usize> = (0..lengths.readings.len()).collect();

@@ -1,0 +1,85 @@
+//! The constants of the reflectors: what the lengths to each are longer by than those to all in the mean.
+//!
+//! Reflectors of one set differ by some micrometres along the beam. A constant that all have in common is dead
+//! path; the differences are unknowns of the adjustment ([`trueaxis_multilateration::Reflectors`]).
+
+use trueaxis_kinematics::MICROMETRE;
+
+use crate::lengths::LengthsAdjustment;
+
+/// The constant of a reflector, relative to the mean of all.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReflectorConstant {
+    /// Name of the reflector.
+    pub name: String,
+    /// By how much lengths to it are too long, mm.
+    pub constant_mm: f64,
+    /// Its standard uncertainty, mm.
+    pub u_mm: f64,
+    /// Correlation with the constants of all, in their order.
+    pub correlation: Vec<f64>,
+}
+
+/// Reflectors of a set for a laser tracker differ by less, if nothing is declared, µm.
+const USUAL_UM: f64 = 5.0;
+
+/// By so many standard uncertainties a constant has to exceed what is declared before it is worth a word.
+const SIGNIFICANT: f64 = 3.0;
+
+impl LengthsAdjustment<'_> {
+    /// The constants of the reflectors that were measured, as the adjustment has them; none where there is but
+    /// one reflector, or the lengths do not determine them.
+    pub fn reflectors(&self) -> Vec<ReflectorConstant> {
+        let solution = &self.screened.solution;
+        let covariance = solution.reflector_covariance();
+        let (names, _) = self.campaign.reflectors();
+        let u_mm = |i: usize| covariance[(i, i)].max(0.0).sqrt();
+        let constants = solution.reflectors_mm.iter().enumerate();
+        constants
+            .map(|(i, &constant_mm)| ReflectorConstant {
+                name: names[self.reflectors[i]].clone(),
+                constant_mm,
+                u_mm: u_mm(i),
+                correlation: (0..solution.reflectors_mm.len())
+                    .map(|j| covariance[(i, j)] / (u_mm(i) * u_mm(j)))
+                    .collect(),
+            })
+            .collect()
+    }
+
+    /// What a user must know of them.
+    pub(crate) fn reflector_notices(&self) -> Vec<String> {
+        let declared_um = self.campaign.instrument.reflector_sigma_um;
+        if self.reflectors.len() > 1 && self.screened.network.reflectors.is_none() {
+            return vec![
+                "the lengths do not determine how the constants of the reflectors differ: they count as equal, \
+                 and U does not contain their differences; declare `reflector_sigma_um` of the instrument, move \
+                 one reflector from nest to nest (the same `reflector` for all targets), or let the stage turn \
+                 or the stations see it from more sides"
+                    .to_owned(),
+            ];
+        }
+        let limit_um = declared_um.unwrap_or(USUAL_UM);
+        let exceeds = |constant: &&ReflectorConstant| {
+            constant.constant_mm.abs() > limit_um * MICROMETRE + SIGNIFICANT * constant.u_mm
+        };
+        let constants = self.reflectors();
+        let notice = |constant: &ReflectorConstant| {
+            let (value_um, expanded_um) = (
+                constant.constant_mm / MICROMETRE,
+                2.0 * constant.u_mm / MICROMETRE,
+            );
+            let than = match declared_um {
+                Some(sigma_um) => format!("`reflector_sigma_um` = {sigma_um}"),
+                None => format!("the {USUAL_UM} µm that are usual in a set"),
+            };
+            format!(
+                "lengths to reflector {} are {value_um:+.2} µm (U {expanded_um:.2} µm) longer than to the others \
+                 in the mean, more than {than}: the results are free of it; check whether it is damaged, or of \
+                 another kind",
+                constant.name
+            )
+        };
+        constants.iter().filter(exceeds).map(notice).collect()
+    }
+}
