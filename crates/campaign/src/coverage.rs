@@ -1,7 +1,5 @@
 //! Which target was read from which station in which run, and where it was not.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use crate::reading::{Reading, readings_of};
 use crate::{Campaign, Stop};
 
@@ -75,27 +73,29 @@ impl Campaign {
         for step in &self.steps {
             steps_of_run[step.run] += 1;
         }
-        let mut found: BTreeMap<(usize, usize), Vec<Seen>> = BTreeMap::new();
-        let mut seen_steps = BTreeSet::new();
+        let targets = self.targets.len();
+        let mut seen = vec![Seen::default(); self.runs.len() * targets * stations];
+        let mut step_seen = vec![false; self.steps.len() * targets * stations];
         for stop in stops {
             let run = self.steps[stop.step].run;
             for reading in readings_of(stop, readings) {
-                let target = reading.target();
-                let by_station = found.entry((run, target)).or_default();
-                by_station.resize(stations, Seen::default());
-                let seen = &mut by_station[stop.station];
+                let place =
+                    |row: usize| (row * targets + reading.target()) * stations + stop.station;
+                let seen = &mut seen[place(run)];
                 seen.readings += 1;
-                if seen_steps.insert((stop.step, target, stop.station)) {
+                if !std::mem::replace(&mut step_seen[place(stop.step)], true) {
                     seen.steps += 1;
                 }
             }
         }
-        let covered = found.into_iter().map(|((run, target), seen)| Coverage {
-            run,
-            target,
-            steps_of_run: steps_of_run[run],
-            seen,
+        let rows = seen.chunks(stations.max(1)).enumerate();
+        let covered = rows.map(|(row, seen)| Coverage {
+            run: row / targets,
+            target: row % targets,
+            steps_of_run: steps_of_run[row / targets],
+            seen: seen.to_vec(),
         });
-        covered.collect()
+        let is_measured = |covered: &Coverage| covered.seen.iter().any(|seen| seen.readings > 0);
+        covered.filter(is_measured).collect()
     }
 }

@@ -1,7 +1,7 @@
 //! What is unusual in a campaign but no error, in words.
 
 use crate::reading::Reading;
-use crate::{Campaign, Stop};
+use crate::{Campaign, Stop, Target};
 
 /// The first row that is earlier than the row before it, if there is one. `rows` gives the time
 /// and the line of each row.
@@ -20,6 +20,30 @@ pub(crate) fn clock_going_back(
         before = Some(time_s);
     }
     None
+}
+
+/// Reflectors whose names differ in case, blanks and signs only: perhaps one, written in two ways.
+pub(crate) fn similar_reflectors(targets: &[Target]) -> Vec<String> {
+    let letters = |name: &str| -> String {
+        let letters = name.chars().filter(|c| c.is_alphanumeric());
+        letters.flat_map(char::to_lowercase).collect()
+    };
+    let mut declared: Vec<&str> = Vec::new();
+    let mut notices = Vec::new();
+    for name in targets.iter().filter_map(|t| t.reflector.as_deref()) {
+        if declared.contains(&name) {
+            continue;
+        }
+        let similar = |other: &&&str| letters(other) == letters(name);
+        if let Some(other) = declared.iter().find(similar) {
+            notices.push(format!(
+                "reflectors `{other}` and `{name}` of campaign.json count as two; if they are one, write \
+                 the name alike"
+            ));
+        }
+        declared.push(name);
+    }
+    notices
 }
 
 /// Stations, runs and targets of which the file has no row.

@@ -61,6 +61,7 @@ fn without_data(document: Document) -> Result<Campaign, Error> {
     let instrument = document.instrument.unwrap_or_default();
     setup::check_instrument(&instrument)?;
     let targets = setup::targets(document.targets, &machine)?;
+    let notices = notices::similar_reflectors(&targets);
     Ok(Campaign {
         name: document.name,
         date: document.date,
@@ -78,7 +79,7 @@ fn without_data(document: Document) -> Result<Campaign, Error> {
         lengths: None,
         points: None,
         verification: Vec::new(),
-        notices: Vec::new(),
+        notices,
     })
 }
 

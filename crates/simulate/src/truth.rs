@@ -48,7 +48,9 @@ pub struct Truth {
 pub struct TrueReflector {
     /// Name.
     pub name: String,
-    /// By how much every length to it is shown too long, µm.
+    /// By how much every length to it is shown too long, µm. Where dead paths are unknown, lengths tell
+    /// only the differences of these.
+    #[serde(serialize_with = "truth_file::rounded_number")]
     pub constant_um: f64,
 }
 

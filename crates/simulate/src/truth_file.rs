@@ -138,3 +138,8 @@ pub(crate) fn rounded<S: Serializer>(
 ) -> Result<S::Ok, S::Error> {
     <[f64; 3]>::from(point.map(|c| round(c, DECIMALS))).serialize(serializer)
 }
+
+/// A number rounded as all values are.
+pub(crate) fn rounded_number<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    round(*value, DECIMALS).serialize(serializer)
+}

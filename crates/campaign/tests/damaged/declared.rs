@@ -79,6 +79,21 @@ fn targets_share_reflectors_that_they_name_alike() {
 }
 
 #[test]
+fn one_reflector_written_in_two_ways_is_said() {
+    let mut files = three_axes();
+    add(&mut files, P, "\"reflector\": \"SMR 1\"");
+    add(&mut files, Q, "\"reflector\": \"SMR 2\"");
+    add(&mut files, K, "\"reflector\": \"smr-1\"");
+    assert_eq!(
+        files.read().unwrap().notices,
+        [
+            "reflectors `SMR 1` and `smr-1` of campaign.json count as two; if they are one, write the \
+          name alike"
+        ]
+    );
+}
+
+#[test]
 fn targets_declare_how_well_their_nests_were_set() {
     let campaign = declared(|f| add(f, Q, "\"position_sigma_mm\": 0.5"));
     let sigmas = campaign.targets.iter().map(|t| t.position_sigma_mm);
