@@ -15,7 +15,7 @@ const TRIALS: usize = 4_096;
 fn trials(c: &mut Criterion) {
     for name in ["P-A", "P-B"] {
         let trials = problem(name).trials();
-        let memory = || (trials.workspace(), vec![0.0; trials.readings()]);
+        let memory = || (trials.workspace(), vec![0.0; trials.errors()]);
         let (mut workspace, mut errors_mm) = memory();
         let root = ChaCha8Rng::seed_from_u64(1);
         let mut rng = root.clone();

@@ -11,6 +11,7 @@ use trueaxis_multilateration::{
 };
 
 use crate::Error;
+use crate::lengths::reflectors::are_reflectors_open;
 use crate::lengths::refused::{adjustment_error, contradictory};
 use crate::lengths::weak_stations::weak_stations;
 use crate::points::{MeasuredPoints, PointGroup, PointNoise, centroid};
@@ -62,14 +63,16 @@ impl<'a> LengthsAdjustment<'a> {
         };
         let declared = is_noise_declared(campaign);
         let iteration = multilateration::Settings::default();
-        let adjusted = match adjust(&network, declared, &iteration) {
+        let mut adjusted = adjust(&network, declared, &iteration);
+        let are_open = match &adjusted {
+            Ok(screened) => are_reflectors_open(&screened.network, &screened.solution),
             // What the constants of reflectors leave open may be determined if they are alike.
-            Err(error) if network.reflectors.is_some() && leaves_open(&error) => {
-                network.reflectors = None;
-                adjust(&network, declared, &iteration)
-            }
-            adjusted => adjusted,
+            Err(error) => network.reflectors.is_some() && leaves_open(error),
         };
+        if are_open {
+            network.reflectors = None;
+            adjusted = adjust(&network, declared, &iteration);
+        }
         let screened =
             adjusted.map_err(|error| adjustment_error(campaign, lengths, &groups, error))?;
         let adjustment = Self {
@@ -195,13 +198,18 @@ impl<'a> LengthsAdjustment<'a> {
             points.instrument = point_noise(&solution.length_noise(network), &self.moved());
             return Ok(points);
         }
-        let network = Network {
+        let mut network = Network {
             bodies: None,
             ..network.clone()
         };
-        let free = solve_from(&network, solution, &multilateration::Settings::default());
+        let iteration = multilateration::Settings::default();
         let words = |error| adjustment_error(self.campaign, self.lengths, &self.groups, error);
-        Ok(self.measured_points(&network, &free.map_err(words)?))
+        let mut free = solve_from(&network, solution, &iteration).map_err(words)?;
+        if are_reflectors_open(&network, &free) {
+            network.reflectors = None;
+            free = solve_from(&network, solution, &iteration).map_err(words)?;
+        }
+        Ok(self.measured_points(&network, &free))
     }
 
     fn measured_points(&self, network: &Network, solution: &Solution) -> MeasuredPoints {

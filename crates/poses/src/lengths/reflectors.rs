@@ -4,6 +4,7 @@
 //! path; the differences are unknowns of the adjustment ([`trueaxis_multilateration::Reflectors`]).
 
 use trueaxis_kinematics::MICROMETRE;
+use trueaxis_multilateration::{Network, Solution};
 
 use crate::lengths::LengthsAdjustment;
 
@@ -25,6 +26,15 @@ const USUAL_UM: f64 = 5.0;
 
 /// By so many standard uncertainties a constant has to exceed what is declared before it is worth a word.
 const SIGNIFICANT: f64 = 3.0;
+
+/// Whether lengths tell less of the constants than that the reflectors are of one set: what they would leave of
+/// them is more than these differ by, and linear propagation is wrong there.
+pub(crate) fn are_reflectors_open(network: &Network, solution: &Solution) -> bool {
+    let of_set = network.reflectors.as_ref();
+    let is_known = of_set.is_none_or(|reflectors| reflectors.sigma_mm.is_some());
+    let largest = solution.reflector_covariance().diagonal().amax();
+    !is_known && largest > (USUAL_UM * MICROMETRE).powi(2)
+}
 
 impl LengthsAdjustment<'_> {
     /// The constants of the reflectors that were measured, as the adjustment has them; none where there is but
