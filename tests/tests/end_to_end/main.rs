@@ -14,5 +14,6 @@ mod one_wrong_length;
 mod parked;
 mod planar;
 mod reference_frame;
+mod reflectors;
 mod round_trip;
 mod triangle;

@@ -1,0 +1,122 @@
+//! Reflectors that differ: the errors of the machine are free of their constants, and nothing else is named for
+//! them.
+
+use trueaxis_calibrate::{Calibration, Method, calibrate};
+use trueaxis_diagnose::{Settings, Verdict, diagnose};
+use trueaxis_kinematics::{Component, MICROMETRE};
+use trueaxis_simulate::{ReflectorSpec, Scenario, simulate};
+use trueaxis_tests::estimators::{SCENARIOS, settings};
+
+use crate::coverage::assert_scatter_is_as_stated;
+
+/// Standard deviation of the constants of a set, µm.
+const SIGMA_UM: f64 = 2.0;
+
+fn scenario(name: &str) -> Scenario {
+    let (_, text) = SCENARIOS.iter().find(|(n, _)| *n == name).unwrap();
+    Scenario::from_json(text).unwrap()
+}
+
+fn calibrated(scenario: &Scenario) -> Calibration {
+    let campaign = simulate(scenario, 1).unwrap().campaign;
+    calibrate(&campaign, &settings(scenario, Method::Joint)).unwrap()
+}
+
+/// Largest difference of a component error between two calibrations of one axis, µm.
+fn largest_um(a: &Calibration, b: &Calibration, axis: &str, component: Component) -> f64 {
+    let [a, b] = [a, b].map(|calibration| calibration.axis(axis).unwrap());
+    let nodes = a.nodes.iter().zip(&b.nodes);
+    let value = |error: &trueaxis_kinematics::MotionError| error.to_vector()[component.index()];
+    let differences = nodes.map(|(a, b)| (value(&a.error) - value(&b.error)).abs() / MICROMETRE);
+    differences.fold(0.0, f64::max)
+}
+
+/// One reflector 3 µm off, the same noise: the positioning error is as without it. If the campaign says that all
+/// targets share one reflector, which is not so, it is wrong by many times its uncertainty.
+#[test]
+fn one_reflector_that_is_off_changes_no_component() {
+    let like = scenario("three-axis");
+    let mut off = like.clone();
+    off.reflectors = vec![ReflectorSpec {
+        name: "Q".to_owned(),
+        constant_um: 3.0,
+    }];
+    let (without, with) = (calibrated(&like), calibrated(&off));
+    let moved_um = largest_um(&without, &with, "X", Component::ALL[0]);
+    assert!(moved_um < 0.01, "{moved_um}");
+    let constant = with.reflectors.iter().find(|r| r.name == "Q").unwrap();
+    // Relative to the mean of three.
+    let error_um = constant.constant_mm / MICROMETRE - 2.0;
+    let u_um = constant.u_mm / MICROMETRE;
+    println!("constant off by {error_um:.3} ± {u_um:.3} µm");
+    assert!(u_um < 0.3 && error_um.abs() < 4.0 * u_um);
+    assert!(with.notices.iter().all(|notice| !notice.contains("reflector")));
+
+    let mut simulated = simulate(&off, 1).unwrap();
+    for target in &mut simulated.campaign.targets {
+        target.reflector = Some("one".to_owned());
+    }
+    let shared = calibrate(&simulated.campaign, &settings(&off, Method::Joint)).unwrap();
+    let wrong_um = largest_um(&without, &shared, "X", Component::ALL[0]);
+    println!("EXX wrong by {wrong_um:.1} µm without constants");
+    assert!(shared.reflectors.is_empty() && wrong_um > 5.0, "{wrong_um}");
+}
+
+/// What the constants cost: u of no component curve of the three-axis machine grows by more than 2 %, of no
+/// squareness by more than 4 %, against the same lengths of one reflector.
+#[test]
+fn constants_cost_little() {
+    let scenario = scenario("three-axis");
+    let constants = calibrated(&scenario);
+    let mut campaign = simulate(&scenario, 1).unwrap().campaign;
+    for target in &mut campaign.targets {
+        target.reflector = Some("one".to_owned());
+    }
+    let one = calibrate(&campaign, &settings(&scenario, Method::Joint)).unwrap();
+    // The noise is estimated anew: relative to its size.
+    let size = |c: &Calibration| c.adjustment.noise.unwrap().machine_return.used.sigma_mm;
+    let noise = size(&constants) / size(&one);
+    let (mut curves, mut locations) = (0.0_f64, 0.0_f64);
+    for (a, b) in constants.axes.iter().zip(&one.axes) {
+        for c in 0..6 {
+            let rms = |nodes: &[trueaxis_calibrate::NodeResult]| {
+                let squares: f64 = nodes.iter().map(|node| node.u[c].powi(2)).sum();
+                squares.sqrt()
+            };
+            curves = curves.max(rms(&a.nodes) / rms(&b.nodes) / noise);
+        }
+        for (a, b) in a.location_errors.iter().zip(&b.location_errors) {
+            locations = locations.max(a.u / b.u / noise);
+        }
+    }
+    println!("curves x {curves:.4}, squareness x {locations:.4}");
+    assert!(curves < 1.02 && locations < 1.04);
+}
+
+/// Constants of every reflector drawn anew in every campaign, declared or not.
+#[test]
+fn uncertainties_are_the_scatter_with_any_reflectors() {
+    for (name, _) in SCENARIOS {
+        let mut scenario = scenario(name);
+        scenario.systematic.reflector_sigma_um = Some(SIGMA_UM);
+        assert_scatter_is_as_stated(&format!("{name}, not declared"), &scenario);
+        scenario.instrument.reflector_sigma_um = Some(SIGMA_UM);
+        assert_scatter_is_as_stated(&format!("{name}, declared"), &scenario);
+    }
+}
+
+/// Reflectors of a set differ, and nothing else is wrong: no slip, no creep. Six campaigns of three targets; each
+/// raises a false alarm with a probability of 1 %.
+#[test]
+fn a_set_of_reflectors_is_no_fault() {
+    let mut scenario = scenario("three-axis");
+    scenario.systematic.reflector_sigma_um = Some(SIGMA_UM);
+    scenario.repeats = 1;
+    let mut named = 0;
+    for seed in 0..6 {
+        let campaign = simulate(&scenario, seed).unwrap().campaign;
+        let diagnosis = diagnose(&campaign, &Settings::default()).unwrap();
+        named += usize::from(diagnosis.verdict != Verdict::Clean);
+    }
+    assert!(named <= 1, "{named} of 6");
+}
