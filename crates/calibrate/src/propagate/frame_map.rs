@@ -41,20 +41,14 @@ impl<'a> FrameMap<'a> {
         identified: &'a Identified,
         sources: &'a Sources,
     ) -> Self {
-        let response = |k: usize| {
-            BaseResponse::new(
-                context.poses,
-                &context.data[k],
-                &identified.gauges[k],
-                &identified.sensitivities[k],
-                &identified.state.ref_from_datum,
-            )
-        };
+        let axes = 0..context.data.len();
         Self {
             context,
             identified,
             sources,
-            responses: (0..context.data.len()).map(response).collect(),
+            responses: axes
+                .map(|k| BaseResponse::new(context, identified, k))
+                .collect(),
             net: DMatrix::identity(sources.count, sources.count),
             axial: vec![RowDVector::zeros(sources.count); context.data.len()],
         }
