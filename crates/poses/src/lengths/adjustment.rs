@@ -1,7 +1,5 @@
 //! Lengths to poses or to points, with errors in the words of the campaign.
 
-use std::sync::Arc;
-
 use nalgebra::{DMatrix, Matrix6, Matrix6xX, Point3};
 use rayon::prelude::*;
 use trueaxis_campaign::{Campaign, Lengths};
@@ -29,7 +27,7 @@ pub struct LengthsAdjustment<'a> {
     pub by_direction: bool,
     pub(crate) groups: Vec<Group>,
     /// The screened network with its solution and noise.
-    pub screened: Arc<Screened>,
+    pub screened: Screened,
 }
 
 /// A residual this many times its noise in the mean is no noise: something in the data is wrong.
@@ -66,7 +64,7 @@ impl<'a> LengthsAdjustment<'a> {
             method: settings.method,
             by_direction: settings.by_direction,
             groups,
-            screened: Arc::new(screened),
+            screened,
         };
         let weak = adjustment.check()?;
         Ok((adjustment, weak))
@@ -114,7 +112,7 @@ impl<'a> LengthsAdjustment<'a> {
     pub(crate) fn poses(&self) -> Result<Poses, Error> {
         let Screened {
             network, solution, ..
-        } = &*self.screened;
+        } = &self.screened;
         let moved = self.moved();
         let observation = |&g: &usize| {
             let group = &self.groups[g];
@@ -176,7 +174,7 @@ impl<'a> LengthsAdjustment<'a> {
     pub(crate) fn points(&self) -> Result<MeasuredPoints, Error> {
         let Screened {
             network, solution, ..
-        } = &*self.screened;
+        } = &self.screened;
         if network.bodies.is_none() {
             let mut points = self.measured_points(network, solution);
             points.instrument = point_noise(&solution.length_noise(network), &self.moved());
