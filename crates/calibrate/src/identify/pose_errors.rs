@@ -77,9 +77,8 @@ impl Context<'_> {
     fn surroundings(&self, state: &State, k: usize) -> Vec<Surroundings> {
         let errors = self.errors(state);
         let of_run = |(run, home_from_body): (&RunData, &Isometry3<f64>)| {
-            let (outer, inner) = run.around(self.machine, self.data[k].axis);
-            let base = errors.chain_motion(outer, &run.positions);
-            let inside = errors.chain_motion(inner, &run.positions);
+            let base = errors.chain_motion(&run.outer, &run.positions);
+            let inside = errors.chain_motion(&run.inner, &run.positions);
             Surroundings {
                 base_from_datum: base.inverse() * state.ref_from_datum,
                 stage_from_body: inside * home_from_body,
