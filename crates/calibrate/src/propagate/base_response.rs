@@ -9,6 +9,7 @@ use nalgebra::{Matrix6, MatrixXx6};
 
 use crate::identify::context::Context;
 use crate::identify::identify_axes::Identified;
+use crate::identify::twist_map::twist_map;
 use crate::in_order;
 use crate::propagate::axis_noise::AxisForm;
 
@@ -37,11 +38,8 @@ impl BaseResponse {
             let record = &axis.records[i];
             // The pivot moves by v + ρ × p.
             let pivot = ref_from_datum * context.poses.observations[record.pose].pivot_mm;
-            let mut moved = Matrix6::zeros();
-            moved.fixed_view_mut::<3, 3>(0, 0).copy_from(datum_from_ref);
-            moved.fixed_view_mut::<3, 3>(3, 3).copy_from(datum_from_ref);
             let lever = -datum_from_ref * pivot.coords.cross_matrix();
-            moved.fixed_view_mut::<3, 3>(0, 3).copy_from(&lever);
+            let moved = twist_map(datum_from_ref, &lever);
             let weight = 1.0 / axis.nodes[record.node].records.len() as f64;
             let pose = sensitivity.poses[i] * moved * weight;
             (&sensitivity.parameters[i] * moved, pose)
