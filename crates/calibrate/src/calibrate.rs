@@ -1,9 +1,9 @@
 //! The headline verb: a campaign to all geometric errors.
 
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::Machine;
-use trueaxis_poses::{LengthsAdjustment, MeasuredPoses, Station, centroid, measure};
+use trueaxis_poses::{LengthsAdjustment, MeasuredPoses, Station, measure};
 
 use crate::Error;
 use crate::identify::axis_data::{AxisData, by_axis};
@@ -138,10 +138,11 @@ fn with_reference_points(campaign: &Campaign, reference: ReferencePoint) -> Mach
         ReferencePoint::Centroid => {
             let is_moved = |carrier: usize| machine.chain(carrier).contains(&index);
             let targets = campaign.targets.iter().filter(|t| is_moved(t.carrier));
-            let moved: Vec<Point3<f64>> = targets.map(|target| target.home_mm).collect();
-            match moved.is_empty() {
-                true => axis,
-                false => axis.with_reference(centroid(&moved)),
+            let moved: Vec<Vector3<f64>> = targets.map(|target| target.home_mm.coords).collect();
+            let sum: Vector3<f64> = moved.iter().sum();
+            match moved.len() {
+                0 => axis,
+                count => axis.with_reference(Point3::from(sum / count as f64)),
             }
         }
     })

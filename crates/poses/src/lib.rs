@@ -63,7 +63,6 @@ pub use lengths::{
     SideDifference, length_circumstances, scene_of,
 };
 pub use measure::{MeasuredPoses, NoiseByEquations, measure};
-pub use points::centroid;
 pub use poses::{PoseNoise, PoseObservation, Poses, TargetBody, turned_about};
 pub use report::{
     AdjustmentReport, InterruptedTurn, NoiseReport, PartReport, RejectedLength, StepMisfit,

@@ -96,16 +96,16 @@ fn from_lengths<'a>(
     let (poses, by_equations, points) = match by_points {
         Some((points, found)) if !joint => (found.poses, None, Some((points, found.equations))),
         compared => {
-            let joint = lengths.poses()?;
+            let poses = lengths.poses()?;
             let by_equations = compared.and_then(|(points, nine)| {
                 let six = Method::Six(SixRows::PAPER);
                 let six = poses_from_points(campaign, &points, six).ok();
                 Some(NoiseByEquations {
-                    nine: nine.poses.noise_about_pivots_of(&joint)?,
-                    six: six.and_then(|six| six.poses.noise_about_pivots_of(&joint)),
+                    nine: nine.poses.noise_about_pivots_of(&poses)?,
+                    six: six.and_then(|six| six.poses.noise_about_pivots_of(&poses)),
                 })
             });
-            (joint, by_equations, None)
+            (poses, by_equations, None)
         }
     };
     Ok(MeasuredPoses {

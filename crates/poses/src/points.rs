@@ -9,4 +9,4 @@ pub(crate) mod rigidity;
 
 pub(crate) use coordinates::points_from_coordinates;
 pub(crate) use measured::{MeasuredPoints, PointGroup, PointNoise};
-pub use rigid_fit::centroid;
+pub(crate) use rigid_fit::centroid;

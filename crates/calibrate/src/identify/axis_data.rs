@@ -26,11 +26,14 @@ pub(crate) struct RunData {
     pub(crate) run: usize,
     /// The body that the axis moves in this run.
     pub(crate) body: usize,
-    /// Its targets, and the carrier of each.
+    /// Its targets.
     pub(crate) targets: Vec<usize>,
-    carriers: Vec<usize>,
-    /// The carrier farthest from the bed, with which the body moves.
-    carrier: usize,
+    /// The axes outside the one under test, between it and the bed, in the order of their chain.
+    pub(crate) outer: Vec<usize>,
+    /// Those inside it, between it and the body, which moves with the carrier farthest from the bed.
+    pub(crate) inner: Vec<usize>,
+    /// Those inside it, between it and each target.
+    pub(crate) inside: Vec<Vec<usize>>,
     /// Where all axes stand at its first step; the others stand still.
     pub(crate) positions: Vec<f64>,
 }
@@ -96,7 +99,8 @@ fn check_other_axes(data: &AxisData, campaign: &Campaign, poses: &Poses) -> Resu
         let content = &data.runs[record.run];
         let step = poses.observations[record.pose].step;
         let (positions, first) = (&campaign.steps[step].positions, &content.positions);
-        for &other in content.carriers.iter().flat_map(|&c| machine.chain(c)) {
+        let chains = content.targets.iter().map(|&t| campaign.targets[t].carrier);
+        for &other in chains.flat_map(|carrier| machine.chain(carrier)) {
             if other == data.axis {
                 continue;
             }
@@ -171,37 +175,22 @@ impl RunData {
     /// The run of its first pose.
     fn new(campaign: &Campaign, poses: &Poses, first: &PoseObservation) -> Self {
         let step = &campaign.steps[first.step];
+        let (machine, axis) = (&campaign.machine, campaign.runs[step.run].axis);
         let targets = poses.bodies[first.body].targets.clone();
         let carriers = targets.iter().map(|&t| campaign.targets[t].carrier);
-        let depth = |&carrier: &usize| campaign.machine.chain(carrier).len();
-        let carrier = carriers.clone().max_by_key(depth);
+        let carrier = carriers.clone().max_by_key(|&c| machine.chain(c).len());
+        let (outer, inner) = around(machine, carrier.unwrap_or(axis), axis);
         Self {
             run: step.run,
             body: first.body,
-            carrier: carrier.unwrap_or(campaign.runs[step.run].axis),
-            carriers: carriers.collect(),
+            outer: outer.to_vec(),
+            inner: inner.to_vec(),
+            inside: carriers
+                .map(|c| around(machine, c, axis).1.to_vec())
+                .collect(),
             targets,
             positions: step.positions.clone(),
         }
-    }
-
-    /// The axes outside `axis`, between it and the bed, and those inside it, between it and the body.
-    pub(crate) fn around<'a>(
-        &self,
-        machine: &'a Machine,
-        axis: usize,
-    ) -> (&'a [usize], &'a [usize]) {
-        around(machine, self.carrier, axis)
-    }
-
-    /// The axes inside `axis`, between it and a target.
-    pub(crate) fn inside<'a>(
-        &self,
-        machine: &'a Machine,
-        axis: usize,
-        place: usize,
-    ) -> &'a [usize] {
-        around(machine, self.carriers[place], axis).1
     }
 
     /// Nominal positions of the targets at home, mm.

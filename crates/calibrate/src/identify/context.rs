@@ -62,20 +62,14 @@ impl ModelErrors<'_> {
 
     /// The targets of run `r` of axis `data[k]` at home in the reference frame, mm.
     pub(crate) fn targets_mm(&self, k: usize, r: usize) -> Vec<Point3<f64>> {
-        let Context {
-            machine,
-            poses,
-            data,
-            ..
-        } = self.context;
-        let (run, axis) = (&data[k].runs[r], data[k].axis);
-        let (_, inner) = run.around(machine, axis);
-        let on_stage = self.chain_motion(inner, &run.positions) * self.state.axes[k].placements[r];
+        let run = &self.context.data[k].runs[r];
+        let on_stage =
+            self.chain_motion(&run.inner, &run.positions) * self.state.axes[k].placements[r];
         let home = |(place, p): (usize, &Point3<f64>)| {
-            let inner = run.inside(machine, axis, place);
-            self.chain_motion(inner, &run.positions).inverse() * (on_stage * p)
+            let inside = self.chain_motion(&run.inside[place], &run.positions);
+            inside.inverse() * (on_stage * p)
         };
-        let shape_mm = poses.bodies[run.body].home_mm.iter();
+        let shape_mm = self.context.poses.bodies[run.body].home_mm.iter();
         shape_mm.enumerate().map(home).collect()
     }
 }

@@ -24,12 +24,14 @@
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 use nalgebra::{
-    DMatrix, DVector, Matrix6xX, MatrixXx6, RowVector6, UnitQuaternion, Vector3, Vector6,
+    DMatrix, DVector, Matrix3, Matrix6, Matrix6xX, MatrixXx6, RowVector6, UnitQuaternion, Vector3,
+    Vector6,
 };
 use trueaxis_kinematics::{Axis, AxisKind};
 
 use crate::identify::axis_data::{AxisData, Node};
 use crate::identify::basis::Basis;
+use crate::identify::twist_map::twist_map;
 use crate::in_order;
 
 /// The gauge of one axis.
@@ -222,16 +224,12 @@ fn location_effect(axis: &Axis, position: f64) -> Matrix6xX<f64> {
 }
 
 /// What a twist of the targets on the stage does to a pose error.
-fn target_effect(axis: &Axis, position: f64) -> Matrix6xX<f64> {
+fn target_effect(axis: &Axis, position: f64) -> Matrix6<f64> {
     let turn = match axis.kind() {
         AxisKind::Linear => UnitQuaternion::identity(),
         AxisKind::Rotary => UnitQuaternion::from_axis_angle(&axis.direction(), position),
     };
-    let turn = turn.to_rotation_matrix();
-    let mut effect = Matrix6xX::zeros(PER_RUN);
-    effect.fixed_view_mut::<3, 3>(0, 0).copy_from(turn.matrix());
-    effect.fixed_view_mut::<3, 3>(3, 3).copy_from(turn.matrix());
-    effect
+    twist_map(turn.to_rotation_matrix().matrix(), &Matrix3::zeros())
 }
 
 /// The gauge conditions: for each node the matrix by which its component errors enter them.

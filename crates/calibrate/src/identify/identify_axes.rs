@@ -184,8 +184,9 @@ fn improve(context: &Context<'_>, gauge: &Gauge, state: &mut State, k: usize) ->
     for (r, run) in own.runs.iter().enumerate() {
         let first = gauge.location_parameters + PER_RUN * r;
         let twist: Vector6<f64> = x.fixed_rows::<PER_RUN>(first).into_owned();
-        let (_, inner) = run.around(context.machine, own.axis);
-        let inside = context.errors(state).chain_motion(inner, &run.positions);
+        let inside = context
+            .errors(state)
+            .chain_motion(&run.inner, &run.positions);
         let placement = &mut state.axes[k].placements[r];
         *placement = inside.inverse() * turned_about(&reference, &twist) * inside * *placement;
         let part = |first: usize| twist.fixed_rows::<3>(first).into_owned();

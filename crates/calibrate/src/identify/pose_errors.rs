@@ -11,12 +11,13 @@
 //! and rotation are added to the component errors. As the prediction is exact, repeating this leaves no
 //! second-order error (Newton's method on the pose; paper Eqs. 2 and 20).
 
-use nalgebra::{Isometry3, Matrix3, Matrix6, Point3, UnitQuaternion, Vector6};
+use nalgebra::{Isometry3, Matrix6, Point3, UnitQuaternion, Vector6};
 use trueaxis_kinematics::MotionError;
 
 use crate::identify::axis_data::RunData;
 use crate::identify::context::Context;
 use crate::identify::state::State;
+use crate::identify::twist_map::twist_map;
 use crate::in_order;
 
 /// What the other axes do to the body of a run, during which they stand still.
@@ -39,7 +40,7 @@ struct Seen {
 }
 
 impl Context<'_> {
-    /// Component errors of every record of the axis `self.data[k]`, before the gauge: δ (mm) and ε (rad).
+    /// Component errors of every record of the axis `data[k]`, before the gauge: δ (mm) and ε (rad).
     pub(crate) fn pose_errors(&self, state: &State, k: usize) -> Vec<Vector6<f64>> {
         let surroundings = self.surroundings(state, k);
         in_order::map(self.data[k].records.len(), |record| {
@@ -58,40 +59,25 @@ impl Context<'_> {
         in_order::map(self.data[k].records.len(), |record| {
             let seen = self.seen(state, k, &surroundings, record);
             let observation = &self.poses.observations[self.data[k].records[record].pose];
-            let turn = seen
-                .base_from_datum
-                .rotation
-                .to_rotation_matrix()
-                .into_inner();
+            let turn = seen.base_from_datum.rotation.to_rotation_matrix();
             let arm_mm = seen.reference_mm - seen.base_from_datum * observation.pivot_mm;
-            let mut map = Matrix6::zeros();
-            map.fixed_view_mut::<3, 3>(0, 0).copy_from(&turn);
-            map.fixed_view_mut::<3, 3>(3, 3).copy_from(&turn);
-            let by_rotation: Matrix3<f64> = -arm_mm.cross_matrix() * turn;
-            map.fixed_view_mut::<3, 3>(0, 3).copy_from(&by_rotation);
-            map
+            twist_map(turn.matrix(), &(-arm_mm.cross_matrix() * turn.matrix()))
         })
     }
 
-    /// For each run of the axis `self.data[k]`.
+    /// For each run of the axis `data[k]`.
     fn surroundings(&self, state: &State, k: usize) -> Vec<Surroundings> {
         let errors = self.errors(state);
         let of_run = |(run, home_from_body): (&RunData, &Isometry3<f64>)| {
-            let (outer, inner) = run.around(self.machine, self.data[k].axis);
-            let base = errors.chain_motion(outer, &run.positions);
-            let inside = errors.chain_motion(inner, &run.positions);
+            let base = errors.chain_motion(&run.outer, &run.positions);
+            let inside = errors.chain_motion(&run.inner, &run.positions);
             Surroundings {
                 base_from_datum: base.inverse() * state.ref_from_datum,
                 stage_from_body: inside * home_from_body,
             }
         };
-        let placements = &state.axes[k].placements;
-        self.data[k]
-            .runs
-            .iter()
-            .zip(placements)
-            .map(of_run)
-            .collect()
+        let runs = self.data[k].runs.iter().zip(&state.axes[k].placements);
+        runs.map(of_run).collect()
     }
 
     fn seen(&self, state: &State, k: usize, surroundings: &[Surroundings], record: usize) -> Seen {

@@ -84,8 +84,9 @@ fn traces(context: &Context<'_>, data: &AxisData, run: &RunData) -> Vec<Vec<Poin
         .collect();
     records.sort_by_key(|record| record.node);
     let mut traces = vec![Vec::new(); run.targets.len()];
-    let (outer, _) = run.around(context.machine, data.axis);
-    let base = context.machine.chain_motion(&Ideal, outer, &run.positions);
+    let base = context
+        .machine
+        .chain_motion(&Ideal, &run.outer, &run.positions);
     for record in records {
         let shape_mm = &context.poses.bodies[run.body].home_mm;
         for (home, trace) in shape_mm.iter().zip(&mut traces) {

@@ -16,8 +16,9 @@ use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
 use trueaxis_poses::PoseNoise;
 
 use crate::identify::axis_data::AxisData;
+use crate::identify::context::Context;
 use crate::identify::gauge::Gauge;
-use crate::identify::identify_axes::Sensitivity;
+use crate::identify::identify_axes::{Identified, Sensitivity};
 use crate::in_order;
 use crate::propagate::variance::Variance;
 
@@ -84,12 +85,15 @@ pub(crate) struct ThroughBase {
 }
 
 impl<'a> AxisNoise<'a> {
+    /// Of axis `k` of the data.
     pub(crate) fn new(
         noise: &'a PoseNoise,
-        axis: &'a AxisData,
-        gauge: &'a Gauge,
-        sensitivity: &'a Sensitivity,
+        context: &Context<'a>,
+        identified: &'a Identified,
+        k: usize,
     ) -> Self {
+        let axis = &context.data[k];
+        let (gauge, sensitivity) = (&identified.gauges[k], &identified.sensitivities[k]);
         let (width, sources) = (gauge.parameters(), noise.width());
         let zero = || DMatrix::zeros(width, width + sources);
         let both = in_order::sum(axis.records.len(), zero, |sum, i| {

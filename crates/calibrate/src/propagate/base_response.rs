@@ -5,12 +5,11 @@
 //! `-ξ` as seen from there. A motion that all runs have in common is location error and place of
 //! the targets; component errors answer only to the difference between runs.
 
-use nalgebra::{Isometry3, Matrix6, MatrixXx6};
-use trueaxis_poses::Poses;
+use nalgebra::{Matrix6, MatrixXx6};
 
-use crate::identify::axis_data::AxisData;
-use crate::identify::gauge::Gauge;
-use crate::identify::identify_axes::Sensitivity;
+use crate::identify::context::Context;
+use crate::identify::identify_axes::Identified;
+use crate::identify::twist_map::twist_map;
 use crate::in_order;
 use crate::propagate::axis_noise::AxisForm;
 
@@ -24,13 +23,11 @@ pub(crate) struct BaseResponse {
 }
 
 impl BaseResponse {
-    pub(crate) fn new(
-        poses: &Poses,
-        axis: &AxisData,
-        gauge: &Gauge,
-        sensitivity: &Sensitivity,
-        ref_from_datum: &Isometry3<f64>,
-    ) -> Self {
+    /// Of axis `k` of the data.
+    pub(crate) fn new(context: &Context<'_>, identified: &Identified, k: usize) -> Self {
+        let axis = &context.data[k];
+        let (gauge, sensitivity) = (&identified.gauges[k], &identified.sensitivities[k]);
+        let ref_from_datum = identified.state.ref_from_datum;
         let datum_from_ref = ref_from_datum.rotation.inverse().to_rotation_matrix();
         let datum_from_ref = datum_from_ref.matrix();
         let mut new = Self {
@@ -40,12 +37,9 @@ impl BaseResponse {
         let answers = in_order::map(axis.records.len(), |i| {
             let record = &axis.records[i];
             // The pivot moves by v + ρ × p.
-            let pivot = ref_from_datum * poses.observations[record.pose].pivot_mm;
-            let mut moved = Matrix6::zeros();
-            moved.fixed_view_mut::<3, 3>(0, 0).copy_from(datum_from_ref);
-            moved.fixed_view_mut::<3, 3>(3, 3).copy_from(datum_from_ref);
+            let pivot = ref_from_datum * context.poses.observations[record.pose].pivot_mm;
             let lever = -datum_from_ref * pivot.coords.cross_matrix();
-            moved.fixed_view_mut::<3, 3>(0, 3).copy_from(&lever);
+            let moved = twist_map(datum_from_ref, &lever);
             let weight = 1.0 / axis.nodes[record.node].records.len() as f64;
             let pose = sensitivity.poses[i] * moved * weight;
             (&sensitivity.parameters[i] * moved, pose)

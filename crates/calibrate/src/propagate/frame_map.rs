@@ -41,20 +41,14 @@ impl<'a> FrameMap<'a> {
         identified: &'a Identified,
         sources: &'a Sources,
     ) -> Self {
-        let response = |k: usize| {
-            BaseResponse::new(
-                context.poses,
-                &context.data[k],
-                &identified.gauges[k],
-                &identified.sensitivities[k],
-                &identified.state.ref_from_datum,
-            )
-        };
+        let axes = 0..context.data.len();
         Self {
             context,
             identified,
             sources,
-            responses: (0..context.data.len()).map(response).collect(),
+            responses: axes
+                .map(|k| BaseResponse::new(context, identified, k))
+                .collect(),
             net: DMatrix::identity(sources.count, sources.count),
             axial: vec![RowDVector::zeros(sources.count); context.data.len()],
         }
@@ -131,10 +125,9 @@ impl<'a> FrameMap<'a> {
 
     /// The error motion of axis `k` where it stands, in the frame of its own base.
     fn twist_of(&self, k: usize, position: f64) -> Twist {
-        let index = self.context.data[k].axis;
+        let axis = self.context.axis(k);
         let location = self.identified.state.axes[k].location;
-        let error = self.errors().motion(index, position);
-        let axis = &self.context.machine.axes()[index];
+        let error = self.errors().motion(self.context.data[k].axis, position);
         axis_twist(axis, position, &location, &error).through(&self.axis_errors(k, position))
     }
 
@@ -156,15 +149,13 @@ impl<'a> FrameMap<'a> {
     /// The error motion of an axis' base in a run; the axes outside are the same for all targets.
     pub(crate) fn base_motion(&self, k: usize, run: usize) -> Twist {
         let run = &self.context.data[k].runs[run];
-        let (outer, _) = run.around(self.context.machine, self.context.data[k].axis);
-        self.twist_of_chain(Isometry3::identity(), outer, &run.positions)
+        self.twist_of_chain(Isometry3::identity(), &run.outer, &run.positions)
     }
 
     /// The base of an axis in a run.
     fn base(&self, k: usize, run: usize) -> Isometry3<f64> {
         let run = &self.context.data[k].runs[run];
-        let (outer, _) = run.around(self.context.machine, self.context.data[k].axis);
-        self.errors().chain_motion(outer, &run.positions)
+        self.errors().chain_motion(&run.outer, &run.positions)
     }
 
     /// Rotation from the axis' base: other rotary axes stand at home, so it is all but none.
@@ -176,21 +167,16 @@ impl<'a> FrameMap<'a> {
     /// where the targets are. Deformations of the shape are left out: they are none of the motions from
     /// which the frame follows.
     fn targets(&self, k: usize, r: usize) -> Vec<(Matrix3xX<f64>, Point3<f64>)> {
-        let (axis, run, errors) = (
-            &self.context.data[k],
-            &self.context.data[k].runs[r],
-            self.errors(),
-        );
-        let machine = self.context.machine;
+        let (run, errors) = (&self.context.data[k].runs[r], self.errors());
         let base = self.base(k, r);
         let values = &self.identified.state.axes[k];
-        let reference = machine.axes()[axis.axis].reference_at_home_mm(&values.location);
+        let reference = self.context.axis(k).reference_at_home_mm(&values.location);
         let first = self.sources.placements[k][r];
         let placed = Twist::about(reference, self.pick(first), self.pick(first + 3));
         let placed = placed.seen_from(&base);
         let homes = errors.targets_mm(k, r);
         let target = |(place, home): (usize, Point3<f64>)| {
-            let inner = run.inside(machine, axis.axis, place);
+            let inner = &run.inside[place];
             let at = base * errors.chain_motion(inner, &run.positions) * home;
             let carried = self.twist_of_chain(base, inner, &run.positions);
             (placed.at(at) - carried.at(at), home)
@@ -253,9 +239,9 @@ impl<'a> FrameMap<'a> {
     /// Finds the errors of the places of rotary axes along themselves.
     fn find_axial(&mut self, frame: &Twist) {
         for k in 0..self.context.data.len() {
-            let index = self.context.data[k].axis;
-            let rotary = self.context.machine.axes()[index].kind() == AxisKind::Rotary;
-            if rotary && self.identified.frame.places_along_itself(index) {
+            let rotary = self.context.axis(k).kind() == AxisKind::Rotary;
+            let axis = self.context.data[k].axis;
+            if rotary && self.identified.frame.places_along_itself(axis) {
                 self.axial[k] = self.axial_shift(k, frame);
             }
         }
@@ -263,14 +249,10 @@ impl<'a> FrameMap<'a> {
 
     /// Error of the mean shift of an axis' targets along it: one row.
     fn axial_shift(&self, k: usize, frame: &Twist) -> RowDVector<f64> {
-        let axis = &self.context.data[k];
-        let along = self.turn(k)
-            * self.context.machine.axes()[axis.axis]
-                .direction()
-                .into_inner();
+        let along = self.turn(k) * self.context.axis(k).direction().into_inner();
         let mut sum = RowDVector::zeros(self.sources.count);
         let mut count = 0.0;
-        for r in 0..axis.runs.len() {
+        for r in 0..self.context.data[k].runs.len() {
             for (shift, at) in self.targets(k, r) {
                 sum += along.transpose() * (shift - frame.at(at));
                 count += 1.0;

@@ -140,15 +140,10 @@ impl<'a> Propagation<'a> {
 
 impl<'a> Noise<'a> {
     pub(crate) fn new(dependence: &'a Dependence<'a>, noise: &'a PoseNoise) -> Self {
-        let identified = dependence.identified;
-        let maps = identified.gauges.iter().zip(&identified.sensitivities);
-        let axes: Vec<AxisNoise> = dependence
-            .context
-            .data
-            .iter()
-            .zip(maps)
-            .map(|(axis, (gauge, sensitivity))| AxisNoise::new(noise, axis, gauge, sensitivity))
-            .collect();
+        let (context, identified) = (dependence.context, dependence.identified);
+        let axes = 0..context.data.len();
+        let axes = axes.map(|k| AxisNoise::new(noise, context, identified, k));
+        let axes: Vec<AxisNoise<'_>> = axes.collect();
         Self {
             dependence,
             sources: dependence.sources.noise(&axes, noise.width()),

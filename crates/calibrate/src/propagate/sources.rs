@@ -104,8 +104,7 @@ impl Sources {
         let mut held: Vec<Held> = Vec::new();
         for axis in context.data {
             for run in &axis.runs {
-                let (outer, inner) = run.around(context.machine, axis.axis);
-                for &other in outer.iter().chain(inner) {
+                for &other in run.outer.iter().chain(&run.inner) {
                     let Some(k) = context.place_of(other) else {
                         continue;
                     };

@@ -1,7 +1,5 @@
 //! Lengths to poses or to points, with errors in the words of the campaign.
 
-use std::sync::Arc;
-
 use nalgebra::{DMatrix, Matrix6, Matrix6xX, Point3};
 use rayon::prelude::*;
 use trueaxis_campaign::{Campaign, Lengths};
@@ -32,7 +30,7 @@ pub struct LengthsAdjustment<'a> {
     /// The number in the campaign ([`Campaign::reflectors`]) of each reflector that was measured.
     pub(crate) reflectors: Vec<usize>,
     /// The screened network with its solution and noise.
-    pub screened: Arc<Screened>,
+    pub screened: Screened,
 }
 
 /// A residual this many times its noise in the mean is no noise: something in the data is wrong.
@@ -82,7 +80,7 @@ impl<'a> LengthsAdjustment<'a> {
             by_direction: settings.by_direction,
             groups,
             reflectors,
-            screened: Arc::new(screened),
+            screened,
         };
         let weak = adjustment.check()?;
         Ok((adjustment, weak))
@@ -130,7 +128,7 @@ impl<'a> LengthsAdjustment<'a> {
     pub(crate) fn poses(&self) -> Result<Poses, Error> {
         let Screened {
             network, solution, ..
-        } = &*self.screened;
+        } = &self.screened;
         let moved = self.moved();
         let observation = |&g: &usize| {
             let group = &self.groups[g];
@@ -192,7 +190,7 @@ impl<'a> LengthsAdjustment<'a> {
     pub(crate) fn points(&self) -> Result<MeasuredPoints, Error> {
         let Screened {
             network, solution, ..
-        } = &*self.screened;
+        } = &self.screened;
         if network.bodies.is_none() {
             let mut points = self.measured_points(network, solution);
             points.instrument = point_noise(&solution.length_noise(network), &self.moved());

@@ -12,7 +12,7 @@
 use std::collections::HashMap;
 
 use nalgebra::{Point3, Vector3};
-use trueaxis_campaign::{Campaign, Direction, Lengths, Stop};
+use trueaxis_campaign::{Campaign, Direction, LengthReading, Lengths, Stop};
 use trueaxis_effects::{Circumstances, Displaced, Scene, SceneTarget};
 use trueaxis_kinematics::Machine;
 use trueaxis_multilateration::{Group, Network, Station};
@@ -76,24 +76,12 @@ pub fn length_circumstances(
     groups: &[Group],
     kept: &[usize],
 ) -> Vec<LengthCircumstances> {
-    let span = |from: f64, to: f64, t: f64| {
-        if to > from {
-            (t - from) / (to - from)
-        } else {
-            0.0
-        }
+    let campaign_span = Span::of(&lengths.readings);
+    let turn = |station: usize| {
+        let stops = lengths.stops.iter().filter(|stop| stop.station == station);
+        Span::of(stops.flat_map(|stop| &lengths.readings[stop.readings.clone()]))
     };
-    let times = lengths.readings.iter().map(|r| r.time_s);
-    let first = times.clone().fold(f64::INFINITY, f64::min);
-    let last = times.fold(f64::NEG_INFINITY, f64::max);
-    let mut turns = vec![(f64::INFINITY, f64::NEG_INFINITY); campaign.stations.len()];
-    for stop in &lengths.stops {
-        for reading in &lengths.readings[stop.readings.clone()] {
-            let turn = &mut turns[stop.station];
-            *turn = (turn.0.min(reading.time_s), turn.1.max(reading.time_s));
-        }
-    }
-    let speeds = speeds(campaign, lengths);
+    let turns: Vec<Span> = (0..campaign.stations.len()).map(turn).collect();
     // Where each target is at each step (and side of approach): its group and the number of its point.
     let mut place_of = HashMap::new();
     for (g, (group, points)) in groups.iter().zip(&network.groups).enumerate() {
@@ -101,42 +89,42 @@ pub fn length_circumstances(
             place_of.insert((group.step, group.direction, target), (g, point));
         }
     }
-    let (mut sweep, mut sweep_of_turn) = (0, 0);
-    let mut earlier: Option<SweepKey> = None;
+    let key = |stop: &Stop| {
+        let run = campaign.steps[stop.step].run;
+        (stop.station, stop.repeat, run, stop.direction)
+    };
+    let sweeps = lengths.stops.chunk_by(|a, b| key(a) == key(b));
+    let (mut before, mut sweep_of_turn) = (None, 0);
     let mut all = Vec::with_capacity(kept.len());
-    for (number, stop) in lengths.stops.iter().enumerate() {
-        let step = &campaign.steps[stop.step];
-        let key = sweep_key(campaign, stop);
-        if let Some(earlier) = earlier.filter(|&earlier| earlier != key) {
-            sweep += 1;
-            sweep_of_turn = if earlier.0 == stop.station {
-                sweep_of_turn + 1
-            } else {
-                0
-            };
-        }
-        earlier = Some(key);
-        for i in stop.readings.clone() {
-            let reading = &lengths.readings[i];
-            let place = |side| place_of.get(&(stop.step, side, reading.target));
-            let place = place(None).or_else(|| place(Some(stop.direction)));
+    for (sweep, stops) in sweeps.enumerate() {
+        let (station, repeat, run, direction) = key(&stops[0]);
+        let axis = campaign.runs[run].axis;
+        let speed_per_s = speed_per_s(campaign, lengths, stops, axis);
+        let same_turn = before.replace(station) == Some(station);
+        sweep_of_turn = if same_turn { sweep_of_turn + 1 } else { 0 };
+        let readings = stops.iter().flat_map(|stop| {
+            let readings = stop.readings.clone();
+            readings.map(|i| (stop.step, i, &lengths.readings[i]))
+        });
+        for (step, i, reading) in readings {
+            let place = |side| place_of.get(&(step, side, reading.target));
+            let place = place(None).or_else(|| place(Some(direction)));
             let Some(&(group, point)) = place.filter(|_| kept.binary_search(&i).is_ok()) else {
                 continue;
             };
-            let t = reading.time_s;
             all.push(LengthCircumstances {
-                time_s: t,
-                elapsed_s: t - first,
-                progress: span(first, last, t),
-                turn_progress: span(turns[stop.station].0, turns[stop.station].1, t),
-                station: stop.station,
+                time_s: reading.time_s,
+                elapsed_s: reading.time_s - campaign_span.first_s,
+                progress: campaign_span.progress(reading.time_s),
+                turn_progress: turns[station].progress(reading.time_s),
+                station,
                 target: reading.target,
-                repeat: stop.repeat,
+                repeat,
                 carrier: campaign.targets[reading.target].carrier,
-                axis: campaign.runs[step.run].axis,
-                direction: stop.direction,
-                speed_per_s: speeds[number],
-                step: stop.step,
+                axis,
+                direction,
+                speed_per_s,
+                step,
                 sweep,
                 sweep_of_turn,
                 point,
@@ -147,47 +135,58 @@ pub fn length_circumstances(
     all
 }
 
-/// Station, repeat, run and direction.
-type SweepKey = (usize, u32, usize, Direction);
+/// From the first to the last of some readings, s.
+struct Span {
+    first_s: f64,
+    last_s: f64,
+}
 
-fn sweep_key(campaign: &Campaign, stop: &Stop) -> SweepKey {
-    let run = campaign.steps[stop.step].run;
-    (stop.station, stop.repeat, run, stop.direction)
+impl Span {
+    fn of<'a>(readings: impl IntoIterator<Item = &'a LengthReading>) -> Self {
+        let empty = Self {
+            first_s: f64::INFINITY,
+            last_s: f64::NEG_INFINITY,
+        };
+        readings.into_iter().fold(empty, |span, reading| Self {
+            first_s: span.first_s.min(reading.time_s),
+            last_s: span.last_s.max(reading.time_s),
+        })
+    }
+
+    /// How much of it has passed, 0 to 1.
+    fn progress(&self, time_s: f64) -> f64 {
+        match self.last_s > self.first_s {
+            true => (time_s - self.first_s) / (self.last_s - self.first_s),
+            false => 0.0,
+        }
+    }
 }
 
 /// A feed is constant if the speeds between neighbouring stops differ by less than this part.
 const CONSTANT_FEED: f64 = 0.02;
 
-/// Speed of the moving axis at each stop, mm/s or rad/s with sign, if the machine may be moving there:
-/// single readings along a sweep whose positions grow in proportion to time. Several readings at one
-/// stop show that it stands still.
-fn speeds(campaign: &Campaign, lengths: &Lengths) -> Vec<f64> {
-    let mut speeds = Vec::with_capacity(lengths.stops.len());
-    let same = |a: &Stop, b: &Stop| sweep_key(campaign, a) == sweep_key(campaign, b);
-    for sweep in lengths.stops.chunk_by(same) {
-        let axis = campaign.runs[campaign.steps[sweep[0].step].run].axis;
-        let at = |stop: &Stop| {
-            let time_s = lengths.readings[stop.readings.start].time_s;
-            (time_s, campaign.steps[stop.step].positions[axis])
-        };
-        let single = sweep.iter().all(|stop| stop.readings.len() == 1);
-        // Sweeps of one target each follow one another in one key: a jump back is no motion.
-        let between = sweep.windows(2).map(|pair| {
-            let (from, to) = (at(&pair[0]), at(&pair[1]));
-            (to.1 - from.1) / (to.0 - from.0)
-        });
-        let mut between: Vec<f64> = between.collect();
-        between.sort_by(f64::total_cmp);
-        let median = between.get(between.len() / 2).copied().unwrap_or(0.0);
-        let alike = |v: &&f64| (*v - median).abs() <= CONSTANT_FEED * median.abs();
-        let constant = 10 * between.iter().filter(alike).count() >= 9 * between.len();
-        let moving = single && sweep.len() > 2 && median.is_finite() && median != 0.0 && constant;
-        speeds.resize(
-            speeds.len() + sweep.len(),
-            if moving { median } else { 0.0 },
-        );
+/// Speed of an axis in a sweep, mm/s or rad/s with sign, if the machine may be moving there: single readings
+/// whose positions grow in proportion to time. Several readings at one stop show that it stands still.
+fn speed_per_s(campaign: &Campaign, lengths: &Lengths, sweep: &[Stop], axis: usize) -> f64 {
+    if sweep.len() < 3 || sweep.iter().any(|stop| stop.readings.len() != 1) {
+        return 0.0;
     }
-    speeds
+    let time_s = |stop: &Stop| lengths.readings[stop.readings.start].time_s;
+    let position = |stop: &Stop| campaign.steps[stop.step].positions[axis];
+    // Sweeps of one target each follow one another in one key: a jump back is no motion.
+    let between = sweep.windows(2).map(|pair| {
+        let [from, to] = [&pair[0], &pair[1]];
+        (position(to) - position(from)) / (time_s(to) - time_s(from))
+    });
+    let mut between: Vec<f64> = between.collect();
+    between.sort_by(f64::total_cmp);
+    let median = between[between.len() / 2];
+    let alike = |v: &&f64| (*v - median).abs() <= CONSTANT_FEED * median.abs();
+    let constant = 10 * between.iter().filter(alike).count() >= 9 * between.len();
+    match median.is_finite() && constant {
+        true => median,
+        false => 0.0,
+    }
 }
 
 /// One observed length of an adjusted network.

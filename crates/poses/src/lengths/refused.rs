@@ -1,6 +1,6 @@
 //! What is wrong with the lengths, in the words of the campaign.
 
-use trueaxis_campaign::{Campaign, Direction, Lengths};
+use trueaxis_campaign::{Campaign, Direction, Lengths, Stop};
 use trueaxis_multilateration::{Error as Failure, Group, Part, StationUnknown};
 
 use crate::Error;
@@ -180,33 +180,27 @@ pub(crate) fn contradictory(
     sigma0: f64,
     residuals_mm: &[f64],
 ) -> Error {
-    let mut stations = vec![(0.0_f64, 0_usize); campaign.stations.len()];
-    let mut runs = vec![(0.0_f64, 0_usize); campaign.runs.len()];
-    let mut worst = (0.0_f64, 0);
-    for stop in &lengths.stops {
-        for i in stop.readings.clone() {
-            let v = residuals_mm[i];
-            for sum in [
-                &mut stations[stop.station],
-                &mut runs[campaign.steps[stop.step].run],
-            ] {
-                sum.0 += v * v;
-                sum.1 += 1;
-            }
-            if v.abs() > worst.0 {
-                worst = (v.abs(), lengths.readings[i].line);
+    let worst_of = |count: usize, place: &dyn Fn(&Stop) -> usize| {
+        let mut sums = vec![(0.0, 0_usize); count];
+        for stop in &lengths.stops {
+            let (squares, lengths) = &mut sums[place(stop)];
+            *lengths += stop.readings.len();
+            for v in &residuals_mm[stop.readings.clone()] {
+                *squares += v * v;
             }
         }
-    }
-    let largest = |sums: &[(f64, usize)]| {
         let rms = |&(squares, count): &(f64, usize)| (squares / count.max(1) as f64).sqrt();
         let all = sums.iter().map(rms).enumerate();
-        all.fold(
-            (0, 0.0),
-            |best, (k, rms)| if rms > best.1 { (k, rms) } else { best },
-        )
+        // The first of equal ones.
+        all.rev()
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or_default()
     };
-    let ((j, station_rms), (r, run_rms)) = (largest(&stations), largest(&runs));
+    let (j, station_rms) = worst_of(campaign.stations.len(), &|stop| stop.station);
+    let (r, run_rms) = worst_of(campaign.runs.len(), &|stop| campaign.steps[stop.step].run);
+    let sizes = residuals_mm.iter().map(|v| v.abs()).zip(&lengths.readings);
+    let worst = sizes.rev().max_by(|a, b| a.0.total_cmp(&b.0));
+    let (worst_mm, line) = worst.map_or((0.0, 0), |(size_mm, reading)| (size_mm, reading.line));
     Error::Contradictory {
         rms_um: rms(residuals_mm) * 1e3,
         sigma0,
@@ -216,8 +210,8 @@ pub(crate) fn contradictory(
             station_rms * 1e3,
             campaign.runs[r].name,
             run_rms * 1e3,
-            worst.1,
-            worst.0 * 1e3
+            line,
+            worst_mm * 1e3
         ),
         hint: LOOK_AT,
     }

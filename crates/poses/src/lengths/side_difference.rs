@@ -44,7 +44,7 @@ impl LengthsAdjustment<'_> {
         reference_mm: impl Fn(usize) -> Point3<f64>,
     ) -> Vec<Option<SideDifference>> {
         let mut found = vec![None; axes.len()];
-        let (campaign, screened) = (self.campaign, &*self.screened);
+        let (campaign, screened) = (self.campaign, &self.screened);
         if self.method != Method::Joint || self.by_direction {
             return found;
         }
@@ -85,7 +85,7 @@ impl LengthsAdjustment<'_> {
             solution,
             kept,
             ..
-        } = &*self.screened;
+        } = &self.screened;
         let side = |visit: &Visit, reading: usize| {
             let stop = stop_of(self.lengths, kept[reading]);
             let point = network.groups[visit.group].start + network.readings[reading].point;

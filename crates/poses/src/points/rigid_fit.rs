@@ -26,7 +26,7 @@ pub(crate) fn rigid_fit(from: &[Point3<f64>], to: &[Point3<f64>]) -> Isometry3<f
 }
 
 /// Mean of the points; the origin for none.
-pub fn centroid(points: &[Point3<f64>]) -> Point3<f64> {
+pub(crate) fn centroid(points: &[Point3<f64>]) -> Point3<f64> {
     let sum: Vector3<f64> = points.iter().map(|p| p.coords).sum();
     Point3::from(sum / points.len().max(1) as f64)
 }
