@@ -89,7 +89,7 @@ impl<'a> Derivatives<'a> {
         })
     }
 
-    /// Derivatives of all lengths by dead paths, stations and targets. The poses take every common
+    /// Derivatives of all lengths by dead paths, stations, constants of reflectors and targets. The poses take every common
     /// motion of the stations and of the targets of a stage, so both move only against each other.
     pub(super) fn shared(&self) -> DMatrix<f64> {
         let setup = &self.experiment.setup;
@@ -108,6 +108,13 @@ impl<'a> Derivatives<'a> {
                 let station_mm = setup.stations_mm[station];
                 let distance = |h: f64| (reading.point_mm - (station_mm + direction * h)).norm();
                 slope(distance, DIFFERENCE_MM)
+            }));
+        }
+        // What the reflectors' constants have in common is dead path.
+        for target in 1..setup.homes_mm.len() {
+            columns.push(self.column(|reading, _| {
+                let own = reading.target == target;
+                if own { 1.0 } else { 0.0 }
             }));
         }
         for target in 0..setup.homes_mm.len() {

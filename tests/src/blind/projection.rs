@@ -1,7 +1,7 @@
 //! What of a disturbance is left when the base model has taken all it can.
 //!
 //! The base model: rigid stages whose six pose parameters are free at every step (common to all
-//! stations, repeats and directions), targets, stations and dead paths, with the covariance
+//! stations, repeats and directions), targets, stations, dead paths and constants of reflectors, with the covariance
 //! `σ² I + ρ² U Uᵀ` of the lengths of a stop (U: unit vectors, ρ: return error). With W its inverse
 //! root, the strength of a change `Δl` of the lengths is
 //!
