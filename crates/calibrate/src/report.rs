@@ -3,4 +3,5 @@
 pub(crate) mod axis_results;
 pub(crate) mod method_loss;
 pub(crate) mod notices;
+pub(crate) mod run_misfit;
 pub(crate) mod triangle;

@@ -8,7 +8,8 @@
 //! Σ_l ½ tr(P V_k P V_l) θ_l = ½ vᵀ C⁻¹ V_k C⁻¹ v      P = C⁻¹ (C - J Q Jᵀ) C⁻¹
 //! ```
 //!
-//! repeatedly; the inverse of the left side is the covariance of the estimates. `P` never appears as
+//! (what is known of reflectors beforehand is a third part of known size; its trace beside the others is below
+//! a quarter for each contrast and left out) repeatedly; the inverse of the left side is the covariance of the estimates. `P` never appears as
 //! a matrix: with the whitened parts `V_1` (visit by visit) and `V_2 = I - V_1` of the noise, and the hat
 //! matrix `[same group] O Oᵀ + T Σ Tᵀ` ([`crate::batch_influence`]), every trace is made of sums over groups,
 //! linear in the number of lengths:

@@ -118,14 +118,19 @@ impl Weighted<'_> {
         Ok(())
     }
 
-    /// Redundancy.
+    /// Redundancy of the lengths.
     fn degrees_of_freedom(&self) -> f64 {
-        self.solution.degrees_of_freedom() as f64
+        self.solution.of_lengths(self.network).1
     }
 
-    /// Standard deviation of unit weight.
+    /// Sum of squares of the whitened residuals of the lengths.
+    fn squares(&self) -> f64 {
+        self.solution.of_lengths(self.network).0
+    }
+
+    /// Standard deviation of unit weight of the lengths.
     fn sigma0(&self) -> f64 {
-        (self.solution.squares / self.degrees_of_freedom()).sqrt()
+        (self.squares() / self.degrees_of_freedom()).sqrt()
     }
 
     /// One step of the restricted maximum likelihood.
@@ -138,7 +143,7 @@ impl Weighted<'_> {
 fn estimate(adjusted: &mut Weighted<'_>, declared: bool) -> Result<NoiseEstimate, Error> {
     let given = adjusted.noise();
     let dof = adjusted.degrees_of_freedom();
-    let above = chi_squared_upper_tail(adjusted.solution.squares, dof);
+    let above = chi_squared_upper_tail(adjusted.squares(), dof);
     let too_good = adjusted.sigma0() < TOO_GOOD;
     if dof == 0.0 || (declared && above > REJECTED && (too_good || dof < LEAST_DEGREES_OF_FREEDOM))
     {

@@ -4,6 +4,7 @@ use faer::Mat;
 use nalgebra::{DMatrix, Isometry3, Matrix4, Point3};
 use trueaxis_leastsquares::{Covariance, Termination};
 
+use crate::Network;
 use crate::reflectors::contrast;
 use crate::state::{PER_STATION, State, zero_column};
 
@@ -74,6 +75,21 @@ impl Solution {
         (squares / self.residuals_mm.len().max(1) as f64).sqrt()
     }
 
+    /// The length that the solution has from a station (with its first dead path) to a point, mm.
+    ///
+    /// # Panics
+    /// If `network`, which must be the one that was solved, has no such station or point.
+    pub fn computed_length_mm(&self, network: &Network, station: usize, point: usize) -> f64 {
+        let Station {
+            position_mm,
+            dead_path_mm,
+        } = self.stations[station];
+        let distance_mm = (self.points_mm[point] - position_mm).norm();
+        let reflectors = network.reflectors.as_deref();
+        let of_point = reflectors.and_then(|r| self.reflectors_mm.get(r.of_points[point]));
+        distance_mm - dead_path_mm + of_point.copied().unwrap_or_default()
+    }
+
     /// Covariance of the unknowns of a group: its free points (3 rows and columns each), or its pose.
     pub fn group_covariance(&self, group: usize) -> Mat<f64> {
         self.covariance.block(group)
@@ -117,6 +133,23 @@ impl Solution {
         (0..self.reflectors_mm.len().saturating_sub(1))
             .map(of)
             .collect()
+    }
+
+    /// The part of the lengths in the sum of squares and in the redundancy: without what is known of reflectors
+    /// beforehand, whose noise is not that of lengths.
+    pub(crate) fn of_lengths(&self, network: &Network) -> (f64, f64) {
+        let (mut squares, mut redundancy) = (self.squares, self.degrees_of_freedom() as f64);
+        if let Some(sigma_mm) = network.contrast_sigma_mm() {
+            let contrasts_mm = self.contrasts_mm();
+            let shared = self.covariance.shared();
+            let first = shared.nrows() - contrasts_mm.len();
+            for (m, contrast_mm) in contrasts_mm.iter().enumerate() {
+                let variance = shared[(first + m, first + m)];
+                squares -= (contrast_mm / sigma_mm).powi(2);
+                redundancy -= 1.0 - variance / (sigma_mm * sigma_mm);
+            }
+        }
+        (squares.max(0.0), redundancy.max(0.0))
     }
 
     /// The values of all unknowns.

@@ -258,7 +258,12 @@ pub(crate) fn batches_of(network: &Network) -> Result<Arc<Vec<Batch>>, Error> {
     let shapes: usize = bodies
         .map(|body| (3 * body.home_mm.len()).saturating_sub(POSE))
         .sum();
-    let unknowns = of_groups + shared + shapes + network.contrasts() - DATUM;
+    // What is known beforehand needs no length.
+    let contrasts = match network.contrast_sigma_mm() {
+        Some(_) => 0,
+        None => network.contrasts(),
+    };
+    let unknowns = of_groups + shared + shapes + contrasts - DATUM;
     if readings < unknowns {
         return Err(Error::TooFewReadings { readings, unknowns });
     }

@@ -5,6 +5,7 @@
     reason = "statistical claims are printed with their counts"
 )]
 
+mod contradicting_runs;
 mod coverage;
 mod diagnosis;
 mod first_order;

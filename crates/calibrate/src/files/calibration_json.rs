@@ -14,7 +14,7 @@ use crate::files::adjustment_json::adjustment;
 use crate::files::{text, without_nulls};
 use crate::result::budget::Budget;
 use crate::result::calibration::{
-    AxisResult, Calibration, LocationResult, StationResult, TriangleSide,
+    AxisResult, Calibration, LocationResult, RunMisfit, StationResult, TriangleSide,
 };
 use crate::result::output::{Unit, direction_in_file, position_in_file};
 
@@ -115,11 +115,28 @@ fn axis(axis: &AxisResult) -> Value {
                 "six": loss.six.map(|six| round(six[c.index()], 4)),
             })))
         }),
+        "run_misfit": axis.runs.as_ref().map(|runs| run_misfit(axis, runs)),
         "forward_minus_backward": axis.sides.map(|sides| json!({
             "p_value": significant(sides.p_value),
             "components": by_component(axis, |c| side_difference(&sides, c)),
         })),
     }))
+}
+
+fn run_misfit(axis: &AxisResult, runs: &RunMisfit) -> Value {
+    let unit = Unit::of_component(runs.component);
+    json!({
+        "runs": runs.runs,
+        "chi_squared": round(runs.chi_squared, 3),
+        "degrees_of_freedom": runs.degrees_of_freedom,
+        "p_value": significant(runs.p_value),
+        "birge_ratio": round(runs.birge_ratio(), 4),
+        "largest": {
+            "component": runs.component.name(&axis.name),
+            "position": position_in_file(axis.kind, runs.position),
+            (format!("difference_{}", unit.suffix())): unit.in_file(runs.difference),
+        },
+    })
 }
 
 /// One entry for each of the six components, by their names.

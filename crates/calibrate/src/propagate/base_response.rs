@@ -18,6 +18,8 @@ use crate::propagate::axis_noise::AxisForm;
 pub(crate) struct BaseResponse {
     /// Of the parameters `y`, for each run.
     parameters: Vec<MatrixXx6<f64>>,
+    /// Of the pose error of each record, with its run.
+    pub(crate) records: Vec<(usize, Matrix6<f64>)>,
     /// Of each node's mean pose error, for the runs that measured it.
     poses: Vec<Vec<(usize, Matrix6<f64>)>>,
 }
@@ -32,6 +34,7 @@ impl BaseResponse {
         let datum_from_ref = datum_from_ref.matrix();
         let mut new = Self {
             parameters: vec![MatrixXx6::zeros(gauge.parameters()); axis.runs.len()],
+            records: Vec::with_capacity(axis.records.len()),
             poses: vec![Vec::new(); axis.nodes.len()],
         };
         let answers = in_order::map(axis.records.len(), |i| {
@@ -40,13 +43,16 @@ impl BaseResponse {
             let pivot = ref_from_datum * context.poses.observations[record.pose].pivot_mm;
             let lever = -datum_from_ref * pivot.coords.cross_matrix();
             let moved = twist_map(datum_from_ref, &lever);
-            let weight = 1.0 / axis.nodes[record.node].records.len() as f64;
-            let pose = sensitivity.poses[i] * moved * weight;
-            (&sensitivity.parameters[i] * moved, pose)
+            (
+                &sensitivity.parameters[i] * moved,
+                sensitivity.poses[i] * moved,
+            )
         });
         for (record, (parameters, pose)) in axis.records.iter().zip(answers) {
             new.parameters[record.run] += parameters;
-            new.poses[record.node].push((record.run, pose));
+            let weight = 1.0 / axis.nodes[record.node].records.len() as f64;
+            new.poses[record.node].push((record.run, pose * weight));
+            new.records.push((record.run, pose));
         }
         new
     }

@@ -52,6 +52,15 @@ impl FrameForms {
         self.bases[k].1.len() > 1
     }
 
+    /// What a record of axis `k` owes to the sources through its base, with the sign of the base's motion: six
+    /// rows.
+    pub(crate) fn response_to_base(&self, k: usize, record: usize) -> DMatrix<f64> {
+        let (response, motions) = &self.bases[k];
+        let (run, map) = &response.records[record];
+        let rows = map * &motions[*run];
+        DMatrix::from_column_slice(6, rows.ncols(), rows.as_slice())
+    }
+
     /// What functions of axis `k` owe to the errors of its base; `None` if it had one run, so that
     /// its base stood still.
     pub(crate) fn through_base(&self, k: usize, form: &AxisForm) -> Option<DMatrix<f64>> {

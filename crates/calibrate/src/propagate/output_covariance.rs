@@ -15,9 +15,9 @@ use crate::Error;
 use crate::identify::axis_data::AxisData;
 use crate::propagate::axis_noise::AxisForm;
 use crate::propagate::propagation::{Dependence, Propagation, place_of};
-use crate::result::calibration::{AxisResult, StationResult};
+use crate::result::calibration::{AxisResult, RunMisfit, StationResult};
 use crate::result::numbered::{NumberedResult, results};
-use crate::result::output::OutputCovariance;
+use crate::result::output::{Output, OutputCovariance};
 
 /// Largest covariance that is made, GiB.
 const LIMIT_GIB: u32 = 1;
@@ -55,9 +55,14 @@ impl OutputCovariance {
     ) -> Self {
         let mut matrix = in_mm_and_rad(propagation, axes);
         let results = results(axes, stations);
+        let birge_ratio = |output: &Output| {
+            let of_output = axes.iter().find(|axis| output.axis() == Some(&axis.name));
+            let runs = of_output.and_then(|axis| axis.runs.as_ref());
+            runs.map_or(1.0, RunMisfit::birge_ratio)
+        };
         // Gauge and frame leave rounding where they define a result.
         let scale = |result: &NumberedResult| match result.u > 0.0 {
-            true => result.output.unit().size().recip(),
+            true => birge_ratio(&result.output) / result.output.unit().size(),
             false => 0.0,
         };
         let scales: Vec<f64> = results.iter().map(scale).collect();

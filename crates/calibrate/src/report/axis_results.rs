@@ -7,6 +7,7 @@ use trueaxis_poses::{MeasuredPoses, SideDifference, Station};
 
 use crate::propagate::propagation::{Dependence, Propagation, Uncertainty, place_of};
 use crate::report::method_loss::method_loss;
+use crate::report::run_misfit::{run_misfits, widen};
 use crate::result::calibration::{AxisResult, LocationResult, NodeResult, StationResult};
 
 /// The errors of all axes.
@@ -17,11 +18,17 @@ pub(crate) fn axis_results(
     let losses = measured.by_equations.as_ref();
     let losses = losses.map(|by_equations| method_loss(by_equations, propagation));
     let sides = side_differences(measured, propagation.dependence);
-    let axes = sides.into_iter().enumerate();
-    axes.map(|(k, sides)| AxisResult {
-        u_ratio: losses.as_ref().map(|losses| losses[k]),
-        sides,
-        ..axis_result(measured, propagation, k)
+    let runs = run_misfits(propagation);
+    let axes = sides.into_iter().zip(runs).enumerate();
+    axes.map(|(k, (sides, runs))| {
+        let mut axis = AxisResult {
+            u_ratio: losses.as_ref().map(|losses| losses[k]),
+            sides,
+            runs,
+            ..axis_result(measured, propagation, k)
+        };
+        widen(&mut axis);
+        axis
     })
     .collect()
 }
@@ -96,6 +103,7 @@ fn axis_result(
         noise_gain: measured.noise_gain(context.machine, &poses),
         u_ratio: None,
         sides: None,
+        runs: None,
     }
 }
 

@@ -21,6 +21,7 @@ pub(crate) fn notices(
 ) -> Vec<String> {
     let axes = &calibration.axes;
     let mut notices: Vec<String> = axes.iter().filter_map(differing_sides).collect();
+    notices.extend(axes.iter().filter_map(contradicting_runs));
     notices.extend(unmeasured_axes(campaign, axes));
     notices.extend(axes.iter().flat_map(absurd_errors));
     notices.extend(stations_elsewhere(campaign, &calibration.stations));
@@ -51,6 +52,30 @@ fn differing_sides(axis: &AxisResult) -> Option<String> {
          curves are the mean of both sides; --by-direction keeps them apart",
         most.name(name),
         2.0 * u
+    ))
+}
+
+/// Whether the curves of an axis are the mean of runs that contradict each other.
+fn contradicting_runs(axis: &AxisResult) -> Option<String> {
+    let runs = axis.runs.as_ref()?;
+    let (size, unit) = match runs.component.is_angular() {
+        true => (ARCSEC, "″"),
+        false => (MICROMETRE, " µm"),
+    };
+    let at = match axis.kind {
+        AxisKind::Linear => format!("{} mm", runs.position),
+        AxisKind::Rotary => format!("{:.4}°", runs.position.to_degrees()),
+    };
+    Some(format!(
+        "axis {}: runs {} contradict each other, {} at {at} by {:.2}{unit} (p = {:.0e}): its curves are their mean, \
+         and U is {:.1} times what the noise makes it; its errors depend on where the other axes stand, or changed \
+         between the runs: calibrate the runs one at a time and compare",
+        axis.name,
+        runs.runs.join(", "),
+        runs.component.name(&axis.name),
+        runs.difference / size,
+        runs.p_value,
+        runs.birge_ratio()
     ))
 }
 

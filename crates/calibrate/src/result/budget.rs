@@ -71,6 +71,17 @@ impl Budget {
         }
     }
 
+    /// All parts multiplied.
+    pub(crate) fn times(&self, factor: f64) -> Self {
+        Self {
+            laser: factor * self.laser,
+            machine_return: factor * self.machine_return,
+            station_geometry: factor * self.station_geometry,
+            effects: factor * self.effects,
+            laser_in_all: factor * self.laser_in_all,
+        }
+    }
+
     /// u².
     pub fn variance(&self) -> f64 {
         self.laser + self.machine_return + self.station_geometry + self.effects

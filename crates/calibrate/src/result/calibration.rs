@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector6};
 use trueaxis_campaign::Direction;
 use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::{
-    AxisKind, GeometricErrors, LocationComponent, LocationError, MotionError,
+    AxisKind, Component, GeometricErrors, LocationComponent, LocationError, MotionError,
 };
 use trueaxis_poses::{AdjustmentReport, Method, ReflectorConstant, SideDifference, StepMisfit};
 
@@ -99,6 +99,37 @@ pub struct AxisResult {
     pub u_ratio: Option<MethodLoss>,
     /// How the two sides of approach differ, where they share a curve and differ significantly.
     pub sides: Option<SideDifference>,
+    /// How the runs contradict each other of which the curves are the mean, if they do: all uncertainties of the
+    /// axis then are what the noise makes them, times [`RunMisfit::birge_ratio`].
+    pub runs: Option<RunMisfit>,
+}
+
+/// Runs of one axis that contradict each other beyond their noise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunMisfit {
+    /// Names of the runs.
+    pub runs: Vec<String>,
+    /// Sum of squares of what they differ by, with the covariance of that.
+    pub chi_squared: f64,
+    /// Its degrees of freedom.
+    pub degrees_of_freedom: usize,
+    /// Probability of such a sum if the runs agree.
+    pub p_value: f64,
+    /// The component error, and the position (mm or rad) where the runs differ most by their noise; and by how
+    /// much, mm or rad.
+    pub component: Component,
+    /// See [`RunMisfit::component`].
+    pub position: f64,
+    /// See [`RunMisfit::component`].
+    pub difference: f64,
+}
+
+impl RunMisfit {
+    /// By how much the runs differ in units of their noise, `√(χ²/ν)`; not below one.
+    pub fn birge_ratio(&self) -> f64 {
+        let ratio = (self.chi_squared / self.degrees_of_freedom as f64).sqrt();
+        ratio.max(1.0)
+    }
 }
 
 /// Standard uncertainty of each component error by other methods, relative to that of the joint adjustment

@@ -72,7 +72,8 @@ impl LoggedQuantity {
             Self::AirHumidity => Range {
                 quantity: "a relative humidity",
                 unit: "%",
-                possible: [0.0, 100.0],
+                // Sensors show somewhat more where the air is saturated.
+                possible: [0.0, 105.0],
                 usual: [10.0, 90.0],
                 others: &[],
             },

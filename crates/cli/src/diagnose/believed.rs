@@ -3,7 +3,9 @@
 use trueaxis_calibrate::{AxisResult, Calibration};
 use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::MICROMETRE;
-use trueaxis_simulate::{Noise, TrueComponents, TrueLocation, TrueStation, TrueTarget, Truth};
+use trueaxis_simulate::{
+    Noise, TrueComponents, TrueLocation, TrueReflector, TrueStation, TrueTarget, Truth,
+};
 
 /// What the calibration and the causes found say about the campaign.
 pub(crate) fn truth(calibration: &Calibration, effects: &[GivenEffect]) -> anyhow::Result<Truth> {
@@ -38,7 +40,14 @@ pub(crate) fn truth(calibration: &Calibration, effects: &[GivenEffect]) -> anyho
             repeatability_um: noise.machine_return.used.sigma_mm / MICROMETRE,
         },
         scale_ppm: 0.0,
-        reflectors: Vec::new(),
+        reflectors: calibration
+            .reflectors
+            .iter()
+            .map(|reflector| TrueReflector {
+                name: reflector.name.clone(),
+                constant_um: reflector.constant_mm / MICROMETRE,
+            })
+            .collect(),
         stations: stations.collect(),
         targets: targets.collect(),
         axes: calibration.axes.iter().map(components).collect(),

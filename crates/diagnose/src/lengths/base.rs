@@ -4,7 +4,7 @@ use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{ResolvedEffect, Scene};
 use trueaxis_multilateration::{
     CampaignNetwork, Group, Network, Noise, Settings, Solution, Whitened, estimate_noise,
-    network_from_campaign, solve, solve_from,
+    network_from_campaign, solve_from, solve_or_alike,
 };
 use trueaxis_poses::{
     LengthCircumstances as Reading, LengthsAdjustment, Method, length_circumstances, scene_of,
@@ -114,18 +114,7 @@ impl<'a> Base<'a> {
         if near.is_some_and(|near| near.reflectors_mm.is_empty()) {
             network.reflectors = None;
         }
-        let solved = |network: &Network| match near {
-            Some(near) => solve_from(network, near, &settings),
-            None => solve(network, &settings),
-        };
-        let start = match solved(&network) {
-            // The lengths may not determine how reflectors differ: they then count as equal.
-            Err(_) if network.reflectors.is_some() => {
-                network.reflectors = None;
-                solved(&network)?
-            }
-            start => start?,
-        };
+        let start = solve_or_alike(&mut network, near, &settings)?;
         let readings = length_circumstances(campaign, lengths, &network, &groups, &kept);
         Ok(Self {
             campaign,
@@ -327,10 +316,10 @@ impl<'a> Base<'a> {
     pub(crate) fn predicted_misfit_mm(&self, all: &Base<'_>, adjusted: &Adjusted) -> Vec<f64> {
         let solution = &adjusted.solution;
         let misfit = |(i, reading): (usize, &Reading)| {
-            let station = &solution.stations[reading.station];
-            let distance_mm = (solution.points_mm[reading.point] - station.position_mm).norm();
+            let (station, point) = (reading.station, reading.point);
+            let computed_mm = solution.computed_length_mm(&adjusted.network, station, point);
             let effect_mm = all.effect_mm(reading, solution, &adjusted.suspects);
-            all.network.readings[i].length_mm + station.dead_path_mm - distance_mm - effect_mm
+            all.network.readings[i].length_mm - computed_mm - effect_mm
         };
         all.readings.iter().enumerate().map(misfit).collect()
     }

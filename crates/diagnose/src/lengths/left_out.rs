@@ -68,7 +68,9 @@ impl LeftOut {
         let sigma_mm = noise
             .length_sigma_at_mm(distance_mm)
             .hypot(noise.return_sigma_mm);
-        let misfit_mm = self.measured_mm + station.dead_path_mm - distance_mm;
+        let (station, point) = (self.reading.station, self.reading.point);
+        let misfit_mm =
+            self.measured_mm - solution.computed_length_mm(&adjusted.network, station, point);
         alternatives.iter().any(|suspects| {
             let effect_mm = base.effect_mm(&self.reading, solution, suspects);
             (misfit_mm - effect_mm).abs() <= AGREES * sigma_mm

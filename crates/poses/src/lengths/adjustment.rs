@@ -5,11 +5,10 @@ use rayon::prelude::*;
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_multilateration::{
     self as multilateration, BlockNoise, CampaignNetwork, Group, Network, Screened, Solution,
-    network_from_campaign, screen, solve_from,
+    adjust_or_alike, network_from_campaign, screen, solve_or_alike,
 };
 
 use crate::Error;
-use crate::lengths::reflectors::are_reflectors_open;
 use crate::lengths::refused::{adjustment_error, contradictory};
 use crate::lengths::weak_stations::weak_stations;
 use crate::points::{MeasuredPoints, PointGroup, PointNoise, centroid};
@@ -61,16 +60,11 @@ impl<'a> LengthsAdjustment<'a> {
         };
         let declared = is_noise_declared(campaign);
         let iteration = multilateration::Settings::default();
-        let mut adjusted = adjust(&network, declared, &iteration);
-        let are_open = match &adjusted {
-            Ok(screened) => are_reflectors_open(&screened.network, &screened.solution),
-            // What the constants of reflectors leave open may be determined if they are alike.
-            Err(error) => network.reflectors.is_some() && leaves_open(error),
-        };
-        if are_open {
-            network.reflectors = None;
-            adjusted = adjust(&network, declared, &iteration);
-        }
+        let adjusted = adjust_or_alike(
+            &mut network,
+            |screened: &Screened| &screened.solution,
+            |network| adjust(network, declared, &iteration),
+        );
         let screened =
             adjusted.map_err(|error| adjustment_error(campaign, lengths, &groups, error))?;
         let adjustment = Self {
@@ -202,11 +196,7 @@ impl<'a> LengthsAdjustment<'a> {
         };
         let iteration = multilateration::Settings::default();
         let words = |error| adjustment_error(self.campaign, self.lengths, &self.groups, error);
-        let mut free = solve_from(&network, solution, &iteration).map_err(words)?;
-        if are_reflectors_open(&network, &free) {
-            network.reflectors = None;
-            free = solve_from(&network, solution, &iteration).map_err(words)?;
-        }
+        let free = solve_or_alike(&mut network, Some(solution), &iteration).map_err(words)?;
         Ok(self.measured_points(&network, &free))
     }
 
@@ -226,17 +216,6 @@ impl<'a> LengthsAdjustment<'a> {
             repeat_scatter: (0.0, 0),
         }
     }
-}
-
-/// Whether an adjustment failed because something was not determined.
-fn leaves_open(error: &multilateration::Error) -> bool {
-    matches!(
-        error,
-        multilateration::Error::ReflectorsNotDetermined { .. }
-            | multilateration::Error::StationsNotDetermined { .. }
-            | multilateration::Error::ShapeNotDetermined { .. }
-            | multilateration::Error::TooFewReadings { .. }
-    )
 }
 
 /// Whether both parts of the noise are declared: one alone can be tested against nothing.

@@ -3,7 +3,7 @@
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::ResolvedEffect;
 use trueaxis_multilateration::{
-    CampaignNetwork, Network, Settings, Solution, network_from_campaign, solve,
+    CampaignNetwork, Network, Settings, Solution, network_from_campaign, solve_or_alike,
 };
 
 use crate::Error;
@@ -29,9 +29,11 @@ impl<'a> EffectsOnLengths<'a> {
         let lengths = campaign.lengths.as_ref();
         let lengths = lengths.ok_or(Error::EffectsWithoutLengths)?;
         let CampaignNetwork {
-            network, groups, ..
+            mut network,
+            groups,
+            ..
         } = network_from_campaign(campaign, lengths, false);
-        let solution = solve(&network, &Settings::default())
+        let solution = solve_or_alike(&mut network, None, &Settings::default())
             .map_err(|error| adjustment_error(campaign, lengths, &groups, error))?;
         let all: Vec<usize> = (0..lengths.readings.len()).collect();
         let circumstances = length_circumstances(campaign, lengths, &network, &groups, &all);

@@ -4,7 +4,7 @@
 //! path; the differences are unknowns of the adjustment ([`trueaxis_multilateration::Reflectors`]).
 
 use trueaxis_kinematics::MICROMETRE;
-use trueaxis_multilateration::{Network, Solution};
+use trueaxis_multilateration::USUAL_DIFFERENCE_MM;
 
 use crate::lengths::LengthsAdjustment;
 
@@ -21,20 +21,8 @@ pub struct ReflectorConstant {
     pub correlation: Vec<f64>,
 }
 
-/// Reflectors of a set for a laser tracker differ by less, if nothing is declared, µm.
-const USUAL_UM: f64 = 5.0;
-
 /// By so many standard uncertainties a constant has to exceed what is declared before it is worth a word.
 const SIGNIFICANT: f64 = 3.0;
-
-/// Whether lengths tell less of the constants than that the reflectors are of one set: what they would leave of
-/// them is more than these differ by, and linear propagation is wrong there.
-pub(crate) fn are_reflectors_open(network: &Network, solution: &Solution) -> bool {
-    let of_set = network.reflectors.as_ref();
-    let is_known = of_set.is_none_or(|reflectors| reflectors.sigma_mm.is_some());
-    let largest = solution.reflector_covariance().diagonal().amax();
-    !is_known && largest > (USUAL_UM * MICROMETRE).powi(2)
-}
 
 impl LengthsAdjustment<'_> {
     /// The constants of the reflectors that were measured, as the adjustment has them; none where there is but
@@ -69,9 +57,10 @@ impl LengthsAdjustment<'_> {
                     .to_owned(),
             ];
         }
-        let limit_um = declared_um.unwrap_or(USUAL_UM);
+        let declared_mm = declared_um.map(|sigma_um| sigma_um * MICROMETRE);
+        let limit_mm = declared_mm.unwrap_or(USUAL_DIFFERENCE_MM);
         let exceeds = |constant: &&ReflectorConstant| {
-            constant.constant_mm.abs() > limit_um * MICROMETRE + SIGNIFICANT * constant.u_mm
+            constant.constant_mm.abs() > limit_mm + SIGNIFICANT * constant.u_mm
         };
         let constants = self.reflectors();
         let notice = |constant: &ReflectorConstant| {
@@ -81,12 +70,12 @@ impl LengthsAdjustment<'_> {
             );
             let than = match declared_um {
                 Some(sigma_um) => format!("`reflector_sigma_um` = {sigma_um}"),
-                None => format!("the {USUAL_UM} µm that are usual in a set"),
+                None => format!("the {} µm that are usual in a set", limit_mm / MICROMETRE),
             };
             format!(
-                "lengths to reflector {} are {value_um:+.2} µm (U {expanded_um:.2} µm) longer than to the others \
-                 in the mean, more than {than}: the results are free of it; check whether it is damaged, or of \
-                 another kind",
+                "lengths to reflector {} are longer by {value_um:+.2} µm (U {expanded_um:.2} µm) than to all in the \
+                 mean, more than {than}: the results are free of it; a reflector may be damaged, or of another \
+                 kind",
                 constant.name
             )
         };

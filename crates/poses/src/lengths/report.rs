@@ -32,8 +32,8 @@ impl LengthsAdjustment<'_> {
             unchecked: removed.unchecked,
         });
         AdjustmentReport {
-            observations: solution.observations,
-            unknowns: solution.unknowns,
+            observations: screened.kept.len(),
+            unknowns: screened.kept.len() - degrees_of_freedom,
             degrees_of_freedom,
             sigma0,
             p_value: chi_squared_upper_tail(squares, degrees_of_freedom as f64),

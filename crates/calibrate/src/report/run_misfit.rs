@@ -1,0 +1,217 @@
+//! Whether runs of one axis agree: other parked positions of other axes, other times.
+//!
+//! Where runs share positions, the component errors `E_n` there are the mean of what each run says, up to the
+//! place of its targets `g`. With the noise of the poses and of the bases `b` (the axes outside, which may stand
+//! elsewhere in each run) the pose errors of the records are
+//!
+//! ```text
+//! e_i = E_n + Λ_i g_r + A_i ξ_i + C_i t     cov(ξ_i) = D_i     cov(t) = S     t: shared sources, and those of bases
+//! ```
+//!
+//! With `A_i ξ_i` whitened and `E` and `g` eliminated (primed), the generalised least sum of squares follows
+//! from the matrix inversion lemma, in a form that does without `S⁻¹`, for `S` may be indefinite:
+//!
+//! ```text
+//! χ² = |e'|² - fᵀ S (I + G S)⁻¹ f     f = C'ᵀ e'     G = C'ᵀ C'
+//! ```
+//!
+//! with the rows of the records less the unknowns as degrees of freedom `ν`. Runs that contradict each other
+//! do so by more than their noise, and `√(χ²/ν)` (R. T. Birge, *Physical Review* 40, 207, 1932) is by how much.
+
+use nalgebra::{DMatrix, DVector, Matrix6, RowDVector, Vector6};
+use trueaxis_kinematics::Component;
+use trueaxis_leastsquares::chi_squared_upper_tail;
+
+use crate::propagate::propagation::{Dependence, Propagation};
+use crate::result::calibration::{AxisResult, RunMisfit};
+
+/// Probability that any axis of a campaign whose runs agree is said to have runs that do not.
+const LEVEL: f64 = 0.01;
+
+/// Eigenvalues of the normal matrix of `g`, relative to the largest, below which a combination is free: what all
+/// runs have in common.
+const FREE: f64 = 1e-10;
+
+/// For each axis how its runs contradict each other, if they do.
+pub(crate) fn run_misfits(propagation: &Propagation<'_>) -> Vec<Option<RunMisfit>> {
+    let data = propagation.dependence.context.data;
+    let several = data.iter().filter(|axis| axis.runs.len() > 1).count();
+    let of_axis = |k: usize| {
+        let found = (data[k].runs.len() > 1).then(|| run_misfit(propagation, k))??;
+        (found.p_value < LEVEL / several as f64).then_some(found)
+    };
+    (0..data.len()).map(of_axis).collect()
+}
+
+/// How the runs of axis `k` fit together; `None` if they share no position or their noise is not known.
+fn run_misfit(propagation: &Propagation<'_>, k: usize) -> Option<RunMisfit> {
+    let Dependence {
+        context,
+        identified,
+        ..
+    } = propagation.dependence;
+    let data = &context.data[k];
+    let errors = context.pose_errors(&identified.state, k);
+    let (products, covariance) = products(propagation, k, &errors)?;
+    let (of_runs, of_sources) = (identified.gauges[k].parameters(), covariance.nrows());
+    let part =
+        |first: (usize, usize), size: (usize, usize)| products.view(first, size).into_owned();
+    // The runs' own parameters are eliminated first.
+    let eigen = part((0, 0), (of_runs, of_runs)).symmetric_eigen();
+    let largest = eigen.eigenvalues.amax();
+    let mut rank = 0;
+    let mut left = part((of_runs, of_runs), (of_sources + 1, of_sources + 1));
+    let coupling = part((0, of_runs), (of_runs, of_sources + 1));
+    for (value, vector) in eigen
+        .eigenvalues
+        .iter()
+        .zip(eigen.eigenvectors.column_iter())
+    {
+        if *value > FREE * largest {
+            let row: RowDVector<f64> = vector.transpose() * &coupling;
+            left -= row.transpose() * &row / *value;
+            rank += 1;
+        }
+    }
+    let redundant = 6 * (data.records.len() - data.nodes.len());
+    let degrees_of_freedom = redundant.checked_sub(rank).filter(|dof| *dof > 0)?;
+    let g = left.view((0, 0), (of_sources, of_sources)).into_owned();
+    let f: DVector<f64> = left
+        .view((0, of_sources), (of_sources, 1))
+        .column(0)
+        .into_owned();
+    let inner = DMatrix::identity(of_sources, of_sources) + &g * &covariance;
+    let through = covariance * inner.lu().solve(&f)?;
+    let chi_squared = left[(of_sources, of_sources)] - f.dot(&through);
+
+    // Where the records of a position differ most, by the noise of a record.
+    let mut largest = (0.0, 0, Component::ALL[0], 0.0);
+    for (n, node) in data.nodes.iter().enumerate() {
+        for component in Component::ALL {
+            let values = node.records.iter().map(|&i| errors[i][component.index()]);
+            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+                (low.min(x), high.max(x))
+            });
+            let first = node.records[0];
+            let own = own_covariance(propagation, k, first);
+            let significance = (high - low) / own[(component.index(), component.index())].sqrt();
+            if significance > largest.0 {
+                largest = (significance, n, component, high - low);
+            }
+        }
+    }
+    let (_, node, component, difference) = largest;
+    let runs = data.runs.iter();
+    Some(RunMisfit {
+        runs: runs
+            .map(|run| context.campaign.runs[run.run].name.clone())
+            .collect(),
+        chi_squared,
+        degrees_of_freedom,
+        p_value: chi_squared_upper_tail(chi_squared, degrees_of_freedom as f64),
+        component,
+        position: data.nodes[node].position,
+        difference,
+    })
+}
+
+/// `A D Aᵀ` of a record.
+fn own_covariance(propagation: &Propagation<'_>, k: usize, record: usize) -> Matrix6<f64> {
+    let Dependence {
+        context,
+        identified,
+        ..
+    } = propagation.dependence;
+    let map = identified.sensitivities[k].poses[record];
+    let pose = context.data[k].records[record].pose;
+    map * context.poses.noise.own[pose] * map.transpose()
+}
+
+/// The products of the columns of `g`, of `C`, and of `e`, whitened and freed of what is common to a position; and
+/// the covariance `S` of the sources.
+fn products(
+    propagation: &Propagation<'_>,
+    k: usize,
+    errors: &[Vector6<f64>],
+) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+    let Dependence {
+        context,
+        identified,
+        forms,
+        ..
+    } = propagation.dependence;
+    let (data, noise) = (&context.data[k], &context.poses.noise);
+    if noise.own.is_empty() {
+        return None;
+    }
+    let sources = &propagation.whole.sources;
+    let (of_bases, shared) = (sources.own.nrows(), noise.width());
+    let mut covariance = DMatrix::zeros(of_bases + shared, of_bases + shared);
+    let size = (of_bases, of_bases);
+    covariance.view_mut((0, 0), size).copy_from(&sources.own);
+    let behind = (of_bases, of_bases);
+    covariance
+        .view_mut(behind, (shared, shared))
+        .copy_from(&noise.shared);
+
+    let gauge = &identified.gauges[k];
+    let width = gauge.parameters() + of_bases + shared + 1;
+    let of_record = |i: usize| -> Option<(Matrix6<f64>, DMatrix<f64>)> {
+        let record = &data.records[i];
+        let whitening = own_covariance(propagation, k, i)
+            .cholesky()?
+            .l()
+            .try_inverse()?;
+        let mut row = DMatrix::zeros(6, width);
+        let mut put = |first: usize, block: &DMatrix<f64>| {
+            row.columns_mut(first, block.ncols())
+                .copy_from(&(whitening * block));
+        };
+        let dynamic = |block: &[f64]| DMatrix::from_column_slice(6, block.len() / 6, block);
+        put(0, &dynamic(gauge.effects[i].as_slice()));
+        let response = forms.response_to_base(k, i);
+        put(gauge.parameters(), &-&response);
+        let coupling = identified.sensitivities[k].poses[i] * &noise.coupling[record.pose];
+        let through = -dynamic(coupling.as_slice()) - response * &sources.shared;
+        put(gauge.parameters() + of_bases, &through);
+        let mean = identified.state.axes[k].curve[record.node].to_vector();
+        put(width - 1, &dynamic((errors[i] - mean).as_slice()));
+        Some((whitening, row))
+    };
+    let mut products = DMatrix::zeros(width, width);
+    for node in &data.nodes {
+        let records: Option<Vec<_>> = node.records.iter().map(|&i| of_record(i)).collect();
+        let records = records?;
+        // What all records of the position have in common is its component errors.
+        let mut normal = Matrix6::zeros();
+        let mut right: DMatrix<f64> = DMatrix::zeros(6, width);
+        for (whitening, row) in &records {
+            normal += whitening.transpose() * whitening;
+            right += whitening.transpose() * row;
+        }
+        let common = normal.cholesky()?.inverse() * right;
+        for (whitening, row) in &records {
+            let left = row - whitening * &common;
+            products.gemm_tr(1.0, &left, &left, 1.0);
+        }
+    }
+    Some((products, covariance))
+}
+
+/// Multiplies all uncertainties of an axis whose runs contradict each other.
+pub(crate) fn widen(axis: &mut AxisResult) {
+    let Some(runs) = &axis.runs else { return };
+    let (factor, dof) = (runs.birge_ratio(), runs.degrees_of_freedom as f64);
+    for node in &mut axis.nodes {
+        for c in 0..6 {
+            node.u[c] *= factor;
+            node.dof[c] = node.dof[c].min(dof);
+            node.budget[c] = node.budget[c].times(factor * factor);
+        }
+    }
+    for location in &mut axis.location_errors {
+        location.u *= factor;
+        location.dof = location.dof.min(dof);
+        location.budget = location.budget.times(factor * factor);
+    }
+}
