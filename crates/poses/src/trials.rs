@@ -120,34 +120,31 @@ impl<'a> PoseTrials<'a> {
     /// What is measured with the errors of the workspace.
     pub fn solve(&self, workspace: &mut TrialWorkspace) -> Trial {
         let TrialWorkspace { lengths, errors_mm } = workspace;
+        let mut errors: Vec<&[f64]> = Vec::new();
+        let mut stations = Vec::new();
         match (&self.source, lengths) {
             (Source::Lengths { trials, groups }, Some(lengths)) => {
                 let solved = trials.solve(errors_mm, lengths);
-                let adjusted = self.measured.stations().iter();
-                let station = |(j, adjusted): (usize, &Station)| Station {
+                errors.extend(groups.iter().map(|&g| solved.group(g)));
+                let adjusted = self.measured.stations().iter().enumerate();
+                stations.extend(adjusted.map(|(j, adjusted)| Station {
                     position_mm: adjusted.position_mm + solved.station_mm(j),
                     dead_path_mm: adjusted.dead_path_mm + solved.dead_path_mm(j),
-                };
-                let errors: Vec<&[f64]> = groups.iter().map(|&g| solved.group(g)).collect();
-                Trial {
-                    poses: self.moved(&errors),
-                    stations: adjusted.enumerate().map(station).collect(),
-                }
+                }));
             }
             (Source::Points(factors), _) => {
                 let mut rest = &errors_mm[..];
-                let mut errors = Vec::new();
                 for factor in factors {
                     let (own, behind) = rest.split_at(factor.nrows());
                     errors.push(own);
                     rest = behind;
                 }
-                Trial {
-                    poses: self.moved(&errors),
-                    stations: Vec::new(),
-                }
             }
             (Source::Lengths { .. }, None) => unreachable!("a workspace of this measurement"),
+        }
+        Trial {
+            poses: self.moved(&errors),
+            stations,
         }
     }
 

@@ -35,6 +35,7 @@ impl Calibration {
             let errors = axis.location_errors.iter();
             errors.map(|error| (error.component.name(&axis.name), location_error(error)))
         });
+        let of_runs = self.axes.iter().filter_map(misfit_of_runs);
         text(&without_nulls(json!({
             "format": "trueaxis-calibration",
             "version": 1,
@@ -51,7 +52,7 @@ impl Calibration {
             "targets": targets.collect::<Value>(),
             "axes": self.axes.iter().map(axis).collect::<Value>(),
             "location_errors": locations.collect::<Value>(),
-            "misfits": self.misfits.iter().map(misfit).collect::<Value>(),
+            "misfits": self.misfits.iter().map(misfit).chain(of_runs).collect::<Value>(),
             "triangle": self.triangle.iter().map(side).collect::<Value>(),
             "effects_taken_out": (!self.effects.is_empty()).then_some(&self.effects),
             "notices": self.notices,
@@ -233,6 +234,18 @@ fn misfit(misfit: &StepMisfit) -> Value {
         "degrees_of_freedom": misfit.degrees_of_freedom,
         "p_value": significant(misfit.p_value),
     })
+}
+
+/// The same of runs that contradict each other.
+fn misfit_of_runs(axis: &AxisResult) -> Option<Value> {
+    let runs = axis.runs.as_ref()?;
+    Some(misfit(&StepMisfit {
+        step: format!("axis {}: runs {}", axis.name, runs.runs.join(", ")),
+        rms_um: runs.rms_mm / MICROMETRE,
+        chi_squared: runs.chi_squared,
+        degrees_of_freedom: runs.degrees_of_freedom,
+        p_value: runs.p_value,
+    }))
 }
 
 fn side(side: &TriangleSide) -> Value {

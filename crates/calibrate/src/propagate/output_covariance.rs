@@ -14,7 +14,7 @@ use trueaxis_kinematics::Machine;
 use crate::Error;
 use crate::identify::axis_data::AxisData;
 use crate::propagate::axis_noise::AxisForm;
-use crate::propagate::propagation::{Dependence, Propagation, place_of};
+use crate::propagate::propagation::{Propagation, place_of};
 use crate::result::calibration::{AxisResult, RunMisfit, StationResult};
 use crate::result::numbered::{NumberedResult, results};
 use crate::result::output::{Output, OutputCovariance};
@@ -120,18 +120,22 @@ fn over_sources(
     axes: &[AxisResult],
     components: &[AxisForm],
 ) -> DMatrix<f64> {
-    let Dependence { forms, sources, .. } = propagation.dependence;
-    let locations = forms.locations.iter().zip(axes).flat_map(|(rows, axis)| {
-        let reported = axis.location_errors.iter();
-        reported.map(|location| rows.row(place_of(location.component)))
-    });
-    let stations = forms.stations.iter().flat_map(|rows| rows.row_iter());
+    let dependence = propagation.dependence;
+    let locations = dependence
+        .locations
+        .iter()
+        .zip(axes)
+        .flat_map(|(rows, axis)| {
+            let reported = axis.location_errors.iter();
+            reported.map(|location| rows.row(place_of(location.component)))
+        });
+    let stations = dependence.stations.iter().flat_map(|rows| rows.row_iter());
     let of_frame: Vec<_> = locations.chain(stations).collect();
     let first_of_frame: usize = axes.iter().map(|axis| 6 * axis.nodes.len()).sum();
-    let mut all = DMatrix::zeros(first_of_frame + of_frame.len(), sources.count);
+    let mut all = DMatrix::zeros(first_of_frame + of_frame.len(), dependence.sources.count);
     let mut first = 0;
     for (k, form) in components.iter().enumerate() {
-        if let Some(rows) = forms.through_base(k, form) {
+        if let Some(rows) = dependence.through_base(k, form) {
             all.rows_mut(first, rows.nrows()).copy_from(&rows);
         }
         first += 6 * axes[k].nodes.len();

@@ -5,28 +5,17 @@
 //! one that comes through them.
 //!
 //! Component errors do not depend on the reference frame: the gauge removes a rigid motion of the
-//! whole. Location errors and stations do ([`crate::propagate::frame_forms`]).
+//! whole. Location errors and stations do ([`crate::propagate::dependence`]).
 
-use nalgebra::{DMatrix, Matrix2, Matrix6xX, Point3, Vector6};
+use nalgebra::{DMatrix, Matrix2, Matrix6xX, Vector6};
 use trueaxis_kinematics::LocationComponent;
 use trueaxis_poses::{PoseNoise, Poses};
 
-use crate::identify::context::Context;
-use crate::identify::identify_axes::Identified;
-use crate::propagate::axis_noise::ThroughBase;
-use crate::propagate::axis_noise::{AxisForm, AxisNoise};
-use crate::propagate::frame_forms::FrameForms;
-use crate::propagate::sources::{SourceNoise, Sources};
+use crate::propagate::axis_noise::{AxisForm, AxisNoise, ThroughBase};
+use crate::propagate::dependence::Dependence;
+use crate::propagate::sources::SourceNoise;
 use crate::propagate::variance::Variance;
 use crate::result::budget::Budget;
-
-/// How the results depend on the poses.
-pub(crate) struct Dependence<'a> {
-    pub(crate) context: &'a Context<'a>,
-    pub(crate) identified: &'a Identified,
-    pub(crate) sources: Sources,
-    pub(crate) forms: FrameForms,
-}
 
 /// How the results depend on the poses, and the poses' errors.
 pub(crate) struct Propagation<'a> {
@@ -65,22 +54,6 @@ pub(crate) fn place_of(component: LocationComponent) -> usize {
     }
 }
 
-impl<'a> Dependence<'a> {
-    pub(crate) fn new(
-        context: &'a Context<'a>,
-        identified: &'a Identified,
-        stations_in_ref: &[Point3<f64>],
-    ) -> Self {
-        let sources = Sources::new(context, identified, stations_in_ref.len());
-        Self {
-            context,
-            identified,
-            forms: FrameForms::new(context, identified, &sources, stations_in_ref),
-            sources,
-        }
-    }
-}
-
 impl<'a> Propagation<'a> {
     pub(crate) fn new(dependence: &'a Dependence<'a>, poses: &'a Poses) -> Self {
         Self {
@@ -106,12 +79,12 @@ impl<'a> Propagation<'a> {
 
     /// Of the location errors of axis `k`: shift and tilt.
     pub(crate) fn location(&self, k: usize) -> [Uncertainty; 6] {
-        self.of_sources(&self.dependence.forms.locations[k])
+        self.of_sources(&self.dependence.locations[k])
     }
 
     /// Of a station: x y z and dead path.
     pub(crate) fn station(&self, j: usize) -> [Uncertainty; 4] {
-        self.of_sources(&self.dependence.forms.stations[j])
+        self.of_sources(&self.dependence.stations[j])
     }
 
     fn of_sources<const N: usize>(&self, rows: &DMatrix<f64>) -> [Uncertainty; N] {
@@ -164,19 +137,15 @@ impl<'a> Noise<'a> {
 
     /// What the component errors of a node of axis `k` owe to all sources through its base, if that moves.
     fn through_base(&self, k: usize, node: usize) -> Option<ThroughBase> {
-        let Dependence {
-            identified,
-            sources,
-            forms,
-            ..
-        } = self.dependence;
+        let dependence = self.dependence;
         // Most axes have one run, during which their base stands still.
-        if !forms.has_moving_base(k) {
+        if !dependence.has_moving_base(k) {
             return None;
         }
-        let form = AxisForm::component_errors(&identified.gauges[k], node..node + 1);
-        let rows = forms.through_base(k, &form)?;
-        let own_sources = &sources.axes[k];
+        let gauge = &dependence.identified.gauges[k];
+        let form = AxisForm::component_errors(gauge, node..node + 1);
+        let rows = dependence.through_base(k, &form)?;
+        let own_sources = &dependence.sources.axes[k];
         let of_own_sources = rows.select_columns(&own_sources.places);
         let cross = self.axes[k].own(&form, &own_sources.form) * of_own_sources.transpose();
         let own = &cross + cross.transpose() + &rows * &self.sources.own * rows.transpose();

@@ -5,7 +5,8 @@ use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::GeometricErrors;
 use trueaxis_poses::{MeasuredPoses, SideDifference, Station};
 
-use crate::propagate::propagation::{Dependence, Propagation, Uncertainty, place_of};
+use crate::propagate::dependence::Dependence;
+use crate::propagate::propagation::{Propagation, Uncertainty, place_of};
 use crate::report::method_loss::method_loss;
 use crate::report::run_misfit::{run_misfits, widen};
 use crate::result::calibration::{AxisResult, LocationResult, NodeResult, StationResult};

@@ -22,7 +22,8 @@ use nalgebra::{DMatrix, DVector, Matrix6, RowDVector, Vector6};
 use trueaxis_kinematics::Component;
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
-use crate::propagate::propagation::{Dependence, Propagation};
+use crate::propagate::dependence::Dependence;
+use crate::propagate::propagation::Propagation;
 use crate::result::calibration::{AxisResult, RunMisfit};
 
 /// Probability that any axis of a campaign whose runs agree is said to have runs that do not.
@@ -59,7 +60,7 @@ fn run_misfit(propagation: &Propagation<'_>, k: usize) -> Option<RunMisfit> {
     // The runs' own parameters are eliminated first.
     let eigen = part((0, 0), (of_runs, of_runs)).symmetric_eigen();
     let largest = eigen.eigenvalues.amax();
-    let mut rank = 0;
+    let mut rank = 0_usize;
     let mut left = part((of_runs, of_runs), (of_sources + 1, of_sources + 1));
     let coupling = part((0, of_runs), (of_runs, of_sources + 1));
     for (value, vector) in eigen
@@ -101,11 +102,17 @@ fn run_misfit(propagation: &Propagation<'_>, k: usize) -> Option<RunMisfit> {
         }
     }
     let (_, node, component, difference) = largest;
+    let off = data.records.iter().zip(&errors).map(|(record, error)| {
+        let mean_mm = identified.state.axes[k].curve[record.node].translation_mm;
+        (error.fixed_rows::<3>(0) - mean_mm).norm_squared()
+    });
+    let rms_mm = (off.sum::<f64>() / data.records.len() as f64).sqrt();
     let runs = data.runs.iter();
     Some(RunMisfit {
         runs: runs
             .map(|run| context.campaign.runs[run.run].name.clone())
             .collect(),
+        rms_mm,
         chi_squared,
         degrees_of_freedom,
         p_value: chi_squared_upper_tail(chi_squared, degrees_of_freedom as f64),

@@ -109,6 +109,8 @@ pub struct AxisResult {
 pub struct RunMisfit {
     /// Names of the runs.
     pub runs: Vec<String>,
+    /// Rms distance of the reference point in a run from where it is in the mean, mm.
+    pub rms_mm: f64,
     /// Sum of squares of what they differ by, with the covariance of that.
     pub chi_squared: f64,
     /// Its degrees of freedom.

@@ -1,9 +1,9 @@
-//! How location errors and stations follow from the sources ([`crate::propagate::sources`]), and component
-//! errors from those of other axes ([`crate::propagate::frame_map`]).
+//! How the results depend on the poses: component errors on those of their axis and, through its base, on other
+//! axes ([`crate::propagate::frame_map`]); location errors and stations on all sources
+//! ([`crate::propagate::sources`]).
 
 use nalgebra::{DMatrix, Matrix6xX, Point3};
 
-use crate::identify::axis_data::AxisData;
 use crate::identify::context::Context;
 use crate::identify::identify_axes::Identified;
 use crate::propagate::axis_noise::AxisForm;
@@ -12,7 +12,10 @@ use crate::propagate::frame_map::FrameMap;
 use crate::propagate::sources::Sources;
 
 /// Linear functions of the sources; columns are the sources.
-pub(crate) struct FrameForms {
+pub(crate) struct Dependence<'a> {
+    pub(crate) context: &'a Context<'a>,
+    pub(crate) identified: &'a Identified,
+    pub(crate) sources: Sources,
     /// For each axis, in the order of the data: shift (mm) and tilt (rad), three rows each.
     pub(crate) locations: Vec<DMatrix<f64>>,
     /// For each station x y z and dead path, mm.
@@ -21,29 +24,32 @@ pub(crate) struct FrameForms {
     bases: Vec<(BaseResponse, Vec<Matrix6xX<f64>>)>,
 }
 
-impl FrameForms {
+impl<'a> Dependence<'a> {
     pub(crate) fn new(
-        context: &Context<'_>,
-        identified: &Identified,
-        sources: &Sources,
+        context: &'a Context<'a>,
+        identified: &'a Identified,
         stations_in_ref: &[Point3<f64>],
     ) -> Self {
-        let mut map = FrameMap::new(context, identified, sources);
+        let sources = Sources::new(context, identified, stations_in_ref.len());
+        let mut map = FrameMap::new(context, identified, &sources);
         let frame = map.settle();
-        let locations = (0..context.data.len())
-            .map(|k| map.location(k, &frame))
-            .collect();
+        let axes = 0..context.data.len();
+        let locations = axes.clone().map(|k| map.location(k, &frame)).collect();
         let stations = stations_in_ref.iter().enumerate();
         let stations = stations.map(|(j, &p)| map.station(j, p, &frame)).collect();
-        let of_axis = |(k, axis): (usize, &AxisData)| -> Vec<Matrix6xX<f64>> {
-            let runs = 0..axis.runs.len();
+        let motions = axes.map(|k| {
+            let runs = 0..context.data[k].runs.len();
             runs.map(|run| map.base_motion(k, run).rows()).collect()
-        };
-        let motions: Vec<_> = context.data.iter().enumerate().map(of_axis).collect();
+        });
+        let motions: Vec<Vec<Matrix6xX<f64>>> = motions.collect();
+        let bases = map.into_responses().into_iter().zip(motions).collect();
         Self {
+            context,
+            identified,
+            sources,
             locations,
             stations,
-            bases: map.into_responses().into_iter().zip(motions).collect(),
+            bases,
         }
     }
 
