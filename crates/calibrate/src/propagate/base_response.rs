@@ -18,7 +18,7 @@ use crate::propagate::axis_noise::AxisForm;
 pub(crate) struct BaseResponse {
     /// Of the parameters `y`, for each run.
     parameters: Vec<MatrixXx6<f64>>,
-    /// Of the pose error of each record, with its run.
+    /// Of the pose error of each record, with its run; empty for a single run, whose base stands still.
     pub(crate) records: Vec<(usize, Matrix6<f64>)>,
     /// Of each node's mean pose error, for the runs that measured it.
     poses: Vec<Vec<(usize, Matrix6<f64>)>>,
@@ -34,7 +34,7 @@ impl BaseResponse {
         let datum_from_ref = datum_from_ref.matrix();
         let mut new = Self {
             parameters: vec![MatrixXx6::zeros(gauge.parameters()); axis.runs.len()],
-            records: Vec::with_capacity(axis.records.len()),
+            records: Vec::new(),
             poses: vec![Vec::new(); axis.nodes.len()],
         };
         let answers = in_order::map(axis.records.len(), |i| {
@@ -52,7 +52,9 @@ impl BaseResponse {
             new.parameters[record.run] += parameters;
             let weight = 1.0 / axis.nodes[record.node].records.len() as f64;
             new.poses[record.node].push((record.run, pose * weight));
-            new.records.push((record.run, pose));
+            if axis.runs.len() > 1 {
+                new.records.push((record.run, pose));
+            }
         }
         new
     }

@@ -141,12 +141,12 @@ fn products(
     k: usize,
     errors: &[Vector6<f64>],
 ) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+    let dependence = propagation.dependence;
     let Dependence {
         context,
         identified,
-        forms,
         ..
-    } = propagation.dependence;
+    } = dependence;
     let (data, noise) = (&context.data[k], &context.poses.noise);
     if noise.own.is_empty() {
         return None;
@@ -176,7 +176,7 @@ fn products(
         };
         let dynamic = |block: &[f64]| DMatrix::from_column_slice(6, block.len() / 6, block);
         put(0, &dynamic(gauge.effects[i].as_slice()));
-        let response = forms.response_to_base(k, i);
+        let response = dependence.response_to_base(k, i);
         put(gauge.parameters(), &-&response);
         let coupling = identified.sensitivities[k].poses[i] * &noise.coupling[record.pose];
         let through = -dynamic(coupling.as_slice()) - response * &sources.shared;
