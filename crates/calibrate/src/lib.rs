@@ -86,8 +86,8 @@ pub use replay::with_effects::calibrate_with_effects;
 pub use replay::{Replay, Responses, calibrate_for_replay};
 pub use result::budget::{Budget, coverage_factor};
 pub use result::calibration::{
-    AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, StationResult, TargetResult,
-    TriangleSide,
+    AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, RunMisfit, StationResult,
+    TargetResult, TriangleSide,
 };
 pub use result::numbered::NumberedResult;
 pub use result::output::{Output, OutputCovariance, Unit};

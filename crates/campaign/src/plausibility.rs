@@ -44,6 +44,7 @@ mod logged;
 mod moments;
 mod nominal;
 mod order;
+mod pair;
 mod pairs;
 
 pub use hypothesis::UnitMistake;
@@ -56,7 +57,8 @@ use std::path::Path;
 use crate::{Campaign, Error, Lengths, Place, Points, Problem};
 use hypothesis::Hypothesis;
 use nominal::NominalPoints;
-use pairs::{Pair, Pairs};
+use pair::Pair;
+use pairs::Pairs;
 
 /// Refuses lengths that the nominal machine cannot have caused; returns notices about single rows.
 pub(crate) fn check_lengths(

@@ -3,15 +3,14 @@
 use anyhow::Context;
 use trueaxis_calibrate::{NumberedResult, Output, Unit, calibrate_for_replay};
 use trueaxis_campaign::read;
-use trueaxis_files::round;
-use trueaxis_kinematics::AxisKind;
 use trueaxis_montecarlo::{
-    FirstOrder, Outcome, Propagation, Settings, Summary, Trials, Validation, propagate, validate,
+    FirstOrder, Outcome, Propagation, Settings, Trials, Validation, propagate, validate,
 };
 
 use crate::args::MontecarloArgs;
 use crate::exit::Exit;
-use crate::montecarlo_file;
+use crate::montecarlo_file::{self, Compared};
+use crate::summary::in_words;
 use crate::talk::{notice, say};
 use crate::{output, progress, summary};
 
@@ -24,14 +23,6 @@ const DIGITS: u32 = 1;
 
 /// Differences listed before the rest is only counted.
 const MOST_LISTED: usize = 5;
-
-/// One result by first order and by Monte Carlo, in the unit of its output.
-pub(crate) struct Compared<'a> {
-    pub(crate) result: &'a NumberedResult,
-    pub(crate) first_order: FirstOrder,
-    pub(crate) monte_carlo: Summary,
-    pub(crate) validation: Validation,
-}
 
 pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
@@ -230,18 +221,4 @@ fn verdict(compared: &[Compared<'_>]) -> Vec<String> {
         lines.push(format!("  and {} more", failed.len() - MOST_LISTED));
     }
     lines
-}
-
-pub(crate) fn in_words(output: &Output) -> String {
-    let name = output.name();
-    match output {
-        Output::ComponentError { kind, position, .. } => match kind {
-            AxisKind::Linear => format!("{name} at {position} mm"),
-            AxisKind::Rotary => format!("{name} at {}°", round(position.to_degrees(), 9)),
-        },
-        Output::LocationError { .. } => name,
-        Output::StationPosition { station, .. } | Output::DeadPath { station } => {
-            format!("{name} of {station}")
-        }
-    }
 }

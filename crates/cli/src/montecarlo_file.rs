@@ -4,10 +4,16 @@
 //! `calibration.json`.
 
 use serde::Serialize;
-use trueaxis_calibrate::Output;
-use trueaxis_montecarlo::{Outcome, Propagation};
+use trueaxis_calibrate::{NumberedResult, Output};
+use trueaxis_montecarlo::{FirstOrder, Outcome, Propagation, Summary, Validation};
 
-use crate::montecarlo::Compared;
+/// One result by first order and by Monte Carlo, in the unit of its output.
+pub(crate) struct Compared<'a> {
+    pub(crate) result: &'a NumberedResult,
+    pub(crate) first_order: FirstOrder,
+    pub(crate) monte_carlo: Summary,
+    pub(crate) validation: Validation,
+}
 
 #[derive(Serialize)]
 struct File<'a> {

@@ -2,15 +2,14 @@
 
 use nalgebra::Vector3;
 use trueaxis_calibrate::{
-    AxisResult, Calibration, LengthReliability, LengthsReliability, Method, NumberedResult,
+    AxisResult, Calibration, LengthReliability, LengthsReliability, Method, NumberedResult, Output,
     coverage_factor,
 };
 use trueaxis_campaign::{Campaign, Lengths};
+use trueaxis_files::round;
 use trueaxis_fitting::{paper_c_axis_tilt, paper_squareness};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 use trueaxis_poses::{NoiseReport, PartReport};
-
-use crate::montecarlo::in_words;
 
 /// Coverage factor of the uncertainties that people read, if many degrees of freedom stand behind
 /// them.
@@ -443,5 +442,20 @@ fn probability(p: f64) -> String {
         format!("{p:.0e}")
     } else {
         format!("{p:.3}")
+    }
+}
+
+/// A result in words.
+pub(crate) fn in_words(output: &Output) -> String {
+    let name = output.name();
+    match output {
+        Output::ComponentError { kind, position, .. } => match kind {
+            AxisKind::Linear => format!("{name} at {position} mm"),
+            AxisKind::Rotary => format!("{name} at {}°", round(position.to_degrees(), 9)),
+        },
+        Output::LocationError { .. } => name,
+        Output::StationPosition { station, .. } | Output::DeadPath { station } => {
+            format!("{name} of {station}")
+        }
     }
 }

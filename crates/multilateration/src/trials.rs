@@ -168,7 +168,11 @@ impl Trials {
     /// # Panics
     /// If there are not [`Trials::errors`].
     pub fn draw<R: Rng + ?Sized>(&self, rng: &mut R, errors_mm: &mut [f64]) {
-        assert_eq!(errors_mm.len(), self.errors(), "one error per reading");
+        assert_eq!(
+            errors_mm.len(),
+            self.errors(),
+            "one error per reading and known contrast"
+        );
         self.noise.draw(rng, errors_mm);
     }
 
@@ -181,7 +185,11 @@ impl Trials {
     /// # Panics
     /// If there are not [`Trials::errors`].
     pub fn solve<'w>(&self, errors_mm: &[f64], workspace: &'w mut Workspace) -> &'w Corrections {
-        assert_eq!(errors_mm.len(), self.errors(), "one error per reading");
+        assert_eq!(
+            errors_mm.len(),
+            self.errors(),
+            "one error per reading and known contrast"
+        );
         in_widest_registers(
             #[inline(always)]
             || self.fill(errors_mm, workspace),

@@ -34,7 +34,7 @@ enum Source {
 /// Storage of a trial.
 pub struct TrialWorkspace {
     lengths: Option<Workspace>,
-    /// The errors: one for each used length in measuring order, or x y z of each point, mm.
+    /// The errors: one for each used length, then one for each known contrast of reflectors in measuring order, or x y z of each point, mm.
     pub errors_mm: Vec<f64>,
 }
 

@@ -6,6 +6,7 @@ use nalgebra::Point3;
 
 use super::hypothesis::Hypothesis;
 use super::nominal::NominalPoints;
+use super::pair::{End, Pair};
 use crate::reading::readings_of;
 use crate::{Campaign, Lengths, Points, Stop};
 
@@ -17,27 +18,6 @@ const MOUNTING_SLACK_MM: f64 = 10.0;
 
 /// Part of the motion that must be seen in lengths, somewhere, if their unit is right.
 const VISIBLE_PART: f64 = 0.02;
-
-/// Two readings, and what was measured between them.
-#[derive(Debug, Clone)]
-pub(crate) struct Pair {
-    /// Station of both.
-    pub(crate) station: usize,
-    /// Run of both.
-    pub(crate) run: usize,
-    /// The readings, the earlier row first.
-    pub(crate) ends: [End; 2],
-    /// Change of the length, or distance of the points, mm.
-    pub(crate) observed_mm: f64,
-}
-
-/// One of the two readings.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct End {
-    pub(crate) step: usize,
-    pub(crate) target: usize,
-    pub(crate) line: usize,
-}
 
 /// The telling pairs of a campaign.
 pub(crate) struct Pairs {

@@ -104,6 +104,11 @@ pub(crate) fn adjustment_error(
             "spread the stations in all directions around the machine, and let the targets move in all \
              directions",
         ),
+        Failure::ReflectorsNotDetermined { .. } => Error::not_identifiable(
+            "the lengths do not determine how the constants of the reflectors differ".to_owned(),
+            "declare `reflector_sigma_um` of the instrument, or move one reflector from nest to nest (the same \
+             `reflector` for all targets)",
+        ),
         Failure::NoStart {
             station: j,
             readings,
