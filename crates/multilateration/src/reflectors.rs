@@ -75,7 +75,7 @@ fn are_open(network: &Network, solution: &Solution) -> bool {
 /// of these, all count as equal: the network loses its reflectors.
 ///
 /// # Errors
-/// Those of the first adjustment where the reflectors are not to blame.
+/// Those of the adjustment without reflectors, where that fails, too.
 pub fn adjust_or_alike<T>(
     network: &mut Network,
     solution: impl Fn(&T) -> &Solution,
@@ -102,7 +102,7 @@ pub fn adjust_or_alike<T>(
             *network = alike;
             Ok(found)
         }
-        Err(_) => adjusted,
+        Err(error) => adjusted.or(Err(error)),
     }
 }
 

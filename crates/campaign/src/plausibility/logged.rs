@@ -176,7 +176,7 @@ mod tests {
             (LoggedQuantity::AirPressure, 1.013, "bar: multiply by 1000"),
             (LoggedQuantity::AirPressure, 29.92, "inches of mercury"),
             (LoggedQuantity::AirHumidity, 455.0, "as in 45.5?"),
-            (LoggedQuantity::AirHumidity, -1.0, "expected 0 to 100 %"),
+            (LoggedQuantity::AirHumidity, -1.0, "expected 0 to 105 %"),
         ] {
             let refusal = refusal(quantity, value).unwrap();
             assert!(refusal.contains(says), "{value}: {refusal}");

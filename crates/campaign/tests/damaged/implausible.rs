@@ -82,7 +82,7 @@ fn states_of_no_hall() {
             Case {
                 name: "negative humidity",
                 damage: |f| log(f, "air_humidity_pct", "-1"),
-                says: &["line 2, column air_humidity_pct", "expected 0 to 100 %"],
+                says: &["line 2, column air_humidity_pct", "expected 0 to 105 %"],
             },
         ],
     );
