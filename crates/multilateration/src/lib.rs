@@ -98,7 +98,7 @@ pub use known_stations::{KnownStation, Located, locate};
 pub use network::{Interruption, Network, Reading, Visit};
 pub use noise::Noise;
 pub use refine::{Refined, refine};
-pub use reflectors::{Reflectors, USUAL_DIFFERENCE_MM, adjust_or_alike, contrast, solve_or_alike};
+pub use reflectors::{Reflectors, USUAL_DIFFERENCE_MM, adjust_as_a_set, contrast, solve_as_a_set};
 pub use reliability::Reliability;
 pub use screen::{Jump, Removed, Screened, screen};
 pub use solution::{Solution, Station};

@@ -14,6 +14,8 @@
 //! so that constants are relative to their mean, and no reflector is preferred. Constants that are drawn
 //! independently with a standard deviation `σ` have contrasts that are, too.
 
+use std::sync::Arc;
+
 use crate::{Error, Network, Settings, Solution, solve, solve_from};
 
 /// Which reflector stands at each point of a network.
@@ -58,7 +60,7 @@ impl Reflectors {
     }
 }
 
-/// Reflectors of a set for a laser tracker differ by less, mm.
+/// Reflectors of a set for a laser tracker differ by no more, mm.
 pub const USUAL_DIFFERENCE_MM: f64 = 5e-3;
 
 /// Whether lengths tell less of the constants than that the reflectors are of one set: what they would leave of
@@ -72,50 +74,45 @@ fn are_open(network: &Network, solution: &Solution) -> bool {
 }
 
 /// Adjusts a network by `adjust`; where its lengths leave the constants of the reflectors open, and nothing is known
-/// of these, all count as equal: the network loses its reflectors.
+/// of these, they are taken for those of a set: the network then has [`USUAL_DIFFERENCE_MM`] as what is known.
 ///
 /// # Errors
-/// Those of the adjustment without reflectors, where that fails, too.
-pub fn adjust_or_alike<T>(
+/// Those of the second adjustment, if there is one.
+pub fn adjust_as_a_set<T>(
     network: &mut Network,
     solution: impl Fn(&T) -> &Solution,
     adjust: impl Fn(&Network) -> Result<T, Error>,
 ) -> Result<T, Error> {
     let adjusted = adjust(network);
-    let reflectors = network.reflectors.as_ref();
-    if reflectors.is_none_or(|reflectors| reflectors.sigma_mm.is_some()) {
-        return adjusted;
-    }
+    let unknown = network.reflectors.as_deref();
+    let unknown = unknown.filter(|reflectors| reflectors.sigma_mm.is_none());
     let is_good = |adjusted: &T| {
         let solution = solution(adjusted);
         solution.termination.is_converged() && !are_open(network, solution)
     };
-    if adjusted.as_ref().is_ok_and(is_good) {
-        return adjusted;
-    }
-    let alike = Network {
-        reflectors: None,
-        ..network.clone()
-    };
-    match adjust(&alike) {
-        Ok(found) => {
-            *network = alike;
-            Ok(found)
+    match unknown {
+        Some(unknown) if !adjusted.as_ref().is_ok_and(is_good) => {
+            let of_a_set = Reflectors {
+                sigma_mm: Some(USUAL_DIFFERENCE_MM),
+                ..unknown.clone()
+            };
+            network.reflectors = Some(Arc::new(of_a_set));
+            adjust(network)
         }
-        Err(error) => adjusted.or(Err(error)),
+        _ => adjusted,
     }
 }
 
-/// Solves a network, from a solution of a similar one if there is one; see [`adjust_or_alike`].
+/// Solves a network, from a solution of a similar one if there is one; see [`adjust_as_a_set`].
 ///
 /// # Errors
 /// Those of [`solve`].
-pub fn solve_or_alike(
+pub fn solve_as_a_set(
     network: &mut Network,
     near: Option<&Solution>,
     settings: &Settings,
 ) -> Result<Solution, Error> {
-    adjust_or_alike(
+    adjust_as_a_set(
         network,
         |solution| solution,
         |network| match near {

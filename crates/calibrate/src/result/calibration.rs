@@ -26,8 +26,8 @@ pub struct Calibration {
     pub adjustment: AdjustmentReport,
     /// Stations of the tracker; empty for a points campaign.
     pub stations: Vec<StationResult>,
-    /// Constants of the reflectors, relative to their mean; empty where they were not determined, where there is
-    /// one reflector only, and for a points campaign.
+    /// Constants of the reflectors, relative to their mean; empty where there is one reflector only, and for a
+    /// points campaign.
     pub reflectors: Vec<ReflectorConstant>,
     /// Adjusted home positions of the targets, mean over the runs.
     pub targets: Vec<TargetResult>,

@@ -4,7 +4,7 @@ use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{ResolvedEffect, Scene};
 use trueaxis_multilateration::{
     CampaignNetwork, Group, Network, Noise, Settings, Solution, Whitened, estimate_noise,
-    network_from_campaign, solve_from, solve_or_alike,
+    network_from_campaign, solve_as_a_set, solve_from,
 };
 use trueaxis_poses::{
     LengthCircumstances as Reading, LengthsAdjustment, Method, length_circumstances, scene_of,
@@ -111,10 +111,7 @@ impl<'a> Base<'a> {
         } = all;
         let left_out = LeftOut::of(campaign, lengths, &network, &groups, removed);
         let (mut network, kept) = network.without(removed);
-        if near.is_some_and(|near| near.reflectors_mm.is_empty()) {
-            network.reflectors = None;
-        }
-        let start = solve_or_alike(&mut network, near, &settings)?;
+        let start = solve_as_a_set(&mut network, near, &settings)?;
         let readings = length_circumstances(campaign, lengths, &network, &groups, &kept);
         Ok(Self {
             campaign,

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_multilateration::{
     self as multilateration, BlockNoise, CampaignNetwork, Group, Network, Screened, Solution,
-    adjust_or_alike, network_from_campaign, screen, solve_or_alike,
+    adjust_as_a_set, network_from_campaign, screen, solve_as_a_set,
 };
 
 use crate::Error;
@@ -60,7 +60,7 @@ impl<'a> LengthsAdjustment<'a> {
         };
         let declared = is_noise_declared(campaign);
         let iteration = multilateration::Settings::default();
-        let adjusted = adjust_or_alike(
+        let adjusted = adjust_as_a_set(
             &mut network,
             |screened: &Screened| &screened.solution,
             |network| adjust(network, declared, &iteration),
@@ -196,7 +196,7 @@ impl<'a> LengthsAdjustment<'a> {
         };
         let iteration = multilateration::Settings::default();
         let words = |error| adjustment_error(self.campaign, self.lengths, &self.groups, error);
-        let free = solve_or_alike(&mut network, Some(solution), &iteration).map_err(words)?;
+        let free = solve_as_a_set(&mut network, Some(solution), &iteration).map_err(words)?;
         Ok(self.measured_points(&network, &free))
     }
 

@@ -3,7 +3,7 @@
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::ResolvedEffect;
 use trueaxis_multilateration::{
-    CampaignNetwork, Network, Settings, Solution, network_from_campaign, solve_or_alike,
+    CampaignNetwork, Network, Settings, Solution, network_from_campaign, solve_as_a_set,
 };
 
 use crate::Error;
@@ -33,7 +33,7 @@ impl<'a> EffectsOnLengths<'a> {
             groups,
             ..
         } = network_from_campaign(campaign, lengths, false);
-        let solution = solve_or_alike(&mut network, None, &Settings::default())
+        let solution = solve_as_a_set(&mut network, None, &Settings::default())
             .map_err(|error| adjustment_error(campaign, lengths, &groups, error))?;
         let all: Vec<usize> = (0..lengths.readings.len()).collect();
         let circumstances = length_circumstances(campaign, lengths, &network, &groups, &all);

@@ -48,14 +48,16 @@ impl LengthsAdjustment<'_> {
     /// What a user must know of them.
     pub(crate) fn reflector_notices(&self) -> Vec<String> {
         let declared_um = self.campaign.instrument.reflector_sigma_um;
-        if self.reflectors.len() > 1 && self.screened.network.reflectors.is_none() {
-            return vec![
-                "the lengths do not determine how the constants of the reflectors differ: they count as equal, \
-                 and U does not contain their differences; declare `reflector_sigma_um` of the instrument, move \
-                 one reflector from nest to nest (the same `reflector` for all targets), or let the stage turn \
-                 or the stations see it from more sides"
-                    .to_owned(),
-            ];
+        let of_network = self.screened.network.reflectors.as_deref();
+        let taken_mm = of_network.and_then(|reflectors| reflectors.sigma_mm);
+        if let (None, Some(sigma_mm)) = (declared_um, taken_mm) {
+            return vec![format!(
+                "the lengths do not determine how the constants of the reflectors differ: they are taken to differ \
+                 by {} µm (standard deviation), as those of a set, and U contains that; declare \
+                 `reflector_sigma_um` of the instrument, move one reflector from nest to nest (the same \
+                 `reflector` for all targets), or let the stations see the stage from more sides",
+                sigma_mm / MICROMETRE
+            )];
         }
         let declared_mm = declared_um.map(|sigma_um| sigma_um * MICROMETRE);
         let limit_mm = declared_mm.unwrap_or(USUAL_DIFFERENCE_MM);
