@@ -48,7 +48,11 @@ impl Problem {
     /// If the campaign cannot be solved.
     pub fn of(campaign: &Campaign) -> Self {
         let lengths = campaign.lengths.as_ref().expect("lengths");
-        let network = network_from_campaign(campaign, lengths, false).network;
+        // The peers have no constants of reflectors.
+        let network = Network {
+            reflectors: None,
+            ..network_from_campaign(campaign, lengths, false).network
+        };
         let start = solve(&network, &Settings::default()).expect("a solution");
         let mut stations = start.stations;
         for (station, sign) in stations.iter_mut().zip([1.0, -1.0].into_iter().cycle()) {
