@@ -12,7 +12,7 @@ pub use scatter::{Estimate, Pooled, Scatter};
 
 use trueaxis_calibrate::{AxisResult, Calibration, coverage_factor};
 use trueaxis_campaign::Direction;
-use trueaxis_kinematics::Component;
+use trueaxis_kinematics::{Component, MICROMETRE};
 use trueaxis_simulate::{TrueComponents, Truth};
 
 /// One number that was estimated, in mm or rad.
@@ -148,12 +148,15 @@ pub fn locations(calibration: &Calibration, truth: &Truth) -> Vec<Deviation> {
     all
 }
 
-/// Stations and dead paths: estimate minus truth.
+/// Stations and dead paths: estimate minus truth. What the reflectors' constants have in common is dead path: lengths
+/// are longer by the one and shorter by the other.
 pub fn stations(calibration: &Calibration, truth: &Truth) -> Vec<Deviation> {
     let mut all = Vec::new();
+    let constants_um: f64 = truth.reflectors.iter().map(|r| r.constant_um).sum();
+    let mean_mm = constants_um * MICROMETRE / truth.reflectors.len().max(1) as f64;
     for (found, truth) in calibration.stations.iter().zip(&truth.stations) {
         let d = found.position_mm - truth.position_mm;
-        let dead_path = found.dead_path_mm - truth.dead_path_mm;
+        let dead_path = found.dead_path_mm - (truth.dead_path_mm - mean_mm);
         let u = found.u_mm.into_iter().chain([found.u_dead_path_mm]);
         let dof = found.dof.into_iter().chain([found.dof_dead_path]);
         let what = [
