@@ -5,7 +5,7 @@
 //! `-ξ` as seen from there. A motion that all runs have in common is location error and place of
 //! the targets; component errors answer only to the difference between runs.
 
-use nalgebra::{Matrix6, MatrixXx6};
+use nalgebra::{DMatrix, Matrix6, MatrixXx6};
 
 use crate::identify::context::Context;
 use crate::identify::identify_axes::Identified;
@@ -15,57 +15,58 @@ use crate::propagate::axis_noise::AxisForm;
 
 /// Response of an axis' parameters and mean pose errors to a twist of all poses of a run, given as
 /// by [`crate::propagate::twist::Twist::rows`].
-pub(crate) struct BaseResponse {
-    /// Of the parameters `y`, for each run.
-    parameters: Vec<MatrixXx6<f64>>,
-    /// Of the pose error of each record, with its run; empty for a single run, whose base stands still.
-    pub(crate) records: Vec<(usize, Matrix6<f64>)>,
-    /// Of each node's mean pose error, for the runs that measured it.
-    poses: Vec<Vec<(usize, Matrix6<f64>)>>,
+pub(crate) struct BaseResponse<'a> {
+    context: &'a Context<'a>,
+    identified: &'a Identified,
+    k: usize,
+    /// Of the parameters `y`, six columns for each run.
+    parameters: DMatrix<f64>,
 }
 
-impl BaseResponse {
+impl<'a> BaseResponse<'a> {
     /// Of axis `k` of the data.
-    pub(crate) fn new(context: &Context<'_>, identified: &Identified, k: usize) -> Self {
-        let axis = &context.data[k];
-        let (gauge, sensitivity) = (&identified.gauges[k], &identified.sensitivities[k]);
-        let ref_from_datum = identified.state.ref_from_datum;
-        let datum_from_ref = ref_from_datum.rotation.inverse().to_rotation_matrix();
-        let datum_from_ref = datum_from_ref.matrix();
+    pub(crate) fn new(context: &'a Context<'a>, identified: &'a Identified, k: usize) -> Self {
+        let (axis, gauge) = (&context.data[k], &identified.gauges[k]);
         let mut new = Self {
-            parameters: vec![MatrixXx6::zeros(gauge.parameters()); axis.runs.len()],
-            records: Vec::new(),
-            poses: vec![Vec::new(); axis.nodes.len()],
+            context,
+            identified,
+            k,
+            parameters: DMatrix::zeros(0, 0),
         };
-        let answers = in_order::map(axis.records.len(), |i| {
-            let record = &axis.records[i];
-            // The pivot moves by v + ρ × p.
-            let pivot = ref_from_datum * context.poses.observations[record.pose].pivot_mm;
-            let lever = -datum_from_ref * pivot.coords.cross_matrix();
-            let moved = twist_map(datum_from_ref, &lever);
-            (
-                &sensitivity.parameters[i] * moved,
-                sensitivity.poses[i] * moved,
-            )
+        let zero = || DMatrix::zeros(gauge.parameters(), 6 * axis.runs.len());
+        new.parameters = in_order::sum(axis.records.len(), zero, |sum, i| {
+            let of_pose = &identified.sensitivities[k].parameters[i];
+            let mut of_run = sum.columns_mut(6 * axis.records[i].run, 6);
+            of_run += of_pose * new.moved(i);
         });
-        for (record, (parameters, pose)) in axis.records.iter().zip(answers) {
-            new.parameters[record.run] += parameters;
-            let weight = 1.0 / axis.nodes[record.node].records.len() as f64;
-            new.poses[record.node].push((record.run, pose * weight));
-            if axis.runs.len() > 1 {
-                new.records.push((record.run, pose));
-            }
-        }
         new
+    }
+
+    /// What a twist of its run does to the pose of a record. The pivot moves by v + ρ × p.
+    fn moved(&self, record: usize) -> Matrix6<f64> {
+        let ref_from_datum = self.identified.state.ref_from_datum;
+        let datum_from_ref = ref_from_datum.rotation.inverse().to_rotation_matrix();
+        let pose = self.context.data[self.k].records[record].pose;
+        let pivot = ref_from_datum * self.context.poses.observations[pose].pivot_mm;
+        let lever = -datum_from_ref.matrix() * pivot.coords.cross_matrix();
+        twist_map(datum_from_ref.matrix(), &lever)
+    }
+
+    /// Response of the pose error of a record.
+    pub(crate) fn of_record(&self, record: usize) -> Matrix6<f64> {
+        self.identified.sensitivities[self.k].poses[record] * self.moved(record)
     }
 
     /// Response of functions to a twist of all poses of a run: one row for each function.
     pub(crate) fn of(&self, form: &AxisForm, run: usize) -> MatrixXx6<f64> {
-        let mut response = &form.parameters * &self.parameters[run];
+        let axis = &self.context.data[self.k];
+        let mut response = &form.parameters * self.parameters.fixed_columns::<6>(6 * run);
         for part in &form.poses {
-            for (_, pose) in self.poses[part.node].iter().filter(|(r, _)| *r == run) {
+            let records = &axis.nodes[part.node].records;
+            let weight = part.weight / records.len() as f64;
+            for &i in records.iter().filter(|&&i| axis.records[i].run == run) {
                 let mut rows = response.fixed_rows_mut::<6>(part.row);
-                rows += pose * part.weight;
+                rows += self.of_record(i) * weight;
             }
         }
         response

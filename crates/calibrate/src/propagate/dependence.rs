@@ -21,7 +21,7 @@ pub(crate) struct Dependence<'a> {
     /// For each station x y z and dead path, mm.
     pub(crate) stations: Vec<DMatrix<f64>>,
     /// For each axis how it answers to motions of its base, and for each run that motion.
-    bases: Vec<(BaseResponse, Vec<Matrix6xX<f64>>)>,
+    bases: Vec<(BaseResponse<'a>, Vec<Matrix6xX<f64>>)>,
 }
 
 impl<'a> Dependence<'a> {
@@ -62,8 +62,8 @@ impl<'a> Dependence<'a> {
     /// rows.
     pub(crate) fn response_to_base(&self, k: usize, record: usize) -> DMatrix<f64> {
         let (response, motions) = &self.bases[k];
-        let (run, map) = &response.records[record];
-        let rows = map * &motions[*run];
+        let run = self.context.data[k].records[record].run;
+        let rows = response.of_record(record) * &motions[run];
         DMatrix::from_column_slice(6, rows.ncols(), rows.as_slice())
     }
 

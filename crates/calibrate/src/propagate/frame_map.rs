@@ -19,11 +19,11 @@ use crate::propagate::sources::Sources;
 use crate::propagate::twist::Twist;
 
 /// Linear maps from the sources to results; columns are the sources.
-pub(crate) struct FrameMap<'a> {
+pub(crate) struct FrameMap<'a, 's> {
     context: &'a Context<'a>,
     identified: &'a Identified,
-    sources: &'a Sources,
-    responses: Vec<BaseResponse>,
+    sources: &'s Sources,
+    responses: Vec<BaseResponse<'a>>,
     /// The sources freed of the errors of the axes outside.
     net: DMatrix<f64>,
     /// For each axis the error of its place along itself; zero for linear axes.
@@ -35,11 +35,11 @@ pub(crate) struct FrameMap<'a> {
 /// so the second sweep confirms the first.
 const AXIAL_SWEEPS: usize = 3;
 
-impl<'a> FrameMap<'a> {
+impl<'a, 's> FrameMap<'a, 's> {
     pub(crate) fn new(
         context: &'a Context<'a>,
         identified: &'a Identified,
-        sources: &'a Sources,
+        sources: &'s Sources,
     ) -> Self {
         let axes = 0..context.data.len();
         Self {
@@ -55,7 +55,7 @@ impl<'a> FrameMap<'a> {
     }
 
     /// How each axis answers to motions of its base.
-    pub(crate) fn into_responses(self) -> Vec<BaseResponse> {
+    pub(crate) fn into_responses(self) -> Vec<BaseResponse<'a>> {
         self.responses
     }
 

@@ -139,11 +139,13 @@ impl<'a> LengthsAdjustment<'a> {
             targets: self.targets_of(body, home_mm),
             home_mm: home_mm.clone(),
         });
+        // What only the instrument's part needs is the largest, and gone before the rest is made.
+        let instrument = pose_noise(&solution.length_noise(network), &moved);
         Ok(Poses {
             observations: moved.iter().map(observation).collect::<Result<_, _>>()?,
             bodies: bodies.collect(),
             noise: pose_noise(&solution.noise(), &moved),
-            instrument: pose_noise(&solution.length_noise(network), &moved),
+            instrument,
             relative_covariance: self.screened.noise.relative_covariance,
         })
     }
