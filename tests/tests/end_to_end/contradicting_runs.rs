@@ -62,6 +62,11 @@ fn contradicting_runs_are_said() {
             let u = |c: &Calibration| c.axis("Y").unwrap().nodes[5].u[Component::ALL[2].index()];
             let grown = u(&calibration) / u(&alone);
             assert!((grown / ratio - 1.0).abs() < 0.2, "{grown} {ratio}");
+            // Y is the second line of the frame, against which Z is square or not.
+            let squareness =
+                |c: &Calibration| c.axis("Z").unwrap().location_error("A0Z").unwrap().u;
+            let grown = squareness(&calibration) / squareness(&alone);
+            assert!((grown / ratio - 1.0).abs() < 0.2, "A0Z: {grown} {ratio}");
         }
     }
 }

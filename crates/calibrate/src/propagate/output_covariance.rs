@@ -15,7 +15,9 @@ use crate::Error;
 use crate::identify::axis_data::AxisData;
 use crate::propagate::axis_noise::AxisForm;
 use crate::propagate::propagation::{Propagation, place_of};
-use crate::result::calibration::{AxisResult, RunMisfit, StationResult};
+use crate::result::calibration::{
+    AxisResult, StationResult, widening_of_components, widening_of_locations,
+};
 use crate::result::numbered::{NumberedResult, results};
 use crate::result::output::{Output, OutputCovariance};
 
@@ -55,10 +57,13 @@ impl OutputCovariance {
     ) -> Self {
         let mut matrix = in_mm_and_rad(propagation, axes);
         let results = results(axes, stations);
-        let birge_ratio = |output: &Output| {
-            let of_output = axes.iter().find(|axis| output.axis() == Some(&axis.name));
-            let runs = of_output.and_then(|axis| axis.runs.as_ref());
-            runs.map_or(1.0, RunMisfit::birge_ratio)
+        let birge_ratio = |output: &Output| match output {
+            Output::ComponentError { axis, .. } => axes
+                .iter()
+                .find(|result| result.name == *axis)
+                .map_or(1.0, widening_of_components),
+            Output::LocationError { .. } => widening_of_locations(axes),
+            Output::StationPosition { .. } | Output::DeadPath { .. } => 1.0,
         };
         // Gauge and frame leave rounding where they define a result.
         let scale = |result: &NumberedResult| match result.u > 0.0 {

@@ -21,17 +21,15 @@ pub(crate) fn axis_results(
     let sides = side_differences(measured, propagation.dependence);
     let runs = run_misfits(propagation);
     let axes = sides.into_iter().zip(runs).enumerate();
-    axes.map(|(k, (sides, runs))| {
-        let mut axis = AxisResult {
-            u_ratio: losses.as_ref().map(|losses| losses[k]),
-            sides,
-            runs,
-            ..axis_result(measured, propagation, k)
-        };
-        widen(&mut axis);
-        axis
-    })
-    .collect()
+    let axes = axes.map(|(k, (sides, runs))| AxisResult {
+        u_ratio: losses.as_ref().map(|losses| losses[k]),
+        sides,
+        runs,
+        ..axis_result(measured, propagation, k)
+    });
+    let mut axes: Vec<AxisResult> = axes.collect();
+    widen(&mut axes);
+    axes
 }
 
 /// For each axis how the sides of approach differ that share its curves.

@@ -68,7 +68,7 @@ fn contradicting_runs(axis: &AxisResult) -> Option<String> {
     };
     Some(format!(
         "axis {}: runs {} contradict each other, {} at {at} by {:.2}{unit} (p = {:.0e}): its curves are their mean, \
-         and U is {:.1} times what the noise makes it; its errors depend on where the other axes stand, or changed \
+         and U, also of all location errors, is {:.1} times what the noise makes it; its errors depend on where the other axes stand, or changed \
          between the runs: calibrate the runs one at a time and compare",
         axis.name,
         runs.runs.join(", "),

@@ -24,7 +24,9 @@ use trueaxis_leastsquares::chi_squared_upper_tail;
 
 use crate::propagate::dependence::Dependence;
 use crate::propagate::propagation::Propagation;
-use crate::result::calibration::{AxisResult, RunMisfit};
+use crate::result::calibration::{
+    AxisResult, RunMisfit, widening_of_components, widening_of_locations,
+};
 
 /// Probability that any axis of a campaign whose runs agree is said to have runs that do not.
 const LEVEL: f64 = 0.01;
@@ -205,20 +207,29 @@ fn products(
     Some((products, covariance))
 }
 
-/// Multiplies all uncertainties of an axis whose runs contradict each other.
-pub(crate) fn widen(axis: &mut AxisResult) {
-    let Some(runs) = &axis.runs else { return };
-    let (factor, dof) = (runs.birge_ratio(), runs.degrees_of_freedom as f64);
-    for node in &mut axis.nodes {
-        for c in 0..6 {
-            node.u[c] *= factor;
-            node.dof[c] = node.dof[c].min(dof);
-            node.budget[c] = node.budget[c].times(factor * factor);
+/// Widens the uncertainties of all axes.
+pub(crate) fn widen(axes: &mut [AxisResult]) {
+    let of_locations = widening_of_locations(axes);
+    let contradicting = axes.iter().filter_map(|axis| axis.runs.as_ref());
+    let least_dof = contradicting.map(|runs| runs.degrees_of_freedom as f64);
+    let least_dof = least_dof.fold(f64::INFINITY, f64::min);
+    for axis in axes {
+        let factor = widening_of_components(axis);
+        let dof = axis
+            .runs
+            .as_ref()
+            .map_or(f64::INFINITY, |runs| runs.degrees_of_freedom as f64);
+        for node in &mut axis.nodes {
+            for c in 0..6 {
+                node.u[c] *= factor;
+                node.dof[c] = node.dof[c].min(dof);
+                node.budget[c] = node.budget[c].times(factor * factor);
+            }
         }
-    }
-    for location in &mut axis.location_errors {
-        location.u *= factor;
-        location.dof = location.dof.min(dof);
-        location.budget = location.budget.times(factor * factor);
+        for location in &mut axis.location_errors {
+            location.u *= of_locations;
+            location.dof = location.dof.min(least_dof);
+            location.budget = location.budget.times(of_locations * of_locations);
+        }
     }
 }

@@ -66,14 +66,6 @@ pub enum Unit {
 }
 
 impl Output {
-    /// Name of the axis that it is of.
-    pub(crate) fn axis(&self) -> Option<&String> {
-        match self {
-            Self::ComponentError { axis, .. } | Self::LocationError { axis, .. } => Some(axis),
-            Self::StationPosition { .. } | Self::DeadPath { .. } => None,
-        }
-    }
-
     /// ISO 230-1 name of an error; `x`, `y`, `z` or `dead_path` of a station.
     pub fn name(&self) -> String {
         match self {
