@@ -72,6 +72,7 @@ mod error;
 mod files;
 mod identify;
 mod in_order;
+mod mistakes;
 mod propagate;
 mod replay;
 mod report;
@@ -86,8 +87,8 @@ pub use replay::with_effects::calibrate_with_effects;
 pub use replay::{Replay, Responses, calibrate_for_replay};
 pub use result::budget::{Budget, coverage_factor};
 pub use result::calibration::{
-    AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, RunMisfit, StationResult,
-    TargetResult, TriangleSide,
+    AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, RelativeLocation,
+    RelativeQuantity, RunMisfit, StationResult, TargetResult, Traceability, TriangleSide,
 };
 pub use result::numbered::NumberedResult;
 pub use result::output::{Output, OutputCovariance, Unit};

@@ -11,6 +11,8 @@ mod diagnosis;
 mod first_order;
 mod gross_errors;
 mod machines;
+mod mistakes;
+mod nests;
 mod one_wrong_length;
 mod parked;
 mod planar;

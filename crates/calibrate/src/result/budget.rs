@@ -7,7 +7,8 @@
 //! laser u_l²     machine's return u_s² - u_l²     station geometry u² - u_s²
 //! ```
 //!
-//! Where effects were taken out of the lengths, the uncertainty of their values is a part of its own.
+//! Where effects were taken out of the lengths, the uncertainty of their values is a part of its own, and so is
+//! what is declared and no noise (Type B: how well the nests of the targets were set).
 //!
 //! No part is negative for a result that does not depend on the datum, and none of ours does: the
 //! covariance of the points with the stations known is that of an adjustment without datum, the
@@ -41,8 +42,10 @@ pub struct Budget {
     pub station_geometry: f64,
     /// That the values of effects that were taken out of the lengths are estimated.
     pub effects: f64,
+    /// What is declared and systematic.
+    pub systematic: f64,
     /// All that has its origin in the lengths' own noise: `laser` and its part of
-    /// `station_geometry`. The rest of u² has its origin in the machine's return.
+    /// `station_geometry`. The rest of u², but for what is systematic, has its origin in the machine's return.
     pub laser_in_all: f64,
 }
 
@@ -67,6 +70,7 @@ impl Budget {
             machine_return: not_negative(known - laser),
             station_geometry: not_negative(all - known),
             effects: 0.0,
+            systematic: 0.0,
             laser_in_all: not_negative(laser_in_all),
         }
     }
@@ -78,23 +82,25 @@ impl Budget {
             machine_return: factor * self.machine_return,
             station_geometry: factor * self.station_geometry,
             effects: factor * self.effects,
+            systematic: factor * self.systematic,
             laser_in_all: factor * self.laser_in_all,
         }
     }
 
     /// u².
     pub fn variance(&self) -> f64 {
-        self.laser + self.machine_return + self.station_geometry + self.effects
+        self.laser + self.machine_return + self.station_geometry + self.effects + self.systematic
     }
 
-    /// The four parts as shares of u²; `None` if it is zero.
-    pub fn shares(&self) -> Option<[f64; 4]> {
+    /// The five parts as shares of u²; `None` if it is zero.
+    pub fn shares(&self) -> Option<[f64; 5]> {
         let variance = self.variance();
         let parts = [
             self.laser,
             self.machine_return,
             self.station_geometry,
             self.effects,
+            self.systematic,
         ];
         (variance > 0.0).then(|| parts.map(|part| part / variance))
     }
@@ -102,7 +108,8 @@ impl Budget {
     /// `ν` for the relative covariance `K` of the variance factors; infinite if they are known.
     pub(crate) fn degrees_of_freedom(&self, relative_covariance: &Matrix2<f64>) -> f64 {
         let variance = self.variance();
-        let g = Vector2::new(self.laser_in_all, variance - self.laser_in_all);
+        let noise = variance - self.systematic;
+        let g = Vector2::new(self.laser_in_all, noise - self.laser_in_all);
         let of_variance = g.dot(&(relative_covariance * g));
         if of_variance > 0.0 {
             2.0 * variance * variance / of_variance
