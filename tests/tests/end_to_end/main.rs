@@ -8,6 +8,7 @@
 mod contradicting_runs;
 mod coverage;
 mod diagnosis;
+mod expansion;
 mod first_order;
 mod gross_errors;
 mod machines;
