@@ -17,6 +17,7 @@ use crate::propagate::propagation::Propagation;
 use crate::report::axis_results::{axis_results, station_results};
 use crate::report::notices::notices;
 use crate::report::triangle::triangle;
+use crate::report::uncertainty::statement;
 use crate::result::calibration::{Calibration, TargetResult};
 use crate::result::output::OutputCovariance;
 use crate::settings::{ReferencePoint, Settings};
@@ -64,7 +65,7 @@ pub(crate) fn calibrate_in_parts<'a>(
     let machine = with_reference_points(campaign, settings.reference_point);
     let measured = measure(campaign, &settings.of_poses())?;
     let poses = &measured.poses;
-    let stations = measured.stations();
+    let stations = &measured.stations()[..];
     let data = by_axis(campaign, poses)?;
     if settings.covariance {
         check_size(&machine, &data, stations.len())?;
@@ -106,10 +107,14 @@ pub(crate) fn calibrate_in_parts<'a>(
         adjustment: measured.adjustment.clone(),
         stations,
         reflectors: measured.reflectors(),
+        reflectors_are_relative: !measured.knows_mean_constant(),
+        scale: measured.scale(),
+        uncertainty: statement(campaign, &measured),
         targets: target_results(campaign, &targets_mm),
         axes,
         covariance,
         misfits: measured.misfits.clone(),
+        known_misfits: measured.known_misfits().to_vec(),
         triangle: triangle(&context, &targets_mm, measured.point_variance_mm2),
         effects: Vec::new(),
         notices: measured.notices.clone(),

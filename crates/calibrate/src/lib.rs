@@ -87,7 +87,7 @@ pub use replay::{Replay, Responses, calibrate_for_replay};
 pub use result::budget::{Budget, coverage_factor};
 pub use result::calibration::{
     AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, RunMisfit, StationResult,
-    TargetResult, TriangleSide,
+    TargetResult, TriangleSide, UncertaintyStatement,
 };
 pub use result::numbered::NumberedResult;
 pub use result::output::{Output, OutputCovariance, Unit};

@@ -5,3 +5,4 @@ pub(crate) mod method_loss;
 pub(crate) mod notices;
 pub(crate) mod run_misfit;
 pub(crate) mod triangle;
+pub(crate) mod uncertainty;

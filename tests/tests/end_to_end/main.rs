@@ -10,6 +10,7 @@ mod coverage;
 mod diagnosis;
 mod first_order;
 mod gross_errors;
+mod known;
 mod machines;
 mod one_wrong_length;
 mod parked;

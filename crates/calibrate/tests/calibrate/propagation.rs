@@ -143,6 +143,7 @@ impl Response {
                     laser: budget.laser / unit,
                     machine_return: budget.machine_return / unit,
                     station_geometry: budget.station_geometry / unit,
+                    systematic: budget.systematic / unit,
                     effects: budget.effects / unit,
                     laser_in_all: budget.laser_in_all / unit,
                 };
