@@ -20,6 +20,7 @@ use crate::report::expansion::refer_to_20_degrees;
 use crate::report::notices::notices;
 use crate::report::relative_locations::relative_locations;
 use crate::report::triangle::triangle;
+use crate::report::uncertainty::statement;
 use crate::result::calibration::{Calibration, TargetResult, Traceability};
 use crate::result::output::OutputCovariance;
 use crate::settings::{ReferencePoint, Settings};
@@ -84,7 +85,7 @@ pub(crate) fn calibrate_as_given<'a>(
     let machine = with_reference_points(campaign, settings.reference_point);
     let measured = measure(campaign, &settings.of_poses())?;
     let poses = &measured.poses;
-    let stations = measured.stations();
+    let stations = &measured.stations()[..];
     let data = by_axis(campaign, poses)?;
     if settings.covariance {
         check_size(&machine, &data, stations.len())?;
@@ -126,11 +127,15 @@ pub(crate) fn calibrate_as_given<'a>(
         adjustment: measured.adjustment.clone(),
         stations,
         reflectors: measured.reflectors(),
+        reflectors_are_relative: !measured.knows_mean_constant(),
+        scale: measured.scale(),
+        uncertainty: statement(campaign, &measured),
         targets: target_results(campaign, &targets_mm),
         relative_locations: relative_locations(&propagation),
         axes,
         covariance,
         misfits: measured.misfits.clone(),
+        known_misfits: measured.known_misfits().to_vec(),
         triangle: triangle(&context, &targets_mm, measured.point_variance_mm2),
         effects: Vec::new(),
         notices: measured.notices.clone(),

@@ -89,6 +89,7 @@ pub use result::budget::{Budget, coverage_factor};
 pub use result::calibration::{
     AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, RelativeLocation,
     RelativeQuantity, RunMisfit, StationResult, TargetResult, Traceability, TriangleSide,
+    UncertaintyStatement,
 };
 pub use result::numbered::NumberedResult;
 pub use result::output::{Output, OutputCovariance, Unit};

@@ -8,3 +8,4 @@ pub(crate) mod notices;
 pub(crate) mod relative_locations;
 pub(crate) mod run_misfit;
 pub(crate) mod triangle;
+pub(crate) mod uncertainty;

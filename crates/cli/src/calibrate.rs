@@ -91,5 +91,6 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
 fn rejects_the_model(calibration: &Calibration) -> bool {
     calibration.adjustment.p_value < MISFIT_LEVEL
         || !calibration.misfits.is_empty()
+        || !calibration.known_misfits.is_empty()
         || calibration.axes.iter().any(|axis| axis.runs.is_some())
 }

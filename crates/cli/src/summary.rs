@@ -9,7 +9,7 @@ use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_files::round;
 use trueaxis_fitting::{paper_c_axis_tilt, paper_squareness};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
-use trueaxis_poses::{NoiseReport, PartReport};
+use trueaxis_poses::{NoiseReport, PartReport, ScaleBasis};
 
 /// Coverage factor of the uncertainties that people read, if many degrees of freedom stand behind
 /// them.
@@ -72,6 +72,8 @@ pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
     ];
     lines.extend(a.noise.as_ref().map(noise));
     lines.extend(reflectors(calibration));
+    lines.extend(scale(calibration));
+    lines.push(uncertainty(calibration));
     for turn in &a.interruptions {
         lines.push(format!(
             "{}: the lengths jump by {:+.2} ± {:.2} µm between lines {} and {} ({:.0} … {:.0} s), as an \
@@ -127,12 +129,39 @@ fn reflectors(calibration: &Calibration) -> Option<String> {
         Some(more) => format!(" and {} more in calibration.json", more + 1),
         None => String::new(),
     };
+    let relative = match calibration.reflectors_are_relative {
+        true => " (relative to their mean)",
+        false => "",
+    };
     (!constants.is_empty()).then(|| {
         format!(
-            "reflector constants (relative to their mean): {}{more}",
+            "reflector constants{relative}: {}{more}",
             constants.join(", ")
         )
     })
+}
+
+/// The scale of all lengths, if it is an unknown.
+fn scale(calibration: &Calibration) -> Option<String> {
+    let scale = calibration.scale?;
+    let [value, u] = [scale.value, COVERAGE * scale.u].map(|x| x * 1e6);
+    Some(match scale.basis {
+        ScaleBasis::Declared => format!("scale of the lengths: as shown, ± {u:.2} ppm as declared"),
+        ScaleBasis::KnownLengths | ScaleBasis::Both => format!(
+            "scale of the lengths: shown too long by {value:+.2} ± {u:.2} ppm, by known lengths; the results are \
+             free of it"
+        ),
+    })
+}
+
+/// What the uncertainties contain.
+fn uncertainty(calibration: &Calibration) -> String {
+    let statement = &calibration.uncertainty;
+    let lacks = match statement.lacks.is_empty() {
+        true => String::new(),
+        false => format!("; it lacks {}", statement.lacks.join("; ")),
+    };
+    format!("U contains {}{lacks}", statement.contains.join(", "))
 }
 
 /// What the uncertainties are multiplied with.

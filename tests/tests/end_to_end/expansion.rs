@@ -37,7 +37,7 @@ fn calibrated(declared: bool) -> (Calibration, f64) {
 
 fn end_of(axis: &AxisResult) -> (f64, f64, f64) {
     let node = axis.nodes.last().unwrap();
-    let [share] = node.budget[0].shares().map(|shares| [shares[4]]).unwrap();
+    let [share] = node.budget[0].shares().map(|shares| [shares[3]]).unwrap();
     (node.error.translation_mm.x, node.u[0], share)
 }
 

@@ -11,6 +11,7 @@ mod diagnosis;
 mod expansion;
 mod first_order;
 mod gross_errors;
+mod known;
 mod machines;
 mod mistakes;
 mod nests;

@@ -91,7 +91,7 @@ fn what_is_relative_to_the_nests_says_so() {
         offset.u,
         c.offset.u
     );
-    assert!(offset.budget.shares().unwrap()[4] > 0.99);
+    assert!(offset.budget.shares().unwrap()[3] > 0.99);
 
     // The truth, from the lines themselves.
     let truth = |name: &str| {

@@ -119,6 +119,7 @@ impl<'a> Propagation<'a> {
             Budget::new(
                 [instrument.own, whole.own],
                 [instrument.own + instrument.through, all],
+                whole.declared,
             )
         };
         Uncertainty {
@@ -137,7 +138,7 @@ impl<'a> Noise<'a> {
         let axes: Vec<AxisNoise<'_>> = axes.collect();
         Self {
             dependence,
-            sources: dependence.sources.noise(&axes, noise.width()),
+            sources: dependence.sources.noise(&axes, noise),
             axes,
             noise,
         }
@@ -188,10 +189,11 @@ impl<'a> Noise<'a> {
             .enumerate()
             .map(|(i, &uncancelled)| {
                 let coefficients = coefficients.row(i).into_owned();
-                let [through, of_shapes] = self.noise.through_sources(coefficients);
+                let through = self.noise.through_sources(coefficients);
                 Variance {
-                    own: own[(i, i)] + of_shapes,
-                    through,
+                    own: own[(i, i)] + through.shapes,
+                    through: through.stations,
+                    declared: through.declared,
                     uncancelled,
                 }
             })

@@ -2,10 +2,11 @@
 //!
 //! Each axis contributes its location parameters, the places of its bodies on the stage, and its
 //! component errors where it stands while others are measured: linear functions of its parameters
-//! and mean pose errors ([`crate::propagate::axis_noise`]). The stations are shared sources themselves. What the
-//! frame takes from the nominal positions of the targets depends on how well their nests were set.
+//! and mean pose errors ([`crate::propagate::axis_noise`]). The stations are functions of the shared sources alone.
+//! What the frame takes from the nominal positions of the targets depends on how well their nests were set.
 
 use nalgebra::DMatrix;
+use trueaxis_poses::PoseNoise;
 
 use crate::identify::context::Context;
 use crate::identify::gauge::PER_RUN;
@@ -71,9 +72,9 @@ impl Sources {
     }
 
     /// The errors of all quantities from those of the axes.
-    pub(crate) fn noise(&self, axes: &[AxisNoise<'_>], shared_sources: usize) -> SourceNoise {
+    pub(crate) fn noise(&self, axes: &[AxisNoise<'_>], noise: &PoseNoise) -> SourceNoise {
         let mut own = DMatrix::zeros(self.count, self.count);
-        let mut shared = DMatrix::zeros(self.count, shared_sources);
+        let mut shared = DMatrix::zeros(self.count, noise.width());
         for (sources, noise) in self.axes.iter().zip(axes) {
             let covariance = noise.own(&sources.form, &sources.form);
             let coefficients = noise.shared(&sources.form);
@@ -84,8 +85,9 @@ impl Sources {
                 shared.row_mut(row).copy_from(&coefficients.row(i));
             }
         }
-        for i in 0..4 * self.station_count {
-            shared[(self.stations + i, i)] = 1.0;
+        if noise.stations.nrows() == 4 * self.station_count {
+            let mut stations = shared.rows_mut(self.stations, 4 * self.station_count);
+            stations.copy_from(&noise.stations);
         }
         for (i, &variance_mm2) in self.nest_variances_mm2.iter().enumerate() {
             own[(self.nests + i, self.nests + i)] = variance_mm2;

@@ -6,7 +6,10 @@ use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::{
     AxisKind, Component, GeometricErrors, LocationComponent, LocationError, MotionError,
 };
-use trueaxis_poses::{AdjustmentReport, Method, ReflectorConstant, SideDifference, StepMisfit};
+use trueaxis_poses::{
+    AdjustmentReport, KnownMisfit, Method, ReflectorConstant, ScaleResult, SideDifference,
+    StepMisfit,
+};
 
 use crate::result::budget::Budget;
 use crate::result::interpolation::{Place, sides_of, weights_at};
@@ -26,9 +29,15 @@ pub struct Calibration {
     pub adjustment: AdjustmentReport,
     /// Stations of the tracker; empty for a points campaign.
     pub stations: Vec<StationResult>,
-    /// Constants of the reflectors, relative to their mean; empty where there is one reflector only, and for a
-    /// points campaign.
+    /// Constants of the reflectors; empty for a points campaign, and where there is one reflector only and no dead
+    /// path is known.
     pub reflectors: Vec<ReflectorConstant>,
+    /// Whether they are relative to their mean: no dead path is known, which would tell that.
+    pub reflectors_are_relative: bool,
+    /// The scale of all lengths, where it is an unknown: results are free of it, and U contains its uncertainty.
+    pub scale: Option<ScaleResult>,
+    /// What the uncertainties contain, and what not.
+    pub uncertainty: UncertaintyStatement,
     /// Adjusted home positions of the targets, mean over the runs.
     pub targets: Vec<TargetResult>,
     /// Axes that were measured, in the order of the machine.
@@ -39,6 +48,8 @@ pub struct Calibration {
     pub covariance: Option<OutputCovariance>,
     /// Steps whose points do not move as a rigid body.
     pub misfits: Vec<StepMisfit>,
+    /// Known lengths and dead paths that contradict the lengths.
+    pub known_misfits: Vec<KnownMisfit>,
     /// Distances between targets that differ from nominal.
     pub triangle: Vec<TriangleSide>,
     /// Effects that were taken out of the lengths, with the uncertainties that entered.
@@ -63,6 +74,15 @@ pub struct Traceability {
     /// The files of the campaign with their checksums ([`trueaxis_campaign::checksums`]); empty if whoever calibrated
     /// it had no files.
     pub inputs: Vec<InputFile>,
+}
+
+/// What the uncertainties of a calibration contain, and what they lack, in words.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct UncertaintyStatement {
+    /// Parts that U contains.
+    pub contains: Vec<String>,
+    /// Parts that it does not contain, with the reason.
+    pub lacks: Vec<String>,
 }
 
 /// A station in the reference frame.
