@@ -34,6 +34,8 @@ mod squareness_error;
 mod stage_bending;
 mod station_drift;
 mod station_jump;
+mod station_scale;
+mod station_settling;
 mod target_creep;
 mod target_slip;
 mod timestamp_offset;
@@ -48,10 +50,12 @@ pub fn catalogue() -> &'static [&'static Effect] {
         &dead_path_drift::EFFECT,
         &dead_path_jump::EFFECT,
         &refraction_drift::EFFECT,
+        &station_scale::EFFECT,
         &timestamp_offset::EFFECT,
         &length_scale::EFFECT,
         &dead_path_offset::EFFECT,
         &station_drift::EFFECT,
+        &station_settling::EFFECT,
         &station_jump::EFFECT,
         &target_slip::EFFECT,
         &target_creep::EFFECT,

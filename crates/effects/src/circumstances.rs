@@ -18,6 +18,8 @@ pub struct Circumstances<'a> {
     pub progress: f64,
     /// Progress of time within the turn of the station, 0 to 1.
     pub turn_progress: f64,
+    /// Time since the first reading of the turn of the station, s.
+    pub turn_elapsed_s: f64,
     /// The station that reads; 0 without any.
     pub station: usize,
     /// The target that is read.
@@ -49,6 +51,7 @@ impl<'a> Circumstances<'a> {
             elapsed_s: 0.0,
             progress: 0.0,
             turn_progress: 0.0,
+            turn_elapsed_s: 0.0,
             station: 0,
             target: 0,
             carrier: 0,

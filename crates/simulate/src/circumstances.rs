@@ -51,6 +51,7 @@ impl StopCircumstances<'_> {
                 elapsed_s: time_s - progress.campaign_s.start,
                 progress: part(&progress.campaign_s, time_s),
                 turn_progress: turn_s.map_or(0.0, |turn_s| part(turn_s, time_s)),
+                turn_elapsed_s: turn_s.map_or(0.0, |turn_s| time_s - turn_s.start),
                 station: visit.station,
                 target,
                 carrier,

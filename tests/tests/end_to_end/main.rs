@@ -17,4 +17,5 @@ mod planar;
 mod reference_frame;
 mod reflectors;
 mod round_trip;
+mod settling;
 mod triangle;

@@ -14,7 +14,10 @@ use crate::Error;
 use crate::lengths::base::{Adjusted, Base, Suspect};
 use crate::lengths::culprit::overlap;
 use crate::lengths::hypotheses::{TIME_CONSTANT_RATIO, hypotheses};
-use crate::selection::{Fit, Hypothesis, Null, Projection, Scan, Score, cosine, is_rival, rank};
+use crate::lengths::swapped::{add_swapped, swapped};
+use crate::selection::{
+    DECISIVE, Fit, Hypothesis, Null, Projection, Scan, Score, cosine, is_rival, rank,
+};
 
 /// Family-wise level of the causes: false alarms in one of a hundred clean campaigns.
 const CAUSE_LEVEL: f64 = 0.01;
@@ -28,7 +31,7 @@ const SHAPE_ERROR: f64 = 0.05;
 const FURTHER_LEVEL: f64 = 0.001;
 
 /// Rivals that are worth a line.
-const MOST_RIVALS: usize = 5;
+const MOST_RIVALS: usize = 8;
 
 /// A cause with its judgement beside the others.
 #[derive(Debug, Clone)]
@@ -167,6 +170,20 @@ fn settle(
             found.push(judged);
         }
         adjusted = base.adjust(suspects.clone(), None)?;
+        let others = swapped(base, &adjusted.suspects).filter(|_| !changed);
+        if let Some(others) = others {
+            // As many parameters, so that the squares decide.
+            let other = base.adjust(others, Some(adjusted.network.noise))?;
+            let more = other.projection.squares() - adjusted.projection.squares();
+            if more < -EQUAL && exchanges < MOST_EXCHANGES {
+                exchanges += 1;
+                (suspects, adjusted) = (other.suspects.clone(), other);
+                continue;
+            }
+            if more < DECISIVE {
+                add_swapped(&mut found, &other.suspects, more);
+            }
+        }
         if !changed {
             for (found, suspect) in found.iter_mut().zip(&adjusted.suspects) {
                 found.suspect = suspect.clone();
@@ -199,7 +216,8 @@ fn judged(
         })
         .unwrap_or(leader);
     let (mut suspect_of_best, mut fit) = suspect(&without.projection, &scans, best);
-    if suspect_of_best.hypothesis.effect.shape == Shape::TimeConstant {
+    let shape = suspect_of_best.hypothesis.effect.shape;
+    if matches!(shape, Shape::TimeConstant | Shape::SettlingTime) {
         (suspect_of_best, fit) = refined(base, without, suspect_of_best);
     }
     let mut rivals = Vec::new();

@@ -54,7 +54,8 @@ fn culprit(base: &Base<'_>, suspect: &Suspect) -> Culprit {
         Some(station) => Culprit::Station(station, at_an_instant),
         None if at_an_instant => Culprit::Station(during(), true),
         None => match effect.id {
-            "dead_path_drift" | "station_drift" | "machine_drift" | "warm_up" => Culprit::EveryTurn,
+            "dead_path_drift" | "station_drift" | "station_settling" | "machine_drift"
+            | "warm_up" => Culprit::EveryTurn,
             id => Culprit::Everything(id),
         },
     }

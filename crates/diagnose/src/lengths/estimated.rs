@@ -30,7 +30,7 @@ pub(crate) fn estimated(
     let mut u_shape = suspect.u_shape;
     match hypothesis.effect.shape {
         Shape::Instant => u_shape = u_shape.hypot(gap_s(base, suspect.shape) / 12_f64.sqrt()),
-        Shape::TimeConstant => {
+        Shape::TimeConstant | Shape::SettlingTime => {
             let (joint, u) = with_time_constant(base, adjusted, suspect);
             covariance = joint;
             u_shape = u;

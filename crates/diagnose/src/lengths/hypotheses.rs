@@ -7,7 +7,8 @@ use crate::lengths::base::{Adjusted, Base};
 use crate::lengths::step_scan::{StepScan, VisitTimes};
 use crate::selection::{FixedScan, Hypothesis, Scan};
 
-/// Time constants that are tried, from a hundredth of the campaign to twice its length in equal ratios.
+/// Time constants that are tried, from a hundredth of the campaign, or of the longest turn of a station, to
+/// twice its length in equal ratios.
 const TIME_CONSTANTS: i32 = 24;
 const SHORTEST: f64 = 0.01;
 pub(crate) const TIME_CONSTANT_RATIO: f64 = 1.26;
@@ -53,8 +54,12 @@ pub(crate) fn scan(
             let scan = StepScan::new(hypothesis, projection, visits, &columns)?;
             Some(Box::new(scan))
         }
-        Shape::TimeConstant => {
-            let shapes = time_constants(visits);
+        Shape::TimeConstant | Shape::SettlingTime => {
+            let duration_s = match hypothesis.effect.shape {
+                Shape::SettlingTime => longest_turn_s(base),
+                _ => duration_s(visits),
+            };
+            let shapes = time_constants(duration_s);
             FixedScan::new(hypothesis, projection, &shapes, columns).map(boxed)
         }
         Shape::Fixed | Shape::Period | Shape::Waves => {
@@ -104,14 +109,22 @@ pub(crate) fn visit_times(base: &Base<'_>) -> Vec<VisitTimes> {
         .collect()
 }
 
-fn time_constants(visits: &[VisitTimes]) -> Vec<f64> {
+fn duration_s(visits: &[VisitTimes]) -> f64 {
     let first = visits.first().map_or(0.0, |v| v.span_s[0]);
     let last = visits.last().map_or(0.0, |v| v.span_s[1]);
-    let duration = last - first;
-    if duration <= 0.0 {
+    last - first
+}
+
+fn longest_turn_s(base: &Base<'_>) -> f64 {
+    let elapsed = base.readings.iter().map(|r| r.turn_elapsed_s);
+    elapsed.fold(0.0, f64::max)
+}
+
+fn time_constants(duration_s: f64) -> Vec<f64> {
+    if duration_s <= 0.0 {
         return Vec::new();
     }
     (0..TIME_CONSTANTS)
-        .map(|k| duration * SHORTEST * TIME_CONSTANT_RATIO.powi(k))
+        .map(|k| duration_s * SHORTEST * TIME_CONSTANT_RATIO.powi(k))
         .collect()
 }

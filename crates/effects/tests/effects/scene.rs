@@ -60,6 +60,7 @@ pub(crate) fn for_each_reading(scene: &Scene, mut see: impl FnMut(&Circumstances
                             elapsed_s: 50.0 + 2000.0 * f64::from(visit),
                             progress: part,
                             turn_progress: (3.0 * part).fract(),
+                            turn_elapsed_s: 800.0 * (3.0 * part).fract(),
                             station,
                             target,
                             carrier: content.carrier,
@@ -85,7 +86,7 @@ pub(crate) fn some_shape(effect: &Effect, scene: &Scene, subject: &Subject) -> f
     match (effect.shape, axis) {
         (Shape::Fixed, _) => 0.0,
         (Shape::Instant, _) => 1500.25,
-        (Shape::TimeConstant, _) => 1800.5,
+        (Shape::TimeConstant | Shape::SettlingTime, _) => 1800.5,
         (Shape::Period, Some(AxisKind::Rotary)) => 0.7,
         (Shape::Period, _) => 43.1,
         (Shape::Waves, _) => 5.0,

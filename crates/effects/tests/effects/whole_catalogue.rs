@@ -8,11 +8,13 @@ use crate::scene::{every_effect, for_each_reading, scene};
 
 /// The ids of DESIGN section 6, and two more: time stamps that are late, and squareness beyond what a
 /// calibration says.
-const IDS: [&str; 28] = [
+const IDS: [&str; 30] = [
     "dead_path_drift",
     "dead_path_jump",
     "refraction_drift",
     "station_drift",
+    "station_settling",
+    "station_scale",
     "station_jump",
     "target_slip",
     "target_creep",

@@ -26,6 +26,8 @@ pub struct LengthCircumstances {
     progress: f64,
     /// Progress of time within the turn of the station, 0 to 1.
     pub turn_progress: f64,
+    /// Time since the first reading of the turn, s.
+    pub turn_elapsed_s: f64,
     /// The station.
     pub station: usize,
     /// The target.
@@ -117,6 +119,7 @@ pub fn length_circumstances(
                 elapsed_s: reading.time_s - campaign_span.first_s,
                 progress: campaign_span.progress(reading.time_s),
                 turn_progress: turns[station].progress(reading.time_s),
+                turn_elapsed_s: reading.time_s - turns[station].first_s,
                 station,
                 target: reading.target,
                 repeat,
@@ -228,6 +231,7 @@ impl LengthCircumstances {
                 elapsed_s: self.elapsed_s,
                 progress: self.progress,
                 turn_progress: self.turn_progress,
+                turn_elapsed_s: self.turn_elapsed_s,
                 station: self.station,
                 target: self.target,
                 carrier: self.carrier,

@@ -25,6 +25,8 @@ pub(crate) struct Reading<'a> {
     /// Over the campaign and over the turn, 0 to 1.
     pub(crate) progress: f64,
     pub(crate) turn_progress: f64,
+    /// Since the first reading of the turn, s.
+    pub(crate) turn_elapsed_s: f64,
     pub(crate) station: &'a str,
     pub(crate) target: &'a str,
     pub(crate) direction: f64,
@@ -158,6 +160,7 @@ pub(crate) fn assert_formula(effect: &Value, formula: &dyn Fn(&Reading<'_>) -> D
                 elapsed_s: reading.time_s - times_s[0],
                 progress: part(&times_s, reading.time_s),
                 turn_progress: part(&times_s[stop.station * turn..][..turn], reading.time_s),
+                turn_elapsed_s: reading.time_s - times_s[stop.station * turn],
                 station: station["name"].as_str().unwrap(),
                 target: json["targets"][reading.target]["name"].as_str().unwrap(),
                 direction: match stop.direction {

@@ -76,7 +76,7 @@ fn effects_of_no_size_change_no_length() {
             subject,
             shape: match effect.shape {
                 Shape::Fixed => 0.0,
-                Shape::Instant | Shape::TimeConstant => 600.0,
+                Shape::Instant | Shape::TimeConstant | Shape::SettlingTime => 600.0,
                 Shape::Period => 2.0,
                 Shape::Waves => 3.0,
             },

@@ -64,6 +64,10 @@ fn instrument() {
         &|r| of_length(1.5 * PPM * r.distance_mm()),
     );
     assert_formula(
+        &effect("station_scale", one.clone(), &[("scale", -2.0, "ppm")]),
+        &|r| of_length(-2.0 * PPM * r.distance_mm() * Reading::when(r.station == "S2")),
+    );
+    assert_formula(
         &effect("dead_path_offset", one, &[("offset", 8.0, "um")]),
         &|r| of_length(8.0 * UM * Reading::when(r.station == "S2")),
     );
@@ -90,6 +94,19 @@ fn set_up() {
         &vector_effect("station_drift", json!({}), "creep", D_UM, None),
         &|r| of_station(scale(d_mm(), r.turn_progress)),
     );
+    for subject in [one.clone(), json!({})] {
+        let one = subject != json!({});
+        let mut settling = vector_effect("station_settling", subject, "settling", D_UM, None);
+        let constant = json!({ "name": "time_constant", "value": 250.0, "unit": "s" });
+        settling["parameters"]
+            .as_array_mut()
+            .unwrap()
+            .push(constant);
+        assert_formula(&settling, &|r| {
+            let concerned = if one { here(r) } else { 1.0 };
+            of_station(scale(d_mm(), concerned * (-r.turn_elapsed_s / 250.0).exp()))
+        });
+    }
     assert_formula(
         &vector_effect("station_jump", one, "jump", D_UM, Some(4200.0)),
         &|r| of_station(scale(d_mm(), here(r) * Reading::when(r.time_s > 4200.0))),
