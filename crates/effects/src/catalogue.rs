@@ -10,6 +10,7 @@
 //! | t, t0 | time, instant; `[t > t0]` is 1 after it and 0 before |
 //! | τ, w | progress of time over the campaign, over the turn of the station, 0 to 1 |
 //! | q | commanded position of the axis |
+//! | ϑ, ϑ0 | logged temperature, now and at the first reading |
 
 mod axis_expansion;
 mod axis_runout;
@@ -38,6 +39,7 @@ mod station_scale;
 mod station_settling;
 mod target_creep;
 mod target_slip;
+mod thermal_growth;
 mod timestamp_offset;
 mod warm_up;
 mod worm_gear;
@@ -63,6 +65,7 @@ pub fn catalogue() -> &'static [&'static Effect] {
         &machine_drift::EFFECT,
         &warm_up::EFFECT,
         &machine_shift::EFFECT,
+        &thermal_growth::EFFECT,
         &axis_expansion::EFFECT,
         &backlash::EFFECT,
         &position_dependent_backlash::EFFECT,

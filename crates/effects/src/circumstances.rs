@@ -3,6 +3,8 @@
 use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
 use trueaxis_kinematics::{AxisKind, Ideal, Machine};
 
+use crate::TemperatureHistory;
+
 /// The circumstances of one reading, as far as an effect may depend on them.
 ///
 /// Lengths are mm, angles rad, times s; positions are in the reference frame.
@@ -40,6 +42,8 @@ pub struct Circumstances<'a> {
     pub centroid_mm: Point3<f64>,
     /// Distance from the station to the target.
     pub distance_mm: f64,
+    /// The courses of the temperatures of the scene; those that are missing never change.
+    pub temperatures: &'a [TemperatureHistory],
 }
 
 impl<'a> Circumstances<'a> {
@@ -62,6 +66,7 @@ impl<'a> Circumstances<'a> {
             point_mm: Point3::origin(),
             centroid_mm: Point3::origin(),
             distance_mm: 0.0,
+            temperatures: &[],
         }
     }
 

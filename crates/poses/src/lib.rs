@@ -60,7 +60,7 @@ mod words;
 pub use error::Error;
 pub use lengths::{
     EffectsOnLengths, LengthCircumstances, LengthsAdjustment, Observation, ReflectorConstant,
-    SideDifference, length_circumstances, scene_of,
+    SideDifference, length_circumstances, scene_of, temperature_histories,
 };
 pub use measure::{MeasuredPoses, NoiseByEquations, measure};
 pub use poses::{PoseNoise, PoseObservation, Poses, TargetBody, turned_about};

@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::Direction;
-use trueaxis_effects::{Circumstances, Displaced};
+use trueaxis_effects::{Circumstances, Displaced, TemperatureHistory};
 
 use crate::plan::Plan;
 use crate::schedule::Visit;
@@ -24,6 +24,7 @@ pub(crate) struct StopCircumstances<'a> {
     /// Commanded positions of all axes, mm or rad.
     pub(crate) positions: &'a [f64],
     pub(crate) progress: &'a Progress,
+    pub(crate) temperatures: &'a [TemperatureHistory],
 }
 
 impl StopCircumstances<'_> {
@@ -41,6 +42,7 @@ impl StopCircumstances<'_> {
             visit,
             positions,
             progress,
+            temperatures,
         } = *self;
         let turn_s = progress.turns_s.get(visit.station);
         let readings = visit.run.targets.iter().zip(&visit.times_s).zip(points_mm);
@@ -66,6 +68,7 @@ impl StopCircumstances<'_> {
                 point_mm,
                 centroid_mm: self.centroid_mm(carrier, points_mm),
                 distance_mm: (point_mm - station_mm).norm(),
+                temperatures,
                 ..Circumstances::new(&plan.machine)
             };
             plan.effects
@@ -93,7 +96,7 @@ impl StopCircumstances<'_> {
 /// First and last reading of the campaign and of each station's turn.
 pub(crate) struct Progress {
     /// s.
-    campaign_s: Range<f64>,
+    pub(crate) campaign_s: Range<f64>,
     /// By station, s.
     turns_s: Vec<Range<f64>>,
 }

@@ -18,4 +18,5 @@ mod reference_frame;
 mod reflectors;
 mod round_trip;
 mod settling;
+mod temperatures;
 mod triangle;

@@ -44,6 +44,9 @@ fn culprit(base: &Base<'_>, suspect: &Suspect) -> Culprit {
         after.map_or(0, |r| r.station)
     };
     let at_an_instant = effect.shape == Shape::Instant;
+    if subject.carrier.is_some() {
+        return Culprit::EveryTurn;
+    }
     if let Some(axis) = subject.axis {
         return Culprit::Axis(axis, effect.id);
     }

@@ -11,7 +11,11 @@ use crate::selection::{FixedScan, Hypothesis, Scan};
 /// twice its length in equal ratios.
 const TIME_CONSTANTS: i32 = 24;
 const SHORTEST: f64 = 0.01;
-pub(crate) const TIME_CONSTANT_RATIO: f64 = 1.26;
+const TIME_CONSTANT_RATIO: f64 = 1.26;
+
+/// Lags behind a temperature that are tried beside none, from a hundredth of the campaign in equal ratios.
+const LAGS: i32 = 11;
+const LAG_RATIO: f64 = 1.6;
 
 /// Hypotheses that the data can show, and those that they cannot.
 pub(crate) struct Hypotheses {
@@ -62,6 +66,10 @@ pub(crate) fn scan(
             let shapes = time_constants(duration_s);
             FixedScan::new(hypothesis, projection, &shapes, columns).map(boxed)
         }
+        Shape::Lag => {
+            let shapes = lags(duration_s(visits));
+            FixedScan::new(hypothesis, projection, &shapes, columns).map(boxed)
+        }
         Shape::Fixed | Shape::Period | Shape::Waves => {
             FixedScan::new(hypothesis, projection, &[0.0], columns).map(boxed)
         }
@@ -109,7 +117,8 @@ pub(crate) fn visit_times(base: &Base<'_>) -> Vec<VisitTimes> {
         .collect()
 }
 
-fn duration_s(visits: &[VisitTimes]) -> f64 {
+/// From the first to the last reading, s.
+pub(crate) fn duration_s(visits: &[VisitTimes]) -> f64 {
     let first = visits.first().map_or(0.0, |v| v.span_s[0]);
     let last = visits.last().map_or(0.0, |v| v.span_s[1]);
     last - first
@@ -127,4 +136,24 @@ fn time_constants(duration_s: f64) -> Vec<f64> {
     (0..TIME_CONSTANTS)
         .map(|k| duration_s * SHORTEST * TIME_CONSTANT_RATIO.powi(k))
         .collect()
+}
+
+fn lags(duration_s: f64) -> Vec<f64> {
+    let behind = (0..LAGS).map(|k| duration_s * SHORTEST * LAG_RATIO.powi(k));
+    std::iter::once(0.0).chain(behind).collect()
+}
+
+/// Between which values a shape that was found in its list is looked for more closely; `None` if the list has all.
+pub(crate) fn neighbours(base: &Base<'_>, shape: Shape, found: f64) -> Option<[f64; 2]> {
+    match shape {
+        Shape::TimeConstant | Shape::SettlingTime => {
+            Some([found / TIME_CONSTANT_RATIO, found * TIME_CONSTANT_RATIO])
+        }
+        Shape::Lag => {
+            let all = lags(duration_s(&visit_times(base)));
+            let before = all.iter().rfind(|&&lag| lag < found);
+            Some([*before.unwrap_or(&0.0), (found * LAG_RATIO).max(all[1])])
+        }
+        Shape::Fixed | Shape::Instant | Shape::Period | Shape::Waves => None,
+    }
 }

@@ -139,7 +139,7 @@ fn shape_parameter(shape: Shape, scene: &Scene, subject: &Subject) -> Option<(Pa
     match shape {
         Shape::Fixed => None,
         Shape::Instant => Some((Parameter::new("time", "s"), 1.0)),
-        Shape::TimeConstant | Shape::SettlingTime => {
+        Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
             Some((Parameter::new("time_constant", "s"), 1.0))
         }
         Shape::Period if rotary => Some((Parameter::new("period", "deg"), 1_f64.to_radians())),

@@ -2,7 +2,9 @@
 
 use serde_json::{Value, json};
 
-use crate::by_hand::{NONE, Reading, UM, assert_formula, of_length, of_station, of_target};
+use crate::by_hand::{
+    AIR, NONE, Reading, SPINDLE, UM, assert_formula, of_length, of_station, of_target,
+};
 use crate::exactness::{ARCSEC, Vector, add, scale, stage_motion, sub};
 
 const PPM: f64 = 1e-6;
@@ -166,6 +168,41 @@ fn machine() {
             of_target([0.0, grown_mm, 0.0])
         },
     );
+}
+
+/// `T y' = ϑ - y` for ϑ that rises evenly from the first reading on.
+#[test]
+fn growth_with_temperatures() {
+    let [_, air] = AIR;
+    let [_, spindle] = SPINDLE;
+    let drift = [("scale_per_k", -0.9, "ppm/K")];
+    let with_air = json!({ "column": "air_temp_c" });
+    assert_formula(&effect("refraction_drift", with_air, &drift), &|r| {
+        of_length(-0.9 * PPM * r.distance_mm() * air * r.elapsed_s)
+    });
+    for lag_s in [0.0, 900.0] {
+        let warmer = move |r: &Reading<'_>| match lag_s {
+            0.0 => spindle * r.elapsed_s,
+            _ => spindle * (r.elapsed_s - lag_s * (1.0 - (-r.elapsed_s / lag_s).exp())),
+        };
+        let g = [4.0, -2.0, 9.0];
+        let names = ["growth_x", "growth_y", "growth_z"];
+        let mut parameters = [0, 1, 2].map(|i| (names[i], g[i], "um/K")).to_vec();
+        parameters.push(("time_constant", lag_s, "s"));
+        for (carrier, targets) in [("Z", ["P", "Q", "K"]), ("C", ["U", "V", "W"])] {
+            let subject = json!({ "carrier": carrier, "column": "machine_temp_spindle_c" });
+            assert_formula(&effect("thermal_growth", subject, &parameters), &|r| {
+                let there = Reading::when(targets.contains(&r.target));
+                of_target(scale(g, UM * warmer(r) * there))
+            });
+        }
+        let subject = json!({ "axis": "Y", "column": "machine_temp_spindle_c" });
+        let expansion = [("expansion", 11.0, "ppm/K"), ("time_constant", lag_s, "s")];
+        assert_formula(&effect("thermal_growth", subject, &expansion), &|r| {
+            let q = r.position("Y").unwrap_or(0.0);
+            of_target([0.0, 11.0 * PPM * q * warmer(r), 0.0])
+        });
+    }
 }
 
 #[test]
