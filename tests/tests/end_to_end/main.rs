@@ -21,4 +21,6 @@ mod planar;
 mod reference_frame;
 mod reflectors;
 mod round_trip;
+mod settling;
+mod temperatures;
 mod triangle;
