@@ -18,6 +18,8 @@ use crate::report::axis_results::{axis_results, station_results};
 use crate::report::notices::notices;
 use crate::report::triangle::triangle;
 use crate::result::calibration::{Calibration, TargetResult};
+use crate::result::factored_covariance::FactoredCovariance;
+use crate::result::numbered::results;
 use crate::result::output::OutputCovariance;
 use crate::settings::{ReferencePoint, Settings};
 
@@ -96,18 +98,22 @@ pub(crate) fn calibrate_in_parts<'a>(
     // Report.
     let axes = axis_results(&measured, &propagation);
     let stations = station_results(campaign, stations, &stations_in_ref, &propagation);
+    let factors = FactoredCovariance::new(&propagation, &axes, &stations);
     let covariance = settings
         .covariance
-        .then(|| OutputCovariance::new(&propagation, &axes, &stations));
+        .then(|| OutputCovariance::new(&factors, results(&axes, &stations)));
     let targets_mm = mean_targets(&context, &identified.state);
     let mut calibration = Calibration {
         campaign: campaign.name.clone(),
+        machine: campaign.machine.clone(),
+        machine_spec: campaign.machine_spec(),
         method: measured.method,
         adjustment: measured.adjustment.clone(),
         stations,
         reflectors: measured.reflectors(),
         targets: target_results(campaign, &targets_mm),
         axes,
+        factors,
         covariance,
         misfits: measured.misfits.clone(),
         triangle: triangle(&context, &targets_mm, measured.point_variance_mm2),

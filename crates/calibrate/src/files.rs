@@ -2,7 +2,10 @@
 
 mod adjustment_json;
 mod calibration_json;
+mod covariance_npz;
 mod indices;
+mod read_calibration;
+pub(crate) mod read_error;
 
 use serde_json::Value;
 
