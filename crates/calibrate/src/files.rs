@@ -4,6 +4,7 @@ mod adjustment_json;
 mod calibration_json;
 mod covariance_npz;
 mod indices;
+pub(crate) mod predicted_csv;
 mod read_calibration;
 pub(crate) mod read_error;
 

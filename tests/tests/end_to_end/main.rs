@@ -14,6 +14,7 @@ mod machines;
 mod one_wrong_length;
 mod parked;
 mod planar;
+mod prediction;
 mod reference_frame;
 mod reflectors;
 mod round_trip;

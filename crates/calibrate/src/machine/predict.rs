@@ -13,6 +13,7 @@
 use nalgebra::{Isometry3, Matrix6, Matrix6xX, Point3, Vector6};
 use trueaxis_kinematics::{Branch, GeometricErrors, LocationComponent, Machine, MotionError};
 
+use crate::in_order;
 use crate::machine::calibrated_machine::{CalibratedAxis, CalibratedMachine};
 use crate::machine::curve::Sample;
 use crate::propagate::axis_twist::{ROTATION, SHIFT, TILT, TRANSLATION, axis_twist};
@@ -66,8 +67,13 @@ impl CalibratedMachine {
             error: self.machine.tool_error(self, positions, tool_home_mm),
             covariance: (covariance + covariance.transpose()) * 0.5,
             of_interpolation,
-            extrapolated: extrapolated || !self.unmeasured().is_empty(),
+            extrapolated: extrapolated || self.axes.len() < self.machine.axes().len(),
         }
+    }
+
+    /// [`CalibratedMachine::predict`] at many places, on all threads.
+    pub fn predict_all(&self, places: &[(Vec<f64>, Point3<f64>)]) -> Vec<Prediction> {
+        in_order::map(places.len(), |i| self.predict(&places[i].0, places[i].1))
     }
 
     /// The point of the tool (or, without axes that move a tool, of the workpiece) whose displacement the component
