@@ -22,6 +22,8 @@ use crate::report::relative_locations::relative_locations;
 use crate::report::triangle::triangle;
 use crate::report::uncertainty::statement;
 use crate::result::calibration::{Calibration, TargetResult, Traceability};
+use crate::result::factored_covariance::FactoredCovariance;
+use crate::result::numbered::results;
 use crate::result::output::OutputCovariance;
 use crate::settings::{ReferencePoint, Settings};
 
@@ -117,12 +119,15 @@ pub(crate) fn calibrate_as_given<'a>(
     // Report.
     let axes = axis_results(&measured, &propagation);
     let stations = station_results(campaign, stations, &stations_in_ref, &propagation);
+    let factors = FactoredCovariance::new(&propagation, &axes, &stations);
     let covariance = settings
         .covariance
-        .then(|| OutputCovariance::new(&propagation, &axes, &stations));
+        .then(|| OutputCovariance::new(&factors, results(&axes, &stations)));
     let targets_mm = mean_targets(&context, &identified.state);
     let mut calibration = Calibration {
         campaign: campaign.name.clone(),
+        machine: campaign.machine.clone(),
+        machine_spec: campaign.machine_spec(),
         method: measured.method,
         adjustment: measured.adjustment.clone(),
         stations,
@@ -133,6 +138,7 @@ pub(crate) fn calibrate_as_given<'a>(
         targets: target_results(campaign, &targets_mm),
         relative_locations: relative_locations(&propagation),
         axes,
+        factors,
         covariance,
         misfits: measured.misfits.clone(),
         known_misfits: measured.known_misfits().to_vec(),

@@ -3,6 +3,7 @@
 pub(crate) mod added_uncertainty;
 pub(crate) mod budget;
 pub(crate) mod calibration;
+pub(crate) mod factored_covariance;
 pub(crate) mod interpolation;
 pub(crate) mod numbered;
 pub(crate) mod output;

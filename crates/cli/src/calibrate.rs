@@ -2,8 +2,8 @@
 
 use anyhow::Context;
 use trueaxis_calibrate::{
-    Calibration, LengthsReliability, OutputCovariance, Settings, calibrate, calibrate_for_replay,
-    calibrate_with_effects,
+    Calibration, FactoredCovariance, LengthsReliability, OutputCovariance, Settings, calibrate,
+    calibrate_for_replay, calibrate_with_effects,
 };
 use trueaxis_campaign::{checksums, read};
 use trueaxis_poses::scene_of;
@@ -49,6 +49,7 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     } else {
         calibrate(&campaign, &settings).with_context(in_file)?
     };
+    extra.push((FactoredCovariance::FILE, calibration.covariance_npz()));
     if let Some(covariance) = &calibration.covariance {
         let index = covariance.index_json().into_bytes();
         extra.push((OutputCovariance::MATRIX_FILE, covariance.to_npy()));

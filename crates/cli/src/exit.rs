@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use trueaxis_calibrate::Error as Calibrate;
+use trueaxis_calibrate::{Error as Calibrate, ReadError};
 use trueaxis_diagnose::Error as Diagnose;
 use trueaxis_poses::Error as Poses;
 
@@ -67,6 +67,9 @@ impl Exit {
             }
             if cause.is::<OutputError>() {
                 return Self::Usage;
+            }
+            if cause.is::<ReadError>() {
+                return Self::Input;
             }
             if cause.is::<EffectsInputError>() || cause.is::<trueaxis_effects::Error>() {
                 return Self::Input;

@@ -18,6 +18,7 @@ mod nests;
 mod one_wrong_length;
 mod parked;
 mod planar;
+mod prediction;
 mod reference_frame;
 mod reflectors;
 mod round_trip;

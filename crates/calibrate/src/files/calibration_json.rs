@@ -51,6 +51,7 @@ impl Calibration {
             "format": "trueaxis-calibration",
             "version": 1,
             "campaign": self.campaign,
+            "machine": self.machine_spec,
             "method": match self.method {
                 Method::Joint => "joint".to_owned(),
                 Method::Nine => "nine-equation".to_owned(),

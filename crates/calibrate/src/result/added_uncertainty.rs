@@ -30,6 +30,7 @@ impl Calibration {
             })
             .collect();
         assert!(changes.next().is_none(), "one change for each result");
+        self.factors.add_common(&change);
         if let Some(covariance) = &mut self.covariance {
             let size = |i: usize| results[i].output.unit().size();
             for j in 0..change.len() {

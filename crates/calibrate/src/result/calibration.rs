@@ -1,10 +1,10 @@
 //! The result: every geometric error of the machine, with uncertainty and evidence.
 
-use nalgebra::{Point3, Vector3, Vector6};
-use trueaxis_campaign::{Direction, InputFile};
+use nalgebra::{Point3, Vector3};
+use trueaxis_campaign::{Direction, InputFile, MachineSpec};
 use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::{
-    AxisKind, Component, GeometricErrors, LocationComponent, LocationError, MotionError,
+    AxisKind, Component, LocationComponent, LocationError, Machine, MotionError,
 };
 use trueaxis_poses::{
     AdjustmentReport, KnownMisfit, Method, ReflectorConstant, ScaleResult, SideDifference,
@@ -12,7 +12,8 @@ use trueaxis_poses::{
 };
 
 use crate::result::budget::Budget;
-use crate::result::interpolation::{Place, sides_of, weights_at};
+use crate::result::factored_covariance::FactoredCovariance;
+use crate::result::interpolation::Place;
 use crate::result::output::OutputCovariance;
 
 /// All geometric errors of a machine in its reference frame, with standard uncertainties (k = 1).
@@ -23,6 +24,10 @@ use crate::result::output::OutputCovariance;
 pub struct Calibration {
     /// Name of the campaign.
     pub campaign: String,
+    /// The nominal machine, as in the campaign.
+    pub machine: Machine,
+    /// The same as files have it.
+    pub machine_spec: MachineSpec,
     /// How component errors were identified.
     pub method: Method,
     /// What the measurement says about itself.
@@ -44,7 +49,9 @@ pub struct Calibration {
     pub axes: Vec<AxisResult>,
     /// Where rotary axes lie relative to each other, whatever the nests of the targets are.
     pub relative_locations: Vec<RelativeLocation>,
-    /// Covariance of all these results, if it was asked for.
+    /// Covariance of all these results, in factors.
+    pub factors: FactoredCovariance,
+    /// The same as one matrix, if it was asked for.
     pub covariance: Option<OutputCovariance>,
     /// Steps whose points do not move as a rigid body.
     pub misfits: Vec<StepMisfit>,
@@ -303,21 +310,6 @@ impl AxisResult {
             .iter()
             .find(|l| l.component.name(&self.name) == name)
     }
-
-    /// Component errors at any position: linear between the measured ones; the mean of the sides
-    /// of approach that reach the position; the nearest one if none does.
-    pub fn error_at(&self, position: f64) -> MotionError {
-        let mut sum = Vector6::zeros();
-        for (node, weight) in self.weights_at(position) {
-            sum += self.nodes[node].error.to_vector() * weight;
-        }
-        MotionError::from_vector(&sum)
-    }
-
-    /// Weights of the nodes in the component errors at a position.
-    pub(crate) fn weights_at(&self, position: f64) -> Vec<(usize, f64)> {
-        weights_at(&self.nodes, &sides_of(&self.nodes), position)
-    }
 }
 
 impl Place for NodeResult {
@@ -327,18 +319,5 @@ impl Place for NodeResult {
 
     fn direction(&self) -> Option<Direction> {
         self.direction
-    }
-}
-
-/// A calibrated machine predicts with its errors; axes that were not measured have none.
-impl GeometricErrors for Calibration {
-    fn location(&self, axis: usize) -> LocationError {
-        let result = self.axes.iter().find(|result| result.axis == axis);
-        result.map_or_else(LocationError::default, |result| result.location)
-    }
-
-    fn motion(&self, axis: usize, position: f64) -> MotionError {
-        let result = self.axes.iter().find(|result| result.axis == axis);
-        result.map_or_else(MotionError::default, |result| result.error_at(position))
     }
 }
