@@ -19,6 +19,7 @@ use crate::report::axis_results::{axis_results, station_results};
 use crate::report::expansion::refer_to_20_degrees;
 use crate::report::notices::notices;
 use crate::report::relative_locations::relative_locations;
+use crate::report::run_misfit::{run_misfits, scatter_of_runs};
 use crate::report::triangle::triangle;
 use crate::report::uncertainty::statement;
 use crate::result::calibration::{Calibration, TargetResult, Traceability};
@@ -114,10 +115,15 @@ pub(crate) fn calibrate_as_given<'a>(
     let in_ref = |station: &Station| identified.state.ref_from_datum * station.position_mm;
     let stations_in_ref: Vec<Point3<f64>> = stations.iter().map(in_ref).collect();
     let dependence = Dependence::new(&context, &identified, &stations_in_ref);
-    let propagation = Propagation::new(&dependence, poses);
+    let mut propagation = Propagation::new(&dependence, poses);
+    let runs = run_misfits(&propagation);
+    for k in (0..runs.len()).filter(|&k| runs[k].is_some()) {
+        let scatter = scatter_of_runs(&propagation, k);
+        propagation.add_to_location(k, &scatter);
+    }
 
     // Report.
-    let axes = axis_results(&measured, &propagation);
+    let axes = axis_results(&measured, &propagation, runs);
     let stations = station_results(campaign, stations, &stations_in_ref, &propagation);
     let factors = FactoredCovariance::new(&propagation, &axes, &stations);
     let covariance = settings

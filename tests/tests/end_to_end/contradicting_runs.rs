@@ -38,7 +38,8 @@ fn calibrated(scenario: &Scenario, seed: u64) -> Calibration {
 }
 
 /// Contradictions of 12 µm and more are found in every campaign, named with the component and where it is largest,
-/// and widen all uncertainties of the axis by the Birge ratio.
+/// and widen the uncertainties of the axis by the Birge ratio, those of squareness by how the lines of the runs differ:
+/// the same campaign without the contradiction is inside.
 #[test]
 fn contradicting_runs_are_said() {
     for corner_um in [12.0, 50.0, 300.0] {
@@ -62,11 +63,18 @@ fn contradicting_runs_are_said() {
             let u = |c: &Calibration| c.axis("Y").unwrap().nodes[5].u[Component::ALL[2].index()];
             let grown = u(&calibration) / u(&alone);
             assert!((grown / ratio - 1.0).abs() < 0.2, "{grown} {ratio}");
-            // Y is the second line of the frame, against which Z is square or not.
-            let squareness =
-                |c: &Calibration| c.axis("Z").unwrap().location_error("A0Z").unwrap().u;
-            let grown = squareness(&calibration) / squareness(&alone);
-            assert!((grown / ratio - 1.0).abs() < 0.2, "A0Z: {grown} {ratio}");
+            // Y is the second line of the frame, against which Z is square or not, and its lines differ.
+            let squareness = |c: &Calibration| *c.axis("Z").unwrap().location_error("A0Z").unwrap();
+            let [found, like] = [&calibration, &alone].map(squareness);
+            let off = (found.value - like.value).abs();
+            println!(
+                "A0Z: {:.2e} off, u {:.2e} ({:.2e} alone)",
+                off, found.u, like.u
+            );
+            assert!(
+                off < 2.0 * found.u && found.u < off.max(3.0 * like.u),
+                "{found:?} {like:?}"
+            );
         }
     }
 }

@@ -45,6 +45,9 @@ pub(crate) struct Record {
     pub(crate) pose: usize,
     /// Index into [`AxisData::nodes`].
     pub(crate) node: usize,
+    /// Its weight in the mean of its node: by the variance of where the targets are in the mean, so that those of a
+    /// node add up to one.
+    pub(crate) weight: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -80,10 +83,16 @@ pub(crate) fn by_axis(campaign: &Campaign, poses: &Poses) -> Result<Vec<AxisData
             data.runs.push(RunData::new(campaign, poses, observation));
             data.runs.len() - 1
         });
-        data.records.push(Record { run, pose, node: 0 });
+        data.records.push(Record {
+            run,
+            pose,
+            node: 0,
+            weight: 1.0,
+        });
     }
     for data in &mut all {
         number_nodes(data, campaign, poses);
+        weigh_records(data, poses);
         check_other_axes(data, campaign, poses)?;
     }
     // In the order of the machine's axes, whatever the order of measuring.
@@ -152,6 +161,29 @@ fn number_nodes(data: &mut AxisData, campaign: &Campaign, poses: &Poses) {
     }
     data.sides = sides_of(&nodes);
     data.nodes = nodes;
+}
+
+/// The pivot of a pose is where its targets are in the mean. Without a noise of its own all count alike.
+fn weigh_records(data: &mut AxisData, poses: &Poses) {
+    let variance_mm2 = |record: &Record| {
+        let own = poses.noise.own.get(record.pose);
+        own.map_or(1.0, |own| own.fixed_view::<3, 3>(0, 0).trace())
+    };
+    let precisions: Vec<f64> = data
+        .records
+        .iter()
+        .map(|r| variance_mm2(r).recip())
+        .collect();
+    for node in &data.nodes {
+        let sum: f64 = node.records.iter().map(|&i| precisions[i]).sum();
+        for &i in node.records.iter().filter(|_| sum.is_finite()) {
+            data.records[i].weight = precisions[i] / sum;
+        }
+        let alike = 1.0 / node.records.len() as f64;
+        for &i in node.records.iter().filter(|_| !sum.is_finite()) {
+            data.records[i].weight = alike;
+        }
+    }
 }
 
 impl Place for Node {

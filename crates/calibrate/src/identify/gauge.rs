@@ -41,7 +41,7 @@ pub(crate) struct Gauge {
     pub(crate) location_parameters: usize,
     /// `Λ` of each record: what the parameters do to its pose error.
     pub(crate) effects: Vec<Matrix6xX<f64>>,
-    /// Mean `Λ` of each node's records.
+    /// Weighted mean `Λ` of each node's records.
     pub(crate) node_effects: Vec<Matrix6xX<f64>>,
     /// `Γ` of each record: its part in the parameters.
     pub(crate) shares: Vec<MatrixXx6<f64>>,
@@ -87,10 +87,10 @@ impl Gauge {
         });
         let conditions = conditions(axis, data);
 
-        // Means over the records of each node.
+        // Weighted means over the records of each node.
         let mut node_effects = vec![Matrix6xX::zeros(width); data.nodes.len()];
         for (record, effect) in data.records.iter().zip(&effects) {
-            node_effects[record.node] += effect / data.nodes[record.node].records.len() as f64;
+            node_effects[record.node] += effect * record.weight;
         }
         let count = conditions.first().map_or(0, MatrixXx6::nrows);
         let mut constraint = DMatrix::zeros(count, width);
@@ -101,7 +101,7 @@ impl Gauge {
         let zero = || DMatrix::zeros(width, width);
         let add = |sum: &mut DMatrix<f64>, i: usize| {
             let deviation = deviation(i);
-            sum.gemm_tr(1.0, &deviation, &deviation, 1.0);
+            sum.gemm_tr(data.records[i].weight, &deviation, &deviation, 1.0);
         };
         let records = data.records.len();
         let agreement = in_order::sum(records, zero, add);
@@ -109,9 +109,9 @@ impl Gauge {
         let (of_agreement, of_constraint) =
             (solver.columns(0, width), solver.columns(width, count));
         let shares = in_order::map(records, |i| {
-            let node = data.records[i].node;
-            let condition = &conditions[node] / data.nodes[node].records.len() as f64;
-            of_agreement * deviation(i).transpose() + of_constraint * condition
+            let record = &data.records[i];
+            let share = of_agreement * deviation(i).transpose();
+            (share + of_constraint * &conditions[record.node]) * record.weight
         });
         Ok(Self {
             location_parameters,

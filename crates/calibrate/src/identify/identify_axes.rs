@@ -155,10 +155,10 @@ fn improve(context: &Context<'_>, gauge: &Gauge, state: &mut State, k: usize) ->
     let pose_errors = context.pose_errors(state, k);
     let x = gauge.apply(&pose_errors);
 
-    // Component errors: the mean over the records of a node, without what the gauge takes.
+    // Component errors: the weighted mean over the records of a node, without what the gauge takes.
     let mut curve = vec![Vector6::zeros(); own.nodes.len()];
     for ((record, error), effect) in own.records.iter().zip(&pose_errors).zip(&gauge.effects) {
-        curve[record.node] += (error - effect * &x) / own.nodes[record.node].records.len() as f64;
+        curve[record.node] += (error - effect * &x) * record.weight;
     }
     let lever_mm = lever_mm(context, own, &state.axes[k], &reference);
     let mut change_mm = 0.0_f64;

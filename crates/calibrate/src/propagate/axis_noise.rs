@@ -120,10 +120,9 @@ impl<'a> AxisNoise<'a> {
             shared: Matrix6xX::zeros(self.noise.width()),
         };
         let records = &self.axis.nodes[node].records;
-        let weight = 1.0 / records.len() as f64;
         for &i in records {
             let pose = self.axis.records[i].pose;
-            let from_pose = self.sensitivity.poses[i] * weight;
+            let from_pose = self.sensitivity.poses[i] * self.axis.records[i].weight;
             let with_noise = from_pose * self.noise.own[pose];
             sum.own += with_noise * from_pose.transpose();
             sum.cross += with_noise * self.sensitivity.parameters[i].transpose();

@@ -17,9 +17,7 @@ use nalgebra::DMatrix;
 
 use crate::propagate::axis_noise::AxisForm;
 use crate::propagate::propagation::{Propagation, place_of};
-use crate::result::calibration::{
-    AxisResult, StationResult, widening_of_components, widening_of_locations,
-};
+use crate::result::calibration::{AxisResult, StationResult, widening_of_components};
 use crate::result::factored_covariance::FactoredCovariance;
 use crate::result::numbered::results;
 
@@ -114,9 +112,7 @@ fn scales(axes: &[AxisResult], stations: &[StationResult]) -> Vec<f64> {
     let components = axes
         .iter()
         .flat_map(|axis| vec![widening_of_components(axis); 6 * axis.nodes.len()]);
-    let locations: usize = axes.iter().map(|axis| axis.location_errors.len()).sum();
-    let locations = std::iter::repeat_n(widening_of_locations(axes), locations);
-    let widened = components.chain(locations).chain(std::iter::repeat(1.0));
+    let widened = components.chain(std::iter::repeat(1.0));
     let results = results(axes, stations);
     let pairs = results.iter().zip(widened);
     pairs

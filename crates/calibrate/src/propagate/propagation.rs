@@ -64,6 +64,14 @@ impl<'a> Propagation<'a> {
         }
     }
 
+    /// Lets the location parameters of axis `k` have more variance than the noise gives them, mm and rad.
+    pub(crate) fn add_to_location(&mut self, k: usize, covariance: &DMatrix<f64>) {
+        let first = self.dependence.sources.location[k];
+        let own = &mut self.whole.sources.own;
+        let mut block = own.view_mut((first, first), covariance.shape());
+        block += covariance;
+    }
+
     /// Of the component errors of axis `k`: for each node δ and ε.
     pub(crate) fn components(&self, k: usize) -> Vec<[Uncertainty; 6]> {
         let variances = [&self.whole, &self.instrument].map(|noise| noise.components(k));

@@ -8,18 +8,20 @@ use trueaxis_poses::{MeasuredPoses, SideDifference, Station};
 use crate::propagate::dependence::Dependence;
 use crate::propagate::propagation::{Propagation, Uncertainty, place_of};
 use crate::report::method_loss::method_loss;
-use crate::report::run_misfit::{run_misfits, widen};
-use crate::result::calibration::{AxisResult, LocationResult, NodeResult, StationResult};
+use crate::report::run_misfit::widen;
+use crate::result::calibration::{
+    AxisResult, LocationResult, NodeResult, RunMisfit, StationResult,
+};
 
 /// The errors of all axes.
 pub(crate) fn axis_results(
     measured: &MeasuredPoses<'_>,
     propagation: &Propagation<'_>,
+    runs: Vec<Option<RunMisfit>>,
 ) -> Vec<AxisResult> {
     let losses = measured.by_equations.as_ref();
     let losses = losses.map(|by_equations| method_loss(by_equations, propagation));
     let sides = side_differences(measured, propagation.dependence);
-    let runs = run_misfits(propagation);
     let axes = sides.into_iter().zip(runs).enumerate();
     let axes = axes.map(|(k, (sides, runs))| AxisResult {
         u_ratio: losses.as_ref().map(|losses| losses[k]),

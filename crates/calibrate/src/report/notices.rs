@@ -70,8 +70,9 @@ fn contradicting_runs(axis: &AxisResult) -> Option<String> {
         AxisKind::Rotary => format!("{:.4}°", runs.position.to_degrees()),
     };
     Some(format!(
-        "axis {}: runs {} contradict each other, {} at {at} by {:.2}{unit} (p = {:.0e}): its curves are their mean, \
-         and U, also of all location errors, is {:.1} times what the noise makes it; its errors depend on where the other axes stand, or changed \
+        "axis {}: runs {} contradict each other, {} at {at} by {:.2}{unit} (p = {:.0e}): its curves are their \
+         weighted mean with {:.1} times the U that the noise makes, and U of all location errors contains how the \
+         lines of the runs differ; its errors depend on where the other axes stand, or changed \
          between the runs: calibrate the runs one at a time and compare",
         axis.name,
         runs.runs.join(", "),

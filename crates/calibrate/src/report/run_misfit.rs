@@ -22,11 +22,10 @@ use nalgebra::{DMatrix, DVector, Matrix6, RowDVector, Vector6};
 use trueaxis_kinematics::Component;
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
+use crate::identify::gauge::PER_RUN;
 use crate::propagate::dependence::Dependence;
 use crate::propagate::propagation::Propagation;
-use crate::result::calibration::{
-    AxisResult, RunMisfit, widening_of_components, widening_of_locations,
-};
+use crate::result::calibration::{AxisResult, RunMisfit, widening_of_components};
 
 /// Probability that any axis of a campaign whose runs agree is said to have runs that do not.
 const LEVEL: f64 = 0.01;
@@ -44,6 +43,64 @@ pub(crate) fn run_misfits(propagation: &Propagation<'_>) -> Vec<Option<RunMisfit
         (found.p_value < LEVEL / several as f64).then_some(found)
     };
     (0..data.len()).map(of_axis).collect()
+}
+
+/// How far the average lines, or axes, of the runs of axis `k` are from their mean: the covariance that this gives its
+/// location parameters, mm and rad.
+///
+/// The parameters `t_r` of a run, relative to those of all runs, are fitted to its pose errors together with the place
+/// of its targets. Between the first and the last of `R` runs the line may be anywhere; if the runs stand for
+/// equally spaced places, that is a uniform distribution with the covariance
+///
+/// ```text
+/// S = (R - 1)/(R + 1) · 1/R Σ t_r t_rᵀ
+/// ```
+pub(crate) fn scatter_of_runs(propagation: &Propagation<'_>, k: usize) -> DMatrix<f64> {
+    let Dependence {
+        context,
+        identified,
+        ..
+    } = propagation.dependence;
+    let (data, gauge) = (&context.data[k], &identified.gauges[k]);
+    let errors = context.pose_errors(&identified.state, k);
+    let (own, runs) = (gauge.location_parameters, data.runs.len());
+    let mut sum = DMatrix::zeros(own, own);
+    for run in 0..runs {
+        let of_run = (0..data.records.len()).filter(|&i| data.records[i].run == run);
+        let place = own + PER_RUN * run;
+        let rows = of_run.map(|i| {
+            let mean = identified.state.axes[k].curve[data.records[i].node].to_vector();
+            let effect = &gauge.effects[i];
+            let mut row = DMatrix::zeros(6, own + PER_RUN + 1);
+            row.columns_mut(0, own).copy_from(&effect.columns(0, own));
+            row.columns_mut(own, PER_RUN)
+                .copy_from(&effect.columns(place, PER_RUN));
+            row.column_mut(own + PER_RUN).copy_from(&(errors[i] - mean));
+            row
+        });
+        let rows: Vec<DMatrix<f64>> = rows.collect();
+        let mut products = DMatrix::zeros(own + PER_RUN + 1, own + PER_RUN + 1);
+        for row in &rows {
+            products.gemm_tr(1.0, row, row, 1.0);
+        }
+        if let Some(found) = solved(&products) {
+            let t = found.rows(0, own);
+            sum += t * t.transpose();
+        }
+    }
+    let runs = runs as f64;
+    sum * ((runs - 1.0) / (runs + 1.0) / runs)
+}
+
+/// The solution of normal equations whose last column is the right-hand side, scaled to unit diagonal; `None` if they
+/// are singular.
+fn solved(products: &DMatrix<f64>) -> Option<DVector<f64>> {
+    let count = products.nrows() - 1;
+    let size = DVector::from_fn(count, |i, _| products[(i, i)].sqrt());
+    let scaled = DMatrix::from_fn(count, count, |i, j| products[(i, j)] / (size[i] * size[j]));
+    let right = DVector::from_fn(count, |i, _| products[(i, count)] / size[i]);
+    let found = scaled.cholesky()?.solve(&right);
+    Some(found.component_div(&size))
 }
 
 /// How the runs of axis `k` fit together; `None` if they share no position or their noise is not known.
@@ -207,12 +264,8 @@ fn products(
     Some((products, covariance))
 }
 
-/// Widens the uncertainties of all axes.
+/// Widens the uncertainties of the component errors of all axes.
 pub(crate) fn widen(axes: &mut [AxisResult]) {
-    let of_locations = widening_of_locations(axes);
-    let contradicting = axes.iter().filter_map(|axis| axis.runs.as_ref());
-    let least_dof = contradicting.map(|runs| runs.degrees_of_freedom as f64);
-    let least_dof = least_dof.fold(f64::INFINITY, f64::min);
     for axis in axes {
         let factor = widening_of_components(axis);
         let dof = axis
@@ -225,11 +278,6 @@ pub(crate) fn widen(axes: &mut [AxisResult]) {
                 node.dof[c] = node.dof[c].min(dof);
                 node.budget[c] = node.budget[c].times(factor * factor);
             }
-        }
-        for location in &mut axis.location_errors {
-            location.u *= of_locations;
-            location.dof = location.dof.min(least_dof);
-            location.budget = location.budget.times(of_locations * of_locations);
         }
     }
 }

@@ -146,9 +146,9 @@ pub struct AxisResult {
     pub u_ratio: Option<MethodLoss>,
     /// How the two sides of approach differ, where they share a curve and differ significantly.
     pub sides: Option<SideDifference>,
-    /// How the runs contradict each other of which the curves are the mean, if they do: the uncertainties of
-    /// its components, and of the location errors of all axes, then are what the noise makes them, times
-    /// [`RunMisfit::birge_ratio`].
+    /// How the runs contradict each other of which the curves are the mean, if they do: the uncertainties of its
+    /// components then are what the noise makes them, times [`RunMisfit::birge_ratio`], and those of all location errors
+    /// contain how the average lines or axes of the runs differ.
     pub runs: Option<RunMisfit>,
 }
 
@@ -185,11 +185,6 @@ impl RunMisfit {
 /// By what runs that contradict each other widen the component errors of an axis.
 pub(crate) fn widening_of_components(axis: &AxisResult) -> f64 {
     axis.runs.as_ref().map_or(1.0, RunMisfit::birge_ratio)
-}
-
-/// By what they widen location errors: those of every axis, since the lines of some make the frame of all.
-pub(crate) fn widening_of_locations(axes: &[AxisResult]) -> f64 {
-    axes.iter().map(widening_of_components).fold(1.0, f64::max)
 }
 
 /// Standard uncertainty of each component error by other methods, relative to that of the joint adjustment
