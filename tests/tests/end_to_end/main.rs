@@ -19,3 +19,4 @@ mod reference_frame;
 mod reflectors;
 mod round_trip;
 mod triangle;
+mod volume;
