@@ -79,6 +79,7 @@ mod files;
 mod identify;
 mod in_order;
 mod machine;
+mod mistakes;
 mod propagate;
 mod replay;
 mod report;
@@ -99,8 +100,9 @@ pub use replay::with_effects::calibrate_with_effects;
 pub use replay::{Replay, Responses, calibrate_for_replay};
 pub use result::budget::{Budget, coverage_factor};
 pub use result::calibration::{
-    AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, RunMisfit, StationResult,
-    TargetResult, TriangleSide,
+    AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, RelativeLocation,
+    RelativeQuantity, RunMisfit, StationResult, TargetResult, Traceability, TriangleSide,
+    UncertaintyStatement,
 };
 pub use result::factored_covariance::FactoredCovariance;
 pub use result::numbered::NumberedResult;

@@ -67,6 +67,7 @@
 
 mod axis_columns;
 mod cell;
+mod checksums;
 mod coverage;
 mod date;
 mod document;
@@ -98,6 +99,7 @@ mod verification;
 mod visits;
 mod write;
 
+pub use checksums::{InputFile, checksums};
 pub use coverage::{Coverage, Hole, Seen};
 pub use document::{AxisKindSpec, AxisSpec, KinematicsSpec, MachineSpec};
 pub use error::{Error, Problem};

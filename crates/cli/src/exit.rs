@@ -91,6 +91,7 @@ impl Exit {
     fn of_calibration(error: &Calibrate) -> Self {
         match error {
             Calibrate::Poses(error) => Self::of_poses(error),
+            Calibrate::Mistaken { error, .. } => Self::of_calibration(error),
             Calibrate::NotIdentifiable { .. } => Self::NotIdentifiable,
             Calibrate::NotThatMotion { .. } | Calibrate::SeveralAxesMove { .. } => Self::Input,
             Calibrate::NotSettled { .. } => Self::NotConverged,

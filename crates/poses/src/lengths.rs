@@ -2,16 +2,23 @@
 
 mod adjustment;
 mod circumstances;
+mod common_value;
 mod effects;
+mod known;
 mod reflectors;
 mod refused;
 mod report;
+pub(crate) mod scale;
+mod shared_sources;
 mod side_difference;
 mod targets_that_moved;
 mod weak_stations;
 
 pub use adjustment::LengthsAdjustment;
-pub use circumstances::{LengthCircumstances, Observation, length_circumstances, scene_of};
+pub use circumstances::{
+    LengthCircumstances, Observation, length_circumstances, scene_of, temperature_histories,
+};
 pub use effects::EffectsOnLengths;
 pub use reflectors::ReflectorConstant;
+pub use scale::{ScaleBasis, ScaleResult};
 pub use side_difference::SideDifference;

@@ -155,10 +155,11 @@ impl<'a> AxisNoise<'a> {
                 shared += base.shared;
             }
             std::array::from_fn(|c| {
-                let [through, of_shapes] = self.noise.through_sources(shared.row(c).into_owned());
+                let through = self.noise.through_sources(shared.row(c).into_owned());
                 Variance {
-                    own: own[c] + of_shapes,
-                    through,
+                    own: own[c] + through.shapes,
+                    through: through.stations,
+                    declared: through.declared,
                     uncancelled: uncancelled[c],
                 }
             })

@@ -139,6 +139,7 @@ impl Response {
                     machine_return: budget.machine_return / unit,
                     station_geometry: budget.station_geometry / unit,
                     effects: budget.effects / unit,
+                    systematic: budget.systematic / unit,
                     laser_in_all: budget.laser_in_all / unit,
                 };
                 (in_unit, dof)
