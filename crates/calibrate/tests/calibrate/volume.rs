@@ -55,7 +55,8 @@ fn figures_are_those_of_the_places() {
     assert!((worst - all[342]).abs() < 1e-9);
     let shares: f64 = volume.shares.iter().map(|(_, share)| share).sum();
     assert!((shares - 1.0).abs() < 1e-9);
-    assert_eq!(volume.shares.len(), 18 + 6 + 3 - 1, "{:?}", volume.shares);
+    // Six components of three axes, C0Y, and five of C.
+    assert_eq!(volume.shares.len(), 18 + 1 + 5, "{:?}", volume.shares);
     // A best fit leaves less than a zero at home.
     assert!(volume.figures.best_fit.rms.value < sizes.rms.value);
 }
