@@ -4,3 +4,4 @@ pub(crate) mod calibrated_machine;
 pub(crate) mod curve;
 pub(crate) mod predict;
 pub(crate) mod remainder;
+pub(crate) mod volume;

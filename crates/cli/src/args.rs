@@ -28,6 +28,8 @@ pub(crate) enum Verb {
     Calibrate(CalibrateArgs),
     /// Predicts the error of the tool at any positions from a calibration; writes predicted.csv.
     Predict(PredictArgs),
+    /// Looks at the volumetric error over the working volume of a calibration; writes volume.json.
+    Volume(VolumeArgs),
     /// Says what the calibrated model gets wrong and why; writes diagnosis.json.
     Diagnose(DiagnoseArgs),
     /// Checks the uncertainties of a calibration by redrawing its noise; writes montecarlo.json.
@@ -152,6 +154,40 @@ pub(crate) struct PredictArgs {
 }
 
 #[derive(Debug, ClapArgs)]
+pub(crate) struct VolumeArgs {
+    /// The calibration, with covariance.npz beside it.
+    #[arg(value_name = "CALIBRATION.json")]
+    pub(crate) calibration: PathBuf,
+
+    /// Folder for volume.json, volumetric.csv and volumetric.vti [default: one in the current
+    /// directory, named after the campaign].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Nodes of the grid along each linear axis, from its first to its last step; all other axes
+    /// are spread over theirs.
+    #[arg(long, value_name = "N", default_value_t = 21, value_parser = clap::value_parser!(u8).range(2..=128))]
+    pub(crate) points: u8,
+
+    /// The tool point in the reference frame at home, mm, as `100,250,50` [default: the reference
+    /// point of the tool's last axis].
+    #[arg(long, value_name = "POINT", value_parser = point, allow_hyphen_values = true)]
+    pub(crate) tool: Option<Point3<f64>>,
+
+    /// Draws of the calibration's errors for the intervals; 0 for none.
+    #[arg(long, value_name = "N", default_value_t = 400)]
+    pub(crate) draws: u16,
+
+    /// Seed of the draws: the same seed gives the same files, on any number of threads.
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+
+    /// Also print volume.json on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, ClapArgs)]
 pub(crate) struct MontecarloArgs {
     /// The campaign file.
     #[arg(value_name = "CAMPAIGN.json")]
@@ -249,15 +285,20 @@ fn reference_point(text: &str) -> Result<ReferencePoint, String> {
         "centroid" => return Ok(ReferencePoint::Centroid),
         _ => {}
     }
+    let at = point(text).map(ReferencePoint::At);
+    at.map_err(|_| {
+        "expected `origin`, `centroid` or three numbers in mm, as `100,250,50`".to_owned()
+    })
+}
+
+fn point(text: &str) -> Result<Point3<f64>, String> {
     let numbers: Vec<f64> = text
         .split(',')
         .map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite()))
         .collect::<Option<_>>()
         .unwrap_or_default();
     match numbers.as_slice() {
-        &[x, y, z] => Ok(ReferencePoint::At(Point3::new(x, y, z))),
-        _ => {
-            Err("expected `origin`, `centroid` or three numbers in mm, as `100,250,50`".to_owned())
-        }
+        &[x, y, z] => Ok(Point3::new(x, y, z)),
+        _ => Err("expected three numbers in mm, as `100,250,50`".to_owned()),
     }
 }

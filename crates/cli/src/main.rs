@@ -18,6 +18,7 @@ mod simulate;
 mod summary;
 mod table1;
 mod talk;
+mod volume;
 
 use std::process::ExitCode;
 
@@ -38,6 +39,7 @@ fn main() -> ExitCode {
         Verb::Predict(args) => predict::run(args),
         Verb::Simulate(args) => simulate::run(args),
         Verb::Table1(args) => table1::run(args),
+        Verb::Volume(args) => volume::run(args),
     };
     // A panic is a bug of ours: the default hook says where, the exit code says so.
     let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));

@@ -25,3 +25,4 @@ mod round_trip;
 mod settling;
 mod temperatures;
 mod triangle;
+mod volume;

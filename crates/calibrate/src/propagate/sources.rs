@@ -150,6 +150,15 @@ impl Sources {
         }
     }
 
+    /// Places of the coordinates of nests that are not certain, with their variances, mm².
+    pub(crate) fn nests_with_variance(&self) -> Vec<(usize, f64)> {
+        let variances = self.nest_variances_mm2.iter().enumerate();
+        let uncertain = variances.filter(|(_, variance)| **variance > 0.0);
+        uncertain
+            .map(|(i, &variance)| (self.nests + i, variance))
+            .collect()
+    }
+
     /// The place of a held axis' component errors.
     pub(crate) fn held_at(&self, data: usize, position: f64) -> Option<usize> {
         find(&self.held, data, position)

@@ -14,7 +14,7 @@ pub(crate) fn homes_out_of_reach(campaign: &Campaign, axes: &[AxisResult]) -> Op
     let away = axes.iter().filter_map(|axis| {
         let [low, high] = campaign.machine.axes()[axis.axis].travel();
         let linear = axis.kind == AxisKind::Linear;
-        (linear && (low > 0.0 || high < 0.0)).then(|| (axis, if low > 0.0 { low } else { high }))
+        (linear && (low > 0.0 || high < 0.0)).then_some((axis, if low > 0.0 { low } else { high }))
     });
     let away: Vec<(&AxisResult, f64)> = away.collect();
     if away.is_empty() {

@@ -71,6 +71,7 @@ fn files_hold_the_whole_machine() {
             scenario.machine.axes[1].direction = [0.0, 0.8, 0.6];
             scenario.machine.axes[2].direction = [0.28, 0.0, 0.96];
             scenario.errors.clear();
+            scenario.targets[1].position_sigma_mm = Some(0.005);
         }
         let campaign = simulated(&scenario);
         for by_direction in [false, true] {
@@ -93,7 +94,19 @@ fn files_hold_the_whole_machine() {
 /// define is zero. That the matrix is right is tested with all others, against responses of the calibration.
 #[test]
 fn the_factors_state_the_uncertainties() {
-    let calibration = calibrated(ReferencePoint::Origin);
+    assert_states_the_uncertainties(&calibrated(ReferencePoint::Origin));
+    // Nests that are not certain enter through the frame.
+    let mut scenario = two_branches();
+    for (i, target) in scenario.targets.iter_mut().enumerate() {
+        target.position_sigma_mm = Some(0.01 * (1 + i) as f64);
+    }
+    let nests = calibrate(&simulated(&scenario), &Settings::default()).unwrap();
+    assert_states_the_uncertainties(&nests);
+    let share = nests.axes[2].location_errors[0].budget;
+    assert!(share.systematic > 0.05 * share.variance(), "{share:?}");
+}
+
+fn assert_states_the_uncertainties(calibration: &Calibration) {
     let dense = calibration.factors.dense();
     for (i, result) in calibration.results().iter().enumerate() {
         let off = dense[(i, i)].max(0.0).sqrt() - result.u;

@@ -7,6 +7,7 @@
 mod covariance_files;
 mod machine;
 mod propagation;
+mod volume;
 mod with_effects;
 
 use trueaxis_campaign::Campaign;

@@ -20,3 +20,4 @@ mod refused_measurements;
 mod simulate;
 mod table1;
 mod usage;
+mod volume;

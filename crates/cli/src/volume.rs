@@ -1,0 +1,118 @@
+//! `trueaxis volume`.
+
+use trueaxis_calibrate::{CalibratedMachine, Figure, Volume, VolumeSettings};
+use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
+
+use crate::args::VolumeArgs;
+use crate::exit::Exit;
+use crate::output;
+use crate::predict::source;
+use crate::talk::{notice, say};
+
+/// Shares that are listed.
+const MOST_LISTED: usize = 6;
+
+pub(crate) fn run(args: &VolumeArgs) -> anyhow::Result<Exit> {
+    let machine = CalibratedMachine::read(&args.calibration)?;
+    let volume = machine.volume(&VolumeSettings {
+        points: args.points.into(),
+        tool_home_mm: args.tool.unwrap_or(machine.reference_point_mm()),
+        draws: args.draws.into(),
+        seed: args.seed,
+    });
+    let text = volume.to_json(&machine);
+    let map = volume.map(&machine);
+    let mut files = vec![("volume.json", text.clone())];
+    let has_map = volume.places.grid.iter().any(Option::is_some);
+    if has_map {
+        files.push(("volumetric.csv", volume.map_csv(&machine, &map)));
+        files.push(("volumetric.vti", volume.map_vti(&map)));
+    }
+
+    let folder = output::folder(args.out.as_deref(), &machine.campaign)?;
+    let mut written = Vec::new();
+    for (name, text) in &files {
+        let path = folder.join(name);
+        output::write(&path, text.as_bytes())?;
+        written.push(path);
+    }
+    for line in source(&machine).into_iter().chain(lines(&machine, &volume)) {
+        say(&line);
+    }
+    if !has_map {
+        notice("no map was written: no linear axis was measured");
+    }
+    for path in &written {
+        say(&format!("written: {}", path.display()));
+    }
+    if args.json {
+        output::print(&text)?;
+    }
+    Ok(Exit::Good)
+}
+
+fn lines(machine: &CalibratedMachine, volume: &Volume) -> Vec<String> {
+    let [x, y, z]: [f64; 3] = volume.places.tool_home_mm.coords.into();
+    let mut lines = vec![
+        format!(
+            "{} places; tool point ({x}, {y}, {z}) mm at home; in brackets 95 % intervals",
+            volume.places.count()
+        ),
+        "volumetric error, µm              rms                  95 %               largest"
+            .to_owned(),
+    ];
+    let figures = &volume.figures;
+    for (what, sizes) in [
+        ("zero at home", &figures.zeroed_at_home),
+        ("after the best fit", &figures.best_fit),
+    ] {
+        let [rms, p95, max] = [sizes.rms, sizes.p95, sizes.max].map(|f| figure(&f, MICROMETRE));
+        lines.push(format!("  {what:20} {rms:>20} {p95:>20} {max:>20}"));
+    }
+    for (what, first, unit) in [
+        ("range X Y Z, µm", 0, MICROMETRE),
+        ("range A B C, ″", 3, ARCSEC),
+    ] {
+        let [a, b, c] = [0, 1, 2].map(|i| figure(&figures.ranges[first + i], unit));
+        lines.push(format!("  {what:20} {a:>20} {b:>20} {c:>20}"));
+    }
+    if let Some(drawn) = figures.zeroed_at_home.max.drawn {
+        lines.push(format!(
+            "  noise of the calibration makes the largest error larger by {:.2} µm in the mean; the intervals are freed of that",
+            drawn.bias / MICROMETRE
+        ));
+    }
+    let axes = machine.machine().axes().iter().zip(&volume.worst);
+    let at = axes.map(|(axis, &q)| match axis.kind() {
+        AxisKind::Linear => format!("{} {q:.1}", axis.name()),
+        AxisKind::Rotary => format!("{} {:.1}°", axis.name(), q.to_degrees()),
+    });
+    let e = volume.worst_error.translation_mm / MICROMETRE;
+    lines.push(format!(
+        "  worst place          {}: {:+.2}, {:+.2}, {:+.2} µm",
+        at.collect::<Vec<_>>().join(", "),
+        e.x,
+        e.y,
+        e.z
+    ));
+    let mut shares: Vec<_> = volume.shares.iter().collect();
+    shares.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    let listed = shares.iter().take(MOST_LISTED);
+    let listed = listed.map(|(name, share)| format!("{name} {:.0} %", 100.0 * share));
+    lines.push(format!(
+        "  mean square          {}",
+        listed.collect::<Vec<_>>().join(", ")
+    ));
+    lines
+}
+
+fn figure(figure: &Figure, unit: f64) -> String {
+    let value = figure.value / unit;
+    figure.drawn.map_or_else(
+        || format!("{value:.2}"),
+        |drawn| {
+            let [low, high] = drawn.interval.map(|x| x / unit);
+            format!("{value:.2} ({low:.2} … {high:.2})")
+        },
+    )
+}
