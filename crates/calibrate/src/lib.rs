@@ -82,6 +82,7 @@ mod volumetric;
 pub use calibrate::{calibrate, calibrate_with_adjustment};
 pub use error::Error;
 pub use replay::reliability::{LengthReliability, LengthsReliability};
+pub use replay::run_comparison::RunComparison;
 pub use replay::with_effects::calibrate_with_effects;
 pub use replay::{Replay, Responses, calibrate_for_replay};
 pub use result::budget::{Budget, coverage_factor};

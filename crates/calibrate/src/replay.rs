@@ -6,6 +6,7 @@
 
 pub(crate) mod added_uncertainty;
 pub(crate) mod reliability;
+pub(crate) mod run_comparison;
 pub(crate) mod with_effects;
 
 use trueaxis_campaign::Campaign;
