@@ -148,12 +148,15 @@ pub fn locations(calibration: &Calibration, truth: &Truth) -> Vec<Deviation> {
     all
 }
 
-/// Stations and dead paths: estimate minus truth. What the reflectors' constants have in common is dead path: lengths
-/// are longer by the one and shorter by the other.
+/// Stations and dead paths: estimate minus truth. What the reflectors' constants have in common is dead path, unless
+/// known dead paths tell them apart: lengths are longer by the one and shorter by the other.
 pub fn stations(calibration: &Calibration, truth: &Truth) -> Vec<Deviation> {
     let mut all = Vec::new();
     let constants_um: f64 = truth.reflectors.iter().map(|r| r.constant_um).sum();
-    let mean_mm = constants_um * MICROMETRE / truth.reflectors.len().max(1) as f64;
+    let mean_mm = match calibration.reflectors_are_relative {
+        true => constants_um * MICROMETRE / truth.reflectors.len().max(1) as f64,
+        false => 0.0,
+    };
     for (found, truth) in calibration.stations.iter().zip(&truth.stations) {
         let d = found.position_mm - truth.position_mm;
         let dead_path = found.dead_path_mm - (truth.dead_path_mm - mean_mm);

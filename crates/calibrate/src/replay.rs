@@ -4,7 +4,6 @@
 //! The poses of a trial come from [`PoseTrials`], the component and location errors from Newton's method with
 //! exact deviations, repeated until the reference frame has settled.
 
-pub(crate) mod added_uncertainty;
 pub(crate) mod reliability;
 pub(crate) mod run_comparison;
 pub(crate) mod with_effects;
@@ -144,7 +143,7 @@ impl Responses<'_> {
     /// If there is not one error for each used length.
     pub fn to(&mut self, errors_mm: &[f64]) -> Vec<f64> {
         // What is known beforehand is as it was.
-        let (of_lengths, known) = self.workspace.errors_mm.split_at_mut(errors_mm.len());
+        let (of_lengths, known) = self.workspace.errors.split_at_mut(errors_mm.len());
         of_lengths.copy_from_slice(errors_mm);
         known.fill(0.0);
         let mut changes = vec![0.0; self.undisturbed.len()];

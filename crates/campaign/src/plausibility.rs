@@ -114,7 +114,7 @@ pub(crate) fn check_lengths(
         .at(Place::column(file, small.line, "length_mm")));
     }
     against_approx?;
-    dead_paths::check(file, campaign, lengths)?;
+    notices.extend(dead_paths::check(file, name, campaign, lengths)?);
     notices.extend(logged::notices(name, &lengths.logged));
     Ok(notices)
 }

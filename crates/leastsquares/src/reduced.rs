@@ -103,12 +103,17 @@ impl Reduced {
         self.squares += squares;
     }
 
-    /// Adds a whitened row that holds a single shared unknown: what is known of it beforehand.
-    pub fn observe(&mut self, unknown: usize, derivative: f64, residual: f64) {
+    /// Adds a whitened row that holds shared unknowns alone, with its derivatives by those of some columns,
+    /// ascending: what is known of them beforehand.
+    pub fn observe(&mut self, columns: &[(usize, f64)], residual: f64) {
         let width = self.width() + 1;
-        let row = &mut self.matrix[unknown * width..][..width];
-        row[unknown] += derivative * derivative;
-        row[width - 1] += derivative * residual;
+        for (n, &(i, derivative)) in columns.iter().enumerate() {
+            let row = &mut self.matrix[i * width..][..width];
+            for &(j, other) in &columns[n..] {
+                row[j] += derivative * other;
+            }
+            row[width - 1] += derivative * residual;
+        }
         self.count(1, 0, residual * residual);
     }
 

@@ -2,8 +2,8 @@
 //!
 //! Block unknowns are those of the groups: the coordinates of free points, or the six of the pose of a
 //! body ([`crate::linearise`]). Shared unknowns are the stations and dead paths, four each: `x y z L`, behind
-//! them the dead paths after interruptions, behind these the deformations of all bodies, and last the contrasts
-//! of the reflectors' constants.
+//! them the dead paths after interruptions, behind these the deformations of all bodies, the mean constant of the
+//! reflectors where dead paths are known, and last the contrasts of these constants.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -17,6 +17,7 @@ use crate::Network;
 use crate::batches::Batch;
 use crate::bodies::Deformations;
 use crate::datum::Datum;
+use crate::known::KnownRow;
 use crate::linearise::{Common, Tie, by_visit, fill, fill_weights};
 use crate::passes::{self, Gauge, Memories, Memory, groups_of, in_parallel, pieces, split_mut};
 use crate::state::{DATUM, PER_STATION, POSE, State, centroid, zero_column};
@@ -25,13 +26,35 @@ use crate::state::{DATUM, PER_STATION, POSE, State, centroid, zero_column};
 const WEIGHTS: usize = 0;
 const ELIMINATED: usize = 1;
 
+/// Where some of the shared unknowns are, and the number of all.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Columns {
+    /// The mean constant of the reflectors, if there is one.
+    pub(crate) mean_constant: usize,
+    /// The first contrast of their constants.
+    pub(crate) contrasts: usize,
+    /// Number of shared unknowns.
+    pub(crate) count: usize,
+}
+
+impl Columns {
+    /// Behind so many others.
+    pub(crate) fn new(network: &Network, behind: usize) -> Self {
+        let contrasts = behind + usize::from(network.has_mean_constant());
+        Self {
+            mean_constant: behind,
+            contrasts,
+            count: contrasts + network.contrasts(),
+        }
+    }
+}
+
 /// A network as an adjustment model.
 pub(crate) struct GroupAdjustment<'a> {
     network: &'a Network,
     datum: Datum,
     deformations: Deformations,
-    /// Number of all shared unknowns.
-    shared: usize,
+    columns: Columns,
     batches: Arc<Vec<Batch>>,
     /// Where what each batch leaves to the step starts: weights, and eliminated equations. Behind them their
     /// numbers.
@@ -72,7 +95,7 @@ impl<'a> GroupAdjustment<'a> {
         Self {
             network,
             datum: Datum::new(network),
-            shared: deformations.shared + network.contrasts(),
+            columns: Columns::new(network, deformations.shared),
             deformations,
             batches: Arc::clone(batches),
             starts,
@@ -96,7 +119,12 @@ impl<'a> GroupAdjustment<'a> {
 
     /// Number of shared unknowns.
     pub(crate) fn shared(&self) -> usize {
-        self.shared
+        self.columns.count
+    }
+
+    /// What is known of them, at a state.
+    pub(crate) fn known_rows(&self, state: &State) -> Vec<KnownRow> {
+        self.network.known_rows(self.columns, state)
     }
 
     /// What batch `b` of a piece that starts at batch `first` has of a kind in [`Self::starts`].
@@ -176,13 +204,10 @@ impl<'a> GroupAdjustment<'a> {
         true
     }
 
-    /// Adds what is known of the contrasts beforehand.
-    fn observe_contrasts(&self, state: &State, reduced: &mut Reduced) {
-        if let Some(sigma_mm) = self.network.contrast_sigma_mm() {
-            for (m, contrast_mm) in state.contrasts_mm.iter().enumerate() {
-                let first = self.deformations.shared;
-                reduced.observe(first + m, 1.0 / sigma_mm, -contrast_mm / sigma_mm);
-            }
+    /// Adds what is known of shared unknowns.
+    fn observe_known(&self, state: &State, reduced: &mut Reduced) {
+        for row in self.known_rows(state) {
+            reduced.observe(&row.columns, row.residual);
         }
     }
 
@@ -197,9 +222,13 @@ impl<'a> GroupAdjustment<'a> {
         for (zero, dead_path) in next.dead_paths_mm.iter_mut().enumerate() {
             *dead_path += s[zero_column(zero, stations)] * factor;
         }
+        next.mean_constant_mm = state.mean_constant_mm;
+        if self.network.has_mean_constant() {
+            next.mean_constant_mm += s[self.columns.mean_constant] * factor;
+        }
         next.contrasts_mm.clone_from(&state.contrasts_mm);
         let contrasts = next.contrasts_mm.iter_mut();
-        for (contrast, x) in contrasts.zip(&s[self.deformations.shared..]) {
+        for (contrast, x) in contrasts.zip(&s[self.columns.contrasts..]) {
             *contrast += x * factor;
         }
         next.shapes_mm.clone_from(&state.shapes_mm);
@@ -295,7 +324,7 @@ impl Adjustment for GroupAdjustment<'_> {
                 memory.equations.keep(kept);
             },
         )?;
-        self.observe_contrasts(state, &mut reduced);
+        self.observe_known(state, &mut reduced);
         Ok(reduced)
     }
 
@@ -318,7 +347,7 @@ impl Adjustment for GroupAdjustment<'_> {
                 equations.write_factors(groups.start, groups.len(), part);
             },
         )?;
-        self.observe_contrasts(state, &mut reduced);
+        self.observe_known(state, &mut reduced);
         Ok((reduced, factors))
     }
 
@@ -337,6 +366,7 @@ impl Adjustment for GroupAdjustment<'_> {
             poses,
             shapes_mm,
             contrasts_mm,
+            ..
         } = next;
         let common = Common {
             stations,
@@ -391,12 +421,9 @@ impl Adjustment for GroupAdjustment<'_> {
                 )
             },
         );
-        let known = self.network.contrast_sigma_mm();
-        let of_contrasts = known.map_or(0.0, |sigma_mm| {
-            let contrasts = next.contrasts_mm.iter();
-            contrasts.map(|a| (a / sigma_mm).powi(2)).sum()
-        });
-        of_pieces.into_iter().sum::<f64>() + of_contrasts
+        let known = self.known_rows(next);
+        let of_known: f64 = known.iter().map(|row| row.residual.powi(2)).sum();
+        of_pieces.into_iter().sum::<f64>() + of_known
     }
 
     fn free_motions(&self, state: &State) -> Vec<Vec<f64>> {
@@ -477,6 +504,7 @@ mod tests {
                 sigma_mm: None,
                 of_points: vec![0, 2, 1],
             })),
+            dead_paths: Vec::new(),
         }
     }
 

@@ -21,7 +21,7 @@
 //!                                                                     | -Σ    0 |
 //! ```
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product, add_symmetric_product};
 use trueaxis_leastsquares::row_products::mirror;
 use trueaxis_leastsquares::{Covariance, Lanes, zeros};
@@ -49,6 +49,22 @@ impl Solution {
             of_lengths: None,
             shared: DMatrix::from_row_slice(width, width, self.covariance.reduced_inverse_rows()),
         }
+    }
+
+    /// The part of the covariance of the shared sources that comes from what is known beside the lengths, with
+    /// its uncertainty: `Σ KᵀK Σ` for whitened rows `K`. `network` must be the one that was solved.
+    pub fn known_noise(&self, network: &Network) -> DMatrix<f64> {
+        let width = self.covariance.width();
+        let sigma = DMatrix::from_row_slice(width, width, self.covariance.reduced_inverse_rows());
+        let mut known = DMatrix::zeros(width, width);
+        for row in self.known_rows(network) {
+            let mut through = DVector::zeros(width);
+            for (column, derivative) in row.columns {
+                through.axpy(derivative, &sigma.column(column), 1.0);
+            }
+            known.ger(1.0, &through, &through, 1.0);
+        }
+        known
     }
 
     /// The lengths' own noise alone, without the machine's return; `network` must be the one that was

@@ -59,6 +59,7 @@ mod block_noise;
 mod bodies;
 mod components;
 mod datum;
+mod distances;
 mod error;
 mod estimate_noise;
 mod from_campaign;
@@ -66,6 +67,7 @@ mod guard;
 #[cfg(test)]
 mod influence_tests;
 mod interruption;
+mod known;
 mod known_stations;
 mod lane_vectors;
 mod linearise;
@@ -90,10 +92,12 @@ mod whitened;
 
 pub use block_noise::BlockNoise;
 pub use bodies::{Bodies, Body, Placed};
+pub use distances::{Distances, Pair};
 pub use error::{Error, Part, StationUnknown};
 pub use estimate_noise::{NoiseBasis, NoiseEstimate, PartEstimate, estimate_noise};
 pub use from_campaign::{CampaignNetwork, Group, network_from_campaign};
 pub use guard::MOST_OF_A_PART;
+pub use known::KnownDeadPath;
 pub use known_stations::{KnownStation, Located, locate};
 pub use network::{Interruption, Network, Reading, Visit};
 pub use noise::Noise;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Point3;
 
-use crate::{Bodies, Error, Noise, Reflectors};
+use crate::{Bodies, Error, KnownDeadPath, Noise, Reflectors};
 
 /// Lengths between stations and points.
 ///
@@ -38,6 +38,8 @@ pub struct Network {
     pub bodies: Option<Arc<Bodies>>,
     /// Which reflector stands at each point: their constants are then unknowns. Without them all are equal.
     pub reflectors: Option<Arc<Reflectors>>,
+    /// Dead paths that are known, at most one for each station.
+    pub dead_paths: Vec<KnownDeadPath>,
 }
 
 /// A lost count of a station's interferometer.
@@ -140,6 +142,7 @@ impl Network {
         if let Some(reflectors) = &self.reflectors {
             reflectors.check(self.nominal_mm.len())?;
         }
+        self.check_dead_paths()?;
         self.noise.check()
     }
 
@@ -186,6 +189,7 @@ impl Network {
             variance_factors: Vec::new(),
             bodies: self.bodies.clone(),
             reflectors: self.reflectors.clone(),
+            dead_paths: self.dead_paths.clone(),
         };
         (network, kept)
     }

@@ -5,6 +5,8 @@ use nalgebra::{DMatrix, Isometry3, Matrix4, Point3};
 use trueaxis_leastsquares::{Covariance, Termination};
 
 use crate::Network;
+use crate::adjustment::Columns;
+use crate::known::KnownRow;
 use crate::reflectors::contrast;
 use crate::state::{PER_STATION, State, zero_column};
 
@@ -22,13 +24,16 @@ pub struct Solution {
     pub poses: Vec<Isometry3<f64>>,
     /// Home positions of the targets of each body, mm; empty in a network without bodies.
     pub shapes_mm: Vec<Vec<Point3<f64>>>,
+    /// What the constants of all reflectors have in common, mm, where the network has known dead paths. Dead paths
+    /// of the solution are shorter than they are by it.
+    pub mean_constant_mm: Option<f64>,
     /// Constants of the reflectors, relative to their mean, mm; empty in a network without reflectors.
     pub reflectors_mm: Vec<f64>,
     /// Observed minus computed length of every reading, mm.
     pub residuals_mm: Vec<f64>,
     /// Sum of squares of the whitened residuals.
     pub squares: f64,
-    /// Number of lengths, and of contrasts of reflectors that are known beforehand.
+    /// Number of lengths, of contrasts of reflectors that are known beforehand, and of known dead paths.
     pub observations: usize,
     /// Number of unknowns less the six that the datum fixes.
     pub unknowns: usize,
@@ -44,7 +49,8 @@ pub struct Solution {
     /// free point, mm, or of a body the translation, mm, and the rotation vector, rad, about the centroid of
     /// the group's adjusted points, both in the datum's axes. Shared unknowns are the stations (x y z L of
     /// each), behind them the dead paths after interruptions, mm, behind these for each body the
-    /// amounts of its deformations, mm, and last the contrasts of the reflectors' constants, mm. The datum is the best fit to the nominal points.
+    /// amounts of its deformations, mm, then the mean constant if there is one, and last the contrasts of the
+    /// reflectors' constants, mm. The datum is the best fit to the nominal points.
     pub covariance: Covariance,
 }
 
@@ -115,6 +121,32 @@ impl Solution {
         )
     }
 
+    /// Number of the mean constant among the shared unknowns, if it is one.
+    pub fn mean_constant_column(&self) -> Option<usize> {
+        let contrasts = self.reflectors_mm.len().saturating_sub(1);
+        let column = self.covariance.shared().nrows() - contrasts;
+        self.mean_constant_mm.map(|_| column - 1)
+    }
+
+    /// The constants of the reflectors with their covariance, mm and mm²: as they are where dead paths are known,
+    /// relative to their mean otherwise; none where there is one reflector and no known dead path.
+    pub fn reflector_constants(&self) -> (Vec<f64>, DMatrix<f64>) {
+        let Some((mean_mm, column)) = self.mean_constant_mm.zip(self.mean_constant_column()) else {
+            return (self.reflectors_mm.clone(), self.reflector_covariance());
+        };
+        let count = self.reflectors_mm.len().max(1);
+        let shared = self.covariance.shared();
+        // All columns from that of the mean on: it, and the contrasts.
+        let h = DMatrix::from_fn(count, count, |i, m| match m {
+            0 => 1.0,
+            _ => contrast(i, m - 1),
+        });
+        let covariance = DMatrix::from_fn(count, count, |i, j| shared[(column + i, column + j)]);
+        let relative = |i: usize| self.reflectors_mm.get(i).copied().unwrap_or_default();
+        let constants = (0..count).map(|i| mean_mm + relative(i));
+        (constants.collect(), &h * covariance * h.transpose())
+    }
+
     /// Covariance of the reflectors' constants, relative to their mean, mm².
     pub fn reflector_covariance(&self) -> DMatrix<f64> {
         let count = self.reflectors_mm.len();
@@ -135,21 +167,23 @@ impl Solution {
             .collect()
     }
 
-    /// The part of the lengths in the sum of squares and in the redundancy: without what is known of reflectors
-    /// beforehand, whose noise is not that of lengths.
+    /// The part of the lengths in the sum of squares and in the redundancy: without what is known beside them,
+    /// whose noise is not that of lengths.
     pub(crate) fn of_lengths(&self, network: &Network) -> (f64, f64) {
         let (mut squares, mut redundancy) = (self.squares, self.degrees_of_freedom() as f64);
-        if let Some(sigma_mm) = network.contrast_sigma_mm() {
-            let contrasts_mm = self.contrasts_mm();
-            let shared = self.covariance.shared();
-            let first = shared.nrows() - contrasts_mm.len();
-            for (m, contrast_mm) in contrasts_mm.iter().enumerate() {
-                let variance = shared[(first + m, first + m)];
-                squares -= (contrast_mm / sigma_mm).powi(2);
-                redundancy -= 1.0 - variance / (sigma_mm * sigma_mm);
-            }
+        let shared = self.covariance.shared();
+        for row in self.known_rows(network) {
+            squares -= row.residual * row.residual;
+            redundancy -= 1.0 - row.variance(|i, j| shared[(i, j)]);
         }
         (squares.max(0.0), redundancy.max(0.0))
+    }
+
+    /// What is known beside the lengths, at the solution.
+    pub(crate) fn known_rows(&self, network: &Network) -> Vec<KnownRow> {
+        let known_last = network.contrasts() + usize::from(network.has_mean_constant());
+        let behind = self.covariance.shared().nrows() - known_last;
+        network.known_rows(Columns::new(network, behind), &self.state())
     }
 
     /// The values of all unknowns.
@@ -163,6 +197,7 @@ impl Solution {
             points: self.points_mm.clone(),
             poses: self.poses.clone(),
             shapes_mm: self.shapes_mm.clone(),
+            mean_constant_mm: self.mean_constant_mm.unwrap_or_default(),
             contrasts_mm: self.contrasts_mm(),
         }
     }

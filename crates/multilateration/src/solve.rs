@@ -94,12 +94,17 @@ pub fn solve_from(
     let sizes = sizes.map(|body| body.home_mm.len());
     let poses = network.bodies.as_ref().map_or(0, |_| network.groups.len());
     state.contrasts_mm.resize(network.contrasts(), 0.0);
+    let mean_constant_mm = match network.has_mean_constant() {
+        true => state.mean_constant_mm,
+        false => 0.0,
+    };
     let same_ties = state.poses.len() == poses && state.shapes_mm.iter().map(Vec::len).eq(sizes);
     if !same_ties {
         let contrasts_mm = state.contrasts_mm;
         state = State::new(network, state.stations, state.dead_paths_mm, state.points);
         state.contrasts_mm = contrasts_mm;
     }
+    state.mean_constant_mm = mean_constant_mm;
     let attempt = adjust_from(network, &batches, state, settings)?;
     solution(network, attempt, near.mirror_image_open)
 }
@@ -248,6 +253,7 @@ pub(crate) fn batches_of(network: &Network) -> Result<Arc<Vec<Batch>>, Error> {
     let batches = batches(network);
     check_seen(&batches, MIN_STATIONS_PER_POINT)?;
     let readings = network.readings.len();
+    // A mean constant needs no length: known dead paths tell it.
     let shared = PER_STATION * found + network.interruptions.len();
     let of_group = |g: usize| match network.body_of(g) {
         Some(_) => POSE,
@@ -406,6 +412,9 @@ pub(crate) fn solution(
         points_mm: adjusted.state.points,
         poses: adjusted.state.poses,
         shapes_mm: adjusted.state.shapes_mm,
+        mean_constant_mm: network
+            .has_mean_constant()
+            .then_some(adjusted.state.mean_constant_mm),
         reflectors_mm: constants_mm(&adjusted.state.contrasts_mm),
     })
 }

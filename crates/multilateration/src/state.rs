@@ -39,6 +39,8 @@ pub(crate) struct State {
     pub(crate) poses: Vec<Isometry3<f64>>,
     /// Home positions of the targets of each body, mm.
     pub(crate) shapes_mm: Vec<Vec<Point3<f64>>>,
+    /// What the constants of all reflectors have in common ([`crate::known`]); zero where no dead path is known.
+    pub(crate) mean_constant_mm: f64,
     /// Of the constants of reflectors ([`crate::reflectors`]).
     pub(crate) contrasts_mm: Vec<f64>,
 }
@@ -57,6 +59,7 @@ impl State {
             points,
             poses: Vec::new(),
             shapes_mm: Vec::new(),
+            mean_constant_mm: 0.0,
             contrasts_mm: vec![0.0; network.contrasts()],
         };
         if let Some(bodies) = network.bodies.as_deref() {

@@ -30,12 +30,14 @@ mod errors;
 mod groups;
 
 use nalgebra::Vector3;
-use rand::Rng;
+use rand::{Rng, RngExt};
+use rand_distr::StandardNormal;
 use trueaxis_leastsquares::{Lanes, in_widest_registers, zeros};
 
 use self::errors::ErrorNoise;
 use self::groups::{At, TrialGroups};
 use crate::batch_influence::{BatchInfluence, BatchRows};
+use crate::known::KnownRow;
 use crate::network::Network;
 use crate::solution::Solution;
 use crate::state::{DATUM, PER_STATION, zero_column};
@@ -48,6 +50,8 @@ use crate::state::{DATUM, PER_STATION, zero_column};
 #[derive(Debug, Clone)]
 pub struct Trials {
     noise: ErrorNoise,
+    /// What is known beside the lengths.
+    known: Vec<KnownRow>,
     groups: Vec<TrialGroups>,
     /// Where the unknowns of each group start, and behind them their number.
     starts: Vec<usize>,
@@ -56,6 +60,7 @@ pub struct Trials {
     reduced_inverse: Vec<f64>,
     shared: usize,
     stations: usize,
+    mean_constant: Option<usize>,
 }
 
 /// What the errors of one trial do to the solution.
@@ -66,15 +71,17 @@ pub struct Corrections {
     starts: Vec<usize>,
     shared: Vec<f64>,
     stations: usize,
+    mean_constant: Option<usize>,
 }
 
 /// Storage of trials.
 #[derive(Debug, Clone)]
 pub struct Workspace {
     corrections: Corrections,
-    /// The errors of all slots, batch after batch, and those of known contrasts.
+    /// The errors of all slots, batch after batch, and those of what is known beside the lengths, in standard
+    /// deviations.
     errors_mm: Vec<Lanes>,
-    contrasts_mm: Vec<f64>,
+    of_known: Vec<f64>,
     /// Corrections and gradients of the unknowns of all groups, batch after batch.
     of_groups: Vec<Lanes>,
     gradients: Vec<Lanes>,
@@ -114,19 +121,21 @@ impl Trials {
         }
         Self {
             noise,
+            known: solution.known_rows(network),
             groups,
             starts,
             points: network.nominal_mm.len(),
             reduced_inverse: influence.sigma().to_vec(),
             shared: solution.covariance.shared().nrows(),
             stations: network.stations.len(),
+            mean_constant: solution.mean_constant_column(),
         }
     }
 
-    /// Number of errors that a trial needs: one for each reading, and behind them one for each contrast of the
-    /// reflectors that is known beforehand.
+    /// Number of errors that a trial needs: one for each reading, mm, and behind them, in standard deviations, one
+    /// for each contrast of the reflectors that is known beforehand and for each known dead path.
     pub fn errors(&self) -> usize {
-        self.noise.errors()
+        self.noise.readings() + self.known.len()
     }
 
     /// Number of points of the network.
@@ -146,9 +155,10 @@ impl Trials {
                 starts: self.starts.clone(),
                 shared: vec![0.0; self.shared],
                 stations: self.stations,
+                mean_constant: self.mean_constant,
             },
             errors_mm: vec![Lanes::ZERO; slots],
-            contrasts_mm: vec![0.0; self.noise.contrasts],
+            of_known: vec![0.0; self.known.len()],
             of_groups: vec![Lanes::ZERO; unknowns],
             gradients: vec![Lanes::ZERO; unknowns],
             shared: vec![Lanes::ZERO; width],
@@ -157,9 +167,8 @@ impl Trials {
         }
     }
 
-    /// Draws all errors: of known contrasts from what is known of them, of every reading from the noise of the
-    /// network: a return of the machine for
-    /// each visit, `N(0, σ_m² I)`, and a part of each length's own, `N(0, σ_l²)`.
+    /// Draws all errors: of every reading from the noise of the network, a return of the machine for each visit,
+    /// `N(0, σ_m² I)`, and a part of each length's own, `N(0, σ_l²)`; of what is known beside them `N(0, 1)`.
     ///
     /// The return acts to first order, by its part along the beam (what is left out is 1e-6 of
     /// it). Lengths of a visit are then normal with the covariance `C = L Lᵀ` that weighs them, and
@@ -167,12 +176,14 @@ impl Trials {
     ///
     /// # Panics
     /// If there are not [`Trials::errors`].
-    pub fn draw<R: Rng + ?Sized>(&self, rng: &mut R, errors_mm: &mut [f64]) {
+    pub fn draw<R: Rng + ?Sized>(&self, rng: &mut R, errors: &mut [f64]) {
         assert_eq!(
-            errors_mm.len(),
+            errors.len(),
             self.errors(),
-            "one error per reading and known contrast"
+            "one error for all that is observed"
         );
+        let (errors_mm, known) = errors.split_at_mut(self.noise.readings());
+        known.fill_with(|| rng.sample(StandardNormal));
         self.noise.draw(rng, errors_mm);
     }
 
@@ -184,22 +195,22 @@ impl Trials {
     ///
     /// # Panics
     /// If there are not [`Trials::errors`].
-    pub fn solve<'w>(&self, errors_mm: &[f64], workspace: &'w mut Workspace) -> &'w Corrections {
+    pub fn solve<'w>(&self, errors: &[f64], workspace: &'w mut Workspace) -> &'w Corrections {
         assert_eq!(
-            errors_mm.len(),
+            errors.len(),
             self.errors(),
-            "one error per reading and known contrast"
+            "one error for all that is observed"
         );
         in_widest_registers(
             #[inline(always)]
-            || self.fill(errors_mm, workspace),
+            || self.fill(errors, workspace),
         );
         &workspace.corrections
     }
 
     #[inline(always)]
-    fn fill(&self, errors_mm: &[f64], workspace: &mut Workspace) {
-        self.start(errors_mm, workspace);
+    fn fill(&self, errors: &[f64], workspace: &mut Workspace) {
+        self.start(errors, workspace);
         // Corrections shrink by a constant factor: what is left out after the last is about its
         // square over the one before. The linear solution counts with one unknown's share, because
         // the direction that shrinks least is one of many.
@@ -226,15 +237,15 @@ impl Trials {
 
     /// Takes the errors, and forgets the corrections of the trial before.
     #[inline(always)]
-    fn start(&self, errors_mm: &[f64], workspace: &mut Workspace) {
+    fn start(&self, errors: &[f64], workspace: &mut Workspace) {
+        let (errors_mm, known) = errors.split_at(self.noise.readings());
         let mut rest = workspace.errors_mm.as_mut_slice();
         for groups in &self.groups {
             let (own, others) = rest.split_at_mut(groups.slots());
             rest = others;
             groups.take_errors(errors_mm, own);
         }
-        let known = &errors_mm[errors_mm.len() - self.noise.contrasts..];
-        workspace.contrasts_mm.copy_from_slice(known);
+        workspace.of_known.copy_from_slice(known);
         workspace.of_groups.fill(Lanes::ZERO);
         workspace.corrections.shared.fill(0.0);
     }
@@ -246,7 +257,7 @@ impl Trials {
         let Workspace {
             corrections,
             errors_mm,
-            contrasts_mm,
+            of_known,
             of_groups,
             gradients,
             shared,
@@ -278,13 +289,11 @@ impl Trials {
             groups.add_to_closure(&mut closure, of_batch);
             groups.reduce(&gradients[own], shared);
         }
-        // Known contrasts are the last shared unknowns.
-        let first = self.shared - contrasts_mm.len();
-        let of_contrasts = gradient[first..]
-            .iter_mut()
-            .zip(&corrections.shared[first..]);
-        for ((gradient, moved), error) in of_contrasts.zip(&*contrasts_mm) {
-            gradient.0[0] += (error - moved) / self.noise.contrast_sigma_mm.powi(2);
+        for (known, error) in self.known.iter().zip(&*of_known) {
+            let left = error - known.of(&corrections.shared);
+            for &(column, derivative) in &known.columns {
+                gradient[column].0[0] += derivative * left;
+            }
         }
         let mut right: Vec<f64> = shared.iter().map(|x| x.sum()).collect();
         for (right, gradient) in right.iter_mut().zip(&gradient) {
@@ -366,7 +375,7 @@ impl Corrections {
     }
 
     /// Of all shared unknowns, in the order of the covariance, mm: x y z L of each station, the dead paths
-    /// after interruptions, the deformations of the bodies, the contrasts of the reflectors' constants.
+    /// after interruptions, the deformations of the bodies, the mean constant and the contrasts of the reflectors.
     pub fn shared_mm(&self) -> &[f64] {
         &self.shared
     }
@@ -379,6 +388,11 @@ impl Corrections {
         assert!(station < self.stations, "no station {station}");
         let first = PER_STATION * station;
         Vector3::from_column_slice(&self.shared[first..first + PER_STATION - 1])
+    }
+
+    /// Of the mean constant of the reflectors, mm; zero where it is no unknown.
+    pub fn mean_constant_mm(&self) -> f64 {
+        self.mean_constant.map_or(0.0, |column| self.shared[column])
     }
 
     /// Of a dead path, mm. They are numbered by station, then by interruption.

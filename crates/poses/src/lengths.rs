@@ -2,10 +2,14 @@
 
 mod adjustment;
 mod circumstances;
+mod common_value;
 mod effects;
+mod known;
 mod reflectors;
 mod refused;
 mod report;
+pub(crate) mod scale;
+mod shared_sources;
 mod side_difference;
 mod targets_that_moved;
 mod weak_stations;
@@ -16,4 +20,5 @@ pub use circumstances::{
 };
 pub use effects::EffectsOnLengths;
 pub use reflectors::ReflectorConstant;
+pub use scale::{ScaleBasis, ScaleResult};
 pub use side_difference::SideDifference;

@@ -60,12 +60,13 @@ mod words;
 pub use error::Error;
 pub use lengths::{
     EffectsOnLengths, LengthCircumstances, LengthsAdjustment, Observation, ReflectorConstant,
-    SideDifference, length_circumstances, scene_of, temperature_histories,
+    ScaleBasis, ScaleResult, SideDifference, length_circumstances, scene_of, temperature_histories,
 };
 pub use measure::{MeasuredPoses, NoiseByEquations, measure};
-pub use poses::{PoseNoise, PoseObservation, Poses, TargetBody, turned_about};
+pub use poses::{PoseNoise, PoseObservation, Poses, TargetBody, ThroughSources, turned_about};
 pub use report::{
-    AdjustmentReport, InterruptedTurn, NoiseReport, PartReport, RejectedLength, StepMisfit,
+    AdjustmentReport, InterruptedTurn, KnownMisfit, NoiseReport, PartReport, RejectedLength,
+    StepMisfit,
 };
 pub use settings::{Method, Settings};
 pub use trials::{PoseTrials, Trial, TrialWorkspace};

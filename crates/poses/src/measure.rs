@@ -7,12 +7,12 @@ use trueaxis_kinematics::Machine;
 use trueaxis_multilateration::Station;
 
 use crate::Error;
-use crate::lengths::{LengthsAdjustment, ReflectorConstant};
+use crate::lengths::{LengthsAdjustment, ReflectorConstant, ScaleResult};
 use crate::points::equations::{PointEquations, PointPoses, poses_from_points};
 use crate::points::report::points_report;
 use crate::points::{MeasuredPoints, points_from_coordinates, rigidity};
 use crate::poses::{PoseNoise, Poses};
-use crate::report::{AdjustmentReport, StepMisfit};
+use crate::report::{AdjustmentReport, KnownMisfit, StepMisfit};
 use crate::settings::{Method, Settings};
 
 /// The poses of a campaign with what was adjusted beside them.
@@ -81,6 +81,7 @@ fn from_lengths<'a>(
     let adjustment = lengths.report();
     notices.extend(lengths.report_notices(&adjustment));
     notices.extend(lengths.reflector_notices());
+    notices.extend(lengths.known_notices());
     let joint = settings.method == Method::Joint;
     let by_points = match joint {
         true if lengths.moved().len() > MOST_STEPS => None,
@@ -182,9 +183,33 @@ impl MeasuredPoses<'_> {
     }
 
     /// The adjusted stations, in the order of the campaign and in the datum; none for a points campaign.
-    pub fn stations(&self) -> &[Station] {
+    pub fn stations(&self) -> Vec<Station> {
         let lengths = self.lengths.as_ref();
-        lengths.map_or(&[], |lengths| &lengths.screened.solution.stations)
+        lengths.map_or_else(Vec::new, LengthsAdjustment::stations)
+    }
+
+    /// Whether known dead paths tell what the constants of all reflectors have in common.
+    pub fn knows_mean_constant(&self) -> bool {
+        let lengths = self.lengths.as_ref();
+        lengths.is_some_and(|lengths| lengths.screened.solution.mean_constant_mm.is_some())
+    }
+
+    /// The scale of all lengths, where it is an unknown.
+    pub fn scale(&self) -> Option<ScaleResult> {
+        self.lengths.as_ref().and_then(LengthsAdjustment::scale)
+    }
+
+    /// Standard deviation of the scale that a points campaign declares.
+    pub(crate) fn declared_scale(&self) -> f64 {
+        let ppm = self.campaign.instrument.scale_sigma_ppm;
+        let ppm = ppm.filter(|_| self.lengths.is_none());
+        ppm.map_or(0.0, |ppm| ppm * 1e-6)
+    }
+
+    /// What is known and contradicts the lengths.
+    pub fn known_misfits(&self) -> &[KnownMisfit] {
+        let lengths = self.lengths.as_ref();
+        lengths.map_or(&[], |lengths| &lengths.known_misfits)
     }
 
     /// Standard deviations of the component errors at the reference point of the axis under test for unit

@@ -71,6 +71,22 @@ pub struct PoseNoise {
     /// others, independent of them, are shapes as functions of the points: noise even if the stations are
     /// known.
     pub of_stations: usize,
+    /// The part of `Σ` that comes from what is declared, with its uncertainty, and not from the noise of lengths.
+    pub declared: DMatrix<f64>,
+    /// x y z and dead path of each station, mm, as functions of the shared sources: a row each. None in a points
+    /// campaign.
+    pub stations: DMatrix<f64>,
+}
+
+/// A variance in parts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ThroughSources {
+    /// What comes through the stations, and what all that is declared does.
+    pub stations: f64,
+    /// Of that, what is declared.
+    pub declared: f64,
+    /// The rest.
+    pub shapes: f64,
 }
 
 impl PoseNoise {
@@ -79,19 +95,23 @@ impl PoseNoise {
         self.shared.nrows()
     }
 
-    /// Multiplies all variances.
+    /// Multiplies all variances but those that are declared.
     pub(crate) fn scale(&mut self, factor: f64) {
         self.own.iter_mut().for_each(|own| *own *= factor);
+        self.shared -= &self.declared;
         self.shared *= factor;
+        self.shared += &self.declared;
     }
 
-    /// The variance of a function with these coefficients of the shared sources, in two parts: what comes
-    /// through the stations, and the rest.
-    pub fn through_sources(&self, coefficients: RowDVector<f64>) -> [f64; 2] {
+    /// The variance of a function with these coefficients of the shared sources.
+    pub fn through_sources(&self, coefficients: RowDVector<f64>) -> ThroughSources {
         let products = (&coefficients * &self.shared).component_mul(&coefficients);
-        let of_stations: f64 = products.columns(0, self.of_stations).sum();
         let of_shapes = products.columns(self.of_stations, self.width() - self.of_stations);
-        [of_stations, of_shapes.sum()]
+        ThroughSources {
+            stations: products.columns(0, self.of_stations).sum(),
+            declared: (&coefficients * &self.declared).dot(&coefficients),
+            shapes: of_shapes.sum(),
+        }
     }
 }
 

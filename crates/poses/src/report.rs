@@ -105,6 +105,19 @@ pub struct StepMisfit {
     pub p_value: f64,
 }
 
+/// Something known, a dead path or a length, that contradicts the lengths.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownMisfit {
+    /// What, in words.
+    pub what: String,
+    /// Known less what the lengths and all else that is known say, mm.
+    pub difference_mm: f64,
+    /// Its square in units of its variance.
+    pub chi_squared: f64,
+    /// Probability of one as large if nothing contradicts the lengths.
+    pub p_value: f64,
+}
+
 /// Significance at which the declared noise is given up for the residuals' own in a points campaign,
 /// and at which a word is said about it: one clean campaign in a thousand.
 pub(crate) const GLOBAL_TEST_LEVEL: f64 = 1e-3;

@@ -5,13 +5,16 @@
 //! equations that made the poses. Weights stay as they are. In a points campaign the points themselves are
 //! drawn.
 
-use nalgebra::{DMatrix, DVector, Isometry3, Vector6};
+use nalgebra::{DMatrix, DVector, Isometry3, Point3, Vector6};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_multilateration::{Station, Trials, Workspace};
 
 use crate::Error;
+use crate::lengths::scale::at_scale;
 use crate::measure::MeasuredPoses;
+use crate::points::centroid;
+use crate::poses::TargetBody;
 
 /// Measured poses that can be measured again with other errors.
 pub struct PoseTrials<'a> {
@@ -31,11 +34,16 @@ enum Source {
     Points(Vec<DMatrix<f64>>),
 }
 
+/// Errors that the scale has of its own ([`Scale::change`]).
+const OF_SCALE: usize = 2;
+
 /// Storage of a trial.
 pub struct TrialWorkspace {
     lengths: Option<Workspace>,
-    /// The errors: one for each used length, then one for each known contrast of reflectors in measuring order, or x y z of each point, mm.
-    pub errors_mm: Vec<f64>,
+    /// The errors: one for each used length, mm, in measuring order, then one for all that is known of reflectors
+    /// and dead paths, in standard deviations; or x y z of each point, mm. Behind them those that the scale has of
+    /// its own, in standard deviations.
+    pub errors: Vec<f64>,
 }
 
 /// What a trial measures.
@@ -95,17 +103,19 @@ impl<'a> PoseTrials<'a> {
         };
         TrialWorkspace {
             lengths,
-            errors_mm: vec![0.0; errors],
+            errors: vec![0.0; errors + OF_SCALE],
         }
     }
 
     /// Draws errors from the noise of the measurement.
     pub fn draw<R: Rng + ?Sized>(&self, rng: &mut R, workspace: &mut TrialWorkspace) {
-        let errors_mm = &mut workspace.errors_mm;
+        let all = workspace.errors.len() - OF_SCALE;
+        let (errors, of_scale) = workspace.errors.split_at_mut(all);
+        of_scale.fill_with(|| StandardNormal.sample(rng));
         match &self.source {
-            Source::Lengths { trials, .. } => trials.draw(rng, errors_mm),
+            Source::Lengths { trials, .. } => trials.draw(rng, errors),
             Source::Points(factors) => {
-                let mut rest = &mut errors_mm[..];
+                let mut rest = errors;
                 for factor in factors {
                     let normal =
                         DVector::from_fn(factor.nrows(), |_, _| StandardNormal.sample(rng));
@@ -119,21 +129,28 @@ impl<'a> PoseTrials<'a> {
 
     /// What is measured with the errors of the workspace.
     pub fn solve(&self, workspace: &mut TrialWorkspace) -> Trial {
-        let TrialWorkspace { lengths, errors_mm } = workspace;
+        let TrialWorkspace { lengths, errors } = workspace;
+        let (all, of_scale) = errors.split_at(errors.len() - OF_SCALE);
         let mut errors: Vec<&[f64]> = Vec::new();
         let mut stations = Vec::new();
+        // By how much the scale is shown too large.
+        let mut scale = self.measured.declared_scale() * of_scale[0];
         match (&self.source, lengths) {
             (Source::Lengths { trials, groups }, Some(lengths)) => {
-                let solved = trials.solve(errors_mm, lengths);
+                let solved = trials.solve(all, lengths);
                 errors.extend(groups.iter().map(|&g| solved.group(g)));
-                let adjusted = self.measured.stations().iter().enumerate();
+                let adjustment = self.measured.lengths.as_ref();
+                let of_lengths = adjustment.and_then(|lengths| lengths.scale.as_ref());
+                scale = of_lengths.map_or(0.0, |of| of.change(solved, [of_scale[0], of_scale[1]]));
+                let mean_constant_mm = solved.mean_constant_mm();
+                let adjusted = self.measured.stations().into_iter().enumerate();
                 stations.extend(adjusted.map(|(j, adjusted)| Station {
-                    position_mm: adjusted.position_mm + solved.station_mm(j),
-                    dead_path_mm: adjusted.dead_path_mm + solved.dead_path_mm(j),
+                    position_mm: (adjusted.position_mm + solved.station_mm(j)) / (1.0 + scale),
+                    dead_path_mm: adjusted.dead_path_mm + solved.dead_path_mm(j) + mean_constant_mm,
                 }));
             }
             (Source::Points(factors), _) => {
-                let mut rest = &errors_mm[..];
+                let mut rest = all;
                 for factor in factors {
                     let (own, behind) = rest.split_at(factor.nrows());
                     errors.push(own);
@@ -142,8 +159,13 @@ impl<'a> PoseTrials<'a> {
             }
             (Source::Lengths { .. }, None) => unreachable!("a workspace of this measurement"),
         }
+        let centres: Vec<Point3<f64>> = self.measured.poses.bodies.iter().map(centre).collect();
+        let of_poses = self.moved(&errors);
+        let of_poses = of_poses.iter().zip(&self.measured.poses.observations);
         Trial {
-            poses: self.moved(&errors),
+            poses: of_poses
+                .map(|(pose, observed)| at_scale(pose, &centres[observed.body], scale))
+                .collect(),
             stations,
         }
     }
@@ -160,4 +182,8 @@ impl<'a> PoseTrials<'a> {
             .map(|(pose, twist)| pose.moved(&Vector6::from_column_slice(twist)))
             .collect()
     }
+}
+
+fn centre(body: &TargetBody) -> Point3<f64> {
+    centroid(&body.home_mm)
 }

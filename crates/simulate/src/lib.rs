@@ -102,6 +102,7 @@ mod systematic;
 mod temperature;
 mod term;
 mod true_errors;
+mod true_machine;
 mod truth;
 mod truth_file;
 
@@ -116,4 +117,5 @@ pub use simulate::{Simulated, simulate};
 pub use systematic::{KnownLengthSpec, ReflectorSpec, SystematicSpec};
 pub use temperature::{TemperatureSpec, TemperatureTerm};
 pub use term::Term;
+pub use true_machine::TrueMachine;
 pub use truth::{TrueComponents, TrueLocation, TrueReflector, TrueStation, TrueTarget, Truth};

@@ -8,13 +8,16 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use trueaxis_files::{round, significant};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
-use trueaxis_poses::{Method, ReflectorConstant, SideDifference, StepMisfit};
+use trueaxis_poses::{
+    KnownMisfit, Method, ReflectorConstant, ScaleBasis, ScaleResult, SideDifference, StepMisfit,
+};
 
 use crate::files::adjustment_json::adjustment;
 use crate::files::{text, without_nulls};
 use crate::result::budget::Budget;
 use crate::result::calibration::{
-    AxisResult, Calibration, LocationResult, RunMisfit, StationResult, TriangleSide,
+    AxisResult, Calibration, LocationResult, RelativeLocation, RunMisfit, StationResult,
+    Traceability, TriangleSide,
 };
 use crate::result::output::{Unit, direction_in_file, position_in_file};
 
@@ -23,7 +26,8 @@ impl Calibration {
     ///
     /// Optional fields beyond the fixed ones: `p_value` and `uncertainty_factor` of the
     /// adjustment, `direction` of each position where the sides of approach are kept apart,
-    /// `reflectors` with their constants relative to the mean, and their correlations, `noise_gain` of each axis where equations were solved, `u_ratio` where they
+    /// `reflectors` with their constants (relative to the mean where no dead path is known) and their correlations,
+    /// `scale` where it is an unknown, `uncertainty_contains` and `uncertainty_lacks`, `noise_gain` of each axis where equations were solved, `u_ratio` where they
     /// were not (what they would lose), `dof` (degrees of freedom of u, the least of a curve; absent if
     /// infinite) and `budget` (shares of u², mean of a curve) of each error, `misfits`, `triangle`,
     /// `effects_taken_out` where there are any, `notices`.
@@ -36,10 +40,18 @@ impl Calibration {
             errors.map(|error| (error.component.name(&axis.name), location_error(error)))
         });
         let of_runs = self.axes.iter().filter_map(misfit_of_runs);
+        let of_known = self.known_misfits.iter().map(misfit_of_known);
+        let misfits = self
+            .misfits
+            .iter()
+            .map(misfit)
+            .chain(of_runs)
+            .chain(of_known);
         text(&without_nulls(json!({
             "format": "trueaxis-calibration",
             "version": 1,
             "campaign": self.campaign,
+            "machine": self.machine_spec,
             "method": match self.method {
                 Method::Joint => "joint".to_owned(),
                 Method::Nine => "nine-equation".to_owned(),
@@ -49,15 +61,39 @@ impl Calibration {
             "stations": self.stations.iter().map(station).collect::<Value>(),
             "reflectors": (!self.reflectors.is_empty())
                 .then(|| self.reflectors.iter().map(reflector).collect::<Value>()),
+            "scale": self.scale.map(scale),
+            "uncertainty_contains": self.uncertainty.contains,
+            "uncertainty_lacks": self.uncertainty.lacks,
             "targets": targets.collect::<Value>(),
             "axes": self.axes.iter().map(axis).collect::<Value>(),
             "location_errors": locations.collect::<Value>(),
-            "misfits": self.misfits.iter().map(misfit).chain(of_runs).collect::<Value>(),
+            "relative_locations": (!self.relative_locations.is_empty())
+                .then(|| self.relative_locations.iter().map(relative_location).collect::<Value>()),
+            "misfits": misfits.collect::<Value>(),
             "triangle": self.triangle.iter().map(side).collect::<Value>(),
             "effects_taken_out": (!self.effects.is_empty()).then_some(&self.effects),
             "notices": self.notices,
+            "traceability": traceability(&self.traceability),
         })))
     }
+}
+
+fn traceability(traceability: &Traceability) -> Value {
+    let Traceability {
+        date,
+        operator,
+        instrument,
+        serial,
+        inputs,
+    } = traceability;
+    without_nulls(json!({
+        "date": date,
+        "operator": operator,
+        "instrument": (!instrument.is_empty()).then_some(instrument),
+        "serial": serial,
+        "program": concat!("trueaxis ", env!("CARGO_PKG_VERSION")),
+        "inputs": (!inputs.is_empty()).then_some(inputs),
+    }))
 }
 
 fn mm(value: f64) -> f64 {
@@ -85,6 +121,18 @@ fn reflector(reflector: &ReflectorConstant) -> Value {
         "constant_um": Unit::Micrometre.in_file(reflector.constant_mm),
         "u_um": Unit::Micrometre.in_file(reflector.u_mm),
         "correlation": correlation.map(|r| round(*r, 4)).collect::<Value>(),
+    })
+}
+
+fn scale(scale: ScaleResult) -> Value {
+    json!({
+        "value_ppm": round(scale.value * 1e6, 4),
+        "u_ppm": round(scale.u * 1e6, 4),
+        "basis": match scale.basis {
+            ScaleBasis::Declared => "declared",
+            ScaleBasis::KnownLengths => "known lengths",
+            ScaleBasis::Both => "known lengths and declared",
+        },
     })
 }
 
@@ -157,7 +205,7 @@ fn quantity(
     behind: impl Iterator<Item = (f64, Budget)>,
 ) -> Value {
     let mut least = f64::INFINITY;
-    let (mut sums, mut count) = ([0.0; 4], 0.0);
+    let (mut sums, mut count) = ([0.0; 5], 0.0);
     for (dof, budget) in behind {
         least = least.min(dof);
         if let Some(shares) = budget.shares() {
@@ -167,11 +215,13 @@ fn quantity(
             count += 1.0;
         }
     }
-    let [laser, machine_return, station_geometry, effects] = sums.map(|sum| round(sum / count, 4));
+    let shares = sums.map(|sum| round(sum / count, 4));
+    let [laser, machine_return, station_geometry, systematic, effects] = shares;
     let budget = without_nulls(json!({
         "laser": laser,
         "machine_return": machine_return,
         "station_geometry": station_geometry,
+        "systematic": (systematic > 0.0).then_some(systematic),
         "effects": (effects > 0.0).then_some(effects),
     }));
     without_nulls(json!({
@@ -201,12 +251,34 @@ fn curve(axis: &AxisResult, component: Component) -> Value {
 fn location_error(error: &LocationResult) -> Value {
     let unit = Unit::of_location(error.component);
     let behind = std::iter::once((error.dof, error.budget));
-    quantity(
+    let mut entry = quantity(
         unit,
         unit.in_file(error.value),
         unit.in_file(error.u),
         behind,
-    )
+    );
+    if error.relative_to_targets {
+        entry["relative_to"] = json!("targets");
+    }
+    entry
+}
+
+fn relative_location(relative: &RelativeLocation) -> Value {
+    let [offset, angle] = [
+        (&relative.offset, Unit::Millimetre),
+        (&relative.angle, Unit::Arcsec),
+    ]
+    .map(|(found, unit)| {
+        let [value, u] = [found.value, found.u].map(|x| unit.in_file(x));
+        quantity(unit, value, u, std::iter::once((found.dof, found.budget)))
+    });
+    json!({
+        "axis": relative.axis,
+        "to": relative.to,
+        "direction": relative.direction.map(|x| round(x, 9)).as_slice(),
+        "offset": offset,
+        "angle": angle,
+    })
 }
 
 fn side_difference(sides: &SideDifference, component: Component) -> Value {
@@ -246,6 +318,17 @@ fn misfit_of_runs(axis: &AxisResult) -> Option<Value> {
         degrees_of_freedom: runs.degrees_of_freedom,
         p_value: runs.p_value,
     }))
+}
+
+/// The same of what is known and contradicts the lengths.
+fn misfit_of_known(known: &KnownMisfit) -> Value {
+    misfit(&StepMisfit {
+        step: known.what.clone(),
+        rms_um: known.difference_mm.abs() / MICROMETRE,
+        chi_squared: known.chi_squared,
+        degrees_of_freedom: 1,
+        p_value: known.p_value,
+    })
 }
 
 fn side(side: &TriangleSide) -> Value {

@@ -132,6 +132,11 @@ impl<'a> AxisNoise<'a> {
         sum
     }
 
+    /// `B`: covariance of the mean pose error of a node, own part.
+    pub(crate) fn own_of_node(&self, node: usize) -> Matrix6<f64> {
+        self.node(node).own
+    }
+
     /// The variances of the six component errors of every node.
     pub(crate) fn node_variances(
         &self,
@@ -150,10 +155,11 @@ impl<'a> AxisNoise<'a> {
                 shared += base.shared;
             }
             std::array::from_fn(|c| {
-                let [through, of_shapes] = self.noise.through_sources(shared.row(c).into_owned());
+                let through = self.noise.through_sources(shared.row(c).into_owned());
                 Variance {
-                    own: own[c] + of_shapes,
-                    through,
+                    own: own[c] + through.shapes,
+                    through: through.stations,
+                    declared: through.declared,
                     uncancelled: uncancelled[c],
                 }
             })

@@ -9,8 +9,10 @@ const CANCELLED: f64 = 1e-12;
 pub(crate) struct Variance {
     /// With the stations known.
     pub(crate) own: f64,
-    /// What comes through the stations.
+    /// What comes through the stations, and what all that is declared does.
     pub(crate) through: f64,
+    /// Of that, what is declared.
+    pub(crate) declared: f64,
     /// Sum of the variances whose combination `own` is.
     pub(crate) uncancelled: f64,
 }

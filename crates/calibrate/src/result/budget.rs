@@ -7,7 +7,10 @@
 //! laser u_l²     machine's return u_s² - u_l²     station geometry u² - u_s²
 //! ```
 //!
-//! Where effects were taken out of the lengths, the uncertainty of their values is a part of its own.
+//! What is declared (the scale of the instrument, known lengths and dead paths, constants of
+//! reflectors, nests of targets, temperatures) is
+//! no noise of the campaign and a part of its own, and so is, where effects were taken out of the lengths, the
+//! uncertainty of their values.
 //!
 //! No part is negative for a result that does not depend on the datum, and none of ours does: the
 //! covariance of the points with the stations known is that of an adjustment without datum, the
@@ -18,7 +21,8 @@
 //!
 //! The noise has two variance factors, of the lengths and of the machine's return. If they are
 //! estimated with the covariance `K` relative to their values, `u² = g_1 + g_2` (origin in the
-//! lengths, with what goes through the stations, and in the return) is known to `gᵀ K g`, and
+//! lengths, with what goes through the stations, and in the return), beside what is declared and counts as
+//! known, is known to `gᵀ K g`, and
 //! matching it to a chi-squared distribution gives (Welch 1947, Satterthwaite 1946; JCGM 100:2008
 //! G.4.1 with correlation)
 //!
@@ -39,10 +43,14 @@ pub struct Budget {
     pub machine_return: f64,
     /// That the stations are estimated, whatever the noise behind it.
     pub station_geometry: f64,
+    /// What is declared and common to many lengths: scale, known lengths, dead paths, reflectors, nests of
+    /// targets, temperatures.
+    pub systematic: f64,
     /// That the values of effects that were taken out of the lengths are estimated.
     pub effects: f64,
     /// All that has its origin in the lengths' own noise: `laser` and its part of
-    /// `station_geometry`. The rest of u² has its origin in the machine's return.
+    /// `station_geometry`. The rest of u², but for `systematic` and `effects`, has its origin in the machine's
+    /// return.
     pub laser_in_all: f64,
 }
 
@@ -51,8 +59,8 @@ const ROUNDING: f64 = 1e-9;
 
 impl Budget {
     /// From the variances with the stations known, of the laser alone and of all noise, and with
-    /// the stations estimated.
-    pub(crate) fn new(stations_known: [f64; 2], in_all: [f64; 2]) -> Self {
+    /// the stations estimated; and what of the last is declared.
+    pub(crate) fn new(stations_known: [f64; 2], in_all: [f64; 2], systematic: f64) -> Self {
         let [laser, known] = stations_known;
         let [laser_in_all, all] = in_all;
         let not_negative = |part: f64| {
@@ -65,7 +73,8 @@ impl Budget {
         Self {
             laser: not_negative(laser),
             machine_return: not_negative(known - laser),
-            station_geometry: not_negative(all - known),
+            station_geometry: not_negative(all - known - systematic),
+            systematic,
             effects: 0.0,
             laser_in_all: not_negative(laser_in_all),
         }
@@ -77,6 +86,7 @@ impl Budget {
             laser: factor * self.laser,
             machine_return: factor * self.machine_return,
             station_geometry: factor * self.station_geometry,
+            systematic: factor * self.systematic,
             effects: factor * self.effects,
             laser_in_all: factor * self.laser_in_all,
         }
@@ -84,16 +94,18 @@ impl Budget {
 
     /// u².
     pub fn variance(&self) -> f64 {
-        self.laser + self.machine_return + self.station_geometry + self.effects
+        let of_noise = self.laser + self.machine_return + self.station_geometry;
+        of_noise + self.systematic + self.effects
     }
 
-    /// The four parts as shares of u²; `None` if it is zero.
-    pub fn shares(&self) -> Option<[f64; 4]> {
+    /// The five parts as shares of u²; `None` if it is zero.
+    pub fn shares(&self) -> Option<[f64; 5]> {
         let variance = self.variance();
         let parts = [
             self.laser,
             self.machine_return,
             self.station_geometry,
+            self.systematic,
             self.effects,
         ];
         (variance > 0.0).then(|| parts.map(|part| part / variance))
@@ -102,7 +114,8 @@ impl Budget {
     /// `ν` for the relative covariance `K` of the variance factors; infinite if they are known.
     pub(crate) fn degrees_of_freedom(&self, relative_covariance: &Matrix2<f64>) -> f64 {
         let variance = self.variance();
-        let g = Vector2::new(self.laser_in_all, variance - self.laser_in_all);
+        let of_return = variance - self.laser_in_all - self.systematic - self.effects;
+        let g = Vector2::new(self.laser_in_all, of_return);
         let of_variance = g.dot(&(relative_covariance * g));
         if of_variance > 0.0 {
             2.0 * variance * variance / of_variance
@@ -162,7 +175,7 @@ mod tests {
 
     #[test]
     fn degrees_of_freedom_follow_from_the_variance_factors() {
-        let budget = Budget::new([1.0, 4.0], [2.0, 5.0]);
+        let budget = Budget::new([1.0, 4.0], [2.0, 5.0], 0.0);
         assert!((budget.variance() - 5.0).abs() < 1e-15);
         let of = |k: Matrix2<f64>| budget.degrees_of_freedom(&k);
         assert!(of(Matrix2::zeros()).is_infinite());
@@ -175,11 +188,23 @@ mod tests {
         assert!((found - expected).abs() < 1e-12);
     }
 
+    /// What is declared is known: it adds degrees of freedom, and no part takes it for its own.
+    #[test]
+    fn what_is_declared_is_no_noise() {
+        let noise = Budget::new([1.0, 4.0], [2.0, 5.0], 0.0);
+        let with = Budget::new([1.0, 4.0], [2.0, 8.0], 3.0);
+        assert!((with.station_geometry - noise.station_geometry).abs() < 1e-15);
+        assert!((with.shares().unwrap().iter().sum::<f64>() - 1.0).abs() < 1e-15);
+        let k = Matrix2::new(2.0 / 40.0, 0.0, 0.0, 2.0 / 9.0);
+        let ratio = with.degrees_of_freedom(&k) / noise.degrees_of_freedom(&k);
+        assert!((ratio - (8.0_f64 / 5.0).powi(2)).abs() < 1e-12);
+    }
+
     #[test]
     fn only_rounding_is_taken_for_zero() {
-        let rounded = Budget::new([1.0 + 1e-12, 1.0], [1.0, 1.0]);
+        let rounded = Budget::new([1.0 + 1e-12, 1.0], [1.0, 1.0], 0.0);
         assert!(rounded.machine_return.abs() < f64::MIN_POSITIVE);
-        let wrong = Budget::new([1.1, 1.0], [1.0, 1.0]);
+        let wrong = Budget::new([1.1, 1.0], [1.0, 1.0], 0.0);
         assert!(wrong.machine_return < -0.05);
     }
 }

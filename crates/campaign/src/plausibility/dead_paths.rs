@@ -1,40 +1,56 @@
 //! Known dead paths against the lengths.
 //!
 //! With the dead path L the distance to the target is `|p - S| = l + L`, so it is positive for every
-//! length l. A dead path of the wrong sign, or in metres, makes it negative.
+//! length l. A dead path of the wrong sign, or in metres, makes most of them negative; a single one is a slip in
+//! the length.
 
 use std::path::Path;
 
-use super::station_name;
+use super::{station_name, target_name};
 use crate::reading::readings_of;
-use crate::{Campaign, Error, Lengths, Place, Problem};
+use crate::{Campaign, Error, LengthReading, Lengths, Place, Problem};
 
-/// Refuses a length that is shorter than its station's known dead path allows.
-pub(crate) fn check(file: &Path, campaign: &Campaign, lengths: &Lengths) -> Result<(), Error> {
-    if campaign.stations.iter().all(|s| s.dead_path.is_none()) {
-        return Ok(());
-    }
-    for stop in &lengths.stops {
-        let station = campaign.stations.get(stop.station);
-        let Some(known) = station.and_then(|station| station.dead_path) else {
+/// Refuses a known dead path that makes most distances of its station negative; returns notices about others.
+pub(crate) fn check(
+    file: &Path,
+    name: &str,
+    campaign: &Campaign,
+    lengths: &Lengths,
+) -> Result<Vec<String>, Error> {
+    let mut notices = Vec::new();
+    for (j, station) in campaign.stations.iter().enumerate() {
+        let Some(known) = station.dead_path else {
             continue;
         };
-        for reading in readings_of(stop, &lengths.readings) {
-            let distance_mm = reading.length_mm + known.length_mm;
-            if distance_mm <= 0.0 {
-                let found = format!(
-                    "a length of {} mm, which with the dead path of station `{}` ({} mm) is a distance of \
-                     {distance_mm} mm",
-                    reading.length_mm,
-                    station_name(campaign, stop.station),
-                    known.length_mm,
-                );
-                let expected = "a positive distance: length_mm + dead_path_mm of campaign.json; mend its \
-                                sign or unit";
-                let place = Place::column(file, reading.line, "length_mm");
-                return Err(Problem::value(found, expected).at(place));
-            }
+        let stops = lengths.stops.iter().filter(|stop| stop.station == j);
+        let readings = || {
+            stops
+                .clone()
+                .flat_map(|stop| readings_of(stop, &lengths.readings))
+        };
+        let is_negative = |reading: &&LengthReading| reading.length_mm + known.length_mm <= 0.0;
+        let negative = readings().filter(is_negative).count();
+        let Some(first) = readings().find(is_negative) else {
+            continue;
+        };
+        let found = format!(
+            "a length of {} mm, which with the dead path of station `{}` ({} mm) is a distance of {} mm",
+            first.length_mm,
+            station_name(campaign, j),
+            known.length_mm,
+            first.length_mm + known.length_mm,
+        );
+        if 2 * negative > readings().count() {
+            let expected = "a positive distance: length_mm + dead_path_mm of campaign.json; mend its \
+                            sign or unit";
+            let place = Place::column(file, first.line, "length_mm");
+            return Err(Problem::value(found, expected).at(place));
         }
+        notices.push(format!(
+            "{name} line {}, target `{}`: {found} ({negative} such length(s) of the station)",
+            first.line,
+            target_name(campaign, first.target),
+        ));
     }
-    Ok(())
+    Ok(notices)
 }

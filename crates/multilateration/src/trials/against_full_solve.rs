@@ -14,7 +14,10 @@ use crate::adjustment::{GroupAdjustment, Linearised};
 use crate::batches::batches;
 use crate::bodies::{Bodies, Body, Placed};
 use crate::state::{POSE, State, centroid};
-use crate::{Interruption, Network, Noise, Reading, Reflectors, Settings, Solution, Visit, solve};
+use crate::{
+    Interruption, KnownDeadPath, Network, Noise, Reading, Reflectors, Settings, Solution, Visit,
+    solve,
+};
 
 const STATIONS_MM: [[f64; 3]; 4] = [
     [1500.0, 300.0, 900.0],
@@ -96,6 +99,13 @@ fn network(noise: Noise, is_tied: bool) -> Network {
     }
     let factor = |i: usize| if i % 17 == 3 { 9.0 } else { 1.0 };
     network.variance_factors = (0..network.readings.len()).map(factor).collect();
+    network.dead_paths = [0, 1, 2]
+        .map(|station| KnownDeadPath {
+            station,
+            length_mm: 50.01,
+            sigma_mm: [0.02, 0.01, 0.03][station],
+        })
+        .to_vec();
     network.interruptions.push(Interruption {
         station: 2,
         first_reading: network.visits[2 * (2 * STEPS) + 20].readings.start,
@@ -106,8 +116,13 @@ fn network(noise: Noise, is_tied: bool) -> Network {
 /// The lengths that follow from the solution, plus errors, adjusted from where they would lie
 /// without errors, with the weights of the solution.
 fn full_solution(network: &Network, solution: &Solution, errors_mm: &[f64]) -> State {
+    let (errors_mm, known_errors) = errors_mm.split_at(network.readings.len());
     let mut disturbed = network.clone();
     let residuals = solution.residuals_mm.iter();
+    for (known, error) in disturbed.dead_paths.iter_mut().zip(known_errors) {
+        let computed_mm = solution.stations[known.station].dead_path_mm;
+        known.length_mm = computed_mm + solution.mean_constant_mm.unwrap() + error * known.sigma_mm;
+    }
     for ((reading, error), residual) in disturbed.readings.iter_mut().zip(errors_mm).zip(residuals)
     {
         reading.length_mm += error - residual;
@@ -184,6 +199,10 @@ fn largest_difference(
         compare(found - expected, shared[(column, column)]);
     }
     let contrasts = shared.nrows() - network.contrasts();
+    let mean = contrasts - 1;
+    let expected = full.mean_constant_mm - base.mean_constant_mm;
+    let found = corrections.shared_mm()[mean];
+    compare(found - expected, shared[(mean, mean)]);
     for m in 0..network.contrasts() {
         let expected = full.contrasts_mm[m] - base.contrasts_mm[m];
         let found = corrections.shared_mm()[contrasts + m];
@@ -196,7 +215,7 @@ fn largest_difference(
             let expected: f64 = places
                 .map(|(i, (a, b))| deformation.fixed_rows::<3>(3 * i).dot(&(a - b)))
                 .sum();
-            let column = contrasts - (3 * body.home_mm.len() - POSE) + k;
+            let column = mean - (3 * body.home_mm.len() - POSE) + k;
             let found = corrections.shared_mm()[column];
             compare(found - expected, shared[(column, column)]);
         }

@@ -16,9 +16,6 @@ use crate::slots::Slots;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ErrorNoise {
     readings: usize,
-    /// Number of contrasts of reflectors that are known beforehand, and how well, mm.
-    pub(crate) contrasts: usize,
-    pub(crate) contrast_sigma_mm: f64,
     /// The number of readings of each visit.
     counts: Vec<usize>,
     /// For each visit the readings in the order of the rows of `L`, one visit after the other.
@@ -32,10 +29,6 @@ impl ErrorNoise {
     pub(crate) fn new(network: &Network) -> Self {
         let mut noise = Self {
             readings: network.readings.len(),
-            contrasts: network
-                .contrast_sigma_mm()
-                .map_or(0, |_| network.contrasts()),
-            contrast_sigma_mm: network.contrast_sigma_mm().unwrap_or_default(),
             order: (0..network.readings.len()).collect(),
             ..Self::default()
         };
@@ -82,18 +75,15 @@ impl ErrorNoise {
         }
     }
 
-    /// Number of lengths, and of contrasts that are known beforehand.
-    pub(crate) fn errors(&self) -> usize {
-        self.readings + self.contrasts
+    /// Number of lengths.
+    pub(crate) fn readings(&self) -> usize {
+        self.readings
     }
 
-    /// One error for each reading, then one for each contrast that is known beforehand.
+    /// One error for each reading, mm.
     pub(crate) fn draw<R: Rng + ?Sized>(&self, rng: &mut R, errors_mm: &mut [f64]) {
         let mut factors = self.factors.as_slice();
         let mut order = self.order.as_slice();
-        for error in &mut errors_mm[self.readings..] {
-            *error = self.contrast_sigma_mm * rng.sample::<f64, _>(StandardNormal);
-        }
         let mut normal = [0.0; 8];
         let mut more = Vec::new();
         for &count in &self.counts {

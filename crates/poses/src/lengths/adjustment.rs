@@ -1,18 +1,21 @@
 //! Lengths to poses or to points, with errors in the words of the campaign.
 
-use nalgebra::{DMatrix, Matrix6, Matrix6xX, Point3};
+use nalgebra::{DMatrix, DVector, Matrix6, Matrix6xX, Point3};
 use rayon::prelude::*;
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_multilateration::{
     self as multilateration, BlockNoise, CampaignNetwork, Group, Network, Screened, Solution,
-    adjust_as_a_set, network_from_campaign, screen, solve_as_a_set,
+    Station, adjust_as_a_set, network_from_campaign, screen, solve_as_a_set,
 };
 
 use crate::Error;
 use crate::lengths::refused::{adjustment_error, contradictory};
+use crate::lengths::scale::{Scale, ScaleResult, at_scale};
+use crate::lengths::shared_sources::SharedSources;
 use crate::lengths::weak_stations::weak_stations;
 use crate::points::{MeasuredPoints, PointGroup, PointNoise, centroid};
 use crate::poses::{PoseNoise, PoseObservation, Poses, TargetBody};
+use crate::report::KnownMisfit;
 use crate::settings::{Method, Settings};
 use crate::words::{step_in_words, target_names, too_few_targets};
 
@@ -30,6 +33,11 @@ pub struct LengthsAdjustment<'a> {
     pub(crate) reflectors: Vec<usize>,
     /// The screened network with its solution and noise.
     pub screened: Screened,
+    /// The scale of all lengths, where it is an unknown. Points, poses and stations of the solution are larger
+    /// than they are by it.
+    pub(crate) scale: Option<Scale>,
+    /// What is known and contradicts the lengths.
+    pub known_misfits: Vec<KnownMisfit>,
 }
 
 /// A residual this many times its noise in the mean is no noise: something in the data is wrong.
@@ -50,6 +58,7 @@ impl<'a> LengthsAdjustment<'a> {
             groups,
             reflectors,
         } = network_from_campaign(campaign, lengths, settings.by_direction);
+        let bodies = network.bodies.clone();
         if settings.method != Method::Joint {
             network.bodies = None;
         }
@@ -67,7 +76,7 @@ impl<'a> LengthsAdjustment<'a> {
         );
         let screened =
             adjusted.map_err(|error| adjustment_error(campaign, lengths, &groups, error))?;
-        let adjustment = Self {
+        let mut adjustment = Self {
             campaign,
             lengths,
             method: settings.method,
@@ -75,8 +84,11 @@ impl<'a> LengthsAdjustment<'a> {
             groups,
             reflectors,
             screened,
+            scale: None,
+            known_misfits: Vec::new(),
         };
         let weak = adjustment.check()?;
+        adjustment.take_known(bodies)?;
         Ok((adjustment, weak))
     }
 
@@ -124,27 +136,52 @@ impl<'a> LengthsAdjustment<'a> {
             network, solution, ..
         } = &self.screened;
         let moved = self.moved();
-        let observation = |&g: &usize| {
+        let scale = self.scale.as_ref();
+        let value = self.scale_value();
+        let centres: Vec<Point3<f64>> = solution.shapes_mm.iter().map(|s| centroid(s)).collect();
+        let body = |g: usize| {
             let group = &self.groups[g];
+            group.body.ok_or_else(|| self.without_body(group))
+        };
+        let observation = |&g: &usize| {
+            let (group, body) = (&self.groups[g], body(g)?);
             Ok(PoseObservation {
                 step: group.step,
                 direction: group.direction,
-                body: group.body.ok_or_else(|| self.without_body(group))?,
-                datum_from_home: solution.poses[g],
-                pivot_mm: centroid(&solution.points_mm[network.groups[g].clone()]),
+                body,
+                datum_from_home: at_scale(&solution.poses[g], &centres[body], value),
+                pivot_mm: self.place(centroid(&solution.points_mm[network.groups[g].clone()])),
             })
         };
-        let shapes = solution.shapes_mm.iter().enumerate();
-        let bodies = shapes.map(|(body, home_mm)| TargetBody {
+        let shapes = solution.shapes_mm.iter().zip(&centres).enumerate();
+        let bodies = shapes.map(|(body, (home_mm, centre))| TargetBody {
             targets: self.targets_of(body, home_mm),
-            home_mm: home_mm.clone(),
+            home_mm: home_mm
+                .iter()
+                .map(|h| centre + (h - centre) / (1.0 + value))
+                .collect(),
         });
+        // What the scale moves: the centre of the body.
+        let place = |&g: &usize| {
+            let moved_mm = solution.poses[g] * centres[body(g)?];
+            let place = [moved_mm.x, moved_mm.y, moved_mm.z, 0.0, 0.0, 0.0];
+            Ok(DVector::from_column_slice(&place))
+        };
+        let places: Vec<DVector<f64>> = moved.iter().map(place).collect::<Result<_, Error>>()?;
+        let noise_of = |noise: &BlockNoise<'_>, sources: SharedSources<'_>| {
+            pose_noise(noise, sources, (&moved, &places))
+        };
         // What only the instrument's part needs is the largest, and gone before the rest is made.
-        let instrument = pose_noise(&solution.length_noise(network), &moved);
+        let of_lengths = solution.length_noise(network);
+        let sources = SharedSources::of_lengths(&of_lengths, solution, scale);
+        let instrument = noise_of(&of_lengths, sources);
+        drop(of_lengths);
+        let whole = solution.noise();
+        let sources = SharedSources::whole(&whole, (network, solution), scale);
         Ok(Poses {
             observations: moved.iter().map(observation).collect::<Result<_, _>>()?,
             bodies: bodies.collect(),
-            noise: pose_noise(&solution.noise(), &moved),
+            noise: noise_of(&whole, sources),
             instrument,
             relative_covariance: self.screened.noise.relative_covariance,
         })
@@ -188,8 +225,11 @@ impl<'a> LengthsAdjustment<'a> {
             network, solution, ..
         } = &self.screened;
         if network.bodies.is_none() {
-            let mut points = self.measured_points(network, solution);
-            points.instrument = point_noise(&solution.length_noise(network), &self.moved());
+            let scale = self.scale.as_ref();
+            let mut points = self.measured_points((network, solution), scale);
+            let of_lengths = solution.length_noise(network);
+            let sources = SharedSources::of_lengths(&of_lengths, solution, scale);
+            points.instrument = self.point_noise(&of_lengths, sources, (network, solution));
             return Ok(points);
         }
         let mut network = Network {
@@ -199,24 +239,84 @@ impl<'a> LengthsAdjustment<'a> {
         let iteration = multilateration::Settings::default();
         let words = |error| adjustment_error(self.campaign, self.lengths, &self.groups, error);
         let free = solve_as_a_set(&mut network, Some(solution), &iteration).map_err(words)?;
-        Ok(self.measured_points(&network, &free))
+        let scale = self.scale.as_ref().map(Scale::of_another);
+        Ok(self.measured_points((&network, &free), scale.as_ref()))
     }
 
-    fn measured_points(&self, network: &Network, solution: &Solution) -> MeasuredPoints {
-        let moved = self.moved();
-        let group = |&g: &usize| PointGroup {
-            step: self.groups[g].step,
-            direction: self.groups[g].direction,
-            targets: self.groups[g].targets.clone(),
-            points_mm: solution.points_mm[network.groups[g].clone()].to_vec(),
+    fn measured_points(
+        &self,
+        (network, solution): (&Network, &Solution),
+        scale: Option<&Scale>,
+    ) -> MeasuredPoints {
+        let group = |g: usize| {
+            let measured_mm = solution.points_mm[network.groups[g].clone()].iter();
+            PointGroup {
+                step: self.groups[g].step,
+                direction: self.groups[g].direction,
+                targets: self.groups[g].targets.clone(),
+                points_mm: measured_mm.map(|p| self.place(*p)).collect(),
+            }
         };
+        let whole = solution.noise();
+        let sources = SharedSources::whole(&whole, (network, solution), scale);
         MeasuredPoints {
-            groups: moved.iter().map(group).collect(),
-            noise: point_noise(&solution.noise(), &moved),
+            groups: self.moved().into_iter().map(group).collect(),
+            noise: self.point_noise(&whole, sources, (network, solution)),
             instrument: PointNoise::default(),
             relative_covariance: self.screened.noise.relative_covariance,
             repeat_scatter: (0.0, 0),
         }
+    }
+
+    fn point_noise(
+        &self,
+        noise: &BlockNoise<'_>,
+        sources: SharedSources<'_>,
+        (network, solution): (&Network, &Solution),
+    ) -> PointNoise {
+        let moved = self.moved();
+        let place = |&g: &usize| {
+            let points = &solution.points_mm[network.groups[g].clone()];
+            let coordinates = points.iter().flat_map(|p| [p.x, p.y, p.z]);
+            DVector::from_iterator(3 * points.len(), coordinates)
+        };
+        let places: Vec<DVector<f64>> = moved.iter().map(place).collect();
+        let (own, coupling) = blocks(noise, &sources, (&moved, &places))
+            .into_iter()
+            .unzip();
+        PointNoise {
+            own,
+            coupling,
+            shared: sources.shared,
+            declared: sources.declared,
+            stations: sources.stations,
+        }
+    }
+
+    /// The scale, if it is an unknown.
+    pub fn scale(&self) -> Option<ScaleResult> {
+        self.scale.as_ref().map(|scale| scale.result)
+    }
+
+    fn scale_value(&self) -> f64 {
+        self.scale.as_ref().map_or(0.0, |scale| scale.result.value)
+    }
+
+    /// Where something measured is.
+    fn place(&self, measured_mm: Point3<f64>) -> Point3<f64> {
+        measured_mm / (1.0 + self.scale_value())
+    }
+
+    /// The stations as they stand, with their dead paths.
+    pub fn stations(&self) -> Vec<Station> {
+        let solution = &self.screened.solution;
+        let mean_mm = solution.mean_constant_mm.unwrap_or_default();
+        let stations = solution.stations.iter();
+        let station = |station: &Station| Station {
+            position_mm: self.place(station.position_mm),
+            dead_path_mm: station.dead_path_mm + mean_mm,
+        };
+        stations.map(station).collect()
     }
 }
 
@@ -226,33 +326,39 @@ fn is_noise_declared(campaign: &Campaign) -> bool {
     instrument.length_sigma_um.is_some() && instrument.repeatability_um.is_some()
 }
 
-fn pose_noise(noise: &BlockNoise<'_>, groups: &[usize]) -> PoseNoise {
+fn pose_noise(
+    noise: &BlockNoise<'_>,
+    sources: SharedSources<'_>,
+    groups: (&[usize], &[DVector<f64>]),
+) -> PoseNoise {
     let fixed = |(own, coupling): (DMatrix<f64>, DMatrix<f64>)| {
         (
             Matrix6::from_column_slice(own.as_slice()),
             Matrix6xX::from_column_slice(coupling.as_slice()),
         )
     };
-    let (own, coupling) = blocks(noise, groups).into_iter().map(fixed).unzip();
+    let blocks = blocks(noise, &sources, groups);
+    let (own, coupling) = blocks.into_iter().map(fixed).unzip();
     PoseNoise {
         own,
         coupling,
-        shared: noise.shared().clone(),
-        of_stations: noise.shared().nrows(),
+        of_stations: sources.shared.nrows(),
+        shared: sources.shared,
+        declared: sources.declared,
+        stations: sources.stations,
     }
 }
 
-fn point_noise(noise: &BlockNoise<'_>, groups: &[usize]) -> PointNoise {
-    let (own, coupling) = blocks(noise, groups).into_iter().unzip();
-    PointNoise {
-        own,
-        coupling,
-        shared: noise.shared().clone(),
-    }
-}
-
-/// `D` and `Z` of some groups.
-fn blocks(noise: &BlockNoise<'_>, groups: &[usize]) -> Vec<(DMatrix<f64>, DMatrix<f64>)> {
-    let groups = groups.par_iter().with_min_len(PIECE);
-    groups.map(|&g| noise.block(g)).collect()
+/// `D` and `Z` of some groups with these places.
+fn blocks(
+    noise: &BlockNoise<'_>,
+    sources: &SharedSources<'_>,
+    (groups, places): (&[usize], &[DVector<f64>]),
+) -> Vec<(DMatrix<f64>, DMatrix<f64>)> {
+    let groups = groups.par_iter().zip(places).with_min_len(PIECE);
+    let block = |(&g, place): (&usize, &DVector<f64>)| {
+        let (own, coupling) = noise.block(g);
+        (own, sources.coupling(coupling, place))
+    };
+    groups.map(block).collect()
 }

@@ -1,14 +1,15 @@
 //! The constants of the reflectors: what the lengths to each are longer by than those to all in the mean.
 //!
 //! Reflectors of one set differ by some micrometres along the beam. A constant that all have in common is dead
-//! path; the differences are unknowns of the adjustment ([`trueaxis_multilateration::Reflectors`]).
+//! path; the differences are unknowns of the adjustment ([`trueaxis_multilateration::Reflectors`]), and so is, where
+//! dead paths are known, what they have in common.
 
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_multilateration::USUAL_DIFFERENCE_MM;
 
 use crate::lengths::LengthsAdjustment;
 
-/// The constant of a reflector, relative to the mean of all.
+/// The constant of a reflector, relative to the mean of all where no dead path is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReflectorConstant {
     /// Name of the reflector.
@@ -29,16 +30,16 @@ impl LengthsAdjustment<'_> {
     /// one reflector, or the lengths do not determine them.
     pub fn reflectors(&self) -> Vec<ReflectorConstant> {
         let solution = &self.screened.solution;
-        let covariance = solution.reflector_covariance();
+        let (constants_mm, covariance) = solution.reflector_constants();
         let (names, _) = self.campaign.reflectors();
         let u_mm = |i: usize| covariance[(i, i)].max(0.0).sqrt();
-        let constants = solution.reflectors_mm.iter().enumerate();
+        let constants = constants_mm.iter().enumerate();
         constants
             .map(|(i, &constant_mm)| ReflectorConstant {
                 name: names[self.reflectors[i]].clone(),
                 constant_mm,
                 u_mm: u_mm(i),
-                correlation: (0..solution.reflectors_mm.len())
+                correlation: (0..constants_mm.len())
                     .map(|j| covariance[(i, j)] / (u_mm(i) * u_mm(j)))
                     .collect(),
             })
@@ -64,7 +65,12 @@ impl LengthsAdjustment<'_> {
         let exceeds = |constant: &&ReflectorConstant| {
             constant.constant_mm.abs() > limit_mm + SIGNIFICANT * constant.u_mm
         };
-        let constants = self.reflectors();
+        // What they have in common is not what a set differs by.
+        let mut constants = self.reflectors();
+        let mean_mm = self.screened.solution.mean_constant_mm.unwrap_or_default();
+        constants
+            .iter_mut()
+            .for_each(|constant| constant.constant_mm -= mean_mm);
         let notice = |constant: &ReflectorConstant| {
             let (value_um, expanded_um) = (
                 constant.constant_mm / MICROMETRE,

@@ -87,12 +87,28 @@ pub(crate) fn points_from_coordinates(
     for point in groups.iter_mut().flat_map(|group| &mut group.points_mm) {
         *point = datum_from_instrument * *point;
     }
+    if let Some(scale_ppm) = campaign.instrument.scale_sigma_ppm {
+        noise.take_scale(&groups, scale_ppm * 1e-6);
+    }
     MeasuredPoints {
         groups,
         noise,
         instrument,
         relative_covariance: Matrix2::zeros(),
         repeat_scatter,
+    }
+}
+
+impl PointNoise {
+    /// The scale of all coordinates together becomes a shared source.
+    fn take_scale(&mut self, groups: &[PointGroup], sigma: f64) {
+        for (coupling, group) in self.coupling.iter_mut().zip(groups) {
+            let places = group.points_mm.iter().flat_map(|p| [p.x, p.y, p.z]);
+            *coupling = DMatrix::from_iterator(3 * group.points_mm.len(), 1, places);
+        }
+        self.shared = DMatrix::from_element(1, 1, sigma * sigma);
+        self.declared = self.shared.clone();
+        self.stations = DMatrix::zeros(0, 1);
     }
 }
 

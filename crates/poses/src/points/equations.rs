@@ -332,6 +332,8 @@ fn pose_noise(
         own: sources.iter().map(|s| found[s.body].own[s.step]).collect(),
         coupling: sources.iter().map(coupling).collect(),
         shared,
+        declared: noise.declared.clone().resize(width, width, 0.0),
+        stations: noise.stations.clone().resize_horizontally(width, 0.0),
         of_stations,
     }
 }

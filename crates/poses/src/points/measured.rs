@@ -38,6 +38,9 @@ pub(crate) struct PointNoise {
     pub(crate) coupling: Vec<DMatrix<f64>>,
     /// `Σ`: first the stations (x y z and dead path of each).
     pub(crate) shared: DMatrix<f64>,
+    /// As [`crate::PoseNoise::declared`] and [`crate::PoseNoise::stations`].
+    pub(crate) declared: DMatrix<f64>,
+    pub(crate) stations: DMatrix<f64>,
 }
 
 impl PointNoise {

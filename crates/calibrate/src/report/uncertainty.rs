@@ -1,0 +1,88 @@
+//! What the uncertainties contain, and what they lack.
+//!
+//! Each possible part of U has one entry in [`parts`]: to add one, add it there.
+
+use trueaxis_campaign::Campaign;
+use trueaxis_poses::{MeasuredPoses, ScaleBasis};
+
+use crate::result::calibration::UncertaintyStatement;
+
+/// A part of U: what it is called where U contains it, or why it does not.
+type Part = Result<String, String>;
+
+/// What the uncertainties of a calibration contain.
+pub(crate) fn statement(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> UncertaintyStatement {
+    let mut statement = UncertaintyStatement::default();
+    for part in parts(campaign, measured) {
+        match part {
+            Ok(contained) => statement.contains.push(contained),
+            Err(lacking) => statement.lacks.push(lacking),
+        }
+    }
+    statement
+}
+
+/// All parts that concern the campaign, in the order in which they are said.
+fn parts(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
+    let noise = Ok("noise and geometry".to_owned());
+    let mut parts = vec![noise];
+    parts.extend(reflectors(measured));
+    parts.extend(dead_paths(campaign, measured));
+    parts.push(scale(campaign, measured));
+    parts.push(nests(campaign));
+    parts.extend(temperatures(campaign));
+    parts
+}
+
+/// What location errors are relative to.
+fn nests(campaign: &Campaign) -> Part {
+    let open = campaign
+        .targets
+        .iter()
+        .any(|t| t.position_sigma_mm.is_none());
+    match open {
+        true => Err("nests of the targets: `position_sigma_mm` is not declared".to_owned()),
+        false => Ok("nests of the targets".to_owned()),
+    }
+}
+
+/// Of the axes that are referred to 20 °C.
+fn temperatures(campaign: &Campaign) -> Option<Part> {
+    let expansions = &campaign.expansions;
+    let open = expansions.iter().any(|e| e.temperature_sigma_k.is_none());
+    (!expansions.is_empty()).then(|| match open {
+        true => Err("temperature of the axes: `temperature_sigma_k` is not declared".to_owned()),
+        false => Ok("temperature of the axes".to_owned()),
+    })
+}
+
+/// Lengths to one reflector have nothing to differ by.
+fn reflectors(measured: &MeasuredPoses<'_>) -> Option<Part> {
+    let several = measured.reflectors().len() > 1;
+    several.then(|| Ok("reflectors".to_owned()))
+}
+
+fn dead_paths(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Option<Part> {
+    let are_known = campaign.stations.iter().any(|s| s.dead_path.is_some());
+    let take_part = measured.lengths.is_some() && are_known;
+    take_part.then(|| Ok("known dead paths".to_owned()))
+}
+
+fn scale(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Part {
+    let declared = campaign.instrument.scale_sigma_ppm.is_some();
+    match (measured.scale().map(|scale| scale.basis), &measured.lengths) {
+        (Some(ScaleBasis::Declared), _) => Ok("scale of the instrument".to_owned()),
+        (Some(ScaleBasis::KnownLengths | ScaleBasis::Both), _) => {
+            Ok("scale by known lengths".to_owned())
+        }
+        (None, None) if declared => Ok("scale of the instrument".to_owned()),
+        (None, Some(_)) => Err(
+            "scale of the instrument: neither `scale_sigma_ppm` is declared nor \
+                                `known_lengths` tell it"
+                .to_owned(),
+        ),
+        (None, None) => {
+            Err("scale of the instrument: `scale_sigma_ppm` is not declared".to_owned())
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Distances between adjusted points that keep them, with their errors.
+//!
+//! ```text
+//! d = |p_a - p_b|     dd = hᵀ x + gᵀ s     x = ξ - Z s
+//! ```
+//!
+//! with the unknowns `x` of a group whose points are free, or the deformations of a body among the shared ones `s`.
+
+use nalgebra::{DMatrix, DVector, Point3, Vector3};
+
+use crate::state::{PER_STATION, POSE};
+use crate::{Corrections, Network, Solution};
+
+/// Two points whose distance does not change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pair {
+    /// Places of a body.
+    OfBody {
+        /// The body.
+        body: usize,
+        /// Its places.
+        places: [usize; 2],
+    },
+    /// Points of a group whose points are free.
+    OfGroup {
+        /// The group.
+        group: usize,
+        /// Its points.
+        points: [usize; 2],
+    },
+}
+
+/// Distances and what they owe to the errors of the adjustment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Distances {
+    /// The distances, mm.
+    pub values_mm: Vec<f64>,
+    /// Coefficients of the shared sources `s` ([`crate::BlockNoise::shared`]), a row for each distance.
+    pub of_shared: DMatrix<f64>,
+    /// Covariance of the part that does not come through them, `hᵀ D h`, mm².
+    pub own: DMatrix<f64>,
+    /// `h` with its group, and `g`.
+    of_groups: Vec<Option<(usize, DVector<f64>)>>,
+    of_shapes: Vec<Vec<(usize, f64)>>,
+}
+
+impl Solution {
+    /// The distances of some pairs; `network` must be the one that was solved.
+    ///
+    /// # Panics
+    /// If there is no such body, group or point.
+    pub fn distances(&self, network: &Network, pairs: &[Pair]) -> Distances {
+        let (count, width) = (pairs.len(), self.covariance.width());
+        let mut found = Distances {
+            values_mm: Vec::with_capacity(count),
+            of_shared: DMatrix::zeros(count, width),
+            own: DMatrix::zeros(count, count),
+            of_groups: Vec::with_capacity(count),
+            of_shapes: Vec::with_capacity(count),
+        };
+        for (k, pair) in pairs.iter().enumerate() {
+            let (beam_mm, of_group, of_shape) = match *pair {
+                Pair::OfBody { body, places } => {
+                    let beam_mm = between(&self.shapes_mm[body], places);
+                    (beam_mm, None, deformed(network, body, places, beam_mm))
+                }
+                Pair::OfGroup { group, points } => {
+                    let own = &self.points_mm[network.groups[group].clone()];
+                    let beam_mm = between(own, points);
+                    let mut h = DVector::zeros(3 * own.len());
+                    for (point, sign) in points.into_iter().zip([1.0, -1.0]) {
+                        h.fixed_rows_mut::<3>(3 * point)
+                            .copy_from(&(beam_mm.normalize() * sign));
+                    }
+                    (beam_mm, Some((group, h)), Vec::new())
+                }
+            };
+            found.values_mm.push(beam_mm.norm());
+            for &(column, g) in &of_shape {
+                found.of_shared[(k, column)] += g;
+            }
+            if let Some((group, h)) = &of_group {
+                let rows = self.covariance.coupling_rows(*group).chunks_exact(width);
+                for (h, row) in h.iter().zip(rows) {
+                    for (sum, z) in found.of_shared.row_mut(k).iter_mut().zip(row) {
+                        *sum -= h * z;
+                    }
+                }
+                let factor = self.covariance.inverse_factor_columns(*group);
+                let factor = DMatrix::from_column_slice(h.len(), h.len(), factor);
+                let own = factor.tr_mul(h);
+                for (other, seen) in found.of_groups.iter().enumerate() {
+                    if let Some((_, h)) = seen.as_ref().filter(|(other, _)| other == group) {
+                        let both = factor.tr_mul(h).dot(&own);
+                        (found.own[(k, other)], found.own[(other, k)]) = (both, both);
+                    }
+                }
+                found.own[(k, k)] = own.norm_squared();
+            }
+            found.of_groups.push(of_group);
+            found.of_shapes.push(of_shape);
+        }
+        found
+    }
+}
+
+impl Distances {
+    /// By how much a trial changes them, mm.
+    pub fn changes_mm(&self, corrections: &Corrections) -> Vec<f64> {
+        let all = self.of_groups.iter().zip(&self.of_shapes);
+        let change = all.map(|(of_group, of_shape)| {
+            let shared = corrections.shared_mm();
+            let by_shape: f64 = of_shape.iter().map(|&(k, g)| g * shared[k]).sum();
+            let by_group = of_group.as_ref().map_or(0.0, |(group, h)| {
+                let moved = corrections.group(*group).iter();
+                moved.zip(h.iter()).map(|(x, h)| x * h).sum()
+            });
+            by_shape + by_group
+        });
+        change.collect()
+    }
+}
+
+fn between(points: &[Point3<f64>], [a, b]: [usize; 2]) -> Vector3<f64> {
+    points[a] - points[b]
+}
+
+/// What the deformations of a body do to the distance of two places.
+fn deformed(
+    network: &Network,
+    body: usize,
+    [a, b]: [usize; 2],
+    beam_mm: Vector3<f64>,
+) -> Vec<(usize, f64)> {
+    let bodies = network.bodies.iter().flat_map(|bodies| &bodies.bodies);
+    let behind = PER_STATION * network.stations.len() + network.interruptions.len();
+    let before = bodies.clone().take(body);
+    let before = before.map(|body| (3 * body.home_mm.len()).saturating_sub(POSE));
+    let first = behind + before.sum::<usize>();
+    let unit = beam_mm.normalize();
+    let own = bodies.skip(body).take(1);
+    let deformations = own.flat_map(|body| body.deformations());
+    let place = |deformation: &DVector<f64>, p: usize| -> Vector3<f64> {
+        deformation.fixed_rows::<3>(3 * p).into_owned()
+    };
+    let along = deformations.map(|d| unit.dot(&(place(&d, a) - place(&d, b))));
+    along.enumerate().map(|(k, g)| (first + k, g)).collect()
+}

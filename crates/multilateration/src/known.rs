@@ -1,0 +1,92 @@
+//! What is known of the shared unknowns beside the lengths.
+//!
+//! ```text
+//! 0 = a_m + e     σ of the reflectors: each contrast of their constants ([`crate::reflectors`])
+//! L̂_j = L_j + m + e     a dead path that is known (absolute distance meter)
+//! ```
+//!
+//! Lengths `|p - S| - L + k` leave it open what the constants of all reflectors have in common: a solution has it
+//! in its dead paths `L`. Where some of these are known, it is an unknown `m` of its own, the mean constant, and the
+//! only one that no length contains.
+
+use crate::adjustment::Columns;
+use crate::state::{State, zero_column};
+use crate::{Error, Network};
+
+/// A dead path that is known beforehand: `|p - S| = l + L` for a reflector without a constant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownDeadPath {
+    /// The station. Its first dead path is meant, before any interruption.
+    pub station: usize,
+    /// L, mm.
+    pub length_mm: f64,
+    /// Its standard uncertainty, mm.
+    pub sigma_mm: f64,
+}
+
+/// A whitened observation of shared unknowns.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct KnownRow {
+    /// Derivatives by the unknowns of these columns, ascending.
+    pub(crate) columns: Vec<(usize, f64)>,
+    /// Observed minus computed.
+    pub(crate) residual: f64,
+}
+
+impl KnownRow {
+    /// What the row makes of values of all shared unknowns.
+    pub(crate) fn of(&self, shared: &[f64]) -> f64 {
+        let parts = self.columns.iter().map(|&(k, x)| x * shared[k]);
+        parts.sum()
+    }
+
+    /// `k Σ kᵀ`: the variance of what it observes.
+    pub(crate) fn variance(&self, covariance: impl Fn(usize, usize) -> f64) -> f64 {
+        let all = self.columns.iter();
+        let pairs = all.flat_map(|&(i, x)| self.columns.iter().map(move |&(j, y)| (i, j, x * y)));
+        pairs.map(|(i, j, xy)| xy * covariance(i, j)).sum()
+    }
+}
+
+impl Network {
+    /// Whether the mean constant of the reflectors is an unknown.
+    pub(crate) fn has_mean_constant(&self) -> bool {
+        !self.dead_paths.is_empty()
+    }
+
+    /// All that is known: contrasts, then dead paths.
+    pub(crate) fn known_rows(&self, columns: Columns, state: &State) -> Vec<KnownRow> {
+        let mut rows = Vec::new();
+        if let Some(sigma_mm) = self.contrast_sigma_mm() {
+            let contrasts = state.contrasts_mm.iter().enumerate();
+            rows.extend(contrasts.map(|(m, contrast_mm)| KnownRow {
+                columns: vec![(columns.contrasts + m, 1.0 / sigma_mm)],
+                residual: -contrast_mm / sigma_mm,
+            }));
+        }
+        rows.extend(self.dead_paths.iter().map(|known| {
+            let weight = 1.0 / known.sigma_mm;
+            let computed_mm = state.dead_paths_mm[known.station] + state.mean_constant_mm;
+            let dead_path = zero_column(known.station, self.stations.len());
+            KnownRow {
+                columns: vec![(dead_path, weight), (columns.mean_constant, weight)],
+                residual: (known.length_mm - computed_mm) * weight,
+            }
+        }));
+        rows
+    }
+
+    pub(crate) fn check_dead_paths(&self) -> Result<(), Error> {
+        let is_good = |known: &KnownDeadPath| {
+            let numbers_are_good =
+                known.length_mm.is_finite() && known.sigma_mm.is_finite() && known.sigma_mm > 0.0;
+            numbers_are_good && known.station < self.stations.len()
+        };
+        match self.dead_paths.iter().find(|known| !is_good(known)) {
+            Some(known) => Err(Error::Malformed {
+                what: format!("{known:?} is no dead path of a station"),
+            }),
+            None => Ok(()),
+        }
+    }
+}
