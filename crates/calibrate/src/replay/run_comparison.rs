@@ -100,7 +100,7 @@ impl Responses<'_> {
         comparisons: &[RunComparison],
         errors_mm: &[f64],
     ) -> Option<Vec<DVector<f64>>> {
-        let (of_lengths, known) = self.workspace.errors_mm.split_at_mut(errors_mm.len());
+        let (of_lengths, known) = self.workspace.errors.split_at_mut(errors_mm.len());
         of_lengths.copy_from_slice(errors_mm);
         known.fill(0.0);
         let replay = self.replay;
