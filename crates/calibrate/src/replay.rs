@@ -5,6 +5,7 @@
 //! exact deviations, repeated until the reference frame has settled.
 
 pub(crate) mod reliability;
+pub(crate) mod run_comparison;
 pub(crate) mod with_effects;
 
 use trueaxis_campaign::Campaign;

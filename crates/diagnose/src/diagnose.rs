@@ -8,6 +8,7 @@ use trueaxis_poses::LengthsAdjustment;
 use crate::changes::changes;
 use crate::components::diagnose_components;
 use crate::lengths::{LengthsOutcome, diagnose_lengths, scene};
+use crate::runs::diagnose_runs;
 use crate::verification::{EntryOutcome, diagnose_verification};
 use crate::{Cause, Diagnosis, Error, Settings, Unexplained, Verdict};
 
@@ -58,8 +59,10 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         || explained(as_measured.as_ref()),
     );
     if let (Some(lengths), Some(outcome)) = (&campaign.lengths, outcome.transpose()?) {
-        let is_changed = !outcome.causes.is_empty();
-        with_lengths(&mut diagnosis, campaign, lengths, outcome, settings)?;
+        let mut is_changed = !outcome.causes.is_empty();
+        let corrected = with_lengths(&mut diagnosis, campaign, lengths, outcome, settings)?;
+        let campaign = corrected.as_ref().unwrap_or(campaign);
+        is_changed |= with_runs(&mut diagnosis, campaign, settings)?;
         if is_changed {
             components = explained(diagnosis.calibration.as_ref());
         }
@@ -109,14 +112,16 @@ fn worse(a: Verdict, b: Verdict) -> Verdict {
     if weight(b) > weight(a) { b } else { a }
 }
 
-/// What the lengths say, and the calibration without the causes that they show.
+/// What the lengths say, and the calibration without the causes that they show; the campaign without them, if
+/// there are any.
 fn with_lengths(
     diagnosis: &mut Diagnosis,
     campaign: &Campaign,
     lengths: &Lengths,
     mut outcome: LengthsOutcome,
     settings: &Settings,
-) -> Result<(), Error> {
+) -> Result<Option<Campaign>, Error> {
+    let mut without = None;
     let is_whole = |cause: &Cause| cause.parameters.iter().all(|p| p.u.is_finite());
     if outcome.causes.iter().any(|cause| !is_whole(cause)) {
         diagnosis.notices.push(
@@ -126,13 +131,8 @@ fn with_lengths(
         );
     } else if !outcome.causes.is_empty() {
         let corrected = without_effects(campaign, lengths, &outcome.effects_mm);
-        let (better, _) = calibrated(&corrected, settings, &mut diagnosis.notices)?;
-        for cause in &mut outcome.causes {
-            if let Some(calibration) = &diagnosis.calibration {
-                cause.changes = changes(calibration, &better);
-            }
-        }
-        diagnosis.calibration = Some(better);
+        with_better(diagnosis, &corrected, &mut outcome.causes, settings)?;
+        without = Some(corrected);
     }
     of_data(
         &outcome.report.data,
@@ -152,7 +152,55 @@ fn with_lengths(
     diagnosis.unexplained = outcome.unexplained;
     diagnosis.not_observable.extend(outcome.not_observable);
     diagnosis.notices.extend(outcome.notices);
+    Ok(without)
+}
+
+/// The calibration of the campaign without the causes, and what they change.
+fn with_better(
+    diagnosis: &mut Diagnosis,
+    corrected: &Campaign,
+    causes: &mut [Cause],
+    settings: &Settings,
+) -> Result<(), Error> {
+    let (better, _) = calibrated(corrected, settings, &mut diagnosis.notices)?;
+    for cause in causes {
+        if let Some(calibration) = &diagnosis.calibration {
+            cause.changes = changes(calibration, &better);
+        }
+    }
+    diagnosis.calibration = Some(better);
     Ok(())
+}
+
+/// What runs of one axis say against each other, and the calibration without the causes; whether there are any.
+fn with_runs(
+    diagnosis: &mut Diagnosis,
+    campaign: &Campaign,
+    settings: &Settings,
+) -> Result<bool, Error> {
+    let Some(outcome) = diagnose_runs(campaign, &diagnosis.scene, settings)? else {
+        return Ok(false);
+    };
+    let mut entry = outcome.entry;
+    if let Some(corrected) = &outcome.corrected {
+        with_better(diagnosis, corrected, &mut entry.causes, settings)?;
+    }
+    of_data(
+        &entry.report.data,
+        &mut entry.causes,
+        &mut entry.unexplained,
+    );
+    diagnosis
+        .not_observable
+        .retain(|unseen| unseen.effect != "cross_coupling");
+    diagnosis.not_observable.extend(outcome.unseen);
+    diagnosis.verdict = worse(diagnosis.verdict, entry.verdict);
+    diagnosis.levels.push(entry.report);
+    diagnosis.causes.extend(entry.causes);
+    if diagnosis.unexplained.is_none() {
+        diagnosis.unexplained = entry.unexplained;
+    }
+    Ok(outcome.corrected.is_some())
 }
 
 /// Where something is left that no effect explains, those that were tried are no causes.

@@ -34,5 +34,6 @@ mod step_scan;
 mod swapped;
 mod unexplained;
 
+pub(crate) use not_observable::in_words;
 pub(crate) use search::{LengthsOutcome, diagnose_lengths};
 pub(crate) use trueaxis_poses::scene_of as scene;

@@ -48,6 +48,7 @@ mod diagnosis;
 mod error;
 mod json;
 mod lengths;
+mod runs;
 mod selection;
 mod settings;
 mod verification;

@@ -29,6 +29,7 @@ mod length_scale;
 mod machine_drift;
 mod machine_shift;
 mod position_dependent_backlash;
+mod reflector_offset;
 mod refraction_drift;
 mod scale_error;
 mod squareness_error;
@@ -59,6 +60,7 @@ pub fn catalogue() -> &'static [&'static Effect] {
         &station_drift::EFFECT,
         &station_settling::EFFECT,
         &station_jump::EFFECT,
+        &reflector_offset::EFFECT,
         &target_slip::EFFECT,
         &target_creep::EFFECT,
         &fixture_expansion::EFFECT,

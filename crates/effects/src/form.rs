@@ -160,24 +160,34 @@ impl Effect {
     /// `R (δ + ε × r)`.
     fn form_of_curve(&self, of: &AtReading<'_>) -> Displaced {
         let at = of.at;
-        let Some(index) = of.subject.axis.filter(|&axis| at.is_carried_by(axis)) else {
+        let Some(axis) = of.subject.axis else {
             return Displaced::default();
         };
-        let axis = &at.machine.axes()[index];
         let place = AxisPosition {
-            axis,
-            position: at.position(index),
+            axis: &at.machine.axes()[axis],
+            position: at.position(axis),
             direction: at.direction,
         };
         let motion = self.motion(of.subject, of.parameter, of.shape, &place);
-        let ref_from_base = at.ref_from_base(index);
+        Displaced::point(at.moved(axis, &motion))
+    }
+}
+
+impl Circumstances<'_> {
+    /// `R (δ + ε × r)`: displacement of the target if the component errors of an axis change, mm. Zero if the
+    /// axis does not move the target.
+    pub(crate) fn moved(&self, axis: usize, by: &MotionError) -> Vector3<f64> {
+        if !self.is_carried_by(axis) {
+            return Vector3::zeros();
+        }
+        let ref_from_base = self.ref_from_base(axis);
+        let position = self.position(axis);
+        let axis = &self.machine.axes()[axis];
         let reference = match axis.kind() {
-            AxisKind::Linear => {
-                axis.reference_mm() + axis.direction().into_inner() * place.position
-            }
+            AxisKind::Linear => axis.reference_mm() + axis.direction().into_inner() * position,
             AxisKind::Rotary => axis.reference_mm(),
         };
-        let r = ref_from_base.inverse() * at.point_mm - reference;
-        Displaced::point(ref_from_base.rotation * motion.displacement_mm(r))
+        let r = ref_from_base.inverse() * self.point_mm - reference;
+        ref_from_base.rotation * by.displacement_mm(r)
     }
 }

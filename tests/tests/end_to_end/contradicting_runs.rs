@@ -8,7 +8,7 @@ use crate::round_trip::SHIPPED;
 
 /// The three-axis machine with a second run of Y where X stands at the far end, and a coupling of the two that
 /// displaces the stage by `corner_um` in Z at the far corner.
-fn scenario(corner_um: f64) -> Scenario {
+pub(crate) fn scenario(corner_um: f64) -> Scenario {
     let [(_, fxyz), ..] = SHIPPED;
     let mut scenario = Scenario::from_json(fxyz).unwrap();
     let mut second = scenario.runs[1].clone();

@@ -6,6 +6,7 @@
 )]
 
 mod contradicting_runs;
+mod coupled_axes;
 mod coverage;
 mod diagnosis;
 mod expansion;

@@ -120,6 +120,65 @@ fn uncertainties_are_the_scatter_with_any_reflectors() {
     }
 }
 
+/// A reflector that is 3 µm off is an unknown like any other and no cause; where it is declared to be another one, it is
+/// named, and of two targets that are declared to share one, either.
+#[test]
+fn a_reflector_is_named_where_it_is_declared_to_be_another() {
+    let mut off = scenario("three-axis");
+    off.reflectors = vec![ReflectorSpec {
+        name: "Q".to_owned(),
+        constant_um: 3.0,
+    }];
+    let diagnosed = |sharing: &[usize]| {
+        let mut campaign = simulate(&off, 1).unwrap().campaign;
+        for &target in sharing {
+            campaign.targets[target].reflector = Some("one".to_owned());
+        }
+        let settings = Settings {
+            explain_curves: false,
+            ..Settings::default()
+        };
+        diagnose(&campaign, &settings).unwrap()
+    };
+    let unknowns = diagnosed(&[]);
+    assert_eq!(unknowns.verdict, Verdict::Clean);
+    let unseen = unknowns.not_observable.iter();
+    let reasons: Vec<&str> = unseen
+        .filter(|n| n.effect == "reflector_offset")
+        .map(|n| n.reason.as_str())
+        .collect();
+    assert!(
+        reasons[..] == [reasons[0]] && reasons[0].contains("unknown of the adjustment"),
+        "{reasons:?}"
+    );
+
+    let all = diagnosed(&[0, 1, 2]);
+    assert_eq!(all.verdict, Verdict::Named, "{:?}", all.causes);
+    let cause = &all.causes[0];
+    let offset = &cause.parameters[0];
+    assert_eq!(
+        (cause.effect.effect.id, cause.effect.subject.target),
+        ("reflector_offset", Some(1))
+    );
+    assert!(
+        (offset.value - 3.0).abs() < 3.5 * offset.u && offset.u < 0.5,
+        "{offset:?}"
+    );
+
+    let two = diagnosed(&[0, 1]);
+    assert_eq!(two.verdict, Verdict::Ambiguous, "{:?}", two.causes);
+    let rivals = two.causes[0].rivals.iter().map(|rival| &rival.effect);
+    let mut either: Vec<_> = rivals
+        .chain([&two.causes[0].effect])
+        .map(|effect| (effect.effect.id, effect.subject.target))
+        .collect();
+    either.sort_unstable();
+    assert_eq!(
+        either,
+        [("reflector_offset", Some(0)), ("reflector_offset", Some(1))]
+    );
+}
+
 /// Reflectors of a set differ, and nothing else is wrong: no slip, no creep. Six campaigns of three targets; each
 /// raises a false alarm with a probability of 1 %.
 #[test]

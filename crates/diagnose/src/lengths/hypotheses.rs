@@ -88,6 +88,9 @@ pub(crate) fn of_catalogue(base: &Base<'_>) -> Vec<Hypothesis> {
 
 fn of_effect(base: &Base<'_>, effect: &'static Effect) -> Vec<Hypothesis> {
     let subjects: Vec<Subject> = effect.subjects(&base.scene);
+    // Poses take every coupling of axes; where runs differ, they are compared (`crate::runs`).
+    let is_pose = |s: &Subject| s.other_axis.is_some() && s.component.is_some();
+    let subjects: Vec<Subject> = subjects.into_iter().filter(|s| !is_pose(s)).collect();
     let count = subjects.len();
     let hypothesis = |subject| Hypothesis {
         effect,

@@ -38,12 +38,24 @@ pub(crate) fn not_observable(
             subject: names.join(", "),
             reason: match effect.id {
                 "backlash" => "all its stops are approached from one side".to_owned(),
+                "reflector_offset" => {
+                    "the constant of its reflector is an unknown of the adjustment: \
+                                       `reflectors` of calibration.json has it"
+                        .to_owned()
+                }
                 "thermal_growth" => "the logged temperature hardly changes".to_owned(),
                 "timestamp_offset" => "the machine stands still at the stops".to_owned(),
                 _ => "stations, poses and shapes of the targets absorb all of it".to_owned(),
             },
-            bias_per_unit: vec![("calibration".to_owned(), explanation.consequence.to_owned())],
+            bias_per_unit: match effect.id {
+                "reflector_offset" => vec![(
+                    "constant".to_owned(),
+                    "1 um per um; nothing else".to_owned(),
+                )],
+                _ => vec![("calibration".to_owned(), explanation.consequence.to_owned())],
+            },
             measure: match effect.id {
+                "reflector_offset" => "not needed: it is estimated".to_owned(),
                 "backlash" => "measure the axis from both sides".to_owned(),
                 _ => explanation.separate_by.to_owned(),
             },

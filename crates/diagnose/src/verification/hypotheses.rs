@@ -87,6 +87,10 @@ fn is_seen(comparison: &Comparison<'_>, subject: &Subject) -> bool {
     let (Some(axis), Some(component)) = (subject.axis, subject.component) else {
         return true;
     };
+    // Nor sag with its angle from sag alone.
+    if subject.other_axis.is_some() {
+        return false;
+    }
     let content = &comparison.machine.axes()[axis];
     let principal = content.principal();
     let own = match content.kind() {

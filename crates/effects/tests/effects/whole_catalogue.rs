@@ -8,12 +8,13 @@ use crate::scene::{every_effect, for_each_reading, scene};
 
 /// The ids of DESIGN section 6, and two more: time stamps that are late, and squareness beyond what a
 /// calibration says.
-const IDS: [&str; 31] = [
+const IDS: [&str; 32] = [
     "dead_path_drift",
     "dead_path_jump",
     "refraction_drift",
     "station_drift",
     "station_settling",
+    "reflector_offset",
     "thermal_growth",
     "station_scale",
     "station_jump",

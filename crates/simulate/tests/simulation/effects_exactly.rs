@@ -116,6 +116,14 @@ fn set_up() {
     for target in ["Q", "V"] {
         let subject = json!({ "target": target });
         assert_formula(
+            &effect(
+                "reflector_offset",
+                subject.clone(),
+                &[("offset", 2.5, "um")],
+            ),
+            &|r| of_length(2.5 * UM * Reading::when(r.target == target)),
+        );
+        assert_formula(
             &vector_effect("target_slip", subject.clone(), "slip", D_UM, Some(2500.0)),
             &|r| {
                 let there = Reading::when(r.target == target && r.time_s > 2500.0);
@@ -399,6 +407,19 @@ fn one_axis_on_the_position_of_another() {
                 .zip(r.position("Z"))
                 .map_or(0.0, |(x, z)| x * z);
             of_target(scale(c, UM * 1e-6 * product))
+        },
+    );
+    // z = c x y, and the stage of Y tilts by its slope c x about +x, about where Y stands.
+    let sag = json!({ "axis": "Y", "other_axis": "X", "component": "EZY" });
+    assert_formula(
+        &effect("cross_coupling", sag, &[("sag", 40.0, "um/m2")]),
+        &|r| {
+            let (Some(x), Some(y)) = (r.position("X"), r.position("Y")) else {
+                return of_target(NONE);
+            };
+            let tilt = [40.0 * UM * 1e-6 * x, 0.0, 0.0];
+            let arm = sub(r.p, [x, y, 0.0]);
+            of_target(add([0.0, 0.0, 40.0 * UM * 1e-6 * x * y], cross(tilt, arm)))
         },
     );
     // C0Y turns Y to -x, B0Z turns Z to +x, A0Z turns Z to -y.

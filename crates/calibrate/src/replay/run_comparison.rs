@@ -1,0 +1,229 @@
+//! The runs of an axis against each other, as data for whoever looks for the cause of a contradiction.
+//!
+//! Where runs with other axes parked elsewhere share positions, the pose errors of their records are, with the
+//! noise of the poses and of the bases (notation of the misfit of runs in the report),
+//!
+//! ```text
+//! e_i = E_n + Λ_i g_r + A_i ξ_i + C_i t        V = diag(A D Aᵀ) + C S Cᵀ
+//! ```
+//!
+//! Here all of it is whitened by the Cholesky factor of `V`: the observations, and the columns of `E` and `g`,
+//! which the runs may have in common or of their own whatever happens.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix6};
+use trueaxis_poses::PoseNoise;
+
+use crate::identify::state::State;
+use crate::propagate::dependence::Dependence;
+use crate::propagate::propagation::Noise;
+use crate::replay::{Replay, Responses};
+
+/// The runs of one axis at the positions that they share.
+pub struct RunComparison {
+    /// Index of the axis in the machine.
+    pub axis: usize,
+    /// Names of the runs.
+    pub runs: Vec<String>,
+    /// Whitened pose errors, six for each record.
+    pub observations: Vec<f64>,
+    /// Whitened columns of what the runs have in common, and of what each has for itself.
+    pub base: Vec<Vec<f64>>,
+    /// Standard deviation of the position of one record, mean over the records and directions, mm.
+    pub sigma_mm: f64,
+    /// Its records among those of its axis.
+    records: Vec<usize>,
+    /// Place among the axes of the calibration.
+    data: usize,
+    factor: Cholesky<f64, Dyn>,
+    /// Unit of each observation: mm and rad of one axis differ by orders of magnitude.
+    units: DVector<f64>,
+}
+
+/// Records that are compared at most: of more, evenly spaced positions are as telling, and the work grows with
+/// the cube.
+const MOST_RECORDS: usize = 240;
+
+impl Replay<'_> {
+    /// Each axis with several runs that share positions.
+    pub fn run_comparisons(&self) -> Vec<RunComparison> {
+        let poses = &self.trials.measured.poses;
+        let measured: Vec<_> = poses
+            .observations
+            .iter()
+            .map(|p| p.datum_from_home)
+            .collect();
+        let context = crate::identify::context::Context {
+            campaign: self.campaign,
+            machine: &self.machine,
+            poses,
+            measured: &measured,
+            data: &self.data,
+        };
+        let stations = self.trials.measured.stations();
+        let in_ref = |station: &trueaxis_poses::Station| {
+            self.identified.state.ref_from_datum * station.position_mm
+        };
+        let stations: Vec<_> = stations.iter().map(in_ref).collect();
+        let dependence = Dependence::new(&context, &self.identified, &stations);
+        let noise = Noise::new(&dependence, &poses.noise);
+        let axes = 0..self.data.len();
+        axes.filter_map(|k| comparison(&dependence, &poses.noise, &noise, k))
+            .collect()
+    }
+
+    /// The lengths that a calibration uses, by their numbers in measuring order; none of a campaign of points.
+    pub fn used_lengths(&self) -> &[usize] {
+        self.trials.used_lengths()
+    }
+}
+
+impl Responses<'_> {
+    /// By how much errors of the used lengths (mm, as in [`Responses::to`]) change the whitened observations of
+    /// comparisons; `None` if they do not settle.
+    pub fn of_runs_to(
+        &mut self,
+        comparisons: &[RunComparison],
+        errors_mm: &[f64],
+    ) -> Option<Vec<Vec<f64>>> {
+        let before = self.pose_errors(comparisons, &vec![0.0; errors_mm.len()])?;
+        let after = self.pose_errors(comparisons, errors_mm)?;
+        let changes = comparisons.iter().zip(before.iter().zip(&after));
+        Some(
+            changes
+                .map(|(comparison, (before, after))| comparison.whitened(&(after - before)))
+                .collect(),
+        )
+    }
+
+    fn pose_errors(
+        &mut self,
+        comparisons: &[RunComparison],
+        errors_mm: &[f64],
+    ) -> Option<Vec<DVector<f64>>> {
+        let (of_lengths, known) = self.workspace.errors.split_at_mut(errors_mm.len());
+        of_lengths.copy_from_slice(errors_mm);
+        known.fill(0.0);
+        let replay = self.replay;
+        let trial = replay.trials.solve(&mut self.workspace);
+        let context = replay.context(&trial);
+        let state: State = replay.identified.replayed(&context)?;
+        let of = |comparison: &RunComparison| {
+            let errors = context.pose_errors(&state, comparison.data);
+            stacked(
+                comparison
+                    .records
+                    .iter()
+                    .map(|&i| errors[i].as_slice().to_vec()),
+            )
+        };
+        Some(comparisons.iter().map(of).collect())
+    }
+}
+
+impl RunComparison {
+    fn whitened(&self, errors: &DVector<f64>) -> Vec<f64> {
+        let mut scaled = errors.component_div(&self.units);
+        self.factor
+            .l_dirty()
+            .solve_lower_triangular_mut(&mut scaled);
+        scaled.as_slice().to_vec()
+    }
+}
+
+fn stacked(parts: impl Iterator<Item = Vec<f64>>) -> DVector<f64> {
+    let all: Vec<f64> = parts.flatten().collect();
+    DVector::from_vec(all)
+}
+
+/// The runs of axis `k`; `None` if there is one, if none share a position, or if the noise of the poses is not known.
+fn comparison(
+    dependence: &Dependence<'_>,
+    noise: &PoseNoise,
+    whole: &Noise<'_>,
+    k: usize,
+) -> Option<RunComparison> {
+    let (context, identified) = (dependence.context, dependence.identified);
+    let data = &context.data[k];
+    let shared = data.nodes.iter().enumerate();
+    let shared = shared.filter(|(_, node)| node.records.len() > 1);
+    let nodes: Vec<usize> = shared.map(|(number, _)| number).collect();
+    let all: usize = nodes.iter().map(|&n| data.nodes[n].records.len()).sum();
+    let nodes: Vec<usize> = nodes
+        .into_iter()
+        .step_by(all.div_ceil(MOST_RECORDS).max(1))
+        .collect();
+    let records = nodes.iter().flat_map(|&n| data.nodes[n].records.clone());
+    let records: Vec<usize> = records.collect();
+    if data.runs.len() < 2 || records.is_empty() || noise.own.is_empty() {
+        return None;
+    }
+    let rows = 6 * records.len();
+
+    // V = diag(A D Aᵀ) + C S Cᵀ, first for the sources of the bases, then for what all poses share.
+    let sources = &whole.sources;
+    let mut of_bases = DMatrix::zeros(rows, sources.own.nrows());
+    let mut of_shared = DMatrix::zeros(rows, noise.width());
+    let mut covariance = DMatrix::zeros(rows, rows);
+    for (place, &i) in records.iter().enumerate() {
+        let pose = data.records[i].pose;
+        let map = identified.sensitivities[k].poses[i];
+        let own: Matrix6<f64> = map * noise.own[pose] * map.transpose();
+        covariance
+            .fixed_view_mut::<6, 6>(6 * place, 6 * place)
+            .copy_from(&own);
+        let response = dependence.response_to_base(k, i);
+        let coupling = map * &noise.coupling[pose];
+        let through = DMatrix::from_column_slice(6, coupling.ncols(), coupling.as_slice());
+        of_shared
+            .rows_mut(6 * place, 6)
+            .copy_from(&-(&through + &response * &sources.shared));
+        of_bases.rows_mut(6 * place, 6).copy_from(&-response);
+    }
+    covariance += &of_bases * &sources.own * of_bases.transpose();
+    covariance += &of_shared * &noise.shared * of_shared.transpose();
+    let units = DVector::from_fn(rows, |row, _| covariance[(row, row)].sqrt());
+    let scaled = DMatrix::from_fn(rows, rows, |i, j| {
+        0.5 * (covariance[(i, j)] + covariance[(j, i)]) / (units[i] * units[j])
+    });
+    let of_position = (0..rows).filter(|row| row % 6 < 3).map(|row| units[row]);
+    let sigma_mm = of_position.sum::<f64>() / (rows / 2) as f64;
+
+    let errors = context.pose_errors(&identified.state, k);
+    let mut comparison = RunComparison {
+        axis: data.axis,
+        runs: data
+            .runs
+            .iter()
+            .map(|run| context.campaign.runs[run.run].name.clone())
+            .collect(),
+        observations: Vec::new(),
+        base: Vec::new(),
+        sigma_mm,
+        data: k,
+        factor: Cholesky::new(scaled)?,
+        units,
+        records,
+    };
+    let of_records = |part: &dyn Fn(usize) -> Vec<f64>| {
+        comparison.whitened(&stacked(comparison.records.iter().map(|&i| part(i))))
+    };
+    let effects = &identified.gauges[k].effects;
+    let mut base = Vec::new();
+    for node in nodes {
+        for component in 0..6 {
+            base.push(of_records(&|i| {
+                let mut column = vec![0.0; 6];
+                column[component] = f64::from(u8::from(data.records[i].node == node));
+                column
+            }));
+        }
+    }
+    for parameter in identified.gauges[k].location_parameters..effects[0].ncols() {
+        base.push(of_records(&|i| {
+            effects[i].column(parameter).as_slice().to_vec()
+        }));
+    }
+    let observations = of_records(&|i| errors[i].as_slice().to_vec());
+    (comparison.observations, comparison.base) = (observations, base);
+    Some(comparison)
+}

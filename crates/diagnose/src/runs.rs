@@ -1,0 +1,320 @@
+//! The runs of one axis against each other, where they were measured with other axes parked elsewhere.
+//!
+//! Each step of each run has a pose of its own in the adjustment of the lengths, so no coupling of axes
+//! contradicts them. Between runs it does: what a rigid machine leaves of the poses at the positions that runs
+//! share is white noise ([`RunComparison`]). What a unit of an effect does to it goes through the lengths and
+//! the whole calibration ([`trueaxis_calibrate::Responses::of_runs_to`]): the runs of other axes, which tell
+//! how the base stands, see the effect as well.
+
+mod hypotheses;
+mod search;
+
+use trueaxis_calibrate::{Calibration, Replay, RunComparison, calibrate_for_replay};
+use trueaxis_campaign::Campaign;
+use trueaxis_effects::{Level, ResolvedEffect, Scene};
+use trueaxis_leastsquares::chi_squared_upper_tail;
+use trueaxis_poses::EffectsOnLengths;
+
+use crate::runs::hypotheses::{Candidate, candidates, unseen};
+use crate::runs::search::{Found, Judged, judged_beside, search};
+use crate::selection::{Projection, f_test};
+use crate::verification::EntryOutcome;
+use crate::{
+    Cause, Error, EstimatedParameter, LevelReport, Misfit, NotObservable, OmnibusTest, Rival,
+    Settings, Unexplained, Verdict,
+};
+
+/// What the runs say.
+pub(crate) struct RunsOutcome {
+    pub(crate) entry: EntryOutcome,
+    /// Couplings of axes that these runs cannot show.
+    pub(crate) unseen: Option<NotObservable>,
+    /// The campaign with lengths less what the causes do to them; none without causes.
+    pub(crate) corrected: Option<Campaign>,
+}
+
+/// Family-wise level of the causes, and level of the misfit of the runs: together 0.7 % of campaigns whose runs agree
+/// alarm.
+const CAUSE_LEVEL: f64 = 0.005;
+const MISFIT_LEVEL: f64 = 0.002;
+
+/// Causes that explain so much are named even if a remainder is significant: no machine sags by a product.
+const NEARLY_ALL: f64 = 0.9;
+
+/// Compares the runs of each axis that has several; `None` if none has, or if they share no positions.
+pub(crate) fn diagnose_runs(
+    campaign: &Campaign,
+    scene: &Scene,
+    settings: &Settings,
+) -> Result<Option<RunsOutcome>, Error> {
+    let mut axes: Vec<usize> = campaign.runs.iter().map(|run| run.axis).collect();
+    axes.sort_unstable();
+    if campaign.lengths.is_none() || axes.windows(2).all(|pair| pair[0] != pair[1]) {
+        return Ok(None);
+    }
+    let whole = trueaxis_calibrate::Settings {
+        robust: false,
+        ..settings.calibration
+    };
+    let replay = calibrate_for_replay(campaign, &settings.calibration)
+        .or_else(|_| calibrate_for_replay(campaign, &whole));
+    let (calibration, replay) = replay.map_err(Error::Calibrate)?;
+    let comparisons = replay.run_comparisons();
+    if comparisons.is_empty() {
+        return Ok(None);
+    }
+    let on_lengths = EffectsOnLengths::new(campaign)
+        .map_err(|error| Error::Calibrate(trueaxis_calibrate::Error::Poses(error)))?;
+    let judge = Judge {
+        noise_dof: noise_dof(&calibration),
+    };
+    Ok(Some(compared(
+        scene,
+        &judge,
+        &replay,
+        &comparisons,
+        &on_lengths,
+    )))
+}
+
+/// Degrees of freedom of the larger part of the noise that the lengths show.
+fn noise_dof(calibration: &Calibration) -> f64 {
+    let noise = calibration.adjustment.noise;
+    let parts = noise.map(|noise| [noise.length.used, noise.machine_return.used]);
+    let [length, machine_return] = match parts {
+        Some(parts) => parts,
+        None => return f64::INFINITY,
+    };
+    match length.sigma_mm > machine_return.sigma_mm {
+        true => length.degrees_of_freedom,
+        false => machine_return.degrees_of_freedom,
+    }
+}
+
+/// What judges a misfit of runs.
+struct Judge {
+    noise_dof: f64,
+}
+
+impl Judge {
+    /// Probability that runs which agree differ as much; the noise of the poses is known with its degrees of freedom.
+    fn p_value(&self, model: &Projection) -> f64 {
+        let (squares, rank) = (model.squares(), degrees_of_freedom(model));
+        if self.noise_dof > MANY {
+            return chi_squared_upper_tail(squares, rank as f64);
+        }
+        let all = self.noise_dof + rank as f64;
+        f_test(squares, squares + self.noise_dof, rank, all)
+    }
+
+    fn test(&self, model: &Projection) -> OmnibusTest {
+        OmnibusTest {
+            varies_with: "run",
+            detail: None,
+            columns: degrees_of_freedom(model),
+            p_value: self.p_value(model),
+        }
+    }
+}
+
+/// As good as infinite: F is chi-squared to a part in a thousand.
+const MANY: f64 = 1e5;
+
+fn degrees_of_freedom(model: &Projection) -> usize {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a whole number"
+    )]
+    let columns = model.degrees_of_freedom.round() as usize;
+    columns.max(1)
+}
+
+fn compared(
+    scene: &Scene,
+    judge: &Judge,
+    replay: &Replay<'_>,
+    comparisons: &[RunComparison],
+    on_lengths: &EffectsOnLengths<'_>,
+) -> RunsOutcome {
+    let base = projection(comparisons);
+    let candidates = candidates(scene, replay, comparisons, on_lengths);
+    let unseen = unseen(scene, &base, &candidates);
+    let is_left = |model: &Projection| judge.p_value(model) < MISFIT_LEVEL;
+    let found = search(&base, &candidates, CAUSE_LEVEL, is_left);
+    let mut after = with(&base, &candidates, &found);
+    let is_left = is_left(&after);
+    let structure = base.squares() - base.degrees_of_freedom;
+    let share = (base.squares() - after.squares()) / structure;
+    let mut judged: Vec<Judged> = Vec::new();
+    if !is_left || share >= NEARLY_ALL {
+        judged
+            .extend((0..found.len()).filter_map(|k| judged_beside(&base, &candidates, &found, k)));
+    } else {
+        after = base.clone();
+    }
+    let sigma_um =
+        1e3 * comparisons.iter().map(|c| c.sigma_mm).sum::<f64>() / comparisons.len() as f64;
+    let rms_um = |model: &Projection| {
+        sigma_um * (model.squares() / model.degrees_of_freedom.max(1.0)).sqrt()
+    };
+    let unexplained = is_left.then(|| unexplained(judge, &after, rms_um(&after), sigma_um, share));
+    let verdict = match (&unexplained, judged.is_empty()) {
+        (None, true) => Verdict::Clean,
+        (Some(_), true) => Verdict::Unknown,
+        _ if judged.iter().any(|j| !j.rivals.is_empty()) => Verdict::Ambiguous,
+        _ => Verdict::Named,
+    };
+    let misfit = |model: &Projection| Misfit {
+        rms_um: rms_um(model),
+        heldout_rms_um: None,
+    };
+    let effects: Vec<ResolvedEffect> = judged
+        .iter()
+        .map(|j| resolved(&candidates[j.candidate], j))
+        .collect();
+    // What is seen in part only cannot be taken out.
+    let is_whole = judged.iter().all(|j| j.fit.seen.iter().all(|&seen| seen));
+    let corrected = (!effects.is_empty() && is_whole).then(|| {
+        let effects_mm = on_lengths.of(&effects);
+        on_lengths.taken_out(&effects_mm)
+    });
+    let causes = judged
+        .iter()
+        .zip(effects)
+        .map(|(judged, effect)| cause(scene, on_lengths, &candidates, judged, effect));
+    RunsOutcome {
+        entry: EntryOutcome {
+            causes: causes.collect(),
+            report: LevelReport {
+                level: Level::Lengths,
+                data: in_words(scene, comparisons),
+                noise_floor_um: sigma_um,
+                before: misfit(&base),
+                after: misfit(&after),
+                gain: None,
+                tests: vec![judge.test(&base)],
+                tests_after: vec![judge.test(&after)],
+                places: Vec::new(),
+            },
+            unexplained,
+            verdict,
+        },
+        unseen,
+        corrected,
+    }
+}
+
+/// All comparisons one below the other.
+fn projection(comparisons: &[RunComparison]) -> Projection {
+    let rows: usize = comparisons.iter().map(|c| c.observations.len()).sum();
+    let observations = comparisons.iter().flat_map(|c| &c.observations);
+    let observations: Vec<f64> = observations.copied().collect();
+    let (mut base, mut first) = (Vec::new(), 0);
+    for comparison in comparisons {
+        base.extend(comparison.base.iter().map(|own| {
+            let mut column = vec![0.0; rows];
+            column[first..first + own.len()].copy_from_slice(own);
+            column
+        }));
+        first += comparison.observations.len();
+    }
+    Projection::dense(observations, &base)
+}
+
+fn with(base: &Projection, candidates: &[Candidate], found: &[Found]) -> Projection {
+    let columns = found.iter().flat_map(|f| &candidates[f.candidate].columns);
+    base.extended(&columns.cloned().collect::<Vec<_>>())
+}
+
+fn unexplained(
+    judge: &Judge,
+    after: &Projection,
+    rms_um: f64,
+    sigma_um: f64,
+    share: f64,
+) -> Unexplained {
+    let note = match share {
+        share if share < NEARLY_ALL => format!(
+            "varies with run; the best explanation takes {:.0} % of it, which is not enough to name it",
+            100.0 * share.max(0.0)
+        ),
+        _ => format!(
+            "varies with run: a small remainder, probability {:.0e}",
+            judge.p_value(after)
+        ),
+    };
+    Unexplained {
+        level: Level::Lengths,
+        data: String::new(),
+        rms_um: (rms_um.powi(2) - sigma_um.powi(2)).max(0.0).sqrt(),
+        varies_with: vec!["run"],
+        note,
+    }
+}
+
+/// `runs y and y2 of axis Y`.
+fn in_words(scene: &Scene, comparisons: &[RunComparison]) -> String {
+    let of_axis = |comparison: &RunComparison| {
+        let runs = comparison.runs.join(", ");
+        format!("runs {runs} of axis {}", scene.axis_name(comparison.axis))
+    };
+    let all: Vec<String> = comparisons.iter().map(of_axis).collect();
+    all.join("; ")
+}
+
+fn resolved(candidate: &Candidate, judged: &Judged) -> ResolvedEffect {
+    ResolvedEffect {
+        effect: candidate.hypothesis.effect,
+        subject: candidate.hypothesis.subject,
+        parameters: judged.fit.estimates.clone(),
+        shape: 0.0,
+    }
+}
+
+fn cause(
+    scene: &Scene,
+    on_lengths: &EffectsOnLengths<'_>,
+    candidates: &[Candidate],
+    judged: &Judged,
+    effect: ResolvedEffect,
+) -> Cause {
+    let fit = &judged.fit;
+    let count = fit.estimates.len();
+    let parameters = effect.effect.parameters(scene, &effect.subject);
+    let parameters = parameters.into_iter().enumerate();
+    let parameters = parameters.map(|(k, parameter)| EstimatedParameter {
+        name: parameter.name,
+        value: fit.estimates[k],
+        u: match fit.seen[k] {
+            true => fit.covariance[k * count + k].sqrt(),
+            false => f64::INFINITY,
+        },
+        unit: parameter.unit,
+    });
+    let effects_mm = on_lengths.of(std::slice::from_ref(&effect));
+    let squares: f64 = effects_mm.iter().map(|e| e * e).sum();
+    let rivals = judged.rivals.iter().map(|(number, fit, bic)| Rival {
+        effect: ResolvedEffect {
+            effect: candidates[*number].hypothesis.effect,
+            subject: candidates[*number].hypothesis.subject,
+            parameters: fit.estimates.clone(),
+            shape: 0.0,
+        },
+        delta_bic: *bic,
+    });
+    Cause {
+        level: Level::Lengths,
+        data: String::new(),
+        p_value: judged.p_value,
+        delta_bic: judged.bic,
+        explained_rms_um: 1e3 * (squares / effects_mm.len().max(1) as f64).sqrt(),
+        heldout_gain: None,
+        parameters: parameters.collect(),
+        covariance: fit.covariance.clone(),
+        rivals: rivals.collect(),
+        changes: Vec::new(),
+        share_of_curve: None,
+        effect,
+    }
+}
