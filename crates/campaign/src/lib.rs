@@ -106,5 +106,6 @@ pub use model::*;
 pub use plausibility::UnitMistake;
 pub use read::read;
 pub use reflectors::reflectors;
+pub use setup::{check_instrument, check_reflectors};
 pub use trueaxis_files::{Alternatives, Part, Place};
 pub use write::write;

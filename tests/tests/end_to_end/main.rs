@@ -5,6 +5,7 @@
     reason = "statistical claims are printed with their counts"
 )]
 
+mod bed;
 mod contradicting_runs;
 mod coverage;
 mod diagnosis;
@@ -19,3 +20,4 @@ mod reference_frame;
 mod reflectors;
 mod round_trip;
 mod triangle;
+mod twins;

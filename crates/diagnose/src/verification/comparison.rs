@@ -87,7 +87,7 @@ impl<'a> Comparison<'a> {
                 elapsed_s: arrival.elapsed_s,
                 progress: arrival.progress,
                 turn_progress: arrival.progress,
-                carrier: carrier(self.machine, self.kind),
+                carrier: Some(carrier(self.machine, self.kind)),
                 axis,
                 direction: arrival.sides[axis],
                 speed_per_s: arrival.speeds_per_s[axis],

@@ -19,7 +19,7 @@ pub(crate) fn scene() -> Scene {
     ];
     let target = |name: &str, carrier| SceneTarget {
         name: name.to_owned(),
-        carrier,
+        carrier: Some(carrier),
     };
     Scene {
         machine: Machine::new(axes, vec![0, 1, 2], vec![3, 4]).unwrap(),
