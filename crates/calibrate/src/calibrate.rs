@@ -11,14 +11,19 @@ use crate::identify::context::Context;
 use crate::identify::identify_axes::{Identified, identify_axes};
 use crate::identify::plausibility::{check_motion, check_noise};
 use crate::identify::settle_frame::mean_targets;
+use crate::mistakes::Mistakes;
 use crate::propagate::dependence::Dependence;
 use crate::propagate::output_covariance::check_size;
 use crate::propagate::propagation::Propagation;
 use crate::report::axis_results::{axis_results, station_results};
+use crate::report::expansion::refer_to_20_degrees;
 use crate::report::notices::notices;
+use crate::report::relative_locations::relative_locations;
 use crate::report::triangle::triangle;
 use crate::report::uncertainty::statement;
-use crate::result::calibration::{Calibration, TargetResult};
+use crate::result::calibration::{Calibration, TargetResult, Traceability};
+use crate::result::factored_covariance::FactoredCovariance;
+use crate::result::numbered::results;
 use crate::result::output::OutputCovariance;
 use crate::settings::{ReferencePoint, Settings};
 
@@ -56,8 +61,25 @@ pub(crate) struct Parts<'a> {
     pub(crate) identified: Identified,
 }
 
-/// A calibration with what it rests on: measure, identify, propagate, report.
+/// A calibration with what it rests on. Data that contradict each other are tried with the mistakes that people make.
 pub(crate) fn calibrate_in_parts<'a>(
+    campaign: &'a Campaign,
+    settings: &Settings,
+) -> Result<(Calibration, Parts<'a>), Error> {
+    let calibrated = |campaign: &Campaign, settings: &Settings| {
+        let calibrated = calibrate_as_given(campaign, settings);
+        calibrated.map(|(calibration, _)| calibration)
+    };
+    let mistakes = Mistakes::new(campaign, settings, &calibrated);
+    let (mut calibration, parts) =
+        calibrate_as_given(campaign, settings).map_err(|error| mistakes.explained(error))?;
+    let lost = mistakes.lost_sweeps(&calibration);
+    calibration.notices.extend(lost);
+    Ok((calibration, parts))
+}
+
+/// Measure, identify, propagate, report.
+pub(crate) fn calibrate_as_given<'a>(
     campaign: &'a Campaign,
     settings: &Settings,
 ) -> Result<(Calibration, Parts<'a>), Error> {
@@ -97,15 +119,18 @@ pub(crate) fn calibrate_in_parts<'a>(
     // Report.
     let axes = axis_results(&measured, &propagation);
     let stations = station_results(campaign, stations, &stations_in_ref, &propagation);
+    let factors = FactoredCovariance::new(&propagation, &axes, &stations);
     let covariance = settings
         .covariance
-        .then(|| OutputCovariance::new(&propagation, &axes, &stations));
+        .then(|| OutputCovariance::new(&factors, results(&axes, &stations)));
     let mut targets_mm = mean_targets(&context, &identified.state);
     for (target, in_datum_mm) in measured.targets_on_bed() {
         targets_mm[target] = Some(identified.state.ref_from_datum * in_datum_mm);
     }
     let mut calibration = Calibration {
         campaign: campaign.name.clone(),
+        machine: campaign.machine.clone(),
+        machine_spec: campaign.machine_spec(),
         method: measured.method,
         adjustment: measured.adjustment.clone(),
         stations,
@@ -114,13 +139,22 @@ pub(crate) fn calibrate_in_parts<'a>(
         scale: measured.scale(),
         uncertainty: statement(campaign, &measured),
         targets: target_results(campaign, &targets_mm),
+        relative_locations: relative_locations(&propagation),
         axes,
+        factors,
         covariance,
         misfits: measured.misfits.clone(),
         known_misfits: measured.known_misfits().to_vec(),
         triangle: triangle(&context, &targets_mm, measured.point_variance_mm2),
         effects: Vec::new(),
         notices: measured.notices.clone(),
+        traceability: Traceability {
+            date: campaign.date.clone(),
+            operator: campaign.operator.clone(),
+            instrument: campaign.instrument.name.clone(),
+            serial: campaign.instrument.serial.clone(),
+            inputs: Vec::new(),
+        },
     };
     let adjustment = measured
         .lengths
@@ -129,6 +163,7 @@ pub(crate) fn calibrate_in_parts<'a>(
     let mirror_image_open = adjustment.is_some_and(|solution| solution.mirror_image_open);
     let more = notices(campaign, &calibration, mirror_image_open);
     calibration.notices.extend(more);
+    refer_to_20_degrees(campaign, &mut calibration);
     let parts = Parts {
         machine,
         measured,

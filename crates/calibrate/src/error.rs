@@ -55,6 +55,14 @@ pub enum Error {
         /// The first step at which it has moved.
         step: String,
     },
+    /// The data contradict each other, and a usual mistake explains it.
+    #[error("{error}; this would explain it: {explanation}")]
+    Mistaken {
+        /// What is wrong with the data as they are.
+        error: Box<Error>,
+        /// Which mistake fits, where it was made, and what to change.
+        explanation: String,
+    },
     /// The covariance of all results does not fit.
     #[error(
         "the covariance of all {outputs} results takes {gib:.1} GiB, at most {limit_gib} GiB are \
@@ -83,4 +91,23 @@ pub enum Error {
         /// Largest size, GiB.
         limit_gib: f64,
     },
+}
+
+impl Error {
+    /// Whether the data contradict each other or the machine, as after a mistake.
+    pub(crate) fn is_contradiction(&self) -> bool {
+        use trueaxis_poses::Error as Poses;
+        matches!(
+            self,
+            Self::NotSettled { .. }
+                | Self::NotThatMotion { .. }
+                | Self::Poses(
+                    Poses::NotConverged { .. }
+                        | Poses::NotTrustworthy { .. }
+                        | Poses::Contradictory { .. }
+                        | Poses::RanAway { .. }
+                        | Poses::StationUnexplained { .. }
+                )
+        )
+    }
 }

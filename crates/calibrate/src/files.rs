@@ -2,7 +2,11 @@
 
 mod adjustment_json;
 mod calibration_json;
+mod covariance_npz;
 mod indices;
+pub(crate) mod predicted_csv;
+mod read_calibration;
+pub(crate) mod read_error;
 
 use serde_json::Value;
 

@@ -39,9 +39,15 @@
 //! # Uncertainties
 //!
 //! Each standard uncertainty comes with its [`Budget`] and its degrees of freedom
-//! ([`coverage_factor`]); on request the covariance of all results together
-//! ([`OutputCovariance`]), and with it that of the volumetric error
-//! ([`Calibration::volumetric_error_at`]).
+//! ([`coverage_factor`]), all results together with their covariance in factors ([`FactoredCovariance`]), on request as
+//! one matrix ([`OutputCovariance`]).
+//!
+//! # The calibrated machine
+//!
+//! [`CalibratedMachine`] predicts the error of the tool against the workpiece for any positions and any tool point,
+//! with its covariance ([`CalibratedMachine::predict`]); between the steps by local cubic interpolation, whose own
+//! uncertainty is what leaving a step out shows. It comes from a [`Calibration`], or from its files
+//! ([`CalibratedMachine::read`]).
 //!
 //! # The same campaign again
 //!
@@ -72,25 +78,31 @@ mod error;
 mod files;
 mod identify;
 mod in_order;
+mod machine;
+mod mistakes;
 mod propagate;
 mod replay;
 mod report;
 mod result;
 mod settings;
-mod volumetric;
 
 pub use calibrate::{calibrate, calibrate_with_adjustment};
 pub use error::Error;
+pub use files::predicted_csv::to_csv;
+pub use files::read_error::{CovarianceProblem, ReadError};
+pub use machine::calibrated_machine::CalibratedMachine;
+pub use machine::predict::Prediction;
 pub use replay::reliability::{LengthReliability, LengthsReliability};
 pub use replay::with_effects::calibrate_with_effects;
 pub use replay::{Replay, Responses, calibrate_for_replay};
 pub use result::budget::{Budget, coverage_factor};
 pub use result::calibration::{
-    AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, RunMisfit, StationResult,
-    TargetResult, TriangleSide, UncertaintyStatement,
+    AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, RelativeLocation,
+    RelativeQuantity, RunMisfit, StationResult, TargetResult, Traceability, TriangleSide,
+    UncertaintyStatement,
 };
+pub use result::factored_covariance::FactoredCovariance;
 pub use result::numbered::NumberedResult;
 pub use result::output::{Output, OutputCovariance, Unit};
 pub use settings::{ReferencePoint, Settings};
 pub use trueaxis_poses::Method;
-pub use volumetric::VolumetricError;

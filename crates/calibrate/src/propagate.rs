@@ -4,6 +4,7 @@ pub(crate) mod axis_noise;
 pub(crate) mod axis_twist;
 pub(crate) mod base_response;
 pub(crate) mod dependence;
+pub(crate) mod factored_covariance;
 pub(crate) mod frame_map;
 pub(crate) mod output_covariance;
 pub(crate) mod propagation;

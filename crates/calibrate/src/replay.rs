@@ -4,7 +4,6 @@
 //! The poses of a trial come from [`PoseTrials`], the component and location errors from Newton's method with
 //! exact deviations, repeated until the reference frame has settled.
 
-pub(crate) mod added_uncertainty;
 pub(crate) mod reliability;
 pub(crate) mod with_effects;
 

@@ -1,8 +1,11 @@
 //! What is said of the results beside their values.
 
 pub(crate) mod axis_results;
+pub(crate) mod expansion;
 pub(crate) mod method_loss;
+pub(crate) mod nominal_positions;
 pub(crate) mod notices;
+pub(crate) mod relative_locations;
 pub(crate) mod run_misfit;
 pub(crate) mod triangle;
 pub(crate) mod uncertainty;

@@ -67,6 +67,7 @@
 
 mod axis_columns;
 mod cell;
+mod checksums;
 mod coverage;
 mod date;
 mod document;
@@ -84,6 +85,7 @@ mod notices;
 mod plausibility;
 mod points;
 mod position_unit;
+mod positions;
 mod read;
 mod reading;
 mod reflectors;
@@ -97,6 +99,7 @@ mod verification;
 mod visits;
 mod write;
 
+pub use checksums::{InputFile, checksums};
 pub use coverage::{Coverage, Hole, Seen};
 pub use document::{AxisKindSpec, AxisSpec, KinematicsSpec, MachineSpec};
 pub use error::{Error, Problem};
@@ -104,6 +107,7 @@ pub use header::ColumnFault;
 pub use logged::{LoggedColumn, LoggedQuantity};
 pub use model::*;
 pub use plausibility::UnitMistake;
+pub use positions::{Position, read_positions};
 pub use read::read;
 pub use reflectors::reflectors;
 pub use setup::{check_instrument, check_reflectors};

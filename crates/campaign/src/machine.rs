@@ -6,7 +6,8 @@ use trueaxis_kinematics::{Axis, AxisKind, Branch, Machine};
 
 use crate::header::is_fixed_column;
 use crate::{
-    AxisKindSpec, AxisSpec, Error, KinematicsSpec, MachineSpec, Place, Problem, position_unit,
+    AxisKindSpec, AxisSpec, Campaign, Error, KinematicsSpec, MachineSpec, Place, Problem,
+    position_unit,
 };
 
 impl MachineSpec {
@@ -54,6 +55,13 @@ impl MachineSpec {
             },
             axes: axes.iter().map(AxisSpec::of).collect(),
         }
+    }
+}
+
+impl Campaign {
+    /// The machine as `campaign.json` has it.
+    pub fn machine_spec(&self) -> MachineSpec {
+        MachineSpec::of(&self.machine_name, &self.machine).with_expansions(&self.expansions)
     }
 }
 

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use crate::document::{Document, FORMAT};
 use crate::read::read_from;
 use crate::{
-    Campaign, Error, Instrument, MachineSpec, Place, Problem, known_lengths, lengths, points,
-    setup, verification,
+    Campaign, Error, Instrument, Place, Problem, known_lengths, lengths, points, setup,
+    verification,
 };
 
 const CAMPAIGN_FILE: &str = "campaign.json";
@@ -109,8 +109,7 @@ fn document(campaign: &Campaign) -> Document {
         name: campaign.name.clone(),
         date: campaign.date.clone(),
         operator: campaign.operator.clone(),
-        machine: MachineSpec::of(&campaign.machine_name, machine)
-            .with_expansions(&campaign.expansions),
+        machine: campaign.machine_spec(),
         instrument: (campaign.instrument != Instrument::default())
             .then(|| campaign.instrument.clone()),
         targets: setup::targets_to_entries(&campaign.targets, machine),

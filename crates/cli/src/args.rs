@@ -26,6 +26,8 @@ pub(crate) enum Verb {
     Check(CheckArgs),
     /// Finds all component and location errors; writes calibration.json.
     Calibrate(CalibrateArgs),
+    /// Predicts the error of the tool at any positions from a calibration; writes predicted.csv.
+    Predict(PredictArgs),
     /// Says what the calibrated model gets wrong and why; writes diagnosis.json.
     Diagnose(DiagnoseArgs),
     /// Checks the uncertainties of a calibration by redrawing its noise; writes montecarlo.json.
@@ -127,6 +129,26 @@ pub(crate) struct DiagnoseArgs {
     /// End with exit code 6 if the data contradict the model.
     #[arg(long)]
     pub(crate) fail_on_misfit: bool,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct PredictArgs {
+    /// The calibration, with covariance.npz beside it.
+    #[arg(value_name = "CALIBRATION.json")]
+    pub(crate) calibration: PathBuf,
+
+    /// Table with a column for each axis (mm, degrees), and optionally `x_mm,y_mm,z_mm`: the point of
+    /// the tool in the reference frame at home [default: the reference point of the tool's last axis].
+    #[arg(value_name = "POSITIONS.csv")]
+    pub(crate) positions: PathBuf,
+
+    /// Folder for predicted.csv [default: one in the current directory, named after the campaign].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Also print the predictions as JSON on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, ClapArgs)]

@@ -2,10 +2,10 @@
 
 use anyhow::Context;
 use trueaxis_calibrate::{
-    Calibration, LengthsReliability, OutputCovariance, Settings, calibrate, calibrate_for_replay,
-    calibrate_with_effects,
+    Calibration, FactoredCovariance, LengthsReliability, OutputCovariance, Settings, calibrate,
+    calibrate_for_replay, calibrate_with_effects,
 };
-use trueaxis_campaign::read;
+use trueaxis_campaign::{checksums, read};
 use trueaxis_poses::scene_of;
 
 use crate::args::CalibrateArgs;
@@ -30,7 +30,7 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     let mut extra = Vec::new();
     let mut checked = Vec::new();
     let mut of_effects = Vec::new();
-    let calibration = if args.reliability {
+    let mut calibration = if args.reliability {
         let (calibration, replay) =
             calibrate_for_replay(&campaign, &settings).with_context(in_file)?;
         if let (Some(found), Some(lengths)) = (replay.reliability()?, &campaign.lengths) {
@@ -49,11 +49,13 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     } else {
         calibrate(&campaign, &settings).with_context(in_file)?
     };
+    extra.push((FactoredCovariance::FILE, calibration.covariance_npz()));
     if let Some(covariance) = &calibration.covariance {
         let index = covariance.index_json().into_bytes();
         extra.push((OutputCovariance::MATRIX_FILE, covariance.to_npy()));
         extra.push((COVARIANCE_INDEX, index));
     }
+    calibration.traceability.inputs = checksums(&args.campaign)?;
     let folder = output::folder(args.out.as_deref(), &campaign.name)?;
     let text = calibration.to_json();
     let mut written = Vec::new();

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use trueaxis_calibrate::Error as Calibrate;
+use trueaxis_calibrate::{Error as Calibrate, ReadError};
 use trueaxis_diagnose::Error as Diagnose;
 use trueaxis_poses::Error as Poses;
 
@@ -68,6 +68,9 @@ impl Exit {
             if cause.is::<OutputError>() {
                 return Self::Usage;
             }
+            if cause.is::<ReadError>() {
+                return Self::Input;
+            }
             if cause.is::<EffectsInputError>() || cause.is::<trueaxis_effects::Error>() {
                 return Self::Input;
             }
@@ -88,6 +91,7 @@ impl Exit {
     fn of_calibration(error: &Calibrate) -> Self {
         match error {
             Calibrate::Poses(error) => Self::of_poses(error),
+            Calibrate::Mistaken { error, .. } => Self::of_calibration(error),
             Calibrate::NotIdentifiable { .. } => Self::NotIdentifiable,
             Calibrate::NotThatMotion { .. } | Calibrate::SeveralAxesMove { .. } => Self::Input,
             Calibrate::NotSettled { .. } => Self::NotConverged,

@@ -12,6 +12,7 @@ mod exit;
 mod montecarlo;
 mod montecarlo_file;
 mod output;
+mod predict;
 mod progress;
 mod simulate;
 mod summary;
@@ -34,6 +35,7 @@ fn main() -> ExitCode {
         Verb::Calibrate(args) => calibrate::run(args),
         Verb::Diagnose(args) => diagnose::run(args),
         Verb::Montecarlo(args) => montecarlo::run(args),
+        Verb::Predict(args) => predict::run(args),
         Verb::Simulate(args) => simulate::run(args),
         Verb::Table1(args) => table1::run(args),
     };

@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use trueaxis_calibrate::{NumberedResult, Output, Unit, calibrate_for_replay};
-use trueaxis_campaign::read;
+use trueaxis_campaign::{Campaign, read};
 use trueaxis_montecarlo::{
     FirstOrder, Outcome, Propagation, Settings, Trials, Validation, propagate, validate,
 };
@@ -25,7 +25,8 @@ const DIGITS: u32 = 1;
 const MOST_LISTED: usize = 5;
 
 pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
-    let campaign = read(&args.campaign)?;
+    let mut campaign = read(&args.campaign)?;
+    let systematic = without_systematic_parts(&mut campaign);
     let in_file = || args.campaign.display().to_string();
     let (calibration, replay) =
         calibrate_for_replay(&campaign, &args.model.settings()).with_context(in_file)?;
@@ -69,11 +70,30 @@ pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
     for text in campaign.notices.iter().chain(&calibration.notices) {
         notice(text);
     }
+    if systematic {
+        notice(
+            "noise is redrawn; how well nests were set and temperatures are known is no noise, and left out of \
+             both sides of the comparison",
+        );
+    }
     say(&format!("written: {}", path.display()));
     if args.json {
         output::print(&text)?;
     }
     Ok(Exit::Good)
+}
+
+/// Takes out what enters uncertainties and is no noise; returns whether there was any.
+fn without_systematic_parts(campaign: &mut Campaign) -> bool {
+    let nests = campaign.targets.iter_mut();
+    let nests = nests
+        .filter_map(|target| target.position_sigma_mm.take())
+        .count();
+    let expansions = campaign.expansions.iter_mut();
+    let temperatures = expansions
+        .filter_map(|e| e.temperature_sigma_k.take())
+        .count();
+    nests + temperatures > 0
 }
 
 fn compare<'a>(

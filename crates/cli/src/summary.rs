@@ -1,9 +1,9 @@
 //! The table that `calibrate` ends with.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use trueaxis_calibrate::{
     AxisResult, Calibration, LengthReliability, LengthsReliability, Method, NumberedResult, Output,
-    coverage_factor,
+    RelativeLocation, coverage_factor,
 };
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_files::round;
@@ -23,6 +23,9 @@ fn expanded(u: f64, dof: f64) -> f64 {
 
 /// Misfits and sides listed before the rest is only counted.
 const MOST_LISTED: usize = 5;
+
+/// A direction this close to one of the frame's is named after it (an angle of 0.3 arcmin).
+const PRINCIPAL_TOL: f64 = 1e-8;
 
 /// All lines, without notices.
 pub(crate) fn lines(
@@ -267,9 +270,29 @@ fn location_errors(calibration: &Calibration) -> Vec<String> {
                 continue;
             }
             lines.push(format!(
-                "  {name:<22}{:>9.2} {unit}{:>9.2} {unit}",
+                "  {name:<22}{:>9.2} {unit}{:>9.2} {unit}{}",
                 location.value / scale,
-                expanded(location.u, location.dof) / scale
+                expanded(location.u, location.dof) / scale,
+                match location.relative_to_targets {
+                    true => "  relative to the nests of the targets",
+                    false => "",
+                }
+            ));
+        }
+    }
+    for relative in &calibration.relative_locations {
+        let RelativeLocation { axis, to, .. } = relative;
+        let along = direction_in_words(&relative.direction);
+        let quantities = [
+            ("offset along", &relative.offset, "µm", MICROMETRE),
+            ("angle about", &relative.angle, "″ ", ARCSEC),
+        ];
+        for (what, found, unit, scale) in quantities {
+            lines.push(format!(
+                "  {:<22}{:>9.2} {unit}{:>9.2} {unit}",
+                format!("{axis} to {to}, {what} {along}"),
+                found.value / scale,
+                expanded(found.u, found.dof) / scale
             ));
         }
     }
@@ -277,6 +300,18 @@ fn location_errors(calibration: &Calibration) -> Vec<String> {
         lines.push("  none: the reference frame takes those of a single linear axis".to_owned());
     }
     lines
+}
+
+/// `y`, or the coordinates of a direction that is none of the frame's.
+fn direction_in_words(direction: &Vector3<f64>) -> String {
+    let largest = direction.iamax();
+    match direction[largest] > 1.0 - PRINCIPAL_TOL {
+        true => ["x", "y", "z"][largest].to_owned(),
+        false => {
+            let [x, y, z] = [direction.x, direction.y, direction.z];
+            format!("({x:.3} {y:.3} {z:.3})")
+        }
+    }
 }
 
 fn component_errors(calibration: &Calibration) -> Vec<String> {
@@ -288,6 +323,7 @@ fn component_errors(calibration: &Calibration) -> Vec<String> {
         String::new(),
         header,
         "  largest amount, µm and ″".to_owned(),
+        reference_points(calibration),
     ];
     for axis in &calibration.axes {
         let mut values = format!("  {:<22}", range(axis));
@@ -306,12 +342,41 @@ fn component_errors(calibration: &Calibration) -> Vec<String> {
                 .fold(0.0, f64::max);
             let expanded = axis.nodes.iter().map(|n| expanded(n.u[c], n.dof[c]));
             let expanded = expanded.fold(0.0, f64::max);
+            // The gauge takes all of it, as of the straightness of two positions.
+            if expanded < f64::MIN_POSITIVE && value < f64::MIN_POSITIVE {
+                values.push_str(&format!(" {:>7}", "–"));
+                uncertainties.push_str(&format!(" {:>7}", "–"));
+                continue;
+            }
             values.push_str(&format!(" {:>7.2}", value / scale));
             uncertainties.push_str(&format!(" {:>7.2}", expanded / scale));
         }
         lines.extend([values, uncertainties]);
     }
     lines
+}
+
+/// Which point the translations, and the lines that they make, belong to.
+fn reference_points(calibration: &Calibration) -> String {
+    let point = |p: &Point3<f64>| format!("({}, {}, {}) mm", p.x, p.y, p.z);
+    let mut points: Vec<(&Point3<f64>, Vec<&str>)> = Vec::new();
+    for axis in &calibration.axes {
+        let reference = &axis.reference_point_mm;
+        match points.iter_mut().find(|(point, _)| *point == reference) {
+            Some((_, axes)) => axes.push(&axis.name),
+            None => points.push((reference, vec![&axis.name])),
+        }
+    }
+    let several = points.len() > 1;
+    let of_axes = points.iter().map(|(at, axes)| match several {
+        true => format!("{} for {}", point(at), axes.join(" ")),
+        false => point(at),
+    });
+    let of_axes: Vec<String> = of_axes.collect();
+    format!(
+        "  translations, and the lines of the squareness, of the point at home: {}",
+        of_axes.join(", ")
+    )
 }
 
 /// `X  0 … 440 mm`.

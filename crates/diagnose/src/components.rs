@@ -78,6 +78,7 @@ pub(crate) fn diagnose_components(
         stations: Vec::new(),
         targets: Vec::new(),
         moving: calibration.axes.iter().map(|axis| axis.axis).collect(),
+        temperatures: Vec::new(),
     };
     let mut notices = Vec::new();
     if calibration.covariance.is_none() {

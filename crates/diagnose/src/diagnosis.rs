@@ -237,7 +237,39 @@ pub struct NotObservable {
     pub measure: String,
 }
 
+/// What a cause says about the logged temperature that it goes with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Follows<'a> {
+    /// The column, as `machine_temp_spindle_c`.
+    pub column: &'a str,
+    /// Whether each coefficient may be in the range, its expanded uncertainty (k = 2) considered.
+    pub is_plausible: bool,
+    /// The range in which coefficients are plausible.
+    pub range: [f64; 2],
+    /// Their unit, as `um/K`.
+    pub unit: &'static str,
+}
+
 impl Cause {
+    /// The logged temperature that it goes with; none if it goes with time or position.
+    pub fn follows<'a>(&self, scene: &'a Scene) -> Option<Follows<'a>> {
+        let subject = &self.effect.subject;
+        let column = &scene.temperatures.get(subject.column?)?.column;
+        let known = self.effect.effect.parameters(scene, subject);
+        let first = known.first()?;
+        let range = first.plausible?;
+        let coefficients = self.parameters.iter().take(known.len());
+        let is_plausible = coefficients.fold(true, |all, p| {
+            all && p.value + 2.0 * p.u >= range[0] && p.value - 2.0 * p.u <= range[1]
+        });
+        Some(Follows {
+            column,
+            is_plausible,
+            range,
+            unit: first.unit,
+        })
+    }
+
     /// Its layer.
     pub fn layer(&self) -> Layer {
         self.effect.effect.layer

@@ -31,6 +31,7 @@ mod omnibus;
 mod places;
 mod search;
 mod step_scan;
+mod swapped;
 mod unexplained;
 
 pub(crate) use search::{LengthsOutcome, diagnose_lengths};

@@ -54,7 +54,7 @@ mod verification;
 
 pub use diagnose::diagnose;
 pub use diagnosis::{
-    Cause, Change, Diagnosis, EstimatedParameter, Gain, HeldOutRatio, LevelReport, Misfit,
+    Cause, Change, Diagnosis, EstimatedParameter, Follows, Gain, HeldOutRatio, LevelReport, Misfit,
     NotObservable, OmnibusTest, Place, Rival, Unexplained, Verdict,
 };
 pub use error::Error;

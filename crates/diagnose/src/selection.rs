@@ -33,6 +33,6 @@ pub(crate) use fixed_scan::{FixedScan, gram as gram_of};
 pub(crate) use gram::Gram;
 pub(crate) use null::Null;
 pub(crate) use projection::Projection;
-pub(crate) use rivals::{Fit, cosine, is_rival};
+pub(crate) use rivals::{DECISIVE, Fit, cosine, is_rival};
 pub(crate) use scan::{Hypothesis, Scan};
 pub(crate) use score::{Score, rank};

@@ -10,6 +10,7 @@
 //! | t, t0 | time, instant; `[t > t0]` is 1 after it and 0 before |
 //! | τ, w | progress of time over the campaign, over the turn of the station, 0 to 1 |
 //! | q | commanded position of the axis |
+//! | ϑ, ϑ0 | logged temperature, now and at the first reading |
 
 mod axis_expansion;
 mod axis_runout;
@@ -34,8 +35,11 @@ mod squareness_error;
 mod stage_bending;
 mod station_drift;
 mod station_jump;
+mod station_scale;
+mod station_settling;
 mod target_creep;
 mod target_slip;
+mod thermal_growth;
 mod timestamp_offset;
 mod warm_up;
 mod worm_gear;
@@ -48,10 +52,12 @@ pub fn catalogue() -> &'static [&'static Effect] {
         &dead_path_drift::EFFECT,
         &dead_path_jump::EFFECT,
         &refraction_drift::EFFECT,
+        &station_scale::EFFECT,
         &timestamp_offset::EFFECT,
         &length_scale::EFFECT,
         &dead_path_offset::EFFECT,
         &station_drift::EFFECT,
+        &station_settling::EFFECT,
         &station_jump::EFFECT,
         &target_slip::EFFECT,
         &target_creep::EFFECT,
@@ -59,6 +65,7 @@ pub fn catalogue() -> &'static [&'static Effect] {
         &machine_drift::EFFECT,
         &warm_up::EFFECT,
         &machine_shift::EFFECT,
+        &thermal_growth::EFFECT,
         &axis_expansion::EFFECT,
         &backlash::EFFECT,
         &position_dependent_backlash::EFFECT,

@@ -3,6 +3,8 @@
 use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
 use trueaxis_kinematics::{AxisKind, Ideal, Machine};
 
+use crate::TemperatureHistory;
+
 /// The circumstances of one reading, as far as an effect may depend on them.
 ///
 /// Lengths are mm, angles rad, times s; positions are in the reference frame.
@@ -18,6 +20,8 @@ pub struct Circumstances<'a> {
     pub progress: f64,
     /// Progress of time within the turn of the station, 0 to 1.
     pub turn_progress: f64,
+    /// Time since the first reading of the turn of the station, s.
+    pub turn_elapsed_s: f64,
     /// The station that reads; 0 without any.
     pub station: usize,
     /// The target that is read.
@@ -38,6 +42,8 @@ pub struct Circumstances<'a> {
     pub centroid_mm: Point3<f64>,
     /// Distance from the station to the target.
     pub distance_mm: f64,
+    /// The courses of the temperatures of the scene; those that are missing never change.
+    pub temperatures: &'a [TemperatureHistory],
 }
 
 impl<'a> Circumstances<'a> {
@@ -49,6 +55,7 @@ impl<'a> Circumstances<'a> {
             elapsed_s: 0.0,
             progress: 0.0,
             turn_progress: 0.0,
+            turn_elapsed_s: 0.0,
             station: 0,
             target: 0,
             carrier: Some(0),
@@ -59,6 +66,7 @@ impl<'a> Circumstances<'a> {
             point_mm: Point3::origin(),
             centroid_mm: Point3::origin(),
             distance_mm: 0.0,
+            temperatures: &[],
         }
     }
 

@@ -83,12 +83,14 @@ impl Level {
 }
 
 /// A linear parameter.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
     /// Name, as `shift_x`.
     pub name: String,
     /// Unit, as `um`.
     pub unit: &'static str,
+    /// From where to where a value is plausible, for a coefficient of which this is known.
+    pub plausible: Option<[f64; 2]>,
 }
 
 impl Parameter {
@@ -97,6 +99,15 @@ impl Parameter {
         Self {
             name: name.into(),
             unit,
+            plausible: None,
+        }
+    }
+
+    /// The same with the range in which a value is plausible.
+    pub(crate) fn plausible(self, range: [f64; 2]) -> Self {
+        Self {
+            plausible: Some(range),
+            ..self
         }
     }
 

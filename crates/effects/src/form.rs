@@ -72,6 +72,14 @@ impl AtReading<'_> {
         self.subject.axis.map_or(0.0, |axis| self.at.position(axis))
     }
 
+    /// By how much what follows the temperature of the subject is warmer than at the first reading, K; 0 without
+    /// any. The shape is the lag, s.
+    pub(crate) fn warmer_k(&self) -> f64 {
+        let column = self.subject.column;
+        let history = column.and_then(|column| self.at.temperatures.get(column));
+        history.map_or(0.0, |h| h.warmer_k(self.at.time_s, self.shape))
+    }
+
     /// Whether the axis of the subject is the one that moves between the readings.
     pub(crate) fn is_of_moving_axis(&self) -> bool {
         self.subject.axis == Some(self.at.axis)
@@ -80,8 +88,8 @@ impl AtReading<'_> {
 
 impl Effect {
     /// What one unit of parameter `parameter` does to a reading: nothing to another station or target
-    /// than that of the subject, nothing up to the instant of an effect that has one, and nothing of the machine to a
-    /// target on the bed.
+    /// than that of the subject, or to one that its carrier does not move, nothing up to the instant of an effect that
+    /// has one, and nothing of the machine to a target on the bed.
     pub fn form(
         &self,
         subject: &Subject,
@@ -92,7 +100,9 @@ impl Effect {
         // What the machine does, it does not do to its bed.
         let is_reached = self.layer != Layer::Machine || at.carrier.is_some();
         let is_there = is_reached && (self.shape != Shape::Instant || at.time_s > shape);
-        if !(is_there && subject.has_station(at.station) && subject.has_target(at.target)) {
+        let is_carried = subject.carrier.is_none_or(|axis| at.is_carried_by(axis));
+        let is_concerned = subject.has_station(at.station) && subject.has_target(at.target);
+        if !(is_there && is_concerned && is_carried) {
             return Displaced::default();
         }
         let of = Term {

@@ -28,6 +28,12 @@ pub struct GivenSubject {
     pub other_axis: Option<String>,
     /// The component error of the axis by its ISO 230-1 name, as `EXX`.
     pub component: Option<String>,
+    /// The axis that carries the targets concerned, as `Z`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub carrier: Option<String>,
+    /// The column of the temperature that it goes with, as `machine_temp_spindle_c`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub column: Option<String>,
 }
 
 impl GivenSubject {
@@ -37,6 +43,7 @@ impl GivenSubject {
         let axis = |index: usize| axes.get(index).map(|axis| axis.name().to_owned());
         let station = |index: usize| scene.stations.get(index).cloned();
         let target = |index: usize| Some(scene.targets.get(index)?.name.clone());
+        let column = |index: usize| Some(scene.temperatures.get(index)?.column.clone());
         let names_component = |component: Component| {
             let axis = axes.get(subject.axis?)?;
             Some(component.name(axis.name()))
@@ -47,6 +54,8 @@ impl GivenSubject {
             axis: subject.axis.and_then(axis),
             other_axis: subject.other_axis.and_then(axis),
             component: subject.component.and_then(names_component),
+            carrier: subject.carrier.and_then(axis),
+            column: subject.column.and_then(column),
         }
     }
 
@@ -55,6 +64,8 @@ impl GivenSubject {
         let axes: Vec<&str> = scene.machine.axes().iter().map(Axis::name).collect();
         let stations: Vec<&str> = scene.stations.iter().map(String::as_str).collect();
         let targets: Vec<&str> = scene.targets.iter().map(|t| t.name.as_str()).collect();
+        let temperatures = scene.temperatures.iter();
+        let columns: Vec<&str> = temperatures.map(|t| t.column.as_str()).collect();
         let index = |field: &str, what: &str, name: &Option<String>, known: &[&str]| {
             let name = name.as_deref();
             name.map(|name| index_of(format!("subject.{field}"), what, name, known))
@@ -66,6 +77,8 @@ impl GivenSubject {
             axis: index("axis", "axis", &self.axis, &axes)?,
             other_axis: index("other_axis", "axis", &self.other_axis, &axes)?,
             component: self.resolve_component(&axes)?,
+            carrier: index("carrier", "axis", &self.carrier, &axes)?,
+            column: index("column", "logged temperature", &self.column, &columns)?,
         })
     }
 
@@ -120,6 +133,8 @@ impl GivenSubject {
             ("axis", &self.axis),
             ("other_axis", &self.other_axis),
             ("component", &self.component),
+            ("carrier", &self.carrier),
+            ("column", &self.column),
         ];
         let named: Vec<String> = parts
             .iter()

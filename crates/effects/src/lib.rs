@@ -55,6 +55,7 @@ mod resolved_effect;
 mod scene;
 mod shape;
 mod subject;
+mod temperature;
 mod waves;
 
 pub use catalogue::{catalogue, effect};
@@ -70,6 +71,7 @@ pub use resolved_effect::ResolvedEffect;
 pub use scene::{Scene, SceneTarget};
 pub use shape::{Shape, shape_parameter};
 pub use subject::Subject;
+pub use temperature::{Medium, SceneTemperature, TemperatureHistory};
 
 pub(crate) use form::Form;
 

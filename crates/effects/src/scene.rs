@@ -2,7 +2,7 @@
 
 use trueaxis_kinematics::{Axis, AxisKind, Machine};
 
-use crate::Subject;
+use crate::{Medium, SceneTemperature, Subject};
 
 /// The stations, targets and axes of a measurement.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +15,8 @@ pub struct Scene {
     pub targets: Vec<SceneTarget>,
     /// The axes that move in the data.
     pub moving: Vec<usize>,
+    /// The logged temperatures that effects may go with, in the order of [`crate::Circumstances::temperatures`].
+    pub temperatures: Vec<SceneTemperature>,
 }
 
 /// A target of the scene.
@@ -36,6 +38,12 @@ impl Scene {
     /// The name of an axis.
     pub fn axis_name(&self, axis: usize) -> &str {
         self.machine.axes()[axis].name()
+    }
+
+    /// The numbers of the temperatures of a medium.
+    pub(crate) fn columns_of(&self, medium: Medium) -> impl Iterator<Item = usize> + '_ {
+        let numbered = self.temperatures.iter().enumerate();
+        numbered.filter_map(move |(number, own)| (own.medium == medium).then_some(number))
     }
 
     /// All pairs of moving linear axes; the first comes first in the machine.

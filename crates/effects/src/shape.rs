@@ -3,7 +3,8 @@
 //! | shape | name | unit | may be |
 //! | --- | --- | --- | --- |
 //! | [`Shape::Instant`] | `time` | s | finite |
-//! | [`Shape::TimeConstant`] | `time_constant` | s | positive |
+//! | [`Shape::TimeConstant`], [`Shape::SettlingTime`] | `time_constant` | s | positive |
+//! | [`Shape::Lag`] | `time_constant` | s | zero or more |
 //! | [`Shape::Period`] | `period` | mm, or deg for a rotary axis | positive |
 //! | [`Shape::Waves`] | `waves` | 1 | 1, 2, 3, ... |
 
@@ -17,8 +18,12 @@ pub enum Shape {
     Fixed,
     /// An instant, s: the effect is there after it.
     Instant,
-    /// A time constant, s.
+    /// A time constant over the campaign, s.
     TimeConstant,
+    /// A time constant over the turn of a station, s.
+    SettlingTime,
+    /// The time constant with which a part follows a temperature, s; 0 if it does so at once.
+    Lag,
     /// A period along the axis, mm or rad.
     Period,
     /// A whole number of waves per turn.
@@ -34,7 +39,7 @@ const DEGREES: &str = "deg";
 pub fn shape_parameter(effect: &Effect, scene: &Scene, subject: &Subject) -> Option<Parameter> {
     let unit = match effect.shape {
         Shape::Fixed => return None,
-        Shape::Instant | Shape::TimeConstant => "s",
+        Shape::Instant | Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => "s",
         Shape::Period => scene.unit(subject, "mm", DEGREES),
         Shape::Waves => "1",
     };
@@ -47,7 +52,7 @@ impl Shape {
         match self {
             Self::Fixed => None,
             Self::Instant => Some("time"),
-            Self::TimeConstant => Some("time_constant"),
+            Self::TimeConstant | Self::SettlingTime | Self::Lag => Some("time_constant"),
             Self::Period => Some("period"),
             Self::Waves => Some("waves"),
         }
@@ -56,7 +61,10 @@ impl Shape {
     /// Refuses a finite value that it cannot have.
     pub(crate) fn check(self, value: f64) -> Result<(), Problem> {
         let expected = match self {
-            Self::TimeConstant | Self::Period if value <= 0.0 => "more than zero",
+            Self::TimeConstant | Self::SettlingTime | Self::Period if value <= 0.0 => {
+                "more than zero"
+            }
+            Self::Lag if value < 0.0 => "zero or more",
             Self::Waves if value < 1.0 || value.fract() != 0.0 => "a whole number from 1",
             _ => return Ok(()),
         };

@@ -17,6 +17,10 @@ pub struct Subject {
     pub other_axis: Option<usize>,
     /// The component error of the axis.
     pub component: Option<Component>,
+    /// The axis that carries the targets concerned.
+    pub carrier: Option<usize>,
+    /// The logged temperature that it goes with.
+    pub column: Option<usize>,
 }
 
 impl Subject {
@@ -50,6 +54,23 @@ impl Subject {
             axis: Some(axis),
             component: Some(component),
             ..Self::default()
+        }
+    }
+
+    /// Only the targets that an axis carries.
+    pub fn carrier(axis: usize) -> Self {
+        Self {
+            carrier: Some(axis),
+            ..Self::default()
+        }
+    }
+
+    /// The same with a logged temperature.
+    #[must_use]
+    pub fn with_column(self, column: usize) -> Self {
+        Self {
+            column: Some(column),
+            ..self
         }
     }
 

@@ -6,7 +6,7 @@
 //! [`write_whole`] writes a file under a temporary name beside its place and renames it: whoever
 //! looks sees the old file or the new one, never a part. [`to_json`] is JSON with one line for each
 //! field, arrays of numbers included, so that a curve is a line and not a column. [`to_npy`] is a
-//! `NumPy` file for arrays that are too large for text.
+//! `NumPy` file for arrays that are too large for text, [`to_npz`] several of them in one file.
 //!
 //! ```
 //! use serde::Serialize;
@@ -32,6 +32,7 @@ mod field_line;
 mod json;
 mod names;
 mod npy;
+mod npz;
 mod ordered;
 mod place;
 mod rounding;
@@ -44,7 +45,8 @@ pub use document_error::{DocumentError, DocumentProblem};
 pub use field_line::field_line;
 pub use json::to_json;
 pub use names::{check_names, index_of};
-pub use npy::to_npy;
+pub use npy::{Array, NpyError, from_npy, to_npy};
+pub use npz::{NpzError, from_npz, to_npz};
 pub use ordered::Ordered;
 pub use place::{Part, Place};
 pub use rounding::{round, significant};

@@ -59,6 +59,75 @@ fn header(shape: &[usize]) -> String {
     header
 }
 
+/// An array of f64 in C order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Array {
+    /// Size of each dimension.
+    pub shape: Vec<usize>,
+    /// Its elements, the last index runs fastest.
+    pub data: Vec<f64>,
+}
+
+/// A `.npy` file that cannot be read.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NpyError {
+    /// The bytes do not begin as those of an array of the kind that [`to_npy`] writes.
+    #[error("expected an array of little-endian f64 in C order (NumPy 1.0)")]
+    NotThatArray,
+    /// Too many or too few elements.
+    #[error("found {found} bytes, expected {expected} for an array of shape {shape:?}")]
+    Size {
+        /// Bytes of the elements.
+        found: usize,
+        /// Those of the shape.
+        expected: usize,
+        /// The shape.
+        shape: Vec<usize>,
+    },
+}
+
+/// The array of the bytes of a `.npy` file as [`to_npy`] writes it.
+///
+/// # Errors
+/// [`NpyError`] for any other bytes.
+pub fn from_npy(bytes: &[u8]) -> Result<Array, NpyError> {
+    let (shape, elements) = shape_of(bytes).ok_or(NpyError::NotThatArray)?;
+    let count = shape
+        .iter()
+        .try_fold(1_usize, |n, &size| n.checked_mul(size));
+    let expected = count
+        .and_then(|n| n.checked_mul(8))
+        .ok_or(NpyError::NotThatArray)?;
+    if elements.len() != expected {
+        let found = elements.len();
+        return Err(NpyError::Size {
+            found,
+            expected,
+            shape,
+        });
+    }
+    let (elements, _) = elements.as_chunks::<8>();
+    let data = elements.iter().map(|bytes| f64::from_le_bytes(*bytes));
+    Ok(Array {
+        shape,
+        data: data.collect(),
+    })
+}
+
+/// The shape, and the bytes behind the header.
+fn shape_of(bytes: &[u8]) -> Option<(Vec<usize>, &[u8])> {
+    let rest = bytes.strip_prefix(MAGIC)?;
+    let (length, rest) = rest.split_first_chunk::<2>()?;
+    let (header, elements) = rest.split_at_checked(usize::from(u16::from_le_bytes(*length)))?;
+    let header = std::str::from_utf8(header).ok()?;
+    let plain = header.contains("'<f8'") && header.contains("'fortran_order': False");
+    let (_, tuple) = header.split_once("'shape': (")?;
+    let sizes = tuple.split_once(')')?.0.split(',').map(str::trim);
+    let sizes = sizes.filter(|size| !size.is_empty());
+    let shape: Option<Vec<usize>> = sizes.map(|size| size.parse().ok()).collect();
+    Some((shape.filter(|_| plain)?, elements))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -79,6 +148,8 @@ mod tests {
             let header = std::str::from_utf8(&bytes[10..start]).unwrap();
             assert!(header.ends_with('\n') && header.contains(text), "{header}");
             assert_eq!(bytes.len(), start + 8 * count);
+            assert_eq!(from_npy(&bytes).unwrap().shape, shape);
+            assert!(from_npy(&bytes[..bytes.len() - 1]).is_err());
         }
     }
 

@@ -43,6 +43,14 @@ impl LocationComponent {
         }
     }
 
+    /// The same, to be changed.
+    pub fn of_mut(self, location: &mut LocationError) -> &mut f64 {
+        match self {
+            Self::Offset(i) => &mut location.offset_mm[i],
+            Self::Tilt(i) => &mut location.tilt_rad[i],
+        }
+    }
+
     /// Whether it is an angle.
     pub fn is_angular(self) -> bool {
         matches!(self, Self::Tilt(_))

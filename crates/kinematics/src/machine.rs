@@ -1,8 +1,8 @@
 //! A machine: two branches of axes that start at the bed.
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Point3};
 
-use crate::{Axis, Error, GeometricErrors, Ideal};
+use crate::{Axis, Error, GeometricErrors, Ideal, MotionError};
 
 /// One of the two kinematic branches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -135,21 +135,33 @@ impl Machine {
         self.motion(errors, carrier, positions) * home_mm
     }
 
-    /// Volumetric error: how far the tool point is from where it should be relative to the
-    /// workpiece, in workpiece coordinates, mm.
+    /// The error of the tool against the workpiece: displacement of the tool point (the volumetric error, mm) and
+    /// rotation of the tool (rad), actual against ideal.
+    ///
+    /// Both are along the axes of the workpiece, which are those of the reference frame at home and turn with the
+    /// workpiece. With `T` and `W` the motions of tool and workpiece and `h` the tool point,
+    ///
+    /// ```text
+    /// G = W⁻¹ T     δ = G h - G₀ h     exp(ε) = R(G) R(G₀)⁻¹     ₀: ideal
+    /// ```
     ///
     /// `tool_home_mm` is the tool point in the reference frame at home.
-    pub fn volumetric_error_mm(
+    pub fn tool_error(
         &self,
         errors: &impl GeometricErrors,
         positions: &[f64],
         tool_home_mm: Point3<f64>,
-    ) -> Vector3<f64> {
-        self.tool_in_workpiece(errors, positions) * tool_home_mm
-            - self.tool_in_workpiece(&Ideal, positions) * tool_home_mm
+    ) -> MotionError {
+        let actual = self.tool_in_workpiece(errors, positions);
+        let ideal = self.tool_in_workpiece(&Ideal, positions);
+        MotionError::new(
+            actual * tool_home_mm - ideal * tool_home_mm,
+            (actual.rotation * ideal.rotation.inverse()).scaled_axis(),
+        )
     }
 
-    fn tool_in_workpiece(
+    /// Where the tool is against the workpiece: `W⁻¹ T`, as it acts on coordinates at home.
+    pub fn tool_in_workpiece(
         &self,
         errors: &impl GeometricErrors,
         positions: &[f64],
@@ -176,8 +188,10 @@ impl Machine {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector3;
+
     use super::*;
-    use crate::{LocationError, MotionError};
+    use crate::LocationError;
 
     fn five_axis() -> Machine {
         let axes = vec![
@@ -214,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn volumetric_error_is_in_workpiece_coordinates() {
+    fn the_error_of_the_tool_is_in_workpiece_coordinates() {
         struct LongX;
         impl GeometricErrors for LongX {
             fn location(&self, _: usize) -> LocationError {
@@ -222,14 +236,17 @@ mod tests {
             }
             fn motion(&self, axis: usize, position: f64) -> MotionError {
                 let scale = if axis == 0 { 1e-5 } else { 0.0 };
-                MotionError::new(Vector3::x() * scale * position, Vector3::zeros())
+                let (translation, rotation) = (Vector3::x() * scale, Vector3::y() * (1e-3 * scale));
+                MotionError::new(translation * position, rotation * position)
             }
         }
         let machine = five_axis();
         let quarter = std::f64::consts::FRAC_PI_2;
-        let error =
-            machine.volumetric_error_mm(&LongX, &[400.0, 0.0, 0.0, 0.0, quarter], Point3::origin());
-        assert!((error - Vector3::new(0.0, -4e-3, 0.0)).norm() < 1e-12);
+        let error = machine.tool_error(&LongX, &[400.0, 0.0, 0.0, 0.0, quarter], Point3::origin());
+        let displaced = error.translation_mm - Vector3::new(0.0, -4e-3, 0.0);
+        assert!(displaced.norm() < 1e-12);
+        // +Y is +x of a workpiece that has turned by 90° about +Z.
+        assert!((error.rotation_rad - Vector3::new(4e-6, 0.0, 0.0)).norm() < 1e-15);
     }
 
     #[test]

@@ -15,7 +15,9 @@ mod targets_that_moved;
 mod weak_stations;
 
 pub use adjustment::LengthsAdjustment;
-pub use circumstances::{LengthCircumstances, Observation, length_circumstances, scene_of};
+pub use circumstances::{
+    LengthCircumstances, Observation, length_circumstances, scene_of, temperature_histories,
+};
 pub use effects::EffectsOnLengths;
 pub use reflectors::ReflectorConstant;
 pub use scale::{ScaleBasis, ScaleResult};

@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::Direction;
-use trueaxis_effects::{Circumstances, Displaced};
+use trueaxis_effects::{Circumstances, Displaced, TemperatureHistory};
 
 use crate::plan::Plan;
 use crate::schedule::Visit;
@@ -24,6 +24,7 @@ pub(crate) struct StopCircumstances<'a> {
     /// Commanded positions of all axes, mm or rad.
     pub(crate) positions: &'a [f64],
     pub(crate) progress: &'a Progress,
+    pub(crate) temperatures: &'a [TemperatureHistory],
 }
 
 impl StopCircumstances<'_> {
@@ -41,6 +42,7 @@ impl StopCircumstances<'_> {
             visit,
             positions,
             progress,
+            temperatures,
         } = *self;
         let turn_s = progress.turns_s.get(visit.station);
         let readings = visit.targets.iter().zip(&visit.times_s).zip(points_mm);
@@ -51,6 +53,7 @@ impl StopCircumstances<'_> {
                 elapsed_s: time_s - progress.campaign_s.start,
                 progress: part(&progress.campaign_s, time_s),
                 turn_progress: turn_s.map_or(0.0, |turn_s| part(turn_s, time_s)),
+                turn_elapsed_s: turn_s.map_or(0.0, |turn_s| time_s - turn_s.start),
                 station: visit.station,
                 target,
                 carrier,
@@ -65,6 +68,7 @@ impl StopCircumstances<'_> {
                 point_mm,
                 centroid_mm: self.centroid_mm(carrier, points_mm),
                 distance_mm: (point_mm - station_mm).norm(),
+                temperatures,
                 ..Circumstances::new(&plan.machine)
             };
             plan.effects
@@ -92,7 +96,7 @@ impl StopCircumstances<'_> {
 /// First and last reading of the campaign and of each station's turn.
 pub(crate) struct Progress {
     /// s.
-    campaign_s: Range<f64>,
+    pub(crate) campaign_s: Range<f64>,
     /// By station, s.
     turns_s: Vec<Range<f64>>,
 }

@@ -103,6 +103,7 @@ mod systematic;
 mod temperature;
 mod term;
 mod true_errors;
+mod true_machine;
 mod truth;
 mod truth_file;
 
@@ -117,4 +118,5 @@ pub use simulate::{Simulated, simulate};
 pub use systematic::{KnownLengthSpec, ReflectorSpec, SystematicSpec};
 pub use temperature::{TemperatureSpec, TemperatureTerm};
 pub use term::Term;
+pub use true_machine::TrueMachine;
 pub use truth::{TrueComponents, TrueLocation, TrueReflector, TrueStation, TrueTarget, Truth};

@@ -15,7 +15,7 @@ use crate::plan_bed::{PlannedBed, plan_bed};
 use crate::plan_runs::plan_runs;
 use crate::read_errors::read_errors;
 use crate::systematic::PlannedSystematic;
-use crate::temperature::{check_expansions, check_temperatures};
+use crate::temperature::{check_expansions, check_temperatures, scene_temperatures};
 use crate::true_errors::TrueAxis;
 use crate::{Error, Noise, Scenario};
 
@@ -76,13 +76,13 @@ impl Plan {
         let errors = read_errors(scenario, &machine, &runs, &frame)?;
         check_mounting(&frame, &targets)?;
         let noise = Noise::of(scenario)?;
+        check_temperatures(scenario)?;
         let effects = resolve_all(
             &scenario.effects,
             &scene(scenario, &machine, &targets, &runs),
         )?;
         let systematic = PlannedSystematic::new(scenario, &targets)?;
         let expansions = scenario.machine.expansions()?;
-        check_temperatures(scenario)?;
         check_expansions(scenario, &expansions)?;
         Ok(Self {
             machine,
@@ -176,6 +176,7 @@ fn scene(
         stations: scenario.stations.iter().map(|s| s.name.clone()).collect(),
         targets: targets.collect(),
         moving: moving.into_iter().collect(),
+        temperatures: scene_temperatures(scenario),
     }
 }
 

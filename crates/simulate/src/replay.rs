@@ -7,6 +7,7 @@
 mod clock;
 mod order;
 mod targets;
+mod temperatures;
 
 use std::collections::BTreeMap;
 
@@ -21,6 +22,7 @@ use crate::{
 use clock::Clock;
 use order::places_in_replay;
 use targets::targets;
+use temperatures::temperatures;
 
 /// A scenario and what it does not say.
 #[derive(Debug, Clone, PartialEq)]
@@ -120,7 +122,7 @@ pub fn replay(campaign: &Campaign, truth: &Truth) -> Result<Replay, ReplayError>
         systematic: systematic(campaign),
         reflectors: reflectors(truth),
         known_lengths: Vec::new(),
-        temperatures: Vec::new(),
+        temperatures: temperatures(campaign, truth),
         timing: Timing::default(),
     };
     let simulated = |scenario: &Scenario| simulate(scenario, 1).map(|simulated| simulated.campaign);

@@ -9,7 +9,7 @@ use crate::noise::Deviates;
 use crate::plan::{Plan, PlannedTarget};
 use crate::schedule::{Visit, schedule};
 use crate::systematic::{Systematic, known_dead_paths};
-use crate::temperature::{self, Expansions};
+use crate::temperature::{self, Expansions, true_histories};
 use crate::true_errors::Sweeping;
 use crate::{Error, Scenario, StationSpec, Truth};
 
@@ -72,6 +72,7 @@ fn measure(
 ) -> Lengths {
     let mut lengths = Lengths::default();
     let progress = Progress::new(&visits);
+    let temperatures = true_histories(scenario, &progress.campaign_s);
     for (stop_number, visit) in (0_u64..).zip(visits) {
         let mut deviates = Deviates::of_stop(seed, stop_number);
         let stop = StopCircumstances {
@@ -79,6 +80,7 @@ fn measure(
             visit: &visit,
             positions: &steps[visit.step].positions,
             progress: &progress,
+            temperatures: &temperatures,
         };
         let measured_mm = measure_stop(scenario, once, &stop, &mut deviates);
 

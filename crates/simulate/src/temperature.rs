@@ -2,9 +2,11 @@
 
 use std::borrow::Cow;
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use trueaxis_campaign::{AxisExpansion, LengthReading, LoggedColumn, LoggedQuantity};
+use trueaxis_effects::{Medium, SceneTemperature, TemperatureHistory};
 use trueaxis_files::{DocumentProblem, check_names, index_of};
 
 use crate::noise::{Deviates, Part};
@@ -165,6 +167,41 @@ fn is_temperature(column: &str) -> bool {
     use LoggedQuantity::{AirTemperature, MachineTemperature};
     let quantity = LoggedQuantity::of_column(column);
     matches!(quantity, Some(AirTemperature | MachineTemperature))
+}
+
+/// The temperatures that effects may go with: those of the machine, and that of air which the instrument does not
+/// compensate.
+fn of_effects(scenario: &Scenario) -> impl Iterator<Item = (&TemperatureSpec, Medium)> {
+    let compensated = scenario.instrument.air_compensated;
+    let specs = scenario.temperatures.iter();
+    specs.filter_map(move |spec| match LoggedQuantity::of_column(&spec.column)? {
+        LoggedQuantity::MachineTemperature => Some((spec, Medium::Machine)),
+        LoggedQuantity::AirTemperature if !compensated => Some((spec, Medium::Air)),
+        _ => None,
+    })
+}
+
+/// The temperatures that effects may go with.
+pub(crate) fn scene_temperatures(scenario: &Scenario) -> Vec<SceneTemperature> {
+    let temperatures = of_effects(scenario).map(|(spec, medium)| SceneTemperature {
+        column: spec.column.clone(),
+        medium,
+    });
+    temperatures.collect()
+}
+
+/// Nodes of the true course of a temperature over the campaign.
+const NODES: u32 = 4096;
+
+/// The true courses of these temperatures from the first to the last reading.
+pub(crate) fn true_histories(scenario: &Scenario, span_s: &Range<f64>) -> Vec<TemperatureHistory> {
+    let spacing_s = (span_s.end - span_s.start) / f64::from(NODES);
+    let of = |spec: &TemperatureSpec| {
+        let nodes = (0..=NODES).map(|k| spec.at(span_s.start + spacing_s * f64::from(k)));
+        TemperatureHistory::new(span_s.start, spacing_s, nodes.collect())
+    };
+    let specs = of_effects(scenario).filter(|_| spacing_s > 0.0);
+    specs.map(|(spec, _)| of(spec)).collect()
 }
 
 fn columns(scenario: &Scenario) -> Vec<&str> {

@@ -35,6 +35,13 @@ pub enum Course {
         /// 1 for a single time constant.
         exponent: f64,
     },
+    /// `exp(-(t/T)^exponent)`, t since the start of the turn of the station.
+    Settling {
+        /// T, s.
+        time_constant_s: f64,
+        /// 1 for a single time constant.
+        exponent: f64,
+    },
     /// `(1 - exp(-t/T1)) - ratio (1 - exp(-t/T2))`: two parts of the machine pull against each other.
     OpposedWarmUps {
         /// T1, s.
@@ -62,6 +69,8 @@ pub(super) struct Instant {
     pub(super) progress: f64,
     /// The same within the turn of the station.
     pub(super) turn_progress: f64,
+    /// Since the first reading of the turn, s.
+    pub(super) turn_elapsed_s: f64,
 }
 
 impl Course {
@@ -82,6 +91,10 @@ impl Course {
                 time_constant_s,
                 exponent,
             } => 1.0 - (-(now.time_s / time_constant_s).powf(exponent)).exp(),
+            Self::Settling {
+                time_constant_s,
+                exponent,
+            } => (-(now.turn_elapsed_s / time_constant_s).powf(exponent)).exp(),
             Self::OpposedWarmUps {
                 fast_s,
                 slow_s,
@@ -111,6 +124,12 @@ impl Course {
                 time_constant_s,
                 exponent: 1.0 + 0.15 * part,
             },
+            Self::Settling {
+                time_constant_s, ..
+            } => Self::Settling {
+                time_constant_s,
+                exponent: 1.0 + 0.15 * part,
+            },
             Self::Constant | Self::OpposedWarmUps { .. } | Self::Wave { .. } => self,
         }
     }
@@ -125,6 +144,7 @@ mod tests {
             time_s,
             progress: time_s / 1000.0,
             turn_progress: time_s / 500.0,
+            turn_elapsed_s: time_s,
         }
     }
 

@@ -9,7 +9,7 @@ use super::schedule::Schedule;
 use super::{Act, Course, Hidden, Kind};
 
 /// Effects of the catalogue that can be seen in lengths.
-pub const CATALOGUED: [&str; 15] = [
+pub const CATALOGUED: [&str; 17] = [
     "dead_path_drift",
     "dead_path_jump",
     "refraction_drift",
@@ -25,7 +25,13 @@ pub const CATALOGUED: [&str; 15] = [
     "axis_expansion",
     "backlash",
     "stage_bending",
+    "station_scale",
+    "station_settling",
 ];
+
+/// As many of them had their places among the names, which draw their random numbers, before those that are
+/// not in the catalogue.
+const FIRST: usize = 15;
 
 /// Effects that the catalogue does not hold.
 pub const UNCATALOGUED: [&str; 4] = [
@@ -80,6 +86,21 @@ pub fn draw(kind: &Kind, name: &str, seed: u64) -> Option<Hidden> {
             let station = dice.station();
             let jump = dice.jump_at(station);
             on_station(Some(station), Act::Tripod(dice.vector()), jump)
+        }
+        "station_scale" => {
+            let station = dice.station();
+            on_station(Some(station), Act::Scale(dice.size()), Course::Constant)
+        }
+        "station_settling" => {
+            let station = dice.station();
+            let [from_s, to_s] = schedule.turns_s[station];
+            let course = Course::Settling {
+                time_constant_s: (to_s - from_s) * dice.random.between(0.03, 0.3),
+                exponent: 1.0,
+            };
+            // Every fourth time all tripods alike.
+            let station = (!dice.random.happens(0.25)).then_some(station);
+            on_station(station, Act::Tripod(dice.vector()), course)
         }
         "target_slip" => {
             let target = dice.target();
@@ -147,8 +168,10 @@ pub fn draw(kind: &Kind, name: &str, seed: u64) -> Option<Hidden> {
 
 /// All names that can be drawn.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    let all = CATALOGUED.into_iter().chain(UNCATALOGUED);
+    let (first, later) = CATALOGUED.split_at(FIRST);
+    let all = first.iter().copied().chain(UNCATALOGUED);
     all.chain([COMMON_STATION_DRIFT])
+        .chain(later.iter().copied())
 }
 
 /// The same disturbance with a shape slightly other than the ideal one: a jump takes up to ten

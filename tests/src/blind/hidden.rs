@@ -107,10 +107,13 @@ impl Hidden {
         }
     }
 
-    /// The time constant of a warm-up, s.
+    /// The time constant of a warm-up or of a tripod that settles, s.
     pub fn time_constant_s(&self) -> Option<f64> {
         match self.course {
             Course::WarmUp {
+                time_constant_s, ..
+            }
+            | Course::Settling {
                 time_constant_s, ..
             } => Some(time_constant_s),
             _ => None,

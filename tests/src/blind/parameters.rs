@@ -31,8 +31,10 @@ impl Hidden {
                 let value = self.station.map_or(0.0, |own| by_station[own]);
                 scalar("jump", value, "um")
             }
+            (Act::Scale(ppm), "station_scale") => scalar("scale", *ppm, "ppm"),
             (Act::Scale(ppm), _) => scalar("scale_drift", *ppm, "ppm"),
             (Act::Tripod(v), "station_jump") => vector("jump", v, "um"),
+            (Act::Tripod(v), "station_settling") => vector("settling", v, "um"),
             (Act::Tripod(v), _) => vector("creep", v, "um"),
             (Act::Target(v), "target_slip") => vector("slip", v, "um"),
             (Act::Target(v), _) => vector("creep", v, "um"),

@@ -16,7 +16,8 @@ use crate::files::adjustment_json::adjustment;
 use crate::files::{text, without_nulls};
 use crate::result::budget::Budget;
 use crate::result::calibration::{
-    AxisResult, Calibration, LocationResult, RunMisfit, StationResult, TriangleSide,
+    AxisResult, Calibration, LocationResult, RelativeLocation, RunMisfit, StationResult,
+    Traceability, TriangleSide,
 };
 use crate::result::output::{Unit, direction_in_file, position_in_file};
 
@@ -50,6 +51,7 @@ impl Calibration {
             "format": "trueaxis-calibration",
             "version": 1,
             "campaign": self.campaign,
+            "machine": self.machine_spec,
             "method": match self.method {
                 Method::Joint => "joint".to_owned(),
                 Method::Nine => "nine-equation".to_owned(),
@@ -65,12 +67,33 @@ impl Calibration {
             "targets": targets.collect::<Value>(),
             "axes": self.axes.iter().map(axis).collect::<Value>(),
             "location_errors": locations.collect::<Value>(),
+            "relative_locations": (!self.relative_locations.is_empty())
+                .then(|| self.relative_locations.iter().map(relative_location).collect::<Value>()),
             "misfits": misfits.collect::<Value>(),
             "triangle": self.triangle.iter().map(side).collect::<Value>(),
             "effects_taken_out": (!self.effects.is_empty()).then_some(&self.effects),
             "notices": self.notices,
+            "traceability": traceability(&self.traceability),
         })))
     }
+}
+
+fn traceability(traceability: &Traceability) -> Value {
+    let Traceability {
+        date,
+        operator,
+        instrument,
+        serial,
+        inputs,
+    } = traceability;
+    without_nulls(json!({
+        "date": date,
+        "operator": operator,
+        "instrument": (!instrument.is_empty()).then_some(instrument),
+        "serial": serial,
+        "program": concat!("trueaxis ", env!("CARGO_PKG_VERSION")),
+        "inputs": (!inputs.is_empty()).then_some(inputs),
+    }))
 }
 
 fn mm(value: f64) -> f64 {
@@ -228,12 +251,34 @@ fn curve(axis: &AxisResult, component: Component) -> Value {
 fn location_error(error: &LocationResult) -> Value {
     let unit = Unit::of_location(error.component);
     let behind = std::iter::once((error.dof, error.budget));
-    quantity(
+    let mut entry = quantity(
         unit,
         unit.in_file(error.value),
         unit.in_file(error.u),
         behind,
-    )
+    );
+    if error.relative_to_targets {
+        entry["relative_to"] = json!("targets");
+    }
+    entry
+}
+
+fn relative_location(relative: &RelativeLocation) -> Value {
+    let [offset, angle] = [
+        (&relative.offset, Unit::Millimetre),
+        (&relative.angle, Unit::Arcsec),
+    ]
+    .map(|(found, unit)| {
+        let [value, u] = [found.value, found.u].map(|x| unit.in_file(x));
+        quantity(unit, value, u, std::iter::once((found.dof, found.budget)))
+    });
+    json!({
+        "axis": relative.axis,
+        "to": relative.to,
+        "direction": relative.direction.map(|x| round(x, 9)).as_slice(),
+        "offset": offset,
+        "angle": angle,
+    })
 }
 
 fn side_difference(sides: &SideDifference, component: Component) -> Value {

@@ -132,6 +132,11 @@ impl<'a> AxisNoise<'a> {
         sum
     }
 
+    /// `B`: covariance of the mean pose error of a node, own part.
+    pub(crate) fn own_of_node(&self, node: usize) -> Matrix6<f64> {
+        self.node(node).own
+    }
+
     /// The variances of the six component errors of every node.
     pub(crate) fn node_variances(
         &self,

@@ -2,7 +2,7 @@
 //! axes ([`crate::propagate::frame_map`]); location errors and stations on all sources
 //! ([`crate::propagate::sources`]).
 
-use nalgebra::{DMatrix, Matrix6xX, Point3};
+use nalgebra::{DMatrix, Matrix6xX, Point3, RowDVector};
 
 use crate::identify::context::Context;
 use crate::identify::identify_axes::Identified;
@@ -10,6 +10,9 @@ use crate::propagate::axis_noise::AxisForm;
 use crate::propagate::base_response::BaseResponse;
 use crate::propagate::frame_map::FrameMap;
 use crate::propagate::sources::Sources;
+
+/// Influence of a nest on a location error (mm/mm, rad/mm) below which it is rounding.
+const NEST_TOL: f64 = 1e-9;
 
 /// Linear functions of the sources; columns are the sources.
 pub(crate) struct Dependence<'a> {
@@ -51,6 +54,34 @@ impl<'a> Dependence<'a> {
             stations,
             bases,
         }
+    }
+
+    /// The variance that a function of the sources has from its nests, mm² or rad².
+    pub(crate) fn variance_of_nests(&self, coefficients: &RowDVector<f64>) -> f64 {
+        let of_nests = self.of_nests(coefficients);
+        let variances = of_nests.zip(&self.sources.nest_variances_mm2);
+        variances
+            .map(|(c, variance_mm2)| c * c * variance_mm2)
+            .sum()
+    }
+
+    /// Whether row `place` of the location of axis `k` depends on where the nests of the targets are.
+    pub(crate) fn depends_on_nests(&self, k: usize, place: usize) -> bool {
+        let row = self.locations[k].row(place).into_owned();
+        self.of_nests(&row).any(|c| c.abs() > NEST_TOL)
+    }
+
+    /// Its coefficients of the coordinates of the nests.
+    pub(crate) fn of_nests<'c>(
+        &self,
+        coefficients: &'c RowDVector<f64>,
+    ) -> impl Iterator<Item = f64> + 'c {
+        let count = self.sources.nest_variances_mm2.len();
+        coefficients
+            .iter()
+            .skip(self.sources.nests)
+            .take(count)
+            .copied()
     }
 
     /// Whether the base of axis `k` may have stood elsewhere in another run.

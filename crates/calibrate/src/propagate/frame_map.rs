@@ -163,8 +163,8 @@ impl<'a, 's> FrameMap<'a, 's> {
         self.base(k, 0).rotation.to_rotation_matrix().into_inner()
     }
 
-    /// Errors of the targets' home positions in the reference frame before the frame is settled, and
-    /// where the targets are. Deformations of the shape are left out: they are none of the motions from
+    /// Errors of the targets' home positions relative to their nests, in the reference frame before that is
+    /// settled, and where the targets are. Deformations of the shape are left out: they are none of the motions from
     /// which the frame follows.
     fn targets(&self, k: usize, r: usize) -> Vec<(Matrix3xX<f64>, Point3<f64>)> {
         let (run, errors) = (&self.context.data[k].runs[r], self.errors());
@@ -179,7 +179,8 @@ impl<'a, 's> FrameMap<'a, 's> {
             let inner = &run.inside[place];
             let at = base * errors.chain_motion(inner, &run.positions) * home;
             let carried = self.twist_of_chain(base, inner, &run.positions);
-            (placed.at(at) - carried.at(at), home)
+            let nest = self.pick(self.sources.nests + 3 * run.targets[place]);
+            (placed.at(at) - carried.at(at) + nest, home)
         };
         homes.into_iter().enumerate().map(target).collect()
     }

@@ -87,10 +87,28 @@ impl<'a> Propagation<'a> {
         self.of_sources(&self.dependence.stations[j])
     }
 
-    fn of_sources<const N: usize>(&self, rows: &DMatrix<f64>) -> [Uncertainty; N] {
+    /// Of functions of the sources, one for each row.
+    pub(crate) fn of_sources<const N: usize>(&self, rows: &DMatrix<f64>) -> [Uncertainty; N] {
         let whole = self.whole.of_sources(rows);
         let instrument = self.instrument.of_sources(rows);
-        std::array::from_fn(|i| self.stated(&whole[i], &instrument[i]))
+        std::array::from_fn(|i| {
+            let of_nests = self.dependence.variance_of_nests(&rows.row(i).into_owned());
+            let [whole, instrument] = [&whole[i], &instrument[i]].map(|all| Variance {
+                own: all.own - of_nests,
+                uncancelled: all.uncancelled - of_nests,
+                ..*all
+            });
+            let stated = self.stated(&whole, &instrument);
+            let budget = Budget {
+                systematic: stated.budget.systematic + of_nests,
+                ..stated.budget
+            };
+            Uncertainty {
+                u: budget.variance().max(0.0).sqrt(),
+                dof: budget.degrees_of_freedom(&self.relative_covariance),
+                budget,
+            }
+        })
     }
 
     fn stated(&self, whole: &Variance, instrument: &Variance) -> Uncertainty {

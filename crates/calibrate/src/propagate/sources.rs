@@ -3,6 +3,7 @@
 //! Each axis contributes its location parameters, the places of its bodies on the stage, and its
 //! component errors where it stands while others are measured: linear functions of its parameters
 //! and mean pose errors ([`crate::propagate::axis_noise`]). The stations are functions of the shared sources alone.
+//! What the frame takes from the nominal positions of the targets depends on how well their nests were set.
 
 use nalgebra::DMatrix;
 use trueaxis_poses::PoseNoise;
@@ -26,6 +27,10 @@ pub(crate) struct Sources {
     /// First unknown of the first station (x y z L each), and the number of stations.
     pub(crate) stations: usize,
     station_count: usize,
+    /// First coordinate of the first target's nest: how far it is from its nominal position, mm.
+    pub(crate) nests: usize,
+    /// Declared variance of each coordinate of each nest, mm²; zero where none is declared.
+    pub(crate) nest_variances_mm2: Vec<f64>,
     /// What each axis contributes.
     pub(crate) axes: Vec<OwnSources>,
 }
@@ -84,6 +89,9 @@ impl Sources {
             let mut stations = shared.rows_mut(self.stations, 4 * self.station_count);
             stations.copy_from(&noise.stations);
         }
+        for (i, &variance_mm2) in self.nest_variances_mm2.iter().enumerate() {
+            own[(self.nests + i, self.nests + i)] = variance_mm2;
+        }
         SourceNoise { own, shared }
     }
 
@@ -121,6 +129,13 @@ impl Sources {
                 }
             }
         }
+        let targets = &context.campaign.targets;
+        let variances = targets.iter().flat_map(|target| {
+            let sigma_mm = target.position_sigma_mm.unwrap_or(0.0);
+            [sigma_mm * sigma_mm; 3]
+        });
+        let nests = take(3 * targets.len());
+        // Behind all that is no function of the shared sources alone.
         let station_count = stations;
         let stations = take(4 * station_count);
         Self {
@@ -130,6 +145,8 @@ impl Sources {
             held,
             stations,
             station_count,
+            nests,
+            nest_variances_mm2: variances.collect(),
             axes: Vec::new(),
         }
     }

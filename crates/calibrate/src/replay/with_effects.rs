@@ -49,7 +49,8 @@ pub fn calibrate_with_effects(
             let changes = responses.to(&errors_mm).into_iter().zip(replay.results());
             let in_mm_and_rad =
                 changes.map(|(change, result)| change * result.output.unit().size());
-            calibration.add_uncertainty(&in_mm_and_rad.collect::<Vec<f64>>());
+            let changes: Vec<f64> = in_mm_and_rad.collect();
+            calibration.add_uncertainty(&campaign.machine, &changes, |budget| &mut budget.effects);
         }
     }
     calibration.effects = given(campaign, effects);

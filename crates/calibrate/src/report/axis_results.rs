@@ -81,8 +81,10 @@ fn axis_result(
     });
     let uncertainties = propagation.location(k);
     let location_errors = identified.reported[k].iter().map(|&component| {
-        let Uncertainty { u, dof, budget } = uncertainties[place_of(component)];
+        let place = place_of(component);
+        let Uncertainty { u, dof, budget } = uncertainties[place];
         LocationResult {
+            relative_to_targets: propagation.dependence.depends_on_nests(k, place),
             component,
             value: component.of(&values.location),
             u,

@@ -3,6 +3,7 @@
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 
+use crate::report::nominal_positions::{homes_out_of_reach, targets_elsewhere};
 use crate::result::calibration::{AxisResult, Calibration, NodeResult, StationResult};
 
 /// A paced-off position of a station is right to this, mm.
@@ -23,6 +24,8 @@ pub(crate) fn notices(
     let mut notices: Vec<String> = axes.iter().filter_map(differing_sides).collect();
     notices.extend(axes.iter().filter_map(contradicting_runs));
     notices.extend(unmeasured_axes(campaign, axes));
+    notices.extend(homes_out_of_reach(campaign, axes));
+    notices.extend(targets_elsewhere(campaign, &calibration.targets));
     notices.extend(axes.iter().flat_map(absurd_errors));
     notices.extend(stations_elsewhere(campaign, &calibration.stations));
     if mirror_image_open {
@@ -90,6 +93,11 @@ fn unmeasured_axes(campaign: &Campaign, measured: &[AxisResult]) -> Option<Strin
             names.len() * Component::ALL.len()
         )
     })
+}
+
+/// Whether an axis has errors that are more likely mistakes in the campaign.
+pub(crate) fn is_absurd(axis: &AxisResult) -> bool {
+    !absurd_errors(axis).is_empty()
 }
 
 /// Errors that are more likely mistakes in the campaign.

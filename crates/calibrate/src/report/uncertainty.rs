@@ -29,7 +29,30 @@ fn parts(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
     parts.extend(reflectors(measured));
     parts.extend(dead_paths(campaign, measured));
     parts.push(scale(campaign, measured));
+    parts.push(nests(campaign));
+    parts.extend(temperatures(campaign));
     parts
+}
+
+/// What location errors are relative to.
+fn nests(campaign: &Campaign) -> Part {
+    // Those on the bed have no part in the frame.
+    let mut carried = campaign.targets.iter().filter(|t| t.carrier.is_some());
+    let open = carried.any(|t| t.position_sigma_mm.is_none());
+    match open {
+        true => Err("nests of the targets: `position_sigma_mm` is not declared".to_owned()),
+        false => Ok("nests of the targets".to_owned()),
+    }
+}
+
+/// Of the axes that are referred to 20 °C.
+fn temperatures(campaign: &Campaign) -> Option<Part> {
+    let expansions = &campaign.expansions;
+    let open = expansions.iter().any(|e| e.temperature_sigma_k.is_none());
+    (!expansions.is_empty()).then(|| match open {
+        true => Err("temperature of the axes: `temperature_sigma_k` is not declared".to_owned()),
+        false => Ok("temperature of the axes".to_owned()),
+    })
 }
 
 /// Lengths to one reflector have nothing to differ by.

@@ -7,7 +7,8 @@
 //! laser u_l²     machine's return u_s² - u_l²     station geometry u² - u_s²
 //! ```
 //!
-//! What is declared (the scale of the instrument, known lengths and dead paths, constants of reflectors) is
+//! What is declared (the scale of the instrument, known lengths and dead paths, constants of
+//! reflectors, nests of targets, temperatures) is
 //! no noise of the campaign and a part of its own, and so is, where effects were taken out of the lengths, the
 //! uncertainty of their values.
 //!
@@ -42,7 +43,8 @@ pub struct Budget {
     pub machine_return: f64,
     /// That the stations are estimated, whatever the noise behind it.
     pub station_geometry: f64,
-    /// What is declared and common to many lengths: scale, known lengths, dead paths, reflectors.
+    /// What is declared and common to many lengths: scale, known lengths, dead paths, reflectors, nests of
+    /// targets, temperatures.
     pub systematic: f64,
     /// That the values of effects that were taken out of the lengths are estimated.
     pub effects: f64,

@@ -1,10 +1,10 @@
 //! The result: every geometric error of the machine, with uncertainty and evidence.
 
-use nalgebra::{Point3, Vector6};
-use trueaxis_campaign::Direction;
+use nalgebra::{Point3, Vector3};
+use trueaxis_campaign::{Direction, InputFile, MachineSpec};
 use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::{
-    AxisKind, Component, GeometricErrors, LocationComponent, LocationError, MotionError,
+    AxisKind, Component, LocationComponent, LocationError, Machine, MotionError,
 };
 use trueaxis_poses::{
     AdjustmentReport, KnownMisfit, Method, ReflectorConstant, ScaleResult, SideDifference,
@@ -12,7 +12,8 @@ use trueaxis_poses::{
 };
 
 use crate::result::budget::Budget;
-use crate::result::interpolation::{Place, sides_of, weights_at};
+use crate::result::factored_covariance::FactoredCovariance;
+use crate::result::interpolation::Place;
 use crate::result::output::OutputCovariance;
 
 /// All geometric errors of a machine in its reference frame, with standard uncertainties (k = 1).
@@ -23,6 +24,10 @@ use crate::result::output::OutputCovariance;
 pub struct Calibration {
     /// Name of the campaign.
     pub campaign: String,
+    /// The nominal machine, as in the campaign.
+    pub machine: Machine,
+    /// The same as files have it.
+    pub machine_spec: MachineSpec,
     /// How component errors were identified.
     pub method: Method,
     /// What the measurement says about itself.
@@ -42,7 +47,11 @@ pub struct Calibration {
     pub targets: Vec<TargetResult>,
     /// Axes that were measured, in the order of the machine.
     pub axes: Vec<AxisResult>,
-    /// Covariance of all these results, if it was asked for.
+    /// Where rotary axes lie relative to each other, whatever the nests of the targets are.
+    pub relative_locations: Vec<RelativeLocation>,
+    /// Covariance of all these results, in factors.
+    pub factors: FactoredCovariance,
+    /// The same as one matrix, if it was asked for.
     pub covariance: Option<OutputCovariance>,
     /// Steps whose points do not move as a rigid body.
     pub misfits: Vec<StepMisfit>,
@@ -54,6 +63,24 @@ pub struct Calibration {
     pub effects: Vec<GivenEffect>,
     /// What a user must know before using the numbers.
     pub notices: Vec<String>,
+    /// What the results rest on.
+    pub traceability: Traceability,
+}
+
+/// By whom, when, with what: what a certificate says beside its numbers.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Traceability {
+    /// Day of the measurement as `YYYY-MM-DD`, if the campaign gives it.
+    pub date: Option<String>,
+    /// Who measured, if the campaign gives it.
+    pub operator: Option<String>,
+    /// Name of the instrument; empty if the campaign gives none.
+    pub instrument: String,
+    /// Its serial number, if the campaign gives it.
+    pub serial: Option<String>,
+    /// The files of the campaign with their checksums ([`trueaxis_campaign::checksums`]); empty if whoever calibrated
+    /// it had no files.
+    pub inputs: Vec<InputFile>,
 }
 
 /// What the uncertainties of a calibration contain, and what they lack, in words.
@@ -206,6 +233,56 @@ pub struct LocationResult {
     pub dof: f64,
     /// Where its square comes from.
     pub budget: Budget,
+    /// Whether it is relative to where the nests of the targets are: it is as uncertain as these were set, which u
+    /// contains as far as `position_sigma_mm` of the targets declares it.
+    pub relative_to_targets: bool,
+}
+
+/// Where a rotary axis lies relative to another one: how far the two are apart, and which angle they have, beyond
+/// nominal. Neither depends on the reference frame or on how the nests of the targets were set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RelativeLocation {
+    /// Name of the axis.
+    pub axis: String,
+    /// Name of the axis that it is relative to.
+    pub to: String,
+    /// Unit vector across both, along which the offset is and about which the angle is positive by the right-hand
+    /// rule. Parallel axes have two such entries.
+    pub direction: Vector3<f64>,
+    /// From the reference point of the axis, and of the other one, to where they are nearest to each other, mm.
+    pub levers_mm: [Vector3<f64>; 2],
+    /// Offset along the direction, mm.
+    pub offset: RelativeQuantity,
+    /// Angle about the direction, rad.
+    pub angle: RelativeQuantity,
+}
+
+impl RelativeLocation {
+    /// Offset (mm) and angle (rad) of location errors of the axis and of the other one; linear in both.
+    pub(crate) fn of(&self, axis: &LocationError, to: &LocationError) -> [f64; 2] {
+        let n = &self.direction;
+        let place = |location: &LocationError, lever_mm: &Vector3<f64>| {
+            n.dot(&(location.offset_mm + location.tilt_rad.cross(lever_mm)))
+        };
+        let [own, other] = &self.levers_mm;
+        [
+            place(axis, own) - place(to, other),
+            n.dot(&(axis.tilt_rad - to.tilt_rad)),
+        ]
+    }
+}
+
+/// A number of a [`RelativeLocation`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RelativeQuantity {
+    /// Actual minus nominal, mm or rad.
+    pub value: f64,
+    /// Standard uncertainty, mm or rad.
+    pub u: f64,
+    /// Its degrees of freedom; infinite where the noise is taken as known.
+    pub dof: f64,
+    /// Where its square comes from.
+    pub budget: Budget,
 }
 
 /// A distance between two targets, measured against nominal.
@@ -233,21 +310,6 @@ impl AxisResult {
             .iter()
             .find(|l| l.component.name(&self.name) == name)
     }
-
-    /// Component errors at any position: linear between the measured ones; the mean of the sides
-    /// of approach that reach the position; the nearest one if none does.
-    pub fn error_at(&self, position: f64) -> MotionError {
-        let mut sum = Vector6::zeros();
-        for (node, weight) in self.weights_at(position) {
-            sum += self.nodes[node].error.to_vector() * weight;
-        }
-        MotionError::from_vector(&sum)
-    }
-
-    /// Weights of the nodes in the component errors at a position.
-    pub(crate) fn weights_at(&self, position: f64) -> Vec<(usize, f64)> {
-        weights_at(&self.nodes, &sides_of(&self.nodes), position)
-    }
 }
 
 impl Place for NodeResult {
@@ -257,18 +319,5 @@ impl Place for NodeResult {
 
     fn direction(&self) -> Option<Direction> {
         self.direction
-    }
-}
-
-/// A calibrated machine predicts with its errors; axes that were not measured have none.
-impl GeometricErrors for Calibration {
-    fn location(&self, axis: usize) -> LocationError {
-        let result = self.axes.iter().find(|result| result.axis == axis);
-        result.map_or_else(LocationError::default, |result| result.location)
-    }
-
-    fn motion(&self, axis: usize, position: f64) -> MotionError {
-        let result = self.axes.iter().find(|result| result.axis == axis);
-        result.map_or_else(MotionError::default, |result| result.error_at(position))
     }
 }

@@ -5,8 +5,8 @@
 )]
 
 mod covariance_files;
+mod machine;
 mod propagation;
-mod volumetric;
 mod with_effects;
 
 use trueaxis_campaign::Campaign;

@@ -28,7 +28,7 @@ const COVARIANCE_TOL: f64 = 1e-3;
 /// rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Positions of X, Y, C and tool points for which the volumetric error is looked at: on measured
+/// Positions of X, Y, C and tool points for which the prediction is looked at: on measured
 /// positions, between them, and outside their range.
 const PLACES: [([f64; 3], [f64; 3]); 3] = [
     ([0.0, 0.0, 0.0], [150.0, 100.0, 450.0]),
@@ -47,9 +47,9 @@ fn settings(method: Method) -> Settings {
     }
 }
 
-/// All results in the order and units of their covariance, and behind them the volumetric errors at
-/// [`PLACES`] in mm.
-fn numbers(campaign: &Campaign, calibration: &Calibration) -> DVector<f64> {
+/// All results in the order and units of their covariance, and behind them the predicted errors at
+/// [`PLACES`] in mm and rad.
+fn numbers(calibration: &Calibration) -> DVector<f64> {
     let axes = &calibration.axes;
     let nodes = axes.iter().flat_map(|axis| &axis.nodes);
     let components = nodes.flat_map(|node| node.error.to_vector().data.0[0]);
@@ -67,10 +67,10 @@ fn numbers(campaign: &Campaign, calibration: &Calibration) -> DVector<f64> {
     for (value, output) in all.iter_mut().zip(outputs) {
         *value /= output.unit().size();
     }
+    let machine = calibration.calibrated_machine();
     for (positions, point) in &PLACES {
-        let point = Point3::from(*point);
-        let place = calibration.volumetric_error_at(&campaign.machine, positions, point);
-        all.extend_from_slice(place.error_mm.as_slice());
+        let prediction = machine.predict(positions, Point3::from(*point));
+        all.extend_from_slice(prediction.error.to_vector().as_slice());
     }
     DVector::from_vec(all)
 }
@@ -84,15 +84,11 @@ struct Response {
 
 impl Response {
     /// `calibrated` is the calibration with one observation changed by so many mm.
-    fn new(
-        campaign: &Campaign,
-        observations: usize,
-        calibrated: impl Fn(usize, f64) -> Calibration,
-    ) -> Self {
+    fn new(observations: usize, calibrated: impl Fn(usize, f64) -> Calibration) -> Self {
         let stated = calibrated(0, 0.0);
-        let start = numbers(campaign, &stated);
+        let start = numbers(&stated);
         let columns: Vec<DVector<f64>> = (0..observations)
-            .map(|i| (numbers(campaign, &calibrated(i, STEP_MM)) - &start) / STEP_MM)
+            .map(|i| (numbers(&calibrated(i, STEP_MM)) - &start) / STEP_MM)
             .collect();
         Self {
             stated,
@@ -107,22 +103,21 @@ impl Response {
 
     /// Asserts that the calibration states the covariance that follows from that of the
     /// observations.
-    fn assert_stated(&self, what: &str, campaign: &Campaign, covariance: &DMatrix<f64>) {
+    fn assert_stated(&self, what: &str, covariance: &DMatrix<f64>) {
         let found = self.propagated(covariance);
         let stated = &self.stated.covariance.as_ref().unwrap().matrix;
         let size = stated.nrows();
         assert_same(what, stated, &found.view((0, 0), (size, size)).into_owned());
+        let machine = self.stated.calibrated_machine();
         for (k, (positions, point)) in PLACES.iter().enumerate() {
             let point = Point3::from(*point);
-            let place = self
-                .stated
-                .volumetric_error_at(&campaign.machine, positions, point);
-            let stated = place.covariance_mm2.unwrap();
-            let first = size + 3 * k;
+            let place = machine.predict(positions, point);
+            let stated = place.covariance - place.of_interpolation;
+            let first = size + 6 * k;
             assert_same(
-                &format!("{what}: volumetric error {k}"),
-                &DMatrix::from_column_slice(3, 3, stated.as_slice()),
-                &found.view((first, first), (3, 3)).into_owned(),
+                &format!("{what}: prediction {k}"),
+                &DMatrix::from_column_slice(6, 6, stated.as_slice()),
+                &found.view((first, first), (6, 6)).into_owned(),
             );
         }
     }
@@ -143,8 +138,8 @@ impl Response {
                     laser: budget.laser / unit,
                     machine_return: budget.machine_return / unit,
                     station_geometry: budget.station_geometry / unit,
-                    systematic: budget.systematic / unit,
                     effects: budget.effects / unit,
+                    systematic: budget.systematic / unit,
                     laser_in_all: budget.laser_in_all / unit,
                 };
                 (in_unit, dof)

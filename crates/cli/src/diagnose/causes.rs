@@ -34,6 +34,20 @@ pub(crate) fn of_misfit(
     let mut lines = vec![format!("cause{rank}: {name}{or_another}")];
     lines.extend(labelled("what", explanation.cause));
     lines.extend(labelled("size", &in_words::parameters(&cause.parameters)));
+    if let Some(follows) = cause.follows(scene) {
+        let where_it_is = if follows.is_plausible {
+            "in"
+        } else {
+            "outside"
+        };
+        let [low, high] = follows.range;
+        let text = format!(
+            "{} as it was logged; the coefficient is {where_it_is} its plausible range of {low} to {high}{}",
+            follows.column,
+            in_words::unit(follows.unit)
+        );
+        lines.extend(labelled("goes with", &text));
+    }
     lines.extend(labelled("certainty", &in_words::certainty(cause.p_value)));
     lines.extend(labelled("or else", &rivals(cause, scene)));
     if !cause.rivals.is_empty() {

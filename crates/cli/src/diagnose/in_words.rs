@@ -28,6 +28,8 @@ fn subject(subject: &GivenSubject) -> Option<String> {
         named("", &subject.component),
         axis,
         named("with axis ", &subject.other_axis),
+        named("carrier ", &subject.carrier),
+        named("with ", &subject.column),
     ];
     let parts: Vec<String> = parts.into_iter().flatten().collect();
     (!parts.is_empty()).then(|| parts.join(", "))
@@ -123,6 +125,8 @@ pub(crate) fn unit(unit: &str) -> &'static str {
         "um/m2" => " µm/m²",
         "um/rad2" => " µm/rad²",
         "arcsec/rad" => " ″/rad",
+        "um/K" => " µm/K",
+        "ppm/K" => " ppm/K",
         _ => "",
     }
 }

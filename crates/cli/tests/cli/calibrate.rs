@@ -43,7 +43,8 @@ fn writes_to_a_folder_named_after_the_campaign() {
         outcome.assert_good();
         assert_eq!(outcome.stdout, "");
         assert!(outcome.stderr.contains(&format!("written: {file}\n")));
-        assert_eq!(file_names(folder.path()), [file]);
+        let covariance = file.replace("calibration.json", "covariance.npz");
+        assert_eq!(file_names(folder.path()), [file, &covariance]);
         let text = fs::read_to_string(folder.path().join(file)).unwrap();
         let document: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(document["format"], "trueaxis-calibration");
@@ -58,10 +59,12 @@ fn writes_where_it_is_told_to() {
     let outcome = calibrate(folder.path(), "rotary-stage", &["--out", "a/b"]);
     outcome.assert_good();
     assert!(outcome.stderr.contains("written: a/b/calibration.json\n"));
-    assert_eq!(file_names(folder.path()), ["a/b/calibration.json"]);
+    let files = ["a/b/calibration.json", "a/b/covariance.npz"];
+    assert_eq!(file_names(folder.path()), files);
     // A second run replaces the file.
     calibrate(folder.path(), "fxyz", &["--out", "a/b"]).assert_good();
-    assert_eq!(file_names(folder.path()), ["a/b/calibration.json"]);
+    let files = ["a/b/calibration.json", "a/b/covariance.npz"];
+    assert_eq!(file_names(folder.path()), files);
     let text = fs::read_to_string(folder.path().join("a/b/calibration.json")).unwrap();
     assert!(text.contains("FXYZ machine"));
 }

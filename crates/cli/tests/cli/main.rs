@@ -11,6 +11,7 @@ mod gross_errors;
 mod harmless;
 mod misleading;
 mod montecarlo;
+mod predict;
 mod program;
 mod refused;
 mod refused_geometries;

@@ -126,7 +126,9 @@ fn shape(set: &CurveSet, found: &Found) -> Option<EstimatedParameter> {
             u,
             unit: "1",
         }),
-        Shape::Fixed | Shape::Instant | Shape::TimeConstant => None,
+        Shape::Fixed | Shape::Instant | Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
+            None
+        }
     }
 }
 

@@ -30,7 +30,18 @@ pub(super) struct CauseFile<'a> {
     action: &'static str,
     component_change: Ordered<ChangeFile<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    follows: Option<FollowsFile>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     share_of_curve: Option<f64>,
+}
+
+/// The logged temperature that a cause goes with.
+#[derive(Serialize)]
+struct FollowsFile {
+    column: String,
+    plausible: bool,
+    plausible_range: [f64; 2],
+    unit: &'static str,
 }
 
 #[derive(Serialize)]
@@ -85,6 +96,12 @@ impl<'a> CauseFile<'a> {
             consequence: explanation.consequence,
             action: explanation.action,
             component_change: Ordered(changes.map(|c| (c.name.clone(), ChangeFile(c))).collect()),
+            follows: cause.follows(scene).map(|follows| FollowsFile {
+                column: follows.column.to_owned(),
+                plausible: follows.is_plausible,
+                plausible_range: follows.range,
+                unit: follows.unit,
+            }),
             share_of_curve: cause.share_of_curve.map(|share| round(share, 4)),
         }
     }

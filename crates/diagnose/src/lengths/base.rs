@@ -1,13 +1,14 @@
 //! The joint adjustment with rigid stages, with and without causes.
 
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_effects::{ResolvedEffect, Scene};
+use trueaxis_effects::{ResolvedEffect, Scene, TemperatureHistory};
 use trueaxis_multilateration::{
     CampaignNetwork, Group, Network, Noise, Settings, Solution, Whitened, estimate_noise,
     network_from_campaign, solve_as_a_set, solve_from,
 };
 use trueaxis_poses::{
-    LengthCircumstances as Reading, LengthsAdjustment, Method, length_circumstances, scene_of,
+    LengthCircumstances as Reading, LengthsAdjustment, Method, Observation, length_circumstances,
+    scene_of, temperature_histories,
 };
 
 use crate::Error;
@@ -21,6 +22,7 @@ pub(crate) struct Base<'a> {
     pub(crate) network: Network,
     pub(crate) groups: Vec<Group>,
     pub(crate) readings: Vec<Reading>,
+    temperatures: Vec<TemperatureHistory>,
     /// Solution without causes: where the others start.
     pub(crate) start: Solution,
     declared: bool,
@@ -116,6 +118,7 @@ impl<'a> Base<'a> {
         Ok(Self {
             campaign,
             scene: scene_of(campaign),
+            temperatures: temperature_histories(campaign),
             readings,
             start,
             declared: is_declared(campaign),
@@ -215,6 +218,17 @@ impl<'a> Base<'a> {
         }
     }
 
+    fn observation<'b>(&'b self, reading: &Reading, solution: &Solution) -> Observation<'b> {
+        reading.observation(
+            &self.scene.machine,
+            &self.campaign.steps[reading.step].positions,
+            &self.network,
+            &solution.stations,
+            &solution.points_mm,
+            &self.temperatures,
+        )
+    }
+
     /// What causes do to a reading, mm.
     pub(crate) fn effect_mm(
         &self,
@@ -225,14 +239,7 @@ impl<'a> Base<'a> {
         if suspects.is_empty() {
             return 0.0;
         }
-        let positions = &self.campaign.steps[reading.step].positions;
-        let observation = reading.observation(
-            &self.scene.machine,
-            positions,
-            &self.network,
-            &solution.stations,
-            &solution.points_mm,
-        );
+        let observation = self.observation(reading, solution);
         let of_suspect = |suspect: &Suspect| {
             let Hypothesis {
                 effect, subject, ..
@@ -255,14 +262,7 @@ impl<'a> Base<'a> {
         let count = effect.parameters(&self.scene, subject).len();
         let mut columns = vec![vec![0.0; self.readings.len()]; count];
         for (i, reading) in self.readings.iter().enumerate() {
-            let positions = &self.campaign.steps[reading.step].positions;
-            let observation = reading.observation(
-                &self.scene.machine,
-                positions,
-                &self.network,
-                &adjusted.solution.stations,
-                &adjusted.solution.points_mm,
-            );
+            let observation = self.observation(reading, &adjusted.solution);
             for (k, column) in columns.iter_mut().enumerate() {
                 let moved = effect.form(subject, k, shape, &observation.at);
                 column[i] = moved.along(&observation.beam);
@@ -300,6 +300,7 @@ impl<'a> Base<'a> {
             scene: self.scene.clone(),
             network,
             groups: self.groups.clone(),
+            temperatures: self.temperatures.clone(),
             readings,
             start,
             declared: self.declared,

@@ -8,13 +8,14 @@
 //! 3. It ends when nothing joins, or when the next would be the same trouble under another name
 //!    ([`overlap`]) or no more than the shape of an earlier one.
 
-use trueaxis_effects::Shape;
-
 use crate::Error;
 use crate::lengths::base::{Adjusted, Base, Suspect};
 use crate::lengths::culprit::overlap;
-use crate::lengths::hypotheses::{TIME_CONSTANT_RATIO, hypotheses};
-use crate::selection::{Fit, Hypothesis, Null, Projection, Scan, Score, cosine, is_rival, rank};
+use crate::lengths::hypotheses::{hypotheses, neighbours};
+use crate::lengths::swapped::{add_swapped, swapped};
+use crate::selection::{
+    DECISIVE, Fit, Hypothesis, Null, Projection, Scan, Score, cosine, is_rival, rank,
+};
 
 /// Family-wise level of the causes: false alarms in one of a hundred clean campaigns.
 const CAUSE_LEVEL: f64 = 0.01;
@@ -28,7 +29,7 @@ const SHAPE_ERROR: f64 = 0.05;
 const FURTHER_LEVEL: f64 = 0.001;
 
 /// Rivals that are worth a line.
-const MOST_RIVALS: usize = 5;
+const MOST_RIVALS: usize = 8;
 
 /// A cause with its judgement beside the others.
 #[derive(Debug, Clone)]
@@ -113,7 +114,7 @@ fn leader(
     scans: &[Box<dyn Scan>],
     null: &Null,
 ) -> Option<(Suspect, Vec<Hypothesis>)> {
-    let scores = rank(&current.projection, scans);
+    let scores = ranked(&current.projection, scans);
     let best = scores.iter().find(|s| is_significant(s, null))?;
     let near = |&number: &usize| {
         let own = scores.iter().find(|s| s.scan == number);
@@ -126,6 +127,24 @@ fn leader(
         shortlist.collect(),
     ))
 }
+
+/// Scores of the hypotheses that are physically possible.
+fn ranked(projection: &Projection, scans: &[Box<dyn Scan>]) -> Vec<Score> {
+    let mut scores = rank(projection, scans);
+    scores.retain(|score| {
+        let Hypothesis {
+            effect, subject, ..
+        } = scans[score.scan].hypothesis();
+        effect.id != "refraction_drift" || subject.column.is_none() || {
+            let fit = suspect(projection, scans, score).1;
+            fit.estimates[0].abs() <= MOST_PPM_PER_K + 3.0 * fit.covariance[0].sqrt()
+        }
+    });
+    scores
+}
+
+/// The refractive index of air changes by no more with its temperature, ppm/K.
+const MOST_PPM_PER_K: f64 = 1.2;
 
 fn is_significant(score: &Score, null: &Null) -> bool {
     null.family_wise(score.ln_p) <= CAUSE_LEVEL
@@ -167,6 +186,20 @@ fn settle(
             found.push(judged);
         }
         adjusted = base.adjust(suspects.clone(), None)?;
+        let others = swapped(base, &adjusted.suspects).filter(|_| !changed);
+        if let Some(others) = others {
+            // As many parameters, so that the squares decide.
+            let other = base.adjust(others, Some(adjusted.network.noise))?;
+            let more = other.projection.squares() - adjusted.projection.squares();
+            if more < -EQUAL && exchanges < MOST_EXCHANGES {
+                exchanges += 1;
+                (suspects, adjusted) = (other.suspects.clone(), other);
+                continue;
+            }
+            if more < DECISIVE {
+                add_swapped(&mut found, &other.suspects, more);
+            }
+        }
         if !changed {
             for (found, suspect) in found.iter_mut().zip(&adjusted.suspects) {
                 found.suspect = suspect.clone();
@@ -187,7 +220,7 @@ fn judged(
     null: &Null,
 ) -> Option<Found> {
     let scans = hypotheses(base, without, candidates).scans;
-    let scores = rank(&without.projection, &scans);
+    let scores = ranked(&without.projection, &scans);
     let leader = scores.iter().find(|s| is_significant(s, null))?;
     // An explanation with the same evidence is no reason to change.
     let best = scores
@@ -199,8 +232,9 @@ fn judged(
         })
         .unwrap_or(leader);
     let (mut suspect_of_best, mut fit) = suspect(&without.projection, &scans, best);
-    if suspect_of_best.hypothesis.effect.shape == Shape::TimeConstant {
-        (suspect_of_best, fit) = refined(base, without, suspect_of_best);
+    let shape = suspect_of_best.hypothesis.effect.shape;
+    if let Some(range) = neighbours(base, shape, suspect_of_best.shape) {
+        (suspect_of_best, fit) = refined(base, without, suspect_of_best, range);
     }
     let mut rivals = Vec::new();
     for score in &scores {
@@ -209,7 +243,14 @@ fn judged(
             continue;
         }
         let (other, other_fit) = suspect(&without.projection, &scans, score);
-        if is_rival(best, score, cosine(&fit, &other_fit)) && rivals.len() < MOST_RIVALS {
+        let column = |suspect: &Suspect| suspect.hypothesis.subject.column.is_some();
+        // A temperature that was logged is an observation: what explains the data better than time does, does so
+        // even if their courses are alike.
+        let is_alike = match column(&suspect_of_best) == column(&other) {
+            true => is_rival(best, score, cosine(&fit, &other_fit)),
+            false => best.evidence - score.evidence < DECISIVE,
+        };
+        if is_alike && rivals.len() < MOST_RIVALS {
             rivals.push((other, score.bic));
         }
     }
@@ -225,20 +266,22 @@ fn judged(
 /// Part of a time constant to which it is refined.
 const REFINED: f64 = 1e-3;
 
-/// A time constant between its neighbours in the list that were tried: golden section on what it
+/// A time constant or a lag between its neighbours in the list that were tried: golden section on what it
 /// explains.
-fn refined(base: &Base<'_>, without: &Adjusted, suspect: Suspect) -> (Suspect, Fit) {
+fn refined(
+    base: &Base<'_>,
+    without: &Adjusted,
+    suspect: Suspect,
+    [mut low, mut high]: [f64; 2],
+) -> (Suspect, Fit) {
     let at = |shape: f64| {
         let columns = base.columns(without, &suspect.hypothesis, shape);
         Fit::new(&without.projection, &columns)
     };
     let explained = |fit: &Fit| fit.explained.iter().map(|x| x * x).sum::<f64>();
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut low, mut high) = (
-        suspect.shape / TIME_CONSTANT_RATIO,
-        suspect.shape * TIME_CONSTANT_RATIO,
-    );
-    while high - low > REFINED * high {
+    let enough = REFINED * high;
+    while high - low > enough {
         let (a, b) = (high - golden * (high - low), low + golden * (high - low));
         if explained(&at(a)) > explained(&at(b)) {
             high = b;

@@ -44,6 +44,9 @@ fn culprit(base: &Base<'_>, suspect: &Suspect) -> Culprit {
         after.map_or(0, |r| r.station)
     };
     let at_an_instant = effect.shape == Shape::Instant;
+    if subject.carrier.is_some() {
+        return Culprit::EveryTurn;
+    }
     if let Some(axis) = subject.axis {
         return Culprit::Axis(axis, effect.id);
     }
@@ -54,7 +57,8 @@ fn culprit(base: &Base<'_>, suspect: &Suspect) -> Culprit {
         Some(station) => Culprit::Station(station, at_an_instant),
         None if at_an_instant => Culprit::Station(during(), true),
         None => match effect.id {
-            "dead_path_drift" | "station_drift" | "machine_drift" | "warm_up" => Culprit::EveryTurn,
+            "dead_path_drift" | "station_drift" | "station_settling" | "machine_drift"
+            | "warm_up" => Culprit::EveryTurn,
             id => Culprit::Everything(id),
         },
     }

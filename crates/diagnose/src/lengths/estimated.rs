@@ -8,7 +8,7 @@ use trueaxis_effects::{Shape, shape_parameter};
 
 use crate::EstimatedParameter;
 use crate::lengths::base::{Adjusted, Base, Suspect};
-use crate::lengths::hypotheses::visit_times;
+use crate::lengths::hypotheses::{duration_s, visit_times};
 use crate::selection::{Fit, Projection};
 
 /// Step of the logarithm of a time constant for its derivative.
@@ -30,7 +30,7 @@ pub(crate) fn estimated(
     let mut u_shape = suspect.u_shape;
     match hypothesis.effect.shape {
         Shape::Instant => u_shape = u_shape.hypot(gap_s(base, suspect.shape) / 12_f64.sqrt()),
-        Shape::TimeConstant => {
+        Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
             let (joint, u) = with_time_constant(base, adjusted, suspect);
             covariance = joint;
             u_shape = u;
@@ -83,7 +83,9 @@ fn with_time_constant(base: &Base<'_>, adjusted: &Adjusted, suspect: &Suspect) -
     let at = |shape: f64| base.columns(adjusted, &suspect.hypothesis, shape);
     let mut columns = at(suspect.shape);
     let n = columns.len();
-    let (shorter, longer) = (suspect.shape * (1.0 - STEP), suspect.shape * (1.0 + STEP));
+    // Of a lag that is almost none, a part of the campaign.
+    let step = STEP * suspect.shape.max(STEP * duration_s(&visit_times(base)));
+    let (shorter, longer) = ((suspect.shape - step).max(0.0), suspect.shape + step);
     let mut derivative = vec![0.0; base.readings.len()];
     for ((a, b), value) in at(shorter).iter().zip(&at(longer)).zip(&suspect.parameters) {
         for ((d, a), b) in derivative.iter_mut().zip(a).zip(b) {

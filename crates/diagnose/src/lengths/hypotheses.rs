@@ -7,10 +7,15 @@ use crate::lengths::base::{Adjusted, Base};
 use crate::lengths::step_scan::{StepScan, VisitTimes};
 use crate::selection::{FixedScan, Hypothesis, Scan};
 
-/// Time constants that are tried, from a hundredth of the campaign to twice its length in equal ratios.
+/// Time constants that are tried, from a hundredth of the campaign, or of the longest turn of a station, to
+/// twice its length in equal ratios.
 const TIME_CONSTANTS: i32 = 24;
 const SHORTEST: f64 = 0.01;
-pub(crate) const TIME_CONSTANT_RATIO: f64 = 1.26;
+const TIME_CONSTANT_RATIO: f64 = 1.26;
+
+/// Lags behind a temperature that are tried beside none, from a hundredth of the campaign in equal ratios.
+const LAGS: i32 = 11;
+const LAG_RATIO: f64 = 1.6;
 
 /// Hypotheses that the data can show, and those that they cannot.
 pub(crate) struct Hypotheses {
@@ -53,8 +58,16 @@ pub(crate) fn scan(
             let scan = StepScan::new(hypothesis, projection, visits, &columns)?;
             Some(Box::new(scan))
         }
-        Shape::TimeConstant => {
-            let shapes = time_constants(visits);
+        Shape::TimeConstant | Shape::SettlingTime => {
+            let duration_s = match hypothesis.effect.shape {
+                Shape::SettlingTime => longest_turn_s(base),
+                _ => duration_s(visits),
+            };
+            let shapes = time_constants(duration_s);
+            FixedScan::new(hypothesis, projection, &shapes, columns).map(boxed)
+        }
+        Shape::Lag => {
+            let shapes = lags(duration_s(visits));
             FixedScan::new(hypothesis, projection, &shapes, columns).map(boxed)
         }
         Shape::Fixed | Shape::Period | Shape::Waves => {
@@ -104,14 +117,43 @@ pub(crate) fn visit_times(base: &Base<'_>) -> Vec<VisitTimes> {
         .collect()
 }
 
-fn time_constants(visits: &[VisitTimes]) -> Vec<f64> {
+/// From the first to the last reading, s.
+pub(crate) fn duration_s(visits: &[VisitTimes]) -> f64 {
     let first = visits.first().map_or(0.0, |v| v.span_s[0]);
     let last = visits.last().map_or(0.0, |v| v.span_s[1]);
-    let duration = last - first;
-    if duration <= 0.0 {
+    last - first
+}
+
+fn longest_turn_s(base: &Base<'_>) -> f64 {
+    let elapsed = base.readings.iter().map(|r| r.turn_elapsed_s);
+    elapsed.fold(0.0, f64::max)
+}
+
+fn time_constants(duration_s: f64) -> Vec<f64> {
+    if duration_s <= 0.0 {
         return Vec::new();
     }
     (0..TIME_CONSTANTS)
-        .map(|k| duration * SHORTEST * TIME_CONSTANT_RATIO.powi(k))
+        .map(|k| duration_s * SHORTEST * TIME_CONSTANT_RATIO.powi(k))
         .collect()
+}
+
+fn lags(duration_s: f64) -> Vec<f64> {
+    let behind = (0..LAGS).map(|k| duration_s * SHORTEST * LAG_RATIO.powi(k));
+    std::iter::once(0.0).chain(behind).collect()
+}
+
+/// Between which values a shape that was found in its list is looked for more closely; `None` if the list has all.
+pub(crate) fn neighbours(base: &Base<'_>, shape: Shape, found: f64) -> Option<[f64; 2]> {
+    match shape {
+        Shape::TimeConstant | Shape::SettlingTime => {
+            Some([found / TIME_CONSTANT_RATIO, found * TIME_CONSTANT_RATIO])
+        }
+        Shape::Lag => {
+            let all = lags(duration_s(&visit_times(base)));
+            let before = all.iter().rfind(|&&lag| lag < found);
+            Some([*before.unwrap_or(&0.0), (found * LAG_RATIO).max(all[1])])
+        }
+        Shape::Fixed | Shape::Instant | Shape::Period | Shape::Waves => None,
+    }
 }

@@ -1,6 +1,6 @@
 //! Effects that these lengths cannot show.
 
-use trueaxis_effects::{Level, Scene, Subject, catalogue};
+use trueaxis_effects::{Level, Medium, Scene, Subject, catalogue};
 use trueaxis_kinematics::AxisKind;
 
 use crate::NotObservable;
@@ -38,6 +38,7 @@ pub(crate) fn not_observable(
             subject: names.join(", "),
             reason: match effect.id {
                 "backlash" => "all its stops are approached from one side".to_owned(),
+                "thermal_growth" => "the logged temperature hardly changes".to_owned(),
                 "timestamp_offset" => "the machine stands still at the stops".to_owned(),
                 _ => "stations, poses and shapes of the targets absorb all of it".to_owned(),
             },
@@ -48,6 +49,7 @@ pub(crate) fn not_observable(
             },
         });
     }
+    list.extend(thermal_growth(scene));
     let mut absorbed = absorbed_by_poses(scene);
     // Poses are common to both sides of approach: what differs between them does contradict.
     absorbed.retain(|entry| !both_sides || entry.effect != "position_dependent_backlash");
@@ -74,6 +76,25 @@ fn length_scale(scene: &Scene) -> NotObservable {
         bias_per_unit: bias.collect(),
         measure: explanation.map_or(String::new(), |e| e.separate_by.to_owned()),
     }
+}
+
+/// Without a logged temperature nothing can be found to go with one.
+fn thermal_growth(scene: &Scene) -> Option<NotObservable> {
+    let is_logged = |medium: Medium| scene.temperatures.iter().any(|t| t.medium == medium);
+    let effect =
+        trueaxis_effects::effect("thermal_growth").filter(|_| !is_logged(Medium::Machine))?;
+    Some(NotObservable {
+        effect: effect.id,
+        subject: String::new(),
+        reason: "no temperature of the machine is logged with the lengths: what grows with one is seen as a drift in \
+                 time, if at all"
+            .to_owned(),
+        bias_per_unit: vec![(
+            "calibration".to_owned(),
+            effect.explanation.consequence.to_owned(),
+        )],
+        measure: "log temperatures of the machine with the lengths (columns machine_temp_<name>_c)".to_owned(),
+    })
 }
 
 fn dead_path_offset() -> NotObservable {
@@ -128,6 +149,12 @@ pub(crate) fn in_words(subject: &Subject, scene: &Scene) -> String {
     }
     if let Some(target) = subject.target {
         parts.push(format!("target {}", scene.targets[target].name));
+    }
+    if let Some(carrier) = subject.carrier {
+        parts.push(format!("what {} carries", scene.axis_name(carrier)));
+    }
+    if let Some(column) = subject.column {
+        parts.push(format!("with {}", scene.temperatures[column].column));
     }
     if let (Some(component), Some(axis)) = (subject.component, subject.axis) {
         parts.push(component.name(scene.axis_name(axis)));

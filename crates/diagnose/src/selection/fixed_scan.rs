@@ -1,5 +1,7 @@
 //! A hypothesis with few shapes, each with columns of its own.
 
+use std::ops::Range;
+
 use crate::selection::projection::dot;
 use crate::selection::{Gram, Hypothesis, Projection, Scan};
 
@@ -7,10 +9,13 @@ use crate::selection::{Gram, Hypothesis, Projection, Scan};
 pub(crate) struct FixedScan {
     hypothesis: Hypothesis,
     shapes: Vec<FixedShape>,
+    rows: usize,
 }
 
 struct FixedShape {
     shape: f64,
+    /// The rows from the first to the last that it concerns: one turn of many for one station.
+    concerned: Range<usize>,
     columns: Vec<Vec<f64>>,
     gram: Gram,
 }
@@ -28,9 +33,12 @@ impl FixedScan {
             let columns = columns(shape);
             let gram = gram(projection, &columns);
             if gram.rank() > 0 {
+                let concerned = concerned(&columns);
+                let cut = |column: &Vec<f64>| column[concerned.clone()].to_vec();
                 seen.push(FixedShape {
                     shape,
-                    columns,
+                    columns: columns.iter().map(cut).collect(),
+                    concerned,
                     gram,
                 });
             }
@@ -38,8 +46,22 @@ impl FixedScan {
         (!seen.is_empty()).then_some(Self {
             hypothesis,
             shapes: seen,
+            rows: projection.rows(),
         })
     }
+}
+
+/// From the first to the last row with anything but zeros.
+fn concerned(columns: &[Vec<f64>]) -> Range<usize> {
+    let first = |column: &Vec<f64>| column.iter().position(|&x| x != 0.0);
+    let last = |column: &Vec<f64>| column.iter().rposition(|&x| x != 0.0);
+    let first = columns.iter().filter_map(first).min().unwrap_or(0);
+    first
+        ..columns
+            .iter()
+            .filter_map(last)
+            .max()
+            .map_or(first, |last| last + 1)
 }
 
 /// `Xᵀ M X` of whitened columns.
@@ -73,6 +95,7 @@ impl Scan for FixedScan {
         let mut s = Vec::new();
         for shape in &self.shapes {
             s.clear();
+            let residuals = &residuals[shape.concerned.clone()];
             s.extend(shape.columns.iter().map(|column| dot(column, residuals)));
             f(shape.shape, &shape.gram, &s);
         }
@@ -83,6 +106,14 @@ impl Scan for FixedScan {
             .shapes
             .iter()
             .min_by(|a, b| (a.shape - shape).abs().total_cmp(&(b.shape - shape).abs()));
-        nearest.map(|s| s.columns.clone()).unwrap_or_default()
+        let whole = |shape: &FixedShape| -> Vec<Vec<f64>> {
+            let columns = shape.columns.iter().map(|own| {
+                let mut column = vec![0.0; self.rows];
+                column[shape.concerned.clone()].copy_from_slice(own);
+                column
+            });
+            columns.collect()
+        };
+        nearest.map(whole).unwrap_or_default()
     }
 }

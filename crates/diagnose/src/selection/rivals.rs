@@ -51,7 +51,7 @@ pub(crate) fn cosine(a: &Fit, b: &Fit) -> f64 {
 }
 
 /// `2 ln` of the odds below which two hypotheses are not told apart: 20 to 1.
-const DECISIVE: f64 = 6.0;
+pub(crate) const DECISIVE: f64 = 6.0;
 
 /// Explanations more alike than this are one explanation under two names.
 const ALIKE: f64 = 0.95;

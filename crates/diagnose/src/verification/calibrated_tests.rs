@@ -75,6 +75,7 @@ fn scene() -> Scene {
         stations: Vec::new(),
         targets: Vec::new(),
         moving: Vec::new(),
+        temperatures: Vec::new(),
     }
 }
 

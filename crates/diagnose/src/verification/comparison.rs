@@ -87,6 +87,7 @@ impl<'a> Comparison<'a> {
                 elapsed_s: arrival.elapsed_s,
                 progress: arrival.progress,
                 turn_progress: arrival.progress,
+                turn_elapsed_s: arrival.elapsed_s,
                 carrier: Some(carrier(self.machine, self.kind)),
                 axis,
                 direction: arrival.sides[axis],

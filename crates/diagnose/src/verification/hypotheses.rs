@@ -102,8 +102,9 @@ fn is_seen(comparison: &Comparison<'_>, subject: &Subject) -> bool {
 /// The shapes that are tried.
 fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f64> {
     match shape {
-        Shape::Fixed => vec![0.0],
-        Shape::TimeConstant => {
+        // Readings have no logged temperatures to lag behind.
+        Shape::Fixed | Shape::Lag => vec![0.0],
+        Shape::TimeConstant | Shape::SettlingTime => {
             let arrivals = &comparison.arrivals;
             let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);
             // From a time constant that is over within the first readings to one that looks linear.

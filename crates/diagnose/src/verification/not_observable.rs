@@ -66,7 +66,9 @@ fn largest(
     let shape = match effect.shape {
         Shape::Fixed => 0.0,
         Shape::Instant => f64::NEG_INFINITY,
-        Shape::TimeConstant | Shape::Period | Shape::Waves => 1.0,
+        Shape::TimeConstant | Shape::SettlingTime | Shape::Lag | Shape::Period | Shape::Waves => {
+            1.0
+        }
     };
     let mut all = Vec::new();
     for (k, parameter) in effect.parameters(scene, subject).iter().enumerate() {

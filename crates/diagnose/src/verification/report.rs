@@ -139,7 +139,9 @@ fn shape_parameter(shape: Shape, scene: &Scene, subject: &Subject) -> Option<(Pa
     match shape {
         Shape::Fixed => None,
         Shape::Instant => Some((Parameter::new("time", "s"), 1.0)),
-        Shape::TimeConstant => Some((Parameter::new("time_constant", "s"), 1.0)),
+        Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
+            Some((Parameter::new("time_constant", "s"), 1.0))
+        }
         Shape::Period if rotary => Some((Parameter::new("period", "deg"), 1_f64.to_radians())),
         Shape::Period => Some((Parameter::new("period", "mm"), 1.0)),
         Shape::Waves => Some((Parameter::new("waves", "1"), 1.0)),

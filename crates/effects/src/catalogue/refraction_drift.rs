@@ -1,17 +1,24 @@
-//! The air, so the length scale, drifts over the campaign: `D_l = s · l · τ`.
+//! The air, so the length scale, drifts over the campaign: `D_l = s · l · τ`, or with its logged temperature:
+//! `D_l = s · l · (ϑ - ϑ0)`.
 //!
-//! s is `scale_drift` in ppm over the campaign; a positive one makes lengths longer.
+//! s is `scale_drift` in ppm over the campaign, or `scale_per_k` in ppm/K; a positive one makes lengths longer.
+//! An instrument that does not compensate shows them shorter by 0.95 ppm for each K that the air is warmer.
 
-use crate::{Effect, Explanation, Form, Layer, Level, PPM, Parameter, Shape, Subject};
+use crate::form::AtReading;
+use crate::{Effect, Explanation, Form, Layer, Level, Medium, PPM, Parameter, Shape};
+use crate::{Scene, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "refraction_drift",
     layer: Layer::Instrument,
     levels: &[Level::Lengths],
-    subjects: Subject::all_alike,
-    parameters: |_, _| vec![Parameter::new("scale_drift", "ppm")],
+    subjects,
+    parameters: |_, subject| match subject.column {
+        Some(_) => vec![Parameter::new("scale_per_k", "ppm/K").plausible(PPM_PER_K)],
+        None => vec![Parameter::new("scale_drift", "ppm")],
+    },
     shape: Shape::Fixed,
-    form: Form::Length(|of| PPM * of.at.distance_mm * of.at.progress),
+    form: Form::Length(scale),
     explanation: Explanation {
         cause: "the refractive index of the air drifts and is not (rightly) compensated: 1 ppm is 1 K, 4 hPa",
         consequence: "the scale of the machine changes from axis to axis with the time of its measurement",
@@ -19,3 +26,21 @@ pub(super) const EFFECT: Effect = Effect {
         separate_by: "record air temperature (1 K is 0.95 ppm) and pressure (1 hPa is 0.27 ppm) with the lengths",
     },
 };
+
+/// What the refractive index of air does, with some distance between the beam and where it is logged.
+const PPM_PER_K: [f64; 2] = [-1.2, 1.2];
+
+/// Time, and each logged temperature of air that is not compensated.
+fn subjects(scene: &Scene) -> Vec<Subject> {
+    let columns = scene.columns_of(Medium::Air);
+    let with_air = columns.map(|column| Subject::default().with_column(column));
+    [Subject::default()].into_iter().chain(with_air).collect()
+}
+
+fn scale(of: &AtReading<'_>) -> f64 {
+    let course = match of.subject.column {
+        Some(_) => of.warmer_k(),
+        None => of.at.progress,
+    };
+    PPM * of.at.distance_mm * course
+}

@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_effects::{Circumstances, Effect, ResolvedEffect, Scene, SceneTarget, Shape, Subject};
+use trueaxis_effects::{Medium, SceneTemperature, TemperatureHistory};
 use trueaxis_kinematics::{Axis, AxisKind, Ideal, Machine};
 
 /// X Y Z carry the tool with the target P, A C the workpiece with V.
@@ -21,11 +22,19 @@ pub(crate) fn scene() -> Scene {
         name: name.to_owned(),
         carrier: Some(carrier),
     };
+    let temperature = |column: &str, medium| SceneTemperature {
+        column: column.to_owned(),
+        medium,
+    };
     Scene {
         machine: Machine::new(axes, vec![0, 1, 2], vec![3, 4]).unwrap(),
         stations: vec!["S1".to_owned(), "S2".to_owned()],
         targets: vec![target("P", 2), target("V", 4)],
         moving: vec![0, 1, 2, 3, 4],
+        temperatures: vec![
+            temperature("machine_temp_spindle_c", Medium::Machine),
+            temperature("air_temp_c", Medium::Air),
+        ],
     }
 }
 
@@ -37,6 +46,8 @@ const STATIONS_MM: [[f64; 3]; 2] = [[-720.0, -380.0, 310.0], [1240.0, -520.0, 48
 pub(crate) fn for_each_reading(scene: &Scene, mut see: impl FnMut(&Circumstances<'_>)) {
     let machine = &scene.machine;
     let visits = [0.13, 0.37, 0.71, 0.93];
+    let temperatures = [[20.0, 21.5, 23.0], [22.0, 21.0, 23.5]]
+        .map(|values| TemperatureHistory::new(0.0, 4000.0, values.into()));
     for (visit, part) in (0_u8..).zip(visits) {
         let positions: Vec<f64> = machine
             .axes()
@@ -60,6 +71,7 @@ pub(crate) fn for_each_reading(scene: &Scene, mut see: impl FnMut(&Circumstances
                             elapsed_s: 50.0 + 2000.0 * f64::from(visit),
                             progress: part,
                             turn_progress: (3.0 * part).fract(),
+                            turn_elapsed_s: 800.0 * (3.0 * part).fract(),
                             station,
                             target,
                             carrier: content.carrier,
@@ -69,6 +81,7 @@ pub(crate) fn for_each_reading(scene: &Scene, mut see: impl FnMut(&Circumstances
                             positions: &positions,
                             point_mm,
                             centroid_mm: point_mm + Vector3::new(40.0, -70.0, 90.0),
+                            temperatures: &temperatures,
                             distance_mm: (point_mm - Point3::from(*station_mm)).norm(),
                             ..Circumstances::new(machine)
                         });
@@ -85,7 +98,7 @@ pub(crate) fn some_shape(effect: &Effect, scene: &Scene, subject: &Subject) -> f
     match (effect.shape, axis) {
         (Shape::Fixed, _) => 0.0,
         (Shape::Instant, _) => 1500.25,
-        (Shape::TimeConstant, _) => 1800.5,
+        (Shape::TimeConstant | Shape::SettlingTime | Shape::Lag, _) => 1800.5,
         (Shape::Period, Some(AxisKind::Rotary)) => 0.7,
         (Shape::Period, _) => 43.1,
         (Shape::Waves, _) => 5.0,

@@ -8,11 +8,14 @@ use crate::scene::{every_effect, for_each_reading, scene};
 
 /// The ids of DESIGN section 6, and two more: time stamps that are late, and squareness beyond what a
 /// calibration says.
-const IDS: [&str; 28] = [
+const IDS: [&str; 31] = [
     "dead_path_drift",
     "dead_path_jump",
     "refraction_drift",
     "station_drift",
+    "station_settling",
+    "thermal_growth",
+    "station_scale",
     "station_jump",
     "target_slip",
     "target_creep",
@@ -127,7 +130,9 @@ fn effects_stay_with_their_subject_and_instant() {
         let subject = given.subject;
         for_each_reading(&scene, |at| {
             let early = given.effect.shape == Shape::Instant && at.time_s <= given.shape;
-            let elsewhere = !subject.has_station(at.station) || !subject.has_target(at.target);
+            let elsewhere = !subject.has_station(at.station)
+                || !subject.has_target(at.target)
+                || subject.carrier.is_some_and(|axis| !at.is_carried_by(axis));
             if early || elsewhere {
                 assert_eq!(given.displaced(at), Displaced::default(), "{given:?}");
             }

@@ -12,8 +12,11 @@
 use std::collections::HashMap;
 
 use nalgebra::{Point3, Vector3};
-use trueaxis_campaign::{Campaign, Direction, LengthReading, Lengths, Stop};
-use trueaxis_effects::{Circumstances, Displaced, Scene, SceneTarget};
+use trueaxis_campaign::{
+    Campaign, Direction, LengthReading, Lengths, LoggedColumn, LoggedQuantity, Stop,
+};
+use trueaxis_effects::TemperatureHistory;
+use trueaxis_effects::{Circumstances, Displaced, Medium, Scene, SceneTarget, SceneTemperature};
 use trueaxis_kinematics::Machine;
 use trueaxis_multilateration::{Group, Network, Station};
 
@@ -26,6 +29,8 @@ pub struct LengthCircumstances {
     progress: f64,
     /// Progress of time within the turn of the station, 0 to 1.
     pub turn_progress: f64,
+    /// Time since the first reading of the turn, s.
+    pub turn_elapsed_s: f64,
     /// The station.
     pub station: usize,
     /// The target.
@@ -64,7 +69,41 @@ pub fn scene_of(campaign: &Campaign) -> Scene {
         stations: campaign.stations.iter().map(|s| s.name.clone()).collect(),
         targets: targets.collect(),
         moving,
+        temperatures: temperatures_of(campaign)
+            .map(|(column, medium)| SceneTemperature {
+                column: column.name.clone(),
+                medium,
+            })
+            .collect(),
     }
+}
+
+/// The logged temperatures that effects may go with: those of the machine, and that of air which the instrument
+/// does not compensate.
+fn temperatures_of(campaign: &Campaign) -> impl Iterator<Item = (&LoggedColumn, Medium)> {
+    let compensated = campaign.instrument.air_compensated;
+    let columns = campaign.lengths.iter().flat_map(|lengths| &lengths.logged);
+    columns.filter_map(move |column| match column.quantity()? {
+        LoggedQuantity::MachineTemperature => Some((column, Medium::Machine)),
+        LoggedQuantity::AirTemperature if !compensated => Some((column, Medium::Air)),
+        _ => None,
+    })
+}
+
+/// The courses of the temperatures of the scene ([`scene_of`]), as they were logged.
+pub fn temperature_histories(campaign: &Campaign) -> Vec<TemperatureHistory> {
+    let readings = campaign
+        .lengths
+        .iter()
+        .flat_map(|lengths| &lengths.readings);
+    let times: Vec<f64> = readings.map(|reading| reading.time_s).collect();
+    let history = |column: &LoggedColumn| {
+        let values = times.iter().zip(&column.values);
+        let logged: Vec<(f64, f64)> = values.filter_map(|(&t, v)| Some((t, (*v)?))).collect();
+        TemperatureHistory::from_logged(&logged)
+    };
+    let columns = temperatures_of(campaign);
+    columns.map(|(column, _)| history(column)).collect()
 }
 
 /// The circumstances of the readings with the numbers `kept` (ascending), in measuring order.
@@ -124,6 +163,7 @@ pub fn length_circumstances(
                 elapsed_s: reading.time_s - campaign_span.first_s,
                 progress: campaign_span.progress(reading.time_s),
                 turn_progress: turns[station].progress(reading.time_s),
+                turn_elapsed_s: reading.time_s - turns[station].first_s,
                 station,
                 target: reading.target,
                 repeat,
@@ -214,7 +254,8 @@ impl Observation<'_> {
 }
 
 impl LengthCircumstances {
-    /// The length at the adjusted places of points and stations; `positions` are those of its step.
+    /// The length at the adjusted places of points and stations; `positions` are those of its step, `temperatures`
+    /// the courses of those of the scene ([`temperature_histories`]).
     pub fn observation<'a>(
         &self,
         machine: &'a Machine,
@@ -222,6 +263,7 @@ impl LengthCircumstances {
         network: &Network,
         stations: &[Station],
         points_mm: &[Point3<f64>],
+        temperatures: &'a [TemperatureHistory],
     ) -> Observation<'a> {
         let stop_mm = &points_mm[network.groups[self.group].clone()];
         let sum: Vector3<f64> = stop_mm.iter().map(|p| p.coords).sum();
@@ -235,6 +277,7 @@ impl LengthCircumstances {
                 elapsed_s: self.elapsed_s,
                 progress: self.progress,
                 turn_progress: self.turn_progress,
+                turn_elapsed_s: self.turn_elapsed_s,
                 station: self.station,
                 target: self.target,
                 carrier: self.carrier,
@@ -245,6 +288,7 @@ impl LengthCircumstances {
                 point_mm,
                 centroid_mm: Point3::from(sum / stop_mm.len() as f64),
                 distance_mm,
+                temperatures,
             },
             beam: beam / distance_mm,
         }

@@ -1,13 +1,15 @@
 //! What effects do to the lengths of a campaign.
 
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_effects::ResolvedEffect;
+use trueaxis_effects::{ResolvedEffect, TemperatureHistory};
 use trueaxis_multilateration::{
     CampaignNetwork, Network, Settings, Solution, network_from_campaign, solve_as_a_set,
 };
 
 use crate::Error;
-use crate::lengths::circumstances::{LengthCircumstances, length_circumstances};
+use crate::lengths::circumstances::{
+    LengthCircumstances, length_circumstances, temperature_histories,
+};
 use crate::lengths::refused::adjustment_error;
 
 /// What effects do to each length of a campaign: exact distances ([`Observation`](crate::Observation)) at the
@@ -18,6 +20,7 @@ pub struct EffectsOnLengths<'a> {
     network: Network,
     solution: Solution,
     circumstances: Vec<LengthCircumstances>,
+    temperatures: Vec<TemperatureHistory>,
 }
 
 impl<'a> EffectsOnLengths<'a> {
@@ -43,6 +46,7 @@ impl<'a> EffectsOnLengths<'a> {
             network,
             solution,
             circumstances,
+            temperatures: temperature_histories(campaign),
         })
     }
 
@@ -56,6 +60,7 @@ impl<'a> EffectsOnLengths<'a> {
                 &self.network,
                 &self.solution.stations,
                 &self.solution.points_mm,
+                &self.temperatures,
             );
             let displaced = effects
                 .iter()

@@ -25,6 +25,8 @@ pub(crate) struct Reading<'a> {
     /// Over the campaign and over the turn, 0 to 1.
     pub(crate) progress: f64,
     pub(crate) turn_progress: f64,
+    /// Since the first reading of the turn, s.
+    pub(crate) turn_elapsed_s: f64,
     pub(crate) station: &'a str,
     pub(crate) target: &'a str,
     pub(crate) direction: f64,
@@ -91,6 +93,15 @@ fn length(v: Vector) -> f64 {
     dot(v, v).sqrt()
 }
 
+/// Temperatures that rise evenly, longer than the campaign lasts: at the first second, °C, and K/s.
+pub(crate) const AIR: [f64; 2] = [19.0, 3e-4];
+pub(crate) const SPINDLE: [f64; 2] = [22.0, 1e-3];
+
+fn ramp([start_c, slope]: &[f64; 2]) -> Value {
+    let end_s = 1e6;
+    json!({ "kind": "table", "times_s": [0.0, end_s], "values_c": [start_c, start_c + slope * end_s] })
+}
+
 /// The five-axis machine without errors and noise, every axis away from home.
 fn faultless() -> Value {
     let mut json = shipped::json("five-axis");
@@ -98,6 +109,11 @@ fn faultless() -> Value {
     // So that the clock of the campaign is not the time since the first reading.
     json["timing"] = json!({ "start_s": 500.0 });
     json["errors"] = json!({});
+    json["instrument"]["air_compensated"] = json!(false);
+    json["temperatures"] = json!([
+        { "column": "air_temp_c", "course": [ramp(&AIR)] },
+        { "column": "machine_temp_spindle_c", "course": [ramp(&SPINDLE)] },
+    ]);
     json["repeats"] = json!(1);
     let parked = [
         json!({ "Y": 210, "Z": 85 }),
@@ -158,6 +174,7 @@ pub(crate) fn assert_formula(effect: &Value, formula: &dyn Fn(&Reading<'_>) -> D
                 elapsed_s: reading.time_s - times_s[0],
                 progress: part(&times_s, reading.time_s),
                 turn_progress: part(&times_s[stop.station * turn..][..turn], reading.time_s),
+                turn_elapsed_s: reading.time_s - times_s[stop.station * turn],
                 station: station["name"].as_str().unwrap(),
                 target: json["targets"][reading.target]["name"].as_str().unwrap(),
                 direction: match stop.direction {

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use trueaxis_effects::{Parameter, ResolvedEffect, Scene, SceneTarget, Shape};
+use trueaxis_effects::{
+    Medium, Parameter, ResolvedEffect, Scene, SceneTarget, SceneTemperature, Shape,
+};
 use trueaxis_effects::{catalogue, shape_parameter};
 use trueaxis_simulate::{Scenario, Simulated, simulate};
 
@@ -60,6 +62,7 @@ fn five_axis_scene() -> Scene {
         stations: campaign.stations.into_iter().map(|s| s.name).collect(),
         targets: targets.collect(),
         moving: (0..campaign.machine.axes().len()).collect(),
+        temperatures: Vec::new(),
         machine: campaign.machine,
     }
 }
@@ -76,7 +79,7 @@ fn effects_of_no_size_change_no_length() {
             subject,
             shape: match effect.shape {
                 Shape::Fixed => 0.0,
-                Shape::Instant | Shape::TimeConstant => 600.0,
+                Shape::Instant | Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => 600.0,
                 Shape::Period => 2.0,
                 Shape::Waves => 3.0,
             },
@@ -233,7 +236,18 @@ fn the_documented_effects_can_be_simulated() {
 /// Every effect has one row in the table, which holds the names and units of all its parameters.
 #[test]
 fn the_documented_table_is_that_of_the_catalogue() {
-    let (docs, scene) = (documentation(), five_axis_scene());
+    let docs = documentation();
+    let temperature = |column: &str, medium| SceneTemperature {
+        column: column.to_owned(),
+        medium,
+    };
+    let scene = Scene {
+        temperatures: vec![
+            temperature("machine_temp_c", Medium::Machine),
+            temperature("air_temp_c", Medium::Air),
+        ],
+        ..five_axis_scene()
+    };
     for effect in catalogue() {
         let start = format!("| `{}` |", effect.id);
         let rows: Vec<&str> = docs.lines().filter(|l| l.starts_with(&start)).collect();
@@ -241,7 +255,7 @@ fn the_documented_table_is_that_of_the_catalogue() {
         for subject in effect.subjects(&scene) {
             let mut parameters = effect.parameters(&scene, &subject);
             parameters.extend(shape_parameter(effect, &scene, &subject));
-            for Parameter { name, unit } in parameters {
+            for Parameter { name, unit, .. } in parameters {
                 let name = match name.strip_prefix("rate_") {
                     Some(station) if scene.stations.iter().any(|s| s == station) => "rate_",
                     _ => &name,

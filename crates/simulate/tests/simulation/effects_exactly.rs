@@ -2,7 +2,9 @@
 
 use serde_json::{Value, json};
 
-use crate::by_hand::{NONE, Reading, UM, assert_formula, of_length, of_station, of_target};
+use crate::by_hand::{
+    AIR, NONE, Reading, SPINDLE, UM, assert_formula, of_length, of_station, of_target,
+};
 use crate::exactness::{ARCSEC, Vector, add, scale, stage_motion, sub};
 
 const PPM: f64 = 1e-6;
@@ -64,6 +66,10 @@ fn instrument() {
         &|r| of_length(1.5 * PPM * r.distance_mm()),
     );
     assert_formula(
+        &effect("station_scale", one.clone(), &[("scale", -2.0, "ppm")]),
+        &|r| of_length(-2.0 * PPM * r.distance_mm() * Reading::when(r.station == "S2")),
+    );
+    assert_formula(
         &effect("dead_path_offset", one, &[("offset", 8.0, "um")]),
         &|r| of_length(8.0 * UM * Reading::when(r.station == "S2")),
     );
@@ -90,6 +96,19 @@ fn set_up() {
         &vector_effect("station_drift", json!({}), "creep", D_UM, None),
         &|r| of_station(scale(d_mm(), r.turn_progress)),
     );
+    for subject in [one.clone(), json!({})] {
+        let one = subject != json!({});
+        let mut settling = vector_effect("station_settling", subject, "settling", D_UM, None);
+        let constant = json!({ "name": "time_constant", "value": 250.0, "unit": "s" });
+        settling["parameters"]
+            .as_array_mut()
+            .unwrap()
+            .push(constant);
+        assert_formula(&settling, &|r| {
+            let concerned = if one { here(r) } else { 1.0 };
+            of_station(scale(d_mm(), concerned * (-r.turn_elapsed_s / 250.0).exp()))
+        });
+    }
     assert_formula(
         &vector_effect("station_jump", one, "jump", D_UM, Some(4200.0)),
         &|r| of_station(scale(d_mm(), here(r) * Reading::when(r.time_s > 4200.0))),
@@ -149,6 +168,41 @@ fn machine() {
             of_target([0.0, grown_mm, 0.0])
         },
     );
+}
+
+/// `T y' = ϑ - y` for ϑ that rises evenly from the first reading on.
+#[test]
+fn growth_with_temperatures() {
+    let [_, air] = AIR;
+    let [_, spindle] = SPINDLE;
+    let drift = [("scale_per_k", -0.9, "ppm/K")];
+    let with_air = json!({ "column": "air_temp_c" });
+    assert_formula(&effect("refraction_drift", with_air, &drift), &|r| {
+        of_length(-0.9 * PPM * r.distance_mm() * air * r.elapsed_s)
+    });
+    for lag_s in [0.0, 900.0] {
+        let warmer = move |r: &Reading<'_>| match lag_s {
+            0.0 => spindle * r.elapsed_s,
+            _ => spindle * (r.elapsed_s - lag_s * (1.0 - (-r.elapsed_s / lag_s).exp())),
+        };
+        let g = [4.0, -2.0, 9.0];
+        let names = ["growth_x", "growth_y", "growth_z"];
+        let mut parameters = [0, 1, 2].map(|i| (names[i], g[i], "um/K")).to_vec();
+        parameters.push(("time_constant", lag_s, "s"));
+        for (carrier, targets) in [("Z", ["P", "Q", "K"]), ("C", ["U", "V", "W"])] {
+            let subject = json!({ "carrier": carrier, "column": "machine_temp_spindle_c" });
+            assert_formula(&effect("thermal_growth", subject, &parameters), &|r| {
+                let there = Reading::when(targets.contains(&r.target));
+                of_target(scale(g, UM * warmer(r) * there))
+            });
+        }
+        let subject = json!({ "axis": "Y", "column": "machine_temp_spindle_c" });
+        let expansion = [("expansion", 11.0, "ppm/K"), ("time_constant", lag_s, "s")];
+        assert_formula(&effect("thermal_growth", subject, &expansion), &|r| {
+            let q = r.position("Y").unwrap_or(0.0);
+            of_target([0.0, 11.0 * PPM * q * warmer(r), 0.0])
+        });
+    }
 }
 
 #[test]

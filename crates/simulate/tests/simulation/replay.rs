@@ -59,6 +59,26 @@ fn what_is_off_in_all_readings_is_measured_again() {
     assert!(largest <= LENGTH_TOL_MM, "{largest:e}");
 }
 
+/// Growth with a temperature: the replay logs what the campaign did, averaged over 40 s, with lines between.
+#[test]
+fn what_grows_with_a_temperature_grows_again() {
+    let mut json = shipped::json("fxyz");
+    json["temperatures"] = serde_json::json!([{ "column": "machine_temp_c", "course": [
+        { "kind": "sine", "amplitude_k": 2.0, "period_s": 6000.0 } ] }]);
+    json["effects"] = serde_json::json!([{ "effect": "thermal_growth",
+        "subject": { "axis": "X", "column": "machine_temp_c" }, "parameters": [
+            { "name": "expansion", "value": 10.0, "unit": "ppm/K" },
+            { "name": "time_constant", "value": 300.0, "unit": "s" } ] }]);
+    let Simulated { campaign, truth } = simulate(&shipped::scenario(&json), 5).unwrap();
+    let replay = replay(&campaign, &truth).unwrap();
+    let again = simulate(&replay.scenario, 5).unwrap().campaign;
+    let pairs = lengths_mm(&again).into_iter().zip(lengths_mm(&campaign));
+    let largest = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    // X grows by 9 µm. While the tracker is carried, 900 s, nothing is logged, and a straight line is beside the
+    // sine by 2 K (2π/6000 s)² (900 s)²/8 = 0.2 K, which is 1 µm before the lag.
+    assert!(largest < 0.5e-3, "{largest:e}");
+}
+
 #[test]
 fn what_no_scenario_measures_is_refused() {
     let Simulated { campaign, truth } = simulated("fxyz");

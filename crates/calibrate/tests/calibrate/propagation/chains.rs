@@ -32,7 +32,7 @@ fn assert_propagates(what: &str, scenario: &Scenario) {
     let campaign = points_campaign(simulated(scenario), 1, &Isometry3::identity());
     let response = response(&campaign, Method::Nine);
     let [own, returns] = covariances(&campaign);
-    response.assert_stated(what, &campaign, &(own + returns));
+    response.assert_stated(what, &(own + returns));
 }
 
 /// A rotary table on X, behind the targets of the frame.

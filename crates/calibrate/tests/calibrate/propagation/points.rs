@@ -46,7 +46,7 @@ pub(crate) fn points_campaign(
 /// Response to every coordinate.
 pub(crate) fn response(campaign: &Campaign, method: Method) -> Response {
     let count = 3 * campaign.points.as_ref().unwrap().readings.len();
-    Response::new(campaign, count, |i, step_mm| {
+    Response::new(count, |i, step_mm| {
         let mut changed = campaign.clone();
         let readings = &mut changed.points.as_mut().unwrap().readings;
         readings[i / 3].position_mm[i % 3] += step_mm;
@@ -83,7 +83,7 @@ fn coordinates_propagate_to_everything() {
     let campaign = points_campaign(simulated(&two_branches()), 2, &frame);
     let response = response(&campaign, Method::Nine);
     let [own, returns] = covariances(&campaign);
-    response.assert_stated("coordinates", &campaign, &(&own + &returns));
+    response.assert_stated("coordinates", &(&own + &returns));
 
     let (own, returns) = (response.propagated(&own), response.propagated(&returns));
     for (i, (budget, _)) in response.budgets().into_iter().enumerate() {

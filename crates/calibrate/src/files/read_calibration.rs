@@ -1,0 +1,298 @@
+//! Reading the calibrated machine from `calibration.json` and `covariance.npz`.
+//!
+//! What a prediction does not need is not looked at.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::{Point3, Vector6};
+use serde::Deserialize;
+use trueaxis_campaign::{Direction, MachineSpec};
+use trueaxis_files::{Alternatives, DocumentError, DocumentProblem, Format, Place, field_line};
+use trueaxis_kinematics::{
+    AxisKind, Component, LocationComponent, LocationError, Machine, MotionError,
+};
+
+use crate::files::read_error::{CovarianceProblem, ReadError};
+use crate::machine::calibrated_machine::{
+    CalibratedMachine, MeasuredAxis, MeasuredNode, calibrated_axes,
+};
+use crate::result::factored_covariance::FactoredCovariance;
+use crate::result::output::Unit;
+
+const FORMAT: Format = Format {
+    name: "trueaxis-calibration",
+    version: 1,
+    noun: "a calibration",
+};
+
+#[derive(Deserialize)]
+#[serde(expecting = "an object: the calibration")]
+struct Document {
+    campaign: String,
+    machine: Option<MachineSpec>,
+    stations: Vec<serde::de::IgnoredAny>,
+    axes: Vec<AxisEntry>,
+    location_errors: BTreeMap<String, LocationEntry>,
+    #[serde(default)]
+    effects_taken_out: Vec<EffectEntry>,
+}
+
+#[derive(Deserialize)]
+struct EffectEntry {
+    effect: String,
+}
+
+#[derive(Deserialize)]
+#[serde(expecting = "an object: an axis")]
+struct AxisEntry {
+    name: String,
+    positions: Vec<f64>,
+    direction: Option<Vec<i8>>,
+    reference_point_mm: [f64; 3],
+    components: BTreeMap<String, CurveEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(expecting = "an object: an error curve")]
+struct CurveEntry {
+    #[serde(alias = "value_arcsec")]
+    value_um: Vec<f64>,
+    #[serde(alias = "u_arcsec")]
+    u_um: Vec<f64>,
+    dof: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(expecting = "an object: a location error")]
+struct LocationEntry {
+    #[serde(alias = "value_arcsec")]
+    value_mm: f64,
+    #[serde(alias = "u_arcsec")]
+    u_mm: f64,
+    dof: Option<f64>,
+}
+
+impl CalibratedMachine {
+    /// Reads `calibration.json`, and `covariance.npz` beside it.
+    ///
+    /// # Errors
+    /// [`ReadError`]: where, what was found, and what to do.
+    pub fn read(path: &Path) -> Result<Self, ReadError> {
+        let text = std::fs::read_to_string(path).map_err(|source| ReadError::Unreadable {
+            path: path.to_owned(),
+            mend: "give the path of a calibration.json",
+            source,
+        })?;
+        let document: Document = FORMAT.read(&text, Some(path))?;
+        let Some(spec) = &document.machine else {
+            let place = Place::file(path);
+            return Err(ReadError::NoMachine { place });
+        };
+        let machine = spec.build().map_err(|mut error| {
+            error.place.file = Some(path.to_owned());
+            error
+        })?;
+        let read = Measured::new(&document, machine).map_err(|mut error| {
+            if let Some(field) = error.place.field_path() {
+                error.place.line = Some(field_line(&text, field));
+            }
+            error.place.file = Some(path.to_owned());
+            error
+        })?;
+        let path = path.with_file_name(FactoredCovariance::FILE);
+        let bytes = std::fs::read(&path).map_err(|source| ReadError::Unreadable {
+            path: path.clone(),
+            mend: "it belongs beside calibration.json; copy it there, or calibrate the campaign again",
+            source,
+        })?;
+        let factors = read.factors(&bytes, document.stations.len());
+        let factors = factors.map_err(|problem| ReadError::Covariance { path, problem })?;
+        let effects = document.effects_taken_out.into_iter();
+        Ok(Self {
+            name: spec.name.clone(),
+            campaign: document.campaign,
+            effects_taken_out: effects.map(|entry| entry.effect).collect(),
+            dof: read.dof,
+            axes: calibrated_axes(&read.machine, read.axes, &factors),
+            machine: read.machine,
+            factors,
+        })
+    }
+}
+
+/// What `calibration.json` says of the errors.
+struct Measured {
+    machine: Machine,
+    /// In the order of the file.
+    axes: Vec<MeasuredAxis>,
+    /// Name, unit and stated standard uncertainty (in that unit) of each result.
+    results: Vec<(String, Unit, f64)>,
+    dof: f64,
+}
+
+impl Measured {
+    fn new(document: &Document, mut machine: Machine) -> Result<Self, DocumentError> {
+        let mut measured = Self {
+            machine: machine.clone(),
+            axes: Vec::new(),
+            results: Vec::new(),
+            dof: f64::INFINITY,
+        };
+        let names: Vec<String> = machine.axes().iter().map(|a| a.name().to_owned()).collect();
+        for (i, entry) in document.axes.iter().enumerate() {
+            let field = format!("axes[{i}]");
+            let index = trueaxis_files::index_of(
+                format!("{field}.name"),
+                "axis",
+                &entry.name,
+                &names.iter().map(String::as_str).collect::<Vec<_>>(),
+            )?;
+            let reference_mm = Point3::from(entry.reference_point_mm);
+            machine = machine.with_axes(|other, axis| match other == index {
+                true => axis.with_reference(reference_mm),
+                false => axis,
+            });
+            let nodes = measured.nodes(entry, machine.axes()[index].kind(), &field)?;
+            measured.axes.push(MeasuredAxis {
+                axis: index,
+                nodes,
+                location: LocationError::default(),
+                reported: Vec::new(),
+            });
+        }
+        measured.machine = machine;
+        measured.read_locations(&document.location_errors)?;
+        Ok(measured)
+    }
+
+    fn nodes(
+        &mut self,
+        entry: &AxisEntry,
+        kind: AxisKind,
+        field: &str,
+    ) -> Result<Vec<MeasuredNode>, DocumentError> {
+        let steps = entry.positions.len();
+        let require = |name: &str, found: usize| match found == steps {
+            true => Ok(()),
+            false => {
+                let found = format!("{found} entries");
+                let problem =
+                    DocumentProblem::value(found, format!("{steps}, one for each of `positions`"));
+                Err(problem.in_field(format!("{field}.{name}")))
+            }
+        };
+        if let Some(directions) = &entry.direction {
+            require("direction", directions.len())?;
+        }
+        let mut curves = Vec::new();
+        for component in Component::ALL {
+            let name = component.name(&entry.name);
+            let Some(curve) = entry.components.get(&name) else {
+                let problem = DocumentProblem::MissingField { name };
+                return Err(problem.in_field(format!("{field}.components")));
+            };
+            require(&format!("components.{name}"), curve.value_um.len())?;
+            require(&format!("components.{name}"), curve.u_um.len())?;
+            self.dof = self.dof.min(curve.dof.unwrap_or(f64::INFINITY));
+            curves.push((name, Unit::of_component(component), curve));
+        }
+        let of_step = |k: usize| {
+            let values = curves
+                .iter()
+                .map(|(_, unit, curve)| curve.value_um[k] * unit.size());
+            let position = entry.positions[k];
+            MeasuredNode {
+                position: match kind {
+                    AxisKind::Linear => position,
+                    AxisKind::Rotary => position.to_radians(),
+                },
+                direction: entry.direction.as_ref().map(|sides| match sides[k] > 0 {
+                    true => Direction::Forward,
+                    false => Direction::Backward,
+                }),
+                error: MotionError::from_vector(&Vector6::from_iterator(values)),
+            }
+        };
+        let nodes = (0..steps).map(of_step).collect();
+        for k in 0..steps {
+            for (name, unit, curve) in &curves {
+                let name = format!("{name} at {}", entry.positions[k]);
+                self.results.push((name, *unit, curve.u_um[k]));
+            }
+        }
+        Ok(nodes)
+    }
+
+    /// The location errors by their names, in the order of the results.
+    fn read_locations(
+        &mut self,
+        entries: &BTreeMap<String, LocationEntry>,
+    ) -> Result<(), DocumentError> {
+        let mut known = Vec::new();
+        for axis in &mut self.axes {
+            let geometry = &self.machine.axes()[axis.axis];
+            for component in geometry.location_components() {
+                let name = component.name(geometry.name());
+                known.push(name.clone());
+                let Some(entry) = entries.get(&name) else {
+                    continue;
+                };
+                let unit = Unit::of_location(component);
+                let value = entry.value_mm * unit.size();
+                match component {
+                    LocationComponent::Offset(i) => axis.location.offset_mm[i] = value,
+                    LocationComponent::Tilt(i) => axis.location.tilt_rad[i] = value,
+                }
+                axis.reported.push(component);
+                self.results.push((name, unit, entry.u_mm));
+                self.dof = self.dof.min(entry.dof.unwrap_or(f64::INFINITY));
+            }
+            // A tilt is across the axis: the part that has no name follows from the others.
+            let (direction, principal) = (geometry.direction(), geometry.principal());
+            let along = direction.dot(&axis.location.tilt_rad);
+            axis.location.tilt_rad[principal] -= along / direction[principal];
+        }
+        let unknown = entries.keys().find(|name| !known.contains(name));
+        match unknown {
+            None => Ok(()),
+            Some(name) => Err(DocumentProblem::UnknownName {
+                what: "location error",
+                alternatives: Alternatives::new(name, &known),
+                name: name.clone(),
+            }
+            .in_field(format!("location_errors.{name}"))),
+        }
+    }
+
+    /// The covariance, which must be that of these results.
+    fn factors(
+        &self,
+        bytes: &[u8],
+        stations: usize,
+    ) -> Result<FactoredCovariance, CovarianceProblem> {
+        let nodes = self.axes.iter().map(|axis| axis.nodes.len()).sum();
+        let count = self.results.len() + 4 * stations;
+        let in_file = FactoredCovariance::from_npz(bytes, nodes, count)?;
+        for (i, (name, unit, expected)) in self.results.iter().enumerate() {
+            let u = in_file.between(&[(i, 1.0)], &[(i, 1.0)]).max(0.0).sqrt();
+            if (u - expected).abs() > SAME_U * expected + ROUNDED_U {
+                return Err(CovarianceProblem::OtherUncertainty {
+                    result: format!("{name} ({})", unit.suffix()),
+                    found: u,
+                    expected: *expected,
+                });
+            }
+        }
+        let units = self.results.iter().map(|(_, unit, _)| unit.size());
+        let units: Vec<f64> = units
+            .chain(std::iter::repeat_n(1.0, 4 * stations))
+            .collect();
+        Ok(in_file.scaled(&units))
+    }
+}
+
+/// Standard uncertainties of one result that differ by no more are the same: relative, and what `calibration.json`
+/// rounds (µm, ″ or mm).
+const SAME_U: f64 = 1e-4;
+const ROUNDED_U: f64 = 1e-5;

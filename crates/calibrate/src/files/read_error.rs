@@ -1,0 +1,89 @@
+//! What can be wrong with the files of a calibration.
+
+use std::io;
+use std::path::PathBuf;
+
+use trueaxis_files::{DocumentError, NpzError, Place};
+
+/// A calibration that cannot be read from its files.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// A file cannot be read.
+    #[error("{} cannot be read; {mend}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What to do.
+        mend: &'static str,
+        /// The reason of the operating system.
+        source: io::Error,
+    },
+    /// `calibration.json` is wrong.
+    #[error(transparent)]
+    Document(#[from] DocumentError),
+    /// Its machine is wrong.
+    #[error(transparent)]
+    Machine(#[from] trueaxis_campaign::Error),
+    /// It does not hold the machine.
+    #[error(
+        "{place}: field `machine` is missing, as in files of earlier releases; calibrate the campaign again \
+         (`trueaxis calibrate`)"
+    )]
+    NoMachine {
+        /// The file.
+        place: Box<Place>,
+    },
+    /// The covariance is wrong.
+    #[error(
+        "{}: {problem}; keep the two files of a calibration together, or calibrate the campaign again",
+        path.display()
+    )]
+    Covariance {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        problem: CovarianceProblem,
+    },
+}
+
+/// What can be wrong with `covariance.npz`.
+#[derive(Debug, thiserror::Error)]
+pub enum CovarianceProblem {
+    /// It cannot be read.
+    #[error(transparent)]
+    File(#[from] NpzError),
+    /// An array is not there.
+    #[error("array `{name}` is missing")]
+    NoArray {
+        /// Its name.
+        name: &'static str,
+    },
+    /// An array of another size: another calibration.
+    #[error(
+        "array `{name}` has the shape {found:?}, expected {expected} for the results of this calibration.json"
+    )]
+    Shape {
+        /// Its name.
+        name: &'static str,
+        /// Its shape.
+        found: Vec<usize>,
+        /// What it should be.
+        expected: String,
+    },
+    /// An array with something that is no number.
+    #[error("array `{name}` has elements that are not finite")]
+    NotFinite {
+        /// Its name.
+        name: &'static str,
+    },
+    /// Its uncertainties are others.
+    #[error("the standard uncertainty of {result} is {found}, in calibration.json {expected}")]
+    OtherUncertainty {
+        /// Name and unit of the result.
+        result: String,
+        /// That of the covariance.
+        found: f64,
+        /// That of `calibration.json`.
+        expected: f64,
+    },
+}

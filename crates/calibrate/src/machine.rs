@@ -1,0 +1,6 @@
+//! The machine as measured: its errors anywhere, and how well they are known.
+
+pub(crate) mod calibrated_machine;
+pub(crate) mod curve;
+pub(crate) mod predict;
+pub(crate) mod remainder;

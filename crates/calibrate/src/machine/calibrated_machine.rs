@@ -1,0 +1,224 @@
+//! The noun: a machine with its errors.
+
+use trueaxis_campaign::Direction;
+use trueaxis_kinematics::{
+    GeometricErrors, LocationComponent, LocationError, Machine, MotionError,
+};
+
+use crate::machine::curve::{Curve, Sample};
+use crate::machine::remainder::Remainder;
+use crate::result::calibration::{AxisResult, Calibration};
+use crate::result::factored_covariance::FactoredCovariance;
+use crate::result::interpolation::Place;
+
+/// A machine with its geometric errors as calibrated, and how well they are known.
+///
+/// It predicts through the exact rigid motions of [`Machine`]. Axes that were not measured have no errors, and their
+/// unknown ones are not in any uncertainty ([`CalibratedMachine::unmeasured`]).
+#[derive(Debug, Clone, PartialEq)]
+pub struct CalibratedMachine {
+    /// Name of the machine.
+    pub name: String,
+    /// Name of the campaign in which it was measured.
+    pub campaign: String,
+    /// Names of effects that were taken out of the lengths first.
+    pub effects_taken_out: Vec<String>,
+    /// Least degrees of freedom of any standard uncertainty of the calibration: the factor for an interval is
+    /// [`crate::coverage_factor`].
+    pub dof: f64,
+    /// With the reference points of the component errors.
+    pub(crate) machine: Machine,
+    /// In the order of the machine.
+    pub(crate) axes: Vec<CalibratedAxis>,
+    pub(crate) factors: FactoredCovariance,
+}
+
+/// The measured errors of an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct MeasuredAxis {
+    /// Index among the machine's axes.
+    pub(crate) axis: usize,
+    pub(crate) nodes: Vec<MeasuredNode>,
+    pub(crate) location: LocationError,
+    /// The location errors that the frame does not define away.
+    pub(crate) reported: Vec<LocationComponent>,
+}
+
+/// Component errors at a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct MeasuredNode {
+    pub(crate) position: f64,
+    pub(crate) direction: Option<Direction>,
+    pub(crate) error: MotionError,
+}
+
+/// An axis that predicts.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct CalibratedAxis {
+    pub(crate) axis: usize,
+    pub(crate) errors: Vec<MotionError>,
+    pub(crate) location: LocationError,
+    pub(crate) reported: Vec<LocationComponent>,
+    /// First and last step.
+    pub(crate) range: [f64; 2],
+    pub(crate) curve: Curve,
+    pub(crate) remainder: Remainder,
+    /// Places of its first component and location error among the results.
+    pub(crate) first: usize,
+    pub(crate) first_location: usize,
+}
+
+impl Place for MeasuredNode {
+    fn position(&self) -> f64 {
+        self.position
+    }
+
+    fn direction(&self) -> Option<Direction> {
+        self.direction
+    }
+}
+
+impl Calibration {
+    /// The calibrated machine, which predicts.
+    pub fn calibrated_machine(&self) -> CalibratedMachine {
+        let dof = self.results().into_iter().map(|result| result.dof);
+        let effects = self.effects.iter();
+        CalibratedMachine {
+            name: self.machine_spec.name.clone(),
+            campaign: self.campaign.clone(),
+            effects_taken_out: effects.map(|effect| effect.effect.clone()).collect(),
+            dof: dof.fold(f64::INFINITY, f64::min),
+            machine: self.with_reference_points(),
+            axes: calibrated_axes(
+                &self.machine,
+                self.axes.iter().map(measured_axis).collect(),
+                &self.factors,
+            ),
+            factors: self.factors.clone(),
+        }
+    }
+
+    /// The machine with the reference points that the component errors are given for.
+    fn with_reference_points(&self) -> Machine {
+        self.machine.with_axes(|index, axis| {
+            match self.axes.iter().find(|result| result.axis == index) {
+                Some(result) => axis.with_reference(result.reference_point_mm),
+                None => axis,
+            }
+        })
+    }
+}
+
+fn measured_axis(axis: &AxisResult) -> MeasuredAxis {
+    let nodes = axis.nodes.iter().map(|node| MeasuredNode {
+        position: node.position,
+        direction: node.direction,
+        error: node.error,
+    });
+    let reported = axis.location_errors.iter();
+    MeasuredAxis {
+        axis: axis.axis,
+        nodes: nodes.collect(),
+        location: axis.location,
+        reported: reported.map(|location| location.component).collect(),
+    }
+}
+
+/// The axes, in the order of the results.
+pub(crate) fn calibrated_axes(
+    machine: &Machine,
+    measured: Vec<MeasuredAxis>,
+    factors: &FactoredCovariance,
+) -> Vec<CalibratedAxis> {
+    let mut first = 0;
+    let mut first_location: usize = measured.iter().map(|axis| 6 * axis.nodes.len()).sum();
+    let of_axis = |axis: MeasuredAxis| {
+        let kind = machine.axes()[axis.axis].kind();
+        let curve = Curve::new(kind, &axis.nodes);
+        let errors: Vec<MotionError> = axis.nodes.iter().map(|node| node.error).collect();
+        let at = |node: Option<&MeasuredNode>| node.map_or(0.0, |node| node.position);
+        let calibrated = CalibratedAxis {
+            axis: axis.axis,
+            location: axis.location,
+            range: [at(axis.nodes.first()), at(axis.nodes.last())],
+            remainder: Remainder::new(&curve, &errors, factors, first),
+            curve,
+            first,
+            first_location,
+            errors,
+            reported: axis.reported,
+        };
+        first += 6 * calibrated.errors.len();
+        first_location += calibrated.reported.len();
+        calibrated
+    };
+    measured.into_iter().map(of_axis).collect()
+}
+
+impl CalibratedAxis {
+    /// The component errors of a sample of the curve.
+    pub(crate) fn error(&self, sample: &Sample) -> MotionError {
+        weighted(&self.errors, sample)
+    }
+}
+
+/// The component errors of a sample of a curve with these errors at its nodes.
+fn weighted(errors: &[MotionError], sample: &Sample) -> MotionError {
+    let weights = sample.weights.iter();
+    let sum = weights.map(|&(node, weight)| errors[node].to_vector() * weight);
+    MotionError::from_vector(&sum.sum())
+}
+
+impl CalibratedMachine {
+    /// The nominal machine, with the reference points that the component errors are given for.
+    pub fn machine(&self) -> &Machine {
+        &self.machine
+    }
+
+    /// Names of axes that were not measured.
+    pub fn unmeasured(&self) -> Vec<&str> {
+        let axes = self.machine.axes().iter().enumerate();
+        let unmeasured = axes.filter(|(i, _)| self.axis(*i).is_none());
+        unmeasured.map(|(_, axis)| axis.name()).collect()
+    }
+
+    /// The measured errors of an axis of the machine.
+    pub(crate) fn axis(&self, index: usize) -> Option<&CalibratedAxis> {
+        self.axes.iter().find(|axis| axis.axis == index)
+    }
+}
+
+impl GeometricErrors for CalibratedMachine {
+    fn location(&self, axis: usize) -> LocationError {
+        self.axis(axis)
+            .map_or_else(LocationError::default, |axis| axis.location)
+    }
+
+    fn motion(&self, axis: usize, position: f64) -> MotionError {
+        self.axis(axis).map_or_else(MotionError::default, |axis| {
+            axis.error(&axis.curve.at(position))
+        })
+    }
+}
+
+impl AxisResult {
+    /// Component errors at any position, as the calibrated machine has them: local cubic interpolation between the
+    /// measured ones; the mean of the sides of approach that reach the position; the nearest one if none does.
+    pub fn error_at(&self, position: f64) -> MotionError {
+        let errors: Vec<MotionError> = self.nodes.iter().map(|node| node.error).collect();
+        weighted(&errors, &Curve::new(self.kind, &self.nodes).at(position))
+    }
+}
+
+/// As [`CalibratedMachine`].
+impl GeometricErrors for Calibration {
+    fn location(&self, axis: usize) -> LocationError {
+        let result = self.axes.iter().find(|result| result.axis == axis);
+        result.map_or_else(LocationError::default, |result| result.location)
+    }
+
+    fn motion(&self, axis: usize, position: f64) -> MotionError {
+        let result = self.axes.iter().find(|result| result.axis == axis);
+        result.map_or_else(MotionError::default, |result| result.error_at(position))
+    }
+}

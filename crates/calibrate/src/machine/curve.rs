@@ -1,0 +1,328 @@
+//! The component errors of an axis between its steps.
+//!
+//! Local interpolation by the polynomial through the nearest steps, four of them (Lagrange; unequal spacings are
+//! no matter), so that the result is linear in the data and a wrong step stays where it is:
+//!
+//! ```text
+//! p(q) = Σ_j f_j Π_{i≠j} (q - q_i) / (q_j - q_i)     f(q) - p(q) = f[q_0, …, q_3, q] ω(q)     ω(q) = Π_j (q - q_j)
+//! ```
+//!
+//! with Newton's remainder, a divided difference of fourth order (J. Stoer, R. Bulirsch, *Introduction to Numerical
+//! Analysis*, 2.1.3 and 2.1.4). Of three steps it takes two at a time, of four three, so that a step can be left out
+//! to see how well that goes ([`crate::machine::remainder`]). A rotary axis whose steps go round a full turn has no
+//! ends. Outside its steps an axis has the errors of the nearest.
+
+use std::f64::consts::TAU;
+
+use trueaxis_kinematics::AxisKind;
+
+use crate::result::interpolation::{Place, sides_of};
+
+/// Steps that take part in the polynomial.
+const MOST_STEPS: usize = 4;
+
+/// A gap that is larger than the largest between steps by no more than this factor closes a turn.
+const CLOSING_GAP: f64 = 1.5;
+
+/// Positions this close are one, mm or rad: files round degrees to 1e-9.
+const SAME: f64 = 1e-9;
+
+/// The steps of an axis, on each side of approach.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Curve {
+    sides: Vec<Side>,
+}
+
+/// The component errors at a position as a linear function of those at the nodes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Sample {
+    /// Nodes and weights, which add up to one.
+    pub(crate) weights: Vec<(usize, f64)>,
+    /// `|ω|`: what the interpolation may be off by, for a divided difference of one.
+    pub(crate) remainder: f64,
+    /// Distance from the nearest step for a position outside all steps, mm or rad.
+    pub(crate) beyond: f64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Side {
+    /// In order of position; behind the ends of a closed turn those of the turns before and after it.
+    knots: Vec<Knot>,
+    /// First and last step.
+    range: [f64; 2],
+    is_closed: bool,
+    /// Number of steps in a polynomial.
+    order: usize,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Knot {
+    position: f64,
+    node: usize,
+}
+
+impl Curve {
+    /// Of nodes in order of position.
+    pub(crate) fn new(kind: AxisKind, nodes: &[impl Place]) -> Self {
+        let of_side = |side| {
+            let numbered = nodes.iter().enumerate();
+            let own = numbered.filter(|(_, place)| place.direction() == side);
+            let knots = own.map(|(node, place)| Knot {
+                position: place.position(),
+                node,
+            });
+            Side::new(kind, knots.collect())
+        };
+        Self {
+            sides: sides_of(nodes).into_iter().map(of_side).collect(),
+        }
+    }
+
+    /// The curve at a position: the mean of the sides of approach that reach it, the nearest step if none does.
+    pub(crate) fn at(&self, position: f64) -> Sample {
+        let mut samples: Vec<Sample> = self.sides.iter().map(|side| side.at(position)).collect();
+        let beyond = samples.iter().map(|sample| sample.beyond);
+        let least = beyond.fold(f64::INFINITY, f64::min);
+        samples.retain(|sample| sample.beyond <= least);
+        let share = 1.0 / samples.len().max(1) as f64;
+        let mut mean = Sample::default();
+        for sample in samples {
+            let weights = sample.weights.into_iter();
+            mean.weights
+                .extend(weights.map(|(node, weight)| (node, weight * share)));
+            mean.remainder += sample.remainder * share;
+            mean.beyond += sample.beyond * share;
+        }
+        mean
+    }
+
+    /// Divided differences over neighbouring steps as functions of the nodes: of the order of the interpolation's
+    /// remainder, or the first.
+    pub(crate) fn divided_differences(&self, first_order: bool) -> Vec<Vec<(usize, f64)>> {
+        let of_side = |side: &Side| -> Vec<Vec<(usize, f64)>> {
+            let order = if first_order { 1 } else { side.order };
+            let windows = side.knots.windows(order + 1);
+            windows.map(divided_difference).collect()
+        };
+        self.sides.iter().flat_map(of_side).collect()
+    }
+}
+
+impl Side {
+    fn new(kind: AxisKind, mut knots: Vec<Knot>) -> Self {
+        let steps = knots.len();
+        let at = |k: Option<&Knot>| k.map_or(0.0, |knot| knot.position);
+        let range = [at(knots.first()), at(knots.last())];
+        let gaps = knots
+            .windows(2)
+            .map(|pair| pair[1].position - pair[0].position);
+        let largest_gap = gaps.fold(0.0, f64::max);
+        let closing_gap = TAU - (range[1] - range[0]);
+        let is_closed = kind == AxisKind::Rotary
+            && steps > MOST_STEPS
+            && closing_gap <= CLOSING_GAP * largest_gap;
+        if is_closed {
+            knots = with_other_turns(&knots, range);
+        }
+        Self {
+            knots,
+            range,
+            is_closed,
+            // One step fewer than there are, so that one can be left out; two always make a line.
+            order: steps.saturating_sub(1).clamp(2, MOST_STEPS).min(steps),
+        }
+    }
+
+    fn at(&self, mut position: f64) -> Sample {
+        let [first, last] = self.range;
+        if self.is_closed && !(first - SAME..=last + SAME).contains(&position) {
+            position = first + (position - first).rem_euclid(TAU);
+        }
+        let above = self.knots.partition_point(|knot| knot.position < position);
+        let neighbours = self.knots[above.saturating_sub(1)..].iter().take(2);
+        let distance = |knot: &Knot| (knot.position - position).abs();
+        let nearest = neighbours.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let Some(nearest) = nearest else {
+            return Sample {
+                beyond: f64::INFINITY,
+                ..Sample::default()
+            };
+        };
+        let beyond = match self.is_closed {
+            true => 0.0,
+            false => (first - position).max(position - last),
+        };
+        if distance(nearest) <= SAME || beyond > 0.0 {
+            return Sample {
+                weights: vec![(nearest.node, 1.0)],
+                remainder: 0.0,
+                beyond: if beyond > SAME { beyond } else { 0.0 },
+            };
+        }
+        let start = above.saturating_sub(1).saturating_sub((self.order - 1) / 2);
+        let start = start.min(self.knots.len() - self.order);
+        let stencil = &self.knots[start..start + self.order];
+        let distances = stencil.iter().map(distance);
+        Sample {
+            weights: lagrange(stencil, position),
+            remainder: distances.product(),
+            beyond: 0.0,
+        }
+    }
+}
+
+/// As many steps of the turns before and after as a polynomial at the ends takes; steps of both ends that are at
+/// the same angle are there once.
+fn with_other_turns(knots: &[Knot], [first, last]: [f64; 2]) -> Vec<Knot> {
+    let turned = |by: f64| {
+        knots.iter().map(move |knot| Knot {
+            position: knot.position + by,
+            ..*knot
+        })
+    };
+    let before = turned(-TAU).filter(|knot| knot.position < first - SAME);
+    let mut before: Vec<Knot> = before.collect();
+    before.drain(..before.len().saturating_sub(MOST_STEPS));
+    let after = turned(TAU).filter(|knot| knot.position > last + SAME);
+    let after = after.take(MOST_STEPS);
+    before
+        .into_iter()
+        .chain(knots.iter().copied())
+        .chain(after)
+        .collect()
+}
+
+/// Weights of Lagrange's polynomial.
+fn lagrange(stencil: &[Knot], position: f64) -> Vec<(usize, f64)> {
+    let weight = |j: &Knot| {
+        let others = stencil
+            .iter()
+            .filter(|i| i.position.total_cmp(&j.position).is_ne());
+        let factors = others.map(|i| (position - i.position) / (j.position - i.position));
+        (j.node, factors.product())
+    };
+    stencil.iter().map(weight).collect()
+}
+
+/// `f[q_0, …] = Σ_j f_j / Π_{i≠j} (q_j - q_i)`.
+fn divided_difference(knots: &[Knot]) -> Vec<(usize, f64)> {
+    let weight = |j: &Knot| {
+        let others = knots
+            .iter()
+            .filter(|i| i.position.total_cmp(&j.position).is_ne());
+        let factors = others.map(|i| j.position - i.position);
+        (j.node, factors.product::<f64>().recip())
+    };
+    knots.iter().map(weight).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trueaxis_campaign::Direction::{self, Backward, Forward};
+
+    struct At(f64, Option<Direction>);
+
+    impl Place for At {
+        fn position(&self) -> f64 {
+            self.0
+        }
+
+        fn direction(&self) -> Option<Direction> {
+            self.1
+        }
+    }
+
+    fn places(positions: impl IntoIterator<Item = f64>) -> Vec<At> {
+        positions.into_iter().map(|q| At(q, None)).collect()
+    }
+
+    fn value(curve: &Curve, nodes: &[At], f: impl Fn(f64) -> f64, q: f64) -> f64 {
+        let weights = curve.at(q).weights;
+        weights
+            .iter()
+            .map(|&(n, weight)| weight * f(nodes[n].0))
+            .sum()
+    }
+
+    #[test]
+    fn cubics_come_back_and_quartics_differ_by_the_remainder() {
+        let nodes = places([0.0, 10.0, 30.0, 35.0, 50.0, 80.0]);
+        let curve = Curve::new(AxisKind::Linear, &nodes);
+        let cubic = |q: f64| 3.0 - 0.2 * q + 0.01 * q * q - 2e-4 * q.powi(3);
+        let quartic = |q: f64| cubic(q) + 7e-6 * q.powi(4);
+        for difference in curve.divided_differences(false) {
+            let found: f64 = difference
+                .iter()
+                .map(|&(n, w)| w * quartic(nodes[n].0))
+                .sum();
+            assert!((found - 7e-6).abs() < 1e-15, "{found}");
+        }
+        for i in 0..=160 {
+            let q = 0.5 * f64::from(i);
+            assert!((value(&curve, &nodes, cubic, q) - cubic(q)).abs() < 1e-12);
+            let off = value(&curve, &nodes, quartic, q) - quartic(q);
+            let expected = 7e-6 * curve.at(q).remainder;
+            assert!(
+                (off.abs() - expected).abs() < 1e-12,
+                "{q}: {off} {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_turn_has_no_ends() {
+        let f = |q: f64| (2.0 * q).sin() + 0.3 * q.cos();
+        for last in [17, 18] {
+            let nodes = places((0..=last).map(|i| f64::from(20 * i).to_radians()));
+            let curve = Curve::new(AxisKind::Rotary, &nodes);
+            for degrees in [-5.0_f64, 3.0, 345.0, 352.0, 359.0, 367.0] {
+                let q = degrees.to_radians();
+                let off = value(&curve, &nodes, f, q) - f(q);
+                assert!(off.abs() < 0.01, "{degrees}: {off}");
+                assert!(curve.at(q).beyond < f64::MIN_POSITIVE);
+            }
+        }
+        // Half a turn has.
+        let nodes = places((0..=9).map(|i| f64::from(20 * i).to_radians()));
+        let outside = Curve::new(AxisKind::Rotary, &nodes).at(190_f64.to_radians());
+        assert_eq!(outside.weights, [(9, 1.0)]);
+        assert!((outside.beyond - 10_f64.to_radians()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn few_steps_make_lines_and_parabolas() {
+        for (steps, powers) in [(1, 1), (2, 2), (3, 2), (4, 3), (5, 4)] {
+            let nodes = places((0..steps).map(|i| f64::from(i * 10)));
+            let curve = Curve::new(AxisKind::Linear, &nodes);
+            let f = |q: f64| (0..powers).map(|p| (0.1 * q - 0.3).powi(p)).sum::<f64>();
+            let q = 4.0_f64.min(f64::from(steps - 1) * 10.0);
+            assert!(
+                (value(&curve, &nodes, f, q) - f(q)).abs() < 1e-12,
+                "{steps}"
+            );
+        }
+    }
+
+    #[test]
+    fn sides_that_reach_a_position_share_it() {
+        let nodes = [
+            At(0.0, Some(Forward)),
+            At(10.0, Some(Backward)),
+            At(10.0, Some(Forward)),
+            At(20.0, Some(Backward)),
+            At(20.0, Some(Forward)),
+        ];
+        let curve = Curve::new(AxisKind::Linear, &nodes);
+        assert_eq!(curve.at(5.0).weights, [(0, 0.5), (2, 0.5)]);
+        assert_eq!(curve.at(10.0).weights, [(1, 0.5), (2, 0.5)]);
+        let sum: f64 = curve
+            .at(15.0)
+            .weights
+            .iter()
+            .map(|(_, weight)| weight)
+            .sum();
+        assert!((sum - 1.0).abs() < 1e-15);
+        assert!((curve.at(-3.0).beyond - 3.0).abs() < 1e-15);
+    }
+}

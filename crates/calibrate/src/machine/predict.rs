@@ -1,0 +1,152 @@
+//! The error of the tool against the workpiece at any place, with its covariance.
+//!
+//! The error itself follows from the exact motions ([`Machine::tool_error`]). To first order it changes with the
+//! errors of every axis of both branches by their error motions at the tool point, with the component errors at the
+//! steps by the weights of the interpolation, and with what the interpolation leaves:
+//!
+//! ```text
+//! dδ, dε = W⁻¹ (Σ_tool twist - Σ_workpiece twist)      cov = J cov(results) Jᵀ + K diag(u_interpolation²) Kᵀ
+//! ```
+//!
+//! Location errors that the frame defines away are certain.
+
+use nalgebra::{Isometry3, Matrix6, Matrix6xX, Point3, Vector6};
+use trueaxis_kinematics::{Branch, GeometricErrors, LocationComponent, Machine, MotionError};
+
+use crate::in_order;
+use crate::machine::calibrated_machine::{CalibratedAxis, CalibratedMachine};
+use crate::machine::curve::Sample;
+use crate::propagate::axis_twist::{ROTATION, SHIFT, TILT, TRANSLATION, axis_twist};
+
+/// The error of the tool against the workpiece.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prediction {
+    /// Displacement of the tool point (mm) and rotation of the tool (rad), actual against nominal, along the
+    /// reference axes of the workpiece at home, which turn with it.
+    pub error: MotionError,
+    /// Its covariance in the order of [`MotionError::to_vector`], mm and rad.
+    pub covariance: Matrix6<f64>,
+    /// The part of it that comes from interpolation between the steps.
+    pub of_interpolation: Matrix6<f64>,
+    /// Whether an axis stands outside its steps (or was not measured): the errors of its nearest step are taken.
+    pub extrapolated: bool,
+}
+
+impl Prediction {
+    /// Standard uncertainties in the order of [`MotionError::to_vector`], mm and rad.
+    pub fn u(&self) -> Vector6<f64> {
+        self.covariance.diagonal().map(|v| v.max(0.0).sqrt())
+    }
+}
+
+impl CalibratedMachine {
+    /// The error of the tool against the workpiece at commanded positions of all axes (mm or rad, in the order of
+    /// [`Machine::axes`]) for the tool point that is at `tool_home_mm` in the reference frame at home.
+    ///
+    /// For a machine with one branch this is the error of a point that the branch carries: seen from the reference
+    /// frame if the branch carries the tool, from the workpiece otherwise.
+    ///
+    /// # Panics
+    /// If `positions` are fewer than the axes of the machine.
+    pub fn predict(&self, positions: &[f64], tool_home_mm: Point3<f64>) -> Prediction {
+        let mut functions = Vec::new();
+        let mut of_interpolation = Matrix6::zeros();
+        let mut extrapolated = false;
+        for (axis, effect) in self.effects(positions, tool_home_mm) {
+            let sample = axis.curve.at(positions[axis.axis]);
+            extrapolated |= sample.beyond > 0.0;
+            functions.extend(influences(&self.machine, axis, &sample, &effect));
+            let u = axis.remainder.u(&sample);
+            let of_components = effect.fixed_columns::<6>(TRANSLATION);
+            of_interpolation += of_components
+                * Matrix6::from_diagonal(&u.component_mul(&u))
+                * of_components.transpose();
+        }
+        let covariance = self.factors.of_functions(&functions, &functions) + of_interpolation;
+        Prediction {
+            error: self.machine.tool_error(self, positions, tool_home_mm),
+            covariance: (covariance + covariance.transpose()) * 0.5,
+            of_interpolation,
+            extrapolated: extrapolated || self.axes.len() < self.machine.axes().len(),
+        }
+    }
+
+    /// [`CalibratedMachine::predict`] at many places, on all threads.
+    pub fn predict_all(&self, places: &[(Vec<f64>, Point3<f64>)]) -> Vec<Prediction> {
+        in_order::map(places.len(), |i| self.predict(&places[i].0, places[i].1))
+    }
+
+    /// The point of the tool (or, without axes that move a tool, of the workpiece) whose displacement the component
+    /// errors of its last axis give, mm: where a place on the tool is not asked for.
+    pub fn reference_point_mm(&self) -> Point3<f64> {
+        let [tool, workpiece] =
+            [Branch::Tool, Branch::Workpiece].map(|branch| self.machine.branch(branch));
+        let last = tool.last().or(workpiece.last());
+        last.map_or_else(Point3::origin, |&axis| {
+            self.machine.axes()[axis].reference_mm()
+        })
+    }
+
+    /// For each measured axis of both branches what its errors do to tool point and tool: a column for each of
+    /// [`axis_twist`].
+    pub(crate) fn effects(
+        &self,
+        positions: &[f64],
+        tool_home_mm: Point3<f64>,
+    ) -> Vec<(&CalibratedAxis, Matrix6xX<f64>)> {
+        let machine = &self.machine;
+        let [tool, workpiece] =
+            [Branch::Tool, Branch::Workpiece].map(|branch| machine.branch(branch));
+        let tool_point = machine.chain_motion(self, tool, positions) * tool_home_mm;
+        let from_bed = machine.chain_motion(self, workpiece, positions).rotation;
+        let from_bed = from_bed.inverse().to_rotation_matrix().into_inner();
+        let mut all = Vec::new();
+        for (chain, sign) in [(tool, 1.0), (workpiece, -1.0)] {
+            let mut base = Isometry3::identity();
+            for &index in chain {
+                let (geometry, position) = (&machine.axes()[index], positions[index]);
+                let (location, error) = (self.location(index), self.motion(index, position));
+                if let Some(axis) = self.axis(index) {
+                    let twist = axis_twist(geometry, position, &location, &error).seen_from(&base);
+                    let mut effect = Matrix6xX::zeros(twist.rotation.ncols());
+                    let displacement = from_bed * twist.at(tool_point) * sign;
+                    effect.fixed_rows_mut::<3>(0).copy_from(&displacement);
+                    let rotation = from_bed * &twist.rotation * sign;
+                    effect.fixed_rows_mut::<3>(3).copy_from(&rotation);
+                    all.push((axis, effect));
+                }
+                base *= geometry.motion(position, &location, &error);
+            }
+        }
+        all
+    }
+}
+
+/// What the results of an axis do to the error: their places, and mm and rad for mm or rad.
+pub(crate) fn influences(
+    machine: &Machine,
+    axis: &CalibratedAxis,
+    sample: &Sample,
+    effect: &Matrix6xX<f64>,
+) -> Vec<(usize, Vector6<f64>)> {
+    let column = |i: usize| -> Vector6<f64> { effect.column(i).into_owned() };
+    let mut all = Vec::new();
+    for &(node, weight) in &sample.weights {
+        let first = axis.first + 6 * node;
+        all.extend((0..3).map(|c| (first + c, column(TRANSLATION + c) * weight)));
+        all.extend((0..3).map(|c| (first + 3 + c, column(ROTATION + c) * weight)));
+    }
+    let geometry = &machine.axes()[axis.axis];
+    let (direction, principal) = (geometry.direction(), geometry.principal());
+    for (i, component) in axis.reported.iter().enumerate() {
+        let influence = match *component {
+            LocationComponent::Offset(c) => column(SHIFT + c),
+            // A tilt is across the axis: the part that has no name follows from the others.
+            LocationComponent::Tilt(c) => {
+                column(TILT + c) - column(TILT + principal) * (direction[c] / direction[principal])
+            }
+        };
+        all.push((axis.first_location + i, influence));
+    }
+    all
+}

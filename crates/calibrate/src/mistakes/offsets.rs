@@ -1,0 +1,67 @@
+//! Lengths that are all off by the same amount, against what the others predict.
+
+use trueaxis_campaign::Campaign;
+use trueaxis_kinematics::MICROMETRE;
+
+use crate::mistakes::mistake::Mistake;
+use crate::mistakes::scope::Scope;
+use crate::result::calibration::Calibration;
+
+/// Scatter about the mean that the machine's return and the noise may have, mm: more is no constant.
+const SCATTER_MM: f64 = 20.0 * MICROMETRE;
+
+/// A constant is named from so many times its scatter on.
+const SIGNIFICANT: f64 = 10.0;
+
+/// Fewer lengths prove nothing.
+const LEAST: usize = 5;
+
+/// The mean difference of the lengths of a part to a target from what a calibration without them predicts, if it is
+/// a constant.
+pub(crate) fn offset(
+    campaign: &Campaign,
+    calibration: &Calibration,
+    target: usize,
+    scope: &Scope,
+) -> Option<Mistake> {
+    let lengths = campaign.lengths.as_ref()?;
+    let content = &campaign.targets[target];
+    let home = calibration
+        .targets
+        .iter()
+        .find(|t| t.name == content.name)?;
+    let constant_mm = calibration
+        .reflectors
+        .iter()
+        .find(|r| r.name == *content.reflector.as_ref().unwrap_or(&content.name))
+        .map_or(0.0, |reflector| reflector.constant_mm);
+    let chain = campaign.machine.chain(content.carrier);
+    let mut differences_mm = Vec::new();
+    for stop in lengths
+        .stops
+        .iter()
+        .filter(|stop| scope.holds(campaign, stop))
+    {
+        let positions = &campaign.steps[stop.step].positions;
+        let motion = campaign.machine.chain_motion(calibration, chain, positions);
+        let station = &calibration.stations[stop.station];
+        let distance_mm = (motion * home.position_mm - station.position_mm).norm();
+        let predicted_mm = distance_mm - station.dead_path_mm + constant_mm;
+        let readings = lengths.readings[stop.readings.clone()].iter();
+        let of_target = readings.filter(|reading| reading.target == target);
+        differences_mm.extend(of_target.map(|reading| reading.length_mm - predicted_mm));
+    }
+    let count = differences_mm.len();
+    if count < LEAST {
+        return None;
+    }
+    let mean_mm = differences_mm.iter().sum::<f64>() / count as f64;
+    let squares: f64 = differences_mm.iter().map(|d| (d - mean_mm).powi(2)).sum();
+    let scatter_mm = (squares / (count - 1) as f64).sqrt();
+    (scatter_mm < SCATTER_MM && mean_mm.abs() > SIGNIFICANT * scatter_mm).then(|| Mistake::Offset {
+        target,
+        scope: *scope,
+        offset_mm: mean_mm,
+        u_mm: scatter_mm / (count as f64).sqrt(),
+    })
+}

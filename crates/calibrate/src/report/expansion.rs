@@ -1,0 +1,147 @@
+//! Linear axes at 20 °C (ISO 1): what their thermal expansion did is taken out of the positioning errors.
+//!
+//! At the temperature T an axis with the expansion coefficient α travels longer by `α (T - 20 °C) q`. With the
+//! mean of T over the readings at a position `q`,
+//!
+//! ```text
+//! E(20 °C) = E - α (T - 20 °C) q d     u² grows by (α q u(T) d)²     d: direction of the axis
+//! ```
+//!
+//! u(T) is one error of the thermometer, common to the axis. α is taken as it is declared.
+
+use nalgebra::Vector3;
+use trueaxis_campaign::{AxisExpansion, Campaign, Lengths, LoggedQuantity};
+use trueaxis_kinematics::{AxisKind, Machine};
+
+use crate::result::calibration::{AxisResult, Calibration};
+use crate::result::output::Output;
+
+/// The reference temperature of ISO 1, °C.
+const REFERENCE_C: f64 = 20.0;
+
+/// µm per m.
+const PPM: f64 = 1e-6;
+
+/// Refers the axes that declare their expansion to 20 °C, and says at what temperature the others are.
+pub(crate) fn refer_to_20_degrees(campaign: &Campaign, calibration: &mut Calibration) {
+    let Some(lengths) = &campaign.lengths else {
+        return;
+    };
+    let mut notices = Vec::new();
+    for k in 0..calibration.axes.len() {
+        let axis = calibration.axes[k].axis;
+        let expansion = campaign.expansions.iter().find(|e| e.axis == axis);
+        let Some(expansion) = expansion else { continue };
+        match temperatures(campaign, lengths, &calibration.axes[k], expansion) {
+            Some(temperatures) => refer(campaign, calibration, k, expansion, &temperatures),
+            None => notices.push(format!(
+                "axis {}: `{}` has no value in its rows, so its errors are not referred to 20 °C",
+                calibration.axes[k].name, expansion.temperature_column
+            )),
+        }
+    }
+    notices.extend(scale_holds_at(campaign, lengths, &calibration.axes));
+    calibration.notices.extend(notices);
+}
+
+/// The mean temperature at each position of an axis, °C; where none was logged, the mean of the axis.
+fn temperatures(
+    campaign: &Campaign,
+    lengths: &Lengths,
+    axis: &AxisResult,
+    expansion: &AxisExpansion,
+) -> Option<Vec<f64>> {
+    let column = lengths.logged_column(&expansion.temperature_column)?;
+    let mut sums = vec![(0.0, 0_usize); axis.nodes.len()];
+    for stop in &lengths.stops {
+        let step = &campaign.steps[stop.step];
+        if campaign.axis_under_test(stop.step) != Some(axis.axis) {
+            continue;
+        }
+        let position = step.positions[axis.axis];
+        let first = axis.nodes.partition_point(|node| node.position < position);
+        let here = axis.nodes[first..].iter().zip(&mut sums[first..]);
+        for (node, sum) in here.take_while(|(node, _)| node.position <= position) {
+            if node.direction.is_none_or(|side| side == stop.direction) {
+                for value in column.values[stop.readings.clone()].iter().flatten() {
+                    sum.0 += value;
+                    sum.1 += 1;
+                }
+            }
+        }
+    }
+    let mean = |&(sum, count): &(f64, usize)| (count > 0).then(|| sum / count as f64);
+    let all = sums
+        .iter()
+        .fold((0.0, 0), |all, one| (all.0 + one.0, all.1 + one.1));
+    let of_axis = mean(&all)?;
+    Some(
+        sums.iter()
+            .map(|sum| mean(sum).unwrap_or(of_axis))
+            .collect(),
+    )
+}
+
+fn refer(
+    campaign: &Campaign,
+    calibration: &mut Calibration,
+    k: usize,
+    expansion: &AxisExpansion,
+    temperatures_c: &[f64],
+) {
+    let machine: &Machine = &campaign.machine;
+    let direction = machine.axes()[expansion.axis].direction().into_inner();
+    let per_k =
+        |position: f64| -> Vector3<f64> { direction * (expansion.ppm_per_k * PPM * position) };
+    let axis = &mut calibration.axes[k];
+    for (node, temperature_c) in axis.nodes.iter_mut().zip(temperatures_c) {
+        node.error.translation_mm -= per_k(node.position) * (temperature_c - REFERENCE_C);
+    }
+    let Some(sigma_k) = expansion.temperature_sigma_k else {
+        return;
+    };
+    let name = axis.name.clone();
+    let change = |output: &Output| match output {
+        Output::ComponentError {
+            axis,
+            component,
+            position,
+            ..
+        } if *axis == name && !component.is_angular() => {
+            per_k(*position)[component.index()] * sigma_k
+        }
+        _ => 0.0,
+    };
+    let results = calibration.results();
+    let defined = results.iter().filter(|result| result.u > 0.0);
+    let changes: Vec<f64> = defined.map(|result| change(&result.output)).collect();
+    calibration.add_uncertainty(machine, &changes, |budget| &mut budget.systematic);
+}
+
+/// At what temperature the scale of linear axes without a declared expansion holds, if one was logged.
+fn scale_holds_at(campaign: &Campaign, lengths: &Lengths, axes: &[AxisResult]) -> Option<String> {
+    let declared = |axis: &AxisResult| campaign.expansions.iter().any(|e| e.axis == axis.axis);
+    let open = axes
+        .iter()
+        .filter(|axis| axis.kind == AxisKind::Linear && !declared(axis));
+    let open: Vec<&str> = open.map(|axis| axis.name.as_str()).collect();
+    let machine = |quantity| {
+        lengths
+            .logged
+            .iter()
+            .find(|c| c.quantity() == Some(quantity))
+    };
+    let column = machine(LoggedQuantity::MachineTemperature)
+        .or_else(|| machine(LoggedQuantity::AirTemperature))?;
+    let values: Vec<f64> = column.values.iter().flatten().copied().collect();
+    if open.is_empty() || values.is_empty() {
+        return None;
+    }
+    let mean_c = values.iter().sum::<f64>() / values.len() as f64;
+    Some(format!(
+        "the scale of {} holds at {mean_c:.1} °C (mean of {}), not at 20 °C: declare `expansion_ppm_per_k` of the \
+         axis to refer it",
+        open.join(", "),
+        column.name
+    ))
+}

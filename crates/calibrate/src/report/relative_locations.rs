@@ -1,0 +1,147 @@
+//! Where rotary axes lie relative to each other.
+//!
+//! Two axes with the directions `a` and `c` lie, across both (`n = a × c / |a × c|`), nominally at the feet of
+//! their common perpendicular. With shifts `o` and tilts `t` of both,
+//!
+//! ```text
+//! offset = n·(o_c + t_c × s_c - o_a - t_a × s_a)     angle = n·(t_c - t_a)
+//! ```
+//!
+//! `s` goes from the reference point of an axis to its foot. A motion of the reference frame changes both axes
+//! alike, so that neither depends on the nests of the targets. Parallel axes have two directions across them, and
+//! their feet are where the reference point of `a` is.
+
+use nalgebra::{DMatrix, Point3, RowDVector, Vector3};
+use trueaxis_kinematics::AxisKind;
+
+use crate::identify::basis::Basis;
+use crate::propagate::propagation::{Propagation, Uncertainty};
+use crate::result::budget::Budget;
+use crate::result::calibration::{RelativeLocation, RelativeQuantity};
+
+/// Sine of the angle below which two axes are parallel.
+const PARALLEL_TOL: f64 = 1e-3;
+
+/// Of each pair of rotary axes the later one in the order of the machine, relative to the earlier one.
+pub(crate) fn relative_locations(propagation: &Propagation<'_>) -> Vec<RelativeLocation> {
+    let context = propagation.dependence.context;
+    let axes = 0..context.data.len();
+    let rotary: Vec<usize> = axes
+        .filter(|&k| context.axis(k).kind() == AxisKind::Rotary)
+        .collect();
+    let mut found = Vec::new();
+    for (i, &a) in rotary.iter().enumerate() {
+        for &c in &rotary[i + 1..] {
+            found.extend(pair(propagation, c, a));
+        }
+    }
+    found
+}
+
+/// Axis `k` of the data relative to axis `to`.
+fn pair(propagation: &Propagation<'_>, k: usize, to: usize) -> Vec<RelativeLocation> {
+    let context = propagation.dependence.context;
+    let [own, other] = [k, to].map(|k| context.axis(k));
+    let [c, a] = [own, other].map(|axis| axis.direction().into_inner());
+    let [of_own, of_other] = [own, other].map(|axis| axis.reference_mm());
+    let normal = a.cross(&c);
+    let (across, levers_mm) = if normal.norm() < PARALLEL_TOL {
+        let along = c * c.dot(&(of_other - of_own));
+        (Basis::of(other).across.to_vec(), [along, Vector3::zeros()])
+    } else {
+        (
+            vec![normal.normalize()],
+            to_feet([of_own, of_other], [c, a]),
+        )
+    };
+    let relative = |n: Vector3<f64>| {
+        let nothing = RelativeQuantity {
+            value: 0.0,
+            u: 0.0,
+            dof: f64::INFINITY,
+            budget: Budget::default(),
+        };
+        let relative = RelativeLocation {
+            axis: own.name().to_owned(),
+            to: other.name().to_owned(),
+            // An axis is said to be off along +y, not along -y.
+            direction: n * n[n.iamax()].signum(),
+            levers_mm,
+            offset: nothing,
+            angle: nothing,
+        };
+        with_values(propagation, [k, to], relative)
+    };
+    across.into_iter().map(relative).collect()
+}
+
+/// The same with its values and uncertainties.
+fn with_values(
+    propagation: &Propagation<'_>,
+    [k, to]: [usize; 2],
+    relative: RelativeLocation,
+) -> RelativeLocation {
+    let dependence = propagation.dependence;
+    let [own, other] = [k, to].map(|k| &dependence.identified.state.axes[k].location);
+    let values = relative.of(own, other);
+    let n = relative.direction;
+    let mut rows = DMatrix::zeros(2, dependence.sources.count);
+    for (k, sign, lever_mm) in [
+        (k, 1.0, relative.levers_mm[0]),
+        (to, -1.0, relative.levers_mm[1]),
+    ] {
+        let of_axis = &dependence.locations[k];
+        let along = |shift: Vector3<f64>, tilt: Vector3<f64>| -> RowDVector<f64> {
+            let parts = [(shift, 0), (tilt, 3)];
+            let [a, b] = parts.map(|(v, first)| v.transpose() * of_axis.fixed_rows::<3>(first));
+            (a + b) * sign
+        };
+        // n·(t × s) = t·(s × n)
+        let [offset, angle] = [along(n, lever_mm.cross(&n)), along(Vector3::zeros(), n)];
+        for (mut row, part) in rows.row_iter_mut().zip([offset, angle]) {
+            row += part;
+        }
+    }
+    let [offset, angle] = propagation.of_sources::<2>(&rows);
+    let quantity = |value: f64, Uncertainty { u, dof, budget }| RelativeQuantity {
+        value,
+        u,
+        dof,
+        budget,
+    };
+    RelativeLocation {
+        offset: quantity(values[0], offset),
+        angle: quantity(values[1], angle),
+        ..relative
+    }
+}
+
+/// From points on two lines that are not parallel to the feet of their common perpendicular.
+fn to_feet([p, q]: [Point3<f64>; 2], [c, a]: [Vector3<f64>; 2]) -> [Vector3<f64>; 2] {
+    let between = q - p;
+    let (cosine, of_c, of_a) = (c.dot(&a), c.dot(&between), a.dot(&between));
+    let sine_squared = 1.0 - cosine * cosine;
+    [
+        c * ((of_c - cosine * of_a) / sine_squared),
+        a * ((cosine * of_c - of_a) / sine_squared),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_feet_are_nearest_to_each_other() {
+        let lines = [Point3::new(1.0, 2.0, 3.0), Point3::new(-4.0, 7.0, 0.5)];
+        let directions = [
+            Vector3::new(0.1, 0.2, 1.0).normalize(),
+            Vector3::new(1.0, -0.3, 0.2).normalize(),
+        ];
+        let [s, t] = to_feet(lines, directions);
+        let between = (lines[1] + t) - (lines[0] + s);
+        for direction in directions {
+            assert!(between.dot(&direction).abs() < 1e-12, "{between}");
+        }
+    }
+}

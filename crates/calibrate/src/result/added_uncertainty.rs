@@ -1,0 +1,116 @@
+//! An independent error of all results, beside the noise of the measurement.
+
+use std::collections::HashMap;
+
+use trueaxis_kinematics::{LocationError, Machine};
+
+use crate::result::budget::Budget;
+use crate::result::calibration::{AxisResult, Calibration};
+
+impl Calibration {
+    /// Of the machine that was calibrated: adds an independent error whose standard deviation is `change` (mm and rad) in the results that are
+    /// not defined by gauge or frame, in the order of [`Calibration::results`]; fully correlated among
+    /// them; `part` is what it is in the budget. It counts as known: degrees of freedom grow with its share.
+    ///
+    /// # Panics
+    /// If there is not one number for each of these results.
+    pub(crate) fn add_uncertainty(
+        &mut self,
+        machine: &Machine,
+        change: &[f64],
+        part: impl Fn(&mut Budget) -> &mut f64,
+    ) {
+        let results = self.results();
+        let mut changes = change.iter();
+        let change: Vec<f64> = results
+            .iter()
+            .map(|result| match result.u > 0.0 {
+                true => *changes.next().expect("one change for each result"),
+                false => 0.0,
+            })
+            .collect();
+        assert!(changes.next().is_none(), "one change for each result");
+        self.factors.add_common(&change);
+        if let Some(covariance) = &mut self.covariance {
+            let size = |i: usize| results[i].output.unit().size();
+            for j in 0..change.len() {
+                for i in 0..change.len() {
+                    covariance.matrix[(i, j)] += change[i] / size(i) * (change[j] / size(j));
+                }
+            }
+        }
+        self.add_to_relative_locations(machine, &change, &part);
+        let mut variances = change.iter().map(|change| change * change);
+        let mut next = || variances.next().unwrap_or(0.0);
+        for node in self.axes.iter_mut().flat_map(|axis| &mut axis.nodes) {
+            for c in 0..6 {
+                add(
+                    next(),
+                    &mut node.u[c],
+                    &mut node.dof[c],
+                    Some(part(&mut node.budget[c])),
+                );
+            }
+        }
+        let locations = self
+            .axes
+            .iter_mut()
+            .flat_map(|axis| &mut axis.location_errors);
+        for location in locations {
+            let budget = Some(part(&mut location.budget));
+            add(next(), &mut location.u, &mut location.dof, budget);
+        }
+        for station in &mut self.stations {
+            for c in 0..3 {
+                add(next(), &mut station.u_mm[c], &mut station.dof[c], None);
+            }
+            let (u, dof) = (&mut station.u_dead_path_mm, &mut station.dof_dead_path);
+            add(next(), u, dof, None);
+        }
+    }
+
+    /// Of changes in the order of [`Calibration::results`].
+    fn add_to_relative_locations(
+        &mut self,
+        machine: &Machine,
+        change: &[f64],
+        part: impl Fn(&mut Budget) -> &mut f64,
+    ) {
+        let components: usize = self.axes.iter().map(|axis| 6 * axis.nodes.len()).sum();
+        let mut changes = change[components..].iter();
+        let of_axis = |axis: &AxisResult| {
+            let mut location = LocationError::default();
+            for (error, change) in axis.location_errors.iter().zip(&mut changes) {
+                *error.component.of_mut(&mut location) = *change;
+            }
+            // A tilt is across the axis: the part that has no name follows from the others.
+            let geometry = &machine.axes()[axis.axis];
+            let (direction, principal) = (geometry.direction(), geometry.principal());
+            let named = direction.dot(&location.tilt_rad);
+            location.tilt_rad[principal] -= named / direction[principal];
+            (axis.name.clone(), location)
+        };
+        let locations: HashMap<String, LocationError> = self.axes.iter().map(of_axis).collect();
+        for relative in &mut self.relative_locations {
+            let [axis, to] = [&relative.axis, &relative.to].map(|name| &locations[name]);
+            let [offset, angle] = relative.of(axis, to);
+            for (change, found) in [(offset, &mut relative.offset), (angle, &mut relative.angle)] {
+                let budget = Some(part(&mut found.budget));
+                add(change * change, &mut found.u, &mut found.dof, budget);
+            }
+        }
+    }
+}
+
+/// One result: `u²` grows, and with a part that is known `ν = 2 u⁴ / var(u²)` by the square of its ratio.
+fn add(variance: f64, u: &mut f64, dof: &mut f64, part: Option<&mut f64>) {
+    if variance <= 0.0 {
+        return;
+    }
+    let sum = *u * *u + variance;
+    *dof *= (sum / (*u * *u)).powi(2);
+    *u = sum.sqrt();
+    if let Some(part) = part {
+        *part += variance;
+    }
+}

@@ -1,0 +1,108 @@
+//! The covariance of all results, linear in the number of steps.
+//!
+//! ```text
+//! cov = blockdiag(B_1, B_2, …, 0) + U M Uᵀ
+//! ```
+//!
+//! `B_n` is the noise of the pose at a node alone, in its six component errors. Everything else is shared by many
+//! results: the parameters of the gauge of an axis, the component errors where axes stand while others are measured,
+//! stations, dead paths, shapes of targets, the scale of the machine's other axes in its frame. `U` has a row for
+//! each result and a column for each of these; `M` is symmetric and, as a gauge takes noise away, not definite.
+
+use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
+
+/// Covariance of all results of a calibration ([`crate::Calibration::results`] has their order) in mm and rad.
+///
+/// What gauge or frame define has zero rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FactoredCovariance {
+    /// `B`: of each node of each axis, the part of its six component errors that no other result shares.
+    pub own: Vec<Matrix6<f64>>,
+    /// `U`: sensitivities of the results (rows) to what is shared (columns).
+    pub sensitivities: DMatrix<f64>,
+    /// `M`: covariance of what is shared.
+    pub shared: DMatrix<f64>,
+}
+
+impl FactoredCovariance {
+    /// Number of results.
+    pub fn results(&self) -> usize {
+        self.sensitivities.nrows()
+    }
+
+    /// The covariance as one matrix, symmetric to the last bit.
+    pub fn dense(&self) -> DMatrix<f64> {
+        let through = &self.sensitivities * &self.shared;
+        let mut matrix = through * self.sensitivities.transpose();
+        for (n, own) in self.own.iter().enumerate() {
+            let mut block = matrix.fixed_view_mut::<6, 6>(6 * n, 6 * n);
+            block += own;
+        }
+        matrix.fill_lower_triangle_with_upper_triangle();
+        matrix
+    }
+
+    /// Covariance of two linear functions of the results, each given by the places of results and coefficients.
+    pub fn between(&self, a: &[(usize, f64)], b: &[(usize, f64)]) -> f64 {
+        let six = |function: &[(usize, f64)]| -> Vec<(usize, Vector6<f64>)> {
+            let first = |&(place, c): &(usize, f64)| (place, Vector6::ith(0, c));
+            function.iter().map(first).collect()
+        };
+        self.of_functions(&six(a), &six(b))[(0, 0)]
+    }
+
+    /// Covariance of six functions with six others: coefficients of the results in all six.
+    pub(crate) fn of_functions(
+        &self,
+        a: &[(usize, Vector6<f64>)],
+        b: &[(usize, Vector6<f64>)],
+    ) -> Matrix6<f64> {
+        let through = |functions: &[(usize, Vector6<f64>)]| {
+            let mut sum = Matrix6xX::zeros(self.shared.nrows());
+            for (place, coefficients) in functions {
+                sum.ger(
+                    1.0,
+                    coefficients,
+                    &self.sensitivities.row(*place).transpose(),
+                    1.0,
+                );
+            }
+            sum
+        };
+        let mut covariance = through(a) * &self.shared * through(b).transpose();
+        for (i, of_a) in a {
+            let Some(own) = self.own.get(i / 6) else {
+                continue;
+            };
+            for (j, of_b) in b.iter().filter(|(j, _)| j / 6 == i / 6) {
+                covariance += of_a * of_b.transpose() * own[(i % 6, j % 6)];
+            }
+        }
+        covariance
+    }
+
+    /// Each result times a factor.
+    pub(crate) fn scaled(&self, factors: &[f64]) -> Self {
+        let mut scaled = self.clone();
+        for (own, factors) in scaled.own.iter_mut().zip(factors.chunks_exact(6)) {
+            *own = Matrix6::from_fn(|i, j| own[(i, j)] * (factors[i] * factors[j]));
+        }
+        for (mut row, factor) in scaled.sensitivities.row_iter_mut().zip(factors) {
+            row *= *factor;
+        }
+        scaled
+    }
+
+    /// Adds an error that the results have in common, with this standard deviation in each.
+    pub(crate) fn add_common(&mut self, change: &[f64]) {
+        let (rows, columns) = self.sensitivities.shape();
+        let sensitivities = std::mem::replace(&mut self.sensitivities, DMatrix::zeros(0, 0));
+        self.sensitivities = sensitivities.resize_horizontally(columns + 1, 0.0);
+        for (row, change) in (0..rows).zip(change) {
+            self.sensitivities[(row, columns)] = *change;
+        }
+        let shared = std::mem::replace(&mut self.shared, DMatrix::zeros(0, 0));
+        self.shared = shared.resize(columns + 1, columns + 1, 0.0);
+        self.shared[(columns, columns)] = 1.0;
+    }
+}

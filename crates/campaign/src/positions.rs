@@ -1,0 +1,71 @@
+//! A table of places: positions of all axes, and of the point on the tool.
+
+use std::path::Path;
+
+use nalgebra::Point3;
+use trueaxis_kinematics::Machine;
+
+use crate::axis_columns::AxisColumns;
+use crate::setup::axis_names;
+use crate::table::{Column, Table};
+use crate::{Error, text_file};
+
+/// Columns of the point, which are all there or none is.
+const POINT_COLUMNS: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
+
+/// Where a machine stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Position {
+    /// Line of the file, from 1 (the header).
+    pub line: usize,
+    /// Commanded positions of all axes, mm or rad.
+    pub axes: Vec<f64>,
+    /// A point on the last stage, in the reference frame at home, mm; `None` if the table has no columns for it.
+    pub point_mm: Option<Point3<f64>>,
+}
+
+/// Reads a table of positions: one column for each axis of the machine (mm, degrees), optionally `x_mm,y_mm,z_mm`.
+///
+/// # Errors
+/// With row and column: what was found, what is expected; a position outside the travel of its axis is wrong.
+pub fn read_positions(file: &Path, machine: &Machine) -> Result<Vec<Position>, Error> {
+    let text = text_file::read(file, "give the path of a table of positions")?;
+    let required = axis_names(machine);
+    let mut table = Table::open(file, &text, &required, &POINT_COLUMNS)?;
+    let mut columns = AxisColumns::of(&table, machine)?;
+    let has_point = POINT_COLUMNS
+        .iter()
+        .any(|name| table.optional_column(name).is_some());
+    let point: Option<Vec<Column>> = match has_point {
+        true => Some(
+            POINT_COLUMNS
+                .iter()
+                .map(|name| table.column(name))
+                .collect::<Result<_, _>>()?,
+        ),
+        false => None,
+    };
+    let mut positions = Vec::new();
+    while let Some(row) = table.next_row()? {
+        let mut axes = Vec::new();
+        columns.read(&row, &mut axes)?;
+        columns.check_travel(&row, &axes)?;
+        let point_mm = match point.as_deref() {
+            Some([x, y, z]) => Some(Point3::new(
+                row.number(*x)?,
+                row.number(*y)?,
+                row.number(*z)?,
+            )),
+            _ => None,
+        };
+        positions.push(Position {
+            line: row.line(),
+            axes,
+            point_mm,
+        });
+    }
+    if positions.is_empty() {
+        return Err(table.no_rows());
+    }
+    Ok(positions)
+}

@@ -1,0 +1,125 @@
+//! `trueaxis predict`.
+
+use serde_json::json;
+use trueaxis_calibrate::{CalibratedMachine, Prediction, coverage_factor, to_csv};
+use trueaxis_campaign::read_positions;
+use trueaxis_kinematics::{ARCSEC, MICROMETRE};
+
+use crate::args::PredictArgs;
+use crate::exit::Exit;
+use crate::output;
+use crate::talk::{notice, say};
+
+const FILE: &str = "predicted.csv";
+
+pub(crate) fn run(args: &PredictArgs) -> anyhow::Result<Exit> {
+    let machine = CalibratedMachine::read(&args.calibration)?;
+    let positions = read_positions(&args.positions, machine.machine())?;
+    let default_mm = machine.reference_point_mm();
+    let places: Vec<_> = positions
+        .iter()
+        .map(|p| (p.axes.clone(), p.point_mm.unwrap_or(default_mm)))
+        .collect();
+    let predictions = machine.predict_all(&places);
+    let columns = Prediction::columns(machine.machine());
+    let rows = predictions.iter().zip(&places);
+    let rows = rows
+        .map(|(prediction, (axes, point_mm))| prediction.row(machine.machine(), axes, *point_mm));
+    let rows: Vec<Vec<f64>> = rows.collect();
+
+    let folder = output::folder(args.out.as_deref(), &machine.campaign)?;
+    let path = folder.join(FILE);
+    let text = to_csv(&columns, rows.iter().cloned());
+    output::write(&path, text.as_bytes())?;
+    for line in source(&machine) {
+        say(&line);
+    }
+    let lines: Vec<usize> = positions.iter().map(|p| p.line).collect();
+    for line in summary(&machine, &predictions, &lines) {
+        say(&line);
+    }
+    if positions.iter().all(|p| p.point_mm.is_none()) {
+        let [x, y, z]: [f64; 3] = default_mm.coords.into();
+        notice(&format!(
+            "the table has no x_mm,y_mm,z_mm: taken for the reference point ({x}, {y}, {z}) mm"
+        ));
+    }
+    say(&format!("written: {}", path.display()));
+    if args.json {
+        let document = json!({
+            "format": "trueaxis-prediction",
+            "version": 1,
+            "machine": machine.name,
+            "campaign": machine.campaign,
+            "effects_taken_out": machine.effects_taken_out,
+            "dof": machine.dof.is_finite().then_some(machine.dof),
+            "columns": columns,
+            "rows": rows,
+        });
+        output::print(&trueaxis_files::to_json(&document)?)?;
+    }
+    Ok(Exit::Good)
+}
+
+/// Which machine and calibration it is, and what is not in it.
+pub(crate) fn source(machine: &CalibratedMachine) -> Vec<String> {
+    let effects = match machine.effects_taken_out.as_slice() {
+        [] => "nothing taken out".to_owned(),
+        effects => format!("without {}", effects.join(", ")),
+    };
+    let mut lines = vec![format!(
+        "machine {}, calibrated in the campaign {} ({effects})",
+        machine.name, machine.campaign
+    )];
+    let unmeasured = machine.unmeasured();
+    if !unmeasured.is_empty() {
+        lines.push(format!(
+            "axes that were not measured are taken for perfect, and no uncertainty contains them: {}",
+            unmeasured.join(", ")
+        ));
+    }
+    lines
+}
+
+/// The coverage factor of the table.
+pub(crate) fn expansion(machine: &CalibratedMachine) -> f64 {
+    coverage_factor(machine.dof).max(2.0)
+}
+
+fn summary(
+    machine: &CalibratedMachine,
+    predictions: &[Prediction],
+    lines: &[usize],
+) -> Vec<String> {
+    let k = expansion(machine);
+    let largest = |what: &str, first: usize, unit: f64, symbol: &str| {
+        let size = |p: &Prediction| p.error.to_vector().fixed_rows::<3>(first).norm();
+        let numbered = predictions.iter().zip(lines);
+        let worst = numbered.max_by(|a, b| size(a.0).total_cmp(&size(b.0)));
+        worst.map(|(p, line)| {
+            let vector = p.error.to_vector();
+            let (e, u) = (vector / unit, p.u() * k / unit);
+            let part = |i: usize| format!("{:+.2} ± {:.2}", e[first + i], u[first + i]);
+            format!(
+                "  largest {what:12} {:.2} {symbol} in line {line}: {}, {}, {} {symbol}",
+                size(p) / unit,
+                part(0),
+                part(1),
+                part(2)
+            )
+        })
+    };
+    let outside = predictions.iter().filter(|p| p.extrapolated).count();
+    let mut all = vec![format!(
+        "{} positions; ± is U for k = {k:.2}",
+        predictions.len()
+    )];
+    all.extend(largest("displacement", 0, MICROMETRE, "µm"));
+    all.extend(largest("rotation", 3, ARCSEC, "″"));
+    if outside > 0 {
+        all.push(format!(
+            "  {outside} of them outside the steps of an axis (`extrapolated`): the errors of the nearest step are taken"
+        ));
+    }
+    all
+}

@@ -1,0 +1,73 @@
+//! Two causes at one station with the parts of tripod and dead path exchanged.
+//!
+//! A tripod that jumps while the dead path drifts looks much as a dead path that jumps while the tripod
+//! drifts. To come from one to the other both names have to change at once, which an exchange of one cause at
+//! a time does not find.
+
+use trueaxis_effects::effect;
+
+use crate::lengths::base::{Base, Suspect};
+use crate::lengths::causes::Found;
+use crate::selection::Hypothesis;
+
+/// What moves the tripod, and what does the same to the dead path.
+const KIN: [[&str; 2]; 2] = [
+    ["station_jump", "dead_path_jump"],
+    ["station_drift", "dead_path_drift"],
+];
+
+/// The suspects with the two of one station exchanged; none if there are no such two.
+pub(super) fn swapped(base: &Base<'_>, suspects: &[Suspect]) -> Option<Vec<Suspect>> {
+    let of_dead_path = |suspect: &Suspect| {
+        let place = |kin: &[&str; 2]| kin.iter().position(|id| *id == id_of(suspect));
+        KIN.iter().find_map(place).map(|place| place == 1)
+    };
+    let pairs = (0..suspects.len()).flat_map(|i| (0..suspects.len()).map(move |j| (i, j)));
+    let is_pair = |&(i, j): &(usize, usize)| {
+        let station = |k: usize| suspects[k].hypothesis.subject.station;
+        let kinds = [i, j].map(|k| of_dead_path(&suspects[k]));
+        station(i).is_some() && station(i) == station(j) && kinds == [Some(false), Some(true)]
+    };
+    let (i, j) = pairs.into_iter().find(is_pair)?;
+    let mut all = suspects.to_vec();
+    for k in [i, j] {
+        all[k] = with_other_name(base, &suspects[k])?;
+    }
+    Some(all)
+}
+
+/// Lists the two as rivals of those whose places they take; together they leave `more` squares.
+pub(super) fn add_swapped(found: &mut [Found], others: &[Suspect], more: f64) {
+    for (found, other) in found.iter_mut().zip(others) {
+        let is_other = |suspect: &Suspect| suspect.hypothesis.is(&other.hypothesis);
+        if !is_other(&found.suspect) && !found.rivals.iter().any(|rival| is_other(&rival.0)) {
+            found.rivals.push((other.clone(), found.bic + more));
+        }
+    }
+}
+
+fn id_of(suspect: &Suspect) -> &'static str {
+    suspect.hypothesis.effect.id
+}
+
+/// The kin of a suspect at the same instant, its parameters to be found.
+fn with_other_name(base: &Base<'_>, suspect: &Suspect) -> Option<Suspect> {
+    let kin = KIN.iter().find(|kin| kin.contains(&id_of(suspect)))?;
+    let other = kin.iter().find(|id| **id != id_of(suspect))?;
+    let hypothesis = Hypothesis {
+        effect: effect(other)?,
+        ..suspect.hypothesis
+    };
+    let parameters = hypothesis
+        .effect
+        .parameters(&base.scene, &hypothesis.subject);
+    let count = parameters.len();
+    Some(Suspect {
+        hypothesis,
+        shape: suspect.shape,
+        u_shape: suspect.u_shape,
+        parameters: vec![0.0; count],
+        covariance: vec![0.0; count * count],
+        seen: vec![true; count],
+    })
+}

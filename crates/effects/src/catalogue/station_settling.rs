@@ -1,0 +1,26 @@
+//! The tripod settles after it was set up: `D_S = v · exp(-t/T)`, t since the first reading of the turn of
+//! the station; a length changes by `-u·v exp(-t/T)`.
+//!
+//! One tripod, or all alike with one time constant: the tracker warms up, or the feet sink in, at the
+//! start of every turn. v is `settling_x`, `settling_y`, `settling_z` in µm, how far from its last place the
+//! station stands at first, in the reference frame; T is `time_constant` in s.
+
+use trueaxis_kinematics::MICROMETRE;
+
+use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
+
+pub(super) const EFFECT: Effect = Effect {
+    id: "station_settling",
+    layer: Layer::Setup,
+    levels: &[Level::Lengths],
+    subjects: Subject::each_station_and_all,
+    parameters: |_, _| Parameter::vector("settling", "um"),
+    shape: Shape::SettlingTime,
+    form: Form::Station(|of| MICROMETRE * (-of.at.turn_elapsed_s / of.shape).exp()),
+    explanation: Explanation {
+        cause: "the tripod had just been set up: its feet sink in, its joints relax, or the tracker warms up in its new place",
+        consequence: "the first runs of the turn were measured from another place than the later ones",
+        action: "wait for three time constants after setting up, then read the first run of the turn again; fix the tripod to the floor",
+        separate_by: "read three fixed targets on the bed from the start of the turn on: they move against a tripod that settles, not against a machine that warms up",
+    },
+};

@@ -1,0 +1,77 @@
+//! Thermal expansion of an axis: referred to 20 °C where it is declared, said where it is not.
+
+use trueaxis_calibrate::{AxisResult, Calibration, Settings, calibrate};
+use trueaxis_kinematics::MICROMETRE;
+use trueaxis_simulate::{Scenario, simulate};
+
+use crate::round_trip::SHIPPED;
+
+/// Coefficient of steel, ppm/K, how well its temperature is known, K, and the temperature of the hall, °C.
+const PPM_PER_K: f64 = 11.5;
+const SIGMA_K: f64 = 0.3;
+const HALL_C: f64 = 24.0;
+
+/// The three-axis machine in a hall at 24 °C, X expanding; `declared` in the campaign or kept from it.
+fn calibrated(declared: bool) -> (Calibration, f64) {
+    let [(_, text), ..] = SHIPPED;
+    let mut scenario: serde_json::Value = serde_json::from_str(text).unwrap();
+    scenario["machine"]["axes"][0]["expansion_ppm_per_k"] = PPM_PER_K.into();
+    scenario["machine"]["axes"][0]["temperature_sigma_k"] = SIGMA_K.into();
+    scenario["temperatures"] = serde_json::json!([{
+        "column": "machine_temp_c",
+        "course": [{ "kind": "table", "times_s": [0], "values_c": [HALL_C] }],
+    }]);
+    let scenario = Scenario::from_json(&scenario.to_string()).unwrap();
+    let mut simulated = simulate(&scenario, 2).unwrap();
+    if !declared {
+        simulated.campaign.expansions.clear();
+    }
+    let truth = &simulated.truth.axes[0];
+    let last = truth.errors.last().unwrap().translation_mm.x;
+    let settings = Settings {
+        covariance: true,
+        ..Settings::default()
+    };
+    (calibrate(&simulated.campaign, &settings).unwrap(), last)
+}
+
+fn end_of(axis: &AxisResult) -> (f64, f64, f64) {
+    let node = axis.nodes.last().unwrap();
+    let [share] = node.budget[0].shares().map(|shares| [shares[3]]).unwrap();
+    (node.error.translation_mm.x, node.u[0], share)
+}
+
+/// At the end of the travel the expansion is 20 µm. Declared, EXX is that of 20 °C within 4 u (the probability of more is
+/// 6e-5), and u contains what the temperature is not known; else EXX is off by all of it, and a notice says at what
+/// temperature the scale holds.
+#[test]
+fn declared_expansion_is_taken_out() {
+    let (declared, true_mm) = calibrated(true);
+    let (silent, _) = calibrated(false);
+    let travel_mm = 440.0;
+    let expansion_mm = PPM_PER_K * 1e-6 * (HALL_C - 20.0) * travel_mm;
+    let of_temperature_mm = PPM_PER_K * 1e-6 * SIGMA_K * travel_mm;
+    let (at_20_mm, u_mm, share) = end_of(declared.axis("X").unwrap());
+    let (as_it_is_mm, noise_mm, none) = end_of(silent.axis("X").unwrap());
+    println!("{true_mm} {at_20_mm} {u_mm} {as_it_is_mm} {noise_mm}");
+    assert!((at_20_mm - true_mm).abs() < 4.0 * u_mm);
+    assert!((as_it_is_mm - true_mm - expansion_mm).abs() < 4.0 * u_mm);
+    assert!(expansion_mm > 8.0 * u_mm && expansion_mm > 20.0 * MICROMETRE);
+    assert!((u_mm - noise_mm.hypot(of_temperature_mm)).abs() < 1e-3 * u_mm);
+    assert!((share - (of_temperature_mm / u_mm).powi(2)).abs() < 1e-3 && none.abs() < 1e-12);
+    let covariance = declared.covariance.as_ref().unwrap();
+    for (i, result) in declared.results().iter().enumerate() {
+        let u = covariance.matrix[(i, i)].sqrt() * result.output.unit().size();
+        assert!(
+            (u - result.u).abs() <= 1e-6 * result.u,
+            "{:?}",
+            result.output
+        );
+    }
+    let said = |calibration: &Calibration, what: &str| {
+        let mut notices = calibration.notices.iter();
+        notices.any(|notice| notice.contains(what))
+    };
+    assert!(said(&declared, "the scale of Y, Z holds at 24.0 °C"));
+    assert!(said(&silent, "the scale of X, Y, Z holds at 24.0 °C"));
+}

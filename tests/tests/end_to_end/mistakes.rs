@@ -1,0 +1,272 @@
+//! What people do wrong, made in campaigns of three machines: the message names the mistake and where it was made.
+
+use trueaxis_calibrate::{Settings, calibrate};
+use trueaxis_campaign::{Campaign, Stop, read, write};
+use trueaxis_kinematics::Axis;
+use trueaxis_simulate::{Scenario, simulate};
+
+use crate::round_trip::SHIPPED;
+
+/// A mistake, how it is made, and what the message must contain.
+struct Made {
+    name: &'static str,
+    campaign: Campaign,
+    words: Vec<String>,
+}
+
+fn simulated(text: &str) -> Campaign {
+    let mut scenario = Scenario::from_json(text).unwrap();
+    scenario.repeats = scenario.repeats.max(2);
+    simulate(&scenario, 5).unwrap().campaign
+}
+
+/// What a user reads: the error of reading or of calibrating, else all notices.
+fn said(campaign: &Campaign) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("campaign.json");
+    if let Err(error) = write(campaign, folder.path()) {
+        return error.to_string();
+    }
+    let campaign = match read(&path) {
+        Ok(campaign) => campaign,
+        Err(error) => return error.to_string(),
+    };
+    match calibrate(&campaign, &Settings::default()) {
+        Ok(calibration) => [campaign.notices, calibration.notices].concat().join("\n"),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// The same with the stops of a part changed; returns the first and the last line of it, too.
+fn with_stops(
+    campaign: &Campaign,
+    part: impl Fn(&Stop, usize) -> bool,
+    change: impl Fn(&mut Stop),
+) -> Campaign {
+    let mut changed = campaign.clone();
+    let lengths = changed.lengths.as_mut().unwrap();
+    for stop in &mut lengths.stops {
+        if campaign.steps[stop.step]
+            .run
+            .is_some_and(|run| part(stop, run))
+        {
+            change(stop);
+        }
+    }
+    changed
+}
+
+fn with_readings(
+    campaign: &Campaign,
+    part: impl Fn(&Stop, usize) -> bool,
+    change: impl Fn(&mut usize, &mut f64),
+) -> Campaign {
+    let mut changed = campaign.clone();
+    let lengths = changed.lengths.as_mut().unwrap();
+    for stop in &lengths.stops {
+        if campaign.steps[stop.step]
+            .run
+            .is_some_and(|run| part(stop, run))
+        {
+            for reading in &mut lengths.readings[stop.readings.clone()] {
+                change(&mut reading.target, &mut reading.length_mm);
+            }
+        }
+    }
+    changed
+}
+
+/// Every mistake in one campaign.
+fn made(campaign: &Campaign) -> Vec<Made> {
+    let (first, second) = (
+        campaign.targets[0].name.clone(),
+        campaign.targets[1].name.clone(),
+    );
+    let run = |r: usize| campaign.runs[r].name.clone();
+    let station = |j: usize| campaign.stations[j].name.clone();
+    let swap = |target: &mut usize, _: &mut f64| {
+        *target = match *target {
+            0 => 1,
+            1 => 0,
+            other => other,
+        };
+    };
+    let exchanged = format!("targets {first} and {second} are exchanged");
+    let last = campaign.runs.len() - 1;
+    let several_runs = last > 0;
+    let mut all = Vec::new();
+    let mut add = |name, campaign, words: &[&str]| {
+        let words = words.iter().map(|word| (*word).to_owned()).collect();
+        all.push(Made {
+            name,
+            campaign,
+            words,
+        });
+    };
+    let s2 = format!("from station {}", station(1));
+    let sees_first = |r: usize| {
+        let carrier = campaign.targets[0].carrier;
+        campaign
+            .machine
+            .chain(carrier)
+            .contains(&campaign.runs[r].axis)
+    };
+    add(
+        "exchange in an occupation",
+        with_readings(campaign, |stop, _| stop.station == 1, swap),
+        &[&exchanged, &s2, "lines "],
+    );
+    add(
+        "exchange everywhere",
+        with_readings(campaign, |_, _| true, swap),
+        &[&exchanged],
+    );
+    let sweep = |stop: &Stop, r: usize| stop.station == 1 && r == 0 && stop.repeat == 2;
+    let in_sweep = format!("in repeat 2 of run {} from station {}", run(0), station(1));
+    let in_sweep = if several_runs {
+        in_sweep
+    } else {
+        format!("in repeat 2 from station {}", station(1))
+    };
+    add(
+        "exchange in a sweep",
+        with_readings(campaign, sweep, swap),
+        &[&exchanged, &in_sweep],
+    );
+    if several_runs {
+        let part = |_: &Stop, r: usize| r == 1 && sees_first(r);
+        let in_run = format!("in run {}", run(1));
+        add(
+            "exchange in a run",
+            with_readings(campaign, part, swap),
+            &[&exchanged, &in_run],
+        );
+    }
+    let mix = |stop: &mut Stop| {
+        stop.station = match stop.station {
+            0 => 1,
+            1 => 0,
+            other => other,
+        };
+    };
+    let mixed = format!("stations {} and {} are exchanged", station(0), station(1));
+    let in_repeat = with_stops(campaign, |stop, r| r == 0 && stop.repeat == 2, mix);
+    add(
+        "stations mixed in a repeat",
+        in_repeat,
+        &[&mixed, "repeat 2"],
+    );
+    add(
+        "lengths with the other sign",
+        with_readings(campaign, |_, _| true, |_, length_mm| *length_mm *= -1.0),
+        &["the lengths have the other sign everywhere"],
+    );
+    let of_one = format!(
+        "the lengths have the other sign from station {}",
+        station(2)
+    );
+    add(
+        "lengths of a station with the other sign",
+        with_readings(
+            campaign,
+            |stop, _| stop.station == 2,
+            |_, length_mm| *length_mm *= -1.0,
+        ),
+        &[&of_one],
+    );
+    let prism = |target: &mut usize, length_mm: &mut f64| {
+        if *target == 1 {
+            *length_mm += 17.5;
+        }
+    };
+    let off = format!("the lengths to target {second} are all 17.5");
+    add(
+        "prism constant in an occupation",
+        with_readings(campaign, |stop, _| stop.station == 1, prism),
+        &[&off, "too long", &s2],
+    );
+    add(
+        "prism constant in a sweep",
+        with_readings(campaign, sweep, prism),
+        &[&off, &in_sweep],
+    );
+    for r in [0, last] {
+        let axis = campaign.runs[r].axis;
+        let mut reversed = campaign.clone();
+        reversed.machine = campaign.machine.with_axes(|index, own| {
+            if index != axis {
+                return own;
+            }
+            let (direction, travel) = (-own.direction().into_inner(), own.travel());
+            match own.kind() {
+                trueaxis_kinematics::AxisKind::Linear => {
+                    Axis::linear(own.name(), direction, travel)
+                }
+                trueaxis_kinematics::AxisKind::Rotary => {
+                    Axis::rotary(own.name(), direction, travel, own.reference_mm())
+                }
+            }
+            .unwrap()
+        });
+        let words = format!(
+            "axis {} moves in the other direction",
+            campaign.machine.axes()[axis].name()
+        );
+        add("axis reversed", reversed, &[&words]);
+    }
+    all
+}
+
+fn assert_every_mistake_is_named(name: &str) {
+    let (_, text) = SHIPPED.iter().find(|(n, _)| *n == name).unwrap();
+    let mut missed = Vec::new();
+    for Made {
+        name: what,
+        campaign,
+        words,
+    } in made(&simulated(text))
+    {
+        let said = said(&campaign);
+        println!("--- {name}, {what}:\n{said}\n");
+        if !words.iter().all(|word| said.contains(word)) {
+            missed.push(format!("{what}: expected {words:?}"));
+        }
+    }
+    assert!(missed.is_empty(), "{missed:#?}");
+}
+
+#[test]
+fn every_mistake_is_named_on_three_axes() {
+    assert_every_mistake_is_named("fxyz");
+}
+
+#[test]
+fn every_mistake_is_named_on_five_axes() {
+    assert_every_mistake_is_named("five-axis");
+}
+
+#[test]
+fn every_mistake_is_named_on_a_rotary_stage() {
+    assert_every_mistake_is_named("rotary-stage");
+}
+
+/// Lengths that contradict each other for no reason are blamed on none of the mistakes.
+#[test]
+fn a_contradiction_without_a_mistake_is_explained_by_none() {
+    for (name, text) in SHIPPED {
+        let campaign = simulated(text);
+        let sign = std::cell::Cell::new(1.0);
+        let disturb = |_: &mut usize, length_mm: &mut f64| {
+            *length_mm += 5.0 * sign.get();
+            sign.set(-sign.get());
+        };
+        let disturbed = with_readings(&campaign, |stop, _| stop.station == 2, disturb);
+        let said = said(&disturbed);
+        println!("{name}: {said}");
+        assert!(
+            said.contains("contradict") || said.contains("explains its"),
+            "{said}"
+        );
+        assert!(!said.contains("this would explain it"), "{said}");
+    }
+}
