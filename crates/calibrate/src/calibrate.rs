@@ -129,7 +129,10 @@ pub(crate) fn calibrate_as_given<'a>(
     let covariance = settings
         .covariance
         .then(|| OutputCovariance::new(&factors, results(&axes, &stations)));
-    let targets_mm = mean_targets(&context, &identified.state);
+    let mut targets_mm = mean_targets(&context, &identified.state);
+    for (target, in_datum_mm) in measured.targets_on_bed() {
+        targets_mm[target] = Some(identified.state.ref_from_datum * in_datum_mm);
+    }
     let mut calibration = Calibration {
         campaign: campaign.name.clone(),
         machine: campaign.machine.clone(),
@@ -183,7 +186,7 @@ fn with_reference_points(campaign: &Campaign, reference: ReferencePoint) -> Mach
         ReferencePoint::Origin => axis,
         ReferencePoint::At(point) => axis.with_reference(point),
         ReferencePoint::Centroid => {
-            let is_moved = |carrier: usize| machine.chain(carrier).contains(&index);
+            let is_moved = |carrier: Option<usize>| machine.chain(carrier).contains(&index);
             let targets = campaign.targets.iter().filter(|t| is_moved(t.carrier));
             let moved: Vec<Vector3<f64>> = targets.map(|target| target.home_mm.coords).collect();
             let sum: Vector3<f64> = moved.iter().sum();

@@ -6,11 +6,11 @@ use crate::{Campaign, Stop};
 /// How often a target was read in a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Coverage {
-    /// The run.
-    pub run: usize,
+    /// The run; none for targets on the bed.
+    pub run: Option<usize>,
     /// The target.
     pub target: usize,
-    /// Steps of the run.
+    /// Steps of the run; for targets on the bed one, to which all readings belong.
     pub steps_of_run: usize,
     /// From each station in the order of the campaign; a single entry in a points campaign.
     pub seen: Vec<Seen>,
@@ -54,7 +54,8 @@ impl Coverage {
 }
 
 impl Campaign {
-    /// How often each target was read in each run in which any station saw it, by run and target.
+    /// How often each target was read in each run in which any station saw it, by run and target; targets on the bed
+    /// last.
     pub fn coverage(&self) -> Vec<Coverage> {
         match (&self.lengths, &self.points) {
             (Some(lengths), _) => self.covered(&lengths.stops, &lengths.readings),
@@ -69,28 +70,34 @@ impl Campaign {
         } else {
             1
         };
-        let mut steps_of_run = vec![0; self.runs.len()];
-        for step in &self.steps {
-            steps_of_run[step.run] += 1;
+        // Behind the runs is the bed.
+        let bed = self.runs.len();
+        let mut steps_of_run = vec![0; bed + 1];
+        for run in self.steps.iter().filter_map(|step| step.run) {
+            steps_of_run[run] += 1;
         }
+        steps_of_run[bed] = 1;
         let targets = self.targets.len();
-        let mut seen = vec![Seen::default(); self.runs.len() * targets * stations];
+        let mut seen = vec![Seen::default(); (bed + 1) * targets * stations];
         let mut step_seen = vec![false; self.steps.len() * targets * stations];
         for stop in stops {
-            let run = self.steps[stop.step].run;
+            let of_stop = self.steps[stop.step].run;
+            let run = of_stop.unwrap_or(bed);
             for reading in readings_of(stop, readings) {
                 let place =
                     |row: usize| (row * targets + reading.target()) * stations + stop.station;
                 let seen = &mut seen[place(run)];
                 seen.readings += 1;
-                if !std::mem::replace(&mut step_seen[place(stop.step)], true) {
+                if of_stop.is_none() {
+                    seen.steps = 1;
+                } else if !std::mem::replace(&mut step_seen[place(stop.step)], true) {
                     seen.steps += 1;
                 }
             }
         }
         let rows = seen.chunks(stations.max(1)).enumerate();
         let covered = rows.map(|(row, seen)| Coverage {
-            run: row / targets,
+            run: Some(row / targets).filter(|&run| run < bed),
             target: row % targets,
             steps_of_run: steps_of_run[row / targets],
             seen: seen.to_vec(),

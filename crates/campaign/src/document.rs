@@ -110,7 +110,7 @@ pub enum AxisKindSpec {
 pub(crate) struct TargetEntry {
     pub(crate) name: String,
     pub(crate) position_mm: [f64; 3],
-    /// Null is refused with its own words, and must not be taken for a field left out.
+    /// Null is the bed, and must not be taken for a field left out.
     #[serde(deserialize_with = "Option::deserialize")]
     pub(crate) carried_by: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -110,5 +110,6 @@ pub use plausibility::UnitMistake;
 pub use positions::{Position, read_positions};
 pub use read::read;
 pub use reflectors::reflectors;
+pub use setup::{check_instrument, check_reflectors};
 pub use trueaxis_files::{Alternatives, Part, Place};
 pub use write::write;

@@ -36,7 +36,8 @@ pub struct Campaign {
     pub known_lengths: Vec<KnownLength>,
     /// Runs in the order of the file.
     pub runs: Vec<Run>,
-    /// Commanded positions: one step for each different position of a run.
+    /// Commanded positions: one step for each different position of a run, and one without a run for each at which
+    /// targets on the bed were read.
     pub steps: Vec<Step>,
     /// Lengths of a multilateration campaign.
     pub lengths: Option<Lengths>,
@@ -131,15 +132,15 @@ pub struct KnownLength {
     pub sigma_um: f64,
 }
 
-/// A target on a stage.
+/// A target on a stage, or on the bed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Target {
     /// Name, as `P`.
     pub name: String,
     /// Nominal position at home in the reference frame, mm.
     pub home_mm: Point3<f64>,
-    /// The outermost axis that moves it.
-    pub carrier: usize,
+    /// The outermost axis that moves it; none on the bed.
+    pub carrier: Option<usize>,
     /// Name of the reflector in its nest, if it is given; see [`Campaign::reflectors`].
     pub reflector: Option<String>,
     /// Standard deviation of each coordinate of `home_mm`, independent, mm: how well the nest was set.
@@ -178,8 +179,8 @@ pub struct Run {
 /// A commanded position of a run. Its points are common to all stops there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// Its run.
-    pub run: usize,
+    /// Its run; none where targets on the bed were read: that is no pose of an axis.
+    pub run: Option<usize>,
     /// Commanded positions of all axes, mm or rad, in the order of the machine's axes.
     pub positions: Vec<f64>,
 }
@@ -202,7 +203,7 @@ pub struct Stop {
     pub repeat: u32,
     /// Its step (which knows the run).
     pub step: usize,
-    /// Side of approach.
+    /// Side of approach; forward, which means nothing, where targets on the bed were read.
     pub direction: Direction,
     /// Its readings.
     pub readings: Range<usize>,
@@ -217,6 +218,13 @@ pub struct Lengths {
     pub readings: Vec<LengthReading>,
     /// Air and machine state at the readings: one entry for each such column of the file, in its order.
     pub logged: Vec<LoggedColumn>,
+}
+
+impl Campaign {
+    /// The axis under test at a step; none where targets on the bed were read.
+    pub fn axis_under_test(&self, step: usize) -> Option<usize> {
+        self.steps[step].run.map(|run| self.runs[run].axis)
+    }
 }
 
 impl Lengths {

@@ -33,6 +33,11 @@ impl<'a> Names<'a> {
         Some(found)
     }
 
+    /// The name with that index.
+    pub(crate) fn name(&self, index: usize) -> &'a str {
+        self.names.get(index).copied().unwrap_or_default()
+    }
+
     /// The error for a name that [`Names::find`] does not know.
     pub(crate) fn unknown(&self, place: Box<Place>, name: &[u8]) -> Error {
         let name = String::from_utf8_lossy(name);

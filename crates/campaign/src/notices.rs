@@ -53,7 +53,7 @@ pub(crate) fn without_rows<R: Reading>(
     stops: &[Stop],
     readings: &[R],
 ) -> Vec<String> {
-    let run = |stop: &Stop| campaign.steps.get(stop.step).map(|step| step.run);
+    let run = |stop: &Stop| campaign.steps.get(stop.step).and_then(|step| step.run);
     let stations = unseen(
         campaign.stations.iter().map(|s| s.name.as_str()),
         stops.iter().map(|stop| stop.station),

@@ -14,7 +14,7 @@ pub(crate) fn check(file: &Path, campaign: &Campaign, steps: &Steps) -> Result<(
         let mut first: Option<&[f64]> = None;
         let mut moved_in_line = vec![None; axes.len()];
         for (step, &line) in steps.steps.iter().zip(&steps.lines) {
-            if step.run != index {
+            if step.run != Some(index) {
                 continue;
             }
             let start = first.get_or_insert(&step.positions);

@@ -8,7 +8,10 @@ use crate::document::{RunEntry, StationEntry, TargetEntry};
 use crate::{Instrument, KnownDeadPath, Run, Station, Target};
 
 /// Of the declared accuracy none is needed, but what is given must be possible.
-pub(crate) fn check_instrument(instrument: &Instrument) -> Result<(), DocumentError> {
+///
+/// # Errors
+/// A standard deviation that is none, by its field in `campaign.json`.
+pub fn check_instrument(instrument: &Instrument) -> Result<(), DocumentError> {
     let sigmas = [
         (
             "length_sigma_um",
@@ -55,34 +58,31 @@ pub(crate) fn targets(
 ) -> Result<Vec<Target>, DocumentError> {
     check_names("targets", "target", &names(&entries, |entry| &entry.name))?;
     let axes = axis_names(machine);
-    check_reflectors(&entries)?;
     let targets = entries.into_iter().enumerate().map(|(i, entry)| {
         let field = |name: &str| format!("targets[{i}].{name}");
-        let Some(carrier) = &entry.carried_by else {
-            let expected = format!(
-                "the name of the outermost axis that moves the target ({}); a target on the bed has no \
-                 place yet",
-                axes.join(", ")
-            );
-            let problem = DocumentProblem::value("found null", expected);
-            return Err(problem.in_field(field("carried_by")));
-        };
+        let carrier = entry.carried_by.as_ref();
+        let carrier = carrier.map(|name| index_of(field("carried_by"), "axis", name, &axes));
         check_sigma_mm(field("position_sigma_mm"), entry.position_sigma_mm)?;
         Ok(Target {
-            carrier: index_of(field("carried_by"), "axis", carrier, &axes)?,
+            carrier: carrier.transpose()?,
             name: entry.name,
             home_mm: Point3::from(entry.position_mm),
             reflector: entry.reflector,
             position_sigma_mm: entry.position_sigma_mm,
         })
     });
-    targets.collect()
+    let targets: Vec<Target> = targets.collect::<Result<_, DocumentError>>()?;
+    check_reflectors(&targets)?;
+    Ok(targets)
 }
 
 /// A reflector has a name, and not that of a target which has one of its own: that one is called like
 /// the target.
-fn check_reflectors(entries: &[TargetEntry]) -> Result<(), DocumentError> {
-    for (i, entry) in entries.iter().enumerate() {
+///
+/// # Errors
+/// A name that is none, by its field in `campaign.json`.
+pub fn check_reflectors(targets: &[Target]) -> Result<(), DocumentError> {
+    for (i, entry) in targets.iter().enumerate() {
         let Some(name) = &entry.reflector else {
             continue;
         };
@@ -92,8 +92,8 @@ fn check_reflectors(entries: &[TargetEntry]) -> Result<(), DocumentError> {
             let problem = DocumentProblem::value(found, "a name, without blanks around it");
             return Err(problem.in_field(field));
         }
-        let owner = |other: &TargetEntry| other.reflector.is_none() && other.name == *name;
-        if let Some(owner) = entries.iter().position(owner) {
+        let owner = |other: &Target| other.reflector.is_none() && other.name == *name;
+        if let Some(owner) = targets.iter().position(owner) {
             let found = format!("`{name}` is a target (targets[{owner}]) that names no reflector");
             let expected = format!(
                 "a name of its own; if both have the same reflector, write `\"reflector\": \
@@ -173,7 +173,7 @@ pub(crate) fn targets_to_entries(targets: &[Target], machine: &Machine) -> Vec<T
     let entries = targets.iter().map(|target| TargetEntry {
         name: target.name.clone(),
         position_mm: target.home_mm.into(),
-        carried_by: Some(axis_name(machine, target.carrier)),
+        carried_by: target.carrier.map(|axis| axis_name(machine, axis)),
         reflector: target.reflector.clone(),
         position_sigma_mm: target.position_sigma_mm,
     });

@@ -1,4 +1,4 @@
-//! Steps: the different commanded positions of each run, numbered as they first appear.
+//! Steps: the different commanded positions of each run, and of targets on the bed, numbered as they first appear.
 
 use std::collections::HashMap;
 
@@ -22,7 +22,7 @@ impl Steps {
     ///
     /// Rows stay at a step or go on to the next one, as at the station before, so these two are tried
     /// first.
-    pub(crate) fn find(&mut self, run: usize, positions: &[f64]) -> Option<usize> {
+    pub(crate) fn find(&mut self, run: Option<usize>, positions: &[f64]) -> Option<usize> {
         let is_here = |step: &Step| step.run == run && step.positions == positions;
         for likely in [self.last, self.last + 1] {
             if self.steps.get(likely).is_some_and(is_here) {
@@ -31,14 +31,14 @@ impl Steps {
             }
         }
         self.key.clear();
-        self.key.push(run as u64);
+        self.key.push(run.map_or(u64::MAX, |run| run as u64));
         self.key.extend(positions.iter().map(|q| q.to_bits()));
         self.last = *self.index.get(self.key.as_slice())?;
         Some(self.last)
     }
 
     /// Adds a step that [`Steps::find`] has just not found.
-    pub(crate) fn add(&mut self, run: usize, positions: &[f64], line: usize) -> usize {
+    pub(crate) fn add(&mut self, run: Option<usize>, positions: &[f64], line: usize) -> usize {
         self.last = self.steps.len();
         self.index.insert(self.key.as_slice().into(), self.last);
         self.steps.push(Step {
@@ -58,16 +58,17 @@ mod tests {
     fn a_step_is_a_run_and_all_positions() {
         let mut steps = Steps::default();
         let visits = [
-            (0, [0.0, 1.0]),
-            (0, [0.0, 2.0]),
-            (0, [0.0, 1.0]),
-            (1, [0.0, 1.0]),
+            (Some(0), [0.0, 1.0]),
+            (Some(0), [0.0, 2.0]),
+            (Some(0), [0.0, 1.0]),
+            (Some(1), [0.0, 1.0]),
+            (None, [0.0, 1.0]),
         ];
         let found = visits.map(|(run, positions)| {
             steps
                 .find(run, &positions)
                 .unwrap_or_else(|| steps.add(run, &positions, 1))
         });
-        assert_eq!(found, [0, 1, 0, 2]);
+        assert_eq!(found, [0, 1, 0, 2, 3]);
     }
 }

@@ -7,12 +7,12 @@ use crate::names::Names;
 use crate::rows::{Rows, position_cells};
 use crate::steps::Steps;
 use crate::table::{Column, Row, Table};
-use crate::{Campaign, Error, Step, Stop};
+use crate::{Campaign, Direction, Error, Problem, Step, Stop};
 
 /// Groups rows into stops and steps.
 ///
 /// A stop is a maximal group of consecutive rows with the same station, repeat, run, direction
-/// and positions of all axes.
+/// and positions of all axes. Targets on the bed are read beside the runs: their rows have neither run nor direction.
 pub(crate) struct Visits<'a> {
     time: Column,
     station: Option<(Column, Names<'a>)>,
@@ -21,6 +21,8 @@ pub(crate) struct Visits<'a> {
     direction: Column,
     axes: AxisColumns<'a>,
     target: (Column, Names<'a>),
+    /// Whether each target stands on the bed.
+    is_on_bed: Vec<bool>,
     positions: Vec<f64>,
     stops: Vec<Stop>,
     steps: Steps,
@@ -59,6 +61,11 @@ impl<'a> Visits<'a> {
             direction: table.column("direction")?,
             axes: AxisColumns::of(table, &campaign.machine)?,
             target: (table.column("target")?, Names::new("target", targets)),
+            is_on_bed: campaign
+                .targets
+                .iter()
+                .map(|t| t.carrier.is_none())
+                .collect(),
             positions: Vec::new(),
             stops: Vec::new(),
             steps: Steps::default(),
@@ -73,10 +80,19 @@ impl<'a> Visits<'a> {
             None => 0,
         };
         let repeat = row.counting_number(self.repeat)?;
-        let run = row.name(self.run.0, &mut self.run.1)?;
-        let direction = row.direction(self.direction)?;
-        self.axes.read(row, &mut self.positions)?;
         let target = row.name(self.target.0, &mut self.target.1)?;
+        let (run, direction) = match self.is_on_bed.get(target) {
+            Some(true) => {
+                self.check_is_beside_runs(row, target)?;
+                (None, Direction::Forward)
+            }
+            _ => {
+                self.check_is_in_run(row, target)?;
+                let run = row.name(self.run.0, &mut self.run.1)?;
+                (Some(run), row.direction(self.direction)?)
+            }
+        };
+        self.axes.read(row, &mut self.positions)?;
         let step = match self.steps.find(run, &self.positions) {
             Some(step) => step,
             None => {
@@ -93,6 +109,48 @@ impl<'a> Visits<'a> {
         };
         stay_or_arrive(&mut self.stops, stop);
         Ok(Sighting { time_s, target })
+    }
+
+    /// A target that an axis carries is read in a run.
+    fn check_is_in_run(&self, row: &Row<'_>, target: usize) -> Result<(), Error> {
+        for (column, what) in [
+            (self.run.0, "the name of its run"),
+            (self.direction, "1 or -1"),
+        ] {
+            if row.cell(column).is_empty() {
+                let name = self.target.1.name(target);
+                let found = format!("an empty cell for target `{name}`, which an axis carries");
+                let expected =
+                    format!("{what}; only targets on the bed (`carried_by` null) have none");
+                return Err(Problem::value(found, expected).at(row.place(column)));
+            }
+        }
+        Ok(())
+    }
+
+    /// A target on the bed is read from a station, and in no run.
+    fn check_is_beside_runs(&self, row: &Row<'_>, target: usize) -> Result<(), Error> {
+        let name = self.target.1.name(target);
+        if self.station.is_none() {
+            let found = format!("target `{name}`, which stands on the bed (`carried_by` null)");
+            let expected =
+                "a target that an axis carries: points of the bed say nothing of the machine";
+            return Err(Problem::value(found, expected).at(row.place(self.target.0)));
+        }
+        for (column, what) in [(self.run.0, "run"), (self.direction, "direction")] {
+            if !row.cell(column).is_empty() {
+                let cell = String::from_utf8_lossy(row.cell(column));
+                let found = format!(
+                    "\"{cell}\" for target `{name}`, which stands on the bed (`carried_by` null)"
+                );
+                let expected = format!(
+                    "an empty cell: targets on the bed are read beside the runs; if an axis carries it, say \
+                     which in `carried_by` ({what})"
+                );
+                return Err(Problem::value(found, expected).at(row.place(column)));
+            }
+        }
+        Ok(())
     }
 
     /// The stops, and the steps that they refer to.
@@ -163,7 +221,7 @@ impl<'a> VisitRows<'a> {
         let campaign = self.campaign;
         let station = campaign.stations.get(stop.station).map(|s| s.name.as_str());
         let step = campaign.steps.get(stop.step);
-        let run = step.and_then(|step| campaign.runs.get(step.run));
+        let run = step.and_then(|step| campaign.runs.get(step.run?));
         let target = campaign.targets.get(sighting.target);
         let position_cells = self.position_cells.get(stop.step);
         rows.time_s(sighting.time_s);
@@ -172,7 +230,10 @@ impl<'a> VisitRows<'a> {
         }
         rows.counting_number(stop.repeat);
         rows.name(run.map(|run| run.name.as_str()).unwrap_or_default());
-        rows.direction(stop.direction);
+        match run {
+            Some(_) => rows.direction(stop.direction),
+            None => rows.name(""),
+        }
         rows.positions(position_cells.map(String::as_str).unwrap_or_default());
         rows.name(
             target

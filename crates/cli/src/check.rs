@@ -55,11 +55,8 @@ fn describe(campaign: &Campaign) {
     say(&format!(
         "  targets   {}",
         list(campaign.targets.iter().map(|target| {
-            format!(
-                "{} on {}",
-                target.name,
-                machine.axes()[target.carrier].name()
-            )
+            let carrier = target.carrier.map(|axis| machine.axes()[axis].name());
+            format!("{} on {}", target.name, carrier.unwrap_or("the bed"))
         }))
     ));
     if let Some(lengths) = &campaign.lengths {
@@ -84,7 +81,7 @@ fn describe(campaign: &Campaign) {
         let steps = campaign
             .steps
             .iter()
-            .filter(|step| step.run == number)
+            .filter(|step| step.run == Some(number))
             .count();
         let axis = machine.axes()[run.axis].name();
         say(&format!(

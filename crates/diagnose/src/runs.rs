@@ -80,10 +80,9 @@ pub(crate) fn diagnose_runs(
 /// Degrees of freedom of the larger part of the noise that the lengths show.
 fn noise_dof(calibration: &Calibration) -> f64 {
     let noise = calibration.adjustment.noise;
-    let parts = noise.map(|noise| [noise.length.used, noise.machine_return.used]);
-    let [length, machine_return] = match parts {
-        Some(parts) => parts,
-        None => return f64::INFINITY,
+    let Some((length, machine_return)) = noise.map(|n| (n.length.used, n.machine_return.used))
+    else {
+        return f64::INFINITY;
     };
     match length.sigma_mm > machine_return.sigma_mm {
         true => length.degrees_of_freedom,

@@ -26,11 +26,11 @@ pub struct Circumstances<'a> {
     pub station: usize,
     /// The target that is read.
     pub target: usize,
-    /// The outermost axis that moves the target.
-    pub carrier: usize,
-    /// The axis that moves between the readings.
+    /// The outermost axis that moves the target; none on the bed, to which the machine does nothing.
+    pub carrier: Option<usize>,
+    /// The axis that moves between the readings; any for a target on the bed.
     pub axis: usize,
-    /// Side of approach, +1 or -1.
+    /// Side of approach, +1 or -1; any for a target on the bed.
     pub direction: f64,
     /// Speed with sign of the axis at the reading, mm/s or rad/s; 0 where the machine stands still.
     pub speed_per_s: f64,
@@ -58,7 +58,7 @@ impl<'a> Circumstances<'a> {
             turn_elapsed_s: 0.0,
             station: 0,
             target: 0,
-            carrier: 0,
+            carrier: Some(0),
             axis: 0,
             direction: 1.0,
             speed_per_s: 0.0,

@@ -15,7 +15,7 @@
 use nalgebra::Vector3;
 use trueaxis_kinematics::{Axis, AxisKind, MotionError};
 
-use crate::{Circumstances, Displaced, Effect, Shape, Subject};
+use crate::{Circumstances, Displaced, Effect, Layer, Shape, Subject};
 
 /// The way an effect acts, with its formula for one unit of one parameter.
 #[derive(Clone, Copy)]
@@ -88,7 +88,8 @@ impl AtReading<'_> {
 
 impl Effect {
     /// What one unit of parameter `parameter` does to a reading: nothing to another station or target
-    /// than that of the subject, or to one that its carrier does not move, and nothing up to the instant of an effect that has one.
+    /// than that of the subject, or to one that its carrier does not move, nothing up to the instant of an effect that
+    /// has one, and nothing of the machine to a target on the bed.
     pub fn form(
         &self,
         subject: &Subject,
@@ -96,7 +97,9 @@ impl Effect {
         shape: f64,
         at: &Circumstances<'_>,
     ) -> Displaced {
-        let is_there = self.shape != Shape::Instant || at.time_s > shape;
+        // What the machine does, it does not do to its bed.
+        let is_reached = self.layer != Layer::Machine || at.carrier.is_some();
+        let is_there = is_reached && (self.shape != Shape::Instant || at.time_s > shape);
         let is_carried = subject.carrier.is_none_or(|axis| at.is_carried_by(axis));
         let is_concerned = subject.has_station(at.station) && subject.has_target(at.target);
         if !(is_there && is_concerned && is_carried) {

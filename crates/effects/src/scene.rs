@@ -24,8 +24,8 @@ pub struct Scene {
 pub struct SceneTarget {
     /// Its name.
     pub name: String,
-    /// The outermost axis that moves it.
-    pub carrier: usize,
+    /// The outermost axis that moves it; none on the bed.
+    pub carrier: Option<usize>,
 }
 
 impl Scene {

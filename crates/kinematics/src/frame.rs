@@ -37,8 +37,8 @@ const INERTIA_TOL: f64 = 1e-12;
 /// A target where it should be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NominalTarget {
-    /// Index of the outermost axis that moves it.
-    pub carrier: usize,
+    /// Index of the outermost axis that moves it; none on the bed.
+    pub carrier: Option<usize>,
     /// Nominal position at home in the reference frame, mm.
     pub home_mm: Point3<f64>,
 }
@@ -281,7 +281,7 @@ mod tests {
         let last = axes.len() - 1;
         let machine = Machine::new(axes, (0..=last).collect(), Vec::new()).unwrap();
         let targets = TARGETS.map(|home| NominalTarget {
-            carrier: last,
+            carrier: Some(last),
             home_mm: Point3::from(home),
         });
         let measured = (0..=last).flat_map(|axis| (0..3).map(move |target| (axis, target)));
@@ -343,7 +343,7 @@ mod tests {
         let axes = vec![linear("X", Vector3::x()), rotary("C", Vector3::z())];
         let machine = Machine::new(axes, vec![0], vec![1]).unwrap();
         let target = |carrier| NominalTarget {
-            carrier,
+            carrier: Some(carrier),
             home_mm: Point3::origin(),
         };
         let rule = FrameRule::new(&machine, &[target(1), target(0)], [(1, 0), (0, 1)]);
@@ -356,7 +356,7 @@ mod tests {
         let axes = vec![linear("Y", Vector3::y()), linear("X", Vector3::x())];
         let machine = Machine::new(axes, vec![1, 0], Vec::new()).unwrap();
         let targets = [0, 1, 0, 1].map(|carrier| NominalTarget {
-            carrier,
+            carrier: Some(carrier),
             home_mm: Point3::origin(),
         });
         // X is the first axis, and target 1 the first that it measures.
@@ -395,7 +395,7 @@ mod tests {
     fn anchors_on_one_line_hold_no_rotation_about_it() {
         let machine = Machine::new(vec![rotary("C", Vector3::z())], vec![0], Vec::new()).unwrap();
         let targets = [0.0, 50.0, 120.0].map(|x| NominalTarget {
-            carrier: 0,
+            carrier: Some(0),
             home_mm: Point3::new(x, 7.0, 0.0),
         });
         let rule = FrameRule::new(&machine, &targets, (0..3).map(|target| (0, target)));

@@ -103,31 +103,32 @@ impl Machine {
         }
     }
 
-    /// The axes between the bed and the stage of axis `carrier`, it included, from the bed outwards.
+    /// The axes between the bed and the stage of axis `carrier`, it included, from the bed outwards; none to what
+    /// stands on the bed, which no axis carries.
     ///
     /// # Panics
     /// If `carrier` is not an index of [`Machine::axes`].
-    pub fn chain(&self, carrier: usize) -> &[usize] {
-        &self.chains[carrier]
+    pub fn chain(&self, carrier: impl Into<Option<usize>>) -> &[usize] {
+        carrier.into().map_or(&[], |axis| &self.chains[axis])
     }
 
-    /// The rigid motion of the stage of axis `carrier`, as it acts on coordinates at home.
+    /// The rigid motion of the stage of axis `carrier`, or of the bed, as it acts on coordinates at home.
     pub fn motion(
         &self,
         errors: &impl GeometricErrors,
-        carrier: usize,
+        carrier: impl Into<Option<usize>>,
         positions: &[f64],
     ) -> Isometry3<f64> {
         self.chain_motion(errors, self.chain(carrier), positions)
     }
 
-    /// Where a point on the stage of axis `carrier` is, in the reference frame, mm.
+    /// Where a point on the stage of axis `carrier`, or on the bed, is, in the reference frame, mm.
     ///
     /// `home_mm` is its position in the reference frame when all axes are at home.
     pub fn position(
         &self,
         errors: &impl GeometricErrors,
-        carrier: usize,
+        carrier: impl Into<Option<usize>>,
         positions: &[f64],
         home_mm: Point3<f64>,
     ) -> Point3<f64> {

@@ -505,6 +505,7 @@ mod tests {
                 of_points: vec![0, 2, 1],
             })),
             dead_paths: Vec::new(),
+            bed: None,
         }
     }
 

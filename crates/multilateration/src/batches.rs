@@ -23,6 +23,8 @@ pub(crate) struct Batch {
     pub(crate) points: usize,
     /// The body that the points are tied to.
     pub(crate) body: Option<usize>,
+    /// Whether they stand on the bed.
+    pub(crate) is_bed: bool,
     /// The first point of the group in each lane; lanes without a group repeat the last one.
     pub(crate) first_points: [usize; LANES],
     pub(crate) layout: Arc<Layout>,
@@ -50,7 +52,9 @@ pub(crate) fn batches(network: &Network) -> Vec<Batch> {
         network.zero_of_readings()
     };
     let kinds = network.groups.iter().enumerate();
-    let ranges = side_by_side(kinds.map(|(g, points)| (points.len(), network.body_of(g))));
+    let is_bed = |g: usize| network.bed == Some(g);
+    let kinds = kinds.map(|(g, points)| (points.len(), network.body_of(g), is_bed(g)));
+    let ranges = side_by_side(kinds);
     let is_inflated = network
         .variance_factors
         .iter()
@@ -100,6 +104,7 @@ fn piece(
             groups: groups.clone(),
             points,
             body: network.body_of(groups.start),
+            is_bed: network.bed == Some(groups.start),
             first_points: std::array::from_fn(|lane| first + points * lane.min(last)),
             layout,
             numbers: Arc::clone(&none),

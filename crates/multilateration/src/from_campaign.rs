@@ -21,10 +21,10 @@ pub struct CampaignNetwork {
     pub reflectors: Vec<usize>,
 }
 
-/// Targets that move together, at one step.
+/// Targets that move together, at one step; or those on the bed, whenever they were read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Group {
-    /// The campaign's step.
+    /// The campaign's step; of targets on the bed the first at which they were read.
     pub step: usize,
     /// Side of approach, where directions are kept apart.
     pub direction: Option<Direction>,
@@ -41,6 +41,8 @@ pub struct Group {
 enum Together {
     /// Those that stand on one stage, whichever axis moves it: their distances never change.
     OnCarrier(usize),
+    /// Those on the bed, which stand still.
+    OnBed,
     /// Those that the axis of a run moves, on several stages: these stand still against each other only
     /// during the run.
     InRun(usize),
@@ -52,7 +54,8 @@ const UNDECLARED_LENGTH_SIGMA_UM: f64 = 1.0;
 const MM_PER_UM: f64 = 1e-3;
 
 /// Makes the network of a campaign's lengths, with bodies: one group for each step (with `by_direction` each
-/// step and side of approach) and for the targets that move together in its run. The noise is the declared
+/// step and side of approach) and for the targets that move together in its run, and one of free points for the
+/// targets on the bed. The noise is the declared
 /// one; 1 µm for each length where none is declared.
 ///
 /// A stop that sees two groups becomes a visit of each; what the machine's return has in common for them is
@@ -68,19 +71,24 @@ pub fn network_from_campaign(
     let mut kinds: Vec<Together> = Vec::new();
     // The groups of each step, or of each side of approach to it.
     let mut of_step = vec![[Vec::new(), Vec::new()]; campaign.steps.len()];
+    let mut of_bed = Vec::new();
     let mut group_of_reading = Vec::with_capacity(lengths.readings.len());
     for stop in &lengths.stops {
+        let is_bed = campaign.steps[stop.step].run.is_none();
         let side = usize::from(by_direction && stop.direction == Direction::Backward);
         for reading in &lengths.readings[stop.readings.clone()] {
             let (moved, kind) = together(stop.step, reading.target);
-            let known: &mut Vec<usize> = &mut of_step[stop.step][side];
+            let known: &mut Vec<usize> = match is_bed {
+                true => &mut of_bed,
+                false => &mut of_step[stop.step][side],
+            };
             let number = known.iter().copied().find(|&g| kinds[g] == kind);
             let number = number.unwrap_or_else(|| {
                 known.push(groups.len());
                 kinds.push(kind);
                 groups.push(Group {
                     step: stop.step,
-                    direction: by_direction.then_some(stop.direction),
+                    direction: (by_direction && !is_bed).then_some(stop.direction),
                     targets: Vec::new(),
                     moved,
                     body: None,
@@ -111,6 +119,8 @@ pub fn network_from_campaign(
     }
     let bodies = bodies(campaign, &groups, shapes.targets);
     let mut network = network(campaign, lengths, &groups, &group_of_reading, bodies);
+    let is_bed = |group: &Group| campaign.steps[group.step].run.is_none();
+    network.bed = groups.iter().position(is_bed);
     let (_, of_targets) = campaign.reflectors();
     let of_points: Vec<usize> = groups
         .iter()
@@ -189,9 +199,13 @@ fn network(
 fn moved_in_runs(campaign: &Campaign, lengths: &Lengths) -> Vec<Vec<usize>> {
     let mut carriers = vec![Vec::new(); campaign.runs.len()];
     for stop in &lengths.stops {
-        let run = campaign.steps[stop.step].run;
+        let Some(run) = campaign.steps[stop.step].run else {
+            continue;
+        };
         for reading in &lengths.readings[stop.readings.clone()] {
-            let carrier = campaign.targets[reading.target].carrier;
+            let Some(carrier) = campaign.targets[reading.target].carrier else {
+                continue;
+            };
             if is_moved(campaign, run, carrier) && !carriers[run].contains(&carrier) {
                 carriers[run].push(carrier);
             }
@@ -212,7 +226,10 @@ fn together(
     step: usize,
     target: usize,
 ) -> (bool, Together) {
-    let (run, carrier) = (campaign.steps[step].run, campaign.targets[target].carrier);
+    let of_target = campaign.targets[target].carrier;
+    let Some((run, carrier)) = campaign.steps[step].run.zip(of_target) else {
+        return (false, Together::OnBed);
+    };
     let moved = is_moved(campaign, run, carrier);
     if moved && moved_in_runs[run].len() > 1 {
         (moved, Together::InRun(run))
@@ -246,7 +263,8 @@ fn shapes(campaign: &Campaign, groups: &[Group], kinds: &[Together]) -> Shapes {
         let is_known = |shape: &(Together, Vec<usize>)| {
             shape.0 == kind && common(&targets, &shape.1) == targets
         };
-        if !are_rigid(&targets) || shapes.iter().any(is_known) {
+        let is_free = kind == Together::OnBed;
+        if is_free || !are_rigid(&targets) || shapes.iter().any(is_known) {
             continue;
         }
         // It may tie several that were apart; what they have together ties further ones.

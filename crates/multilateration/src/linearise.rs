@@ -194,7 +194,12 @@ fn append_factor_row(
     (first, i): (usize, usize),
     factor: &mut Vec<Lanes>,
 ) {
-    let return_variance = Lanes::splat(noise.return_sigma_mm * noise.return_sigma_mm);
+    let return_sigma_mm = if batch.is_bed {
+        0.0
+    } else {
+        noise.return_sigma_mm
+    };
+    let return_variance = Lanes::splat(return_sigma_mm * return_sigma_mm);
     let there = is_read(batch, first + i);
     let start = factor.len();
     for j in 0..i {

@@ -38,6 +38,9 @@ pub struct Network {
     pub bodies: Option<Arc<Bodies>>,
     /// Which reflector stands at each point: their constants are then unknowns. Without them all are equal.
     pub reflectors: Option<Arc<Reflectors>>,
+    /// The group of the targets on the bed, if there is one: the machine does not return to it, so that its lengths
+    /// have no return error.
+    pub bed: Option<usize>,
     /// Dead paths that are known, at most one for each station.
     pub dead_paths: Vec<KnownDeadPath>,
 }
@@ -189,6 +192,7 @@ impl Network {
             variance_factors: Vec::new(),
             bodies: self.bodies.clone(),
             reflectors: self.reflectors.clone(),
+            bed: self.bed,
             dead_paths: self.dead_paths.clone(),
         };
         (network, kept)

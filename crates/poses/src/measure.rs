@@ -1,6 +1,6 @@
 //! The headline verb: a campaign to the poses of its stages.
 
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, Point3};
 use trueaxis_campaign::{Campaign, Lengths, Points};
 use trueaxis_identify::SixRows;
 use trueaxis_kinematics::Machine;
@@ -204,6 +204,12 @@ impl MeasuredPoses<'_> {
         let ppm = self.campaign.instrument.scale_sigma_ppm;
         let ppm = ppm.filter(|_| self.lengths.is_none());
         ppm.map_or(0.0, |ppm| ppm * 1e-6)
+    }
+
+    /// Where the targets on the bed stand, in the datum, mm, with their numbers.
+    pub fn targets_on_bed(&self) -> Vec<(usize, Point3<f64>)> {
+        let lengths = self.lengths.as_ref();
+        lengths.map_or_else(Vec::new, LengthsAdjustment::targets_on_bed)
     }
 
     /// What is known and contradicts the lengths.

@@ -178,7 +178,10 @@ impl AdjustmentReport {
 pub(crate) fn approached_from_both_sides(campaign: &Campaign) -> bool {
     let lengths = campaign.lengths.iter().flat_map(|lengths| &lengths.stops);
     let points = campaign.points.iter().flat_map(|points| &points.stops);
-    let mut directions = lengths.chain(points).map(|stop| stop.direction);
+    let in_runs = lengths
+        .chain(points)
+        .filter(|stop| campaign.steps[stop.step].run.is_some());
+    let mut directions = in_runs.map(|stop| stop.direction);
     let first = directions.next();
     directions.any(|direction| Some(direction) != first)
 }

@@ -5,9 +5,12 @@ use trueaxis_kinematics::AxisKind;
 
 use crate::Error;
 
-/// A step as `run x at X = 40 mm, Y = 0 mm`.
+/// A step as `run x at X = 40 mm, Y = 0 mm`, or as `the bed`.
 pub fn step_in_words(campaign: &Campaign, step: usize) -> String {
     let step = &campaign.steps[step];
+    let Some(run) = step.run else {
+        return "the bed".to_owned();
+    };
     let axes = campaign.machine.axes().iter().zip(&step.positions);
     let positions = axes.map(|(axis, &position)| match axis.kind() {
         AxisKind::Linear => format!("{} = {position} mm", axis.name()),
@@ -20,7 +23,7 @@ pub fn step_in_words(campaign: &Campaign, step: usize) -> String {
     let positions: Vec<String> = positions.collect();
     format!(
         "run {} at {}",
-        campaign.runs[step.run].name,
+        campaign.runs[run].name,
         positions.join(", ")
     )
 }
@@ -52,13 +55,13 @@ pub(crate) fn stop_of(lengths: &Lengths, reading: usize) -> &Stop {
 
 /// `found` of the targets that the axis under test moves were measured at a step: less than three.
 pub(crate) fn too_few_targets(campaign: &Campaign, step: usize, found: usize) -> Error {
-    let axis = campaign.runs[campaign.steps[step].run].axis;
+    let axis = campaign.axis_under_test(step);
+    let axis = axis.map_or("the axis", |axis| campaign.machine.axes()[axis].name());
     Error::not_identifiable(
         format!(
-            "{}: {found} of the targets that {} moves were measured, three are needed to see its six \
+            "{}: {found} of the targets that {axis} moves were measured, three are needed to see its six \
              component errors",
             step_in_words(campaign, step),
-            campaign.machine.axes()[axis].name(),
         ),
         "measure the missing targets there, or leave out the rows of this step",
     )

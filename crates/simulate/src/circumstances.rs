@@ -45,7 +45,7 @@ impl StopCircumstances<'_> {
             temperatures,
         } = *self;
         let turn_s = progress.turns_s.get(visit.station);
-        let readings = visit.run.targets.iter().zip(&visit.times_s).zip(points_mm);
+        let readings = visit.targets.iter().zip(&visit.times_s).zip(points_mm);
         let displaced = readings.map(|((&target, &time_s), &point_mm)| {
             let carrier = plan.targets[target].carrier;
             let at = Circumstances {
@@ -57,7 +57,7 @@ impl StopCircumstances<'_> {
                 station: visit.station,
                 target,
                 carrier,
-                axis: visit.run.axis,
+                axis: visit.run.map_or(0, |run| run.axis),
                 direction: match visit.direction {
                     Direction::Forward => 1.0,
                     Direction::Backward => -1.0,
@@ -80,8 +80,8 @@ impl StopCircumstances<'_> {
     }
 
     /// Centroid of the targets measured at this stop that sit on the stage of axis `carrier`.
-    fn centroid_mm(&self, carrier: usize, points_mm: &[Point3<f64>]) -> Point3<f64> {
-        let measured = self.visit.run.targets.iter().zip(points_mm);
+    fn centroid_mm(&self, carrier: Option<usize>, points_mm: &[Point3<f64>]) -> Point3<f64> {
+        let measured = self.visit.targets.iter().zip(points_mm);
         let on_stage =
             measured.filter(|&(&target, _)| self.plan.targets[target].carrier == carrier);
         let (mut sum, mut count) = (Vector3::zeros(), 0.0);

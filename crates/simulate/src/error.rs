@@ -133,7 +133,7 @@ pub enum Problem {
         axis: String,
         /// Name of the target.
         target: String,
-        /// The outermost axis that moves the target.
+        /// The outermost axis that moves the target, or the bed.
         carrier: String,
     },
     /// A target that no run measures.

@@ -91,6 +91,7 @@ mod gauge;
 mod mounting;
 mod noise;
 mod plan;
+mod plan_bed;
 mod plan_runs;
 mod read;
 mod read_errors;
@@ -110,8 +111,8 @@ pub use error::{Error, Problem};
 pub use noise::Noise;
 pub use replay::{Replay, ReplayError, replay};
 pub use scenario::{
-    AxisErrors, Gauge, LocationValue, NoiseSpec, RunSpec, Scenario, StationSpec, Sweep, TargetSpec,
-    Timing,
+    AxisErrors, BedSpec, Gauge, LocationValue, NoiseSpec, RunSpec, Scenario, StationSpec, Sweep,
+    TargetSpec, Timing,
 };
 pub use simulate::{Simulated, simulate};
 pub use systematic::{KnownLengthSpec, ReflectorSpec, SystematicSpec};

@@ -11,6 +11,7 @@ use trueaxis_kinematics::{Axis, FrameRule, Machine};
 use crate::check;
 use crate::frame::frame_rule;
 use crate::mounting::check_mounting;
+use crate::plan_bed::{PlannedBed, plan_bed};
 use crate::plan_runs::plan_runs;
 use crate::read_errors::read_errors;
 use crate::systematic::PlannedSystematic;
@@ -25,6 +26,7 @@ pub(crate) struct Plan {
     pub(crate) machine: Machine,
     pub(crate) targets: Vec<PlannedTarget>,
     pub(crate) runs: Vec<PlannedRun>,
+    pub(crate) bed: PlannedBed,
     pub(crate) frame: FrameRule,
     pub(crate) errors: Vec<TrueAxis>,
     pub(crate) noise: Noise,
@@ -38,7 +40,7 @@ pub(crate) struct PlannedTarget {
     pub(crate) name: String,
     pub(crate) nominal_mm: Point3<f64>,
     pub(crate) home_mm: Point3<f64>,
-    pub(crate) carrier: usize,
+    pub(crate) carrier: Option<usize>,
     pub(crate) reflector: Option<String>,
     pub(crate) position_sigma_mm: Option<f64>,
 }
@@ -68,6 +70,7 @@ impl Plan {
         let targets = plan_targets(scenario, &machine)?;
         check_stations(scenario)?;
         let runs = plan_runs(scenario, &machine, &targets)?;
+        let bed = plan_bed(scenario, &targets, &runs)?;
         check_timing(scenario)?;
         let frame = frame_rule(&machine, &targets, &runs);
         let errors = read_errors(scenario, &machine, &runs, &frame)?;
@@ -85,6 +88,7 @@ impl Plan {
             machine,
             targets,
             runs,
+            bed,
             frame,
             errors,
             noise,
@@ -126,13 +130,14 @@ fn plan_targets(scenario: &Scenario, machine: &Machine) -> Result<Vec<PlannedTar
             if let Some(sigma_mm) = target.position_sigma_mm {
                 check::positive(&field("position_sigma_mm"), sigma_mm)?;
             }
-            let carrier = index_of(field("carried_by"), "axis", &target.carried_by, &axes)?;
+            let carrier = target.carried_by.as_ref();
+            let carrier = carrier.map(|name| index_of(field("carried_by"), "axis", name, &axes));
             let nominal_mm = Point3::from(target.position_mm);
             Ok(PlannedTarget {
                 name: target.name.clone(),
                 nominal_mm,
                 home_mm: nominal_mm + Vector3::from(target.mounting_error_mm),
-                carrier,
+                carrier: carrier.transpose()?,
                 reflector: target.reflector.clone(),
                 position_sigma_mm: target.position_sigma_mm,
             })

@@ -44,7 +44,7 @@ pub(crate) fn plan_runs(
         })
         .collect::<Result<Vec<_>, _>>()?;
     for (i, target) in targets.iter().enumerate() {
-        if !runs.iter().any(|run| run.targets.contains(&i)) {
+        if target.carrier.is_some() && !runs.iter().any(|run| run.targets.contains(&i)) {
             return Err(Problem::TargetUnused {
                 target: target.name.clone(),
             }
@@ -173,7 +173,10 @@ impl RunPlan<'_> {
                 let problem = Problem::TargetAtRest {
                     axis: self.spec.axis.clone(),
                     target: name.clone(),
-                    carrier: self.axes[targets[index].carrier].to_owned(),
+                    carrier: targets[index]
+                        .carrier
+                        .map_or("the bed", |axis| self.axes[axis])
+                        .to_owned(),
                 };
                 return Err(problem.at(field));
             }

@@ -16,7 +16,7 @@ use trueaxis_effects::{GivenEffect, GivenParameter, GivenSubject};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 
 use crate::{
-    AxisErrors, Error, Gauge, LocationValue, NoiseSpec, ReflectorSpec, RunSpec, Scenario,
+    AxisErrors, BedSpec, Error, Gauge, LocationValue, NoiseSpec, ReflectorSpec, RunSpec, Scenario,
     StationSpec, SystematicSpec, Term, Timing, TrueComponents, TrueLocation, Truth, simulate,
 };
 use clock::Clock;
@@ -112,6 +112,7 @@ pub fn replay(campaign: &Campaign, truth: &Truth) -> Result<Replay, ReplayError>
             .map(|stop| stop.repeat)
             .max()
             .unwrap_or(1),
+        bed: bed(campaign),
         noise: NoiseSpec {
             length_sigma_um: Some(truth.noise.length_sigma_um),
             length_sigma_ppm: Some(truth.noise.length_sigma_ppm),
@@ -246,7 +247,7 @@ fn runs(campaign: &Campaign) -> Result<Vec<RunSpec>, ReplayError> {
         let steps: Vec<&Vec<f64>> = campaign
             .steps
             .iter()
-            .filter(|step| step.run == number)
+            .filter(|step| step.run == Some(number))
             .map(|step| &step.positions)
             .collect();
         let mut positions: Vec<f64> = steps
@@ -277,12 +278,22 @@ fn runs(campaign: &Campaign) -> Result<Vec<RunSpec>, ReplayError> {
     .collect()
 }
 
+/// How often the targets on the bed are read from a station.
+fn bed(campaign: &Campaign) -> Option<BedSpec> {
+    let lengths = campaign.lengths.iter().flat_map(|lengths| &lengths.stops);
+    let on_bed = lengths.filter(|stop| campaign.steps[stop.step].run.is_none());
+    let mut counts = vec![0; campaign.stations.len()];
+    on_bed.for_each(|stop| counts[stop.station] += 1);
+    let readings = counts.into_iter().max().filter(|&count| count > 0)?;
+    Some(BedSpec { readings })
+}
+
 /// Of a run, in the order in which they first appear.
 fn targets_and_directions(campaign: &Campaign, run: usize) -> (Vec<String>, Vec<i8>) {
     let (mut targets, mut directions) = (Vec::new(), Vec::new());
     if let Some(lengths) = &campaign.lengths {
         let stops = lengths.stops.iter();
-        for stop in stops.filter(|stop| campaign.steps[stop.step].run == run) {
+        for stop in stops.filter(|stop| campaign.steps[stop.step].run == Some(run)) {
             let direction = match stop.direction {
                 Direction::Forward => 1,
                 Direction::Backward => -1,

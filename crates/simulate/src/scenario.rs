@@ -47,6 +47,9 @@ pub struct Scenario {
     /// How often all runs are measured from each station.
     #[serde(default = "once")]
     pub repeats: u32,
+    /// When targets on the bed are read.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bed: Option<BedSpec>,
     /// True noise where it differs from what the instrument declares.
     #[serde(default)]
     pub noise: NoiseSpec,
@@ -85,8 +88,9 @@ pub struct TargetSpec {
     pub name: String,
     /// Nominal position at home in the reference frame, mm.
     pub position_mm: [f64; 3],
-    /// The outermost axis that moves it.
-    pub carried_by: String,
+    /// The outermost axis that moves it; null on the bed, where [`Scenario::bed`] reads it.
+    #[serde(deserialize_with = "Option::deserialize")]
+    pub carried_by: Option<String>,
     /// True minus nominal position at home, mm.
     #[serde(default)]
     pub mounting_error_mm: [f64; 3],
@@ -97,6 +101,15 @@ pub struct TargetSpec {
     /// much, drawn, beside `mounting_error_mm`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_sigma_mm: Option<f64>,
+}
+
+/// When targets on the bed are read from each station.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BedSpec {
+    /// How often all of them are read: once at the start of the occupation, once at its end, and the other times
+    /// between sweeps, evenly.
+    pub readings: u32,
 }
 
 /// A station of the tracker.

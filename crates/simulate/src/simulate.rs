@@ -7,7 +7,7 @@ use trueaxis_campaign::{Station, Step, Stop};
 use crate::circumstances::{Progress, StopCircumstances};
 use crate::noise::Deviates;
 use crate::plan::{Plan, PlannedTarget};
-use crate::schedule::{steps, visits};
+use crate::schedule::{Visit, schedule};
 use crate::systematic::{Systematic, known_dead_paths};
 use crate::temperature::{self, Expansions, true_histories};
 use crate::true_errors::Sweeping;
@@ -33,7 +33,8 @@ const PACE_MM: f64 = 100.0;
 /// target on the erroneous machine, d the machine's random deviation at the stop (common to its targets),
 /// S and L are the station and its dead path, s is the instrument's scale and c the reflector's constant,
 /// e is the instrument's noise, and the D are the sums of what the scenario's effects do to target,
-/// station and display. The order is stations, repeats, runs, directions, positions, targets; the same
+/// station and display. Targets on the bed have no d. The order is stations, repeats, runs, directions, positions,
+/// targets, with those on the bed before, between and after the sweeps of each station; the same
 /// seed gives the same campaign, and effects change neither its order, its times nor its deviates.
 ///
 /// # Errors
@@ -41,12 +42,12 @@ const PACE_MM: f64 = 100.0;
 pub fn simulate(scenario: &Scenario, seed: u64) -> Result<Simulated, Error> {
     let mut plan = Plan::new(scenario)?;
     plan.set_nests(seed);
-    let steps = steps(&plan);
+    let (steps, visits) = schedule(scenario, &plan);
     let once = DrawnOnce {
         systematic: Systematic::draw(&plan.systematic, seed),
         expansions: Expansions::draw(scenario, &plan.expansions, seed),
     };
-    let mut lengths = measure(scenario, &plan, &once, &steps, seed);
+    let mut lengths = measure(scenario, &plan, &once, (&steps, visits), seed);
     lengths.logged = temperature::logged(scenario, &lengths.readings, seed);
     let truth = Truth::new(scenario, &plan, &once.systematic, seed);
     Ok(Simulated {
@@ -66,11 +67,10 @@ fn measure(
     scenario: &Scenario,
     plan: &Plan,
     once: &DrawnOnce<'_>,
-    steps: &[Step],
+    (steps, visits): (&[Step], Vec<Visit<'_>>),
     seed: u64,
 ) -> Lengths {
     let mut lengths = Lengths::default();
-    let visits = visits(scenario, plan);
     let progress = Progress::new(&visits);
     let temperatures = true_histories(scenario, &progress.campaign_s);
     for (stop_number, visit) in (0_u64..).zip(visits) {
@@ -85,7 +85,7 @@ fn measure(
         let measured_mm = measure_stop(scenario, once, &stop, &mut deviates);
 
         let first = lengths.readings.len();
-        let readings = visit.run.targets.iter().zip(&visit.times_s);
+        let readings = visit.targets.iter().zip(&visit.times_s);
         for ((&target, &time_s), length_mm) in readings.zip(measured_mm) {
             lengths.readings.push(LengthReading {
                 time_s,
@@ -116,13 +116,15 @@ fn measure_stop(
     let (plan, visit) = (stop.plan, stop.visit);
     let errors = Sweeping {
         axes: &plan.errors,
-        axis: visit.run.axis,
+        axis: visit.run.map_or(0, |run| run.axis),
         direction: visit.direction,
     };
     let station = &scenario.stations[visit.station];
     let station_mm = Point3::from(station.position_mm);
-    let deviation_mm = deviates.normal_vector() * plan.noise.repeatability_mm();
-    let readings = visit.run.targets.iter().zip(&visit.times_s);
+    // The machine does not return to what stands on its bed.
+    let returns_mm = visit.run.map_or(0.0, |_| plan.noise.repeatability_mm());
+    let deviation_mm = deviates.normal_vector() * returns_mm;
+    let readings = visit.targets.iter().zip(&visit.times_s);
     let points = readings.map(|(&target, &time_s)| {
         let PlannedTarget {
             carrier, home_mm, ..
@@ -133,7 +135,7 @@ fn measure_stop(
     });
     let points: Vec<Point3<f64>> = points.collect();
     let displaced = stop.displaced(station_mm, &points);
-    let readings = visit.run.targets.iter().zip(&points).zip(displaced);
+    let readings = visit.targets.iter().zip(&points).zip(displaced);
     let lengths = readings.map(|((&target, p), by)| {
         let beam = (p + by.point_mm) - (station_mm + by.station_mm);
         let distance_mm = beam.norm();

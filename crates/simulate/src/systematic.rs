@@ -6,7 +6,9 @@
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use trueaxis_campaign::{KnownDeadPath, KnownLength, Target, reflectors};
+use trueaxis_campaign::{
+    KnownDeadPath, KnownLength, Target, check_instrument, check_reflectors, reflectors,
+};
 use trueaxis_files::{check_names, index_of};
 use trueaxis_kinematics::MICROMETRE;
 
@@ -80,6 +82,9 @@ pub(crate) struct PlannedSystematic {
 impl PlannedSystematic {
     pub(crate) fn new(scenario: &Scenario, targets: &[PlannedTarget]) -> Result<Self, Error> {
         let declared: Vec<Target> = targets.iter().map(PlannedTarget::declared).collect();
+        // What the campaign would be refused for.
+        check_instrument(&scenario.instrument)?;
+        check_reflectors(&declared)?;
         let (reflector_names, reflector_of_target) = reflectors(&declared);
         let own = &scenario.systematic;
         let sigma = |name: &str, own: Option<f64>, declared: Option<f64>| {

@@ -123,7 +123,12 @@ impl<'a> Derivatives<'a> {
                 continue;
             }
             let homes: Vec<Point3<f64>> = stage.iter().map(|&t| setup.homes_mm[t]).collect();
-            for (place, direction) in deformations(&homes) {
+            // No pose takes a motion of the bed.
+            let moved = match self.experiment.layout.targets[target].carrier {
+                Some(_) => deformations(&homes),
+                None => free(homes.len()),
+            };
+            for (place, direction) in moved {
                 columns.push(self.column(|reading, station_mm| {
                     if reading.target != stage[place] {
                         return 0.0;
@@ -159,6 +164,13 @@ impl<'a> Derivatives<'a> {
 /// Central difference.
 fn slope(f: impl Fn(f64) -> f64, h: f64) -> f64 {
     (f(h) - f(-h)) / (2.0 * h)
+}
+
+/// All displacements of single points.
+fn free(points: usize) -> Vec<(usize, Vector3<f64>)> {
+    let directions = [Vector3::x(), Vector3::y(), Vector3::z()];
+    let of_point = |point| directions.map(|direction| (point, direction));
+    (0..points).flat_map(of_point).collect()
 }
 
 /// Independent displacements of single points that change their distances: the first point stays, the

@@ -27,8 +27,10 @@ impl Dice<'_> {
         self.random.index(self.turns_s.len())
     }
 
+    /// A target that an axis carries; those of the bed are the last.
     pub(super) fn target(&mut self) -> usize {
-        self.random.index(self.layout.targets.len())
+        let on_bed = self.layout.on_bed().len();
+        self.random.index(self.layout.targets.len() - on_bed)
     }
 
     pub(super) fn any_axis(&mut self) -> usize {

@@ -49,7 +49,7 @@ pub const COMMON_STATION_DRIFT: &str = "common_station_drift";
 /// disturbance, or it would leave no trace in campaigns of that kind (lost motion that is always on
 /// the same side, a growing linear axis without one, late readings at standstill).
 pub fn draw(kind: &Kind, name: &str, seed: u64) -> Option<Hidden> {
-    let layout = Layout::new(kind.geometry);
+    let layout = Layout::new(kind);
     let schedule = Schedule::new(kind, &layout);
     let mut known = names().zip(0..);
     let (own_name, number) = known.find(|(known, _)| *known == name)?;

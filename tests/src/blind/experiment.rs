@@ -28,7 +28,7 @@ const LENGTHS_PER_MM: f64 = 1e7;
 
 impl Experiment {
     pub(super) fn new(kind: &Kind, seed: u64) -> Self {
-        let layout = Layout::new(kind.geometry);
+        let layout = Layout::new(kind);
         Self {
             kind: *kind,
             schedule: Schedule::new(kind, &layout),
@@ -58,7 +58,11 @@ impl Experiment {
         let noise = self.kind.noise;
         let mut lengths = Vec::with_capacity(self.schedule.readings());
         for visit in &self.schedule.visits {
-            let return_mm = random.normal_vector() * (noise.return_um * MICROMETRE);
+            let return_um = match self.schedule.is_of_bed(visit) {
+                true => 0.0,
+                false => noise.return_um,
+            };
+            let return_mm = random.normal_vector() * (return_um * MICROMETRE);
             for &reading in &visit.readings {
                 let mut disturbance = self.disturbance(visit, reading, hidden);
                 disturbance.machine_mm += return_mm;
@@ -77,6 +81,9 @@ impl Experiment {
         target: usize,
         disturbance: &Disturbance,
     ) -> Point3<f64> {
+        if self.schedule.is_of_bed(visit) {
+            return self.setup.homes_mm[target] + disturbance.target_mm;
+        }
         let mut positions = self.schedule.steps[visit.step].positions.clone();
         for &(axis, beyond) in &disturbance.axes {
             positions[axis] += beyond;
@@ -124,7 +131,7 @@ impl Experiment {
         hidden: &[Hidden],
     ) -> Disturbance {
         let step = &self.schedule.steps[visit.step];
-        let axis = self.layout.sweeps[step.run].axis;
+        let axis = step.run.map_or(0, |run| self.layout.sweeps[run].axis);
         let part = |[from, to]: [f64; 2], x: f64| (x - from) / (to - from);
         let reading = Reading {
             machine: &self.layout.machine,

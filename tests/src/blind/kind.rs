@@ -14,6 +14,9 @@ pub struct Kind {
     /// Whether the axis moves on at constant feed while it is measured: a sweep for each target,
     /// one reading at each position.
     pub on_the_fly: bool,
+    /// How often three targets on the bed are read from each station: at the start of its turn, at its end, and
+    /// between sweeps.
+    pub bed_readings: usize,
     /// The noise that the campaign declares.
     pub declared: Noise,
     /// The noise that the lengths have.
@@ -61,6 +64,7 @@ impl Kind {
             repeats: 3,
             both_directions: false,
             on_the_fly: false,
+            bed_readings: 0,
             declared: Noise::default(),
             noise: Noise::default(),
         }
@@ -88,6 +92,15 @@ impl Kind {
     pub fn forward_and_backward(self) -> Self {
         Self {
             both_directions: true,
+            ..self
+        }
+    }
+
+    /// The same with three targets on the bed, read so often from each station.
+    #[must_use]
+    pub fn with_bed(self, readings: usize) -> Self {
+        Self {
+            bed_readings: readings,
             ..self
         }
     }

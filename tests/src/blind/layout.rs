@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 use trueaxis_kinematics::{Axis, Error, Machine};
 
-use super::Geometry;
+use super::{Geometry, Kind};
 
 /// The nominal machine, its targets and the sweeps of its axes.
 pub(super) struct Layout {
@@ -15,11 +15,19 @@ pub(super) struct Layout {
     pub(super) centre_mm: Point3<f64>,
 }
 
-/// A target: name, nominal position at home, outermost axis that moves it.
+/// Targets on the bed, one of them on a column: name, and place from the middle of the measured points, mm. All at
+/// one height, they would see little of a shift across flat beams.
+const ON_BED: [(&str, [f64; 3]); 3] = [
+    ("B1", [-470.0, -390.0, -420.0]),
+    ("B2", [520.0, -250.0, 450.0]),
+    ("B3", [20.0, 560.0, -440.0]),
+];
+
+/// A target: name, nominal position at home, outermost axis that moves it (none on the bed).
 pub(super) struct LayoutTarget {
     pub(super) name: &'static str,
     pub(super) home_mm: Point3<f64>,
-    pub(super) carrier: usize,
+    pub(super) carrier: Option<usize>,
 }
 
 /// A sweep of one axis; the others stay at home.
@@ -32,13 +40,30 @@ pub(super) struct Sweep {
 }
 
 impl Layout {
-    pub(super) fn new(geometry: Geometry) -> Self {
-        match geometry {
+    pub(super) fn new(kind: &Kind) -> Self {
+        let layout = match kind.geometry {
             Geometry::ThreeAxis => three_axis(),
             Geometry::RotaryStage => rotary_stage(),
             Geometry::FiveAxis => five_axis(),
+        };
+        let mut layout = layout.expect("the nominal machines are consistent");
+        if kind.bed_readings > 0 {
+            let on_bed = ON_BED.map(|(name, from_centre_mm)| LayoutTarget {
+                name,
+                home_mm: layout.centre_mm + Vector3::from(from_centre_mm),
+                carrier: None,
+            });
+            layout.targets.extend(on_bed);
         }
-        .expect("the nominal machines are consistent")
+        layout
+    }
+
+    /// The targets on the bed.
+    pub(super) fn on_bed(&self) -> Vec<usize> {
+        let targets = 0..self.targets.len();
+        targets
+            .filter(|&t| self.targets[t].carrier.is_none())
+            .collect()
     }
 
     fn from(
@@ -53,7 +78,7 @@ impl Layout {
             .map(|&(name, home_mm, carrier)| LayoutTarget {
                 name,
                 home_mm: Point3::from(home_mm),
-                carrier,
+                carrier: Some(carrier),
             })
             .collect();
         let moved_by = |axis: usize| {

@@ -21,7 +21,7 @@ impl Hidden {
     /// The linear parameters in the catalogue's names, signs and units; none for what it does not
     /// hold.
     pub fn parameters(&self, kind: &Kind) -> Vec<TrueParameter> {
-        let layout = Layout::new(kind.geometry);
+        let layout = Layout::new(kind);
         let rotary = self
             .axis
             .is_some_and(|axis| layout.machine.axes()[axis].kind() == AxisKind::Rotary);

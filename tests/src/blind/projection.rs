@@ -1,8 +1,8 @@
 //! What of a disturbance is left when the base model has taken all it can.
 //!
 //! The base model: rigid stages whose six pose parameters are free at every step (common to all
-//! stations, repeats and directions), targets, stations, dead paths and constants of reflectors, with the covariance
-//! `σ² I + ρ² U Uᵀ` of the lengths of a stop (U: unit vectors, ρ: return error). With W its inverse
+//! stations, repeats and directions), targets, those on the bed too, stations, dead paths and constants of reflectors,
+//! with the covariance `σ² I + ρ² U Uᵀ` of the lengths of a stop (U: unit vectors, ρ: return error, none on the bed). With W its inverse
 //! root, the strength of a change `Δl` of the lengths is
 //!
 //! ```text
@@ -53,7 +53,9 @@ impl Projection {
             stop.whiten(&mut poses);
             stop.whiten(&mut shared);
         }
-        let steps: Vec<StepPoses> = (0..experiment.schedule.steps.len())
+        let steps = &experiment.schedule.steps;
+        let of_runs = (0..steps.len()).filter(|&step| steps[step].run.is_some());
+        let steps: Vec<StepPoses> = of_runs
             .map(|step| StepPoses::new(derivatives.rows_of(step), &poses))
             .collect();
         for step in &steps {
@@ -96,6 +98,10 @@ impl StopWeight {
             let rows = first..first + visit.readings.len();
             first = rows.end;
             let u = poses.view((rows.start, 0), (rows.len(), 3));
+            let return_mm = match experiment.schedule.is_of_bed(visit) {
+                true => 0.0,
+                false => return_mm,
+            };
             let own = DMatrix::identity(rows.len(), rows.len()) * length_mm.powi(2);
             let root = Cholesky::new(own + u * u.transpose() * return_mm.powi(2));
             Self {

@@ -53,11 +53,23 @@ impl Schedule {
             &[1.0]
         };
         let mut now_s = 0.0;
+        let of_repeat = layout.sweeps.len() * if kind.on_the_fly { 1 } else { directions.len() };
+        let sweeps = of_repeat * kind.repeats as usize;
+        // Nearly even, from before the first to after the last.
+        let is_bed_read = |sweep: usize| {
+            let between = kind.bed_readings.saturating_sub(1).max(1);
+            (0..kind.bed_readings).any(|i| (i * sweeps).div_ceil(between) == sweep)
+        };
         for station in 0..kind.stations {
             let first = schedule.visits.len();
+            let mut sweep_of_turn = 0;
             for repeat in 1..=kind.repeats {
                 let mut first_step = 0;
                 for sweep in &layout.sweeps {
+                    if is_bed_read(sweep_of_turn) {
+                        schedule.bed(layout, (station, repeat), &mut now_s);
+                    }
+                    sweep_of_turn += sweeps / (layout.sweeps.len() * kind.repeats as usize);
                     let run = Run {
                         station,
                         repeat,
@@ -70,6 +82,9 @@ impl Schedule {
                     }
                     first_step += sweep.positions.len();
                 }
+            }
+            if is_bed_read(sweep_of_turn) {
+                schedule.bed(layout, (station, kind.repeats), &mut now_s);
             }
             let times = schedule.visits[first..].iter().flat_map(|v| &v.readings);
             let (mut from_s, mut to_s) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -88,9 +103,40 @@ impl Schedule {
         ]
     }
 
+    /// Whether targets on the bed are read.
+    pub(super) fn is_of_bed(&self, visit: &Visit) -> bool {
+        self.steps[visit.step].run.is_none()
+    }
+
     /// Number of readings.
     pub(super) fn readings(&self) -> usize {
         self.visits.iter().map(|visit| visit.readings.len()).sum()
+    }
+
+    /// The targets on the bed, where the machine stands.
+    fn bed(&mut self, layout: &Layout, (station, repeat): (usize, u32), now_s: &mut f64) {
+        let stands = self.visits.last().map_or(0, |visit| visit.step);
+        let positions = self.steps[stands].positions.clone();
+        let is_it = |step: &Step| step.run.is_none() && step.positions == positions;
+        let step = self.steps.iter().position(is_it).unwrap_or_else(|| {
+            let run = None;
+            self.steps.push(Step { run, positions });
+            self.steps.len() - 1
+        });
+        *now_s += PER_MOVE_S;
+        let readings = layout.on_bed().into_iter().map(|target| {
+            let time_s = *now_s;
+            *now_s += PER_READING_S;
+            (target, time_s)
+        });
+        self.visits.push(Visit {
+            station,
+            repeat,
+            step,
+            direction: 1.0,
+            speed_per_s: 0.0,
+            readings: readings.collect(),
+        });
     }
 
     /// One run at standstill: there, and back if both sides are wanted.
@@ -166,6 +212,7 @@ fn steps(layout: &Layout) -> Vec<Step> {
         sweep.positions.iter().map(move |&position| {
             let mut positions = vec![0.0; axes];
             positions[sweep.axis] = position;
+            let run = Some(run);
             Step { run, positions }
         })
     });

@@ -137,7 +137,8 @@ fn what_no_coupling_does_is_unknown() {
     let waved = simulate(&other, 1).unwrap().campaign.lengths.unwrap();
     let lengths = campaign.lengths.as_mut().unwrap();
     for stop in &lengths.stops {
-        if campaign.runs[campaign.steps[stop.step].run].name == "y2" {
+        let run = campaign.steps[stop.step].run;
+        if run.is_some_and(|run| campaign.runs[run].name == "y2") {
             let range = stop.readings.clone();
             lengths.readings[range.clone()].clone_from_slice(&waved.readings[range]);
         }

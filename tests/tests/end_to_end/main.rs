@@ -5,6 +5,7 @@
     reason = "statistical claims are printed with their counts"
 )]
 
+mod bed;
 mod contradicting_runs;
 mod coupled_axes;
 mod coverage;
@@ -26,4 +27,5 @@ mod round_trip;
 mod settling;
 mod temperatures;
 mod triangle;
+mod twins;
 mod volume;

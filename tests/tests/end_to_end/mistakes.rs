@@ -46,7 +46,10 @@ fn with_stops(
     let mut changed = campaign.clone();
     let lengths = changed.lengths.as_mut().unwrap();
     for stop in &mut lengths.stops {
-        if part(stop, campaign.steps[stop.step].run) {
+        if campaign.steps[stop.step]
+            .run
+            .is_some_and(|run| part(stop, run))
+        {
             change(stop);
         }
     }
@@ -61,7 +64,10 @@ fn with_readings(
     let mut changed = campaign.clone();
     let lengths = changed.lengths.as_mut().unwrap();
     for stop in &lengths.stops {
-        if part(stop, campaign.steps[stop.step].run) {
+        if campaign.steps[stop.step]
+            .run
+            .is_some_and(|run| part(stop, run))
+        {
             for reading in &mut lengths.readings[stop.readings.clone()] {
                 change(&mut reading.target, &mut reading.length_mm);
             }

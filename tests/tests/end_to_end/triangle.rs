@@ -47,7 +47,7 @@ fn contradictory_coordinates_of_the_paper_are_noticed() {
             .map(|(name, home)| Target {
                 name: (*name).to_owned(),
                 home_mm: Point3::from(home),
-                carrier: 0,
+                carrier: Some(0),
                 ..Target::default()
             })
             .collect(),
@@ -79,7 +79,7 @@ fn contradictory_coordinates_of_the_paper_are_noticed() {
             });
         }
         campaign.steps.push(Step {
-            run: 0,
+            run: Some(0),
             positions: vec![angle],
         });
         points.stops.push(Stop {

@@ -68,7 +68,9 @@ pub(crate) fn by_axis(campaign: &Campaign, poses: &Poses) -> Result<Vec<AxisData
     let mut all: Vec<AxisData> = Vec::new();
     for (pose, observation) in poses.observations.iter().enumerate() {
         let step = &campaign.steps[observation.step];
-        let axis = campaign.runs[step.run].axis;
+        // Poses are those of runs.
+        let Some(number) = step.run else { continue };
+        let axis = campaign.runs[number].axis;
         let place = all.iter().position(|data| data.axis == axis);
         let place = place.unwrap_or_else(|| {
             all.push(AxisData {
@@ -78,9 +80,10 @@ pub(crate) fn by_axis(campaign: &Campaign, poses: &Poses) -> Result<Vec<AxisData
             all.len() - 1
         });
         let data = &mut all[place];
-        let run = data.runs.iter().position(|r| r.run == step.run);
+        let run = data.runs.iter().position(|r| r.run == number);
         let run = run.unwrap_or_else(|| {
-            data.runs.push(RunData::new(campaign, poses, observation));
+            data.runs
+                .push(RunData::new(campaign, poses, observation, number));
             data.runs.len() - 1
         });
         data.records.push(Record {
@@ -204,16 +207,16 @@ impl AxisData {
 }
 
 impl RunData {
-    /// The run of its first pose.
-    fn new(campaign: &Campaign, poses: &Poses, first: &PoseObservation) -> Self {
+    /// The run of that number, with its first pose.
+    fn new(campaign: &Campaign, poses: &Poses, first: &PoseObservation, run: usize) -> Self {
         let step = &campaign.steps[first.step];
-        let (machine, axis) = (&campaign.machine, campaign.runs[step.run].axis);
+        let (machine, axis) = (&campaign.machine, campaign.runs[run].axis);
         let targets = poses.bodies[first.body].targets.clone();
-        let carriers = targets.iter().map(|&t| campaign.targets[t].carrier);
+        let carriers = targets.iter().filter_map(|&t| campaign.targets[t].carrier);
         let carrier = carriers.clone().max_by_key(|&c| machine.chain(c).len());
         let (outer, inner) = around(machine, carrier.unwrap_or(axis), axis);
         Self {
-            run: step.run,
+            run,
             body: first.body,
             outer: outer.to_vec(),
             inner: inner.to_vec(),

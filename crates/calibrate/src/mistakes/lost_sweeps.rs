@@ -30,7 +30,11 @@ impl Mistakes<'_> {
         // Lengths and removed ones by sweep and target.
         let mut counts: BTreeMap<(Sweep, usize), [usize; 2]> = BTreeMap::new();
         for stop in &lengths.stops {
-            let sweep = (stop.station, campaign.steps[stop.step].run, stop.repeat);
+            // Targets on the bed are in no sweep.
+            let Some(run) = campaign.steps[stop.step].run else {
+                continue;
+            };
+            let sweep = (stop.station, run, stop.repeat);
             for reading in &lengths.readings[stop.readings.clone()] {
                 let [all, removed] = counts.entry((sweep, reading.target)).or_default();
                 *all += 1;

@@ -59,7 +59,7 @@ impl Mistake {
             Self::AxisReversed { axis, run } => {
                 let mut changed = campaign.clone();
                 let steps = changed.steps.iter_mut();
-                for step in steps.filter(|step| run.is_none_or(|run| run == step.run)) {
+                for step in steps.filter(|step| run.is_none() || *run == step.run) {
                     step.positions[*axis] *= -1.0;
                 }
                 changed

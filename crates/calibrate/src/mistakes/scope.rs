@@ -14,7 +14,7 @@ impl Scope {
     pub(crate) fn holds(&self, campaign: &Campaign, stop: &Stop) -> bool {
         let run = campaign.steps[stop.step].run;
         self.station.is_none_or(|station| station == stop.station)
-            && self.run.is_none_or(|own| own == run)
+            && (self.run.is_none() || self.run == run)
             && self.repeat.is_none_or(|repeat| repeat == stop.repeat)
     }
 

@@ -93,7 +93,7 @@ fn pairs_of_targets(campaign: &Campaign) -> Vec<[usize; 2]> {
 fn nominals_away(campaign: &Campaign) -> Vec<Mistake> {
     let mut places: Vec<Vec<f64>> = Vec::new();
     for run in 0..campaign.runs.len() {
-        let first = campaign.steps.iter().find(|step| step.run == run);
+        let first = campaign.steps.iter().find(|step| step.run == Some(run));
         let Some(first) = first else { continue };
         let mut parked = first.positions.clone();
         parked[campaign.runs[run].axis] = 0.0;

@@ -12,8 +12,6 @@
 //! ```text
 //! [same node] B + L S Lᵀ + L Zᵀ + Z Lᵀ + F Σ Fᵀ        U = [L Z F]     M = [S I 0; I 0 0; 0 0 Σ]
 //! ```
-//!
-//! and with nests of the targets that are not certain, a column of `U` for each coordinate and its variance in `M`.
 
 use nalgebra::DMatrix;
 
@@ -33,7 +31,7 @@ impl FactoredCovariance {
     ) -> Self {
         let noise = &propagation.whole;
         let dependence = propagation.dependence;
-        // Stations follow from the shared sources; nests stand behind them.
+        // Stations stand behind all others, and follow from the shared sources alone.
         let sources = dependence.sources.stations;
         let count = results(axes, stations).len();
         let mut of_sources = DMatrix::zeros(count, dependence.sources.count);
@@ -81,15 +79,12 @@ impl FactoredCovariance {
         }
         through_poses += &of_sources * &noise.sources.shared;
 
-        let nests = dependence.sources.nests_with_variance();
-        let of_nests = of_sources.select_columns(nests.iter().map(|(place, _)| place));
         let mut sensitivities =
             of_sources.remove_columns(sources, dependence.sources.count - sources);
         sensitivities = joined(sensitivities, &own_with_sources);
         sensitivities = joined(sensitivities, &through_poses);
-        sensitivities = joined(sensitivities, &of_nests);
         let (behind, width) = (2 * sources, noise.shared().nrows());
-        let size = behind + width + nests.len();
+        let size = behind + width;
         let mut shared = DMatrix::zeros(size, size);
         let own_of_sources = noise.sources.own.view((0, 0), (sources, sources));
         shared
@@ -104,9 +99,6 @@ impl FactoredCovariance {
         shared
             .view_mut((behind, behind), (width, width))
             .copy_from(noise.shared());
-        for (i, (_, variance)) in nests.iter().enumerate() {
-            shared[(behind + width + i, behind + width + i)] = *variance;
-        }
         let covariance = Self {
             own,
             sensitivities,

@@ -129,14 +129,15 @@ impl Sources {
                 }
             }
         }
-        let station_count = stations;
-        let stations = take(4 * station_count);
         let targets = &context.campaign.targets;
         let variances = targets.iter().flat_map(|target| {
             let sigma_mm = target.position_sigma_mm.unwrap_or(0.0);
             [sigma_mm * sigma_mm; 3]
         });
         let nests = take(3 * targets.len());
+        // Behind all that is no function of the shared sources alone.
+        let station_count = stations;
+        let stations = take(4 * station_count);
         Self {
             count: next,
             location,
@@ -148,15 +149,6 @@ impl Sources {
             nest_variances_mm2: variances.collect(),
             axes: Vec::new(),
         }
-    }
-
-    /// Places of the coordinates of nests that are not certain, with their variances, mm².
-    pub(crate) fn nests_with_variance(&self) -> Vec<(usize, f64)> {
-        let variances = self.nest_variances_mm2.iter().enumerate();
-        let uncertain = variances.filter(|(_, variance)| **variance > 0.0);
-        uncertain
-            .map(|(i, &variance)| (self.nests + i, variance))
-            .collect()
     }
 
     /// The place of a held axis' component errors.

@@ -45,8 +45,8 @@ fn side_differences(
 ) -> Vec<Option<SideDifference>> {
     let errors = context.errors(&identified.state);
     let reference_mm = |step: usize| {
+        let axis = context.campaign.axis_under_test(step).unwrap_or_default();
         let step = &context.campaign.steps[step];
-        let axis = context.campaign.runs[step.run].axis;
         let geometry = &context.machine.axes()[axis];
         let at_home_mm = geometry.reference_at_home_mm(&errors.location(axis));
         context.machine.motion(&errors, axis, &step.positions) * at_home_mm

@@ -55,7 +55,7 @@ fn temperatures(
     let mut sums = vec![(0.0, 0_usize); axis.nodes.len()];
     for stop in &lengths.stops {
         let step = &campaign.steps[stop.step];
-        if campaign.runs[step.run].axis != axis.axis {
+        if campaign.axis_under_test(stop.step) != Some(axis.axis) {
             continue;
         }
         let position = step.positions[axis.axis];

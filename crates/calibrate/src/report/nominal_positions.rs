@@ -42,12 +42,14 @@ pub(crate) fn homes_out_of_reach(campaign: &Campaign, axes: &[AxisResult]) -> Op
     ))
 }
 
-/// Targets of one stage that are not where the campaign says they are, relative to the others there.
+/// Targets of one stage that are not where the campaign says they are, relative to the others there. Where those on
+/// the bed should be matters to nothing.
 pub(crate) fn targets_elsewhere(campaign: &Campaign, measured: &[TargetResult]) -> Vec<String> {
     let mut places = Vec::new();
     for result in measured {
         let target = campaign.targets.iter().find(|t| t.name == result.name);
-        places.extend(target.map(|target| (target.carrier, target.home_mm, result)));
+        let place = target.and_then(|target| Some((target.carrier?, target.home_mm, result)));
+        places.extend(place);
     }
     places.sort_by_key(|(carrier, ..)| *carrier);
     let stages = places.chunk_by(|a, b| a.0 == b.0);

@@ -36,10 +36,9 @@ fn parts(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
 
 /// What location errors are relative to.
 fn nests(campaign: &Campaign) -> Part {
-    let open = campaign
-        .targets
-        .iter()
-        .any(|t| t.position_sigma_mm.is_none());
+    // Those on the bed have no part in the frame.
+    let mut carried = campaign.targets.iter().filter(|t| t.carrier.is_some());
+    let open = carried.any(|t| t.position_sigma_mm.is_none());
     match open {
         true => Err("nests of the targets: `position_sigma_mm` is not declared".to_owned()),
         false => Ok("nests of the targets".to_owned()),

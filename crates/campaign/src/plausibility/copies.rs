@@ -40,10 +40,12 @@ pub(crate) fn check<R: Reading>(
 ) -> Result<Option<String>, Error> {
     let mut contents: BTreeMap<Series, Content> = BTreeMap::new();
     for stop in stops {
-        let Some(step) = campaign.steps.get(stop.step) else {
+        let step = campaign.steps.get(stop.step);
+        // What stands still may read the same again.
+        let Some(run) = step.and_then(|step| step.run) else {
             continue;
         };
-        let series = (stop.station, step.run, stop.repeat);
+        let series = (stop.station, run, stop.repeat);
         let content = contents.entry(series).or_default();
         for reading in readings_of(stop, readings) {
             if content.count == 0 {

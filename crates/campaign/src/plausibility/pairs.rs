@@ -26,6 +26,9 @@ pub(crate) struct Pairs {
     both_ways: bool,
 }
 
+/// Targets on the bed, in place of a run: they stand still.
+const BED: usize = usize::MAX;
+
 /// Which pairs contradict the nominal motion.
 pub(crate) struct Judgement<'p> {
     /// The pair that contradicts most, among pervasive ones if there are any.
@@ -196,7 +199,8 @@ impl Pair {
 }
 
 fn run_of(stop: &Stop, campaign: &Campaign) -> usize {
-    campaign.steps.get(stop.step).map_or(0, |step| step.run)
+    let step = campaign.steps.get(stop.step);
+    step.and_then(|step| step.run).unwrap_or(BED)
 }
 
 /// Pairs of a group, and how many of them contradict.

@@ -22,14 +22,14 @@ fn lengths_become_stops_and_steps() {
     assert_eq!(second.direction, Direction::Forward);
     assert_eq!(second.readings, 3..6);
     assert_eq!(campaign.steps[1].positions, [100.0, 0.0, 0.0]);
-    assert_eq!(campaign.steps[1].run, 0);
+    assert_eq!(campaign.steps[1].run, Some(0));
     let turning_point = &lengths.stops[5];
     assert_eq!(turning_point.direction, Direction::Backward);
     assert_eq!(turning_point.step, lengths.stops[4].step);
     let reading = &lengths.readings[4];
     assert_eq!((reading.target, reading.line), (1, 6));
     assert_eq!(lengths.logged, []);
-    assert_eq!(campaign.targets[2].carrier, 2);
+    assert_eq!(campaign.targets[2].carrier, Some(2));
     assert_eq!(campaign.instrument.repeatability_um, Some(1.0));
     let value_um = campaign.verification[0].readings[4].value_um;
     assert_eq!(Some(value_um), Some(3.0));
@@ -57,9 +57,9 @@ fn coverage_counts_readings_and_steps() {
         assert_eq!(covered.steps_of_run, 5);
         for (station, &seen) in covered.seen.iter().enumerate() {
             let hole = match (covered.run, covered.target, station) {
-                (0, 0, 0) => Some((Hole::NotSeen, 0, 0)),
-                (1, 1, 1) => Some((Hole::Readings, 9, 5)),
-                (2, 2, 2) => Some((Hole::Steps, 8, 4)),
+                (Some(0), 0, 0) => Some((Hole::NotSeen, 0, 0)),
+                (Some(1), 1, 1) => Some((Hole::Readings, 9, 5)),
+                (Some(2), 2, 2) => Some((Hole::Steps, 8, 4)),
                 _ => None,
             };
             assert_eq!(covered.hole(station), hole.map(|(hole, ..)| hole));

@@ -132,12 +132,11 @@ fn targets_that_cannot_be() {
                 ],
             },
             Case {
-                name: "target on the bed",
+                name: "target on the bed that a run reads",
                 damage: |f| f.json(P, "122.416], \"carried_by\": null"),
                 says: &[
-                    "field targets[0].carried_by: found null; expected the name of the outermost axis",
-                    "(X, Y, Z)",
-                    "a target on the bed has no place yet",
+                    "lengths.csv line 2, column run: \"x\" for target `P`, which stands on the bed",
+                    "expected an empty cell: targets on the bed are read beside the runs",
                 ],
             },
             Case {

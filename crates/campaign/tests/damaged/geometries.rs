@@ -142,7 +142,7 @@ impl Random {
             .map(|i| Target {
                 name: format!("T{i}"),
                 home_mm: Point3::from(self.direction().scale(self.0.random_range(100.0..400.0))),
-                carrier: carriers[i / 3],
+                carrier: Some(carriers[i / 3]),
                 ..Target::default()
             })
             .collect();
@@ -161,6 +161,7 @@ impl Random {
             for i in 0..points_per_run {
                 let mut positions = vec![0.0; axes.len()];
                 positions[run] = low + (high - low) * f64::from(i) / f64::from(points_per_run - 1);
+                let run = Some(run);
                 steps.push(Step { run, positions });
             }
         }
@@ -170,7 +171,8 @@ impl Random {
             for (index, step) in steps.iter().enumerate() {
                 let first = lengths.readings.len();
                 for (target, (entry, home)) in targets.iter().zip(&mounted_mm).enumerate() {
-                    let is_carried = machine.chain(entry.carrier).contains(&step.run);
+                    let axis = step.run.unwrap();
+                    let is_carried = machine.chain(entry.carrier).contains(&axis);
                     if !is_carried {
                         continue;
                     }

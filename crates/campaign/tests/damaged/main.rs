@@ -1,6 +1,7 @@
 //! Correct campaigns are read, damaged ones are refused with a message that says where the damage
 //! is and how to mend it.
 
+mod bed;
 mod correct;
 mod declared;
 mod documents;

@@ -74,16 +74,17 @@ fn header(campaign: &Campaign) -> Vec<String> {
 fn rows(campaign: &Campaign) -> Vec<Vec<String>> {
     let mut rows: Vec<Vec<String>> = Vec::new();
     for covered in campaign.coverage() {
-        let run = &campaign.runs[covered.run].name;
+        let run = covered.run.map(|run| campaign.runs[run].name.clone());
+        let run = run.unwrap_or_else(|| "(bed)".to_owned());
         let target = &campaign.targets[covered.target].name;
         let cells: Vec<String> = (0..covered.seen.len()).map(|s| cell(&covered, s)).collect();
         match rows
             .iter_mut()
-            .find(|row| row[0] == *run && row[2..] == cells)
+            .find(|row| row[0] == run && row[2..] == cells)
         {
             Some(row) => row[1] += &format!(" {target}"),
             None => {
-                let names = [run.clone(), target.clone()];
+                let names = [run, target.clone()];
                 rows.push(names.into_iter().chain(cells).collect());
             }
         }

@@ -16,7 +16,8 @@ struct File<'a> {
 
 #[derive(Serialize)]
 struct Entry<'a> {
-    run: &'a str,
+    /// Null for targets on the bed.
+    run: Option<&'a str>,
     target: &'a str,
     /// Null in a points campaign.
     station: Option<&'a str>,
@@ -52,7 +53,7 @@ fn entries(campaign: &Campaign) -> Vec<Entry<'_>> {
         for (station, seen) in covered.seen.iter().enumerate() {
             let lengths = campaign.lengths.as_ref();
             entries.push(Entry {
-                run: &campaign.runs[covered.run].name,
+                run: covered.run.map(|run| campaign.runs[run].name.as_str()),
                 target: &campaign.targets[covered.target].name,
                 station: lengths.map(|_| campaign.stations[station].name.as_str()),
                 readings: seen.readings,

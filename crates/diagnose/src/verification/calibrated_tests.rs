@@ -165,7 +165,7 @@ fn points(machine: &Machine, truth: &Truth, generator: &mut ChaCha8Rng) -> Campa
         .map(|(name, home)| Target {
             name: (*name).into(),
             home_mm: home.into(),
-            carrier: 2,
+            carrier: Some(2),
             ..Target::default()
         })
         .collect();
@@ -180,7 +180,7 @@ fn points(machine: &Machine, truth: &Truth, generator: &mut ChaCha8Rng) -> Campa
             positions[axis] = 20.0 * f64::from(i);
             let step = all.steps.len();
             all.steps.push(Step {
-                run: axis,
+                run: Some(axis),
                 positions: positions.clone(),
             });
             let first = readings.len();

@@ -88,7 +88,7 @@ impl<'a> Comparison<'a> {
                 progress: arrival.progress,
                 turn_progress: arrival.progress,
                 turn_elapsed_s: arrival.elapsed_s,
-                carrier: carrier(self.machine, self.kind),
+                carrier: Some(carrier(self.machine, self.kind)),
                 axis,
                 direction: arrival.sides[axis],
                 speed_per_s: arrival.speeds_per_s[axis],

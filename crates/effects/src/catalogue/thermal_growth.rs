@@ -42,7 +42,7 @@ const GROWTH_UM_PER_K: [f64; 2] = [-25.0, 25.0];
 
 /// Each column with each carrier of targets and with each linear axis.
 fn subjects(scene: &Scene) -> Vec<Subject> {
-    let mut carriers: Vec<usize> = scene.targets.iter().map(|t| t.carrier).collect();
+    let mut carriers: Vec<usize> = scene.targets.iter().filter_map(|t| t.carrier).collect();
     carriers.sort_unstable();
     carriers.dedup();
     let of_column = |column: usize| {

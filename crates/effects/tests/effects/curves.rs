@@ -59,7 +59,7 @@ fn agrees_with_the_model_of_the_machine() {
         let effect = effect(id).unwrap();
         let at = Circumstances {
             positions: &positions,
-            carrier: 2,
+            carrier: Some(2),
             point_mm: machine.position(&Ideal, 2, &positions, home),
             ..Circumstances::new(&machine)
         };

@@ -20,7 +20,7 @@ pub(crate) fn scene() -> Scene {
     ];
     let target = |name: &str, carrier| SceneTarget {
         name: name.to_owned(),
-        carrier,
+        carrier: Some(carrier),
     };
     let temperature = |column: &str, medium| SceneTemperature {
         column: column.to_owned(),

@@ -307,6 +307,22 @@ impl<'a> LengthsAdjustment<'a> {
         measured_mm / (1.0 + self.scale_value())
     }
 
+    /// Where the targets on the bed stand, mm, with their numbers.
+    pub fn targets_on_bed(&self) -> Vec<(usize, Point3<f64>)> {
+        let Screened {
+            network, solution, ..
+        } = &self.screened;
+        let Some(bed) = network.bed else {
+            return Vec::new();
+        };
+        let points = solution.points_mm[network.groups[bed].clone()].iter();
+        let targets = self.groups[bed].targets.iter();
+        targets
+            .zip(points)
+            .map(|(&t, p)| (t, self.place(*p)))
+            .collect()
+    }
+
     /// The stations as they stand, with their dead paths.
     pub fn stations(&self) -> Vec<Station> {
         let solution = &self.screened.solution;

@@ -37,8 +37,9 @@ pub struct LengthCircumstances {
     pub target: usize,
     /// Repeat, from 1.
     pub repeat: u32,
-    carrier: usize,
-    /// The axis that moves.
+    /// The outermost axis that moves the target; none on the bed.
+    pub carrier: Option<usize>,
+    /// The axis that moves; the first for a target on the bed.
     pub axis: usize,
     /// Side of approach.
     pub direction: Direction,
@@ -125,7 +126,9 @@ pub fn length_circumstances(
     let mut place_of = HashMap::new();
     for (g, (group, points)) in groups.iter().zip(&network.groups).enumerate() {
         for (&target, point) in group.targets.iter().zip(points.clone()) {
-            place_of.insert((group.step, group.direction, target), (g, point));
+            // Targets on the bed stand at one place, whatever the step.
+            let step = campaign.steps[group.step].run.map(|_| group.step);
+            place_of.insert((step, group.direction, target), (g, point));
         }
     }
     let key = |stop: &Stop| {
@@ -137,8 +140,11 @@ pub fn length_circumstances(
     let mut all = Vec::with_capacity(kept.len());
     for (sweep, stops) in sweeps.enumerate() {
         let (station, repeat, run, direction) = key(&stops[0]);
-        let axis = campaign.runs[run].axis;
-        let speed_per_s = speed_per_s(campaign, lengths, stops, axis);
+        let axis = run.map_or(0, |run| campaign.runs[run].axis);
+        let speed_per_s = match run {
+            Some(_) => speed_per_s(campaign, lengths, stops, axis),
+            None => 0.0,
+        };
         let same_turn = before.replace(station) == Some(station);
         sweep_of_turn = if same_turn { sweep_of_turn + 1 } else { 0 };
         let readings = stops.iter().flat_map(|stop| {
@@ -146,7 +152,8 @@ pub fn length_circumstances(
             readings.map(|i| (stop.step, i, &lengths.readings[i]))
         });
         for (step, i, reading) in readings {
-            let place = |side| place_of.get(&(step, side, reading.target));
+            let of_run = run.map(|_| step);
+            let place = |side| place_of.get(&(of_run, side, reading.target));
             let place = place(None).or_else(|| place(Some(direction)));
             let Some(&(group, point)) = place.filter(|_| kept.binary_search(&i).is_ok()) else {
                 continue;

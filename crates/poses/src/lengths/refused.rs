@@ -17,7 +17,8 @@ const MOST_NAMED: usize = 5;
 /// approached from both sides, lost motion contradicts itself.
 fn or_as_they_are(campaign: &Campaign, lengths: &Lengths, first: &str) -> String {
     let mut steps: Vec<Option<Direction>> = vec![None; campaign.steps.len()];
-    let both_sides = lengths.stops.iter().any(|stop| {
+    let in_runs = |stop: &&Stop| campaign.steps[stop.step].run.is_some();
+    let both_sides = lengths.stops.iter().filter(in_runs).any(|stop| {
         let first = *steps[stop.step].get_or_insert(stop.direction);
         first != stop.direction
     });
@@ -185,10 +186,11 @@ pub(crate) fn contradictory(
     sigma0: f64,
     residuals_mm: &[f64],
 ) -> Error {
-    let worst_of = |count: usize, place: &dyn Fn(&Stop) -> usize| {
+    let worst_of = |count: usize, place: &dyn Fn(&Stop) -> Option<usize>| {
         let mut sums = vec![(0.0, 0_usize); count];
         for stop in &lengths.stops {
-            let (squares, lengths) = &mut sums[place(stop)];
+            let Some(place) = place(stop) else { continue };
+            let (squares, lengths) = &mut sums[place];
             *lengths += stop.readings.len();
             for v in &residuals_mm[stop.readings.clone()] {
                 *squares += v * v;
@@ -201,7 +203,7 @@ pub(crate) fn contradictory(
             .max_by(|a, b| a.1.total_cmp(&b.1))
             .unwrap_or_default()
     };
-    let (j, station_rms) = worst_of(campaign.stations.len(), &|stop| stop.station);
+    let (j, station_rms) = worst_of(campaign.stations.len(), &|stop| Some(stop.station));
     let (r, run_rms) = worst_of(campaign.runs.len(), &|stop| campaign.steps[stop.step].run);
     let sizes = residuals_mm.iter().map(|v| v.abs()).zip(&lengths.readings);
     let worst = sizes.rev().max_by(|a, b| a.0.total_cmp(&b.0));
@@ -235,7 +237,9 @@ fn most_of(campaign: &Campaign, lengths: &Lengths, readings: &[usize]) -> String
     for &reading in readings {
         let stop = stop_of(lengths, reading);
         stations[stop.station] += 1;
-        runs[campaign.steps[stop.step].run] += 1;
+        if let Some(run) = campaign.steps[stop.step].run {
+            runs[run] += 1;
+        }
         targets[lengths.readings[reading].target] += 1;
     }
     let most = |counts: &[usize]| (0..counts.len()).max_by_key(|&k| counts[k]).unwrap_or(0);

@@ -140,12 +140,18 @@ impl LengthsAdjustment<'_> {
             Some([place(targets[0])?, place(targets[1])?])
         };
         let bodies = self.screened.network.bodies.as_deref();
-        (0..self.groups.len()).find_map(|g| {
+        let of_body = (0..self.groups.len()).find_map(|g| {
             let (placed, [a, b]) = (&bodies?.of_groups[g], place(g)?);
             let body = placed.body?;
             let places = [placed.places[a], placed.places[b]];
             Some(Pair::OfBody { body, places })
-        })
+        });
+        let of_bed = || {
+            let group = self.screened.network.bed?;
+            let points = place(group)?;
+            Some(Pair::OfGroup { group, points })
+        };
+        of_body.or_else(of_bed)
     }
 
     /// `Σ`.

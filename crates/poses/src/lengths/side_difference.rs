@@ -49,9 +49,9 @@ impl LengthsAdjustment<'_> {
             return found;
         }
         let sides = self.sides();
-        let axis_of = |side: &Side| campaign.runs[campaign.steps[side.step].run].axis;
+        let axis_of = |side: &Side| campaign.axis_under_test(side.step);
         let both = |&axis: &usize| {
-            let of_axis = sides.iter().filter(|side| axis_of(side) == axis);
+            let of_axis = sides.iter().filter(|side| axis_of(side) == Some(axis));
             let mut signs = of_axis.map(|side| side.sign > 0.0);
             let first = signs.next();
             signs.any(|sign| Some(sign) != first)
@@ -63,7 +63,7 @@ impl LengthsAdjustment<'_> {
         let whitened = Whitened::new(&screened.network, &screened.solution);
         for (found, axis) in found.iter_mut().zip(axes).filter(|(_, axis)| both(axis)) {
             let row = |side: &Side| {
-                if axis_of(side) != *axis || !self.groups[side.group].moved {
+                if axis_of(side) != Some(*axis) || !self.groups[side.group].moved {
                     return Vector6::zeros();
                 }
                 let arm_mm = side.point_mm - reference_mm(side.step);

@@ -114,7 +114,9 @@ pub(crate) fn poses_from_points(
 fn targets_of_runs(campaign: &Campaign, points: &MeasuredPoints) -> Result<Vec<Vec<usize>>, Error> {
     let mut common: Vec<Option<Vec<usize>>> = vec![None; campaign.runs.len()];
     for group in &points.groups {
-        let run = campaign.steps[group.step].run;
+        let Some(run) = campaign.steps[group.step].run else {
+            continue;
+        };
         let axis = campaign.runs[run].axis;
         let chain = |target: usize| campaign.machine.chain(campaign.targets[target].carrier);
         let mut moved = group.targets.clone();
@@ -151,16 +153,17 @@ fn nominal_bodies(
     let (mut bodies, mut sources): (Vec<NominalBody>, Vec<Source>) = (Vec::new(), Vec::new());
     for (number, group) in points.groups.iter().enumerate() {
         let step = &campaign.steps[group.step];
-        let targets = &targets_of_runs[step.run];
+        let Some(run) = step.run else { continue };
+        let targets = &targets_of_runs[run];
         let carrier_of = |t: &usize| campaign.targets[*t].carrier;
         let depth = |carrier: &usize| machine.chain(*carrier).len();
-        let outermost = targets.iter().map(carrier_of).max_by_key(depth);
-        let outermost = outermost.unwrap_or(campaign.runs[step.run].axis);
+        let outermost = targets.iter().filter_map(carrier_of).max_by_key(depth);
+        let outermost = Some(outermost.unwrap_or(campaign.runs[run].axis));
         let one_carrier = targets.iter().all(|t| carrier_of(t) == outermost);
         let nominal = machine.motion(&Ideal, outermost, &step.positions);
         // On several carriers targets are one body during this run only, and at home where the
         // outermost carrier would bring them from.
-        let key = ((!one_carrier).then_some(step.run), targets.as_slice());
+        let key = ((!one_carrier).then_some(run), targets.as_slice());
         let known = keys.iter().position(|known| *known == key);
         let body = known.unwrap_or_else(|| {
             let home = |t: &usize| {
@@ -213,9 +216,10 @@ fn refused(campaign: &Campaign, step: usize, targets: &[usize], error: &Identify
             "use the method nine",
         ),
         _ => {
-            let axis = campaign.runs[campaign.steps[step].run].axis;
+            let axis = campaign.axis_under_test(step);
+            let name = |axis: usize| campaign.machine.axes()[axis].name().to_owned();
             Error::Numerical {
-                axis: campaign.machine.axes()[axis].name().to_owned(),
+                axis: axis.map(name).unwrap_or_default(),
                 what: format!("{in_words}: {error}"),
             }
         }
@@ -250,7 +254,7 @@ impl PointEquations {
     ) -> [[f64; 6]; 2] {
         let observation = &poses.observations[pose];
         let step = &campaign.steps[observation.step];
-        let axis = campaign.runs[step.run].axis;
+        let axis = step.run.map_or(0, |run| campaign.runs[run].axis);
         let motion = machine.motion(&Ideal, axis, &step.positions);
         let to_reference = observation.to_pivot(&(motion * machine.axes()[axis].reference_mm()));
         let used = &self.step(&self.sources[pose]).pose.from_points;

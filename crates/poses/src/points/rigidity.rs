@@ -58,7 +58,9 @@ pub(crate) fn misfits(campaign: &Campaign, points: &PointPoses, declared: bool) 
     let run_of = |i: usize| campaign.steps[points.poses.observations[i].step].run;
     let mut found = Vec::new();
     for run in 0..campaign.runs.len() {
-        let records: Vec<usize> = (0..fits.len()).filter(|&i| run_of(i) == run).collect();
+        let records: Vec<usize> = (0..fits.len())
+            .filter(|&i| run_of(i) == Some(run))
+            .collect();
         for (record, misfit, p_value) in failing(&records, &fits, declared, level) {
             found.push(StepMisfit {
                 step: step_in_words(campaign, points.poses.observations[record].step),

@@ -27,7 +27,9 @@ pub(super) fn targets(campaign: &Campaign, truth: &Truth) -> Result<Vec<TargetSp
     let specs = targets.map(|(target, error_mm)| TargetSpec {
         name: target.name.clone(),
         position_mm: target.home_mm.into(),
-        carried_by: campaign.machine.axes()[target.carrier].name().to_owned(),
+        carried_by: target
+            .carrier
+            .map(|axis| campaign.machine.axes()[axis].name().to_owned()),
         mounting_error_mm: error_mm.into(),
         reflector: target.reflector.clone(),
         position_sigma_mm: target.position_sigma_mm,
@@ -43,9 +45,11 @@ fn into_the_frame(campaign: &Campaign, errors_mm: &mut [Vector3<f64>]) -> Result
     let lengths = campaign.lengths.iter();
     let measured = lengths.flat_map(|lengths| {
         lengths.stops.iter().flat_map(|stop| {
-            let axis = campaign.runs[campaign.steps[stop.step].run].axis;
+            let axis = campaign.axis_under_test(stop.step);
             let readings = &lengths.readings[stop.readings.clone()];
-            readings.iter().map(move |reading| (axis, reading.target))
+            readings
+                .iter()
+                .filter_map(move |reading| Some((axis?, reading.target)))
         })
     });
     let frame = FrameRule::new(&campaign.machine, &nominal.collect::<Vec<_>>(), measured);

@@ -133,7 +133,7 @@ pub(crate) fn assert_formula(effect: &Value, formula: &dyn Fn(&Reading<'_>) -> D
     let mut json = faultless();
     json["effects"] = json!([effect]);
     let campaign = simulate(&shipped::scenario(&json), 1).unwrap().campaign;
-    let lengths = campaign.lengths.unwrap();
+    let lengths = campaign.lengths.clone().unwrap();
     let axes = campaign.machine.axes();
     let times_s: Vec<f64> = lengths.readings.iter().map(|r| r.time_s).collect();
     let part = |times_s: &[f64], time_s: f64| {
@@ -181,7 +181,7 @@ pub(crate) fn assert_formula(effect: &Value, formula: &dyn Fn(&Reading<'_>) -> D
                     Direction::Forward => 1.0,
                     Direction::Backward => -1.0,
                 },
-                axis: axes[campaign.runs[step.run].axis].name(),
+                axis: axes[campaign.axis_under_test(stop.step).unwrap()].name(),
                 chain,
                 p,
                 centroid,

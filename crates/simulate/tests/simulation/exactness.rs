@@ -28,11 +28,11 @@ fn five_axis_lengths_agree_with_plain_rotation_matrices() {
     }
 
     let campaign = simulate(&shipped::scenario(&json), 1).unwrap().campaign;
-    let lengths = campaign.lengths.unwrap();
+    let lengths = campaign.lengths.clone().unwrap();
     let axes = campaign.machine.axes();
     for stop in &lengths.stops {
         let step = &campaign.steps[stop.step];
-        let moving = axes[campaign.runs[step.run].axis].name();
+        let moving = axes[campaign.axis_under_test(stop.step).unwrap()].name();
         let side = match stop.direction {
             Direction::Forward => -0.5,
             Direction::Backward => 0.5,

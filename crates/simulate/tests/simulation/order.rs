@@ -49,7 +49,7 @@ fn stations_then_repeats_then_runs_then_directions_then_positions() {
                 Direction::Forward => '+',
                 Direction::Backward => '-',
             };
-            let run = &campaign.runs[step.run].name;
+            let run = &campaign.runs[step.run.unwrap()].name;
             let targets = &lengths.readings[stop.readings.clone()];
             let targets: Vec<_> = targets
                 .iter()

@@ -307,7 +307,7 @@ fn runs_of_one_axis_at_other_places_differ_by_a_cross_coupling() {
         campaign
             .steps
             .iter()
-            .any(|s| s.run == 2 && s.positions[..2] == [400.0, 400.0])
+            .any(|s| s.run == Some(2) && s.positions[..2] == [400.0, 400.0])
     );
 }
 
@@ -334,6 +334,26 @@ fn what_cannot_be() {
             "/systematic",
             json!({ "reflector_sigma": 1 }),
             "did you mean `reflector_sigma_um`?",
+        ),
+        (
+            "/instrument/reflector_sigma_um",
+            json!(0),
+            "instrument.reflector_sigma_um: a standard deviation of 0; expected more than zero",
+        ),
+        (
+            "/instrument/scale_sigma_ppm",
+            json!(0),
+            "instrument.scale_sigma_ppm: a standard deviation of 0; expected more than zero",
+        ),
+        (
+            "/targets/1/reflector",
+            json!("P"),
+            "targets[1].reflector: `P` is a target (targets[0]) that names no reflector",
+        ),
+        (
+            "/bed",
+            json!({ "readings": 5 }),
+            "bed: expected a target on the bed (`carried_by` null), or no field `bed`",
         ),
         (
             "/targets/0/position_sigma_mm",

@@ -26,7 +26,7 @@ fn every_effect_can_be_drawn_where_it_leaves_a_trace() {
 #[test]
 fn an_instant_lies_well_inside_a_turn() {
     for kind in kinds() {
-        let schedule = Schedule::new(&kind, &Layout::new(kind.geometry));
+        let schedule = Schedule::new(&kind, &Layout::new(&kind));
         for name in names() {
             for seed in 0..20 {
                 let Some(hidden) = draw(&kind, name, seed) else {

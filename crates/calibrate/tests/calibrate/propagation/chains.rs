@@ -19,7 +19,7 @@ fn with_chains(
     scenario.machine.kinematics.workpiece = names(workpiece);
     scenario.targets.truncate(3 * carriers.len());
     for (i, target) in scenario.targets.iter_mut().enumerate() {
-        target.carried_by = carriers[i / 3].to_owned();
+        target.carried_by = Some(carriers[i / 3].to_owned());
     }
     let mut runs = scenario.runs.iter_mut();
     let of_c = runs.find(|run| run.axis == "C").unwrap();
