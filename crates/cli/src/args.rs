@@ -32,6 +32,8 @@ pub(crate) enum Verb {
     Volume(VolumeArgs),
     /// Says what the calibrated model gets wrong and why; writes diagnosis.json.
     Diagnose(DiagnoseArgs),
+    /// Shows the results in a folder as one page; writes report.html and its figures.
+    Report(ReportArgs),
     /// Checks the uncertainties of a calibration by redrawing its noise; writes montecarlo.json.
     Montecarlo(MontecarloArgs),
     /// Makes a campaign with known errors from a scenario; writes the campaign and truth.json.
@@ -83,6 +85,10 @@ pub(crate) struct CalibrateArgs {
     #[arg(long)]
     pub(crate) paper_signs: bool,
 
+    /// Write no report.html.
+    #[arg(long)]
+    pub(crate) no_report: bool,
+
     /// Also print calibration.json on standard output.
     #[arg(long)]
     pub(crate) json: bool,
@@ -123,6 +129,10 @@ pub(crate) struct DiagnoseArgs {
     /// [default: one in the current directory, named after the campaign].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+
+    /// Write no report.html.
+    #[arg(long)]
+    pub(crate) no_report: bool,
 
     /// Also print diagnosis.json on standard output.
     #[arg(long)]
@@ -185,6 +195,18 @@ pub(crate) struct VolumeArgs {
     /// Also print volume.json on standard output.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct ReportArgs {
+    /// The folder that `calibrate`, `diagnose` and `volume` wrote.
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+
+    /// A template of your own in place of the program's (minijinja; crates/report/src/report.html is the
+    /// program's).
+    #[arg(long, value_name = "FILE")]
+    pub(crate) template: Option<PathBuf>,
 }
 
 #[derive(Debug, ClapArgs)]

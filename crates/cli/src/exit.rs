@@ -71,6 +71,12 @@ impl Exit {
             if cause.is::<ReadError>() {
                 return Self::Input;
             }
+            if let Some(error) = cause.downcast_ref::<trueaxis_report::Error>() {
+                return match error {
+                    trueaxis_report::Error::Template { .. } => Self::Usage,
+                    _ => Self::Input,
+                };
+            }
             if cause.is::<EffectsInputError>() || cause.is::<trueaxis_effects::Error>() {
                 return Self::Input;
             }

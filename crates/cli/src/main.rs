@@ -14,6 +14,7 @@ mod montecarlo_file;
 mod output;
 mod predict;
 mod progress;
+mod report;
 mod simulate;
 mod summary;
 mod table1;
@@ -37,6 +38,7 @@ fn main() -> ExitCode {
         Verb::Diagnose(args) => diagnose::run(args),
         Verb::Montecarlo(args) => montecarlo::run(args),
         Verb::Predict(args) => predict::run(args),
+        Verb::Report(args) => report::run(args),
         Verb::Simulate(args) => simulate::run(args),
         Verb::Table1(args) => table1::run(args),
         Verb::Volume(args) => volume::run(args),

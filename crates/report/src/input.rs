@@ -1,0 +1,98 @@
+//! The files of a folder of results.
+
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use crate::Error;
+use crate::calibration::Calibration;
+use crate::diagnosis::Diagnosis;
+use crate::residuals::Residuals;
+
+/// The results of which at least one must be there.
+pub(crate) const RESULTS: [&str; 2] = ["calibration.json", "diagnosis.json"];
+
+/// What is in the folder; each file is optional.
+pub(crate) struct Input {
+    pub(crate) calibration: Option<Document<Calibration>>,
+    pub(crate) diagnosis: Option<Document<Diagnosis>>,
+    pub(crate) volume: Option<Value>,
+    pub(crate) residuals: Option<Residuals>,
+}
+
+/// A JSON file as it stands, for the template, and in parts, for the figures.
+pub(crate) struct Document<T> {
+    pub(crate) raw: Value,
+    pub(crate) parts: T,
+}
+
+impl Input {
+    pub(crate) fn read(folder: &Path) -> Result<Self, Error> {
+        let input = Self {
+            calibration: read_parts(folder, "calibration")?,
+            diagnosis: read_parts(folder, "diagnosis")?,
+            volume: read_json(folder, "volume")?.map(|(_, value)| value),
+            residuals: Residuals::read(&folder.join("residuals.csv"))?,
+        };
+        if input.calibration.is_none() && input.diagnosis.is_none() {
+            let folder = folder.to_path_buf();
+            return Err(Error::NothingToReport { folder });
+        }
+        Ok(input)
+    }
+}
+
+fn read_parts<T: DeserializeOwned>(
+    folder: &Path,
+    name: &str,
+) -> Result<Option<Document<T>>, Error> {
+    let Some((file, raw)) = read_json(folder, name)? else {
+        return Ok(None);
+    };
+    match T::deserialize(&raw) {
+        Ok(parts) => Ok(Some(Document { raw, parts })),
+        Err(source) => Err(Error::NotAResult { file, source }),
+    }
+}
+
+/// `<name>.json`, if it is there, of the format `trueaxis-<name>`, version 1.
+fn read_json(folder: &Path, name: &str) -> Result<Option<(PathBuf, Value)>, Error> {
+    let file = folder.join(format!("{name}.json"));
+    let Some(text) = read_text(&file)? else {
+        return Ok(None);
+    };
+    let value: Value = match serde_json::from_str(&text) {
+        Ok(value) => value,
+        Err(source) => return Err(Error::NotAResult { file, source }),
+    };
+    let expected = format!("trueaxis-{name} 1");
+    let part = |field: &str| value.get(field).map_or("none".to_owned(), plain);
+    let found = format!("{} {}", part("format"), part("version"));
+    match found == expected {
+        true => Ok(Some((file, value))),
+        false => Err(Error::OtherFormat {
+            file,
+            found,
+            expected,
+        }),
+    }
+}
+
+fn plain(value: &Value) -> String {
+    value
+        .as_str()
+        .map_or_else(|| value.to_string(), str::to_owned)
+}
+
+/// The text of a file, if there is one.
+pub(crate) fn read_text(file: &Path) -> Result<Option<String>, Error> {
+    match std::fs::read_to_string(file) {
+        Ok(text) => Ok(Some(text)),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(source) => Err(Error::Unreadable {
+            file: file.to_path_buf(),
+            source,
+        }),
+    }
+}
