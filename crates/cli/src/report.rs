@@ -19,26 +19,25 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<Exit> {
         None => None,
     };
     let made = report(&args.folder, &Settings { template })?;
-    for path in write(&args.folder, &made)? {
+    let page = write(&args.folder, &made)?;
+    let figures = output::folder(Some(&args.folder.join(Report::FIGURES)), "")?;
+    for (name, svg) in &made.figures {
+        output::write(&figures.join(name), svg.as_bytes())?;
+    }
+    for path in [page, figures] {
         say(&format!("written: {}", path.display()));
     }
     Ok(Exit::Good)
 }
 
-/// Writes the report of the results in `folder`, and says where.
+/// Writes the page of the results in `folder`, and says where. Its figures are in it; as files, dozens of them,
+/// they would take longer than all the rest.
 pub(crate) fn of_results(folder: &Path) -> anyhow::Result<PathBuf> {
-    let made = report(folder, &Settings::default())?;
-    let mut written = write(folder, &made)?;
-    Ok(written.swap_remove(0))
+    write(folder, &report(folder, &Settings::default())?)
 }
 
-/// The page, then the folder of its figures.
-fn write(folder: &Path, made: &Report) -> anyhow::Result<Vec<PathBuf>> {
+fn write(folder: &Path, made: &Report) -> anyhow::Result<PathBuf> {
     let page = folder.join(Report::FILE);
     output::write(&page, made.html.as_bytes())?;
-    let figures = output::folder(Some(&folder.join(Report::FIGURES)), "")?;
-    for (name, svg) in &made.figures {
-        output::write(&figures.join(name), svg.as_bytes())?;
-    }
-    Ok(vec![page, figures])
+    Ok(page)
 }

@@ -22,6 +22,8 @@ pub(crate) struct Calibration {
     #[serde(default)]
     pub(crate) location_errors: Map<String, Value>,
     #[serde(default)]
+    pub(crate) relative_locations: Vec<Relative>,
+    #[serde(default)]
     pub(crate) misfits: Vec<Value>,
 }
 
@@ -64,6 +66,16 @@ pub(crate) struct Adjustment {
 pub(crate) struct Place {
     pub(crate) name: String,
     pub(crate) position_mm: [f64; 3],
+}
+
+/// Where a rotary axis lies relative to another one, along and about a direction.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Relative {
+    pub(crate) axis: String,
+    pub(crate) to: String,
+    pub(crate) direction: [f64; 3],
+    pub(crate) offset: Value,
+    pub(crate) angle: Value,
 }
 
 /// A measured axis.

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::diagnosis::{Cause, CurvePoint, Diagnosis, Disturbance, Level, Shares};
+use crate::diagnosis::{Cause, CurvePoint, Diagnosis, Disturbance, Level, MisfitAt, Shares};
 use crate::numbers::{decimals, fixed, rough, signed};
 use crate::page::Figure;
 use crate::svg::Drawing;
@@ -36,6 +36,7 @@ struct CauseView {
     rivals: Vec<String>,
     changes: String,
     explained: Option<String>,
+    figure: Option<Figure>,
 }
 
 #[derive(Serialize)]
@@ -44,7 +45,7 @@ struct DisturbanceView {
     figure: Option<Figure>,
 }
 
-const BAR: [f64; 2] = [700.0, 34.0];
+const BAR: [f64; 2] = [900.0, 34.0];
 
 /// Results that are listed as changed.
 const MOST_CHANGES: usize = 4;
@@ -56,11 +57,12 @@ impl DiagnosisSection {
     pub(crate) fn new(diagnosis: &Diagnosis) -> Self {
         let levels = diagnosis.levels.iter().enumerate();
         let disturbances = diagnosis.disturbances.iter().enumerate();
+        let causes = diagnosis.causes.iter().enumerate();
         Self {
             levels: levels
                 .map(|(k, level)| level_view(k, level, diagnosis))
                 .collect(),
-            causes: diagnosis.causes.iter().map(cause).collect(),
+            causes: causes.map(|(k, of)| cause(k + 1, of, diagnosis)).collect(),
             disturbances: disturbances.map(|(k, of)| disturbance(k, of)).collect(),
         }
     }
@@ -70,6 +72,7 @@ impl DiagnosisSection {
             .levels
             .iter()
             .flat_map(|level| level.bar.iter().chain(&level.places));
+        let levels = levels.chain(self.causes.iter().flat_map(|cause| &cause.figure));
         levels.chain(self.disturbances.iter().flat_map(|of| &of.figure))
     }
 }
@@ -183,34 +186,94 @@ fn places(name: &str, level: &Level) -> Option<Figure> {
         .places
         .iter()
         .filter(|place| place.by != "position" && place.by != "time");
-    let places: Vec<_> = coarse.take(MOST_PLACES).collect();
+    let frame = Frame {
+        title: "",
+        x_label: "station, target, axis, side of approach (+1, \u{2212}1), repeat (#)",
+        y_label: "misfit (rms) in µm",
+        size: [900.0, 260.0],
+    };
+    let named = coarse
+        .take(MOST_PLACES)
+        .map(|place| match place.by.as_str() {
+            "repeat" => (place, format!("#{}", place.name)),
+            _ => (place, place.name.replace('-', "\u{2212}")),
+        });
+    misfits(name, &frame, level, &named.collect::<Vec<_>>())
+}
+
+/// The misfit where a cause acts: along its axis, else at its stations or targets, else in time.
+fn where_it_acts(rank: usize, cause: &Cause, diagnosis: &Diagnosis) -> Option<Figure> {
+    let level = diagnosis
+        .levels
+        .iter()
+        .find(|level| level.level == cause.level)?;
+    let subject = |field: &str| cause.subject.get(field).and_then(Value::as_str);
+    let (x_label, by, axis) = match (subject("axis"), subject("station"), subject("target")) {
+        (Some(axis), _, _) => (
+            format!("quarter of the travel of {axis}"),
+            "position",
+            Some(axis),
+        ),
+        (_, Some(_), _) => ("station".to_owned(), "station", None),
+        (_, _, Some(_)) => ("target".to_owned(), "target", None),
+        _ => ("quarter of the readings in time".to_owned(), "time", None),
+    };
+    let of_subject = |place: &&MisfitAt| {
+        let prefix = axis.map(|axis| format!("{axis}, "));
+        place.by == by && prefix.is_none_or(|prefix| place.name.starts_with(&prefix))
+    };
+    let places = level
+        .places
+        .iter()
+        .filter(of_subject)
+        .take(MOST_PLACES)
+        .enumerate();
+    let named = places.map(|(k, place)| match by {
+        "station" | "target" => (place, place.name.clone()),
+        _ => (place, (k + 1).to_string()),
+    });
+    let frame = Frame {
+        title: "",
+        x_label: &x_label,
+        y_label: "misfit (rms) in µm",
+        size: [340.0, 190.0],
+    };
+    misfits(
+        &format!("cause-{rank}"),
+        &frame,
+        level,
+        &named.collect::<Vec<_>>(),
+    )
+}
+
+/// Misfits at places, with their names under the axis.
+fn misfits(
+    name: &str,
+    frame: &Frame<'_>,
+    level: &Level,
+    places: &[(&MisfitAt, String)],
+) -> Option<Figure> {
     if places.is_empty() {
         return None;
     }
     let values = places
         .iter()
-        .flat_map(|place| [place.before_um, place.after_um]);
-    let [_, high] = range(values.chain([0.0]));
-    let frame = Frame {
-        title: "",
-        x_label: "station, target, axis, direction, repeat",
-        y_label: "misfit (rms) in µm",
-        size: [700.0, 240.0],
-    };
-    let mut x = Scale::new(-0.6, places.len() as f64 - 0.4, 5);
-    x.ticks = places
+        .flat_map(|(place, _)| [place.before_um, place.after_um]);
+    let [low, high] = range(values.chain(level.noise_floor_um));
+    let end = places.len() as f64 - 0.4;
+    let mut x = Scale::new(-0.6, end, 5);
+    let letters = (frame.size[0] / 8.5) as usize / places.len();
+    let ticks = places
         .iter()
         .enumerate()
-        .map(|(k, place)| (k as f64, tick(&place.name, places.len())))
-        .collect();
-    let mut plot = Plot::new(&frame, x, Scale::new(0.0, high, 5));
+        .map(|(k, (_, name))| (k as f64, tick(name, letters)));
+    x.ticks = ticks.collect();
+    let mut plot = Plot::new(frame, x, Scale::new(low.max(0.0), high, 5));
     if let Some(noise) = level.noise_floor_um {
-        plot.line("rule", &[[-0.6, noise], [places.len() as f64 - 0.4, noise]]);
+        plot.line("rule", &[[-0.6, noise], [end, noise]]);
     }
-    for (k, place) in places.iter().enumerate() {
+    for (k, (place, _)) in places.iter().enumerate() {
         let k = k as f64;
-        plot.dots("m1", std::iter::once([k - 0.12, place.before_um]));
-        plot.dots("m0", std::iter::once([k + 0.12, place.after_um]));
         let text = format!(
             "{} {}: {} µm without, {} µm with the causes",
             place.by,
@@ -218,15 +281,20 @@ fn places(name: &str, level: &Level) -> Option<Figure> {
             rough(place.before_um),
             rough(place.after_um)
         );
-        plot.hover([k - 0.12, place.before_um], &text);
-        plot.hover([k + 0.12, place.after_um], &text);
+        for (class, point) in [
+            ("m1", [k - 0.12, place.before_um]),
+            ("m0", [k + 0.12, place.after_um]),
+        ] {
+            plot.dots(class, std::iter::once(point));
+            plot.hover(point, &text);
+        }
     }
     Some(Figure::new(name, plot.finish()))
 }
 
-/// Room for as many letters as a place has.
-fn tick(name: &str, places: usize) -> String {
-    let most = (90 / places).clamp(1, 12);
+/// A name of so many letters at most.
+fn tick(name: &str, most: usize) -> String {
+    let most = most.clamp(1, 12);
     match name.chars().count() > most {
         true if most == 1 => String::new(),
         true => name.chars().take(most - 1).chain(['…']).collect(),
@@ -234,7 +302,7 @@ fn tick(name: &str, places: usize) -> String {
     }
 }
 
-fn cause(cause: &Cause) -> CauseView {
+fn cause(rank: usize, cause: &Cause, diagnosis: &Diagnosis) -> CauseView {
     let rivals = cause.cannot_tell_apart_from.iter().map(|rival| {
         let name = words::effect(&rival.effect, &rival.subject);
         match rival.delta_bic {
@@ -248,27 +316,36 @@ fn cause(cause: &Cause) -> CauseView {
         rivals: rivals.collect(),
         changes: changes(cause),
         explained: cause.explained_rms_um.map(rough),
+        figure: where_it_acts(rank, cause, diagnosis),
     }
 }
 
 fn parameters(cause: &Cause) -> String {
     let parts = cause.parameters.iter().map(|parameter| {
         let name = parameter.name.replace('_', " ");
-        let unit = words::unit(&parameter.unit);
+        let unit = match words::unit(&parameter.unit) {
+            glued @ ("″" | "°" | "") => glued.to_owned(),
+            apart => format!(" {apart}"),
+        };
+        // Instants and durations have no side.
+        let with_sign = match parameter.name.as_str() {
+            "time" | "time_constant" | "period" | "waves" => fixed,
+            _ => signed,
+        };
         match parameter.u.filter(|u| *u > 0.0) {
             Some(u) => {
                 let digits = decimals(2.0 * u).min(3);
                 format!(
-                    "{name} {} ± {} {unit}",
-                    signed(parameter.value, digits),
+                    "{name} {} ± {}{unit}",
+                    with_sign(parameter.value, digits),
                     fixed(2.0 * u, digits)
                 )
             }
             None if parameter.u.is_none() => format!(
-                "{name} {} {unit} (seen in part only)",
+                "{name} {}{unit} (seen in part only)",
                 rough(parameter.value)
             ),
-            None => format!("{name} {} {unit}", rough(parameter.value)),
+            None => format!("{name} {}{unit}", rough(parameter.value)),
         }
     });
     parts
@@ -283,14 +360,14 @@ fn changes(cause: &Cause) -> String {
     for (name, change) in &cause.component_change {
         let number = |field: &str| change.get(field).and_then(Value::as_f64);
         let found = number("max_um")
-            .map(|um| (um, "µm"))
-            .or_else(|| number("max_mm").map(|mm| (1e3 * mm, "µm")))
+            .map(|um| (um, " µm"))
+            .or_else(|| number("max_mm").map(|mm| (1e3 * mm, " µm")))
             .or_else(|| number("max_arcsec").map(|arcsec| (arcsec, "″")));
         all.extend(found.map(|(value, unit)| (name, value, unit)));
     }
     all.sort_by(|a, b| b.1.total_cmp(&a.1));
     let largest = all.iter().take(MOST_CHANGES);
-    let largest = largest.map(|(name, value, unit)| format!("{name} {} {unit}", rough(*value)));
+    let largest = largest.map(|(name, value, unit)| format!("{name} {}{unit}", rough(*value)));
     largest.collect::<Vec<_>>().join(", ")
 }
 
@@ -336,7 +413,7 @@ fn smooth(k: usize, curve: &[CurvePoint], with: &str) -> Option<Figure> {
         title: "",
         x_label: &unit,
         y_label: "disturbance in µm",
-        size: [700.0, 230.0],
+        size: [900.0, 250.0],
     };
     let mut plot = Plot::new(&frame, Scale::new(from, to, 8), Scale::new(low, high, 5));
     for c in 0..coordinates {

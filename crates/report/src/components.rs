@@ -41,7 +41,7 @@ struct RatioRow {
     six: String,
 }
 
-const SIZE: [f64; 2] = [340.0, 214.0];
+const SIZE: [f64; 2] = [340.0, 200.0];
 
 /// Small multiples, in the order of the names: displacements, then angles.
 const ORDER: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
@@ -158,10 +158,11 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
         for [x, value, expanded] in on {
             let digits = decimals(expanded);
             let text = format!(
-                "{} = {x}{position_unit}{side}: {name} = {} ± {} {unit}",
+                "{} = {x}{position_unit}{side}: {name} = {} ± {}{}{unit}",
                 axis.name,
                 signed(value, digits),
-                fixed(expanded, digits)
+                fixed(expanded, digits),
+                if curve.is_angular() { "" } else { " " },
             );
             plot.hover([x, value], &text);
         }

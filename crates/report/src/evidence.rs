@@ -21,7 +21,7 @@ const FAR: f64 = 3.5;
 const MOST_NAMED: usize = 200;
 
 const COLOURS: usize = 6;
-const WIDE: [f64; 2] = [700.0, 260.0];
+const WIDE: [f64; 2] = [900.0, 280.0];
 const SMALL: [f64; 2] = [340.0, 230.0];
 
 /// The residuals in figures and numbers.
@@ -183,8 +183,8 @@ fn by_station(residuals: &Residuals) -> Figure {
     for (station, target, rms, half) in rms {
         let spread = 0.7 * ((target as f64 + 0.5) / targets as f64 - 0.5);
         let x = station as f64 + spread;
-        plot.line("rule", &[[x, 1.0 - half], [x, 1.0 + half]]);
-        plot.dots(&format!("m{}", target % 3), std::iter::once([x, rms]));
+        plot.line("range", &[[x, 1.0 - half], [x, 1.0 + half]]);
+        plot.dots("m0", std::iter::once([x, rms]));
         let text = format!(
             "{} to {}: {} (noise alone: {} to {})",
             residuals.stations[station],

@@ -64,14 +64,14 @@ pub(crate) fn largest(calibration: &Calibration) -> Vec<Largest> {
 }
 
 fn entry(name: &str, words: String, [value, expanded]: [f64; 2], lever_um: Option<f64>) -> Largest {
-    let unit = if lever_um.is_some() { "″" } else { "µm" };
+    let unit = if lever_um.is_some() { "″" } else { " µm" };
     let digits = decimals(expanded).min(2);
     let displacement_um = lever_um.map_or(1.0, |lever| lever * ARCSEC) * value.abs();
     Largest {
         name: name.to_owned(),
         words,
         value: format!(
-            "{} ± {} {unit}",
+            "{} ± {}{unit}",
             signed(value, digits),
             fixed(expanded, digits)
         ),

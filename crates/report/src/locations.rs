@@ -15,7 +15,7 @@ pub(crate) struct Location {
     value: String,
     expanded: String,
     unit: &'static str,
-    /// `by definition of the frame`, or what it is relative to.
+    /// `by definition of the frame`, or `*` if it is relative to the nests of the targets.
     note: &'static str,
 }
 
@@ -52,27 +52,56 @@ impl Measured {
 pub(crate) fn locations(calibration: &Calibration) -> Vec<Location> {
     let errors = calibration.location_errors.iter();
     let shown = errors.filter_map(|(name, error)| {
-        let measured = Measured::of(error)?;
-        let digits = decimals(measured.expanded).min(2);
-        let (value, expanded) = match measured.is_defined() {
-            true => ("0".to_owned(), "–".to_owned()),
-            false => (
-                signed(measured.value, digits),
-                fixed(measured.expanded, digits),
-            ),
-        };
-        Some(Location {
-            words: words::location(name, &calibration.machine),
-            name: name.clone(),
-            value,
-            expanded,
-            unit: if measured.is_angular { "″" } else { "µm" },
-            note: match (measured.is_defined(), measured.of_targets) {
-                (true, _) => "by definition of the frame",
-                (false, true) => "relative to the nests of the targets",
-                (false, false) => "",
-            },
-        })
+        let words = words::location(name, &calibration.machine);
+        location(name.clone(), words, error)
     });
-    shown.collect()
+    shown.chain(relative(calibration)).collect()
+}
+
+/// Where rotary axes lie relative to each other.
+fn relative(calibration: &Calibration) -> impl Iterator<Item = Location> {
+    let pairs = calibration.relative_locations.iter();
+    pairs.flat_map(|pair| {
+        let name = format!("{} to {}", pair.axis, pair.to);
+        let along = direction(pair.direction);
+        [
+            location(name.clone(), format!("offset along {along}"), &pair.offset),
+            location(name, format!("angle about {along}"), &pair.angle),
+        ]
+        .into_iter()
+        .flatten()
+    })
+}
+
+/// `Y`, or the coordinates of a direction that is none of the frame's.
+fn direction(direction: [f64; 3]) -> String {
+    const PRINCIPAL: f64 = 1.0 - 1e-8;
+    match direction.iter().position(|x| *x > PRINCIPAL) {
+        Some(k) => ["X", "Y", "Z"][k].to_owned(),
+        None => direction.map(|x| fixed(x, 3)).join(" "),
+    }
+}
+
+fn location(name: String, words: String, error: &Value) -> Option<Location> {
+    let measured = Measured::of(error)?;
+    let digits = decimals(measured.expanded).min(2);
+    let (value, expanded) = match measured.is_defined() {
+        true => ("0".to_owned(), "–".to_owned()),
+        false => (
+            signed(measured.value, digits),
+            fixed(measured.expanded, digits),
+        ),
+    };
+    Some(Location {
+        words,
+        name,
+        value,
+        expanded,
+        unit: if measured.is_angular { "″" } else { " µm" },
+        note: match (measured.is_defined(), measured.of_targets) {
+            (true, _) => "by definition of the frame",
+            (false, true) => "*",
+            (false, false) => "",
+        },
+    })
 }

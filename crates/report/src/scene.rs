@@ -77,7 +77,7 @@ impl Scene {
                 .filter(|axis| finite(&axis.direction))
         };
         let linear: Vec<&NominalAxis> = axes().filter(|axis| axis.kind == Kind::Linear).collect();
-        scene.volume(middle, &linear);
+        scene.volume(&linear);
         let far = targets.iter().map(|target| distance(target.at, middle));
         let size = far.fold(60.0, f64::max);
         for axis in axes().filter(|axis| axis.kind == Kind::Rotary) {
@@ -96,15 +96,15 @@ impl Scene {
         Some(scene)
     }
 
-    /// What the middle of the targets can reach: its box, with an arrow along each axis.
-    fn volume(&mut self, middle: [f64; 3], axes: &[&NominalAxis]) {
+    /// Where the linear axes take the origin: a box, with an arrow along each axis.
+    fn volume(&mut self, axes: &[&NominalAxis]) {
         let strokes: Vec<[f64; 2]> = axes
             .iter()
             .map(|axis| axis.travel.unwrap_or([0.0, 100.0]))
             .collect();
         let at = |amounts: &[f64]| {
             let moved = axes.iter().zip(amounts);
-            moved.fold(middle, |point, (axis, amount)| {
+            moved.fold([0.0; 3], |point, (axis, amount)| {
                 along(point, axis.direction, *amount)
             })
         };

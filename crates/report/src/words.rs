@@ -36,8 +36,8 @@ pub(crate) fn location(name: &str, machine: &Machine) -> String {
     let turned = rotation(letter);
     if is_rotary(axis, machine) {
         return match turned {
-            Some(k) => format!("tilt of the {axis} axis about {}", LETTERS[k]),
-            None => format!("offset of the {axis} axis in the {letter} direction"),
+            Some(k) => format!("tilt of {axis} about {}", LETTERS[k]),
+            None => format!("offset of {axis} in the {letter} direction"),
         };
     }
     // The axis turns about the normal of the plane that it spans with the other one.

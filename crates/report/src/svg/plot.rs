@@ -23,6 +23,22 @@ pub(crate) struct Plot {
     top: f64,
 }
 
+/// Width of a letter of a title, on average with some reserve.
+const TITLE_LETTER: f64 = 7.6;
+
+/// A title that has room.
+fn shortened(title: &str, width: f64) -> String {
+    let most = (width / TITLE_LETTER).floor();
+    if title.chars().count() as f64 <= most {
+        return title.to_owned();
+    }
+    let kept = title
+        .chars()
+        .zip(1..)
+        .take_while(|(_, count)| f64::from(*count) < most);
+    kept.map(|(c, _)| c).chain(['…']).collect()
+}
+
 /// What stands around a plot.
 pub(crate) struct Frame<'a> {
     pub(crate) title: &'a str,
@@ -55,7 +71,12 @@ impl Plot {
         let (left, right) = (LEFT, self.width - RIGHT);
         let (top, bottom) = (self.top, self.bottom);
         if !frame.title.is_empty() {
-            self.drawing.text([left, 17.0], "t", "start", frame.title);
+            self.drawing.text(
+                [4.0, 16.0],
+                "t",
+                "start",
+                &shortened(frame.title, self.width),
+            );
         }
         for (value, text) in self.y.ticks.clone() {
             let y = self.at([self.x.low, value])[1];
