@@ -69,7 +69,7 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
         written.push(path);
     }
     if !args.no_report {
-        written.push(report::of_results(&folder)?);
+        written.extend(report::of_results(&folder)?);
     }
 
     for line in summary::lines(&campaign, &calibration, args.paper_signs) {

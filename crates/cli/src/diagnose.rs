@@ -43,7 +43,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
         written.push(path);
     }
     if !args.no_report {
-        written.push(report::of_results(&folder)?);
+        written.extend(report::of_results(&folder)?);
     }
     notices.extend(of_an_earlier_run(&folder, &written));
 

@@ -8,7 +8,7 @@ use trueaxis_report::{Report, Settings, report};
 use crate::args::ReportArgs;
 use crate::exit::Exit;
 use crate::output;
-use crate::talk::say;
+use crate::talk::{notice, say};
 
 pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<Exit> {
     let template = match &args.template {
@@ -30,10 +30,17 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<Exit> {
     Ok(Exit::Good)
 }
 
-/// Writes the page of the results in `folder`, and says where. Its figures are in it; as files, dozens of them,
-/// they would take longer than all the rest.
-pub(crate) fn of_results(folder: &Path) -> anyhow::Result<PathBuf> {
-    write(folder, &report(folder, &Settings::default())?)
+/// Writes the page of the results in `folder`, and says where; `None` where another file there, as of an earlier
+/// version, does not let it, which is no reason to fail. Its figures are in it; as files, dozens of them, they would
+/// take longer than all the rest.
+pub(crate) fn of_results(folder: &Path) -> anyhow::Result<Option<PathBuf>> {
+    match report(folder, &Settings::default()) {
+        Ok(made) => write(folder, &made).map(Some),
+        Err(reason) => {
+            notice(&format!("no {} was written: {reason}", Report::FILE));
+            Ok(None)
+        }
+    }
 }
 
 fn write(folder: &Path, made: &Report) -> anyhow::Result<PathBuf> {

@@ -56,6 +56,8 @@ pub(crate) enum Kind {
 #[derive(Debug, Default, Deserialize)]
 pub(crate) struct Adjustment {
     #[serde(default)]
+    pub(crate) observations: usize,
+    #[serde(default)]
     pub(crate) degrees_of_freedom: usize,
     pub(crate) p_value: Option<f64>,
     pub(crate) sigma0: Option<f64>,

@@ -144,7 +144,11 @@ fn in_time(residuals: &Residuals, every: usize) -> Figure {
 fn by_station(residuals: &Residuals) -> Figure {
     let (stations, targets) = (residuals.stations.len(), residuals.targets.len());
     let mut sums = vec![(0.0, 0_usize); stations * targets];
-    for row in residuals.rows.iter().filter(|row| row.used) {
+    for row in residuals
+        .rows
+        .iter()
+        .filter(|row| row.used && row.standardized.is_finite())
+    {
         let (squares, count) = &mut sums[row.station * targets + row.target];
         *squares += row.standardized * row.standardized;
         *count += 1;
@@ -210,7 +214,10 @@ fn short(name: &str) -> String {
 /// Quantiles of the standardized residuals against those of the normal distribution.
 fn quantiles(residuals: &Residuals) -> Figure {
     let used = residuals.rows.iter().filter(|row| row.used);
-    let mut w: Vec<f64> = used.map(|row| row.standardized).collect();
+    let mut w: Vec<f64> = used
+        .map(|row| row.standardized)
+        .filter(|w| w.is_finite())
+        .collect();
     w.sort_by(f64::total_cmp);
     let count = w.len();
     let probability = |k: usize| (k as f64 + 0.5) / count as f64;

@@ -19,6 +19,8 @@ pub(crate) struct Input {
     pub(crate) diagnosis: Option<Document<Diagnosis>>,
     pub(crate) volume: Option<Value>,
     pub(crate) residuals: Option<Residuals>,
+    /// Files that do not belong to the others, in words.
+    pub(crate) left_out: Vec<String>,
 }
 
 /// A JSON file as it stands, for the template, and in parts, for the figures.
@@ -29,17 +31,56 @@ pub(crate) struct Document<T> {
 
 impl Input {
     pub(crate) fn read(folder: &Path) -> Result<Self, Error> {
-        let input = Self {
+        let mut input = Self {
             calibration: read_parts(folder, "calibration")?,
             diagnosis: read_parts(folder, "diagnosis")?,
             volume: read_json(folder, "volume")?.map(|(_, value)| value),
             residuals: Residuals::read(&folder.join("residuals.csv"))?,
+            left_out: Vec::new(),
         };
         if input.calibration.is_none() && input.diagnosis.is_none() {
             let folder = folder.to_path_buf();
             return Err(Error::NothingToReport { folder });
         }
+        input.leave_out_strangers();
         Ok(input)
+    }
+
+    /// Lets go of what an earlier run on other data left in the folder.
+    fn leave_out_strangers(&mut self) {
+        let Some(calibration) = &self.calibration else {
+            self.residuals = None;
+            return;
+        };
+        let campaign = &calibration.parts.campaign;
+        if self
+            .diagnosis
+            .as_ref()
+            .is_some_and(|of| of.parts.campaign != *campaign)
+        {
+            self.diagnosis = None;
+            self.left_out
+                .push("diagnosis.json is of another campaign and left out.".to_owned());
+        }
+        let of_volume = self
+            .volume
+            .as_ref()
+            .and_then(|volume| volume.get("campaign")?.as_str());
+        if of_volume.is_some_and(|of| of != campaign) {
+            self.volume = None;
+            self.left_out
+                .push("volume.json is of another campaign and left out.".to_owned());
+        }
+        let observations = calibration.parts.adjustment.observations;
+        if self
+            .residuals
+            .as_ref()
+            .is_some_and(|residuals| residuals.used() != observations)
+        {
+            self.residuals = None;
+            self.left_out
+                .push("residuals.csv is not of this calibration and left out.".to_owned());
+        }
     }
 }
 

@@ -8,9 +8,9 @@ pub(crate) const COVERAGE: f64 = 2.0;
 /// Half width of the 95 % interval: Student's factor where that is more than [`COVERAGE`].
 pub(crate) fn coverage_factor(dof: Option<f64>) -> f64 {
     let student = dof.and_then(|dof| StudentsT::new(0.0, 1.0, dof).ok());
-    // The inverse loses digits where the distribution is nearly normal.
+    // The inverse loses digits where the distribution is nearly normal, and fails where it hardly is one.
     let factor = match dof {
-        Some(dof) if dof < 1e4 => student.map(|t| t.inverse_cdf(0.975)),
+        Some(dof) if (1e-2..1e4).contains(&dof) => student.map(|t| t.inverse_cdf(0.975)),
         _ => None,
     };
     factor

@@ -76,16 +76,16 @@ impl Residuals {
                 redundancy: record[BEFORE + axes + 2].parse().ok(),
                 used: &record[BEFORE + axes + 3] == "1",
             };
-            if [row.time_s, row.residual_um, row.standardized]
-                .iter()
-                .all(|x| x.is_finite())
-            {
-                residuals.rows.push(row);
-                let positions = (0..axes).map(|k| number(BEFORE + k));
-                residuals.positions.extend(positions);
-            }
+            residuals.rows.push(row);
+            let positions = (0..axes).map(|k| number(BEFORE + k));
+            residuals.positions.extend(positions);
         }
         Ok(residuals)
+    }
+
+    /// How many of the lengths were used.
+    pub(crate) fn used(&self) -> usize {
+        self.rows.iter().filter(|row| row.used).count()
     }
 
     /// Positions of all axes at a row.

@@ -44,7 +44,8 @@ impl Scale {
                 0.0
             }
         };
-        let (mut low, mut high) = (finite(low), finite(high));
+        let (low, high) = (finite(low), finite(high));
+        let (mut low, mut high) = (low.min(high), low.max(high));
         let least = 1e-9_f64.max(1e-9 * low.abs().max(high.abs()));
         if high - low < least {
             let half = 0.5_f64.max(0.1 * low.abs());
