@@ -8,6 +8,7 @@ use trueaxis_poses::Error as Poses;
 
 use crate::effects_input::EffectsInputError;
 use crate::output::OutputError;
+use crate::report::TemplateUnreadable;
 
 /// How the program ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,7 +66,7 @@ impl Exit {
                     _ => Self::Usage,
                 };
             }
-            if cause.is::<OutputError>() {
+            if cause.is::<OutputError>() || cause.is::<TemplateUnreadable>() {
                 return Self::Usage;
             }
             if cause.is::<ReadError>() {

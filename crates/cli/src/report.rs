@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use trueaxis_report::{Report, Settings, report};
 
 use crate::args::ReportArgs;
@@ -11,13 +10,7 @@ use crate::output;
 use crate::talk::{notice, say};
 
 pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<Exit> {
-    let template = match &args.template {
-        Some(file) => {
-            let text = std::fs::read_to_string(file);
-            Some(text.with_context(|| format!("the template {} cannot be read", file.display()))?)
-        }
-        None => None,
-    };
+    let template = args.template.as_deref().map(read_template).transpose()?;
     let made = report(&args.folder, &Settings { template })?;
     let page = write(&args.folder, &made)?;
     let figures = output::folder(Some(&args.folder.join(Report::FIGURES)), "")?;
@@ -28,6 +21,32 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<Exit> {
         say(&format!("written: {}", path.display()));
     }
     Ok(Exit::Good)
+}
+
+fn read_template(file: &Path) -> Result<String, TemplateUnreadable> {
+    std::fs::read_to_string(file).map_err(|source| TemplateUnreadable {
+        file: file.to_path_buf(),
+        source,
+    })
+}
+
+/// A template that cannot be read.
+#[derive(Debug)]
+pub(crate) struct TemplateUnreadable {
+    file: PathBuf,
+    source: std::io::Error,
+}
+
+impl std::fmt::Display for TemplateUnreadable {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "the template {} cannot be read", self.file.display())
+    }
+}
+
+impl std::error::Error for TemplateUnreadable {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        Some(&self.source)
+    }
 }
 
 /// Writes the page of the results in `folder`, and says where; `None` where another file there, as of an earlier

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use serde_json::Value;
-use trueaxis_calibrate::{CalibratedMachine, Calibration, Settings, VolumeSettings, calibrate};
+use trueaxis_calibrate::{Calibration, Settings, VolumeSettings, calibrate};
 use trueaxis_diagnose::diagnose;
 use trueaxis_report::{Report, report};
 use trueaxis_simulate::{Scenario, simulate};
@@ -24,7 +24,7 @@ fn results(folder: &Path) -> Calibration {
     campaign.name = "<script>document.title = 'taken'</script>".to_owned();
     let calibration = calibrate(&campaign, &Settings::default()).unwrap();
     let diagnosis = diagnose(&campaign, &trueaxis_diagnose::Settings::default()).unwrap();
-    let machine = CalibratedMachine::new(&calibration);
+    let machine = calibration.calibrated_machine();
     let volume = machine.volume(&VolumeSettings {
         points: 3,
         tool_home_mm: machine.reference_point_mm(),
