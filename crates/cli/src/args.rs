@@ -16,6 +16,10 @@ use trueaxis_identify::SixRows;
 #[derive(Debug, Parser)]
 #[command(name = "trueaxis", version, max_term_width = 100)]
 pub(crate) struct Args {
+    /// Say nothing but errors.
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+
     #[command(subcommand)]
     pub(crate) verb: Verb,
 }
@@ -38,6 +42,8 @@ pub(crate) enum Verb {
     Montecarlo(MontecarloArgs),
     /// Makes a campaign with known errors from a scenario; writes the campaign and truth.json.
     Simulate(SimulateArgs),
+    /// Prints what a shell needs to complete the words of a command line.
+    Completions(CompletionsArgs),
     /// Repeats Table 1 of the paper: what multilateration makes of the noise, by Monte Carlo.
     Table1(Table1Args),
 }
@@ -257,6 +263,13 @@ pub(crate) struct SimulateArgs {
     /// Seed of the noise: the same seed gives the same files.
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct CompletionsArgs {
+    /// The shell.
+    #[arg(value_enum)]
+    pub(crate) shell: clap_complete::Shell,
 }
 
 #[derive(Debug, ClapArgs)]

@@ -6,6 +6,7 @@
 mod args;
 mod calibrate;
 mod check;
+mod completions;
 mod diagnose;
 mod effects_input;
 mod exit;
@@ -32,9 +33,13 @@ fn main() -> ExitCode {
     // One thread, one order of additions: the same bytes on every machine.
     faer::set_global_parallelism(faer::Par::Seq);
     let args = Args::parse();
+    if args.quiet {
+        talk::be_quiet();
+    }
     let run = || match &args.verb {
         Verb::Check(args) => check::run(args),
         Verb::Calibrate(args) => calibrate::run(args),
+        Verb::Completions(args) => completions::run(args),
         Verb::Diagnose(args) => diagnose::run(args),
         Verb::Montecarlo(args) => montecarlo::run(args),
         Verb::Predict(args) => predict::run(args),
@@ -52,7 +57,7 @@ fn main() -> ExitCode {
             Exit::of(&error)
         }
         Err(_) => {
-            talk::say("internal error: please report it with the campaign that causes it");
+            talk::say_always("internal error: please report it with the campaign that causes it");
             Exit::Internal
         }
     };
