@@ -24,8 +24,8 @@ pub(crate) struct DiagnosisSection {
 struct LevelView {
     data: String,
     bar: Option<Figure>,
-    /// Parts of the bar with their share in per cent.
-    legend: Vec<(String, String)>,
+    /// Parts of the bar with their share in per cent and their class.
+    legend: Vec<(String, String, String)>,
     places: Option<Figure>,
 }
 
@@ -82,9 +82,10 @@ fn level_view(k: usize, level: &Level, diagnosis: &Diagnosis) -> LevelView {
         .map(|cause| words::effect(&cause.effect, &cause.subject))
         .collect();
     let parts = parts(level, &names);
-    let legend = parts
-        .iter()
-        .map(|(name, share, _)| (name.clone(), format!("{} %", fixed(100.0 * share, 0))));
+    let legend = parts.iter().map(|(name, share, class)| {
+        let share = format!("{} %", fixed(100.0 * share, 0));
+        (name.clone(), share, class.clone())
+    });
     LevelView {
         data: match level.data.is_empty() {
             true => level.level.clone(),
