@@ -199,7 +199,7 @@ fn places(name: &str, level: &Level) -> Option<Figure> {
             "repeat" => (place, format!("#{}", place.name)),
             _ => (place, place.name.replace('-', "\u{2212}")),
         });
-    misfits(name, &frame, level, &named.collect::<Vec<_>>())
+    misfits(name, &frame, 105, level, &named.collect::<Vec<_>>())
 }
 
 /// The misfit where a cause acts: along its axis, else at its stations or targets, else in time.
@@ -242,15 +242,17 @@ fn where_it_acts(rank: usize, cause: &Cause, diagnosis: &Diagnosis) -> Option<Fi
     misfits(
         &format!("cause-{rank}"),
         &frame,
+        40,
         level,
         &named.collect::<Vec<_>>(),
     )
 }
 
-/// Misfits at places, with their names under the axis.
+/// Misfits at places, with their names under the axis, which has room for so many letters.
 fn misfits(
     name: &str,
     frame: &Frame<'_>,
+    letters: usize,
     level: &Level,
     places: &[(&MisfitAt, String)],
 ) -> Option<Figure> {
@@ -263,7 +265,7 @@ fn misfits(
     let [low, high] = range(values.chain(level.noise_floor_um));
     let end = places.len() as f64 - 0.4;
     let mut x = Scale::new(-0.6, end, 5);
-    let letters = (frame.size[0] / 8.5) as usize / places.len();
+    let letters = letters / places.len();
     let ticks = places
         .iter()
         .enumerate()
