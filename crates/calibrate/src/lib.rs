@@ -90,6 +90,7 @@ pub use calibrate::{calibrate, calibrate_with_adjustment};
 pub use error::Error;
 pub use files::predicted_csv::to_csv;
 pub use files::read_error::{CovarianceProblem, ReadError};
+pub use machine::approach::Approach;
 pub use machine::calibrated_machine::CalibratedMachine;
 pub use machine::predict::Prediction;
 pub use machine::volume::places::{GridAxis, Places};

@@ -1,5 +1,6 @@
 //! The machine as measured: its errors anywhere, and how well they are known.
 
+pub(crate) mod approach;
 pub(crate) mod calibrated_machine;
 pub(crate) mod curve;
 pub(crate) mod predict;
