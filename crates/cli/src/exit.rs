@@ -71,6 +71,12 @@ impl Exit {
             if cause.is::<ReadError>() {
                 return Self::Input;
             }
+            if let Some(error) = cause.downcast_ref::<trueaxis_compensate::Error>() {
+                return match error {
+                    trueaxis_compensate::Error::NotContracting { .. } => Self::NotConverged,
+                    _ => Self::Usage,
+                };
+            }
             if cause.is::<EffectsInputError>() || cause.is::<trueaxis_effects::Error>() {
                 return Self::Input;
             }

@@ -9,6 +9,7 @@ mod check;
 mod diagnose;
 mod effects_input;
 mod exit;
+mod export;
 mod montecarlo;
 mod montecarlo_file;
 mod output;
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Verb::Check(args) => check::run(args),
         Verb::Calibrate(args) => calibrate::run(args),
         Verb::Diagnose(args) => diagnose::run(args),
+        Verb::Export(args) => export::run(args),
         Verb::Montecarlo(args) => montecarlo::run(args),
         Verb::Predict(args) => predict::run(args),
         Verb::Simulate(args) => simulate::run(args),

@@ -3,6 +3,8 @@
 //! A machine with errors is at `g(q)` when it is commanded to `q`, and should be at `g₀(q)` (tool against workpiece).
 //! [`correct()`] finds the positions `c` with `g(c) = g₀(q)` as far as the axes can, and says what they cannot take away.
 //!
+//! [`export()`] makes tables for controls ([`Format`]), and says what they leave.
+//!
 //! Noun in: a machine with its errors, as a [`trueaxis_calibrate::CalibratedMachine`], and a commanded pose; noun out:
 //! [`Corrected`] positions.
 //!
@@ -23,8 +25,10 @@
 
 mod correct;
 mod error;
+mod export;
 mod freedom;
 
 pub use correct::{Corrected, axis_deviations, correct};
 pub use error::Error;
+pub use export::{Announcement, Export, ExportedFile, Format, LineFigures, Request, Sizes, export};
 pub use freedom::Moved;

@@ -7,6 +7,7 @@ mod calibrate;
 mod campaign_files;
 mod check;
 mod diagnose;
+mod export;
 mod gross_errors;
 mod harmless;
 mod misleading;

@@ -1,5 +1,12 @@
 //! Corrections and tables against the exact truth of the simulator.
 
+#![expect(
+    clippy::print_stdout,
+    reason = "the figures of a test are worth reading"
+)]
+
+mod controllers;
+mod export;
 mod inverse;
 
 use nalgebra::Point3;
