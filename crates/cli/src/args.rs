@@ -222,17 +222,17 @@ pub(crate) struct ExportArgs {
 pub(crate) enum FormatArg {
     /// Neutral CSV of error vectors and corrections over the linear axes.
     Grid,
-    /// LinuxCNC: a COMP_FILE for each axis (type 0), and the matrix of matrixkins.
+    /// `LinuxCNC`: a `COMP_FILE` for each axis (type 0), and the matrix of matrixkins.
     Linuxcnc,
-    /// ISG kernel, Beckhoff TF5280 (ISG_CSV): all component and location errors (experimental).
+    /// ISG kernel, Beckhoff TF5280 (`ISG_CSV`): all component and location errors (experimental).
     Isg,
     /// Etalon exchange format: all component and location errors (experimental).
     Etalon,
-    /// Siemens SINUMERIK: $AA_ENC_COMP and $AN_CEC (experimental).
+    /// Siemens SINUMERIK: `$AA_ENC_COMP` and `$AN_CEC` (experimental).
     Sinumerik,
     /// Marlin: skew factors, M852.
     Marlin,
-    /// Klipper: SET_SKEW.
+    /// Klipper: `SET_SKEW`.
     Klipper,
 }
 
