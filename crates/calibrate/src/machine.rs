@@ -4,5 +4,6 @@ pub(crate) mod approach;
 pub(crate) mod calibrated_machine;
 pub(crate) mod curve;
 pub(crate) mod predict;
+pub(crate) mod readings;
 pub(crate) mod remainder;
 pub(crate) mod volume;

@@ -32,6 +32,9 @@ pub(crate) enum Verb {
     Volume(VolumeArgs),
     /// Writes compensation tables for a control from a calibration, and says what they can take away.
     Export(ExportArgs),
+    /// Compares a campaign's verification readings with what a calibration predicts; writes
+    /// verification.json.
+    Verify(VerifyArgs),
     /// Says what the calibrated model gets wrong and why; writes diagnosis.json.
     Diagnose(DiagnoseArgs),
     /// Checks the uncertainties of a calibration by redrawing its noise; writes montecarlo.json.
@@ -216,6 +219,35 @@ pub(crate) struct ExportArgs {
     /// the tool's last axis].
     #[arg(long, value_name = "POINT", value_parser = point, allow_hyphen_values = true)]
     pub(crate) at: Option<Point3<f64>>,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct VerifyArgs {
+    /// The calibration, with covariance.npz beside it.
+    #[arg(value_name = "CALIBRATION.json")]
+    pub(crate) calibration: PathBuf,
+
+    /// The campaign with the readings (`verification`), of the same machine.
+    #[arg(value_name = "CAMPAIGN.json")]
+    pub(crate) campaign: PathBuf,
+
+    /// Folder for verification.json [default: one in the current directory, named after the campaign].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// The readings were taken with the compensation switched on: compare them with the prediction
+    /// for corrected commands.
+    #[arg(long)]
+    pub(crate) compensated: bool,
+
+    /// Also print verification.json on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+
+    /// End with exit code 6 if more readings than chance explains differ from the prediction by more
+    /// than U (k = 2).
+    #[arg(long)]
+    pub(crate) fail_on_misfit: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]

@@ -74,6 +74,7 @@ impl Exit {
             if let Some(error) = cause.downcast_ref::<trueaxis_compensate::Error>() {
                 return match error {
                     trueaxis_compensate::Error::NotContracting { .. } => Self::NotConverged,
+                    trueaxis_compensate::Error::OtherMachine { .. } => Self::Input,
                     _ => Self::Usage,
                 };
             }

@@ -19,6 +19,7 @@ mod simulate;
 mod summary;
 mod table1;
 mod talk;
+mod verify;
 mod volume;
 
 use std::process::ExitCode;
@@ -41,6 +42,7 @@ fn main() -> ExitCode {
         Verb::Predict(args) => predict::run(args),
         Verb::Simulate(args) => simulate::run(args),
         Verb::Table1(args) => table1::run(args),
+        Verb::Verify(args) => verify::run(args),
         Verb::Volume(args) => volume::run(args),
     };
     // A panic is a bug of ours: the default hook says where, the exit code says so.

@@ -16,6 +16,17 @@ pub enum Error {
         /// The largest ratio that is accepted.
         limit: f64,
     },
+    /// The calibration of another machine.
+    #[error(
+        "this is the calibration of another machine: its axes are {calibrated}, those of the campaign {measured}; names, kinds, \
+         directions and order from the bed must be the same"
+    )]
+    OtherMachine {
+        /// Names of the axes of the calibration.
+        calibrated: String,
+        /// Names of the axes of the campaign.
+        measured: String,
+    },
     /// An axis that the machine does not have, or that was not measured.
     #[error("axis {axis} was not measured; measured are {measured}")]
     NoSuchAxis {

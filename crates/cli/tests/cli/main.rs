@@ -21,4 +21,5 @@ mod refused_measurements;
 mod simulate;
 mod table1;
 mod usage;
+mod verify;
 mod volume;

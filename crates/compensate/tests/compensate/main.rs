@@ -8,6 +8,8 @@
 mod controllers;
 mod export;
 mod inverse;
+mod remains;
+mod verify;
 
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
