@@ -9,6 +9,7 @@ mod check;
 mod diagnose;
 mod effects_input;
 mod exit;
+mod export;
 mod montecarlo;
 mod montecarlo_file;
 mod output;
@@ -18,6 +19,7 @@ mod simulate;
 mod summary;
 mod table1;
 mod talk;
+mod verify;
 mod volume;
 
 use std::process::ExitCode;
@@ -35,10 +37,12 @@ fn main() -> ExitCode {
         Verb::Check(args) => check::run(args),
         Verb::Calibrate(args) => calibrate::run(args),
         Verb::Diagnose(args) => diagnose::run(args),
+        Verb::Export(args) => export::run(args),
         Verb::Montecarlo(args) => montecarlo::run(args),
         Verb::Predict(args) => predict::run(args),
         Verb::Simulate(args) => simulate::run(args),
         Verb::Table1(args) => table1::run(args),
+        Verb::Verify(args) => verify::run(args),
         Verb::Volume(args) => volume::run(args),
     };
     // A panic is a bug of ours: the default hook says where, the exit code says so.
