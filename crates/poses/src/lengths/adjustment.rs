@@ -281,9 +281,9 @@ impl<'a> LengthsAdjustment<'a> {
             DVector::from_iterator(3 * points.len(), coordinates)
         };
         let places: Vec<DVector<f64>> = moved.iter().map(place).collect();
-        let (own, coupling) = blocks(noise, &sources, (&moved, &places))
-            .into_iter()
-            .unzip();
+        let groups = (&moved[..], &places[..]);
+        let blocks = blocks(noise, &sources, groups, |block| block);
+        let (own, coupling) = blocks.into_iter().unzip();
         PointNoise {
             own,
             coupling,
@@ -353,8 +353,7 @@ fn pose_noise(
             Matrix6xX::from_column_slice(coupling.as_slice()),
         )
     };
-    let blocks = blocks(noise, &sources, groups);
-    let (own, coupling) = blocks.into_iter().map(fixed).unzip();
+    let (own, coupling) = blocks(noise, &sources, groups, fixed).into_iter().unzip();
     PoseNoise {
         own,
         coupling,
@@ -365,16 +364,17 @@ fn pose_noise(
     }
 }
 
-/// `D` and `Z` of some groups with these places.
-fn blocks(
+/// What `take` makes of `D` and `Z` of some groups with these places.
+fn blocks<T: Send>(
     noise: &BlockNoise<'_>,
     sources: &SharedSources<'_>,
     (groups, places): (&[usize], &[DVector<f64>]),
-) -> Vec<(DMatrix<f64>, DMatrix<f64>)> {
+    take: impl Fn((DMatrix<f64>, DMatrix<f64>)) -> T + Sync,
+) -> Vec<T> {
     let groups = groups.par_iter().zip(places).with_min_len(PIECE);
     let block = |(&g, place): (&usize, &DVector<f64>)| {
         let (own, coupling) = noise.block(g);
-        (own, sources.coupling(coupling, place))
+        take((own, sources.coupling(coupling, place)))
     };
     groups.map(block).collect()
 }
