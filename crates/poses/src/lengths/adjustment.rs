@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, Matrix6, Matrix6xX, Point3};
 use rayon::prelude::*;
 use trueaxis_campaign::{Campaign, Lengths};
+use trueaxis_kinematics::centroid;
 use trueaxis_multilateration::{
     self as multilateration, BlockNoise, CampaignNetwork, Group, Network, Screened, Solution,
     Station, adjust_as_a_set, network_from_campaign, screen, solve_as_a_set,
@@ -13,7 +14,7 @@ use crate::lengths::refused::{adjustment_error, contradictory};
 use crate::lengths::scale::{Scale, ScaleResult, at_scale};
 use crate::lengths::shared_sources::SharedSources;
 use crate::lengths::weak_stations::weak_stations;
-use crate::points::{MeasuredPoints, PointGroup, PointNoise, centroid};
+use crate::points::{MeasuredPoints, PointGroup, PointNoise};
 use crate::poses::{PoseNoise, PoseObservation, Poses, TargetBody};
 use crate::report::KnownMisfit;
 use crate::settings::{Method, Settings};
