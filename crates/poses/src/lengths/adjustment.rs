@@ -68,7 +68,7 @@ impl<'a> LengthsAdjustment<'a> {
         } else {
             Screened::plain
         };
-        let declared = is_noise_declared(campaign);
+        let declared = campaign.instrument.declares_noise();
         let iteration = multilateration::Settings::default();
         let adjusted = adjust_as_a_set(
             &mut network,
@@ -119,10 +119,6 @@ impl<'a> LengthsAdjustment<'a> {
             0 => 1.0,
             degrees_of_freedom => (self.screened.given_squares / degrees_of_freedom as f64).sqrt(),
         }
-    }
-
-    pub(crate) fn is_noise_declared(&self) -> bool {
-        is_noise_declared(self.campaign)
     }
 
     /// The groups of the targets that move with the axes under test, in order.
@@ -335,12 +331,6 @@ impl<'a> LengthsAdjustment<'a> {
         };
         stations.map(station).collect()
     }
-}
-
-/// Whether both parts of the noise are declared: one alone can be tested against nothing.
-fn is_noise_declared(campaign: &Campaign) -> bool {
-    let instrument = &campaign.instrument;
-    instrument.length_sigma_um.is_some() && instrument.repeatability_um.is_some()
 }
 
 fn pose_noise(
