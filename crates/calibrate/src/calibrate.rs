@@ -88,7 +88,8 @@ pub(crate) fn calibrate_as_given<'a>(
 ) -> Result<(Calibration, Parts<'a>), Error> {
     // Measure: poses, by the axis under test.
     let machine = with_reference_points(campaign, settings.reference_point);
-    let measured = measure(campaign, &settings.of_poses())?;
+    let mut measured = measure(campaign, &settings.of_poses())?;
+    let instrument = std::mem::take(&mut measured.poses.instrument);
     let poses = &measured.poses;
     let stations = &measured.stations()[..];
     let data = by_axis(campaign, poses)?;
@@ -117,7 +118,7 @@ pub(crate) fn calibrate_as_given<'a>(
     let in_ref = |station: &Station| identified.state.ref_from_datum * station.position_mm;
     let stations_in_ref: Vec<Point3<f64>> = stations.iter().map(in_ref).collect();
     let dependence = Dependence::new(&context, &identified, &stations_in_ref);
-    let mut propagation = Propagation::new(&dependence, poses);
+    let mut propagation = Propagation::new(&dependence, poses, &instrument);
     let runs = run_misfits(&propagation);
     for k in (0..runs.len()).filter(|&k| runs[k].is_some()) {
         let scatter = scatter_of_runs(&propagation, k);
@@ -127,7 +128,11 @@ pub(crate) fn calibrate_as_given<'a>(
     // Report.
     let axes = axis_results(&measured, &propagation, runs);
     let stations = station_results(campaign, stations, &stations_in_ref, &propagation);
-    let factors = FactoredCovariance::new(&propagation, &axes, &stations);
+    let relative_locations = relative_locations(&propagation);
+    // Both are large, and the instrument's part is done with.
+    let noise = propagation.into_whole();
+    drop(instrument);
+    let factors = FactoredCovariance::new(&noise, &axes, &stations);
     let covariance = settings
         .covariance
         .then(|| OutputCovariance::new(&factors, results(&axes, &stations)));
@@ -147,7 +152,7 @@ pub(crate) fn calibrate_as_given<'a>(
         scale: measured.scale(),
         uncertainty: statement(campaign, &measured),
         targets: target_results(campaign, &targets_mm),
-        relative_locations: relative_locations(&propagation),
+        relative_locations,
         axes,
         factors,
         covariance,

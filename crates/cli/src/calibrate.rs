@@ -49,7 +49,6 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     } else {
         calibrate(&campaign, &settings).with_context(in_file)?
     };
-    extra.push((FactoredCovariance::FILE, calibration.covariance_npz()));
     if let Some(covariance) = &calibration.covariance {
         let index = covariance.index_json().into_bytes();
         extra.push((OutputCovariance::MATRIX_FILE, covariance.to_npy()));
@@ -68,6 +67,9 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
         output::write(&path, bytes)?;
         written.push(path);
     }
+    let path = folder.join(FactoredCovariance::FILE);
+    output::write_by(&path, |out| calibration.write_covariance_npz(out))?;
+    written.push(path);
     if !args.no_report {
         written.extend(report::of_results(&folder)?);
     }

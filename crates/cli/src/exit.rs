@@ -72,6 +72,13 @@ impl Exit {
             if cause.is::<ReadError>() {
                 return Self::Input;
             }
+            if let Some(error) = cause.downcast_ref::<trueaxis_compensate::Error>() {
+                return match error {
+                    trueaxis_compensate::Error::NotContracting { .. } => Self::NotConverged,
+                    trueaxis_compensate::Error::OtherMachine { .. } => Self::Input,
+                    _ => Self::Usage,
+                };
+            }
             if let Some(error) = cause.downcast_ref::<trueaxis_report::Error>() {
                 return match error {
                     trueaxis_report::Error::Template { .. } => Self::Usage,

@@ -10,6 +10,7 @@ mod completions;
 mod diagnose;
 mod effects_input;
 mod exit;
+mod export;
 mod montecarlo;
 mod montecarlo_file;
 mod output;
@@ -20,6 +21,7 @@ mod simulate;
 mod summary;
 mod table1;
 mod talk;
+mod verify;
 mod volume;
 
 use std::process::ExitCode;
@@ -41,11 +43,13 @@ fn main() -> ExitCode {
         Verb::Calibrate(args) => calibrate::run(args),
         Verb::Completions(args) => completions::run(args),
         Verb::Diagnose(args) => diagnose::run(args),
+        Verb::Export(args) => export::run(args),
         Verb::Montecarlo(args) => montecarlo::run(args),
         Verb::Predict(args) => predict::run(args),
         Verb::Report(args) => report::run(args),
         Verb::Simulate(args) => simulate::run(args),
         Verb::Table1(args) => table1::run(args),
+        Verb::Verify(args) => verify::run(args),
         Verb::Volume(args) => volume::run(args),
     };
     // A panic is a bug of ours: the default hook says where, the exit code says so.
