@@ -9,6 +9,7 @@ use crate::Error;
 use crate::calibration::Calibration;
 use crate::diagnosis::Diagnosis;
 use crate::residuals::Residuals;
+use crate::verification::Verification;
 
 /// The results of which at least one must be there.
 pub(crate) const RESULTS: [&str; 2] = ["calibration.json", "diagnosis.json"];
@@ -18,6 +19,7 @@ pub(crate) struct Input {
     pub(crate) calibration: Option<Document<Calibration>>,
     pub(crate) diagnosis: Option<Document<Diagnosis>>,
     pub(crate) volume: Option<Value>,
+    pub(crate) verification: Option<Document<Verification>>,
     pub(crate) residuals: Option<Residuals>,
     /// Files that do not belong to the others, in words.
     pub(crate) left_out: Vec<String>,
@@ -35,6 +37,7 @@ impl Input {
             calibration: read_parts(folder, "calibration")?,
             diagnosis: read_parts(folder, "diagnosis")?,
             volume: read_json(folder, "volume")?.map(|(_, value)| value),
+            verification: read_parts(folder, "verification")?,
             residuals: Residuals::read(&folder.join("residuals.csv"))?,
             left_out: Vec::new(),
         };
@@ -70,6 +73,12 @@ impl Input {
             self.volume = None;
             self.left_out
                 .push("volume.json is of another campaign and left out.".to_owned());
+        }
+        let compared = self.verification.as_ref();
+        if compared.is_some_and(|of| of.parts.calibration != *campaign) {
+            self.verification = None;
+            self.left_out
+                .push("verification.json is of another calibration and left out.".to_owned());
         }
         let observations = calibration.parts.adjustment.observations;
         if self

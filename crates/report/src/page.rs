@@ -11,6 +11,7 @@ use crate::locations::{Location, locations};
 use crate::scene::Scene;
 use crate::svg::Drawing;
 use crate::verdict::Verdict;
+use crate::verification::VerificationSection;
 
 /// A figure: for the page, and for a file of its own.
 #[derive(Serialize)]
@@ -54,6 +55,7 @@ pub(crate) struct Page<'a> {
     axes: Vec<AxisSection>,
     evidence: Option<Evidence>,
     causes: Option<DiagnosisSection>,
+    verified: Option<VerificationSection>,
     calibration: Option<&'a Value>,
     diagnosis: Option<&'a Value>,
     volume: Option<&'a Value>,
@@ -90,6 +92,10 @@ impl<'a> Page<'a> {
             axes: calibration.map_or_else(Vec::new, components::sections),
             evidence: residuals.and_then(|residuals| Evidence::new(residuals, machine)),
             causes: diagnosis.map(DiagnosisSection::new),
+            verified: input
+                .verification
+                .as_ref()
+                .map(|document| VerificationSection::new(&document.parts, machine)),
             calibration: input.calibration.as_ref().map(|document| &document.raw),
             diagnosis: input.diagnosis.as_ref().map(|document| &document.raw),
             volume: input.volume.as_ref(),
@@ -102,11 +108,13 @@ impl<'a> Page<'a> {
         let of_axes = self.axes.iter().flat_map(AxisSection::figures);
         let of_evidence = self.evidence.iter().flat_map(Evidence::figures);
         let of_causes = self.causes.iter().flat_map(DiagnosisSection::figures);
+        let of_verified = self.verified.iter().flat_map(VerificationSection::figures);
         let machine = self.machine_figure.iter();
         machine
             .chain(of_axes)
             .chain(of_evidence)
             .chain(of_causes)
+            .chain(of_verified)
             .collect()
     }
 }
