@@ -130,10 +130,21 @@ fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> 
         let mut axes = machine.axes.iter();
         axes.any(|nominal| nominal.name == axis && nominal.kind == Kind::Rotary)
     });
-    let position = |point: &Point| point.at.get(&axis).copied().unwrap_or(f64::NAN);
+    let unit = if is_rotary { "°" } else { " mm" };
+    let on_axis = |point: &Point| point.at.get(&axis).copied().unwrap_or(f64::NAN);
+    // On a circle of two linear axes a position of one of them is no place: the points follow each other.
+    let is_place = tells_the_place(entry, &on_axis);
+    let numbered: Vec<(f64, &Point)> = match is_place {
+        true => entry
+            .points
+            .iter()
+            .map(|point| (on_axis(point), point))
+            .collect(),
+        false => (1..).map(f64::from).zip(&entry.points).collect(),
+    };
     let u_reading = |point: &Point| COVERAGE * point.u_reading_um.unwrap_or(0.0);
     let points = || entry.points.iter();
-    let [from, to] = range(points().map(position));
+    let [from, to] = range(numbered.iter().map(|(x, _)| *x));
     let bounds = points().flat_map(|point| {
         let u = [u_reading(point), COVERAGE * point.u_prediction_um];
         let [reading, prediction] = [(point.reading_um, u[0]), (point.predicted_um, u[1])];
@@ -146,28 +157,31 @@ fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> 
         ]
     });
     let [low, high] = range(bounds);
-    let unit = if is_rotary { "°" } else { "mm" };
     let frame = Frame {
         title: "",
-        x_label: &format!("{axis} in {unit}"),
+        x_label: &match is_place {
+            true => format!("{axis} in {}", unit.trim()),
+            false => "point".to_owned(),
+        },
         y_label: match entry.kind.as_str() {
             "ballbar" => "change of the bar in µm",
             _ => "deviation in µm",
         },
         size: SIZE,
     };
-    let x = match is_rotary {
+    let x = match is_rotary && is_place {
         true => Scale::degrees(from, to, 8),
         false => Scale::new(from, to, 8),
     };
     let mut plot = Plot::new(&frame, x, Scale::new(low, high, 5));
     for side in [1, -1] {
-        let mut of_side: Vec<&Point> = points().filter(|point| point.direction == side).collect();
-        of_side.sort_by(|a, b| position(a).total_cmp(&position(b)));
+        let on_side = numbered.iter().filter(|(_, point)| point.direction == side);
+        let mut of_side: Vec<&(f64, &Point)> = on_side.collect();
+        of_side.sort_by(|a, b| a.0.total_cmp(&b.0));
         let curve = |value: &dyn Fn(&Point) -> f64| -> Vec<[f64; 2]> {
             of_side
                 .iter()
-                .map(|point| [position(point), value(point)])
+                .map(|(x, point)| [*x, value(point)])
                 .collect()
         };
         let edge = |sign: f64| {
@@ -177,8 +191,8 @@ fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> 
         plot.line("l0", &curve(&|point| point.predicted_um));
         plot.line("l2", &curve(&|point| point.compensated_um));
     }
-    for point in points() {
-        let (x, u) = (position(point), u_reading(point));
+    for &(x, point) in &numbered {
+        let u = u_reading(point);
         plot.line(
             "whisker",
             &[[x, point.reading_um - u], [x, point.reading_um + u]],
@@ -186,7 +200,8 @@ fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> 
         plot.dots("m1", std::iter::once([x, point.reading_um]));
         let digits = decimals(u.max(COVERAGE * point.u_prediction_um));
         let text = format!(
-            "{axis} = {x} {unit}, {}: read {} µm, predicted {} ± {} µm, {} µm with compensation{}",
+            "{axis} = {}{unit}, {}: read {} µm, predicted {} ± {} µm, {} µm with compensation{}",
+            on_axis(point),
             if point.direction > 0 {
                 "forward"
             } else {
@@ -207,6 +222,16 @@ fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> 
         &format!("verification-{}", k + 1),
         plot.finish(),
     ))
+}
+
+/// Whether the position of an axis names a point of each side of approach.
+fn tells_the_place(entry: &Entry, on_axis: &dyn Fn(&Point) -> f64) -> bool {
+    [1, -1].into_iter().all(|side| {
+        let of_side = entry.points.iter().filter(|point| point.direction == side);
+        let mut positions: Vec<f64> = of_side.map(on_axis).collect();
+        positions.sort_by(f64::total_cmp);
+        positions.windows(2).all(|pair| pair[0] < pair[1])
+    })
 }
 
 /// The axis that moves farthest, mm or degrees.

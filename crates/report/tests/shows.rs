@@ -133,6 +133,54 @@ fn what_belongs_to_other_data_is_left_out() {
     assert!(!page.contains("backlash"));
 }
 
+#[test]
+fn readings_stand_beside_their_prediction() {
+    let point = |x: f64, read: f64| {
+        json!({ "at": { "X": x, "Y": 0 }, "direction": 1, "readings": 5, "reading_um": read, "predicted_um": 12.9,
+            "first_order_um": 12.9, "compensated_um": 0.0, "u_prediction_um": 0.5, "u_reading_um": 0.3, "e_n": 0.26 })
+    };
+    let mut verification = json!({
+        "format": "trueaxis-verification", "version": 1, "calibration": "two axes", "expected_above_one": 0.0455,
+        "verification": [ { "name": "LI along X", "kind": "positioning", "points": [point(0.0, 13.2), point(200.0, 12.6)],
+            "e_n": { "count": 2, "above_one": 0, "misfit": false },
+            "iso_230_2": [ { "from": {}, "runs": 5, "forward": { "A_um": 31.2, "E_um": 30.4, "R_um": 0.9 }, "M_um": 30.3 } ] } ] });
+    let folder = tempfile::tempdir().unwrap();
+    let files = [
+        ("calibration.json", &calibration()),
+        ("verification.json", &verification),
+    ];
+    let shown = page(folder.path(), &files);
+    has(
+        &shown,
+        &[
+            "LI along X",
+            "X = 200 mm, forward: read +12.6 µm, predicted +12.9 ± 1.0 µm",
+            "less the prediction 0.30 µm",
+        ],
+    );
+    has(
+        &shown,
+        &["0 of 2 normalised errors", "X in mm", ">31.2<", "M 30.3 µm"],
+    );
+    // On a circle two points have one position of X.
+    verification["verification"][0]["points"] =
+        json!([point(0.0, 13.2), point(200.0, 12.6), point(0.0, 12.0)]);
+    let files = [
+        ("calibration.json", &calibration()),
+        ("verification.json", &verification),
+    ];
+    has(&page(folder.path(), &files), &[">point</text>"]);
+    verification["calibration"] = json!("another");
+    let files = [
+        ("calibration.json", &calibration()),
+        ("verification.json", &verification),
+    ];
+    has(
+        &page(folder.path(), &files),
+        &["verification.json is of another calibration"],
+    );
+}
+
 /// Many lengths make neither a large page nor one that hides what stands out.
 #[test]
 fn many_residuals_are_thinned() {
