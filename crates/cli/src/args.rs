@@ -256,6 +256,10 @@ pub(crate) struct VerifyArgs {
     #[arg(long)]
     pub(crate) compensated: bool,
 
+    /// Write no report.html.
+    #[arg(long)]
+    pub(crate) no_report: bool,
+
     /// Also print verification.json on standard output.
     #[arg(long)]
     pub(crate) json: bool,

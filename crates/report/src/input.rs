@@ -12,7 +12,7 @@ use crate::residuals::Residuals;
 use crate::verification::Verification;
 
 /// The results of which at least one must be there.
-pub(crate) const RESULTS: [&str; 2] = ["calibration.json", "diagnosis.json"];
+pub(crate) const RESULTS: [&str; 3] = ["calibration.json", "diagnosis.json", "verification.json"];
 
 /// What is in the folder; each file is optional.
 pub(crate) struct Input {
@@ -41,7 +41,8 @@ impl Input {
             residuals: Residuals::read(&folder.join("residuals.csv"))?,
             left_out: Vec::new(),
         };
-        if input.calibration.is_none() && input.diagnosis.is_none() {
+        if input.calibration.is_none() && input.diagnosis.is_none() && input.verification.is_none()
+        {
             let folder = folder.to_path_buf();
             return Err(Error::NothingToReport { folder });
         }

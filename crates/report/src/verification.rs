@@ -18,6 +18,10 @@ pub(crate) struct Verification {
     #[serde(default)]
     pub(crate) calibration: String,
     #[serde(default)]
+    pub(crate) campaign: String,
+    #[serde(default)]
+    pub(crate) machine: String,
+    #[serde(default)]
     compensated: bool,
     #[serde(default)]
     expected_above_one: f64,
@@ -80,6 +84,17 @@ struct EntryView {
 }
 
 const SIZE: [f64; 2] = [900.0, 270.0];
+
+impl Verification {
+    /// Whether the readings contradict the prediction; `None` where no uncertainty of a reading tells.
+    pub(crate) fn is_misfit(&self) -> Option<bool> {
+        let judged = self
+            .verification
+            .iter()
+            .filter_map(|entry| entry.e_n.as_ref());
+        judged.map(|e_n| e_n.misfit).reduce(|a, b| a || b)
+    }
+}
 
 impl VerificationSection {
     pub(crate) fn new(verification: &Verification, machine: Option<&Machine>) -> Self {

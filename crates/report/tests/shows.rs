@@ -170,6 +170,21 @@ fn readings_stand_beside_their_prediction() {
         ("verification.json", &verification),
     ];
     has(&page(folder.path(), &files), &[">point</text>"]);
+    // A reading that contradicts the prediction is no clean bill; alone, the file makes a page of its own.
+    verification["verification"][0]["e_n"]["misfit"] = json!(true);
+    let files = [
+        ("calibration.json", &calibration()),
+        ("verification.json", &verification),
+    ];
+    has(
+        &page(folder.path(), &files),
+        &["verdict care", "other readings contradict it"],
+    );
+    let alone = tempfile::tempdir().unwrap();
+    has(
+        &page(alone.path(), &[("verification.json", &verification)]),
+        &["verdict bad", "LI along X"],
+    );
     verification["calibration"] = json!("another");
     let files = [
         ("calibration.json", &calibration()),
