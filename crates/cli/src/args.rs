@@ -35,6 +35,8 @@ pub(crate) enum Verb {
     /// Compares a campaign's verification readings with what a calibration predicts; writes
     /// verification.json.
     Verify(VerifyArgs),
+    /// Says by what two calibrations of one machine differ; writes comparison.json.
+    Compare(CompareArgs),
     /// Says what the calibrated model gets wrong and why; writes diagnosis.json.
     Diagnose(DiagnoseArgs),
     /// Checks the uncertainties of a calibration by redrawing its noise; writes montecarlo.json.
@@ -219,6 +221,25 @@ pub(crate) struct ExportArgs {
     /// the tool's last axis].
     #[arg(long, value_name = "POINT", value_parser = point, allow_hyphen_values = true)]
     pub(crate) at: Option<Point3<f64>>,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct CompareArgs {
+    /// The calibration to start from, with its covariance.npz beside it.
+    #[arg(value_name = "A.json")]
+    pub(crate) first: PathBuf,
+
+    /// The calibration to compare with it, of the same machine, with its covariance.npz beside it.
+    #[arg(value_name = "B.json")]
+    pub(crate) second: PathBuf,
+
+    /// Folder for comparison.json [default: one in the current directory, named after the campaign of B].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Also print comparison.json on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, ClapArgs)]

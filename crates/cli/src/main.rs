@@ -6,6 +6,7 @@
 mod args;
 mod calibrate;
 mod check;
+mod compare;
 mod diagnose;
 mod effects_input;
 mod exit;
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
     let run = || match &args.verb {
         Verb::Check(args) => check::run(args),
         Verb::Calibrate(args) => calibrate::run(args),
+        Verb::Compare(args) => compare::run(args),
         Verb::Diagnose(args) => diagnose::run(args),
         Verb::Export(args) => export::run(args),
         Verb::Montecarlo(args) => montecarlo::run(args),

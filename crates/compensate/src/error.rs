@@ -18,13 +18,13 @@ pub enum Error {
     },
     /// The calibration of another machine.
     #[error(
-        "this is the calibration of another machine: its axes are {calibrated}, those of the campaign {measured}; names, kinds, \
+        "this is the calibration of another machine: its axes are {calibrated}, expected {measured}; names, kinds, \
          directions and order from the bed must be the same"
     )]
     OtherMachine {
         /// Names of the axes of the calibration.
         calibrated: String,
-        /// Names of the axes of the campaign.
+        /// Names of the axes of the other calibration, or of the campaign.
         measured: String,
     },
     /// An axis that the machine does not have, or that was not measured.
