@@ -30,4 +30,5 @@ mod settling;
 mod temperatures;
 mod triangle;
 mod twins;
+mod verification;
 mod volume;

@@ -14,7 +14,7 @@ fn calibrated(scenario: &Scenario, seed: u64) -> CalibratedMachine {
     calibration.calibrated_machine()
 }
 
-/// The same machine twice, with other noise: |E_n| exceeds 1 in about 4.6 % of the differences. Those of a calibration go
+/// The same machine twice, with other noise: `|E_n|` exceeds 1 in about 4.6 % of the differences. Those of a calibration go
 /// together (18 curves); 15 % has a probability of some 1 %, and the seeds are fixed. A change by 12 µm over X
 /// (a slope of 6 µm for each half) is found, and nothing else.
 #[test]
