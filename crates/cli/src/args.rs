@@ -16,6 +16,10 @@ use trueaxis_identify::SixRows;
 #[derive(Debug, Parser)]
 #[command(name = "trueaxis", version, max_term_width = 100)]
 pub(crate) struct Args {
+    /// Say nothing but errors.
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+
     #[command(subcommand)]
     pub(crate) verb: Verb,
 }
@@ -39,10 +43,14 @@ pub(crate) enum Verb {
     Compare(CompareArgs),
     /// Says what the calibrated model gets wrong and why; writes diagnosis.json.
     Diagnose(DiagnoseArgs),
+    /// Shows the results in a folder as one page; writes report.html and its figures.
+    Report(ReportArgs),
     /// Checks the uncertainties of a calibration by redrawing its noise; writes montecarlo.json.
     Montecarlo(MontecarloArgs),
     /// Makes a campaign with known errors from a scenario; writes the campaign and truth.json.
     Simulate(SimulateArgs),
+    /// Prints what a shell needs to complete the words of a command line.
+    Completions(CompletionsArgs),
     /// Repeats Table 1 of the paper: what multilateration makes of the noise, by Monte Carlo.
     Table1(Table1Args),
 }
@@ -90,6 +98,10 @@ pub(crate) struct CalibrateArgs {
     #[arg(long)]
     pub(crate) paper_signs: bool,
 
+    /// Write no report.html.
+    #[arg(long)]
+    pub(crate) no_report: bool,
+
     /// Also print calibration.json on standard output.
     #[arg(long)]
     pub(crate) json: bool,
@@ -130,6 +142,10 @@ pub(crate) struct DiagnoseArgs {
     /// [default: one in the current directory, named after the campaign].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+
+    /// Write no report.html.
+    #[arg(long)]
+    pub(crate) no_report: bool,
 
     /// Also print diagnosis.json on standard output.
     #[arg(long)]
@@ -290,6 +306,18 @@ pub(crate) enum FormatArg {
 }
 
 #[derive(Debug, ClapArgs)]
+pub(crate) struct ReportArgs {
+    /// The folder that `calibrate`, `diagnose` and `volume` wrote.
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+
+    /// A template of your own in place of the program's (minijinja; crates/report/src/report.html is the
+    /// program's).
+    #[arg(long, value_name = "FILE")]
+    pub(crate) template: Option<PathBuf>,
+}
+
+#[derive(Debug, ClapArgs)]
 pub(crate) struct MontecarloArgs {
     /// The campaign file.
     #[arg(value_name = "CAMPAIGN.json")]
@@ -337,6 +365,13 @@ pub(crate) struct SimulateArgs {
     /// Seed of the noise: the same seed gives the same files.
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct CompletionsArgs {
+    /// The shell.
+    #[arg(value_enum)]
+    pub(crate) shell: clap_complete::Shell,
 }
 
 #[derive(Debug, ClapArgs)]

@@ -297,6 +297,9 @@ fn location_errors(calibration: &Calibration) -> Vec<String> {
             ));
         }
     }
+    for line in &mut lines {
+        line.truncate(line.trim_end().len());
+    }
     if lines.len() == 2 {
         lines.push("  none: the reference frame takes those of a single linear axis".to_owned());
     }

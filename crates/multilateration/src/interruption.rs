@@ -6,7 +6,7 @@
 //! only if the step explains the lengths better than these do.
 
 use nalgebra::{DMatrix, DVector, Vector3};
-use trueaxis_leastsquares::row_products::dot;
+use trueaxis_leastsquares::dot;
 
 use crate::step_tests::StepTest;
 use crate::whitened::Whitened;
@@ -93,47 +93,19 @@ impl Rivals {
     }
 }
 
-/// By how much the sum of squares falls if errors of the form of these columns, one element for each
-/// reading, are allowed for.
-fn explained(rows: &Whitened, mut columns: Vec<Vec<f64>>) -> f64 {
-    let (n, width) = (columns.len(), rows.shared_width);
-    for column in &mut columns {
-        rows.whiten(column);
-    }
-    let mut own = vec![DMatrix::<f64>::zeros(rows.own_width, n); rows.groups];
-    let mut shared = DMatrix::<f64>::zeros(width, n);
-    for (k, column) in columns.iter().enumerate() {
-        for (row, &x) in column.iter().enumerate().filter(|(_, x)| **x != 0.0) {
-            let own = own[rows.group_of_row[row]].column_mut(k);
-            for (sum, o) in own.into_iter().zip(rows.own_row(row)) {
-                *sum += x * o;
-            }
-            for (sum, t) in shared.column_mut(k).iter_mut().zip(rows.shared_row(row)) {
-                *sum += x * t;
-            }
-        }
-    }
-    let sigma = DMatrix::from_row_slice(width, width, &rows.reduced_inverse);
-    let mut left = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]));
-    for own in &own {
-        left -= own.transpose() * own;
-    }
-    left -= shared.transpose() * sigma * &shared;
-    let right = DVector::from_fn(n, |k, _| dot(&columns[k], &rows.residuals));
-    projected_squares(left, &right)
-}
-
 /// A direction that the adjustment absorbs explains nothing, below this part of the largest one.
 const ABSORBED: f64 = 1e-9;
 
-/// `bᵀ A⁺ b`.
-fn projected_squares(left: DMatrix<f64>, right: &DVector<f64>) -> f64 {
-    let eigen = left.symmetric_eigen();
-    let largest = eigen.eigenvalues.amax();
-    let along = eigen.eigenvectors.tr_mul(right);
-    let parts = along.iter().zip(eigen.eigenvalues.iter());
-    parts
-        .filter(|&(_, &value)| value > ABSORBED * largest)
-        .map(|(b, value)| b * b / value)
-        .sum()
+/// By how much the sum of squares falls if errors of the form of these columns, one element for each
+/// reading, are allowed for: `bᵀ A⁺ b` with `A = XᵀMX` and `b = Xᵀv` of the whitened columns.
+fn explained(rows: &Whitened, mut columns: Vec<Vec<f64>>) -> f64 {
+    columns.iter_mut().for_each(|column| rows.whiten(column));
+    let mut kept = columns.clone();
+    kept.iter_mut().for_each(|column| rows.project(column));
+    let n = columns.len();
+    let left = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &kept[j]));
+    let right = DVector::from_fn(n, |k, _| dot(&columns[k], &rows.residuals));
+    let limit = ABSORBED * left.amax();
+    let found = left.svd(true, true).solve(&right, limit);
+    found.map_or(0.0, |estimates| right.dot(&estimates))
 }

@@ -10,7 +10,7 @@ use crate::batch_influence::BatchInfluence;
 use crate::estimate_noise::level;
 use crate::guard;
 use crate::robust_weights::{REMOVED, scale, welsch};
-use crate::screen::{Removed, Screened};
+use crate::screened::{Removed, Screened};
 use crate::solve::{ABSURD_MM, Settings, batches_of, far_at, solve, solve_from, solve_from_start};
 use crate::start::{Start, start};
 use crate::whitened::Whitened;

@@ -3,7 +3,7 @@
 use crate::baarda::ReadingTest;
 use crate::interruption::Rivals;
 use crate::robust_weights::{REMOVED, distances_from_neighbours};
-use crate::screen::Jump;
+use crate::screened::Jump;
 use crate::screening::Screening;
 use crate::step_tests::{StepTest, largest_steps};
 use crate::{Error, Interruption, Network, Solution};

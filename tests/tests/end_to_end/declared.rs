@@ -1,7 +1,9 @@
 //! All that a campaign can declare at once, drawn anew for each: reflectors, scale, nests.
 
+use std::ops::Range;
+
 use trueaxis_calibrate::Method;
-use trueaxis_diagnose::{Verdict, diagnose};
+use trueaxis_diagnose::diagnose;
 use trueaxis_simulate::{Scenario, TargetSpec, simulate};
 use trueaxis_tests::estimators::{SCENARIOS, scatter, settings};
 
@@ -61,40 +63,41 @@ fn machines() -> Vec<(&'static str, Scenario)> {
 
 /// Each kind of result scatters as stated and 95 % of the intervals hold the truth, within `times` standard errors that
 /// follow from the scatter between the campaigns.
-fn assert_is_as_stated(campaigns: u64, times: f64) {
+fn assert_is_as_stated(seeds: &Range<u64>, times: f64) {
+    let mut off = Vec::new();
     for (name, scenario) in machines() {
-        let scatter =
-            scatter(&scenario, &settings(&scenario, Method::Joint), 0..campaigns).unwrap();
-        let mut off = Vec::new();
+        let settings = settings(&scenario, Method::Joint);
+        let scatter = scatter(&scenario, &settings, seeds.clone()).unwrap();
         for kind in scatter.kinds() {
             let pooled = scatter.pooled(|d| d.kind == kind);
             println!("{name}, {kind}: {pooled}");
             if !pooled.is_as_stated(times) {
-                off.push(kind);
+                off.push(format!("{name}, {kind}: {pooled}"));
             }
         }
-        assert!(off.is_empty(), "{name}: {off:?}");
     }
+    assert!(off.is_empty(), "{off:#?}");
 }
 
 /// One of some 80 numbers is off by chance with a probability below 1e-3 (Student's, 29 degrees of freedom).
 #[test]
 fn what_is_declared_is_in_u() {
-    assert_is_as_stated(30, 5.0);
+    assert_is_as_stated(&(0..30), 5.0);
 }
 
 /// One of some 80 numbers is off by chance with a probability of 20 %; the seeds are fixed.
 #[test]
 #[ignore = "study: 1200 calibrations"]
 fn what_is_declared_is_in_u_in_300_campaigns() {
-    assert_is_as_stated(300, 3.0);
+    assert_is_as_stated(&(1000..1300), 3.0);
 }
 
-/// Reflectors that differ are no slips: something is named in at most 1 % of 300 campaigns.
+/// Reflectors that differ are no slips, and none creeps: named in at most 1 % of 300 campaigns. (The five axes have lost
+/// motion, which is named in all of them.)
 #[test]
 #[ignore = "study: 300 diagnoses"]
 fn reflectors_that_differ_are_no_slips() {
-    let mut named = Vec::new();
+    let mut slips = 0;
     for (name, scenario) in machines() {
         for seed in 0..75 {
             let campaign = simulate(&scenario, seed).unwrap().campaign;
@@ -103,12 +106,17 @@ fn reflectors_that_differ_are_no_slips() {
                 ..Default::default()
             };
             let diagnosis = diagnose(&campaign, &settings).unwrap();
-            if diagnosis.verdict != Verdict::Clean {
-                let causes = diagnosis.causes.iter().map(|cause| cause.effect.effect.id);
-                named.push((name, seed, diagnosis.verdict, causes.collect::<Vec<_>>()));
+            let causes = diagnosis.causes.iter().map(|cause| cause.effect.effect.id);
+            let causes: Vec<&str> = causes.filter(|id| *id != "backlash").collect();
+            if !causes.is_empty() {
+                println!(
+                    "{name}, seed {seed}: {}: {causes:?}",
+                    diagnosis.verdict.name()
+                );
             }
+            slips += usize::from(causes.iter().any(|id| id.starts_with("target_")));
         }
     }
-    println!("{} of 300: {named:?}", named.len());
-    assert!(named.len() <= 3);
+    println!("{slips} slips or creeps in 300 campaigns");
+    assert!(slips <= 3);
 }

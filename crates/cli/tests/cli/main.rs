@@ -19,6 +19,7 @@ mod refused;
 mod refused_geometries;
 mod refused_inputs;
 mod refused_measurements;
+mod report;
 mod simulate;
 mod table1;
 mod usage;
