@@ -118,8 +118,9 @@ impl CalibratedMachine {
         let mut shared = DMatrix::zeros(rows.len(), self.factors.shared.nrows());
         for (i, row) in rows.iter().enumerate() {
             for &(place, coefficient) in &row.results {
-                let mut sum = shared.row_mut(i);
-                sum += self.factors.sensitivities.row(place) * coefficient;
+                for (column, x) in self.factors.sensitivities.row(place) {
+                    shared[(i, column)] += x * coefficient;
+                }
             }
         }
         let mut covariance = &shared * &self.factors.shared * shared.transpose();
