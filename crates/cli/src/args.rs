@@ -237,6 +237,11 @@ pub(crate) struct ExportArgs {
     /// the tool's last axis].
     #[arg(long, value_name = "POINT", value_parser = point, allow_hyphen_values = true)]
     pub(crate) at: Option<Point3<f64>>,
+
+    /// Folder with the tables that were active while the machine was measured: the new ones contain
+    /// them (linuxcnc).
+    #[arg(long, value_name = "OLD")]
+    pub(crate) onto: Option<PathBuf>,
 }
 
 #[derive(Debug, ClapArgs)]

@@ -45,6 +45,18 @@ pub enum Error {
         /// What the machine lacks.
         lacks: String,
     },
+    /// An old table that the control would not read.
+    #[error("{file} line {line}: {found:?}; expected {expected}")]
+    OldTable {
+        /// Name of the file.
+        file: String,
+        /// Number of the line, from 1.
+        line: usize,
+        /// The line.
+        found: String,
+        /// What it should be.
+        expected: &'static str,
+    },
     /// A spacing that does not end at the last step.
     #[error(
         "axis {axis}: a spacing of {step} {unit} does not divide the range of its steps, {range} {unit}; \
