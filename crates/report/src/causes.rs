@@ -262,6 +262,11 @@ fn misfits(
     let [low, high] = range(values.chain(level.noise_floor_um));
     let end = places.len() as f64 - 0.4;
     let mut x = Scale::new(-0.6, end, 5);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a width of some hundred letters"
+    )]
     let letters = (frame.size[0] / 8.5) as usize / places.len();
     let ticks = places
         .iter()

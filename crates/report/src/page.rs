@@ -89,7 +89,7 @@ impl<'a> Page<'a> {
             machine_figure: scene.map(Scene::still),
             axes: calibration.map_or_else(Vec::new, components::sections),
             evidence: residuals.and_then(|residuals| Evidence::new(residuals, machine)),
-            causes: diagnosis.map(|diagnosis| DiagnosisSection::new(diagnosis)),
+            causes: diagnosis.map(DiagnosisSection::new),
             calibration: input.calibration.as_ref().map(|document| &document.raw),
             diagnosis: input.diagnosis.as_ref().map(|document| &document.raw),
             volume: input.volume.as_ref(),

@@ -119,7 +119,7 @@ impl CalibratedMachine {
         for (i, row) in rows.iter().enumerate() {
             for &(place, coefficient) in &row.results {
                 for (column, x) in self.factors.sensitivities.row(place) {
-                    shared[(i, column)] += x * coefficient;
+                    shared[(i, column)] += coefficient * x;
                 }
             }
         }

@@ -54,13 +54,18 @@ impl Scale {
         let step = step(high - low);
         let first = (low / step - 1e-6).ceil();
         let count = ((high / step + 1e-6).floor() - first).max(0.0);
-        let decimals = (-step.log10().floor()).clamp(0.0, 9.0);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "from 0 to 9"
+        )]
+        let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
         let tick = |k: f64| {
             let value = (first + k) * step;
-            let text = if step >= 1e6 || step < 1e-8 {
+            let text = if !(1e-8..1e6).contains(&step) {
                 format!("{value:.0e}")
             } else {
-                format!("{:.*}", decimals as usize, value + 0.0)
+                format!("{:.*}", decimals, value + 0.0)
             };
             (value, text.replace('-', "\u{2212}"))
         };
