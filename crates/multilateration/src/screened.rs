@@ -53,6 +53,8 @@ pub struct Jump {
     pub change_mm: f64,
     /// Standard uncertainty of that, mm.
     pub u_mm: f64,
+    /// A displacement of the station explains it as well as a jump of its zero.
+    pub tripod_may_have_moved: bool,
 }
 
 impl Screened {

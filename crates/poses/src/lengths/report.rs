@@ -124,6 +124,7 @@ impl LengthsAdjustment<'_> {
             times_s: pair.map(|i| readings[i].time_s),
             change_mm: jump.change_mm,
             u_mm: jump.u_mm,
+            tripod_may_have_moved: jump.tripod_may_have_moved,
         }
     }
 
