@@ -76,6 +76,8 @@ pub(crate) fn calibrate_in_parts<'a>(
         calibrate_as_given(campaign, settings).map_err(|error| mistakes.explained(error))?;
     let lost = mistakes.lost_sweeps(&calibration);
     calibration.notices.extend(lost);
+    let lengths = parts.measured.lengths.as_ref();
+    calibration.residuals = lengths.map_or_else(Vec::new, LengthsAdjustment::residuals);
     Ok((calibration, parts))
 }
 
@@ -156,6 +158,7 @@ pub(crate) fn calibrate_as_given<'a>(
         covariance,
         misfits: measured.misfits.clone(),
         known_misfits: measured.known_misfits().to_vec(),
+        residuals: Vec::new(),
         triangle: triangle(&context, &targets_mm, measured.point_variance_mm2),
         effects: Vec::new(),
         notices: measured.notices.clone(),

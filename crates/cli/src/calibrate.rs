@@ -11,7 +11,7 @@ use trueaxis_poses::scene_of;
 use crate::args::CalibrateArgs;
 use crate::exit::Exit;
 use crate::talk::{notice, say};
-use crate::{effects_input, output, summary};
+use crate::{effects_input, output, report, summary};
 
 /// Significance at which `--fail-on-misfit` rejects the model.
 const MISFIT_LEVEL: f64 = 1e-3;
@@ -54,6 +54,9 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
         extra.push((OutputCovariance::MATRIX_FILE, covariance.to_npy()));
         extra.push((COVARIANCE_INDEX, index));
     }
+    if let Some(residuals) = calibration.residuals_csv(&campaign) {
+        extra.push((Calibration::RESIDUALS_FILE, residuals.into_bytes()));
+    }
     calibration.traceability.inputs = checksums(&args.campaign)?;
     let folder = output::folder(args.out.as_deref(), &campaign.name)?;
     let text = calibration.to_json();
@@ -67,6 +70,9 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     let path = folder.join(FactoredCovariance::FILE);
     output::write_by(&path, |out| calibration.write_covariance_npz(out))?;
     written.push(path);
+    if !args.no_report {
+        written.extend(report::of_results(&folder)?);
+    }
 
     for line in summary::lines(&campaign, &calibration, args.paper_signs) {
         say(&line);

@@ -34,7 +34,7 @@ fn what_drifts_or_settles_is_not_cut() {
     for effect in [
         "station_settling",
         "station_drift",
-        "laser_drift",
+        "dead_path_drift",
         "warm_up",
     ] {
         for strength in [10.0, 20.0, 40.0, 80.0] {

@@ -25,6 +25,7 @@ mod planar;
 mod prediction;
 mod reference_frame;
 mod reflectors;
+mod report;
 mod round_trip;
 mod settling;
 mod temperatures;
