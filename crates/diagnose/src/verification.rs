@@ -35,18 +35,23 @@ use trueaxis_campaign::{Campaign, Verification};
 use trueaxis_effects::{Level, Scene};
 use trueaxis_kinematics::{Ideal, Machine};
 
+use crate::selection::Projection;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
 use crate::verification::noise_floor::noise_floor_um;
 use crate::verification::prediction_error::{prediction_directions, with_reference_points};
 use crate::verification::problem::Problem;
-use crate::{Cause, LevelReport, Misfit, NotObservable, OmnibusTest, Unexplained, Verdict};
+use crate::{
+    Cause, LevelReport, Misfit, NotObservable, OmnibusTest, Rejected, Shares, Unexplained,
+};
 
 /// What all verifications of a campaign say.
 #[derive(Debug, Clone)]
 pub(crate) struct VerificationOutcome {
     /// For each verification of the campaign, in its order, what could be compared.
     pub(crate) entries: Vec<EntryOutcome>,
+    /// Readings that were left out.
+    pub(crate) rejected: Vec<Rejected>,
     /// Effects that a verification cannot show.
     pub(crate) not_observable: Vec<NotObservable>,
     /// What a user must know before using the outcome.
@@ -62,8 +67,6 @@ pub(crate) struct EntryOutcome {
     pub(crate) causes: Vec<Cause>,
     /// What is left.
     pub(crate) unexplained: Option<Unexplained>,
-    /// The verdict on these readings.
-    pub(crate) verdict: Verdict,
 }
 
 /// False alarms of all verifications of a campaign together: once for the causes, once for the omnibus
@@ -86,6 +89,7 @@ pub(crate) fn diagnose_verification(
     };
     let mut outcome = VerificationOutcome {
         entries: Vec::new(),
+        rejected: Vec::new(),
         not_observable: Vec::new(),
         notices: Vec::new(),
     };
@@ -180,13 +184,11 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
     let after = problem.with(&chosen);
     let tests_after = omnibus::omnibus(problem, &families, &after);
     let causes = report::causes(problem, scene, &chosen, &after, &folds);
-    let unexplained = unexplained(problem, problem.rms_um(&after), &tests_after, level);
-    let verdict = match (&unexplained, causes.as_slice()) {
-        (Some(_), _) => Verdict::Unknown,
-        (None, []) => Verdict::Clean,
-        (None, causes) if causes.iter().any(|c| !c.rivals.is_empty()) => Verdict::Ambiguous,
-        (None, _) => Verdict::Named,
-    };
+    let unexplained = unexplained(problem, &after, &families, &tests_after, level);
+    let columns: Vec<Vec<Vec<f64>>> = chosen
+        .iter()
+        .map(|cause| problem.columns(std::slice::from_ref(cause)))
+        .collect();
     let held_before = held_out::held_out(problem, &[], &folds);
     let held_after = held_out::held_out(problem, &chosen, &folds);
     let gain = held_out::gain(problem, &held_before, &held_after);
@@ -204,20 +206,22 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
             gain: gain
                 .map(|bounded| bounded.gain)
                 .filter(|_| !causes.is_empty()),
+            shares: Shares::new(&problem.base, &columns, unexplained.is_some()),
+            unexplained: None,
             tests,
             tests_after,
             places: report::places(problem, before, &after),
         },
         causes,
         unexplained,
-        verdict,
     }
 }
 
 /// Structure that the causes leave.
 fn unexplained(
     problem: &Problem<'_>,
-    rms_um: f64,
+    after: &Projection,
+    families: &[omnibus::Family],
     tests: &[OmnibusTest],
     level: f64,
 ) -> Option<Unexplained> {
@@ -225,13 +229,29 @@ fn unexplained(
     if significant.is_empty() {
         return None;
     }
+    // Squares beyond what noise leaves in the columns of the clearest test.
+    let excess = families
+        .iter()
+        .filter(|family| {
+            significant
+                .iter()
+                .any(|t| t.varies_with == family.varies_with)
+        })
+        .map(|family| {
+            let with = after.extended(&family.columns);
+            let variance = with.squares() / with.degrees_of_freedom.max(1.0);
+            let columns = after.degrees_of_freedom - with.degrees_of_freedom;
+            after.squares() - with.squares() - columns * variance
+        })
+        .fold(0.0, f64::max);
     let varies_with: Vec<&'static str> = significant.iter().map(|t| t.varies_with).collect();
     let period = significant.iter().find_map(|t| t.detail.as_deref());
     let period = period.map_or_else(String::new, |p| format!(", with a period near {p}"));
     Some(Unexplained {
         level: Level::Verification,
         data: String::new(),
-        rms_um: (rms_um.powi(2) - problem.sigma_um.powi(2)).max(0.0).sqrt(),
+        rms_um: problem.sigma_um * (excess.max(0.0) / problem.readings() as f64).sqrt(),
+        share: 0.0,
         note: format!("it varies with {}{period}", varies_with.join(" and ")),
         varies_with,
     })

@@ -13,7 +13,7 @@ use trueaxis_campaign::{Verification, VerificationKind};
 use trueaxis_effects::{Circumstances, Effect, Subject};
 use trueaxis_kinematics::{AxisKind, Branch, GeometricErrors, Ideal, MICROMETRE, Machine};
 
-use crate::verification::arrivals::{Arrival, arrivals, is_same};
+use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same};
 
 /// One verification against a prediction.
 #[derive(Debug, Clone)]
@@ -28,6 +28,8 @@ pub(crate) struct Comparison<'a> {
     pub(crate) difference_um: Vec<f64>,
     /// Where the measured point is and in which direction its displacement counts.
     pub(crate) points: Vec<MeasuredPoint>,
+    /// Whether times are those of a clock, s; otherwise they count readings.
+    pub(crate) timed: bool,
     /// Axes that have more than one position in the readings.
     pub(crate) moving: Vec<usize>,
 }
@@ -49,7 +51,11 @@ impl<'a> Comparison<'a> {
         errors: &impl GeometricErrors,
     ) -> Self {
         let kind = &verification.kind;
-        let arrivals = arrivals(&verification.readings);
+        let measured = match *kind {
+            VerificationKind::Positioning { axis, .. } => Some(axis),
+            VerificationKind::Ballbar { .. } => None,
+        };
+        let arrivals = arrivals(&verification.readings, measured);
         let points = arrivals
             .iter()
             .map(|a| measured_point(machine, kind, &a.positions));
@@ -66,6 +72,7 @@ impl<'a> Comparison<'a> {
             difference_um: difference.collect(),
             points: points.collect(),
             moving: moving.collect(),
+            timed: are_timed(&verification.readings),
             arrivals,
         }
     }

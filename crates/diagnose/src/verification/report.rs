@@ -80,6 +80,7 @@ pub(crate) fn causes(
             covariance: own.transpose().iter().copied().collect(),
             rivals: rivals(problem, chosen, k, &judged, &fit),
             changes: Vec::new(),
+            share: None,
             share_of_curve: None,
         });
     }
