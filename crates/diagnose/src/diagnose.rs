@@ -69,7 +69,12 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         }
     }
     let calibration = diagnosis.calibration.as_ref();
-    let verification = diagnose_verification(campaign, calibration, &diagnosis.scene);
+    let verification = diagnose_verification(
+        campaign,
+        calibration,
+        &diagnosis.scene,
+        settings.explain_curves,
+    );
     diagnosis.rejected = verification.rejected;
     for entry in verification.entries {
         with_level(
@@ -79,6 +84,7 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
             entry.unexplained,
         );
     }
+    diagnosis.causes.extend(verification.curves);
     diagnosis.not_observable.extend(verification.not_observable);
     diagnosis.notices.extend(verification.notices);
     if let Some(components) = components {

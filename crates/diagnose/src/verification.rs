@@ -15,11 +15,12 @@
 //! independent. Lines in different files are not joined.
 
 mod arrivals;
-mod base;
+pub(crate) mod base;
 mod believed;
 #[cfg(test)]
 mod calibrated_tests;
-mod comparison;
+pub(crate) mod comparison;
+mod gross_errors;
 mod held_out;
 mod hypotheses;
 mod noise_floor;
@@ -31,13 +32,16 @@ mod report;
 mod search;
 
 use trueaxis_calibrate::Calibration;
-use trueaxis_campaign::{Campaign, Verification};
+use trueaxis_campaign::{Campaign, Verification, VerificationKind};
 use trueaxis_effects::{Level, Scene};
 use trueaxis_kinematics::{Ideal, Machine};
 
+use crate::components::diagnose_line_curve;
 use crate::selection::Projection;
+use crate::verification::arrivals::is_same;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
+use crate::verification::gross_errors::gross_errors;
 use crate::verification::noise_floor::noise_floor_um;
 use crate::verification::prediction_error::{prediction_directions, with_reference_points};
 use crate::verification::problem::Problem;
@@ -50,6 +54,8 @@ use crate::{
 pub(crate) struct VerificationOutcome {
     /// For each verification of the campaign, in its order, what could be compared.
     pub(crate) entries: Vec<EntryOutcome>,
+    /// What mean curves consist of that no calibration predicts.
+    pub(crate) curves: Vec<Cause>,
     /// Readings that were left out.
     pub(crate) rejected: Vec<Rejected>,
     /// Effects that a verification cannot show.
@@ -82,6 +88,7 @@ pub(crate) fn diagnose_verification(
     campaign: &Campaign,
     calibration: Option<&Calibration>,
     scene: &Scene,
+    explain_curves: bool,
 ) -> VerificationOutcome {
     let machine = match calibration {
         Some(calibration) => with_reference_points(&campaign.machine, calibration),
@@ -89,6 +96,7 @@ pub(crate) fn diagnose_verification(
     };
     let mut outcome = VerificationOutcome {
         entries: Vec::new(),
+        curves: Vec::new(),
         rejected: Vec::new(),
         not_observable: Vec::new(),
         notices: Vec::new(),
@@ -102,29 +110,63 @@ pub(crate) fn diagnose_verification(
     let level = LEVEL / campaign.verification.len().max(1) as f64;
     for verification in &campaign.verification {
         diagnose_entry(
+            campaign,
             &machine,
             verification,
             calibration,
             scene,
-            level,
+            Asked {
+                level,
+                explain_curves,
+            },
             &mut outcome,
         );
     }
     outcome
 }
 
+/// What is asked of one verification.
+#[derive(Clone, Copy)]
+struct Asked {
+    /// Its part of the false alarms.
+    level: f64,
+    /// Whether to say what its mean curve consists of.
+    explain_curves: bool,
+}
+
 fn diagnose_entry(
+    campaign: &Campaign,
     machine: &Machine,
     verification: &Verification,
     calibration: Option<&Calibration>,
     scene: &Scene,
-    level: f64,
+    asked: Asked,
     outcome: &mut VerificationOutcome,
 ) {
-    let comparison = match calibration {
+    let Asked {
+        level,
+        explain_curves,
+    } = asked;
+    let compared = |verification| match calibration {
         Some(calibration) => Comparison::new(machine, verification, calibration),
         None => Comparison::new(machine, verification, &Ideal),
     };
+    let gross = gross_errors(verification, &compared(verification));
+    let mut kept = verification.clone();
+    for (row, _) in gross.iter().rev() {
+        kept.readings.remove(*row);
+    }
+    for (_, rejected) in gross {
+        outcome.notices.push(format!(
+            "{}: the reading in line {} is off by {:.1} µm (u = {:.1} µm) against all others and was left out",
+            rejected.file, rejected.row, rejected.error_um, rejected.u_um
+        ));
+        outcome.rejected.push(rejected);
+    }
+    let mut comparison = compared(&kept);
+    if calibration.is_some() {
+        comparison.parked_elsewhere = parked_elsewhere(campaign, &kept);
+    }
     let base = base_columns(&comparison, calibration.is_some());
     let posed = |sigma_um: f64| {
         let directions = calibration.map(|c| prediction_directions(&comparison, c, sigma_um));
@@ -137,6 +179,14 @@ fn diagnose_entry(
         )
     };
     let floor_um = noise_floor_um(&comparison);
+    let curve = match calibration {
+        None if explain_curves => {
+            diagnose_line_curve(&comparison, floor_um, machine, &verification.name)
+        }
+        _ => None,
+    };
+    let is_explained = curve.is_some();
+    outcome.curves.extend(curve.into_iter().flatten());
     // Without repeats the base model's misfit stands for the noise at first.
     let mut problem = posed(floor_um.unwrap_or(1.0));
     let name = &verification.name;
@@ -160,9 +210,39 @@ fn diagnose_entry(
         found.report.noise_floor_um = found.report.after.rms_um;
     }
     let unseen = not_observable::not_observable(&problem, scene, name, calibration.is_some());
+    // What the mean curve absorbs was looked for in the curve itself.
+    let in_curve = |id: &str| is_explained && ["scale_error", "cyclic_error"].contains(&id);
+    let unseen = unseen.into_iter().filter(|u| !in_curve(u.effect));
     outcome.not_observable.extend(unseen);
     outcome.entries.push(found);
 }
+
+/// Axes that stand elsewhere at the readings of a line than in all steps that its axis was calibrated at.
+fn parked_elsewhere(campaign: &Campaign, verification: &Verification) -> Vec<usize> {
+    let VerificationKind::Positioning { axis, .. } = verification.kind else {
+        return Vec::new();
+    };
+    let calibrated: Vec<&[f64]> = campaign
+        .steps
+        .iter()
+        .filter(|step| step.run.is_some_and(|run| campaign.runs[run].axis == axis))
+        .map(|step| step.positions.as_slice())
+        .collect();
+    let elsewhere = |other: &usize| {
+        let read = verification.readings.iter().map(|r| r.positions[*other]);
+        *other != axis
+            && !calibrated.is_empty()
+            && read
+                .clone()
+                .all(|q| calibrated.iter().all(|at| !is_same(at[*other], q)))
+    };
+    (0..campaign.machine.axes().len())
+        .filter(elsewhere)
+        .collect()
+}
+
+/// Causes that did not hold before it is enough.
+const MOST_EXCLUDED: usize = 4;
 
 /// Finds and judges the causes of one verification.
 fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> EntryOutcome {
@@ -171,14 +251,24 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
     let before = &problem.base;
     let tests = omnibus::omnibus(problem, &families, before);
 
-    // Causes that hold on unused readings; structure beside them that they do not merely imitate.
-    let mut chosen = search::search(problem, level);
-    believed::with_gain(problem, &mut chosen, &folds);
-    let left = omnibus::omnibus(problem, &families, &problem.with(&chosen));
-    let found = chosen.len();
-    believed::without_imitations(problem, &mut chosen, &left, &families, level);
-    if chosen.len() < found {
-        search::drop_superfluous(problem, &mut chosen, level);
+    // Causes that hold on unused readings; structure beside them that they do not merely imitate. What does
+    // not hold gives its place to the next.
+    let mut excluded: Vec<usize> = Vec::new();
+    let mut chosen;
+    loop {
+        chosen = search::search(problem, &excluded, level);
+        let first: Vec<usize> = chosen.iter().map(|c| c.candidate).collect();
+        believed::with_gain(problem, &mut chosen, &folds);
+        let left = omnibus::omnibus(problem, &families, &problem.with(&chosen));
+        let found = chosen.len();
+        believed::without_imitations(problem, &mut chosen, &left, &families, level);
+        if chosen.len() < found {
+            search::drop_superfluous(problem, &mut chosen, level);
+        }
+        if !chosen.is_empty() || first.is_empty() || excluded.len() >= MOST_EXCLUDED {
+            break;
+        }
+        excluded.extend(first);
     }
 
     let after = problem.with(&chosen);

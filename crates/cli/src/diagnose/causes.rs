@@ -130,7 +130,9 @@ pub(crate) fn gained(level: &LevelReport) -> Vec<String> {
     let Some(gain) = &level.gain else {
         let between_runs = level.tests.iter().all(|test| test.varies_with == "run");
         let text = match between_runs {
-            true => "not measured: the runs are compared with each other, none was left out to be predicted",
+            true => {
+                "not measured: the runs are compared with each other, none was left out to be predicted"
+            }
             false => "not measured: too few repeats to leave some out",
         };
         return labelled("gained", text);
@@ -192,8 +194,12 @@ pub(crate) fn of_curve(cause: &Cause, scene: &Scene) -> String {
         true => String::new(),
         false => format!(" (or {})", rivals.join(" or ")),
     };
+    let data = match cause.data.as_str() {
+        "error curves" => String::new(),
+        data => format!("{data}: "),
+    };
     format!(
-        "  {}{or}: {}{share}",
+        "  {data}{}{or}: {}{share}",
         in_words::effect(&cause.effect, scene),
         in_words::parameters(&amplitudes(&cause.parameters))
     )

@@ -3,8 +3,8 @@
 use trueaxis_diagnose::{Cause, Diagnosis, LevelReport, Place, Unexplained, Verdict};
 use trueaxis_effects::Level;
 
-use crate::diagnose::{causes, in_words};
 use crate::diagnose::layout::labelled;
+use crate::diagnose::{causes, in_words};
 
 /// A group whose misfit is so much larger than that of all is worth its name.
 const STANDS_OUT: f64 = 1.15;

@@ -32,6 +32,8 @@ pub(crate) struct Comparison<'a> {
     pub(crate) timed: bool,
     /// Axes that have more than one position in the readings.
     pub(crate) moving: Vec<usize>,
+    /// Axes that stand elsewhere than they did when the measured axis was calibrated.
+    pub(crate) parked_elsewhere: Vec<usize>,
 }
 
 /// The measured point at an arrival.
@@ -72,6 +74,7 @@ impl<'a> Comparison<'a> {
             difference_um: difference.collect(),
             points: points.collect(),
             moving: moving.collect(),
+            parked_elsewhere: Vec::new(),
             timed: are_timed(&verification.readings),
             arrivals,
         }
