@@ -76,6 +76,8 @@ pub(crate) fn calibrate_in_parts<'a>(
         calibrate_as_given(campaign, settings).map_err(|error| mistakes.explained(error))?;
     let lost = mistakes.lost_sweeps(&calibration);
     calibration.notices.extend(lost);
+    let lengths = parts.measured.lengths.as_ref();
+    calibration.residuals = lengths.map_or_else(Vec::new, LengthsAdjustment::residuals);
     Ok((calibration, parts))
 }
 
@@ -86,7 +88,8 @@ pub(crate) fn calibrate_as_given<'a>(
 ) -> Result<(Calibration, Parts<'a>), Error> {
     // Measure: poses, by the axis under test.
     let machine = with_reference_points(campaign, settings.reference_point);
-    let measured = measure(campaign, &settings.of_poses())?;
+    let mut measured = measure(campaign, &settings.of_poses())?;
+    let instrument = std::mem::take(&mut measured.poses.instrument);
     let poses = &measured.poses;
     let stations = &measured.stations()[..];
     let data = by_axis(campaign, poses)?;
@@ -115,7 +118,7 @@ pub(crate) fn calibrate_as_given<'a>(
     let in_ref = |station: &Station| identified.state.ref_from_datum * station.position_mm;
     let stations_in_ref: Vec<Point3<f64>> = stations.iter().map(in_ref).collect();
     let dependence = Dependence::new(&context, &identified, &stations_in_ref);
-    let mut propagation = Propagation::new(&dependence, poses);
+    let mut propagation = Propagation::new(&dependence, poses, &instrument);
     let runs = run_misfits(&propagation);
     for k in (0..runs.len()).filter(|&k| runs[k].is_some()) {
         let scatter = scatter_of_runs(&propagation, k);
@@ -125,7 +128,11 @@ pub(crate) fn calibrate_as_given<'a>(
     // Report.
     let axes = axis_results(&measured, &propagation, runs);
     let stations = station_results(campaign, stations, &stations_in_ref, &propagation);
-    let factors = FactoredCovariance::new(&propagation, &axes, &stations);
+    let relative_locations = relative_locations(&propagation);
+    // Both are large, and the instrument's part is done with.
+    let noise = propagation.into_whole();
+    drop(instrument);
+    let factors = FactoredCovariance::new(&noise, &axes, &stations);
     let covariance = settings
         .covariance
         .then(|| OutputCovariance::new(&factors, results(&axes, &stations)));
@@ -145,12 +152,13 @@ pub(crate) fn calibrate_as_given<'a>(
         scale: measured.scale(),
         uncertainty: statement(campaign, &measured),
         targets: target_results(campaign, &targets_mm),
-        relative_locations: relative_locations(&propagation),
+        relative_locations,
         axes,
         factors,
         covariance,
         misfits: measured.misfits.clone(),
         known_misfits: measured.known_misfits().to_vec(),
+        residuals: Vec::new(),
         triangle: triangle(&context, &targets_mm, measured.point_variance_mm2),
         effects: Vec::new(),
         notices: measured.notices.clone(),

@@ -7,6 +7,7 @@ mod indices;
 pub(crate) mod predicted_csv;
 mod read_calibration;
 pub(crate) mod read_error;
+mod residuals_csv;
 mod volume_files;
 
 use serde_json::Value;

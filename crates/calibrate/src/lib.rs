@@ -90,8 +90,10 @@ pub use calibrate::{calibrate, calibrate_with_adjustment};
 pub use error::Error;
 pub use files::predicted_csv::to_csv;
 pub use files::read_error::{CovarianceProblem, ReadError};
+pub use machine::approach::Approach;
 pub use machine::calibrated_machine::CalibratedMachine;
 pub use machine::predict::Prediction;
+pub use machine::readings::{MeasuredPoint, carrier, measured_home_mm, predicted_reading_um};
 pub use machine::volume::places::{GridAxis, Places};
 pub use machine::volume::statistics::{Figures, Sizes};
 pub use machine::volume::{Drawn, Figure, Volume, VolumeSettings};
@@ -108,5 +110,6 @@ pub use result::calibration::{
 pub use result::factored_covariance::FactoredCovariance;
 pub use result::numbered::NumberedResult;
 pub use result::output::{Output, OutputCovariance, Unit};
+pub use result::sensitivities::Sensitivities;
 pub use settings::{ReferencePoint, Settings};
 pub use trueaxis_poses::Method;

@@ -1,7 +1,9 @@
 //! The machine as measured: its errors anywhere, and how well they are known.
 
+pub(crate) mod approach;
 pub(crate) mod calibrated_machine;
 pub(crate) mod curve;
 pub(crate) mod predict;
+pub(crate) mod readings;
 pub(crate) mod remainder;
 pub(crate) mod volume;

@@ -7,3 +7,4 @@ pub(crate) mod factored_covariance;
 pub(crate) mod interpolation;
 pub(crate) mod numbered;
 pub(crate) mod output;
+pub(crate) mod sensitivities;

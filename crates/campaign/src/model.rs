@@ -83,6 +83,13 @@ pub struct Instrument {
     pub air_compensated: bool,
 }
 
+impl Instrument {
+    /// Whether both parts of the noise of lengths are declared: one alone can be tested against nothing.
+    pub fn declares_noise(&self) -> bool {
+        self.length_sigma_um.is_some() && self.repeatability_um.is_some()
+    }
+}
+
 impl Default for Instrument {
     fn default() -> Self {
         Self {

@@ -16,6 +16,10 @@ use trueaxis_identify::SixRows;
 #[derive(Debug, Parser)]
 #[command(name = "trueaxis", version, max_term_width = 100)]
 pub(crate) struct Args {
+    /// Say nothing but errors.
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+
     #[command(subcommand)]
     pub(crate) verb: Verb,
 }
@@ -30,12 +34,21 @@ pub(crate) enum Verb {
     Predict(PredictArgs),
     /// Looks at the volumetric error over the working volume of a calibration; writes volume.json.
     Volume(VolumeArgs),
+    /// Writes compensation tables for a control from a calibration, and says what they can take away.
+    Export(ExportArgs),
+    /// Compares a campaign's verification readings with what a calibration predicts; writes
+    /// verification.json.
+    Verify(VerifyArgs),
     /// Says what the calibrated model gets wrong and why; writes diagnosis.json.
     Diagnose(DiagnoseArgs),
+    /// Shows the results in a folder as one page; writes report.html and its figures.
+    Report(ReportArgs),
     /// Checks the uncertainties of a calibration by redrawing its noise; writes montecarlo.json.
     Montecarlo(MontecarloArgs),
     /// Makes a campaign with known errors from a scenario; writes the campaign and truth.json.
     Simulate(SimulateArgs),
+    /// Prints what a shell needs to complete the words of a command line.
+    Completions(CompletionsArgs),
     /// Repeats Table 1 of the paper: what multilateration makes of the noise, by Monte Carlo.
     Table1(Table1Args),
 }
@@ -83,6 +96,10 @@ pub(crate) struct CalibrateArgs {
     #[arg(long)]
     pub(crate) paper_signs: bool,
 
+    /// Write no report.html.
+    #[arg(long)]
+    pub(crate) no_report: bool,
+
     /// Also print calibration.json on standard output.
     #[arg(long)]
     pub(crate) json: bool,
@@ -123,6 +140,10 @@ pub(crate) struct DiagnoseArgs {
     /// [default: one in the current directory, named after the campaign].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+
+    /// Write no report.html.
+    #[arg(long)]
+    pub(crate) no_report: bool,
 
     /// Also print diagnosis.json on standard output.
     #[arg(long)]
@@ -188,6 +209,94 @@ pub(crate) struct VolumeArgs {
 }
 
 #[derive(Debug, ClapArgs)]
+pub(crate) struct ExportArgs {
+    /// Control, or the way in which it is told.
+    #[arg(value_name = "FORMAT", value_enum)]
+    pub(crate) format: FormatArg,
+
+    /// The calibration, with covariance.npz beside it.
+    #[arg(value_name = "CALIBRATION.json")]
+    pub(crate) calibration: PathBuf,
+
+    /// Folder for the tables [default: one in the current directory, named after the campaign].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Only this axis [default: all that were measured].
+    #[arg(long, value_name = "NAME")]
+    pub(crate) axis: Option<String>,
+
+    /// Distance of the points, mm, for rotary axes degrees [default: the steps of the measurement].
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    pub(crate) step: Option<f64>,
+
+    /// The tool point in the reference frame at home, mm, as `100,250,50`: one-dimensional tables are
+    /// right for the lines along which the axes move it from home [default: the reference point of
+    /// the tool's last axis].
+    #[arg(long, value_name = "POINT", value_parser = point, allow_hyphen_values = true)]
+    pub(crate) at: Option<Point3<f64>>,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct VerifyArgs {
+    /// The calibration, with covariance.npz beside it.
+    #[arg(value_name = "CALIBRATION.json")]
+    pub(crate) calibration: PathBuf,
+
+    /// The campaign with the readings (`verification`), of the same machine.
+    #[arg(value_name = "CAMPAIGN.json")]
+    pub(crate) campaign: PathBuf,
+
+    /// Folder for verification.json [default: one in the current directory, named after the campaign].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// The readings were taken with the compensation switched on: compare them with the prediction
+    /// for corrected commands.
+    #[arg(long)]
+    pub(crate) compensated: bool,
+
+    /// Also print verification.json on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+
+    /// End with exit code 6 if more readings than chance explains differ from the prediction by more
+    /// than U (k = 2).
+    #[arg(long)]
+    pub(crate) fail_on_misfit: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum FormatArg {
+    /// Neutral CSV of error vectors and corrections over the linear axes.
+    Grid,
+    /// `LinuxCNC`: a `COMP_FILE` for each axis (type 0), and the matrix of matrixkins.
+    Linuxcnc,
+    /// ISG kernel, Beckhoff TF5280 (`ISG_CSV`): all component and location errors (experimental).
+    Isg,
+    /// Etalon exchange format: all component and location errors (experimental).
+    Etalon,
+    /// Siemens SINUMERIK: `$AA_ENC_COMP` and `$AN_CEC` (experimental).
+    Sinumerik,
+    /// Marlin: skew factors, M852.
+    Marlin,
+    /// Klipper: `SET_SKEW`.
+    Klipper,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct ReportArgs {
+    /// The folder that `calibrate`, `diagnose` and `volume` wrote.
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+
+    /// A template of your own in place of the program's (minijinja; crates/report/src/report.html is the
+    /// program's).
+    #[arg(long, value_name = "FILE")]
+    pub(crate) template: Option<PathBuf>,
+}
+
+#[derive(Debug, ClapArgs)]
 pub(crate) struct MontecarloArgs {
     /// The campaign file.
     #[arg(value_name = "CAMPAIGN.json")]
@@ -235,6 +344,13 @@ pub(crate) struct SimulateArgs {
     /// Seed of the noise: the same seed gives the same files.
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct CompletionsArgs {
+    /// The shell.
+    #[arg(value_enum)]
+    pub(crate) shell: clap_complete::Shell,
 }
 
 #[derive(Debug, ClapArgs)]
@@ -289,6 +405,12 @@ fn reference_point(text: &str) -> Result<ReferencePoint, String> {
     at.map_err(|_| {
         "expected `origin`, `centroid` or three numbers in mm, as `100,250,50`".to_owned()
     })
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok();
+    let positive = number.filter(|x: &f64| x.is_finite() && *x > 0.0);
+    positive.ok_or_else(|| "expected a number above zero".to_owned())
 }
 
 fn point(text: &str) -> Result<Point3<f64>, String> {

@@ -11,7 +11,7 @@ use trueaxis_poses::scene_of;
 use crate::args::CalibrateArgs;
 use crate::exit::Exit;
 use crate::talk::{notice, say};
-use crate::{effects_input, output, summary};
+use crate::{effects_input, output, report, summary};
 
 /// Significance at which `--fail-on-misfit` rejects the model.
 const MISFIT_LEVEL: f64 = 1e-3;
@@ -49,11 +49,13 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     } else {
         calibrate(&campaign, &settings).with_context(in_file)?
     };
-    extra.push((FactoredCovariance::FILE, calibration.covariance_npz()));
     if let Some(covariance) = &calibration.covariance {
         let index = covariance.index_json().into_bytes();
         extra.push((OutputCovariance::MATRIX_FILE, covariance.to_npy()));
         extra.push((COVARIANCE_INDEX, index));
+    }
+    if let Some(residuals) = calibration.residuals_csv(&campaign) {
+        extra.push((Calibration::RESIDUALS_FILE, residuals.into_bytes()));
     }
     calibration.traceability.inputs = checksums(&args.campaign)?;
     let folder = output::folder(args.out.as_deref(), &campaign.name)?;
@@ -64,6 +66,12 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
         let path = folder.join(name);
         output::write(&path, bytes)?;
         written.push(path);
+    }
+    let path = folder.join(FactoredCovariance::FILE);
+    output::write_by(&path, |out| calibration.write_covariance_npz(out))?;
+    written.push(path);
+    if !args.no_report {
+        written.extend(report::of_results(&folder)?);
     }
 
     for line in summary::lines(&campaign, &calibration, args.paper_signs) {

@@ -16,6 +16,7 @@ use trueaxis_simulate::replay;
 use crate::args::DiagnoseArgs;
 use crate::exit::Exit;
 use crate::output;
+use crate::report;
 use crate::talk::{notice, say};
 
 /// What was found in the lengths, for `calibrate --with-effects`.
@@ -40,6 +41,9 @@ pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
         let path = folder.join(name);
         output::write(&path, text.as_bytes())?;
         written.push(path);
+    }
+    if !args.no_report {
+        written.extend(report::of_results(&folder)?);
     }
     notices.extend(of_an_earlier_run(&folder, &written));
 

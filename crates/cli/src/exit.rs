@@ -8,6 +8,7 @@ use trueaxis_poses::Error as Poses;
 
 use crate::effects_input::EffectsInputError;
 use crate::output::OutputError;
+use crate::report::TemplateUnreadable;
 
 /// How the program ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,11 +66,24 @@ impl Exit {
                     _ => Self::Usage,
                 };
             }
-            if cause.is::<OutputError>() {
+            if cause.is::<OutputError>() || cause.is::<TemplateUnreadable>() {
                 return Self::Usage;
             }
             if cause.is::<ReadError>() {
                 return Self::Input;
+            }
+            if let Some(error) = cause.downcast_ref::<trueaxis_compensate::Error>() {
+                return match error {
+                    trueaxis_compensate::Error::NotContracting { .. } => Self::NotConverged,
+                    trueaxis_compensate::Error::OtherMachine { .. } => Self::Input,
+                    _ => Self::Usage,
+                };
+            }
+            if let Some(error) = cause.downcast_ref::<trueaxis_report::Error>() {
+                return match error {
+                    trueaxis_report::Error::Template { .. } => Self::Usage,
+                    _ => Self::Input,
+                };
             }
             if cause.is::<EffectsInputError>() || cause.is::<trueaxis_effects::Error>() {
                 return Self::Input;

@@ -6,18 +6,22 @@
 mod args;
 mod calibrate;
 mod check;
+mod completions;
 mod diagnose;
 mod effects_input;
 mod exit;
+mod export;
 mod montecarlo;
 mod montecarlo_file;
 mod output;
 mod predict;
 mod progress;
+mod report;
 mod simulate;
 mod summary;
 mod table1;
 mod talk;
+mod verify;
 mod volume;
 
 use std::process::ExitCode;
@@ -31,14 +35,21 @@ fn main() -> ExitCode {
     // One thread, one order of additions: the same bytes on every machine.
     faer::set_global_parallelism(faer::Par::Seq);
     let args = Args::parse();
+    if args.quiet {
+        talk::be_quiet();
+    }
     let run = || match &args.verb {
         Verb::Check(args) => check::run(args),
         Verb::Calibrate(args) => calibrate::run(args),
+        Verb::Completions(args) => completions::run(args),
         Verb::Diagnose(args) => diagnose::run(args),
+        Verb::Export(args) => export::run(args),
         Verb::Montecarlo(args) => montecarlo::run(args),
         Verb::Predict(args) => predict::run(args),
+        Verb::Report(args) => report::run(args),
         Verb::Simulate(args) => simulate::run(args),
         Verb::Table1(args) => table1::run(args),
+        Verb::Verify(args) => verify::run(args),
         Verb::Volume(args) => volume::run(args),
     };
     // A panic is a bug of ours: the default hook says where, the exit code says so.
@@ -50,7 +61,7 @@ fn main() -> ExitCode {
             Exit::of(&error)
         }
         Err(_) => {
-            talk::say("internal error: please report it with the campaign that causes it");
+            talk::say_always("internal error: please report it with the campaign that causes it");
             Exit::Internal
         }
     };

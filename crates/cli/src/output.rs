@@ -1,6 +1,7 @@
 //! Result files: written whole or not at all.
 
-use std::io::Write;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// A result that cannot be written.
@@ -8,7 +9,7 @@ use std::path::{Path, PathBuf};
 pub(crate) struct OutputError {
     /// `None` for standard output.
     path: Option<PathBuf>,
-    source: std::io::Error,
+    source: io::Error,
 }
 
 impl std::fmt::Display for OutputError {
@@ -46,17 +47,25 @@ pub(crate) fn folder(given: Option<&Path>, campaign: &str) -> Result<PathBuf, Ou
 
 /// Writes a result whole or not at all.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    write_by(path, |out| out.write_all(bytes))
+}
+
+/// Writes a result that is not held in memory, whole or not at all.
+pub(crate) fn write_by(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+) -> Result<(), OutputError> {
     let failed = |source| OutputError {
         path: Some(path.to_path_buf()),
         source,
     };
-    trueaxis_files::write_whole(path, bytes).map_err(failed)
+    trueaxis_files::write_whole_by(path, write).map_err(failed)
 }
 
 /// Data on standard output. A reader that stops early (`| head`) is no error.
 pub(crate) fn print(text: &str) -> Result<(), OutputError> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+    match io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         Err(source) => Err(OutputError { path: None, source }),
         Ok(()) => Ok(()),
     }

@@ -5,8 +5,13 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
+use crate::talk::is_quiet;
+
 /// A bar with rate and time left on standard error; nothing where that is no terminal.
 pub(crate) fn bar(total: usize) -> ProgressBar {
+    if is_quiet() {
+        return ProgressBar::hidden();
+    }
     let bar = ProgressBar::new(total as u64);
     let template = "{bar:30} {pos}/{len} trials  {rate}  {eta} left";
     if let Ok(style) = ProgressStyle::with_template(template) {

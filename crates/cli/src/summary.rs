@@ -76,8 +76,8 @@ pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
     lines.push(uncertainty(calibration));
     for turn in &a.interruptions {
         lines.push(format!(
-            "{}: the lengths jump by {:+.2} ± {:.2} µm between lines {} and {} ({:.0} … {:.0} s), as an \
-             interrupted beam makes them: its turn is split there",
+            "{}: the lengths jump by {:+.2} ± {:.2} µm between lines {} and {} ({:.0} … {:.0} s): {}; its turn is \
+             split there",
             turn.station,
             turn.change_mm / MICROMETRE,
             COVERAGE * turn.u_mm / MICROMETRE,
@@ -85,6 +85,7 @@ pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
             turn.lines[1],
             turn.times_s[0],
             turn.times_s[1],
+            turn.cause(),
         ));
     }
     if !a.rejected.is_empty() {
@@ -295,6 +296,9 @@ fn location_errors(calibration: &Calibration) -> Vec<String> {
                 expanded(found.u, found.dof) / scale
             ));
         }
+    }
+    for line in &mut lines {
+        line.truncate(line.trim_end().len());
     }
     if lines.len() == 2 {
         lines.push("  none: the reference frame takes those of a single linear axis".to_owned());

@@ -1,9 +1,29 @@
 //! What is said to the user, on standard error.
 
 use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// From now on only errors are said.
+pub(crate) fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Whether only errors are said.
+pub(crate) fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// One line, unless all shall be quiet.
+pub(crate) fn say(line: &str) {
+    if !is_quiet() {
+        say_always(line);
+    }
+}
 
 /// One line. A closed standard error is no reason to fail.
-pub(crate) fn say(line: &str) {
+pub(crate) fn say_always(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
@@ -11,9 +31,9 @@ pub(crate) fn say(line: &str) {
 pub(crate) fn error(error: &anyhow::Error) {
     let mut causes = error.chain();
     let first = causes.next().map(ToString::to_string).unwrap_or_default();
-    say(&format!("error: {first}"));
+    say_always(&format!("error: {first}"));
     for cause in causes {
-        say(&format!("  because: {cause}"));
+        say_always(&format!("  because: {cause}"));
     }
 }
 

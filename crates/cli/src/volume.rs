@@ -1,6 +1,9 @@
 //! `trueaxis volume`.
 
+use serde_json::{Value, json};
 use trueaxis_calibrate::{CalibratedMachine, Figure, Volume, VolumeSettings};
+use trueaxis_compensate::{Left, Remains, remains};
+use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 
 use crate::args::VolumeArgs;
@@ -20,7 +23,8 @@ pub(crate) fn run(args: &VolumeArgs) -> anyhow::Result<Exit> {
         draws: args.draws.into(),
         seed: args.seed,
     });
-    let text = volume.to_json(&machine);
+    let after = remains(&machine, &volume.places)?;
+    let text = with_after(&volume.to_json(&machine), &after)?;
     let map = volume.map(&machine);
     let mut files = vec![("volume.json", text.clone())];
     let has_map = volume.places.grid.iter().any(Option::is_some);
@@ -39,6 +43,7 @@ pub(crate) fn run(args: &VolumeArgs) -> anyhow::Result<Exit> {
     for line in source(&machine).into_iter().chain(lines(&machine, &volume)) {
         say(&line);
     }
+    after_lines(&after).iter().for_each(|line| say(line));
     if !has_map {
         notice("no map was written: no linear axis was measured");
     }
@@ -115,4 +120,53 @@ fn figure(figure: &Figure, unit: f64) -> String {
             format!("{value:.2} ({low:.2} … {high:.2})")
         },
     )
+}
+
+/// Decimals of µm and ″.
+const DECIMALS: i32 = 4;
+
+/// The document with what the best compensation leaves.
+fn with_after(text: &str, after: &Remains) -> anyhow::Result<String> {
+    let um = |mm: f64| round(mm / MICROMETRE, DECIMALS);
+    let arcsec = |rad: f64| round(rad / ARCSEC, DECIMALS);
+    let left = |left: &Left| {
+        json!({
+            "rms_um": um(left.rms_mm),
+            "max_um": um(left.max_mm),
+            "rotation_rms_arcsec": arcsec(left.rotation_rms_rad),
+            "rotation_max_arcsec": arcsec(left.rotation_max_rad),
+        })
+    };
+    let mut document: Value = serde_json::from_str(text)?;
+    document["after"] = json!({
+        "places": after.places,
+        "linear_axes_corrected": left(&after.linear),
+        "all_axes_corrected": left(&after.all),
+        "u_rms_um": um(after.u_rms_mm),
+        "u_max_um": um(after.u_max_mm),
+    });
+    Ok(trueaxis_files::to_json(&document)?)
+}
+
+fn after_lines(after: &Remains) -> Vec<String> {
+    let line = |what: &str, left: &Left| {
+        format!(
+            "  {what:22} rms {:.2}, largest {:.2} µm; rotation rms {:.2}, largest {:.2}″",
+            left.rms_mm / MICROMETRE,
+            left.max_mm / MICROMETRE,
+            left.rotation_rms_rad / ARCSEC,
+            left.rotation_max_rad / ARCSEC
+        )
+    };
+    let mut lines = vec!["the best compensation leaves, of the errors as calibrated".to_owned()];
+    lines.push(line("linear axes corrected", &after.linear));
+    if after.linear != after.all {
+        lines.push(line("all axes corrected", &after.all));
+    }
+    lines.push(format!(
+        "  and what the calibration does not know: u rms {:.2}, largest {:.2} µm (k = 1)",
+        after.u_rms_mm / MICROMETRE,
+        after.u_max_mm / MICROMETRE
+    ));
+    lines
 }

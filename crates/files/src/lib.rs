@@ -6,7 +6,7 @@
 //! [`write_whole`] writes a file under a temporary name beside its place and renames it: whoever
 //! looks sees the old file or the new one, never a part. [`to_json`] is JSON with one line for each
 //! field, arrays of numbers included, so that a curve is a line and not a column. [`to_npy`] is a
-//! `NumPy` file for arrays that are too large for text, [`to_npz`] several of them in one file.
+//! `NumPy` file for arrays that are too large for text, [`NpzWriter`] writes several of them into one file.
 //!
 //! ```
 //! use serde::Serialize;
@@ -46,9 +46,9 @@ pub use field_line::field_line;
 pub use json::to_json;
 pub use names::{check_names, index_of};
 pub use npy::{Array, NpyError, from_npy, to_npy};
-pub use npz::{NpzError, from_npz, to_npz};
+pub use npz::{NpzError, NpzWriter, from_npz};
 pub use ordered::Ordered;
 pub use place::{Part, Place};
 pub use rounding::{round, significant};
 pub use unique_keys::unique_keys;
-pub use whole::write_whole;
+pub use whole::{write_whole, write_whole_by};

@@ -3,6 +3,8 @@
 //! Format 1.0 (NEP 1): magic string, version, length of the header, the header as a Python literal
 //! padded with spaces to a multiple of 64 bytes, then the elements.
 
+use std::io::{self, Write};
+
 /// What a file starts with: magic string and version 1.0.
 const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
 
@@ -23,6 +25,27 @@ const MAX_DIMENSIONS: usize = 32;
 /// # Panics
 /// If `data` does not have as many elements as `shape` says, or `shape` more than 32 dimensions.
 pub fn to_npy(shape: &[usize], data: impl Iterator<Item = f64>) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(2 * ALIGNMENT + 8 * shape.iter().product::<usize>());
+    // Memory takes everything.
+    write_npy(&mut bytes, shape, data).expect("memory can be written");
+    bytes
+}
+
+/// Elements that are written at a time.
+const BUFFER: usize = 8192;
+
+/// Writes the `.npy` file that [`to_npy`] makes, as the elements come.
+///
+/// # Errors
+/// Those of the writer.
+///
+/// # Panics
+/// As [`to_npy`].
+pub(crate) fn write_npy(
+    out: &mut impl Write,
+    shape: &[usize],
+    data: impl Iterator<Item = f64>,
+) -> io::Result<()> {
     assert!(
         shape.len() <= MAX_DIMENSIONS,
         "{} dimensions, NumPy takes {MAX_DIMENSIONS}",
@@ -30,18 +53,21 @@ pub fn to_npy(shape: &[usize], data: impl Iterator<Item = f64>) -> Vec<u8> {
     );
     let count: usize = shape.iter().product();
     let header = header(shape);
-    let mut bytes = Vec::with_capacity(MAGIC.len() + 2 + header.len() + 8 * count);
-    bytes.extend_from_slice(MAGIC);
+    out.write_all(MAGIC)?;
     // 32 dimensions of 20 digits stay far below the largest u16.
-    bytes.extend_from_slice(&u16::try_from(header.len()).unwrap_or(0).to_le_bytes());
-    bytes.extend_from_slice(header.as_bytes());
-    let first = bytes.len();
+    out.write_all(&u16::try_from(header.len()).unwrap_or(0).to_le_bytes())?;
+    out.write_all(header.as_bytes())?;
+    let (mut found, mut bytes) = (0, Vec::with_capacity(8 * BUFFER));
     for value in data {
         bytes.extend_from_slice(&value.to_le_bytes());
+        found += 1;
+        if bytes.len() == bytes.capacity() {
+            out.write_all(&bytes)?;
+            bytes.clear();
+        }
     }
-    let found = (bytes.len() - first) / 8;
     assert_eq!(found, count, "elements of an array of shape {shape:?}");
-    bytes
+    out.write_all(&bytes)
 }
 
 fn header(shape: &[usize]) -> String {

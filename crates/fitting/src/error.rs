@@ -77,16 +77,6 @@ pub enum Error {
         /// The smallest relative singular value of the design matrix with unit columns.
         singular_value: f64,
     },
-    /// Two lines that should span a plane are parallel.
-    #[error(
-        "the two lines make an angle of {angle_deg} degrees, need at least {limit_deg} to span a plane"
-    )]
-    Parallel {
-        /// The angle between the lines, 0 to 90 degrees.
-        angle_deg: f64,
-        /// The least angle accepted, degrees.
-        limit_deg: f64,
-    },
     /// A measured axis of rotation is nowhere near its nominal direction.
     #[error(
         "the measured axis makes {angle_deg} degrees with the nominal one, more than {limit_deg}: \

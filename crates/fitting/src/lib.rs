@@ -9,9 +9,8 @@
 //!
 //! Noun in: measured points; noun out: a [`Line`], a [`Circle`] or a [`CommonAxis`] with its
 //! covariance and residuals ([`fit_line`], [`fit_circle`], [`fit_circle_two_step`] after NIST,
-//! [`fit_common_axis`]). Average lines then give the reference frame ([`frame_from_lines`], paper
-//! 4.2.1) and [`squareness`](squareness()) (4.2.2), average axes the location errors of a rotary axis
-//! ([`axis_location`], 4.2.3). A calibration starts from these and goes on by its own adjustment of
+//! [`fit_common_axis`]). Average lines then give [`squareness`](squareness()) (paper 4.2.2),
+//! average axes the location errors of a rotary axis ([`axis_location`], 4.2.3). A calibration starts from these and goes on by its own adjustment of
 //! all steps. Lengths are mm, angles rad; signs follow the right-hand rule. The paper's own angles
 //! (Eq. 23), of which three have the opposite sign, are [`paper_squareness`] and
 //! [`paper_c_axis_tilt`].
@@ -52,7 +51,6 @@ mod error;
 mod line;
 mod paper_angles;
 mod principal_axes;
-mod reference_frame;
 mod scatter;
 mod squareness;
 
@@ -62,6 +60,5 @@ pub use common_axis::{AxisCircle, CommonAxis, fit_common_axis};
 pub use error::Error;
 pub use line::{Line, fit_line};
 pub use paper_angles::{PaperSquareness, PaperTilt, paper_c_axis_tilt, paper_squareness};
-pub use reference_frame::frame_from_lines;
 pub use scatter::Scatter;
 pub use squareness::squareness;

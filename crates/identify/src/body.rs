@@ -33,6 +33,7 @@ use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix3, Matrix6, Matrix6xX, Point3, Vector3, Vector6,
 };
 use rayon::prelude::*;
+use trueaxis_kinematics::centroid;
 
 use crate::{
     Equations, Error, MeasuredPose, StepError, StepPoints, equations, nine, pose_from_points,
@@ -339,11 +340,6 @@ fn numbered(count: usize) -> rayon::iter::MinLen<rayon::range::Iter<usize>> {
 fn home_from_points(step: &BodyStep) -> Matrix3<f64> {
     let turn = step.nominal.rotation.inverse();
     turn.to_rotation_matrix().into_inner()
-}
-
-fn centroid(points: &[Point3<f64>]) -> Point3<f64> {
-    let sum: Vector3<f64> = points.iter().map(|p| p.coords).sum();
-    Point3::from(sum / points.len().max(1) as f64)
 }
 
 fn dynamic(matrix: &Matrix6xX<f64>) -> DMatrix<f64> {

@@ -42,6 +42,7 @@
 //! ```
 
 mod axis;
+mod best_fit;
 mod component;
 mod error;
 mod frame;
@@ -52,6 +53,7 @@ mod machine;
 mod motion_error;
 
 pub use axis::{Axis, AxisKind};
+pub use best_fit::{best_fit, centroid, polished};
 pub use component::Component;
 pub use error::Error;
 pub use frame::{FrameRule, NominalTarget, SmallMotion};

@@ -7,6 +7,7 @@
 mod adjust;
 mod curvature;
 mod linearised;
+mod model;
 mod residual;
 mod scaled_svd;
 mod termination;
@@ -14,7 +15,8 @@ mod trust_region;
 
 use faer::{Mat, MatRef};
 
-pub use adjust::{Adjusted, Model, Settings, adjust};
+pub use adjust::{Adjusted, Settings, adjust};
+pub use model::Model;
 pub use termination::Termination;
 
 use crate::Error;

@@ -19,8 +19,8 @@
 use faer::{Mat, Side};
 
 use crate::Error;
+use crate::dot::dot;
 use crate::inverse::invert;
-use crate::row_products::dot;
 
 /// Sums over some or all blocks.
 #[derive(Debug, Clone)]

@@ -9,57 +9,34 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use trueaxis_leastsquares::{
-    Adjustment, BlockBatch, Error as LeastSquaresError, Factors, Lanes, Reduced, zeros,
-};
+use trueaxis_kinematics::centroid;
+use trueaxis_leastsquares::{BlockBatch, Lanes, Reduced, zeros};
 
 use crate::Network;
 use crate::batches::Batch;
 use crate::bodies::Deformations;
 use crate::datum::Datum;
-use crate::known::KnownRow;
-use crate::linearise::{Common, Tie, by_visit, fill, fill_weights};
-use crate::passes::{self, Gauge, Memories, Memory, groups_of, in_parallel, pieces, split_mut};
-use crate::state::{DATUM, PER_STATION, POSE, State, centroid, zero_column};
+use crate::known::{Columns, KnownRow};
+use crate::linearise::{Tie, by_visit, fill, fill_weights};
+use crate::memory::{Gauge, Memories, Memory};
+use crate::pieces::{pieces, split_mut};
+use crate::state::{PER_STATION, State, zero_column};
 
 /// Places in [`GroupAdjustment::starts`].
-const WEIGHTS: usize = 0;
-const ELIMINATED: usize = 1;
-
-/// Where some of the shared unknowns are, and the number of all.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Columns {
-    /// The mean constant of the reflectors, if there is one.
-    pub(crate) mean_constant: usize,
-    /// The first contrast of their constants.
-    pub(crate) contrasts: usize,
-    /// Number of shared unknowns.
-    pub(crate) count: usize,
-}
-
-impl Columns {
-    /// Behind so many others.
-    pub(crate) fn new(network: &Network, behind: usize) -> Self {
-        let contrasts = behind + usize::from(network.has_mean_constant());
-        Self {
-            mean_constant: behind,
-            contrasts,
-            count: contrasts + network.contrasts(),
-        }
-    }
-}
+pub(crate) const WEIGHTS: usize = 0;
+pub(crate) const ELIMINATED: usize = 1;
 
 /// A network as an adjustment model.
 pub(crate) struct GroupAdjustment<'a> {
-    network: &'a Network,
-    datum: Datum,
+    pub(crate) network: &'a Network,
+    pub(crate) datum: Datum,
     deformations: Deformations,
     columns: Columns,
-    batches: Arc<Vec<Batch>>,
+    pub(crate) batches: Arc<Vec<Batch>>,
     /// Where what each batch leaves to the step starts: weights, and eliminated equations. Behind them their
     /// numbers.
     starts: Vec<[usize; 2]>,
-    memories: Memories,
+    pub(crate) memories: Memories,
     /// Weights that do not follow the state.
     #[cfg(test)]
     pub(crate) held: Option<Vec<Lanes>>,
@@ -71,14 +48,14 @@ pub(crate) struct Linearised {
     /// As [`fill_weights`] makes them.
     pub(crate) weights: Vec<Lanes>,
     /// As [`BlockBatch::keep`] writes it.
-    eliminated: Vec<Lanes>,
+    pub(crate) eliminated: Vec<Lanes>,
 }
 
 /// The points and poses of the groups of some batches, to be moved.
-struct Moved<'a> {
-    points: &'a mut [Point3<f64>],
+pub(crate) struct Moved<'a> {
+    pub(crate) points: &'a mut [Point3<f64>],
     /// Empty in a network without bodies.
-    poses: &'a mut [Isometry3<f64>],
+    pub(crate) poses: &'a mut [Isometry3<f64>],
 }
 
 impl<'a> GroupAdjustment<'a> {
@@ -89,7 +66,7 @@ impl<'a> GroupAdjustment<'a> {
         let mut starts = vec![[0; 2]];
         for batch in &**batches {
             let [weights, eliminated] = starts[starts.len() - 1];
-            let kept = BlockBatch::kept_len(unknowns(batch));
+            let kept = BlockBatch::kept_len(batch.unknowns());
             starts.push([weights + batch.weights(), eliminated + kept]);
         }
         Self {
@@ -105,18 +82,6 @@ impl<'a> GroupAdjustment<'a> {
         }
     }
 
-    pub(crate) fn datum(&self) -> &Datum {
-        &self.datum
-    }
-
-    pub(crate) fn batches(&self) -> &[Batch] {
-        &self.batches
-    }
-
-    pub(crate) fn memories(&self) -> &Memories {
-        &self.memories
-    }
-
     /// Number of shared unknowns.
     pub(crate) fn shared(&self) -> usize {
         self.columns.count
@@ -129,13 +94,13 @@ impl<'a> GroupAdjustment<'a> {
 
     /// What batch `b` of a piece that starts at batch `first` has of a kind in [`Self::starts`].
     #[inline(always)]
-    fn range(&self, kind: usize, b: usize, first: usize) -> Range<usize> {
+    pub(crate) fn range(&self, kind: usize, b: usize, first: usize) -> Range<usize> {
         let start = self.starts[first][kind];
         self.starts[b][kind] - start..self.starts[b + 1][kind] - start
     }
 
     /// The parts of all batches of a kind, for each piece.
-    fn split<'l>(&self, kind: usize, all: &'l mut Vec<Lanes>) -> Vec<&'l mut [Lanes]> {
+    pub(crate) fn split<'l>(&self, kind: usize, all: &'l mut Vec<Lanes>) -> Vec<&'l mut [Lanes]> {
         let count = self.starts[self.batches.len()][kind];
         all.resize(count, Lanes::ZERO);
         let pieces = pieces(self.batches.len()).into_iter();
@@ -205,14 +170,14 @@ impl<'a> GroupAdjustment<'a> {
     }
 
     /// Adds what is known of shared unknowns.
-    fn observe_known(&self, state: &State, reduced: &mut Reduced) {
+    pub(crate) fn observe_known(&self, state: &State, reduced: &mut Reduced) {
         for row in self.known_rows(state) {
             reduced.observe(&row.columns, row.residual);
         }
     }
 
     /// Moves stations, dead paths and shapes by `factor` times the correction `s`.
-    fn step_shared(&self, state: &State, s: &[f64], factor: f64, next: &mut State) {
+    pub(crate) fn step_shared(&self, state: &State, s: &[f64], factor: f64, next: &mut State) {
         let stations = state.stations.len();
         next.stations.clone_from(&state.stations);
         for (position, x) in next.stations.iter_mut().zip(s.chunks_exact(PER_STATION)) {
@@ -246,7 +211,7 @@ impl<'a> GroupAdjustment<'a> {
     /// Moves the points of batch `b` by `factor` times what follows from the correction `s`; the bodies have the
     /// new shapes.
     #[inline(always)]
-    fn move_groups(
+    pub(crate) fn move_groups(
         &self,
         (state, b): (&State, usize),
         linearised: &Linearised,
@@ -295,157 +260,10 @@ fn moved_pose(
     Translation3::from(shift + centre) * turn * Translation3::from(-centre) * pose
 }
 
-impl Adjustment for GroupAdjustment<'_> {
-    type State = State;
-    type Linearised = Linearised;
-
-    fn reduce(
-        &self,
-        state: &State,
-        linearised: &mut Linearised,
-    ) -> Result<Reduced, LeastSquaresError> {
-        let Linearised {
-            weights,
-            eliminated,
-        } = linearised;
-        let starts = pieces(self.batches.len()).into_iter().map(|p| p.start);
-        let weights = self.split(WEIGHTS, weights).into_iter();
-        let eliminated = self.split(ELIMINATED, eliminated).into_iter();
-        let parts = starts.zip(weights.zip(eliminated)).collect();
-        let mut reduced = passes::reduce(
-            self,
-            state,
-            Gauge::Free,
-            parts,
-            #[inline(always)]
-            |b, memory, (first, (weights, eliminated)): &mut (usize, (&mut [_], &mut [_]))| {
-                weights[self.range(WEIGHTS, b, *first)].copy_from_slice(&memory.weights);
-                let kept = &mut eliminated[self.range(ELIMINATED, b, *first)];
-                memory.equations.keep(kept);
-            },
-        )?;
-        self.observe_known(state, &mut reduced);
-        Ok(reduced)
-    }
-
-    fn reduce_with_datum(&self, state: &State) -> Result<(Reduced, Factors), LeastSquaresError> {
-        let batches = &self.batches;
-        let unknowns = batches
-            .iter()
-            .flat_map(|batch| batch.groups.clone().map(|_| unknowns(batch)));
-        let mut factors = Factors::zeros(self.shared() + DATUM, unknowns);
-        let parts = factors.split_mut(&groups_of(batches, &pieces(batches.len())));
-        let mut reduced = passes::reduce(
-            self,
-            state,
-            Gauge::Datum,
-            parts,
-            #[inline(always)]
-            |b, memory, part| {
-                let groups = &batches[b].groups;
-                let equations = &mut memory.equations;
-                equations.write_factors(groups.start, groups.len(), part);
-            },
-        )?;
-        self.observe_known(state, &mut reduced);
-        Ok((reduced, factors))
-    }
-
-    fn step(
-        &self,
-        (state, linearised): (&State, &Linearised),
-        s: &[f64],
-        factor: f64,
-        next: &mut State,
-    ) -> f64 {
-        self.step_shared(state, s, factor, next);
-        let State {
-            stations,
-            dead_paths_mm,
-            points,
-            poses,
-            shapes_mm,
-            contrasts_mm,
-            ..
-        } = next;
-        let common = Common {
-            stations,
-            dead_paths_mm,
-            contrasts_mm,
-        };
-        let batches = &self.batches;
-        let pieces = pieces(batches.len());
-        let groups = groups_of(batches, &pieces);
-        let ends = &self.network.groups;
-        let of_points = groups
-            .iter()
-            .map(|g| ends[g.end - 1].end - ends[g.start].start);
-        let points = split_mut(points, of_points);
-        let has_poses = !poses.is_empty();
-        let of_poses = groups.iter().map(|g| if has_poses { g.len() } else { 0 });
-        let poses = split_mut(poses, of_poses);
-        let parts = points.into_iter().zip(poses);
-        let of_pieces = in_parallel(
-            pieces.into_iter().zip(parts).collect(),
-            #[inline(always)]
-            |(piece, (mut points, mut poses)): (Range<usize>, (&mut [_], &mut [_]))| {
-                self.memories.lend(
-                    #[inline(always)]
-                    |memory| {
-                        let mut squares = Lanes::ZERO;
-                        for b in piece {
-                            let batch = &batches[b];
-                            let groups = batch.groups.len();
-                            let own;
-                            (own, points) = points.split_at_mut(groups * batch.points);
-                            let own_poses;
-                            (own_poses, poses) =
-                                poses.split_at_mut(if has_poses { groups } else { 0 });
-                            let mut moved = Moved {
-                                points: own,
-                                poses: own_poses,
-                            };
-                            self.move_groups(
-                                (state, b),
-                                linearised,
-                                (s, factor),
-                                shapes_mm,
-                                (memory, &mut moved),
-                            );
-                            memory.beams.fill(batch, common, moved.points);
-                            let weights = &linearised.weights[self.range(WEIGHTS, b, 0)];
-                            squares += memory.beams.squares(batch, weights);
-                        }
-                        squares.sum()
-                    },
-                )
-            },
-        );
-        let known = self.known_rows(next);
-        let of_known: f64 = known.iter().map(|row| row.residual.powi(2)).sum();
-        of_pieces.into_iter().sum::<f64>() + of_known
-    }
-
-    fn free_motions(&self, state: &State) -> Vec<Vec<f64>> {
-        self.datum.free_motions(state, self.shared())
-    }
-
-    fn settle(&self, state: &mut State) {
-        let motion = self.datum.motion(self.network, &state.points);
-        state.move_by(&motion);
-    }
-}
-
-/// Number of unknowns of each group of a batch.
-pub(crate) fn unknowns(batch: &Batch) -> usize {
-    match batch.body {
-        Some(_) => POSE,
-        None => 3 * batch.points,
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use trueaxis_leastsquares::Adjustment;
+
     use super::*;
     use crate::batches::batches;
     use crate::bodies::{Bodies, Body, Placed};
@@ -527,7 +345,7 @@ mod tests {
             let _ = model.reduce(&state, &mut linearised);
             // The lengths of a step are weighed as where it begins.
             model.held = Some(linearised.weights);
-            let unknowns = unknowns(&batches[0]);
+            let unknowns = batches[0].unknowns();
             let residuals = |k: usize, by: f64| {
                 let mut moved = state.clone();
                 let mut s = vec![0.0; model.shared()];

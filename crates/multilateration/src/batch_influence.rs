@@ -19,8 +19,8 @@ use crate::adjustment::GroupAdjustment;
 use crate::batches::{Batch, batches};
 use crate::datum::Datum;
 use crate::linearise::{Tie, is_read, own_variance};
+use crate::memory::{Gauge, Memory};
 use crate::noise::factor_len;
-use crate::passes::{Gauge, Memory};
 use crate::slots::SlotVisit;
 use crate::state::State;
 use crate::{Network, Solution};
@@ -69,7 +69,7 @@ impl<'a> BatchInfluence<'a> {
     }
 
     pub(crate) fn batches(&self) -> &[Batch] {
-        self.model.batches()
+        &self.model.batches
     }
 
     pub(crate) fn state(&self) -> &State {
@@ -77,7 +77,7 @@ impl<'a> BatchInfluence<'a> {
     }
 
     pub(crate) fn datum(&self) -> &Datum {
-        self.model.datum()
+        &self.model.datum
     }
 
     /// Number of columns of `T`.

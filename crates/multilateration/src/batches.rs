@@ -12,9 +12,10 @@ use trueaxis_leastsquares::{LANES, Lanes};
 use crate::Error;
 use crate::network::{Network, VisitsByGroup};
 use crate::noise::factor_len;
-use crate::passes::{in_parallel, pieces};
+use crate::pieces::{in_parallel, pieces};
 use crate::reflectors::contrast;
 use crate::slots::{Layout, SlotVisit, Slots};
+use crate::state::POSE;
 
 /// Up to eight groups.
 pub(crate) struct Batch {
@@ -128,6 +129,13 @@ fn piece(
         batch.numbers = Arc::clone(&numbers);
     }
     batches
+}
+
+/// The groups of the batches of some pieces.
+pub(crate) fn groups_of(batches: &[Batch], pieces: &[Range<usize>]) -> Vec<Range<usize>> {
+    let of_piece =
+        |piece: &Range<usize>| batches[piece.start].groups.start..batches[piece.end - 1].groups.end;
+    pieces.iter().map(of_piece).collect()
 }
 
 /// Checks that each free point is seen from at least `need` stations; points of bodies are tied to others.
@@ -256,6 +264,14 @@ impl Batch {
     #[inline(always)]
     pub(crate) fn own<'p, T>(&self, points: &'p [T]) -> &'p [T] {
         &points[self.first_points[0]..][..self.groups.len() * self.points]
+    }
+
+    /// Number of unknowns of each group.
+    pub(crate) fn unknowns(&self) -> usize {
+        match self.body {
+            Some(_) => POSE,
+            None => 3 * self.points,
+        }
     }
 
     /// Number of weights: the triangles of all visits.

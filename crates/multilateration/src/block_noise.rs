@@ -23,7 +23,6 @@
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product, add_symmetric_product};
-use trueaxis_leastsquares::row_products::mirror;
 use trueaxis_leastsquares::{Covariance, Lanes, zeros};
 
 use crate::batch_influence::{BatchInfluence, BatchRows};
@@ -100,8 +99,8 @@ impl Solution {
                 *m += x;
             }
         }
-        mirror(&mut middle, width);
-        let middle = DMatrix::from_row_slice(width, width, &middle);
+        let mut middle = DMatrix::from_row_slice(width, width, &middle);
+        middle.fill_lower_triangle_with_upper_triangle();
         let sigma = DMatrix::from_row_slice(width, width, influence.sigma());
         let mut shared = DMatrix::zeros(2 * width, 2 * width);
         let size = (width, width);

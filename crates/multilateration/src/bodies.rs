@@ -1,9 +1,9 @@
 //! Which points move together as rigid bodies.
 
 use nalgebra::{DVector, Isometry3, Point3, Vector3};
+use trueaxis_kinematics::centroid;
 
 use crate::Error;
-use crate::state::centroid;
 
 /// Targets that keep their distances.
 #[derive(Debug, Clone, PartialEq)]

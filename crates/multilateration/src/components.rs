@@ -21,9 +21,8 @@
 //! H_k = Oᵀ V_k O     K_k = Oᵀ V_k T     M_k = Σ_groups Tᵀ V_k T     M_kl = Σ_groups Tᵀ V_k V_l T
 //! ```
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{DMatrix, Matrix2, Vector2};
 use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product, add_symmetric_product};
-use trueaxis_leastsquares::row_products::{append_product, mirror};
 use trueaxis_leastsquares::{Lanes, zeros};
 
 use crate::batch_influence::{BatchInfluence, BatchRows, VisitPart};
@@ -45,35 +44,18 @@ pub(crate) struct Components {
 pub(crate) fn components(influence: &BatchInfluence<'_>) -> Option<Components> {
     let sums = sums(influence);
     let width = influence.width();
-    let sigma = influence.sigma();
+    let sigma = DMatrix::from_row_slice(width, width, influence.sigma());
     // Σ M for V_1, for the identity, and for V_1 V_1.
     let [through, through_all, through_twice] =
-        [&sums.length, &sums.all, &sums.twice].map(|middle| {
-            let mut through = Vec::with_capacity(width * width);
-            append_product(&mut through, sigma, middle, [width; 2]);
-            through
-        });
-    let through_return: Vec<f64> = through_all
-        .iter()
-        .zip(&through)
-        .map(|(all, length)| all - length)
-        .collect();
-    let trace = |a: &[f64], b: &[f64]| -> f64 {
-        (0..width)
-            .map(|i| {
-                (0..width)
-                    .map(|j| a[i * width + j] * b[j * width + i])
-                    .sum::<f64>()
-            })
-            .sum()
-    };
+        [&sums.length, &sums.all, &sums.twice].map(|middle| &sigma * middle);
+    let through_return = &through_all - &through;
+    // Traces of products.
     let both = [
-        trace(&through, &through),
-        trace(&through, &through_return),
-        trace(&through_return, &through_return),
+        through.tr_dot(&through),
+        through.tr_dot(&through_return),
+        through_return.tr_dot(&through_return),
     ];
-    let diagonal = |a: &[f64]| (0..width).map(|i| a[i * width + i]).sum::<f64>();
-    let absorbed = pairs([&through_twice, &through, &through_all].map(|a| diagonal(a)));
+    let absorbed = pairs([&through_twice, &through, &through_all].map(|a| a.trace()));
     let [first, mixed, second] =
         std::array::from_fn(|pair| sums.left[pair] - absorbed[pair] + 0.5 * both[pair]);
     let left = Matrix2::new(first, mixed, mixed, second);
@@ -94,9 +76,9 @@ struct Sums {
     /// What of `½ tr(P V_k P V_l)` is a sum over groups, for the pairs 11, 12, 22.
     left: [f64; 3],
     /// `Tᵀ V_1 T`, `Tᵀ T` and `Tᵀ V_1 V_1 T`.
-    length: Vec<f64>,
-    all: Vec<f64>,
-    twice: Vec<f64>,
+    length: DMatrix<f64>,
+    all: DMatrix<f64>,
+    twice: DMatrix<f64>,
 }
 
 fn sums(influence: &BatchInfluence<'_>) -> Sums {
@@ -120,15 +102,9 @@ fn sums(influence: &BatchInfluence<'_>) -> Sums {
         for (sum, x) in sums.left.iter_mut().zip(part.left) {
             *sum += x;
         }
-        for (sum, part) in [
-            (&mut sums.length, part.length),
-            (&mut sums.all, part.all),
-            (&mut sums.twice, part.twice),
-        ] {
-            for (sum, x) in sum.iter_mut().zip(part) {
-                *sum += x;
-            }
-        }
+        sums.length += part.length;
+        sums.all += part.all;
+        sums.twice += part.twice;
         sums
     })
 }
@@ -201,8 +177,9 @@ impl LaneSums {
         let [noise, absorbed, own, mixed] =
             [self.noise, self.absorbed, self.own, self.mixed].map(|form| form.pairs());
         let whole = |upper: Vec<Lanes>| {
-            let mut matrix: Vec<f64> = upper.into_iter().map(Lanes::sum).collect();
-            mirror(&mut matrix, width);
+            let upper = upper.into_iter().map(Lanes::sum);
+            let mut matrix = DMatrix::from_row_iterator(width, width, upper);
+            matrix.fill_lower_triangle_with_upper_triangle();
             matrix
         };
         let [length, all] = self.residuals.map(Lanes::sum);

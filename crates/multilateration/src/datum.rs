@@ -2,10 +2,11 @@
 //!
 //! `Σ (p - n) = 0` and `Σ n × (p - n) = 0`, six constraints that stand for the six free motions.
 
-use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
+use trueaxis_kinematics::{best_fit, centroid};
 
 use crate::network::Network;
-use crate::state::{DATUM, State, centroid};
+use crate::state::{DATUM, State};
 
 /// Where rotations of the datum turn, and their scale.
 #[derive(Debug, Clone, Copy)]
@@ -15,9 +16,6 @@ pub(crate) struct Datum {
     /// comparable with translations.
     pub(crate) radius_mm: f64,
 }
-
-/// A decomposition of nine numbers needs a few.
-const MOST_SWEEPS: usize = 100;
 
 impl Datum {
     pub(crate) fn new(network: &Network) -> Self {
@@ -60,53 +58,6 @@ impl Datum {
             motion.resize(shared, 0.0);
         }
         free_motions
-    }
-}
-
-/// The motion that takes points to where they fit others best: about the centroids the rotation
-/// `R = V diag(1, 1, det VUᵀ) Uᵀ` from `Σ (p - p̄)(n - n̄)ᵀ = U S Vᵀ` (W. Kabsch, *Acta Crystallographica* A
-/// 32, 922, 1976).
-fn best_fit(points: &[Point3<f64>], to: &[Point3<f64>]) -> Isometry3<f64> {
-    let (from_centre, to_centre) = (centroid(points), centroid(to));
-    let mut products = Matrix3::zeros();
-    for (p, n) in points.iter().zip(to) {
-        products += (p - from_centre) * (n - to_centre).transpose();
-    }
-    let scale = products.amax();
-    if scale > 0.0 {
-        products /= scale;
-    }
-    let svd = products.try_svd(true, true, f64::EPSILON, MOST_SWEEPS);
-    let turn = match svd.map(|svd| (svd.u, svd.v_t)) {
-        Some((Some(u), Some(v_t))) => {
-            let sides = Vector3::new(1.0, 1.0, (u * v_t).determinant());
-            let turn = v_t.transpose() * Matrix3::from_diagonal(&sides) * u.transpose();
-            let turn = Rotation3::from_matrix_unchecked(turn);
-            polished(UnitQuaternion::from_rotation_matrix(&turn), &products)
-        }
-        // Points that are not finite.
-        _ => UnitQuaternion::identity(),
-    };
-    let shift = to_centre.coords - turn * from_centre.coords;
-    Isometry3::from_parts(Translation3::from(shift), turn)
-}
-
-/// The rotation `R` that makes `R Σ q nᵀ` symmetric, from one that nearly does: the decomposition knows
-/// a turn about the long axis of a thin network to rounding times the square of how thin it is, this
-/// to rounding times that. With `C = R Σ q nᵀ` the turn that is left is `(tr C - C)⁻¹ Σ Rq × n`.
-pub(crate) fn polished(turn: UnitQuaternion<f64>, products: &Matrix3<f64>) -> UnitQuaternion<f64> {
-    let c = turn.to_rotation_matrix() * products;
-    let symmetric = (c + c.transpose()) * 0.5;
-    let hessian = Matrix3::from_diagonal_element(c.trace()) - symmetric;
-    let moment = Vector3::new(
-        c[(1, 2)] - c[(2, 1)],
-        c[(2, 0)] - c[(0, 2)],
-        c[(0, 1)] - c[(1, 0)],
-    );
-    match hessian.try_inverse() {
-        Some(inverse) => UnitQuaternion::from_scaled_axis(inverse * moment) * turn,
-        // Points on a line: any turn about it is as good.
-        None => turn,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::baarda::ReadingTest;
 use crate::robust_weights::REMOVED;
-use crate::screen::Removed;
+use crate::screened::Removed;
 use crate::solve::MIN_STATIONS_PER_POINT;
 use crate::{Error, Network, Part, Visit};
 

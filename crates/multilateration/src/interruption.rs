@@ -5,8 +5,8 @@
 //! the station or the machine (the change depends on the direction of the beam). The turn is split
 //! only if the step explains the lengths better than these do.
 
-use nalgebra::{DMatrix, DVector};
-use trueaxis_leastsquares::row_products::dot;
+use nalgebra::{DMatrix, DVector, Vector3};
+use trueaxis_leastsquares::dot;
 
 use crate::step_tests::StepTest;
 use crate::whitened::Whitened;
@@ -20,81 +20,92 @@ const AHEAD: f64 = 10.0;
 /// this at most (chi-squared with two degrees of freedom, one in e⁵).
 const DISPLACEMENT_CHANCE: f64 = 10.0;
 
-/// Whether the step is that of an interrupted beam; `scale` is the standard deviation of w.
-pub(crate) fn is_interruption(
-    (network, solution): (&Network, &Solution),
-    rows: &Whitened,
-    step: &StepTest,
-    scale: f64,
-) -> bool {
-    let zeros = network.zero_of_readings();
-    let zero = zeros[step.first_reading];
-    let turn: Vec<usize> = (0..zeros.len()).filter(|&i| zeros[i] == zero).collect();
-    let length = turn.len().max(2) as f64 - 1.0;
-    let mut drift = vec![0.0; zeros.len()];
-    for (k, &i) in turn.iter().enumerate() {
-        drift[i] = k as f64 / length;
-    }
-    let mut displacement = vec![vec![0.0; zeros.len()]; 3];
-    for visit in network.visits.iter().filter(|v| v.station == step.station) {
-        let station_mm = solution.stations[visit.station].position_mm;
-        for i in visit.readings.clone() {
-            if i < step.first_reading || zeros[i] != zero {
-                continue;
-            }
-            let point = network.point(visit.group, network.readings[i].point);
-            let beam = (solution.points_mm[point] - station_mm).normalize();
-            for (column, u) in displacement.iter_mut().zip(beam.iter()) {
-                column[i] = *u;
-            }
-        }
-    }
-    let own = (step.w / scale).powi(2);
-    let other = |columns| explained(rows, columns) / (scale * scale);
-    own > other(vec![drift]) + AHEAD && own > other(displacement) - DISPLACEMENT_CHANCE
+/// Parts of a turn after which a zero or a tripod that settles has come to rest by 63 %.
+const SETTLED_AFTER: [f64; 4] = [0.03, 0.08, 0.2, 0.5];
+
+/// By how much the sum of squares falls, in variances of w, for what else may explain a step.
+pub(crate) struct Rivals {
+    /// The step itself.
+    step: f64,
+    /// A zero that drifts or settles, whichever is best.
+    drift: f64,
+    /// A station that settles.
+    settling: f64,
+    /// A station that is displaced at the instant of the step.
+    displacement: f64,
 }
 
-/// By how much the sum of squares falls if errors of the form of these columns, one element for each
-/// reading, are allowed for.
-fn explained(rows: &Whitened, mut columns: Vec<Vec<f64>>) -> f64 {
-    let (n, width) = (columns.len(), rows.shared_width);
-    for column in &mut columns {
-        rows.whiten(column);
-    }
-    let mut own = vec![DMatrix::<f64>::zeros(rows.own_width, n); rows.groups];
-    let mut shared = DMatrix::<f64>::zeros(width, n);
-    for (k, column) in columns.iter().enumerate() {
-        for (row, &x) in column.iter().enumerate().filter(|(_, x)| **x != 0.0) {
-            let own = own[rows.group_of_row[row]].column_mut(k);
-            for (sum, o) in own.into_iter().zip(rows.own_row(row)) {
-                *sum += x * o;
-            }
-            for (sum, t) in shared.column_mut(k).iter_mut().zip(rows.shared_row(row)) {
-                *sum += x * t;
+impl Rivals {
+    /// The rivals of a step; `scale` is the standard deviation of w.
+    pub(crate) fn of(
+        step: &StepTest,
+        (network, solution): (&Network, &Solution),
+        rows: &Whitened,
+        scale: f64,
+    ) -> Self {
+        let zeros = network.zero_of_readings();
+        let zero = zeros[step.first_reading];
+        let turn: Vec<usize> = (0..zeros.len()).filter(|&i| zeros[i] == zero).collect();
+        let mut beams = vec![Vector3::zeros(); zeros.len()];
+        for visit in network.visits.iter().filter(|v| v.station == step.station) {
+            let station_mm = solution.stations[visit.station].position_mm;
+            for i in visit.readings.clone() {
+                let point = network.point(visit.group, network.readings[i].point);
+                beams[i] = (solution.points_mm[point] - station_mm).normalize();
             }
         }
+        // The zero, or the station, follows this course, from 0 to 1 in the turn.
+        let squares = |is_station: bool, course: &dyn Fn(usize, f64) -> f64| {
+            let mut columns = vec![vec![0.0; zeros.len()]; if is_station { 3 } else { 1 }];
+            let length = turn.len().max(2) as f64 - 1.0;
+            for (k, &i) in turn.iter().enumerate() {
+                let size = course(i, k as f64 / length);
+                for (c, column) in columns.iter_mut().enumerate() {
+                    column[i] = if is_station { beams[i][c] * size } else { size };
+                }
+            }
+            explained(rows, columns) / (scale * scale)
+        };
+        let settles = |is_station: bool| {
+            let after = SETTLED_AFTER.iter();
+            after
+                .map(|after| squares(is_station, &|_, s| 1.0 - (-s / after).exp()))
+                .fold(0.0, f64::max)
+        };
+        let jumps = |i, _| f64::from(u8::from(i >= step.first_reading));
+        Self {
+            step: (step.w / scale).powi(2),
+            drift: squares(false, &|_, s| s).max(settles(false)),
+            settling: settles(true),
+            displacement: squares(true, &jumps),
+        }
     }
-    let sigma = DMatrix::from_row_slice(width, width, &rows.reduced_inverse);
-    let mut left = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]));
-    for own in &own {
-        left -= own.transpose() * own;
+
+    /// Whether the step is that of an interrupted beam, or of what cannot be told from it.
+    pub(crate) fn is_interruption(&self) -> bool {
+        self.step > self.drift + AHEAD
+            && self.step > self.displacement.max(self.settling) - DISPLACEMENT_CHANCE
     }
-    left -= shared.transpose() * sigma * &shared;
-    let right = DVector::from_fn(n, |k, _| dot(&columns[k], &rows.residuals));
-    projected_squares(left, &right)
+
+    /// Whether a displacement at that instant explains clearly less.
+    pub(crate) fn exclude_displacement(&self) -> bool {
+        self.step > self.displacement + AHEAD
+    }
 }
 
 /// A direction that the adjustment absorbs explains nothing, below this part of the largest one.
 const ABSORBED: f64 = 1e-9;
 
-/// `bᵀ A⁺ b`.
-fn projected_squares(left: DMatrix<f64>, right: &DVector<f64>) -> f64 {
-    let eigen = left.symmetric_eigen();
-    let largest = eigen.eigenvalues.amax();
-    let along = eigen.eigenvectors.tr_mul(right);
-    let parts = along.iter().zip(eigen.eigenvalues.iter());
-    parts
-        .filter(|&(_, &value)| value > ABSORBED * largest)
-        .map(|(b, value)| b * b / value)
-        .sum()
+/// By how much the sum of squares falls if errors of the form of these columns, one element for each
+/// reading, are allowed for: `bᵀ A⁺ b` with `A = XᵀMX` and `b = Xᵀv` of the whitened columns.
+fn explained(rows: &Whitened, mut columns: Vec<Vec<f64>>) -> f64 {
+    columns.iter_mut().for_each(|column| rows.whiten(column));
+    let mut kept = columns.clone();
+    kept.iter_mut().for_each(|column| rows.project(column));
+    let n = columns.len();
+    let left = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &kept[j]));
+    let right = DVector::from_fn(n, |k, _| dot(&columns[k], &rows.residuals));
+    let limit = ABSORBED * left.amax();
+    let found = left.svd(true, true).solve(&right, limit);
+    found.map_or(0.0, |estimates| right.dot(&estimates))
 }

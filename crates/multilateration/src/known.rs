@@ -9,19 +9,30 @@
 //! in its dead paths `L`. Where some of these are known, it is an unknown `m` of its own, the mean constant, and the
 //! only one that no length contains.
 
-use crate::adjustment::Columns;
+use crate::Network;
 use crate::state::{State, zero_column};
-use crate::{Error, Network};
 
-/// A dead path that is known beforehand: `|p - S| = l + L` for a reflector without a constant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct KnownDeadPath {
-    /// The station. Its first dead path is meant, before any interruption.
-    pub station: usize,
-    /// L, mm.
-    pub length_mm: f64,
-    /// Its standard uncertainty, mm.
-    pub sigma_mm: f64,
+/// Where some of the shared unknowns are, and the number of all.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Columns {
+    /// The mean constant of the reflectors, if there is one.
+    pub(crate) mean_constant: usize,
+    /// The first contrast of their constants.
+    pub(crate) contrasts: usize,
+    /// Number of shared unknowns.
+    pub(crate) count: usize,
+}
+
+impl Columns {
+    /// Behind so many others.
+    pub(crate) fn new(network: &Network, behind: usize) -> Self {
+        let contrasts = behind + usize::from(network.has_mean_constant());
+        Self {
+            mean_constant: behind,
+            contrasts,
+            count: contrasts + network.contrasts(),
+        }
+    }
 }
 
 /// A whitened observation of shared unknowns.
@@ -74,19 +85,5 @@ impl Network {
             }
         }));
         rows
-    }
-
-    pub(crate) fn check_dead_paths(&self) -> Result<(), Error> {
-        let is_good = |known: &KnownDeadPath| {
-            let numbers_are_good =
-                known.length_mm.is_finite() && known.sigma_mm.is_finite() && known.sigma_mm > 0.0;
-            numbers_are_good && known.station < self.stations.len()
-        };
-        match self.dead_paths.iter().find(|known| !is_good(known)) {
-            Some(known) => Err(Error::Malformed {
-                what: format!("{known:?} is no dead path of a station"),
-            }),
-            None => Ok(()),
-        }
     }
 }

@@ -26,7 +26,7 @@ use crate::datum::Datum;
 use crate::lane_vectors::{LaneVector, at, cross, dot, minus, plus, splat, times};
 use crate::noise::{Noise, factor_len};
 use crate::slots::SlotVisit;
-use crate::state::{DATUM, PER_STATION, POSE, State};
+use crate::state::{Common, DATUM, PER_STATION, POSE, State};
 
 /// Beams and misclosures of the slots of a batch.
 #[derive(Debug, Clone, Default)]
@@ -36,14 +36,6 @@ pub(crate) struct Beams {
     /// Their nominal places, where the datum is asked for.
     nominal: Vec<Lanes>,
     of_slots: Vec<Beam>,
-}
-
-/// What all lengths have in common.
-#[derive(Clone, Copy)]
-pub(crate) struct Common<'a> {
-    pub(crate) stations: &'a [Point3<f64>],
-    pub(crate) dead_paths_mm: &'a [f64],
-    pub(crate) contrasts_mm: &'a [f64],
 }
 
 /// The beam of a slot.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Point3;
 
-use crate::{Bodies, Error, KnownDeadPath, Noise, Reflectors};
+use crate::{Bodies, Error, Noise, Reflectors};
 
 /// Lengths between stations and points.
 ///
@@ -72,6 +72,17 @@ pub struct Reading {
     pub point: usize,
     /// Incremental length `|p - S| - L`, mm.
     pub length_mm: f64,
+}
+
+/// A dead path that is known beforehand: `|p - S| = l + L` for a reflector without a constant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownDeadPath {
+    /// The station. Its first dead path is meant, before any interruption.
+    pub station: usize,
+    /// L, mm.
+    pub length_mm: f64,
+    /// Its standard uncertainty, mm.
+    pub sigma_mm: f64,
 }
 
 impl Network {
@@ -147,6 +158,20 @@ impl Network {
         }
         self.check_dead_paths()?;
         self.noise.check()
+    }
+
+    fn check_dead_paths(&self) -> Result<(), Error> {
+        let is_good = |known: &KnownDeadPath| {
+            let numbers_are_good =
+                known.length_mm.is_finite() && known.sigma_mm.is_finite() && known.sigma_mm > 0.0;
+            numbers_are_good && known.station < self.stations.len()
+        };
+        match self.dead_paths.iter().find(|known| !is_good(known)) {
+            Some(known) => Err(Error::Malformed {
+                what: format!("{known:?} is no dead path of a station"),
+            }),
+            None => Ok(()),
+        }
     }
 
     /// The body that the points of a group are tied to.

@@ -14,9 +14,7 @@
 //! so that constants are relative to their mean, and no reflector is preferred. Constants that are drawn
 //! independently with a standard deviation `σ` have contrasts that are, too.
 
-use std::sync::Arc;
-
-use crate::{Error, Network, Settings, Solution, solve, solve_from};
+use crate::Error;
 
 /// Which reflector stands at each point of a network.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,68 +56,6 @@ impl Reflectors {
         }
         Ok(())
     }
-}
-
-/// Reflectors of a set for a laser tracker differ by no more, mm.
-pub const USUAL_DIFFERENCE_MM: f64 = 5e-3;
-
-/// Whether lengths tell less of the constants than that the reflectors are of one set: what they would leave of
-/// them is more than these differ by, and linear propagation is wrong there. Constants that are known beforehand
-/// are not open.
-fn are_open(network: &Network, solution: &Solution) -> bool {
-    let of_set = network.reflectors.as_ref();
-    let is_known = of_set.is_none_or(|reflectors| reflectors.sigma_mm.is_some());
-    let largest = solution.reflector_covariance().diagonal().amax();
-    !is_known && largest > USUAL_DIFFERENCE_MM.powi(2)
-}
-
-/// Adjusts a network by `adjust`; where its lengths leave the constants of the reflectors open, and nothing is known
-/// of these, they are taken for those of a set: the network then has [`USUAL_DIFFERENCE_MM`] as what is known.
-///
-/// # Errors
-/// Those of the second adjustment, if there is one.
-pub fn adjust_as_a_set<T>(
-    network: &mut Network,
-    solution: impl Fn(&T) -> &Solution,
-    adjust: impl Fn(&Network) -> Result<T, Error>,
-) -> Result<T, Error> {
-    let adjusted = adjust(network);
-    let unknown = network.reflectors.as_deref();
-    let unknown = unknown.filter(|reflectors| reflectors.sigma_mm.is_none());
-    let is_good = |adjusted: &T| {
-        let solution = solution(adjusted);
-        solution.termination.is_converged() && !are_open(network, solution)
-    };
-    match unknown {
-        Some(unknown) if !adjusted.as_ref().is_ok_and(is_good) => {
-            let of_a_set = Reflectors {
-                sigma_mm: Some(USUAL_DIFFERENCE_MM),
-                ..unknown.clone()
-            };
-            network.reflectors = Some(Arc::new(of_a_set));
-            adjust(network)
-        }
-        _ => adjusted,
-    }
-}
-
-/// Solves a network, from a solution of a similar one if there is one; see [`adjust_as_a_set`].
-///
-/// # Errors
-/// Those of [`solve`].
-pub fn solve_as_a_set(
-    network: &mut Network,
-    near: Option<&Solution>,
-    settings: &Settings,
-) -> Result<Solution, Error> {
-    adjust_as_a_set(
-        network,
-        |solution| solution,
-        |network| match near {
-            Some(near) => solve_from(network, near, settings),
-            None => solve(network, settings),
-        },
-    )
 }
 
 /// `H`: what a unit of contrast `m` does to the constant of a reflector.

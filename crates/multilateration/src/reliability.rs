@@ -23,6 +23,9 @@ use crate::{Network, Solution};
 pub struct Reliability {
     /// Redundancy number ([`Solution::redundancy_numbers`]).
     pub redundancy: f64,
+    /// Baarda's w, the residual in units of its standard deviation: standard normal if nothing is wrong; zero
+    /// where nothing checks the reading.
+    pub standardized: f64,
     /// Smallest error that screening finds with a probability of 80 %, mm; infinite where nothing
     /// checks the reading.
     pub minimal_detectable_mm: f64,
@@ -52,6 +55,7 @@ impl Solution {
         let tests = test_all(&BatchInfluence::new(network, self)).readings;
         let reliability = |test: &ReadingTest| Reliability {
             redundancy: test.redundancy,
+            standardized: test.w,
             minimal_detectable_mm: factor * test.sigma_mm,
         };
         tests.iter().map(reliability).collect()

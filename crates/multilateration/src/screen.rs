@@ -17,95 +17,10 @@
 //!
 //! A campaign without gross errors passes after one adjustment and its tests.
 
-use std::sync::Arc;
-
+use crate::screened::Screened;
 use crate::screening::Screening;
-use crate::solve::{Settings, solve};
-use crate::{Error, Network, NoiseEstimate, Solution, estimate_noise};
-
-/// A network that was cleaned and solved.
-#[derive(Debug, Clone)]
-pub struct Screened {
-    /// The lengths that were kept, with the interruptions found and the estimated noise.
-    pub network: Network,
-    /// Its solution; the search shares it while it lasts.
-    pub solution: Arc<Solution>,
-    /// The estimated noise.
-    pub noise: NoiseEstimate,
-    /// Sum of squares of the whitened residuals with the given noise: chi-squared with the degrees of
-    /// freedom of the solution if that is right.
-    pub given_squares: f64,
-    /// For each reading of the network the reading of the original one.
-    pub kept: Vec<usize>,
-    /// The readings that were removed, in measuring order.
-    pub removed: Vec<Removed>,
-    /// The jumps found in the zeros of stations, in measuring order.
-    pub jumps: Vec<Jump>,
-    /// Whether the search came to an end. If not, tests still ask for changes.
-    pub settled: bool,
-}
-
-/// A reading that contradicts the others.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Removed {
-    /// The reading in the original network.
-    pub reading: usize,
-    /// Its estimated error, observed minus right, mm.
-    pub error_mm: f64,
-    /// Standard uncertainty of that, mm.
-    pub u_mm: f64,
-    /// It does not contradict the others, but nothing checks it beside a reading of the same point that
-    /// does.
-    pub unchecked: bool,
-}
-
-/// A jump of a station's zero.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Jump {
-    /// The station.
-    pub station: usize,
-    /// First reading after it, in the original network.
-    pub first_reading: usize,
-    /// By how much the lengths changed, mm.
-    pub change_mm: f64,
-    /// Standard uncertainty of that, mm.
-    pub u_mm: f64,
-}
-
-impl Screened {
-    /// All readings with full weight in one adjustment, and the noise that they show.
-    ///
-    /// # Errors
-    /// Those of [`solve`].
-    pub fn plain(network: &Network, declared: bool, settings: &Settings) -> Result<Self, Error> {
-        let mut network = network.clone();
-        let mut solution = solve(&network, settings)?;
-        let given_squares = solution.squares;
-        let noise = estimate_noise(&mut network, &mut solution, declared, settings)?;
-        Ok(Self {
-            kept: (0..network.readings.len()).collect(),
-            network,
-            solution: Arc::new(solution),
-            noise,
-            given_squares,
-            removed: Vec::new(),
-            jumps: Vec::new(),
-            settled: true,
-        })
-    }
-
-    /// Observed minus computed length of every reading of the original network, mm.
-    pub fn residuals_mm(&self) -> Vec<f64> {
-        let mut residuals_mm = vec![0.0; self.kept.len() + self.removed.len()];
-        for (&reading, &residual_mm) in self.kept.iter().zip(&self.solution.residuals_mm) {
-            residuals_mm[reading] = residual_mm;
-        }
-        for removed in &self.removed {
-            residuals_mm[removed.reading] = removed.error_mm;
-        }
-        residuals_mm
-    }
-}
+use crate::solve::Settings;
+use crate::{Error, Network};
 
 /// Estimates of the noise, each followed by another look at the tests.
 const MAX_NOISE_UPDATES: usize = 5;

@@ -10,7 +10,7 @@ use crate::batch_influence::BatchInfluence;
 use crate::estimate_noise::level;
 use crate::guard;
 use crate::robust_weights::{REMOVED, scale, welsch};
-use crate::screen::{Removed, Screened};
+use crate::screened::{Removed, Screened};
 use crate::solve::{ABSURD_MM, Settings, batches_of, far_at, solve, solve_from, solve_from_start};
 use crate::start::{Start, start};
 use crate::whitened::Whitened;
@@ -66,6 +66,8 @@ pub(crate) struct Screening<'a> {
     unchecked: Vec<bool>,
     /// So many steps were found that they are none: something else changes with time.
     pub(crate) never_split: bool,
+    /// Interruptions that no displacement of the station explains.
+    pub(crate) moved_tripods_excluded: Vec<Interruption>,
     /// Whether the snooping came to an end.
     settled: bool,
     /// Solutions in a row that did not reach the minimum.
@@ -114,6 +116,7 @@ impl<'a> Screening<'a> {
             far,
             unchecked: vec![false; readings],
             never_split: false,
+            moved_tripods_excluded: Vec::new(),
             settled: true,
             lost: 0,
             noise_known: None,

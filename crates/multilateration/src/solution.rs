@@ -5,8 +5,7 @@ use nalgebra::{DMatrix, Isometry3, Matrix4, Point3};
 use trueaxis_leastsquares::{Covariance, Termination};
 
 use crate::Network;
-use crate::adjustment::Columns;
-use crate::known::KnownRow;
+use crate::known::{Columns, KnownRow};
 use crate::reflectors::contrast;
 use crate::state::{PER_STATION, State, zero_column};
 

@@ -8,7 +8,7 @@ use trueaxis_leastsquares::{
 
 use crate::adjustment::{GroupAdjustment, Linearised};
 use crate::batches::{Batch, batches, check_seen};
-use crate::passes::within_pool;
+use crate::pieces::within_pool;
 use crate::reflectors::constants_mm;
 use crate::start::{Image, Start, start};
 use crate::state::{DATUM, PER_STATION, POSE, State};
@@ -174,7 +174,7 @@ fn ran_away(network: &Network, model: &GroupAdjustment<'_>, start: &State, error
     match worst {
         Some((reading, residual_mm))
             if determined && residual_mm.abs() >= ABSURD_MM
-                || residual_mm.abs() > CONTRADICTION * model.datum().radius_mm =>
+                || residual_mm.abs() > CONTRADICTION * model.datum.radius_mm =>
         {
             Error::RanAway {
                 reading,

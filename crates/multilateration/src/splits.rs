@@ -1,9 +1,9 @@
 //! Where turns are split because the zero of a station jumped: found, placed, and taken back.
 
 use crate::baarda::ReadingTest;
-use crate::interruption::is_interruption;
+use crate::interruption::Rivals;
 use crate::robust_weights::{REMOVED, distances_from_neighbours};
-use crate::screen::Jump;
+use crate::screened::Jump;
 use crate::screening::Screening;
 use crate::step_tests::{StepTest, largest_steps};
 use crate::{Error, Interruption, Network, Solution};
@@ -58,7 +58,9 @@ impl Screening<'_> {
         steps.sort_by(|a, b| b.w.abs().total_cmp(&a.w.abs()));
         let solution = self.solution.as_deref()?;
         let mut steps = steps.into_iter();
-        steps.find(|step| is_interruption((&self.network, solution), &rows, step, scale))
+        steps.find(|step| {
+            Rivals::of(step, (&self.network, solution), &rows, scale).is_interruption()
+        })
     }
 
     pub(crate) fn split(&mut self, station: usize, first_reading: usize) {
@@ -76,17 +78,29 @@ impl Screening<'_> {
 
     /// Seeks the instant of each interruption again, now that all good readings have full weight.
     pub(crate) fn place_interruptions(&mut self) -> Result<(), Error> {
+        self.moved_tripods_excluded.clear();
+        let (_, scale) = self.tests()?;
         for interruption in self.network.interruptions.clone() {
             self.network.interruptions.retain(|i| *i != interruption);
             self.solve()?;
-            let rows = self.hat_rows();
-            let steps = rows.map_or_else(Vec::new, |rows| largest_steps(&self.network, &rows));
-            let of_station = steps
-                .into_iter()
-                .filter(|s| s.station == interruption.station);
+            let (Some(rows), Some(solution)) = (self.hat_rows(), self.solution.as_deref()) else {
+                self.split(interruption.station, interruption.first_reading);
+                self.solve()?;
+                continue;
+            };
+            let steps = largest_steps(&self.network, &rows).into_iter();
+            let of_station = steps.filter(|s| s.station == interruption.station);
             let best = of_station.max_by(|a, b| a.w.abs().total_cmp(&b.w.abs()));
             let first_reading = best.map_or(interruption.first_reading, |s| s.first_reading);
+            let rivals =
+                best.map(|step| Rivals::of(&step, (&self.network, solution), &rows, scale));
             self.split(interruption.station, first_reading);
+            if rivals.is_some_and(|rivals| rivals.exclude_displacement()) {
+                self.moved_tripods_excluded.push(Interruption {
+                    first_reading,
+                    ..interruption
+                });
+            }
             self.solve()?;
         }
         Ok(())
@@ -133,6 +147,7 @@ impl Screening<'_> {
             .zip(original)
             .map(|(jump, interruption)| Jump {
                 first_reading: interruption.first_reading,
+                tripod_may_have_moved: !self.moved_tripods_excluded.contains(interruption),
                 ..jump
             })
             .collect()
@@ -155,6 +170,7 @@ fn jumps(network: &Network, solution: &Solution) -> Vec<Jump> {
                 first_reading: interruption.first_reading,
                 change_mm,
                 u_mm,
+                tripod_may_have_moved: true,
             }
         })
         .collect()

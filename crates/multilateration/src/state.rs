@@ -1,10 +1,9 @@
 //! Values of all unknowns of a network.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use trueaxis_kinematics::{centroid, polished};
 
 use crate::bodies::{Bodies, Placed};
-use crate::datum::polished;
-use crate::linearise::Common;
 use crate::network::Network;
 use crate::reflectors::constants_mm;
 
@@ -43,6 +42,14 @@ pub(crate) struct State {
     pub(crate) mean_constant_mm: f64,
     /// Of the constants of reflectors ([`crate::reflectors`]).
     pub(crate) contrasts_mm: Vec<f64>,
+}
+
+/// What all lengths have in common.
+#[derive(Clone, Copy)]
+pub(crate) struct Common<'a> {
+    pub(crate) stations: &'a [Point3<f64>],
+    pub(crate) dead_paths_mm: &'a [f64],
+    pub(crate) contrasts_mm: &'a [f64],
 }
 
 impl State {
@@ -158,10 +165,4 @@ impl Placed {
         let turn = polished(self.ref_from_home.rotation, &products);
         Isometry3::from_parts((centre.coords - turn * home_centre).into(), turn)
     }
-}
-
-/// Mean of some points.
-pub(crate) fn centroid(points: &[Point3<f64>]) -> Point3<f64> {
-    let sum: Vector3<f64> = points.iter().map(|p| p.coords).sum();
-    Point3::from(sum / points.len().max(1) as f64)
 }

@@ -9,8 +9,9 @@
 //!
 //! and all sums grow reading by reading.
 
+use nalgebra::{DMatrix, DMatrixView};
 use rayon::prelude::*;
-use trueaxis_leastsquares::row_products::{append_product, dot};
+use trueaxis_leastsquares::dot;
 
 use crate::baarda::CHECKED_TOL;
 use crate::network::Network;
@@ -55,7 +56,9 @@ fn largest_step(turn: &[(usize, usize)], network: &Network, rows: &Whitened) -> 
     let mut largest: Option<StepTest> = None;
     let mut sums = Sums::new(rows);
     let mut steps: Vec<(usize, Step)> = Vec::with_capacity(STEPS);
-    let (mut shared, mut through) = (Vec::with_capacity(STEPS * width), Vec::new());
+    // Symmetric: rows are columns.
+    let sigma = DMatrixView::from_slice(&rows.reduced_inverse, width, width);
+    let mut shared = Vec::with_capacity(STEPS * width);
     for (place, &(reading, visit)) in turn.iter().enumerate().skip(1).rev() {
         sums.add(rows, reading, visit);
         steps.push((place, sums.step));
@@ -63,11 +66,11 @@ fn largest_step(turn: &[(usize, usize)], network: &Network, rows: &Whitened) -> 
         if steps.len() < STEPS && place > 1 {
             continue;
         }
-        through.clear();
-        append_product(&mut through, &shared, &rows.reduced_inverse, [width; 2]);
-        let parts = shared.chunks_exact(width).zip(through.chunks_exact(width));
-        for ((place, step), (shared, through)) in steps.drain(..).zip(parts) {
-            let kept = step.squares - step.own_squares - dot(through, shared);
+        let of_steps = DMatrixView::from_slice(&shared, width, steps.len());
+        let through: DMatrix<f64> = sigma * of_steps;
+        let parts = through.column_iter().zip(of_steps.column_iter());
+        for ((place, step), (through, shared)) in steps.drain(..).zip(parts) {
+            let kept = step.squares - step.own_squares - through.dot(&shared);
             if kept <= CHECKED_TOL * step.squares {
                 continue;
             }

@@ -32,7 +32,7 @@ mod groups;
 use nalgebra::Vector3;
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
-use trueaxis_leastsquares::{Lanes, in_widest_registers, zeros};
+use trueaxis_leastsquares::{Lanes, dot, in_widest_registers, zeros};
 
 use self::errors::ErrorNoise;
 use self::groups::{At, TrialGroups};
@@ -306,7 +306,7 @@ impl Trials {
             .iter_mut()
             .zip(self.reduced_inverse.chunks_exact(width))
         {
-            *step = trueaxis_leastsquares::row_products::dot(row, &right);
+            *step = dot(row, &right);
         }
         let of_shared = corrections.shared.iter_mut().zip(&*step).zip(&gradient);
         for ((value, step), gradient) in of_shared {

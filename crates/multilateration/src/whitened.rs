@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use trueaxis_leastsquares::row_products::dot;
+use trueaxis_leastsquares::dot;
 
 use crate::batch_influence::{BatchInfluence, BatchRows};
 use crate::batches::Batch;

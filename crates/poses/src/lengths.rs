@@ -8,6 +8,7 @@ mod known;
 mod reflectors;
 mod refused;
 mod report;
+mod residuals;
 pub(crate) mod scale;
 mod shared_sources;
 mod side_difference;
@@ -20,5 +21,6 @@ pub use circumstances::{
 };
 pub use effects::EffectsOnLengths;
 pub use reflectors::ReflectorConstant;
+pub use residuals::LengthResidual;
 pub use scale::{ScaleBasis, ScaleResult};
 pub use side_difference::SideDifference;

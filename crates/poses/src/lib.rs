@@ -59,8 +59,9 @@ mod words;
 
 pub use error::Error;
 pub use lengths::{
-    EffectsOnLengths, LengthCircumstances, LengthsAdjustment, Observation, ReflectorConstant,
-    ScaleBasis, ScaleResult, SideDifference, length_circumstances, scene_of, temperature_histories,
+    EffectsOnLengths, LengthCircumstances, LengthResidual, LengthsAdjustment, Observation,
+    ReflectorConstant, ScaleBasis, ScaleResult, SideDifference, length_circumstances, scene_of,
+    temperature_histories,
 };
 pub use measure::{MeasuredPoses, NoiseByEquations, measure};
 pub use poses::{PoseNoise, PoseObservation, Poses, TargetBody, ThroughSources, turned_about};

@@ -4,9 +4,7 @@ mod coordinates;
 pub(crate) mod equations;
 mod measured;
 pub(crate) mod report;
-mod rigid_fit;
 pub(crate) mod rigidity;
 
 pub(crate) use coordinates::points_from_coordinates;
 pub(crate) use measured::{MeasuredPoints, PointGroup, PointNoise};
-pub(crate) use rigid_fit::centroid;

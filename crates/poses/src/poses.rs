@@ -103,15 +103,25 @@ impl PoseNoise {
         self.shared += &self.declared;
     }
 
-    /// The variance of a function with these coefficients of the shared sources.
-    pub fn through_sources(&self, coefficients: RowDVector<f64>) -> ThroughSources {
-        let products = (&coefficients * &self.shared).component_mul(&coefficients);
-        let of_shapes = products.columns(self.of_stations, self.width() - self.of_stations);
-        ThroughSources {
-            stations: products.columns(0, self.of_stations).sum(),
-            declared: (&coefficients * &self.declared).dot(&coefficients),
-            shapes: of_shapes.sum(),
-        }
+    /// The variances of functions with these coefficients of the shared sources, a row each.
+    pub fn through_sources(&self, coefficients: &DMatrix<f64>) -> Vec<ThroughSources> {
+        let products = (coefficients * &self.shared).component_mul(coefficients);
+        let is_declared = self.declared.iter().any(|x| *x != 0.0);
+        let declared = match is_declared {
+            true => (coefficients * &self.declared).component_mul(coefficients),
+            false => DMatrix::zeros(coefficients.nrows(), coefficients.ncols()),
+        };
+        let of_function = |(products, declared): (RowDVector<f64>, RowDVector<f64>)| {
+            let of_shapes = products.columns(self.of_stations, self.width() - self.of_stations);
+            ThroughSources {
+                stations: products.columns(0, self.of_stations).sum(),
+                declared: declared.sum(),
+                shapes: of_shapes.sum(),
+            }
+        };
+        let functions = products.row_iter().zip(declared.row_iter());
+        let functions = functions.map(|(p, d)| (p.into_owned(), d.into_owned()));
+        functions.map(of_function).collect()
     }
 }
 

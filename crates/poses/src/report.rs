@@ -88,6 +88,18 @@ pub struct InterruptedTurn {
     pub change_mm: f64,
     /// Standard uncertainty of that, mm.
     pub u_mm: f64,
+    /// Not only an interrupted beam explains it, but a tripod that moved as well.
+    pub tripod_may_have_moved: bool,
+}
+
+impl InterruptedTurn {
+    /// What made the lengths jump, in words.
+    pub fn cause(&self) -> &'static str {
+        match self.tripod_may_have_moved {
+            true => "the beam was interrupted, or the tripod moved",
+            false => "the beam was interrupted",
+        }
+    }
 }
 
 /// A step whose points do not move as a rigid body.

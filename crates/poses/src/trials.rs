@@ -8,12 +8,12 @@
 use nalgebra::{DMatrix, DVector, Isometry3, Point3, Vector6};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
+use trueaxis_kinematics::centroid;
 use trueaxis_multilateration::{Station, Trials, Workspace};
 
 use crate::Error;
 use crate::lengths::scale::at_scale;
 use crate::measure::MeasuredPoses;
-use crate::points::centroid;
 use crate::poses::TargetBody;
 
 /// Measured poses that can be measured again with other errors.

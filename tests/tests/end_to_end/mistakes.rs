@@ -1,5 +1,6 @@
 //! What people do wrong, made in campaigns of three machines: the message names the mistake and where it was made.
 
+use nalgebra::Rotation3;
 use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_campaign::{Campaign, Stop, read, write};
 use trueaxis_kinematics::Axis;
@@ -213,6 +214,33 @@ fn made(campaign: &Campaign) -> Vec<Made> {
             campaign.machine.axes()[axis].name()
         );
         add("axis reversed", reversed, &[&words]);
+    }
+    // A table that tilts stood tilted when the nominal positions were taken.
+    if let Some(tilt) = campaign
+        .machine
+        .axes()
+        .iter()
+        .position(|axis| axis.name() == "A")
+    {
+        let steps = campaign.steps.iter();
+        let mut of_tilt =
+            steps.filter(|step| step.run.is_some_and(|r| campaign.runs[r].axis == tilt));
+        let angle = of_tilt.next().unwrap().positions[tilt];
+        let axis = &campaign.machine.axes()[tilt];
+        let turn = Rotation3::from_axis_angle(&axis.direction(), angle);
+        let mut away = campaign.clone();
+        for target in &mut away.targets {
+            if campaign.machine.chain(target.carrier).contains(&tilt) {
+                target.home_mm =
+                    axis.reference_mm() + turn * (target.home_mm - axis.reference_mm());
+            }
+        }
+        let words = format!("with A at {:.3}°", angle.to_degrees());
+        add(
+            "nominals at the tilted table",
+            away,
+            &["`position_mm`", &words],
+        );
     }
     all
 }

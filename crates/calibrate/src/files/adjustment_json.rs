@@ -76,5 +76,6 @@ fn interruption(turn: &InterruptedTurn) -> Value {
         "times_s": turn.times_s,
         "change_um": um(turn.change_mm),
         "u_um": um(turn.u_mm),
+        "cause": turn.cause(),
     })
 }

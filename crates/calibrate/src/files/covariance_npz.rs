@@ -8,17 +8,22 @@
 //! ```
 
 use std::collections::BTreeMap;
+use std::io::{self, Cursor, Seek, Write};
 
 use nalgebra::{DMatrix, Matrix6};
-use trueaxis_files::{Array, from_npz, to_npy, to_npz};
+use trueaxis_files::{Array, NpzWriter, from_npz};
 
 use crate::files::read_error::CovarianceProblem;
 use crate::result::calibration::Calibration;
-use crate::result::factored_covariance::FactoredCovariance;
+use crate::result::factored_covariance::{FactoredCovariance, scaled};
+use crate::result::sensitivities::{Rows, Sensitivities};
 
 const OWN: &str = "own";
 const SENSITIVITIES: &str = "sensitivities";
 const SHARED: &str = "shared";
+
+/// Rows of sensitivities that are taken at a time.
+const ROWS: usize = 768;
 
 impl FactoredCovariance {
     /// Name of its file, beside `calibration.json`.
@@ -28,6 +33,18 @@ impl FactoredCovariance {
 impl Calibration {
     /// The bytes of `covariance.npz`.
     pub fn covariance_npz(&self) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        // Memory takes everything, and the names differ.
+        self.write_covariance_npz(&mut bytes)
+            .expect("memory can be written");
+        bytes.into_inner()
+    }
+
+    /// Writes `covariance.npz`.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write_covariance_npz(&self, out: impl Write + Seek) -> io::Result<()> {
         let results = self.results().into_iter();
         let per_unit: Vec<f64> = results
             .map(|result| result.output.unit().size().recip())
@@ -36,18 +53,20 @@ impl Calibration {
             own,
             sensitivities,
             shared,
-        } = self.factors.scaled(&per_unit);
-        let blocks = own.iter().flat_map(|block| block.iter().copied());
+        } = &self.factors;
         let (rows, columns) = sensitivities.shape();
-        to_npz(&[
-            // Symmetric: columns are rows.
-            (OWN, to_npy(&[own.len(), 6, 6], blocks)),
-            (
-                SENSITIVITIES,
-                to_npy(&[rows, columns], sensitivities.transpose().iter().copied()),
-            ),
-            (SHARED, to_npy(&[columns, columns], shared.iter().copied())),
-        ])
+        let blocks = own.iter().zip(per_unit.chunks_exact(6));
+        let blocks = blocks.map(|(own, factors)| scaled(own, factors).data.0);
+        let elements = sensitivities.elements().enumerate();
+        let mut npz = NpzWriter::new(out);
+        // Symmetric: columns are rows.
+        let blocks = blocks.flatten().flatten();
+        npz.array(OWN, &[own.len(), 6, 6], blocks)?;
+        let elements = elements.map(|(i, x)| x * per_unit[i / columns]);
+        npz.array(SENSITIVITIES, &[rows, columns], elements)?;
+        npz.array(SHARED, &[columns, columns], shared.iter().copied())?;
+        npz.finish()?;
+        Ok(())
     }
 }
 
@@ -63,13 +82,18 @@ impl FactoredCovariance {
         let sensitivities = taken(&mut arrays, SENSITIVITIES, &[Some(results), None])?;
         let columns = sensitivities.shape[1];
         let shared = taken(&mut arrays, SHARED, &[Some(columns), Some(columns)])?;
+        let rows = sensitivities.data.chunks(ROWS * columns.max(1));
+        let rows = rows.enumerate().map(|(i, piece)| {
+            let count = piece.len() / columns.max(1);
+            Rows::new(ROWS * i, &DMatrix::from_row_slice(count, columns, piece))
+        });
         Ok(Self {
             own: own
                 .data
                 .chunks_exact(36)
                 .map(Matrix6::from_row_slice)
                 .collect(),
-            sensitivities: DMatrix::from_row_slice(results, columns, &sensitivities.data),
+            sensitivities: Sensitivities::new(columns, rows.collect()),
             shared: DMatrix::from_row_slice(columns, columns, &shared.data),
         })
     }

@@ -14,6 +14,7 @@
 
 use std::f64::consts::TAU;
 
+use trueaxis_campaign::Direction;
 use trueaxis_kinematics::AxisKind;
 
 use crate::result::interpolation::{Place, sides_of};
@@ -46,6 +47,8 @@ pub(crate) struct Sample {
 
 #[derive(Debug, Clone, PartialEq)]
 struct Side {
+    /// Side of approach, where kept apart.
+    direction: Option<Direction>,
     /// In order of position; behind the ends of a closed turn those of the turns before and after it.
     knots: Vec<Knot>,
     /// First and last step.
@@ -71,11 +74,36 @@ impl Curve {
                 position: place.position(),
                 node,
             });
-            Side::new(kind, knots.collect())
+            Side::new(kind, side, knots.collect())
         };
         Self {
             sides: sides_of(nodes).into_iter().map(of_side).collect(),
         }
+    }
+
+    /// The steps in rising order, each once, mm or rad.
+    pub(crate) fn steps(&self) -> Vec<f64> {
+        let of_side = |side: &Side| -> Vec<f64> {
+            let [first, last] = side.range;
+            let positions = side.knots.iter().map(|knot| knot.position);
+            let own = positions.filter(|q| (first..=last).contains(q));
+            own.collect()
+        };
+        let mut steps: Vec<f64> = self.sides.iter().flat_map(of_side).collect();
+        steps.sort_by(f64::total_cmp);
+        steps.dedup_by(|a, b| (*a - *b).abs() <= SAME);
+        steps
+    }
+
+    /// Whether both sides of approach have a curve of their own.
+    pub(crate) fn keeps_sides_apart(&self) -> bool {
+        self.sides.len() > 1
+    }
+
+    /// The curve at a position approached from one side; the mean where the sides are not apart.
+    pub(crate) fn at_from(&self, position: f64, direction: Direction) -> Sample {
+        let own = self.sides.iter().find(|s| s.direction == Some(direction));
+        own.map_or_else(|| self.at(position), |side| side.at(position))
     }
 
     /// The curve at a position: the mean of the sides of approach that reach it, the nearest step if none does.
@@ -109,7 +137,7 @@ impl Curve {
 }
 
 impl Side {
-    fn new(kind: AxisKind, mut knots: Vec<Knot>) -> Self {
+    fn new(kind: AxisKind, direction: Option<Direction>, mut knots: Vec<Knot>) -> Self {
         let steps = knots.len();
         let at = |k: Option<&Knot>| k.map_or(0.0, |knot| knot.position);
         let range = [at(knots.first()), at(knots.last())];
@@ -125,6 +153,7 @@ impl Side {
             knots = with_other_turns(&knots, range);
         }
         Self {
+            direction,
             knots,
             range,
             is_closed,
@@ -219,7 +248,7 @@ fn divided_difference(knots: &[Knot]) -> Vec<(usize, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trueaxis_campaign::Direction::{self, Backward, Forward};
+    use trueaxis_campaign::Direction::{Backward, Forward};
 
     struct At(f64, Option<Direction>);
 

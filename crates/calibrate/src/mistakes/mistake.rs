@@ -2,7 +2,7 @@
 
 use nalgebra::Isometry3;
 use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::{AxisKind, GeometricErrors, LocationError, MotionError};
+use trueaxis_kinematics::{AxisKind, Ideal};
 
 use crate::mistakes::scope::Scope;
 
@@ -69,7 +69,7 @@ impl Mistake {
                 for target in &mut changed.targets {
                     let chain = campaign.machine.chain(target.carrier);
                     let motion: Isometry3<f64> =
-                        campaign.machine.chain_motion(&Perfect, chain, positions);
+                        campaign.machine.chain_motion(&Ideal, chain, positions);
                     target.home_mm = motion.inverse() * target.home_mm;
                 }
                 changed
@@ -149,19 +149,6 @@ impl Mistake {
                 scope.in_words(campaign)
             ),
         }
-    }
-}
-
-/// A machine without errors.
-struct Perfect;
-
-impl GeometricErrors for Perfect {
-    fn location(&self, _: usize) -> LocationError {
-        LocationError::default()
-    }
-
-    fn motion(&self, _: usize, _: f64) -> MotionError {
-        MotionError::default()
     }
 }
 

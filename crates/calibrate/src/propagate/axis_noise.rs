@@ -12,8 +12,10 @@
 //! The first part, *own*, is what remains if the shared sources are known; it is zero between axes and
 //! between the `m` of different nodes.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
-use trueaxis_poses::PoseNoise;
+use trueaxis_poses::{PoseNoise, ThroughSources};
 
 use crate::identify::axis_data::AxisData;
 use crate::identify::context::Context;
@@ -21,6 +23,9 @@ use crate::identify::gauge::Gauge;
 use crate::identify::identify_axes::{Identified, Sensitivity};
 use crate::in_order;
 use crate::propagate::variance::Variance;
+
+/// Nodes whose variances are made at a time.
+const NODES: usize = 32;
 
 /// Linear functions of an axis' parameters and mean pose errors.
 pub(crate) struct AxisForm {
@@ -41,7 +46,7 @@ pub(crate) struct PosePart {
 
 impl AxisForm {
     /// The component errors of some nodes: six functions each.
-    pub(crate) fn component_errors(gauge: &Gauge, nodes: std::ops::Range<usize>) -> Self {
+    pub(crate) fn component_errors(gauge: &Gauge, nodes: Range<usize>) -> Self {
         let mut parameters = DMatrix::zeros(6 * nodes.len(), gauge.parameters());
         let mut poses = Vec::new();
         for (i, node) in nodes.enumerate() {
@@ -141,7 +146,22 @@ impl<'a> AxisNoise<'a> {
         &self,
         through_base: impl Fn(usize) -> Option<ThroughBase> + Sync,
     ) -> Vec<[Variance; 6]> {
-        in_order::map(self.axis.nodes.len(), |k| {
+        let count = self.axis.nodes.len();
+        let pieces = in_order::map(count.div_ceil(NODES), |piece| {
+            let nodes = NODES * piece..count.min(NODES * (piece + 1));
+            self.variances_of(nodes, &through_base)
+        });
+        pieces.into_iter().flatten().collect()
+    }
+
+    fn variances_of(
+        &self,
+        nodes: Range<usize>,
+        through_base: impl Fn(usize) -> Option<ThroughBase>,
+    ) -> Vec<[Variance; 6]> {
+        let mut all_shared = DMatrix::zeros(6 * nodes.len(), self.noise.width());
+        let mut variances = Vec::with_capacity(nodes.len());
+        for (i, k) in nodes.enumerate() {
             let node = self.node(k);
             let effect = &self.gauge.node_effects[k];
             let mixed = &node.cross * effect.transpose();
@@ -153,16 +173,28 @@ impl<'a> AxisNoise<'a> {
                 own += base.own;
                 shared += base.shared;
             }
+            all_shared.fixed_rows_mut::<6>(6 * i).copy_from(&shared);
+            variances.push((own, uncancelled));
+        }
+        // Together: one product with the covariance of the sources.
+        let through = self.noise.through_sources(&all_shared);
+        let nodes = variances.iter().zip(through.chunks_exact(6));
+        let of_node = |((own, uncancelled), through): (&(Vector6<f64>, Vector6<f64>), &[_])| {
             std::array::from_fn(|c| {
-                let through = self.noise.through_sources(shared.row(c).into_owned());
+                let ThroughSources {
+                    stations,
+                    declared,
+                    shapes,
+                } = through[c];
                 Variance {
-                    own: own[c] + through.shapes,
-                    through: through.stations,
-                    declared: through.declared,
+                    own: own[c] + shapes,
+                    through: stations,
+                    declared,
                     uncancelled: uncancelled[c],
                 }
             })
-        })
+        };
+        nodes.map(of_node).collect()
     }
 
     /// Own part of the covariance between functions `a` (rows) and `b` (columns).

@@ -13,59 +13,39 @@
 //! [same node] B + L S Lᵀ + L Zᵀ + Z Lᵀ + F Σ Fᵀ        U = [L Z F]     M = [S I 0; I 0 0; 0 0 Σ]
 //! ```
 
-use nalgebra::DMatrix;
+use std::ops::Range;
 
+use nalgebra::{DMatrix, Matrix6};
+
+use crate::in_order;
 use crate::propagate::axis_noise::AxisForm;
-use crate::propagate::propagation::{Propagation, place_of};
+use crate::propagate::propagation::{Noise, place_of};
 use crate::result::calibration::{AxisResult, StationResult, widening_of_components};
-use crate::result::factored_covariance::FactoredCovariance;
+use crate::result::factored_covariance::{FactoredCovariance, scaled};
 use crate::result::numbered::results;
+use crate::result::sensitivities::{Rows, Sensitivities};
+
+/// Nodes that one thread takes at a time.
+const NODES: usize = 128;
 
 impl FactoredCovariance {
-    /// Of the results that `propagation` gave their uncertainties; stations are not widened where runs contradict
+    /// Of the results that have their uncertainties from this noise; stations are not widened where runs contradict
     /// each other.
-    pub(crate) fn new(
-        propagation: &Propagation<'_>,
-        axes: &[AxisResult],
-        stations: &[StationResult],
-    ) -> Self {
-        let noise = &propagation.whole;
-        let dependence = propagation.dependence;
-        // Stations stand behind all others, and follow from the shared sources alone.
-        let sources = dependence.sources.stations;
-        let count = results(axes, stations).len();
-        let mut of_sources = DMatrix::zeros(count, dependence.sources.count);
-        let mut own_with_sources = DMatrix::zeros(count, sources);
-        let mut through_poses = DMatrix::zeros(count, noise.shared().nrows());
-        let mut own = Vec::new();
-        let mut first = 0;
-        for (k, gauge) in dependence.identified.gauges.iter().enumerate() {
-            let (axis, places) = (&noise.axes[k], &dependence.sources.axes[k].places);
-            let form = AxisForm::component_errors(gauge, 0..gauge.node_effects.len());
-            let rows = form.parameters.nrows();
-            let mut coefficients = of_sources.rows_mut(first, rows);
-            if let Some(through_base) = dependence.through_base(k, &form) {
-                coefficients.copy_from(&through_base);
+    pub(crate) fn new(noise: &Noise<'_>, axes: &[AxisResult], stations: &[StationResult]) -> Self {
+        let dependence = noise.dependence;
+        let scales = scales(axes, stations);
+        let (mut own, mut rows) = (Vec::new(), Vec::new());
+        for (k, axis) in axes.iter().enumerate() {
+            let (nodes, first) = (axis.nodes.len(), 6 * own.len());
+            let pieces = in_order::map(nodes.div_ceil(NODES), |piece| {
+                let start = NODES * piece;
+                let piece = start..nodes.min(start + NODES);
+                of_nodes(noise, k, piece, (first + 6 * start, &scales))
+            });
+            for (of_piece, piece) in pieces {
+                own.extend(of_piece);
+                rows.push(piece);
             }
-            for (column, &place) in form.parameters.column_iter().zip(places) {
-                let mut sum = coefficients.column_mut(place);
-                sum += column;
-            }
-            let of_nodes = AxisForm {
-                parameters: DMatrix::zeros(rows, gauge.parameters()),
-                poses: form.poses,
-            };
-            let with_sources = axis.own(&of_nodes, &dependence.sources.axes[k].form);
-            for (column, &place) in with_sources.column_iter().zip(places) {
-                own_with_sources
-                    .view_mut((first, place), (rows, 1))
-                    .copy_from(&column);
-            }
-            through_poses
-                .rows_mut(first, rows)
-                .copy_from(&axis.shared(&of_nodes));
-            own.extend((0..axes[k].nodes.len()).map(|node| axis.own_of_node(node)));
-            first += rows;
         }
         let locations = dependence.locations.iter().zip(axes);
         let locations = locations.flat_map(|(rows, axis)| {
@@ -73,18 +53,19 @@ impl FactoredCovariance {
             reported.map(|location| rows.row(place_of(location.component)))
         });
         let of_stations = dependence.stations.iter().flat_map(|rows| rows.row_iter());
-        for row in locations.chain(of_stations) {
-            of_sources.row_mut(first).copy_from(&row);
-            first += 1;
+        let others: Vec<_> = locations.chain(of_stations).collect();
+        let first = 6 * own.len();
+        if !others.is_empty() {
+            let of_sources = DMatrix::from_rows(&others);
+            let with_sources = DMatrix::zeros(others.len(), dependence.sources.stations);
+            let through_poses = &of_sources * &noise.sources.shared;
+            let all = joined(&of_sources, &with_sources, &through_poses, &scales[first..]);
+            rows.push(Rows::new(first, &all));
         }
-        through_poses += &of_sources * &noise.sources.shared;
 
-        let mut sensitivities =
-            of_sources.remove_columns(sources, dependence.sources.count - sources);
-        sensitivities = joined(sensitivities, &own_with_sources);
-        sensitivities = joined(sensitivities, &through_poses);
-        let (behind, width) = (2 * sources, noise.shared().nrows());
-        let size = behind + width;
+        // Stations stand behind all other sources, and follow from the shared ones alone.
+        let (sources, width) = (dependence.sources.stations, noise.shared().nrows());
+        let (behind, size) = (2 * sources, 2 * sources + width);
         let mut shared = DMatrix::zeros(size, size);
         let own_of_sources = noise.sources.own.view((0, 0), (sources, sources));
         shared
@@ -99,13 +80,50 @@ impl FactoredCovariance {
         shared
             .view_mut((behind, behind), (width, width))
             .copy_from(noise.shared());
-        let covariance = Self {
+        let mut sensitivities = Sensitivities::new(size, rows);
+        let used = sensitivities.drop_unused_columns();
+        Self {
             own,
             sensitivities,
-            shared,
-        };
-        covariance.scaled(&scales(axes, stations))
+            shared: shared.select_rows(&used).select_columns(&used),
+        }
     }
+}
+
+/// What some nodes of axis `k` have alone, and their rows; `first` is the first of their results.
+fn of_nodes(
+    noise: &Noise<'_>,
+    k: usize,
+    nodes: Range<usize>,
+    (first, scales): (usize, &[f64]),
+) -> (Vec<Matrix6<f64>>, Rows) {
+    let dependence = noise.dependence;
+    let (axis, own_sources) = (&noise.axes[k], &dependence.sources.axes[k]);
+    let gauge = &dependence.identified.gauges[k];
+    let scales = &scales[first..];
+    let form = AxisForm::component_errors(gauge, nodes.clone());
+    let rows = form.parameters.nrows();
+    let through_base = dependence.through_base(k, &form);
+    let mut of_sources =
+        through_base.unwrap_or_else(|| DMatrix::zeros(rows, dependence.sources.count));
+    for (column, &place) in form.parameters.column_iter().zip(&own_sources.places) {
+        let mut sum = of_sources.column_mut(place);
+        sum += column;
+    }
+    let of_poses = AxisForm {
+        parameters: DMatrix::zeros(rows, gauge.parameters()),
+        poses: form.poses,
+    };
+    let mut with_sources = DMatrix::zeros(rows, dependence.sources.stations);
+    let of_own_sources = axis.own(&of_poses, &own_sources.form);
+    for (column, &place) in of_own_sources.column_iter().zip(&own_sources.places) {
+        with_sources.column_mut(place).copy_from(&column);
+    }
+    let through_poses = axis.shared(&of_poses) + &of_sources * &noise.sources.shared;
+    let all = joined(&of_sources, &with_sources, &through_poses, scales);
+    let own = nodes.zip(scales.chunks_exact(6));
+    let own = own.map(|(node, factors)| scaled(&axis.own_of_node(node), factors));
+    (own.collect(), Rows::new(first, &all))
 }
 
 /// By what each result is widened; zero for what gauge or frame define, where they leave rounding.
@@ -121,10 +139,20 @@ fn scales(axes: &[AxisResult], stations: &[StationResult]) -> Vec<f64> {
         .collect()
 }
 
-/// Two matrices side by side.
-fn joined(left: DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
-    let columns = left.ncols();
-    let mut both = left.resize_horizontally(columns + right.ncols(), 0.0);
-    both.columns_mut(columns, right.ncols()).copy_from(right);
-    both
+/// `[L Z F]` without the stations among the sources, each row times a factor.
+fn joined(
+    of_sources: &DMatrix<f64>,
+    with_sources: &DMatrix<f64>,
+    through_poses: &DMatrix<f64>,
+    scales: &[f64],
+) -> DMatrix<f64> {
+    let sources = with_sources.ncols();
+    let columns = of_sources.column_iter().take(sources);
+    let columns = columns.chain(with_sources.column_iter());
+    let columns: Vec<_> = columns.chain(through_poses.column_iter()).collect();
+    let mut all = DMatrix::from_columns(&columns);
+    for (mut row, factor) in all.row_iter_mut().zip(scales) {
+        row *= *factor;
+    }
+    all
 }

@@ -9,7 +9,7 @@
 
 use nalgebra::{DMatrix, Matrix2, Matrix6xX, Vector6};
 use trueaxis_kinematics::LocationComponent;
-use trueaxis_poses::{PoseNoise, Poses};
+use trueaxis_poses::{PoseNoise, Poses, ThroughSources};
 
 use crate::propagate::axis_noise::{AxisForm, AxisNoise, ThroughBase};
 use crate::propagate::dependence::Dependence;
@@ -18,18 +18,18 @@ use crate::propagate::variance::Variance;
 use crate::result::budget::Budget;
 
 /// How the results depend on the poses, and the poses' errors.
-pub(crate) struct Propagation<'a> {
+pub(crate) struct Propagation<'a, 'i> {
     pub(crate) dependence: &'a Dependence<'a>,
     pub(crate) whole: Noise<'a>,
     /// The instrument's own part of it.
-    instrument: Noise<'a>,
+    instrument: Noise<'i>,
     /// Of the variance factors of the two parts.
     relative_covariance: Matrix2<f64>,
 }
 
 /// The errors of what the results follow from, for one origin of noise.
 pub(crate) struct Noise<'a> {
-    dependence: &'a Dependence<'a>,
+    pub(crate) dependence: &'a Dependence<'a>,
     pub(crate) axes: Vec<AxisNoise<'a>>,
     pub(crate) sources: SourceNoise,
     /// `Σ`.
@@ -54,12 +54,16 @@ pub(crate) fn place_of(component: LocationComponent) -> usize {
     }
 }
 
-impl<'a> Propagation<'a> {
-    pub(crate) fn new(dependence: &'a Dependence<'a>, poses: &'a Poses) -> Self {
+impl<'a: 'i, 'i> Propagation<'a, 'i> {
+    pub(crate) fn new(
+        dependence: &'a Dependence<'a>,
+        poses: &'a Poses,
+        instrument: &'i PoseNoise,
+    ) -> Self {
         Self {
             dependence,
             whole: Noise::new(dependence, &poses.noise),
-            instrument: Noise::new(dependence, &poses.instrument),
+            instrument: Noise::new(dependence, instrument),
             relative_covariance: poses.relative_covariance,
         }
     }
@@ -70,6 +74,11 @@ impl<'a> Propagation<'a> {
         let own = &mut self.whole.sources.own;
         let mut block = own.view_mut((first, first), covariance.shape());
         block += covariance;
+    }
+
+    /// The whole noise, when uncertainties are no longer asked for.
+    pub(crate) fn into_whole(self) -> Noise<'a> {
+        self.whole
     }
 
     /// Of the component errors of axis `k`: for each node δ and ε.
@@ -191,20 +200,14 @@ impl<'a> Noise<'a> {
             .row_iter()
             .map(|row| row.iter().zip(&variances).map(|(f, v)| f * f * v).sum())
             .collect();
-        let coefficients = rows * &self.sources.shared;
-        uncancelled
-            .iter()
-            .enumerate()
-            .map(|(i, &uncancelled)| {
-                let coefficients = coefficients.row(i).into_owned();
-                let through = self.noise.through_sources(coefficients);
-                Variance {
-                    own: own[(i, i)] + through.shapes,
-                    through: through.stations,
-                    declared: through.declared,
-                    uncancelled,
-                }
-            })
-            .collect()
+        let through = self.noise.through_sources(&(rows * &self.sources.shared));
+        let functions = through.iter().zip(uncancelled).enumerate();
+        let variance = |(i, (through, uncancelled)): (usize, (&ThroughSources, f64))| Variance {
+            own: own[(i, i)] + through.shapes,
+            through: through.stations,
+            declared: through.declared,
+            uncancelled,
+        };
+        functions.map(variance).collect()
     }
 }

@@ -16,7 +16,7 @@ use crate::result::calibration::{
 /// The errors of all axes.
 pub(crate) fn axis_results(
     measured: &MeasuredPoses<'_>,
-    propagation: &Propagation<'_>,
+    propagation: &Propagation<'_, '_>,
     runs: Vec<Option<RunMisfit>>,
 ) -> Vec<AxisResult> {
     let losses = measured.by_equations.as_ref();
@@ -61,7 +61,7 @@ fn side_differences(
 /// The errors of axis `k` of the data.
 fn axis_result(
     measured: &MeasuredPoses<'_>,
-    propagation: &Propagation<'_>,
+    propagation: &Propagation<'_, '_>,
     k: usize,
 ) -> AxisResult {
     let Dependence {
@@ -115,7 +115,7 @@ pub(crate) fn station_results(
     campaign: &Campaign,
     adjusted: &[Station],
     in_ref: &[Point3<f64>],
-    propagation: &Propagation<'_>,
+    propagation: &Propagation<'_, '_>,
 ) -> Vec<StationResult> {
     let stations = campaign
         .stations

@@ -12,7 +12,7 @@ use crate::result::calibration::MethodLoss;
 /// For each axis the ratios of standard uncertainties.
 pub(crate) fn method_loss(
     by_equations: &NoiseByEquations,
-    propagation: &Propagation<'_>,
+    propagation: &Propagation<'_, '_>,
 ) -> Vec<MethodLoss> {
     let axes = propagation.dependence.context.data.len();
     let joint = squares(&propagation.whole, axes);

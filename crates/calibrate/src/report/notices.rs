@@ -21,7 +21,10 @@ pub(crate) fn notices(
     mirror_image_open: bool,
 ) -> Vec<String> {
     let axes = &calibration.axes;
-    let mut notices: Vec<String> = axes.iter().filter_map(differing_sides).collect();
+    let mut notices: Vec<String> = axes
+        .iter()
+        .filter_map(|axis| differing_sides(campaign, axis))
+        .collect();
     notices.extend(axes.iter().filter_map(contradicting_runs));
     notices.extend(unmeasured_axes(campaign, axes));
     notices.extend(homes_out_of_reach(campaign, axes));
@@ -38,8 +41,10 @@ pub(crate) fn notices(
     notices
 }
 
-/// Whether the joined curve of an axis is the mean of two that differ.
-fn differing_sides(axis: &AxisResult) -> Option<String> {
+/// Whether the joined curve of an axis is the mean of two that differ. Along, or about, the axis that is the mean
+/// reversal value of ISO 230-2, positions where the axis moves forward minus those where it moves backward: the opposite of
+/// lost motion.
+fn differing_sides(campaign: &Campaign, axis: &AxisResult) -> Option<String> {
     let (name, sides) = (&axis.name, axis.sides?);
     let significance = |c: &Component| (sides.value[c.index()] / sides.u[c.index()]).abs();
     let most = Component::ALL
@@ -50,8 +55,15 @@ fn differing_sides(axis: &AxisResult) -> Option<String> {
         false => (MICROMETRE, " µm"),
     };
     let [value, u] = [sides.value, sides.u].map(|of| of[most.index()] / size);
+    let direction = campaign.machine.axes()[axis.axis].direction();
+    let along = direction[most.index() % 3];
+    let is_position = along.abs() > 0.5 && most.is_angular() == (axis.kind == AxisKind::Rotary);
+    let reversal = match is_position {
+        true => format!("; reversal value {:+.2}{unit}", value * along.signum()),
+        false => String::new(),
+    };
     Some(format!(
-        "axis {name}: forward and backward approach differ, {} by {value:+.2}{unit} (U {:.2}{unit}): its \
+        "axis {name}: forward and backward approach differ, {} by {value:+.2}{unit} (U {:.2}{unit}{reversal}): its \
          curves are the mean of both sides; --by-direction keeps them apart",
         most.name(name),
         2.0 * u

@@ -23,7 +23,7 @@ use crate::result::calibration::{RelativeLocation, RelativeQuantity};
 const PARALLEL_TOL: f64 = 1e-3;
 
 /// Of each pair of rotary axes the later one in the order of the machine, relative to the earlier one.
-pub(crate) fn relative_locations(propagation: &Propagation<'_>) -> Vec<RelativeLocation> {
+pub(crate) fn relative_locations(propagation: &Propagation<'_, '_>) -> Vec<RelativeLocation> {
     let context = propagation.dependence.context;
     let axes = 0..context.data.len();
     let rotary: Vec<usize> = axes
@@ -39,7 +39,7 @@ pub(crate) fn relative_locations(propagation: &Propagation<'_>) -> Vec<RelativeL
 }
 
 /// Axis `k` of the data relative to axis `to`.
-fn pair(propagation: &Propagation<'_>, k: usize, to: usize) -> Vec<RelativeLocation> {
+fn pair(propagation: &Propagation<'_, '_>, k: usize, to: usize) -> Vec<RelativeLocation> {
     let context = propagation.dependence.context;
     let [own, other] = [k, to].map(|k| context.axis(k));
     let [c, a] = [own, other].map(|axis| axis.direction().into_inner());
@@ -77,7 +77,7 @@ fn pair(propagation: &Propagation<'_>, k: usize, to: usize) -> Vec<RelativeLocat
 
 /// The same with its values and uncertainties.
 fn with_values(
-    propagation: &Propagation<'_>,
+    propagation: &Propagation<'_, '_>,
     [k, to]: [usize; 2],
     relative: RelativeLocation,
 ) -> RelativeLocation {

@@ -35,7 +35,7 @@ const LEVEL: f64 = 0.01;
 const FREE: f64 = 1e-10;
 
 /// For each axis how its runs contradict each other, if they do.
-pub(crate) fn run_misfits(propagation: &Propagation<'_>) -> Vec<Option<RunMisfit>> {
+pub(crate) fn run_misfits(propagation: &Propagation<'_, '_>) -> Vec<Option<RunMisfit>> {
     let data = propagation.dependence.context.data;
     let several = data.iter().filter(|axis| axis.runs.len() > 1).count();
     let of_axis = |k: usize| {
@@ -55,7 +55,7 @@ pub(crate) fn run_misfits(propagation: &Propagation<'_>) -> Vec<Option<RunMisfit
 /// ```text
 /// S = (R - 1)/(R + 1) · 1/R Σ t_r t_rᵀ
 /// ```
-pub(crate) fn scatter_of_runs(propagation: &Propagation<'_>, k: usize) -> DMatrix<f64> {
+pub(crate) fn scatter_of_runs(propagation: &Propagation<'_, '_>, k: usize) -> DMatrix<f64> {
     let Dependence {
         context,
         identified,
@@ -104,7 +104,7 @@ fn solved(products: &DMatrix<f64>) -> Option<DVector<f64>> {
 }
 
 /// How the runs of axis `k` fit together; `None` if they share no position or their noise is not known.
-fn run_misfit(propagation: &Propagation<'_>, k: usize) -> Option<RunMisfit> {
+fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> {
     let Dependence {
         context,
         identified,
@@ -182,7 +182,7 @@ fn run_misfit(propagation: &Propagation<'_>, k: usize) -> Option<RunMisfit> {
 }
 
 /// `A D Aᵀ` of a record.
-fn own_covariance(propagation: &Propagation<'_>, k: usize, record: usize) -> Matrix6<f64> {
+fn own_covariance(propagation: &Propagation<'_, '_>, k: usize, record: usize) -> Matrix6<f64> {
     let Dependence {
         context,
         identified,
@@ -196,7 +196,7 @@ fn own_covariance(propagation: &Propagation<'_>, k: usize, record: usize) -> Mat
 /// The products of the columns of `g`, of `C`, and of `e`, whitened and freed of what is common to a position; and
 /// the covariance `S` of the sources.
 fn products(
-    propagation: &Propagation<'_>,
+    propagation: &Propagation<'_, '_>,
     k: usize,
     errors: &[Vector6<f64>],
 ) -> Option<(DMatrix<f64>, DMatrix<f64>)> {

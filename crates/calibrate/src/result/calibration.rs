@@ -7,8 +7,8 @@ use trueaxis_kinematics::{
     AxisKind, Component, LocationComponent, LocationError, Machine, MotionError,
 };
 use trueaxis_poses::{
-    AdjustmentReport, KnownMisfit, Method, ReflectorConstant, ScaleResult, SideDifference,
-    StepMisfit,
+    AdjustmentReport, KnownMisfit, LengthResidual, Method, ReflectorConstant, ScaleResult,
+    SideDifference, StepMisfit,
 };
 
 use crate::result::budget::Budget;
@@ -57,6 +57,8 @@ pub struct Calibration {
     pub misfits: Vec<StepMisfit>,
     /// Known lengths and dead paths that contradict the lengths.
     pub known_misfits: Vec<KnownMisfit>,
+    /// What the adjustment leaves of each length, in measuring order; empty for a points campaign.
+    pub residuals: Vec<LengthResidual>,
     /// Distances between targets that differ from nominal.
     pub triangle: Vec<TriangleSide>,
     /// Effects that were taken out of the lengths, with the uncertainties that entered.

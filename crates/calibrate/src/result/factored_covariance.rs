@@ -11,6 +11,8 @@
 
 use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
 
+use crate::result::sensitivities::Sensitivities;
+
 /// Covariance of all results of a calibration ([`crate::Calibration::results`] has their order) in mm and rad.
 ///
 /// What gauge or frame define has zero rows.
@@ -19,7 +21,7 @@ pub struct FactoredCovariance {
     /// `B`: of each node of each axis, the part of its six component errors that no other result shares.
     pub own: Vec<Matrix6<f64>>,
     /// `U`: sensitivities of the results (rows) to what is shared (columns).
-    pub sensitivities: DMatrix<f64>,
+    pub sensitivities: Sensitivities,
     /// `M`: covariance of what is shared.
     pub shared: DMatrix<f64>,
 }
@@ -27,13 +29,16 @@ pub struct FactoredCovariance {
 impl FactoredCovariance {
     /// Number of results.
     pub fn results(&self) -> usize {
-        self.sensitivities.nrows()
+        self.sensitivities.shape().0
     }
 
     /// The covariance as one matrix, symmetric to the last bit.
     pub fn dense(&self) -> DMatrix<f64> {
-        let through = &self.sensitivities * &self.shared;
-        let mut matrix = through * self.sensitivities.transpose();
+        let (rows, columns) = self.sensitivities.shape();
+        let sensitivities =
+            DMatrix::from_row_iterator(rows, columns, self.sensitivities.elements());
+        let through = &sensitivities * &self.shared;
+        let mut matrix = through * sensitivities.transpose();
         for (n, own) in self.own.iter().enumerate() {
             let mut block = matrix.fixed_view_mut::<6, 6>(6 * n, 6 * n);
             block += own;
@@ -60,12 +65,9 @@ impl FactoredCovariance {
         let through = |functions: &[(usize, Vector6<f64>)]| {
             let mut sum = Matrix6xX::zeros(self.shared.nrows());
             for (place, coefficients) in functions {
-                sum.ger(
-                    1.0,
-                    coefficients,
-                    &self.sensitivities.row(*place).transpose(),
-                    1.0,
-                );
+                for (column, x) in self.sensitivities.row(*place) {
+                    sum.column_mut(column).axpy(x, coefficients, 1.0);
+                }
             }
             sum
         };
@@ -82,27 +84,25 @@ impl FactoredCovariance {
     }
 
     /// Each result times a factor.
-    pub(crate) fn scaled(&self, factors: &[f64]) -> Self {
-        let mut scaled = self.clone();
-        for (own, factors) in scaled.own.iter_mut().zip(factors.chunks_exact(6)) {
-            *own = Matrix6::from_fn(|i, j| own[(i, j)] * (factors[i] * factors[j]));
+    pub(crate) fn scaled(mut self, factors: &[f64]) -> Self {
+        for (own, factors) in self.own.iter_mut().zip(factors.chunks_exact(6)) {
+            *own = scaled(own, factors);
         }
-        for (mut row, factor) in scaled.sensitivities.row_iter_mut().zip(factors) {
-            row *= *factor;
-        }
-        scaled
+        self.sensitivities.scale(factors);
+        self
     }
 
     /// Adds an error that the results have in common, with this standard deviation in each.
     pub(crate) fn add_common(&mut self, change: &[f64]) {
-        let (rows, columns) = self.sensitivities.shape();
-        let sensitivities = std::mem::replace(&mut self.sensitivities, DMatrix::zeros(0, 0));
-        self.sensitivities = sensitivities.resize_horizontally(columns + 1, 0.0);
-        for (row, change) in (0..rows).zip(change) {
-            self.sensitivities[(row, columns)] = *change;
-        }
+        let columns = self.shared.nrows();
+        self.sensitivities.push_column(change);
         let shared = std::mem::replace(&mut self.shared, DMatrix::zeros(0, 0));
         self.shared = shared.resize(columns + 1, columns + 1, 0.0);
         self.shared[(columns, columns)] = 1.0;
     }
+}
+
+/// The covariance of six results, each times a factor.
+pub(crate) fn scaled(own: &Matrix6<f64>, factors: &[f64]) -> Matrix6<f64> {
+    Matrix6::from_fn(|i, j| own[(i, j)] * (factors[i] * factors[j]))
 }

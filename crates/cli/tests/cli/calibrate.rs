@@ -43,8 +43,14 @@ fn writes_to_a_folder_named_after_the_campaign() {
         outcome.assert_good();
         assert_eq!(outcome.stdout, "");
         assert!(outcome.stderr.contains(&format!("written: {file}\n")));
-        let covariance = file.replace("calibration.json", "covariance.npz");
-        assert_eq!(file_names(folder.path()), [file, &covariance]);
+        let names = [
+            "calibration.json",
+            "covariance.npz",
+            "report.html",
+            "residuals.csv",
+        ];
+        let files = names.map(|name| file.replace("calibration.json", name));
+        assert_eq!(file_names(folder.path()), files);
         let text = fs::read_to_string(folder.path().join(file)).unwrap();
         let document: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(document["format"], "trueaxis-calibration");
@@ -59,11 +65,15 @@ fn writes_where_it_is_told_to() {
     let outcome = calibrate(folder.path(), "rotary-stage", &["--out", "a/b"]);
     outcome.assert_good();
     assert!(outcome.stderr.contains("written: a/b/calibration.json\n"));
-    let files = ["a/b/calibration.json", "a/b/covariance.npz"];
+    let files = [
+        "a/b/calibration.json",
+        "a/b/covariance.npz",
+        "a/b/report.html",
+        "a/b/residuals.csv",
+    ];
     assert_eq!(file_names(folder.path()), files);
-    // A second run replaces the file.
+    // A second run replaces the files.
     calibrate(folder.path(), "fxyz", &["--out", "a/b"]).assert_good();
-    let files = ["a/b/calibration.json", "a/b/covariance.npz"];
     assert_eq!(file_names(folder.path()), files);
     let text = fs::read_to_string(folder.path().join("a/b/calibration.json")).unwrap();
     assert!(text.contains("FXYZ machine"));

@@ -64,7 +64,12 @@ fn names_the_cause_replays_it_and_takes_it_out() {
     ] {
         assert!(outcome.stderr.contains(part), "{part}: {}", outcome.stderr);
     }
-    let files = ["diagnosis.json", "effects.json", "replay.json"];
+    let files = [
+        "diagnosis.json",
+        "effects.json",
+        "replay.json",
+        "report.html",
+    ];
     assert_eq!(file_names(&folder.join("first")), files);
     let text = fs::read_to_string(folder.join("first/diagnosis.json")).unwrap();
     assert!(outcome.stdout == text);
@@ -131,7 +136,8 @@ fn clean_data_give_two_lines() {
     assert_eq!(outcome.stdout, "");
     assert!(outcome.stderr.contains("clean"), "{}", outcome.stderr);
     assert!(!outcome.stderr.contains("cause:"), "{}", outcome.stderr);
-    assert_eq!(file_names(folder.path()), ["rotary-stage/diagnosis.json"]);
+    let files = ["rotary-stage/diagnosis.json", "rotary-stage/report.html"];
+    assert_eq!(file_names(folder.path()), files);
     let diagnosis = json_of(&folder.path().join("rotary-stage/diagnosis.json"));
     assert_eq!(diagnosis["verdict"], "clean");
     assert!(diagnosis["before"]["heldout_rms_um"].is_null());

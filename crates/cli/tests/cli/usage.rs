@@ -39,6 +39,35 @@ fn version() {
 }
 
 #[test]
+fn quiet_says_nothing_but_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let campaign = shipped("rotary-stage").join("campaign.json");
+    let campaign = campaign.to_str().unwrap();
+    for args in [
+        ["calibrate", campaign, "--quiet", "--no-report"].as_slice(),
+        &["-q", "diagnose", campaign],
+        &["montecarlo", campaign, "--trials", "100", "-q"],
+    ] {
+        let outcome = run(folder.path(), args);
+        outcome.assert_good();
+        assert_eq!([outcome.stdout, outcome.stderr], ["", ""], "{args:?}");
+    }
+    run(folder.path(), &["check", "none.json", "-q"]).assert_failed("no file", 3, &["none.json"]);
+}
+
+#[test]
+fn completions_name_verbs_and_options() {
+    let folder = tempfile::tempdir().unwrap();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let outcome = run(folder.path(), &["completions", shell]);
+        outcome.assert_good();
+        for word in ["calibrate", "no-report"] {
+            assert!(outcome.stdout.contains(word), "{shell}: {word}");
+        }
+    }
+}
+
+#[test]
 fn wrong_command_lines() {
     let folder = tempfile::tempdir().unwrap();
     let campaign = shipped("rotary-stage").join("campaign.json");

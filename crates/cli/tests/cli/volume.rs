@@ -41,6 +41,10 @@ fn figures_and_a_map() {
     assert_eq!(document["sampled"][0]["axis"], "A");
     let max = &document["before"]["zeroed_at_home"]["max_um"];
     assert_eq!(max["value"], document["before"]["worst"]["size_um"]);
+    let after = &document["after"];
+    assert_eq!(after["all_axes_corrected"]["max_um"], 0.0);
+    assert!(after["u_rms_um"].as_f64() > Some(0.1), "{after}");
+    assert!(outcome.stderr.contains("the best compensation leaves"));
     assert!(outcome.stderr.contains("worst place"), "{}", outcome.stderr);
     let map = fs::read_to_string(written.join("volumetric.csv")).unwrap();
     assert_eq!(map.lines().count(), 126);

@@ -121,7 +121,7 @@ impl<'a> Base<'a> {
             temperatures: temperature_histories(campaign),
             readings,
             start,
-            declared: is_declared(campaign),
+            declared: campaign.instrument.declares_noise(),
             many_gross: 0,
             left_out,
             network,
@@ -331,11 +331,6 @@ impl<'a> Base<'a> {
             shape: suspect.shape,
         }
     }
-}
-
-fn is_declared(campaign: &Campaign) -> bool {
-    let instrument = &campaign.instrument;
-    instrument.length_sigma_um.is_some() && instrument.repeatability_um.is_some()
 }
 
 impl Adjusted {

@@ -1,17 +1,9 @@
-//! Measured minus predicted, reading by reading, and what an effect does to each.
-//!
-//! | kind | prediction | direction `n` in which a displacement counts |
-//! | --- | --- | --- |
-//! | positioning, linear | `n·(p_errors(q) - p_ideal(q))` | that of the axis |
-//! | positioning, rotary | the same, an arc length | the tangent of the circle |
-//! | ball bar (paper Eq. 24) | `∣p_errors - c∣ - ∣p_ideal - c∣` | `(p_ideal - c)/∣p_ideal - c∣` |
-//!
-//! Displacements are from the first reading or from home: the base model has a constant for that.
+//! Measured minus predicted ([`predicted_reading_um`]), reading by reading, and what an effect does to each.
 
-use nalgebra::{Point3, Vector3};
+use trueaxis_calibrate::{MeasuredPoint, carrier, predicted_reading_um};
 use trueaxis_campaign::{Verification, VerificationKind};
 use trueaxis_effects::{Circumstances, Effect, Subject};
-use trueaxis_kinematics::{AxisKind, Branch, GeometricErrors, Ideal, MICROMETRE, Machine};
+use trueaxis_kinematics::{GeometricErrors, MICROMETRE, Machine};
 
 use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same};
 
@@ -36,15 +28,6 @@ pub(crate) struct Comparison<'a> {
     pub(crate) parked_elsewhere: Vec<usize>,
 }
 
-/// The measured point at an arrival.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct MeasuredPoint {
-    /// Commanded position of the point, mm.
-    pub(crate) point_mm: Point3<f64>,
-    /// Unit vector; zero where a rotary axis does not move the point.
-    pub(crate) along: Vector3<f64>,
-}
-
 impl<'a> Comparison<'a> {
     /// Of the readings with the machine that `errors` predict.
     pub(crate) fn new(
@@ -60,10 +43,10 @@ impl<'a> Comparison<'a> {
         let arrivals = arrivals(&verification.readings, measured);
         let points = arrivals
             .iter()
-            .map(|a| measured_point(machine, kind, &a.positions));
-        let difference = arrivals
-            .iter()
-            .map(|a| a.value_um - predicted_um(machine, kind, errors, &a.positions));
+            .map(|a| MeasuredPoint::new(machine, kind, &a.positions));
+        let difference = arrivals.iter().map(|a| {
+            a.value_um - predicted_reading_um(machine, kind, errors, &a.positions, &a.positions)
+        });
         let moving = (0..machine.axes().len()).filter(|&axis| {
             let at = |arrival: &Arrival| arrival.positions[axis];
             arrivals.iter().any(|a| !is_same(at(a), at(&arrivals[0])))
@@ -128,75 +111,4 @@ impl<'a> Comparison<'a> {
         cycles.dedup();
         cycles
     }
-}
-
-/// The outermost axis that moves the measured point. The reflector of a positioning line is where the
-/// tool or the workpiece is, so it moves with every axis of the branch of the measured one.
-pub(crate) fn carrier(machine: &Machine, kind: &VerificationKind) -> usize {
-    match *kind {
-        VerificationKind::Positioning { axis, .. } => {
-            let branches = [Branch::Tool, Branch::Workpiece].map(|b| machine.branch(b));
-            let own = branches.into_iter().find(|branch| branch.contains(&axis));
-            own.and_then(|branch| branch.last().copied())
-                .unwrap_or(axis)
-        }
-        VerificationKind::Ballbar { ball_carrier, .. } => ball_carrier,
-    }
-}
-
-/// Point and direction from commanded positions.
-fn measured_point(machine: &Machine, kind: &VerificationKind, positions: &[f64]) -> MeasuredPoint {
-    match *kind {
-        VerificationKind::Positioning { axis, target_mm } => {
-            let point_mm = machine.position(&Ideal, carrier(machine, kind), positions, target_mm);
-            let chain = machine.chain(axis);
-            let before = machine.chain_motion(&Ideal, &chain[..chain.len() - 1], positions);
-            let content = &machine.axes()[axis];
-            let direction = before.rotation * content.direction().into_inner();
-            let along = match content.kind() {
-                AxisKind::Linear => direction,
-                AxisKind::Rotary => {
-                    let on_axis = before * content.reference_mm();
-                    let tangent = direction.cross(&(point_mm - on_axis));
-                    tangent.try_normalize(MICROMETRE).unwrap_or_default()
-                }
-            };
-            MeasuredPoint { point_mm, along }
-        }
-        VerificationKind::Ballbar {
-            ball_mm,
-            ball_carrier,
-            center_mm,
-        } => {
-            let point_mm = machine.position(&Ideal, ball_carrier, positions, ball_mm);
-            let bar = point_mm - center_mm;
-            let along = bar.try_normalize(MICROMETRE).unwrap_or_default();
-            MeasuredPoint { point_mm, along }
-        }
-    }
-}
-
-/// The reading that a machine with `errors` gives, µm.
-pub(crate) fn predicted_um(
-    machine: &Machine,
-    kind: &VerificationKind,
-    errors: &impl GeometricErrors,
-    positions: &[f64],
-) -> f64 {
-    let MeasuredPoint { point_mm, along } = measured_point(machine, kind, positions);
-    let mm = match *kind {
-        VerificationKind::Positioning { target_mm, .. } => {
-            let actual = machine.position(errors, carrier(machine, kind), positions, target_mm);
-            along.dot(&(actual - point_mm))
-        }
-        VerificationKind::Ballbar {
-            ball_mm,
-            ball_carrier,
-            center_mm,
-        } => {
-            let actual = machine.position(errors, ball_carrier, positions, ball_mm);
-            (actual - center_mm).norm() - (point_mm - center_mm).norm()
-        }
-    };
-    mm / MICROMETRE
 }

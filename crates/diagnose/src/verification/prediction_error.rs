@@ -18,13 +18,13 @@
 //! the base model, which is the same as adding `K` to the covariance of the readings.
 
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
-use trueaxis_calibrate::{AxisResult, Calibration};
+use trueaxis_calibrate::{AxisResult, Calibration, predicted_reading_um};
 use trueaxis_kinematics::{
     Axis, GeometricErrors, LocationComponent, LocationError, Machine, MotionError,
 };
 
 use crate::verification::base::stands;
-use crate::verification::comparison::{Comparison, predicted_um};
+use crate::verification::comparison::Comparison;
 
 /// Steps of the differences: errors of a poor machine; the prediction is linear in them to 1e-6.
 const STEP_MM: f64 = 1e-3;
@@ -78,7 +78,7 @@ fn jacobian(
                         motion,
                         sign,
                     };
-                    predicted_um(comparison.machine, comparison.kind, &errors, at)
+                    predicted_reading_um(comparison.machine, comparison.kind, &errors, at, at)
                 };
                 (change(1.0) - change(-1.0)) / (2.0 * step)
             };

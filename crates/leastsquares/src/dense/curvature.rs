@@ -12,8 +12,8 @@
 
 use faer::{Mat, Side};
 
-use super::adjust::Model;
 use super::linearised::{Linearised, norm};
+use super::model::Model;
 use crate::Error;
 
 /// Second derivatives are differences of the Jacobian over steps that change the residuals by this

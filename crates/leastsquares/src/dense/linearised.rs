@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use super::adjust::Model;
+use super::model::Model;
 use super::scaled_svd::{ScaledSvd, column_lengths};
 use crate::Error;
 

@@ -9,8 +9,8 @@
 //! implementation and theory, Lecture Notes in Mathematics 630 (1978). The step is taken from the
 //! singular values of `J D⁻¹`, so that every radius costs no more than a few sums.
 
-use super::adjust::Model;
 use super::linearised::{Linearised, norm, squares};
+use super::model::Model;
 use super::scaled_svd::ScaledSvd;
 use crate::Error;
 

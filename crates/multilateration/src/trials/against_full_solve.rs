@@ -13,11 +13,12 @@ use super::{Corrections, Trials};
 use crate::adjustment::{GroupAdjustment, Linearised};
 use crate::batches::batches;
 use crate::bodies::{Bodies, Body, Placed};
-use crate::state::{POSE, State, centroid};
+use crate::state::{POSE, State};
 use crate::{
     Interruption, KnownDeadPath, Network, Noise, Reading, Reflectors, Settings, Solution, Visit,
     solve,
 };
+use trueaxis_kinematics::centroid;
 
 const STATIONS_MM: [[f64; 3]; 4] = [
     [1500.0, 300.0, 900.0],

@@ -1,9 +1,10 @@
-//! Monte Carlo trials against full solutions, drawn errors against the noise they are drawn from.
+//! Monte Carlo trials against the covariance, drawn errors against the noise they are drawn from. Against full
+//! solutions they stand beside their code: both are given the weights of one solution.
 
 use nalgebra::{Point3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use trueaxis_multilateration::{Network, Noise, Settings, Trials, Visit, solve};
+use trueaxis_multilateration::{Noise, Settings, Trials, solve};
 
 use crate::world::{network, truth};
 
@@ -12,64 +13,6 @@ const NOISE: Noise = Noise {
     length_sigma_relative: 0.0,
     return_sigma_mm: 1e-3,
 };
-
-/// The network with every length in a visit of its own: weights do not depend on the beams then.
-fn with_single_visits(mut network: Network) -> Network {
-    let visits = network.visits.iter().flat_map(|visit| {
-        visit.readings.clone().map(|reading| Visit {
-            readings: reading..reading + 1,
-            ..visit.clone()
-        })
-    });
-    network.visits = visits.collect();
-    network
-}
-
-/// 780 lengths of the paper's points.
-#[test]
-fn trials_are_solutions_of_the_disturbed_lengths() {
-    let truth = truth(20.0);
-    let network = with_single_visits(network(&truth, truth.points.clone(), 1, NOISE));
-    let solution = solve(&network, &Settings::default()).unwrap();
-    let trials = Trials::new(&network, &solution);
-    let mut workspace = trials.workspace();
-    let mut errors_mm = vec![0.0; trials.errors()];
-    let mut rng = ChaCha8Rng::seed_from_u64(11);
-    let mut largest = 0.0_f64;
-    for _ in 0..5 {
-        trials.draw(&mut rng, &mut errors_mm);
-        let mut disturbed = network.clone();
-        for (i, reading) in disturbed.readings.iter_mut().enumerate() {
-            reading.length_mm += errors_mm[i] - solution.residuals_mm[i];
-        }
-        let full = solve(&disturbed, &Settings::default()).unwrap();
-        assert!(full.termination.is_converged());
-        let corrections = trials.solve(&errors_mm, &mut workspace);
-        let mut compare = |difference: Vector3<f64>, variance: &dyn Fn(usize) -> f64| {
-            for k in 0..3 {
-                assert!(difference[k].is_finite());
-                largest = largest.max(difference[k].abs() / variance(k).sqrt());
-            }
-        };
-        for (i, (found, base)) in full.points_mm.iter().zip(&solution.points_mm).enumerate() {
-            let covariance = solution.group_covariance(i / 3);
-            let first = 3 * (i % 3);
-            compare(corrections.point_mm(i) - (found - base), &|k| {
-                covariance[(first + k, first + k)]
-            });
-        }
-        for (j, (found, base)) in full.stations.iter().zip(&solution.stations).enumerate() {
-            let covariance = solution.station_covariance(j);
-            let moved = found.position_mm - base.position_mm;
-            compare(corrections.station_mm(j) - moved, &|k| covariance[(k, k)]);
-            let change_mm = found.dead_path_mm - base.dead_path_mm;
-            let difference = corrections.dead_path_mm(j) - change_mm;
-            compare(Vector3::repeat(difference), &|_| covariance[(3, 3)]);
-        }
-    }
-    println!("largest difference {largest:.1e} standard uncertainties");
-    assert!(largest < 1e-6);
-}
 
 #[test]
 fn corrections_keep_the_datum() {

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, Matrix6, Matrix6xX, Point3};
 use rayon::prelude::*;
 use trueaxis_campaign::{Campaign, Lengths};
+use trueaxis_kinematics::centroid;
 use trueaxis_multilateration::{
     self as multilateration, BlockNoise, CampaignNetwork, Group, Network, Screened, Solution,
     Station, adjust_as_a_set, network_from_campaign, screen, solve_as_a_set,
@@ -13,7 +14,7 @@ use crate::lengths::refused::{adjustment_error, contradictory};
 use crate::lengths::scale::{Scale, ScaleResult, at_scale};
 use crate::lengths::shared_sources::SharedSources;
 use crate::lengths::weak_stations::weak_stations;
-use crate::points::{MeasuredPoints, PointGroup, PointNoise, centroid};
+use crate::points::{MeasuredPoints, PointGroup, PointNoise};
 use crate::poses::{PoseNoise, PoseObservation, Poses, TargetBody};
 use crate::report::KnownMisfit;
 use crate::settings::{Method, Settings};
@@ -67,7 +68,7 @@ impl<'a> LengthsAdjustment<'a> {
         } else {
             Screened::plain
         };
-        let declared = is_noise_declared(campaign);
+        let declared = campaign.instrument.declares_noise();
         let iteration = multilateration::Settings::default();
         let adjusted = adjust_as_a_set(
             &mut network,
@@ -118,10 +119,6 @@ impl<'a> LengthsAdjustment<'a> {
             0 => 1.0,
             degrees_of_freedom => (self.screened.given_squares / degrees_of_freedom as f64).sqrt(),
         }
-    }
-
-    pub(crate) fn is_noise_declared(&self) -> bool {
-        is_noise_declared(self.campaign)
     }
 
     /// The groups of the targets that move with the axes under test, in order.
@@ -281,9 +278,9 @@ impl<'a> LengthsAdjustment<'a> {
             DVector::from_iterator(3 * points.len(), coordinates)
         };
         let places: Vec<DVector<f64>> = moved.iter().map(place).collect();
-        let (own, coupling) = blocks(noise, &sources, (&moved, &places))
-            .into_iter()
-            .unzip();
+        let groups = (&moved[..], &places[..]);
+        let blocks = blocks(noise, &sources, groups, |block| block);
+        let (own, coupling) = blocks.into_iter().unzip();
         PointNoise {
             own,
             coupling,
@@ -336,12 +333,6 @@ impl<'a> LengthsAdjustment<'a> {
     }
 }
 
-/// Whether both parts of the noise are declared: one alone can be tested against nothing.
-fn is_noise_declared(campaign: &Campaign) -> bool {
-    let instrument = &campaign.instrument;
-    instrument.length_sigma_um.is_some() && instrument.repeatability_um.is_some()
-}
-
 fn pose_noise(
     noise: &BlockNoise<'_>,
     sources: SharedSources<'_>,
@@ -353,8 +344,7 @@ fn pose_noise(
             Matrix6xX::from_column_slice(coupling.as_slice()),
         )
     };
-    let blocks = blocks(noise, &sources, groups);
-    let (own, coupling) = blocks.into_iter().map(fixed).unzip();
+    let (own, coupling) = blocks(noise, &sources, groups, fixed).into_iter().unzip();
     PoseNoise {
         own,
         coupling,
@@ -365,16 +355,17 @@ fn pose_noise(
     }
 }
 
-/// `D` and `Z` of some groups with these places.
-fn blocks(
+/// What `take` makes of `D` and `Z` of some groups with these places.
+fn blocks<T: Send>(
     noise: &BlockNoise<'_>,
     sources: &SharedSources<'_>,
     (groups, places): (&[usize], &[DVector<f64>]),
-) -> Vec<(DMatrix<f64>, DMatrix<f64>)> {
+    take: impl Fn((DMatrix<f64>, DMatrix<f64>)) -> T + Sync,
+) -> Vec<T> {
     let groups = groups.par_iter().zip(places).with_min_len(PIECE);
     let block = |(&g, place): (&usize, &DVector<f64>)| {
         let (own, coupling) = noise.block(g);
-        (own, sources.coupling(coupling, place))
+        take((own, sources.coupling(coupling, place)))
     };
     groups.map(block).collect()
 }

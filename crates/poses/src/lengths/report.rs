@@ -17,7 +17,7 @@ impl LengthsAdjustment<'_> {
         let (campaign, lengths, screened) = (self.campaign, self.lengths, &self.screened);
         let solution = &screened.solution;
         let degrees_of_freedom = solution.degrees_of_freedom();
-        let noise_declared = self.is_noise_declared();
+        let noise_declared = self.campaign.instrument.declares_noise();
         let sigma0 = match noise_declared {
             true => self.given_sigma0(),
             false if degrees_of_freedom > 0 => solution.sigma0(),
@@ -124,6 +124,7 @@ impl LengthsAdjustment<'_> {
             times_s: pair.map(|i| readings[i].time_s),
             change_mm: jump.change_mm,
             u_mm: jump.u_mm,
+            tripod_may_have_moved: jump.tripod_may_have_moved,
         }
     }
 

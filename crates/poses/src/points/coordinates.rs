@@ -4,9 +4,8 @@ use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::{DMatrix, Matrix2, Point3, Vector3};
 use trueaxis_campaign::{Campaign, Direction, Points};
-use trueaxis_kinematics::{Ideal, MICROMETRE};
+use trueaxis_kinematics::{Ideal, MICROMETRE, best_fit};
 
-use crate::points::rigid_fit::rigid_fit;
 use crate::points::{MeasuredPoints, PointGroup, PointNoise};
 
 /// Standard deviation of a coordinate where none is declared: the scatter then decides.
@@ -83,7 +82,7 @@ pub(crate) fn points_from_coordinates(
         });
     }
     let found: Vec<Point3<f64>> = groups.iter().flat_map(|g| g.points_mm.clone()).collect();
-    let datum_from_instrument = rigid_fit(&found, &nominal_mm);
+    let datum_from_instrument = best_fit(&found, &nominal_mm);
     for point in groups.iter_mut().flat_map(|group| &mut group.points_mm) {
         *point = datum_from_instrument * *point;
     }

@@ -1,0 +1,204 @@
+//! What a laser interferometer or a ball bar reads on a machine with errors, and how well that is known.
+//!
+//! | kind | reading | direction `n` in which a displacement counts |
+//! | --- | --- | --- |
+//! | positioning, linear | `n·(p_errors(q) - p_ideal(q))` | that of the axis |
+//! | positioning, rotary | the same, an arc length | the tangent of the circle |
+//! | ball bar (paper Eq. 24) | `∣p_errors - c∣ - ∣p_ideal - c∣` | `(p_ideal - c)/∣p_ideal - c∣` |
+//!
+//! Displacements are from home: where an instrument has its zero, and where the centre of a bar is, is not the machine's.
+
+use nalgebra::{DMatrix, Isometry3, Matrix6xX, Point3, RowVector3, Vector3, Vector6};
+use trueaxis_campaign::VerificationKind;
+use trueaxis_kinematics::{AxisKind, Branch, GeometricErrors, Ideal, MICROMETRE, Machine};
+
+use crate::machine::calibrated_machine::CalibratedMachine;
+use crate::machine::predict::influences;
+use crate::propagate::axis_twist::{TRANSLATION, axis_twist};
+
+/// Positions of an axis this close are one, mm or rad.
+const SAME: f64 = 1e-9;
+
+/// The measured point at commanded positions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredPoint {
+    /// Commanded position of the point, mm.
+    pub point_mm: Point3<f64>,
+    /// Unit vector in which a displacement counts; zero where a rotary axis does not move the point.
+    pub along: Vector3<f64>,
+}
+
+impl MeasuredPoint {
+    /// Of a verification at commanded positions of all axes, mm or rad.
+    pub fn new(machine: &Machine, kind: &VerificationKind, positions: &[f64]) -> Self {
+        match *kind {
+            VerificationKind::Positioning { axis, target_mm } => {
+                let point_mm =
+                    machine.position(&Ideal, carrier(machine, kind), positions, target_mm);
+                let chain = machine.chain(axis);
+                let before = machine.chain_motion(&Ideal, &chain[..chain.len() - 1], positions);
+                let content = &machine.axes()[axis];
+                let direction = before.rotation * content.direction().into_inner();
+                let along = match content.kind() {
+                    AxisKind::Linear => direction,
+                    AxisKind::Rotary => {
+                        let on_axis = before * content.reference_mm();
+                        let tangent = direction.cross(&(point_mm - on_axis));
+                        tangent.try_normalize(MICROMETRE).unwrap_or_default()
+                    }
+                };
+                Self { point_mm, along }
+            }
+            VerificationKind::Ballbar {
+                ball_mm,
+                ball_carrier,
+                center_mm,
+            } => {
+                let point_mm = machine.position(&Ideal, ball_carrier, positions, ball_mm);
+                let bar = point_mm - center_mm;
+                let along = bar.try_normalize(MICROMETRE).unwrap_or_default();
+                Self { point_mm, along }
+            }
+        }
+    }
+}
+
+/// The outermost axis that moves the measured point. The reflector of a positioning line is where the
+/// tool or the workpiece is, so it moves with every axis of the branch of the measured one.
+pub fn carrier(machine: &Machine, kind: &VerificationKind) -> usize {
+    match *kind {
+        VerificationKind::Positioning { axis, .. } => {
+            let branches = [Branch::Tool, Branch::Workpiece].map(|b| machine.branch(b));
+            let own = branches.into_iter().find(|branch| branch.contains(&axis));
+            own.and_then(|branch| branch.last().copied())
+                .unwrap_or(axis)
+        }
+        VerificationKind::Ballbar { ball_carrier, .. } => ball_carrier,
+    }
+}
+
+/// The point that is measured, at home in the reference frame, mm.
+pub fn measured_home_mm(kind: &VerificationKind) -> Point3<f64> {
+    match *kind {
+        VerificationKind::Positioning { target_mm, .. } => target_mm,
+        VerificationKind::Ballbar { ball_mm, .. } => ball_mm,
+    }
+}
+
+/// The reading of a machine with `errors` that is meant to be at `commanded` and is sent to `positions` (the same
+/// without compensation), µm.
+pub fn predicted_reading_um(
+    machine: &Machine,
+    kind: &VerificationKind,
+    errors: &impl GeometricErrors,
+    commanded: &[f64],
+    positions: &[f64],
+) -> f64 {
+    let MeasuredPoint { point_mm, along } = MeasuredPoint::new(machine, kind, commanded);
+    let home_mm = measured_home_mm(kind);
+    let actual = machine.position(errors, carrier(machine, kind), positions, home_mm);
+    let mm = match *kind {
+        VerificationKind::Positioning { .. } => along.dot(&(actual - point_mm)),
+        VerificationKind::Ballbar { center_mm, .. } => {
+            (actual - center_mm).norm() - (point_mm - center_mm).norm()
+        }
+    };
+    mm / MICROMETRE
+}
+
+impl CalibratedMachine {
+    /// The covariance of the readings that this machine predicts at commanded positions, from that of the calibration
+    /// and of the interpolation, µm²: to first order by the displacement of the point along the direction that counts.
+    pub fn covariance_of_readings(
+        &self,
+        kind: &VerificationKind,
+        commanded: &[Vec<f64>],
+    ) -> DMatrix<f64> {
+        let rows: Vec<Row> = commanded.iter().map(|at| self.row(kind, at)).collect();
+        let mut shared = DMatrix::zeros(rows.len(), self.factors.shared.nrows());
+        for (i, row) in rows.iter().enumerate() {
+            for &(place, coefficient) in &row.results {
+                for (column, x) in self.factors.sensitivities.row(place) {
+                    shared[(i, column)] += coefficient * x;
+                }
+            }
+        }
+        let mut covariance = &shared * &self.factors.shared * shared.transpose();
+        for i in 0..rows.len() {
+            for j in 0..=i {
+                let own = self.own(&rows[i], &rows[j]) + between_steps(&rows[i], &rows[j]);
+                covariance[(i, j)] += own;
+                if i != j {
+                    covariance[(j, i)] += own;
+                }
+            }
+        }
+        covariance / (MICROMETRE * MICROMETRE)
+    }
+
+    /// How a reading depends on the results.
+    fn row(&self, kind: &VerificationKind, commanded: &[f64]) -> Row {
+        let along: RowVector3<f64> = MeasuredPoint::new(&self.machine, kind, commanded)
+            .along
+            .transpose();
+        let last = carrier(&self.machine, kind);
+        let home_mm = measured_home_mm(kind);
+        let point = self.machine.position(self, last, commanded, home_mm);
+        let mut base = Isometry3::identity();
+        let mut row = Row::default();
+        for &index in self.machine.chain(last) {
+            let (geometry, position) = (&self.machine.axes()[index], commanded[index]);
+            let (location, error) = (self.location(index), self.motion(index, position));
+            if let Some(axis) = self.axis(index) {
+                let twist = axis_twist(geometry, position, &location, &error).seen_from(&base);
+                let counts = along * twist.at(point);
+                let mut effect = Matrix6xX::zeros(counts.ncols());
+                effect.set_row(0, &counts);
+                let sample = axis.curve.at(position);
+                let places = influences(&self.machine, axis, &sample, &effect);
+                row.results
+                    .extend(places.into_iter().map(|(place, c)| (place, c[0])));
+                let u = axis.remainder.u(&sample);
+                let of_components = effect.row(0).columns(TRANSLATION, 6).transpose();
+                let of_components = Vector6::from_iterator(of_components.iter().copied());
+                row.interpolated
+                    .push((index, position, of_components.component_mul(&u)));
+            }
+            base *= geometry.motion(position, &location, &error);
+        }
+        row
+    }
+
+    /// What two readings have in common of the steps' own errors.
+    fn own(&self, a: &Row, b: &Row) -> f64 {
+        let mut sum = 0.0;
+        for &(i, of_a) in &a.results {
+            let Some(own) = self.factors.own.get(i / 6) else {
+                continue;
+            };
+            let same_step = b.results.iter().filter(|(j, _)| j / 6 == i / 6);
+            sum += same_step
+                .map(|&(j, of_b)| of_a * of_b * own[(i % 6, j % 6)])
+                .sum::<f64>();
+        }
+        sum
+    }
+}
+
+/// A reading as a function of the results.
+#[derive(Default)]
+struct Row {
+    /// Places of results and coefficients, mm per mm or rad.
+    results: Vec<(usize, f64)>,
+    /// For each axis its position and what the interpolation of its six components may be off by, mm.
+    interpolated: Vec<(usize, f64, Vector6<f64>)>,
+}
+
+/// Where an axis stands at the same place, the interpolation is off by the same.
+fn between_steps(a: &Row, b: &Row) -> f64 {
+    let pairs = a.interpolated.iter().zip(&b.interpolated);
+    pairs
+        .filter(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() <= SAME)
+        .map(|(a, b)| a.2.dot(&b.2))
+        .sum()
+}

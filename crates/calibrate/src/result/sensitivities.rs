@@ -1,0 +1,151 @@
+//! A matrix of which most rows use few columns: how results answer to what some of them share.
+
+use nalgebra::DMatrix;
+
+/// Rows of results, columns of what they share. The component errors of an axis answer to its own parameters and to
+/// what all share: what only other axes have is not stored.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensitivities {
+    columns: usize,
+    pieces: Vec<Rows>,
+}
+
+/// Rows that follow each other, without the columns that are zero in all of them.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Rows {
+    /// The number of the first row.
+    first: usize,
+    columns: Vec<usize>,
+    /// Row after row.
+    values: Vec<f64>,
+    count: usize,
+}
+
+impl Rows {
+    /// Rows `first` and the next ones.
+    pub(crate) fn new(first: usize, dense: &DMatrix<f64>) -> Self {
+        let is_used = |&k: &usize| dense.column(k).iter().any(|x| *x != 0.0);
+        let columns: Vec<usize> = (0..dense.ncols()).filter(is_used).collect();
+        let rows = dense.row_iter();
+        let values = rows.flat_map(|row| columns.iter().map(move |&k| row[k]));
+        Self {
+            first,
+            values: values.collect(),
+            count: dense.nrows(),
+            columns,
+        }
+    }
+
+    fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let width = self.columns.len();
+        let values = self.values[i * width..(i + 1) * width].iter();
+        self.columns.iter().copied().zip(values.copied())
+    }
+}
+
+impl Sensitivities {
+    /// Of rows that follow each other from the first on.
+    pub(crate) fn new(columns: usize, pieces: Vec<Rows>) -> Self {
+        Self { columns, pieces }
+    }
+
+    /// Numbers of rows and columns.
+    pub fn shape(&self) -> (usize, usize) {
+        let last = self.pieces.last();
+        (last.map_or(0, |last| last.first + last.count), self.columns)
+    }
+
+    /// The elements of a row, with their columns; the others are zero.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn row(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let piece = self.pieces.partition_point(|piece| piece.first <= row) - 1;
+        let piece = &self.pieces[piece];
+        piece.row(row - piece.first)
+    }
+
+    /// All elements, row after row.
+    pub fn elements(&self) -> impl Iterator<Item = f64> + '_ {
+        let rows = self.pieces.iter();
+        let rows = rows.flat_map(|piece| (0..piece.count).map(|i| piece.row(i)));
+        rows.flat_map(|row| {
+            let mut dense = vec![0.0; self.columns];
+            row.for_each(|(column, x)| dense[column] = x);
+            dense
+        })
+    }
+
+    /// Multiplies each row by a factor.
+    pub(crate) fn scale(&mut self, factors: &[f64]) {
+        for piece in &mut self.pieces {
+            let rows = piece.values.chunks_exact_mut(piece.columns.len().max(1));
+            for (row, factor) in rows.zip(&factors[piece.first..]) {
+                row.iter_mut().for_each(|x| *x *= factor);
+            }
+        }
+    }
+
+    /// Takes away the columns that no row uses, and says which are left.
+    pub(crate) fn drop_unused_columns(&mut self) -> Vec<usize> {
+        let mut used: Vec<usize> = Vec::new();
+        for piece in &self.pieces {
+            used.extend(&piece.columns);
+            used.sort_unstable();
+            used.dedup();
+        }
+        for column in self.pieces.iter_mut().flat_map(|piece| &mut piece.columns) {
+            *column = used.partition_point(|u| u < column);
+        }
+        self.columns = used.len();
+        used
+    }
+
+    /// Appends a column.
+    pub(crate) fn push_column(&mut self, column: &[f64]) {
+        for piece in &mut self.pieces {
+            let added = &column[piece.first..piece.first + piece.count];
+            let all = added.iter().enumerate().flat_map(|(i, &x)| {
+                let row = piece.row(i).map(|(_, value)| value);
+                row.chain([x])
+            });
+            let values = all.collect();
+            piece.values = values;
+            piece.columns.push(self.columns);
+        }
+        self.columns += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn is_the_matrix_that_it_was_made_of() {
+        let dense =
+            DMatrix::from_row_slice(3, 4, &[1., 0., 0., 2., 0., 0., 0., 0., 0., 0., 3., 4.]);
+        let pieces = |split: usize| {
+            let (upper, lower) = (dense.rows(0, split), dense.rows(split, 3 - split));
+            vec![
+                Rows::new(0, &upper.into_owned()),
+                Rows::new(split, &lower.into_owned()),
+            ]
+        };
+        for split in [1, 2] {
+            let mut found = Sensitivities::new(4, pieces(split));
+            let as_matrix = |found: &Sensitivities| {
+                let (rows, columns) = found.shape();
+                DMatrix::from_row_iterator(rows, columns, found.elements())
+            };
+            assert_eq!(as_matrix(&found), dense);
+            let sum: f64 = found.row(2).map(|(column, x)| x * column as f64).sum();
+            assert_eq!(sum, 18.0);
+            assert_eq!(found.drop_unused_columns(), [0, 2, 3]);
+            found.push_column(&[5.0, 6.0, 7.0]);
+            found.scale(&[1.0, 2.0, 10.0]);
+            let expected = [1., 0., 2., 5., 0., 0., 0., 12., 0., 30., 40., 70.];
+            assert_eq!(as_matrix(&found), DMatrix::from_row_slice(3, 4, &expected));
+        }
+    }
+}

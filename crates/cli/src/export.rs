@@ -1,0 +1,128 @@
+//! `trueaxis export`.
+
+use trueaxis_calibrate::CalibratedMachine;
+use trueaxis_compensate::{Announcement, Error, Format, Request, export};
+use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
+
+use crate::args::{ExportArgs, FormatArg};
+use crate::exit::Exit;
+use crate::output;
+use crate::predict::source;
+use crate::talk::{notice, say};
+
+pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
+    let machine = CalibratedMachine::read(&args.calibration)?;
+    let format = match args.format {
+        FormatArg::Grid => Format::Grid,
+        FormatArg::Linuxcnc => Format::LinuxCnc,
+        FormatArg::Isg => Format::Isg,
+        FormatArg::Etalon => Format::Etalon,
+        FormatArg::Sinumerik => Format::Sinumerik,
+        FormatArg::Marlin => Format::Marlin,
+        FormatArg::Klipper => Format::Klipper,
+    };
+    let axis = args.axis.as_deref().map(|name| index(&machine, name));
+    let at = args.at.unwrap_or(machine.reference_point_mm());
+    let tables = export(
+        format,
+        &Request {
+            machine: &machine,
+            at,
+            axis: axis.transpose()?,
+            step: args.step,
+        },
+    )?;
+    for line in source(&machine) {
+        say(&line);
+    }
+    for line in announced(&machine, &tables.announcement) {
+        say(&line);
+    }
+    tables
+        .notes
+        .iter()
+        .for_each(|note| say(&format!("  {note}")));
+    if tables.is_experimental {
+        notice(&format!(
+            "{} is experimental: not all of its rule is public; check it with one measured line before you trust it",
+            format.name()
+        ));
+    }
+    if args.at.is_none() {
+        let [x, y, z]: [f64; 3] = at.coords.into();
+        notice(&format!(
+            "no --at: the lines go through the reference point ({x}, {y}, {z}) mm, not through where the machine works"
+        ));
+    }
+    notice(
+        "a control that compensated while it was measured must keep doing so: add these tables to the old ones",
+    );
+    let folder = output::folder(args.out.as_deref(), &machine.campaign)?;
+    for file in &tables.files {
+        let path = folder.join(&file.name);
+        output::write(&path, file.text.as_bytes())?;
+        say(&format!("written: {}", path.display()));
+    }
+    Ok(Exit::Good)
+}
+
+fn index(machine: &CalibratedMachine, name: &str) -> Result<usize, Error> {
+    let axes = machine.machine().axes();
+    machine.machine().axis_index(name).ok_or_else(|| {
+        let measured = (0..axes.len()).filter(|&axis| !machine.steps(axis).is_empty());
+        let names: Vec<&str> = measured.map(|axis| axes[axis].name()).collect();
+        Error::NoSuchAxis {
+            axis: name.to_owned(),
+            measured: names.join(", "),
+        }
+    })
+}
+
+/// What the tables can take away and what not, of the errors as calibrated.
+fn announced(machine: &CalibratedMachine, announcement: &Announcement) -> Vec<String> {
+    let mut lines = vec!["of the errors as calibrated, the tables leave".to_owned()];
+    for line in &announcement.lines {
+        let axis = &machine.machine().axes()[line.axis];
+        let (unit, symbol) = match axis.kind() {
+            AxisKind::Linear => (MICROMETRE, "µm"),
+            AxisKind::Rotary => (ARCSEC, "″"),
+        };
+        lines.push(format!(
+            "  positioning of {}, range on its line   {:.2} -> {:.2} {symbol}",
+            axis.name(),
+            line.before / unit,
+            line.after / unit
+        ));
+    }
+    let (before, after) = (&announcement.before, &announcement.after);
+    for (what, before, after, unit, symbol) in [
+        (
+            "volumetric error, rms",
+            before.rms_mm,
+            after.rms_mm,
+            MICROMETRE,
+            "µm",
+        ),
+        (
+            "volumetric error, largest",
+            before.max_mm,
+            after.max_mm,
+            MICROMETRE,
+            "µm",
+        ),
+        (
+            "rotation of the tool, largest",
+            before.rotation_rad,
+            after.rotation_rad,
+            ARCSEC,
+            "″",
+        ),
+    ] {
+        lines.push(format!(
+            "  {what:36} {:.2} -> {:.2} {symbol}",
+            before / unit,
+            after / unit
+        ));
+    }
+    lines
+}

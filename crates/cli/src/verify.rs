@@ -1,0 +1,148 @@
+//! `trueaxis verify`.
+
+use trueaxis_calibrate::CalibratedMachine;
+use trueaxis_campaign::VerificationKind;
+use trueaxis_compensate::{
+    Circular, EXPECTED_ABOVE_ONE, Point, Positioning, Verified, is_misfit, verification_json,
+    verify,
+};
+
+use crate::args::VerifyArgs;
+use crate::exit::Exit;
+use crate::output;
+use crate::predict::source;
+use crate::talk::{notice, say};
+
+const FILE: &str = "verification.json";
+
+pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
+    let machine = CalibratedMachine::read(&args.calibration)?;
+    let campaign = trueaxis_campaign::read(&args.campaign)?;
+    let verified = verify(&machine, &campaign, args.compensated)?;
+    let document = verification_json(&machine, &campaign.name, args.compensated, &verified);
+    let text = trueaxis_files::to_json(&document)?;
+    let path = output::folder(args.out.as_deref(), &campaign.name)?.join(FILE);
+    output::write(&path, text.as_bytes())?;
+
+    for line in source(&machine) {
+        say(&line);
+    }
+    for entry in &verified {
+        lines(entry, args.compensated)
+            .iter()
+            .for_each(|line| say(line));
+    }
+    if verified.is_empty() {
+        notice("the campaign has no verification: add readings to `verification` of campaign.json");
+    }
+    say(&format!("written: {}", path.display()));
+    if args.json {
+        output::print(&text)?;
+    }
+    let is_refused = verified.iter().any(|entry| is_misfit(entry.above_one()));
+    Ok(match is_refused && args.fail_on_misfit {
+        true => Exit::Misfit,
+        false => Exit::Good,
+    })
+}
+
+fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
+    let kind = match entry.kind {
+        VerificationKind::Positioning { .. } => "positioning",
+        VerificationKind::Ballbar { .. } => "ball bar",
+    };
+    let mut lines = vec![format!(
+        "{}: {kind}, {} readings at {} positions and sides; zero or set-up fitted out",
+        entry.name,
+        entry
+            .points
+            .iter()
+            .map(|point| point.readings)
+            .sum::<usize>(),
+        entry.points.len()
+    )];
+    let range = |of: fn(&Point) -> f64| {
+        let all = entry.points.iter().map(of);
+        all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
+    };
+    let u = entry.points.iter().map(|point| point.u_prediction_um);
+    lines.push(format!(
+        "  range, µm            read {:.2}; predicted {:.2}, with compensation {:.2}; largest u of a prediction {:.2}",
+        range(|p| p.reading_um),
+        range(|p| p.predicted_um),
+        range(|p| p.compensated_um),
+        u.fold(0.0, f64::max)
+    ));
+    let squares = entry.points.iter().map(|point| {
+        let predicted = if is_compensated {
+            point.compensated_um
+        } else {
+            point.predicted_um
+        };
+        (point.reading_um - predicted).powi(2)
+    });
+    let rms = (squares.sum::<f64>() / entry.points.len().max(1) as f64).sqrt();
+    let (above, all) = entry.above_one();
+    let judged = match all {
+        0 => "no u_um is declared, so there is no E_n".to_owned(),
+        _ => format!(
+            "|E_n| above 1 at {above} of {all} (expected {:.1}): {}",
+            EXPECTED_ABOVE_ONE * all as f64,
+            if is_misfit((above, all)) {
+                "more than chance"
+            } else {
+                "agrees"
+            }
+        ),
+    };
+    lines.push(format!("  read - predicted     rms {rms:.2} µm; {judged}"));
+    for (_, positioning) in &entry.positioning {
+        lines.extend(iso_230_2(positioning));
+    }
+    lines.extend(entry.circular.as_ref().map(iso_230_4));
+    lines
+}
+
+fn iso_230_2(found: &Positioning) -> Vec<String> {
+    let value = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.2}"));
+    let short = match found.is_short {
+        true => format!(
+            " (only {} runs a side, the standard wants five)",
+            found.runs
+        ),
+        false => String::new(),
+    };
+    let mut lines = vec![format!(
+        "  ISO 230-2, µm        B {}, mean B {}, M {}{short}",
+        value(found.b_um),
+        value(found.mean_b_um),
+        value(found.m_um)
+    )];
+    for (name, side) in ["forward", "backward", "both"].iter().zip(&found.sides) {
+        if let Some(side) = side {
+            lines.push(format!(
+                "    {name:18} A {}, E {:.2}, R {}",
+                value(side.a_um),
+                side.e_um,
+                value(side.r_um)
+            ));
+        }
+    }
+    lines
+}
+
+fn iso_230_4(found: &Circular) -> String {
+    let parts = [
+        ("G forward", found.g_forward_um),
+        ("G backward", found.g_backward_um),
+        ("G(b)", found.g_both_um),
+        ("H", found.h_um),
+    ];
+    let parts = parts
+        .iter()
+        .filter_map(|(name, value)| Some(format!("{name} {:.2}", (*value)?)));
+    format!(
+        "  ISO 230-4, µm        {}",
+        parts.collect::<Vec<_>>().join(", ")
+    )
+}

@@ -1,0 +1,106 @@
+//! `trueaxis export`: files, streams, exit codes. Numbers are tested in the library.
+
+use std::fs;
+
+use tempfile::TempDir;
+
+use crate::program::{Outcome, contents, file_names, run, shipped};
+
+/// A folder with the calibration of the three-axis machine in `calibrated`.
+fn calibrated() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let campaign = shipped("fxyz").join("campaign.json");
+    let args = [
+        "calibrate",
+        campaign.to_str().unwrap(),
+        "--out",
+        "calibrated",
+    ];
+    run(folder.path(), &args).assert_good();
+    folder
+}
+
+fn export(folder: &TempDir, format: &str, options: &[&str]) -> Outcome {
+    let args = ["export", format, "calibrated/calibration.json"];
+    run(folder.path(), &[&args, options].concat())
+}
+
+#[test]
+fn every_format_writes_its_files() {
+    let folder = calibrated();
+    let at = ["--at", "175.6,497.5,312.1", "--out", "tables"];
+    let written = folder.path().join("tables");
+    for (format, files, is_experimental) in [
+        ("grid", &["grid.csv"][..], false),
+        (
+            "linuxcnc",
+            &["X.comp", "Y.comp", "Z.comp", "matrixkins.hal"],
+            false,
+        ),
+        ("isg", &["volcomp.csv"], true),
+        ("etalon", &["etalon.txt"], true),
+        ("sinumerik", &["AX_EEC.INI", "NC_CEC.INI"], true),
+        ("marlin", &["skew.gcode"], false),
+        ("klipper", &["skew.cfg"], false),
+    ] {
+        let outcome = export(&folder, format, &at);
+        outcome.assert_good();
+        assert_eq!(outcome.stdout, "");
+        assert_eq!(file_names(&written), files, "{format}");
+        for says in [
+            "volumetric error, rms",
+            "tool point (175.6, 497.5, 312.1) mm at home",
+            "add these tables to the old ones",
+        ] {
+            assert!(
+                outcome.stderr.contains(says),
+                "{format}: {}",
+                outcome.stderr
+            );
+        }
+        assert_eq!(
+            outcome.stderr.contains("experimental"),
+            is_experimental,
+            "{format}"
+        );
+        // The same bytes again.
+        let before = contents(&written);
+        export(&folder, format, &at).assert_good();
+        assert_eq!(contents(&written), before, "{format}");
+        fs::remove_dir_all(&written).unwrap();
+    }
+}
+
+#[test]
+fn what_cannot_be_made_is_refused_and_nothing_is_written() {
+    let folder = calibrated();
+    let names = file_names(folder.path());
+    for (format, options, says) in [
+        (
+            "linuxcnc",
+            ["--step", "1"],
+            "axis X: 441 points, and linuxcnc holds 256 at most",
+        ),
+        (
+            "sinumerik",
+            ["--step", "33"],
+            "does not divide the range of its steps, 440 mm",
+        ),
+        (
+            "isg",
+            ["--axis", "W"],
+            "axis W was not measured; measured are X, Y, Z",
+        ),
+        ("isg", ["--step", "0"], "expected a number above zero"),
+        ("fanuc", ["--axis", "X"], "possible values: grid, linuxcnc"),
+    ] {
+        let outcome = export(&folder, format, &options);
+        outcome.assert_failed(format, 2, &[says]);
+        assert_eq!(file_names(folder.path()), names, "{format}");
+    }
+    let outcome = run(
+        folder.path(),
+        &["export", "grid", "nowhere/calibration.json"],
+    );
+    outcome.assert_failed("no file", 3, &["give the path of a calibration.json"]);
+}

@@ -1,0 +1,87 @@
+//! `trueaxis report`: files, streams, exit codes. What the page shows is tested in its crate and in a browser.
+
+use std::fs;
+
+use crate::program::{contents, file_names, run, shipped};
+
+#[test]
+fn the_page_is_made_again_with_its_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    let campaign = shipped("rotary-stage").join("campaign.json");
+    let campaign = campaign.display().to_string();
+    run(folder.path(), &["calibrate", &campaign]).assert_good();
+    let results = folder.path().join("rotary-stage");
+    let page = fs::read(results.join("report.html")).unwrap();
+
+    fs::remove_file(results.join("report.html")).unwrap();
+    let outcome = run(folder.path(), &["report", "rotary-stage"]);
+    outcome.assert_good();
+    assert_eq!(outcome.stdout, "");
+    let says = "written: rotary-stage/report.html\nwritten: rotary-stage/figures\n";
+    assert_eq!(outcome.stderr, says);
+    assert!(fs::read(results.join("report.html")).unwrap() == page);
+    let figures = file_names(&results.join("figures"));
+    assert!(
+        figures.contains(&"component-EXC.svg".to_owned()),
+        "{figures:?}"
+    );
+    let figure = fs::read_to_string(results.join("figures/component-EXC.svg")).unwrap();
+    assert!(figure.starts_with("<svg xmlns=") && figure.contains("<style>"));
+    let before = contents(&results);
+    run(folder.path(), &["report", "rotary-stage"]).assert_good();
+    assert!(contents(&results) == before);
+
+    // A template of one's own, and one that is wrong.
+    fs::write(folder.path().join("own.html"), "{{ campaign }}").unwrap();
+    run(
+        folder.path(),
+        &["report", "rotary-stage", "--template", "own.html"],
+    )
+    .assert_good();
+    assert_eq!(
+        fs::read(results.join("report.html")).unwrap(),
+        b"Rotary stage"
+    );
+    fs::write(folder.path().join("own.html"), "{% if %}").unwrap();
+    run(
+        folder.path(),
+        &["report", "rotary-stage", "--template", "own.html"],
+    )
+    .assert_failed("a wrong template", 2, &["template"]);
+    run(
+        folder.path(),
+        &["report", "rotary-stage", "--template", "none.html"],
+    )
+    .assert_failed("no template", 2, &["none.html", "cannot be read"]);
+}
+
+#[test]
+fn without_a_result_there_is_no_report() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), &["report", "."]).assert_failed(
+        "an empty folder",
+        3,
+        &["calibration.json", "diagnosis.json"],
+    );
+    let campaign = shipped("rotary-stage").join("campaign.json");
+    let campaign = campaign.display().to_string();
+    run(folder.path(), &["calibrate", &campaign, "--no-report"]).assert_good();
+    let files = file_names(folder.path());
+    assert!(
+        !files.iter().any(|name| name.ends_with("report.html")),
+        "{files:?}"
+    );
+
+    // A file of another version beside the results is no reason to lose them.
+    let other = folder.path().join("rotary-stage/volume.json");
+    fs::write(other, r#"{ "format": "trueaxis-volume", "version": 9 }"#).unwrap();
+    let outcome = run(folder.path(), &["calibrate", &campaign]);
+    outcome.assert_good();
+    assert!(
+        outcome
+            .stderr
+            .contains("notice: no report.html was written"),
+        "{}",
+        outcome.stderr
+    );
+}

@@ -1,0 +1,132 @@
+//! `trueaxis verify`: files, streams, exit codes. Numbers are tested in the library.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use crate::program::{Outcome, contents, run, shipped};
+
+/// A folder with the calibration of the three-axis machine in `calibrated`, and in `verification` a campaign with readings
+/// along X through T: `factor` times what is predicted, with another zero.
+fn prepared(factor: f64) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let current = folder.path();
+    let campaign = shipped("fxyz").join("campaign.json");
+    let args = [
+        "calibrate",
+        campaign.to_str().unwrap(),
+        "--out",
+        "calibrated",
+    ];
+    run(current, &args).assert_good();
+    let mut positions = "X,Y,Z,x_mm,y_mm,z_mm\n".to_owned();
+    (0..=22).for_each(|k| writeln!(positions, "{},0,0,175.6,497.5,312.1", 20 * k).unwrap());
+    fs::write(current.join("positions.csv"), positions).unwrap();
+    let args = [
+        "predict",
+        "calibrated/calibration.json",
+        "positions.csv",
+        "--out",
+        ".",
+    ];
+    run(current, &args).assert_good();
+    let predicted = fs::read_to_string(current.join("predicted.csv")).unwrap();
+    let mut readings = "cycle,direction,X,Y,Z,deviation_um\n".to_owned();
+    for line in predicted.lines().skip(1) {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        for direction in [1, -1] {
+            let value = 12.0 + factor * cells[6];
+            writeln!(readings, "1,{direction},{},0,0,{value}", cells[0]).unwrap();
+        }
+    }
+    let verification = current.join("verification");
+    fs::create_dir(&verification).unwrap();
+    let text = fs::read_to_string(&campaign).unwrap();
+    let mut document: Value = serde_json::from_str(&text).unwrap();
+    document["verification"] = json!([{
+        "name": "LI along X", "kind": "positioning", "axis": "X", "target_mm": [175.6, 497.5, 312.1],
+        "u_um": 0.3, "readings": "li_x.csv"
+    }]);
+    document["name"] = json!("lines of FXYZ");
+    document.as_object_mut().unwrap().remove("lengths");
+    fs::write(verification.join("campaign.json"), document.to_string()).unwrap();
+    fs::write(verification.join("li_x.csv"), readings).unwrap();
+    folder
+}
+
+fn verify(current: &Path, options: &[&str]) -> Outcome {
+    let args = [
+        "verify",
+        "calibrated/calibration.json",
+        "verification/campaign.json",
+    ];
+    run(current, &[&args, options].concat())
+}
+
+#[test]
+fn readings_that_agree() {
+    let folder = prepared(1.0);
+    let outcome = verify(folder.path(), &["--json", "--fail-on-misfit"]);
+    outcome.assert_good();
+    let path = "lines-of-fxyz/verification.json";
+    for says in [
+        "LI along X: positioning, 46 readings at 46 positions and sides",
+        "above 1 at 0 of 46 (expected 2.1): agrees",
+        "B 0.00, mean B 0.00",
+        "only 1 runs a side, the standard wants five",
+        &format!("written: {path}"),
+    ] {
+        assert!(outcome.stderr.contains(says), "{says}: {}", outcome.stderr);
+    }
+    let text = fs::read_to_string(folder.path().join(path)).unwrap();
+    assert_eq!(text, outcome.stdout);
+    let document: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(document["format"], "trueaxis-verification");
+    let entry = &document["verification"][0];
+    assert_eq!(entry["points"].as_array().unwrap().len(), 46);
+    assert_eq!(entry["e_n"]["misfit"], false);
+    assert_eq!(entry["iso_230_2"][0]["runs"], 1);
+    let point = &entry["points"][0];
+    let off = point["reading_um"].as_f64().unwrap() - point["predicted_um"].as_f64().unwrap();
+    assert!(off.abs() < 1e-3, "{point}");
+    assert!(
+        point["compensated_um"].as_f64().unwrap().abs() < 1e-3,
+        "{point}"
+    );
+    let before = contents(folder.path());
+    assert_eq!(verify(folder.path(), &[]).stdout, "");
+    assert_eq!(contents(folder.path()), before);
+    // They were not taken with the compensation on.
+    let outcome = verify(folder.path(), &["--compensated", "--fail-on-misfit"]);
+    assert_eq!(outcome.code, Some(6), "{}", outcome.stderr);
+}
+
+#[test]
+fn readings_that_do_not() {
+    let folder = prepared(2.0);
+    let outcome = verify(folder.path(), &[]);
+    outcome.assert_good();
+    assert!(
+        outcome.stderr.contains("more than chance"),
+        "{}",
+        outcome.stderr
+    );
+    let outcome = verify(folder.path(), &["--fail-on-misfit"]);
+    assert_eq!(outcome.code, Some(6), "{}", outcome.stderr);
+    // Another machine's.
+    let other = shipped("rotary-stage").join("campaign.json");
+    let args = [
+        "verify",
+        "calibrated/calibration.json",
+        other.to_str().unwrap(),
+    ];
+    let outcome = run(folder.path(), &args);
+    outcome.assert_failed(
+        "another machine",
+        3,
+        &["its axes are X Y Z, those of the campaign C"],
+    );
+}

@@ -1,0 +1,111 @@
+//! What can go wrong.
+
+/// A correction that cannot be found, or a table that cannot be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// The errors change too fast with the position for the iteration.
+    #[error(
+        "no corrected positions for {positions:?} (mm, rad): each iteration leaves {contraction:.2} of the one before, \
+         expected less than {limit}; the errors jump or are larger than those of a machine"
+    )]
+    NotContracting {
+        /// Commanded positions of all axes, mm or rad.
+        positions: Vec<f64>,
+        /// Largest ratio of two corrections that follow each other.
+        contraction: f64,
+        /// The largest ratio that is accepted.
+        limit: f64,
+    },
+    /// The calibration of another machine.
+    #[error(
+        "this is the calibration of another machine: its axes are {calibrated}, those of the campaign {measured}; names, kinds, \
+         directions and order from the bed must be the same"
+    )]
+    OtherMachine {
+        /// Names of the axes of the calibration.
+        calibrated: String,
+        /// Names of the axes of the campaign.
+        measured: String,
+    },
+    /// An axis that the machine does not have, or that was not measured.
+    #[error("axis {axis} was not measured; measured are {measured}")]
+    NoSuchAxis {
+        /// The name given.
+        axis: String,
+        /// Names of those that were.
+        measured: String,
+    },
+    /// Nothing that the format could hold.
+    #[error("{format} takes {takes}; {lacks}")]
+    Unsuitable {
+        /// Name of the format.
+        format: &'static str,
+        /// What it takes.
+        takes: &'static str,
+        /// What the machine lacks.
+        lacks: String,
+    },
+    /// A spacing that does not end at the last step.
+    #[error(
+        "axis {axis}: a spacing of {step} {unit} does not divide the range of its steps, {range} {unit}; \
+         {nearest} {unit} does"
+    )]
+    Step {
+        /// Name of the axis.
+        axis: String,
+        /// The spacing, mm or degrees.
+        step: f64,
+        /// From the first to the last step, mm or degrees.
+        range: f64,
+        /// The nearest spacing that does.
+        nearest: f64,
+        /// `mm` or `degrees`.
+        unit: &'static str,
+    },
+    /// Steps of unequal distances for a control that wants equal ones.
+    #[error(
+        "axis {axis}: its steps are between {least} and {most} {unit} apart, and {format} wants equal distances; \
+         give a spacing with --step"
+    )]
+    UnequalSteps {
+        /// Name of the axis.
+        axis: String,
+        /// Name of the format.
+        format: &'static str,
+        /// Smallest distance, mm or degrees.
+        least: f64,
+        /// Largest distance, mm or degrees.
+        most: f64,
+        /// `mm` or `degrees`.
+        unit: &'static str,
+    },
+    /// More points than the control holds.
+    #[error(
+        "{what}: {points} points, and {format} holds {most} at most; give a wider spacing with --step"
+    )]
+    TooManyPoints {
+        /// The table.
+        what: String,
+        /// Name of the format.
+        format: &'static str,
+        /// Number of points.
+        points: usize,
+        /// The most.
+        most: usize,
+    },
+    /// Values that change too fast from one point to the next.
+    #[error(
+        "axis {axis}: the correction changes by {slope:.4} per unit of travel, and {format} takes less than {most}: \
+         these are no errors of a machine"
+    )]
+    Slope {
+        /// Name of the axis.
+        axis: String,
+        /// Name of the format.
+        format: &'static str,
+        /// The largest slope.
+        slope: f64,
+        /// The limit.
+        most: f64,
+    },
+}

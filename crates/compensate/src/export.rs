@@ -1,0 +1,206 @@
+//! Tables that a control takes, and what they can take away.
+
+mod announcement;
+mod components;
+mod etalon;
+mod grid;
+mod isg;
+mod klipper;
+mod line;
+mod linuxcnc;
+mod marlin;
+mod sinumerik;
+mod skew;
+
+use nalgebra::Point3;
+use trueaxis_calibrate::CalibratedMachine;
+use trueaxis_kinematics::AxisKind;
+
+use crate::Error;
+pub use announcement::{Announcement, LineFigures, Sizes};
+
+/// A control, or the way in which it is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// A neutral table of error vectors over the linear axes (CSV).
+    Grid,
+    /// `LinuxCNC`: a compensation file for each joint, and the matrix of `matrixkins`.
+    LinuxCnc,
+    /// ISG kernel, Beckhoff TF5280: `ISG_CSV`, all component and location errors.
+    Isg,
+    /// Etalon exchange format: the same.
+    Etalon,
+    /// Siemens SINUMERIK: `$AA_ENC_COMP` and `$AN_CEC`.
+    Sinumerik,
+    /// Marlin: `M852`.
+    Marlin,
+    /// Klipper: `SET_SKEW`.
+    Klipper,
+}
+
+impl Format {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::Grid,
+        Self::LinuxCnc,
+        Self::Isg,
+        Self::Etalon,
+        Self::Sinumerik,
+        Self::Marlin,
+        Self::Klipper,
+    ];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Grid => "grid",
+            Self::LinuxCnc => "linuxcnc",
+            Self::Isg => "isg",
+            Self::Etalon => "etalon",
+            Self::Sinumerik => "sinumerik",
+            Self::Marlin => "marlin",
+            Self::Klipper => "klipper",
+        }
+    }
+}
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Request<'a> {
+    /// The machine.
+    pub machine: &'a CalibratedMachine,
+    /// The tool point in the reference frame at home, mm: one-dimensional tables are right for the lines along which
+    /// the axes move it from home.
+    pub at: Point3<f64>,
+    /// Only this axis, by index; without it all that were measured.
+    pub axis: Option<usize>,
+    /// Distance of the points of a table, mm for linear and degrees for rotary axes; without it the steps at which the axis
+    /// was measured.
+    pub step: Option<f64>,
+}
+
+/// A file for the control.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ExportedFile {
+    /// Its name.
+    pub name: String,
+    /// Its text.
+    pub text: String,
+}
+
+/// Tables for a control.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Export {
+    /// The files.
+    pub files: Vec<ExportedFile>,
+    /// Sign, place and what else who types it in must know: a line each.
+    pub notes: Vec<String>,
+    /// Whether the rule of the control is known from one source alone, or in part.
+    pub is_experimental: bool,
+    /// What the tables can take away, and what not.
+    pub announcement: Announcement,
+}
+
+/// What the control makes of a table: what it adds to the commanded positions.
+pub(crate) trait Rule {
+    /// mm or rad for each axis.
+    fn added(&self, commanded: &[f64]) -> Result<Vec<f64>, Error>;
+}
+
+/// The files of a format before they are judged.
+struct Tables {
+    files: Vec<ExportedFile>,
+    notes: Vec<String>,
+    is_experimental: bool,
+    rule: Box<dyn Rule>,
+}
+
+/// Makes the tables.
+///
+/// # Errors
+/// What the control cannot hold, with the numbers: [`Error`].
+pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
+    let tables = match format {
+        Format::Grid => grid::tables(request),
+        Format::LinuxCnc => linuxcnc::tables(request),
+        Format::Isg => isg::tables(request),
+        Format::Etalon => etalon::tables(request),
+        Format::Sinumerik => sinumerik::tables(request),
+        Format::Marlin => marlin::tables(request),
+        Format::Klipper => klipper::tables(request),
+    }?;
+    Ok(Export {
+        announcement: Announcement::new(request, tables.rule.as_ref())?,
+        files: tables.files,
+        notes: tables.notes,
+        is_experimental: tables.is_experimental,
+    })
+}
+
+impl Request<'_> {
+    /// Indices of the axes that tables are asked for.
+    fn axes(&self) -> Result<Vec<usize>, Error> {
+        let all = self.machine.machine().axes();
+        let measured: Vec<usize> = (0..all.len())
+            .filter(|&axis| !self.machine.steps(axis).is_empty())
+            .collect();
+        match self.axis {
+            None => Ok(measured),
+            Some(axis) if measured.contains(&axis) => Ok(vec![axis]),
+            Some(axis) => Err(Error::NoSuchAxis {
+                axis: all.get(axis).map_or("?", |axis| axis.name()).to_owned(),
+                measured: names(measured.iter().map(|&axis| all[axis].name())),
+            }),
+        }
+    }
+
+    /// Those of them that are linear.
+    fn linear_axes(&self) -> Result<Vec<usize>, Error> {
+        let all = self.machine.machine().axes();
+        let mut axes = self.axes()?;
+        axes.retain(|&axis| all[axis].kind() == AxisKind::Linear);
+        Ok(axes)
+    }
+
+    fn name(&self, axis: usize) -> &str {
+        self.machine.machine().axes()[axis].name()
+    }
+
+    /// mm or degrees of mm or rad.
+    fn in_file(&self, axis: usize, value: f64) -> f64 {
+        match self.machine.machine().axes()[axis].kind() {
+            AxisKind::Linear => round(value, 9),
+            AxisKind::Rotary => round(value.to_degrees(), 9),
+        }
+    }
+
+    fn unit(&self, axis: usize) -> &'static str {
+        match self.machine.machine().axes()[axis].kind() {
+            AxisKind::Linear => "mm",
+            AxisKind::Rotary => "degrees",
+        }
+    }
+
+    /// Where it comes from and for which lines it is right.
+    fn origin(&self) -> String {
+        let effects = match self.machine.effects_taken_out.as_slice() {
+            [] => String::new(),
+            effects => format!(", without {}", effects.join(", ")),
+        };
+        let [x, y, z]: [f64; 3] = self.at.coords.into();
+        format!(
+            "machine {}, campaign {}{effects}; tool point ({x}, {y}, {z}) mm at home",
+            self.machine.name, self.machine.campaign
+        )
+    }
+}
+
+fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.collect::<Vec<_>>().join(", ")
+}
+
+/// To so many decimals; no `-0`.
+fn round(value: f64, decimals: i32) -> f64 {
+    let scale = 10_f64.powi(decimals);
+    (value * scale).round() / scale + 0.0
+}

@@ -1,0 +1,155 @@
+//! What a table can take away: said beforehand, by the calibration itself.
+//!
+//! The control's rule is applied to the machine as calibrated: along the line of each axis and over the whole volume.
+//! What the calibration does not know is in none of these figures.
+
+use trueaxis_calibrate::{CalibratedMachine, Places};
+use trueaxis_kinematics::{AxisKind, MICROMETRE, MotionError};
+
+use crate::Error;
+use crate::export::{Request, Rule};
+
+/// Nodes along each linear axis.
+const NODES: usize = 11;
+
+/// Positions along a line.
+const ON_A_LINE: usize = 101;
+
+/// Sizes over the volume.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sizes {
+    /// Root of the mean square of |e - e(home)|, mm.
+    pub rms_mm: f64,
+    /// Its largest, mm.
+    pub max_mm: f64,
+    /// Largest rotation of the tool, rad.
+    pub rotation_rad: f64,
+}
+
+/// The positioning of one axis along the line of the table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LineFigures {
+    /// Index of the axis.
+    pub axis: usize,
+    /// Largest minus smallest deviation without the table, mm or rad.
+    pub before: f64,
+    /// With it.
+    pub after: f64,
+}
+
+/// Before and after.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Announcement {
+    /// Positioning of each measured axis.
+    pub lines: Vec<LineFigures>,
+    /// Over the volume, without the tables.
+    pub before: Sizes,
+    /// With them.
+    pub after: Sizes,
+}
+
+impl Announcement {
+    pub(crate) fn new(request: &Request<'_>, rule: &dyn Rule) -> Result<Self, Error> {
+        let places = request.machine.places(NODES, request.at);
+        let seen = |apply: bool| Seen::new(request, rule, apply);
+        let (before, after) = (seen(false)?, seen(true)?);
+        let lines = request.axes()?.into_iter().map(|axis| {
+            Ok(LineFigures {
+                axis,
+                before: before.on_the_line_of(axis)?,
+                after: after.on_the_line_of(axis)?,
+            })
+        });
+        Ok(Self {
+            lines: lines.collect::<Result<_, Error>>()?,
+            before: before.over(&places)?,
+            after: after.over(&places)?,
+        })
+    }
+}
+
+/// The machine with the rule applied or not.
+struct Seen<'a> {
+    request: &'a Request<'a>,
+    rule: &'a dyn Rule,
+    apply: bool,
+    home: MotionError,
+}
+
+impl<'a> Seen<'a> {
+    fn new(request: &'a Request<'a>, rule: &'a dyn Rule, apply: bool) -> Result<Self, Error> {
+        let mut seen = Self {
+            request,
+            rule,
+            apply,
+            home: MotionError::default(),
+        };
+        seen.home = seen.error(&vec![0.0; request.machine.machine().axes().len()])?;
+        Ok(seen)
+    }
+
+    /// The error of the tool against where the command means it to be.
+    fn error(&self, commanded: &[f64]) -> Result<MotionError, Error> {
+        let machine: &CalibratedMachine = self.request.machine;
+        let mut positions = commanded.to_vec();
+        if self.apply {
+            let added = self.rule.added(commanded)?;
+            positions
+                .iter_mut()
+                .zip(added)
+                .for_each(|(q, added)| *q += added);
+        }
+        let nominal = machine.machine();
+        let wanted = nominal.tool_in_workpiece(&trueaxis_kinematics::Ideal, commanded);
+        let actual = nominal.tool_in_workpiece(machine, &positions);
+        Ok(MotionError::new(
+            actual * self.request.at - wanted * self.request.at - self.home.translation_mm,
+            (actual.rotation * wanted.rotation.inverse()).scaled_axis(),
+        ))
+    }
+
+    fn over(&self, places: &Places) -> Result<Sizes, Error> {
+        let mut sizes = Sizes::default();
+        for number in 0..places.count() {
+            let error = self.error(&places.at(number))?;
+            let size = error.translation_mm.norm();
+            sizes.rms_mm += size * size;
+            sizes.max_mm = sizes.max_mm.max(size);
+            sizes.rotation_rad = sizes.rotation_rad.max(error.rotation_rad.norm());
+        }
+        sizes.rms_mm = (sizes.rms_mm / places.count() as f64).sqrt();
+        Ok(sizes)
+    }
+
+    fn on_the_line_of(&self, axis: usize) -> Result<f64, Error> {
+        let machine = self.request.machine.machine();
+        let steps = self.request.machine.steps(axis);
+        let (first, last) = (steps[0], steps[steps.len() - 1]);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for k in 0..ON_A_LINE {
+            let mut commanded = vec![0.0; machine.axes().len()];
+            commanded[axis] = first + (last - first) * k as f64 / (ON_A_LINE - 1) as f64;
+            let error = self.error(&commanded)?;
+            let direction = machine.axes()[axis].direction().into_inner();
+            let deviation = match machine.axes()[axis].kind() {
+                AxisKind::Linear => direction.dot(&error.translation_mm),
+                AxisKind::Rotary => direction.dot(&error.rotation_rad),
+            };
+            low = deviation.min(low);
+            high = deviation.max(high);
+        }
+        Ok(high - low)
+    }
+}
+
+impl Sizes {
+    /// In words: `rms 12.3, largest 25.1 µm; rotation 8.1″ at most`.
+    pub fn in_words(&self) -> String {
+        format!(
+            "rms {:.2}, largest {:.2} µm; rotation of the tool {:.2}″ at most",
+            self.rms_mm / MICROMETRE,
+            self.max_mm / MICROMETRE,
+            self.rotation_rad / trueaxis_kinematics::ARCSEC
+        )
+    }
+}

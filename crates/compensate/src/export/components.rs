@@ -1,0 +1,154 @@
+//! All component and location errors, for controls that have a model of the machine of their own.
+
+use nalgebra::Vector3;
+use trueaxis_calibrate::CalibratedMachine;
+use trueaxis_kinematics::{AxisKind, GeometricErrors, LocationError, Machine, MotionError};
+
+use crate::export::line::{interpolate, positions};
+use crate::export::{Request, Rule};
+use crate::{Error, Moved, correct};
+
+/// Names of axes in the standard.
+const NAMES: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
+
+/// The errors as the control has them: δ of linear axes at the origin of the reference frame, linear between points.
+pub(crate) struct Components {
+    machine: Machine,
+    at: nalgebra::Point3<f64>,
+    pub(crate) axes: Vec<AxisComponents>,
+}
+
+/// The errors of one axis.
+pub(crate) struct AxisComponents {
+    pub(crate) axis: usize,
+    /// mm or rad.
+    pub(crate) positions: Vec<f64>,
+    /// mm and rad.
+    pub(crate) errors: Vec<MotionError>,
+    pub(crate) location: LocationError,
+    /// ISO 230-1 names and values of the location errors that are not zero, mm or rad.
+    pub(crate) locations: Vec<(String, f64)>,
+}
+
+impl Components {
+    pub(crate) fn new(request: &Request<'_>, format: &'static str) -> Result<Self, Error> {
+        let calibrated: &CalibratedMachine = request.machine;
+        let machine = calibrated.machine();
+        let other = machine
+            .axes()
+            .iter()
+            .find(|axis| !NAMES.contains(&axis.name()));
+        if let Some(axis) = other {
+            return Err(Error::Unsuitable {
+                format,
+                takes: "axes named X, Y, Z, A, B, C",
+                lacks: format!("this machine has an axis {}", axis.name()),
+            });
+        }
+        // A shift that is there at home is the zero of the control, unless rotary axes show it.
+        let all_linear = machine
+            .axes()
+            .iter()
+            .all(|axis| axis.kind() == AxisKind::Linear);
+        let origin = nalgebra::Point3::origin();
+        let at_origin = machine.with_axes(|_, axis| match axis.kind() {
+            AxisKind::Linear => axis.with_reference(origin),
+            AxisKind::Rotary => axis,
+        });
+        let of_axis = |axis: usize| {
+            let geometry = &machine.axes()[axis];
+            let error = |position: f64| {
+                let error = calibrated.motion(axis, position);
+                let reference = geometry.reference_mm().coords;
+                match geometry.kind() {
+                    AxisKind::Linear => {
+                        let turned = error.isometry().rotation * reference;
+                        MotionError::new(
+                            error.translation_mm + reference - turned,
+                            error.rotation_rad,
+                        )
+                    }
+                    AxisKind::Rotary => error,
+                }
+            };
+            let home = match all_linear {
+                true => error(0.0).translation_mm,
+                false => Vector3::zeros(),
+            };
+            let positions = positions(request, axis)?;
+            let errors = positions.iter().map(|&position| {
+                let error = error(position);
+                MotionError::new(error.translation_mm - home, error.rotation_rad)
+            });
+            let location = calibrated.location(axis);
+            let components = geometry.location_components().into_iter();
+            let named = components.map(|c| (c.name(geometry.name()), c.of(&location)));
+            Ok(AxisComponents {
+                axis,
+                errors: errors.collect(),
+                positions,
+                location,
+                locations: named.filter(|(_, value)| value.abs() > 0.0).collect(),
+            })
+        };
+        let axes = request.axes()?.into_iter().map(of_axis);
+        Ok(Self {
+            axes: axes.collect::<Result<_, Error>>()?,
+            machine: at_origin,
+            at: request.at,
+        })
+    }
+
+    /// The convention, for the notes.
+    pub(crate) fn notes(&self, request: &Request<'_>) -> Vec<String> {
+        let names = |branch| {
+            let axes = self
+                .machine
+                .branch(branch)
+                .iter()
+                .map(|&axis| request.name(axis));
+            axes.collect::<Vec<_>>().join(" ")
+        };
+        use trueaxis_kinematics::Branch;
+        vec![
+            "mm and rad, arguments of rotary axes in degrees; ISO 230-1, actual minus nominal, right-hand rule; linear axes at \
+             the origin of the reference frame, rotary ones on their nominal axis; mean of both sides of approach"
+                .to_owned(),
+            format!(
+                "from the bed: tool {}; workpiece {}",
+                names(Branch::Tool),
+                names(Branch::Workpiece)
+            ),
+            "the sign that the control expects is not documented in public: run one line with a laser after activation; if its error \
+             doubles, negate"
+                .to_owned(),
+            request.origin(),
+        ]
+    }
+}
+
+impl GeometricErrors for Components {
+    fn location(&self, axis: usize) -> LocationError {
+        let own = self.axes.iter().find(|own| own.axis == axis);
+        own.map_or_else(LocationError::default, |own| own.location)
+    }
+
+    fn motion(&self, axis: usize, position: f64) -> MotionError {
+        let Some(own) = self.axes.iter().find(|own| own.axis == axis) else {
+            return MotionError::default();
+        };
+        let of = |c: usize| interpolate(&own.positions, |k| own.errors[k].to_vector()[c], position);
+        MotionError::from_vector(&nalgebra::Vector6::from_fn(|c, _| of(c)))
+    }
+}
+
+/// The linear axes bring the tool point to its place.
+impl Rule for Components {
+    fn added(&self, commanded: &[f64]) -> Result<Vec<f64>, Error> {
+        let found = correct(&self.machine, self, commanded, self.at, Moved::Linear)?;
+        let pairs = found.positions.iter().zip(commanded);
+        Ok(pairs
+            .map(|(corrected, commanded)| corrected - commanded)
+            .collect())
+    }
+}

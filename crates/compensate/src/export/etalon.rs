@@ -1,0 +1,53 @@
+//! `etalon`: the exchange format of Etalon, which several controls read: all component and location errors, one to one.
+//!
+//! A section for each error: `[C0Y]` with `VALUE`, or `[EXX]` with `Gridpoints = {` lines of argument and value `}`;
+//! comments after `//`. Values in mm and rad, arguments in mm and degrees.
+//!
+//! Source: "Etalon Exchange Format" in Beckhoff's TF5280 alone, so the writer is experimental.
+
+use std::fmt::Write;
+
+use trueaxis_kinematics::Component;
+
+use crate::Error;
+use crate::export::components::Components;
+use crate::export::{ExportedFile, Request, Tables, round};
+
+const FORMAT: &str = "etalon";
+
+/// Decimals of mm and rad.
+const DECIMALS: usize = 12;
+
+pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
+    let components = Components::new(request, FORMAT)?;
+    let notes = components.notes(request);
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    for note in &notes {
+        let _ = writeln!(text, "// {note}");
+    }
+    for (name, value) in components.axes.iter().flat_map(|axis| &axis.locations) {
+        let _ = writeln!(text, "[{name}]\nVALUE = {:.DECIMALS$}", round(*value, 12));
+    }
+    for axis in &components.axes {
+        for component in Component::ALL {
+            let name = component.name(request.name(axis.axis));
+            let _ = writeln!(text, "[{name}]\nGridpoints = {{");
+            for (&position, error) in axis.positions.iter().zip(&axis.errors) {
+                let argument = request.in_file(axis.axis, position);
+                let value = round(error.to_vector()[component.index()], 12);
+                let _ = writeln!(text, "{argument} {value:.DECIMALS$}");
+            }
+            let _ = writeln!(text, "}}  // end of {name}");
+        }
+    }
+    Ok(Tables {
+        files: vec![ExportedFile {
+            name: "etalon.txt".to_owned(),
+            text,
+        }],
+        notes,
+        is_experimental: true,
+        rule: Box::new(components),
+    })
+}

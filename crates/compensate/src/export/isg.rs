@@ -1,0 +1,74 @@
+//! `isg`: tables of the ISG kernel and Beckhoff's TF5280 (`ISG_CSV`): all component and location errors, one to one.
+//!
+//! Blocks between `#`, each with a header of names: an argument and the errors that depend on it, or location errors
+//! alone; comments after `//`. Values in mm and rad, arguments in mm and degrees. The control compensates the position of the
+//! tool point; here between points linearly.
+//!
+//! Sources: "ISG CSV format", "Units of measure", "List of parameters supported" in the documentation of ISG and of
+//! Beckhoff (one text); the sign is not in it, so the writer is experimental.
+
+use std::fmt::Write;
+
+use trueaxis_kinematics::{AxisKind, Component};
+
+use crate::Error;
+use crate::export::components::Components;
+use crate::export::{ExportedFile, Request, Tables, round};
+
+const FORMAT: &str = "isg";
+
+/// Decimals of mm and rad: 1e-6 µm, 2e-5″.
+const DECIMALS: i32 = 10;
+
+pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
+    let components = Components::new(request, FORMAT)?;
+    let mut notes = components.notes(request);
+    let mut text = String::new();
+    for note in &notes {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "// {note}");
+    }
+    let number = |value: f64| round(value, DECIMALS).to_string();
+    let mut blocks = Vec::new();
+    let locations: Vec<_> = components
+        .axes
+        .iter()
+        .flat_map(|axis| &axis.locations)
+        .collect();
+    if !locations.is_empty() {
+        let names: Vec<&str> = locations.iter().map(|(name, _)| name.as_str()).collect();
+        let values: Vec<String> = locations.iter().map(|(_, value)| number(*value)).collect();
+        blocks.push(format!("{}\n{}\n", names.join(" "), values.join(" ")));
+    }
+    let mut records = usize::from(!locations.is_empty());
+    for axis in &components.axes {
+        let geometry = &request.machine.machine().axes()[axis.axis];
+        let name = geometry.name();
+        if geometry.kind() == AxisKind::Rotary {
+            let centre: [f64; 3] = geometry.reference_mm().coords.into();
+            let [x, y, z] = centre.map(number);
+            blocks.push(format!("PX{name} PY{name} PZ{name}\n{x} {y} {z}\n"));
+            records += 1;
+        }
+        let names = Component::ALL.map(|component| component.name(name));
+        let mut block = format!("{name} {}\n", names.join(" "));
+        for (&position, error) in axis.positions.iter().zip(&axis.errors) {
+            let values: Vec<String> = error.to_vector().iter().map(|&x| number(x)).collect();
+            let argument = request.in_file(axis.axis, position);
+            let _ = writeln!(block, "{argument} {}", values.join(" "));
+            records += 1;
+        }
+        blocks.push(block);
+    }
+    text.push_str(&blocks.join("#\n"));
+    notes.push(format!("max_records {records} or more"));
+    Ok(Tables {
+        files: vec![ExportedFile {
+            name: "volcomp.csv".to_owned(),
+            text,
+        }],
+        notes,
+        is_experimental: true,
+        rule: Box::new(components),
+    })
+}

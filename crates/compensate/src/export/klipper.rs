@@ -1,0 +1,44 @@
+//! `klipper`: `SET_SKEW`, three lengths of a rhombus that was printed as a square.
+//!
+//! It takes the diagonals AC and BD and the side AD and finds the angle at A by the law of cosines; what it then does is
+//! what Marlin does. The rhombus of sides a whose axes are short of 90° by `atan f` has
+//!
+//! ```text
+//! AC = a √(2 + 2 cos A)     BD = a √(2 - 2 cos A)     cos A = sin(atan f)
+//! ```
+//!
+//! Sources: `klippy/extras/skew_correction.py`, and "Skew correction" in Klipper's documentation.
+
+use crate::Error;
+use crate::export::marlin::Factors;
+use crate::export::skew::Skew;
+use crate::export::{ExportedFile, Request, Tables};
+
+const FORMAT: &str = "klipper";
+
+/// Side of the rhombus, mm.
+const SIDE_MM: f64 = 100.0;
+
+pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
+    let skew = Skew::new(request, FORMAT)?;
+    let factors = skew.factors();
+    let lengths = factors.map(|factor| {
+        let cosine = factor.atan().sin();
+        let [ac, bd] = [1.0, -1.0].map(|sign| SIDE_MM * (2.0 + 2.0 * sign * cosine).sqrt());
+        format!("{ac:.9},{bd:.9},{SIDE_MM}")
+    });
+    let [xy, xz, yz] = lengths;
+    let text = format!(
+        "# {}\nSET_SKEW XY={xy} XZ={xz} YZ={yz}\nSKEW_PROFILE SAVE=trueaxis\n",
+        request.origin()
+    );
+    Ok(Tables {
+        files: vec![ExportedFile { name: "skew.cfg".to_owned(), text }],
+        notes: vec![
+            "squareness alone, as AC, BD, AD of a square of 100 mm; needs [skew_correction]; SAVE_CONFIG keeps it".to_owned(),
+            request.origin(),
+        ],
+        is_experimental: false,
+        rule: Box::new(Factors { skew, factors }),
+    })
+}

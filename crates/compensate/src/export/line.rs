@@ -1,0 +1,209 @@
+//! The deviations of the axes along the line on which one axis moves the tool point.
+
+use trueaxis_calibrate::Approach;
+use trueaxis_campaign::Direction;
+use trueaxis_kinematics::{AxisKind, GeometricErrors};
+
+use crate::export::Request;
+use crate::{Error, Moved, axis_deviations};
+
+/// Slopes beyond this are no errors of a machine, mm per mm.
+const STEEPEST: f64 = 0.01;
+
+/// What a spacing may miss the range by, relative.
+const DIVIDES: f64 = 1e-6;
+
+/// Distances that differ by no more than this are equal, relative.
+const EQUAL: f64 = 1e-6;
+
+/// One axis moves, all others stand at home.
+#[derive(Debug, Clone)]
+pub(crate) struct Line {
+    /// The axis that moves.
+    pub(crate) axis: usize,
+    /// Its positions, rising, mm or rad.
+    pub(crate) positions: Vec<f64>,
+    /// For each position the deviations of all axes (mm or rad, actual minus commanded), approached from below and from
+    /// above; the mean of both is zero at home.
+    pub(crate) forward: Vec<Vec<f64>>,
+    pub(crate) backward: Vec<Vec<f64>>,
+}
+
+impl Line {
+    /// At the steps of the axis, or at the spacing that is asked for.
+    pub(crate) fn new(
+        request: &Request<'_>,
+        axis: usize,
+        format: &'static str,
+    ) -> Result<Self, Error> {
+        let positions = positions(request, axis)?;
+        let machine = request.machine.machine();
+        let along = |errors: &dyn Errors, position: f64| -> Vec<f64> {
+            let mut commanded = vec![0.0; machine.axes().len()];
+            commanded[axis] = position;
+            errors.deviations(request, axis, &commanded)
+        };
+        let home = along(request.machine, 0.0);
+        let from = |direction| {
+            let approach = Approach {
+                machine: request.machine,
+                axis,
+                direction,
+            };
+            let at = |&position: &f64| -> Vec<f64> {
+                let deviations = along(&approach, position);
+                deviations
+                    .iter()
+                    .zip(&home)
+                    .map(|(d, home)| d - home)
+                    .collect()
+            };
+            positions.iter().map(at).collect()
+        };
+        let line = Self {
+            axis,
+            forward: from(Direction::Forward),
+            backward: from(Direction::Backward),
+            positions,
+        };
+        line.check_slopes(request, format)?;
+        Ok(line)
+    }
+
+    /// The deviations of axis `of` at a position: linear between the positions, constant outside; the mean of both sides.
+    pub(crate) fn at(&self, of: usize, position: f64) -> f64 {
+        let mean = |k: usize| 0.5 * (self.forward[k][of] + self.backward[k][of]);
+        interpolate(&self.positions, mean, position)
+    }
+
+    /// Mean slope of the deviation of axis `of`, by least squares.
+    pub(crate) fn slope(&self, of: usize) -> f64 {
+        let count = self.positions.len() as f64;
+        let mean_position = self.positions.iter().sum::<f64>() / count;
+        let deviation = |k: usize| 0.5 * (self.forward[k][of] + self.backward[k][of]);
+        let (mut products, mut squares) = (0.0, 0.0);
+        for (k, position) in self.positions.iter().enumerate() {
+            products += (position - mean_position) * deviation(k);
+            squares += (position - mean_position).powi(2);
+        }
+        if squares > 0.0 {
+            products / squares
+        } else {
+            0.0
+        }
+    }
+
+    /// Reversal of the axis itself: the mean of forward minus backward, mm or rad; negative where motion is lost.
+    pub(crate) fn reversal(&self) -> f64 {
+        let pairs = self.forward.iter().zip(&self.backward);
+        let sum: f64 = pairs.map(|(f, b)| f[self.axis] - b[self.axis]).sum();
+        sum / self.positions.len() as f64
+    }
+
+    /// The distance of the positions, which must be one.
+    pub(crate) fn spacing(
+        &self,
+        request: &Request<'_>,
+        format: &'static str,
+    ) -> Result<f64, Error> {
+        let gaps = self.positions.windows(2).map(|pair| pair[1] - pair[0]);
+        let least = gaps.clone().fold(f64::INFINITY, f64::min);
+        let most = gaps.fold(0.0, f64::max);
+        if most - least <= EQUAL * most && most > 0.0 {
+            return Ok(
+                (self.positions[self.positions.len() - 1] - self.positions[0])
+                    / (self.positions.len() - 1) as f64,
+            );
+        }
+        Err(Error::UnequalSteps {
+            axis: request.name(self.axis).to_owned(),
+            format,
+            least: request.in_file(self.axis, least),
+            most: request.in_file(self.axis, most),
+            unit: request.unit(self.axis),
+        })
+    }
+
+    fn check_slopes(&self, request: &Request<'_>, format: &'static str) -> Result<(), Error> {
+        let own = [&self.forward, &self.backward]
+            .into_iter()
+            .flat_map(|side| {
+                let pairs = side.windows(2).zip(self.positions.windows(2));
+                pairs.map(|(d, q)| ((d[1][self.axis] - d[0][self.axis]) / (q[1] - q[0])).abs())
+            });
+        let slope = own.fold(0.0, f64::max);
+        if slope <= STEEPEST {
+            return Ok(());
+        }
+        Err(Error::Slope {
+            axis: request.name(self.axis).to_owned(),
+            format,
+            slope,
+            most: STEEPEST,
+        })
+    }
+}
+
+/// Linear between points, constant outside.
+pub(crate) fn interpolate(positions: &[f64], value: impl Fn(usize) -> f64, position: f64) -> f64 {
+    let above = positions.partition_point(|&p| p < position);
+    if above == 0 {
+        return value(0);
+    }
+    if above == positions.len() {
+        return value(above - 1);
+    }
+    let (a, b) = (positions[above - 1], positions[above]);
+    let weight = (position - a) / (b - a);
+    (1.0 - weight) * value(above - 1) + weight * value(above)
+}
+
+/// The positions of a table.
+pub(crate) fn positions(request: &Request<'_>, axis: usize) -> Result<Vec<f64>, Error> {
+    let steps = request.machine.steps(axis);
+    let (first, last) = (steps[0], steps[steps.len() - 1]);
+    let Some(step) = request.step else {
+        return Ok(steps);
+    };
+    let step = match request.machine.machine().axes()[axis].kind() {
+        AxisKind::Linear => step,
+        AxisKind::Rotary => step.to_radians(),
+    };
+    let intervals = ((last - first) / step).round().max(1.0);
+    if ((last - first) / step - intervals).abs() > DIVIDES * intervals {
+        return Err(Error::Step {
+            axis: request.name(axis).to_owned(),
+            step: request.in_file(axis, step),
+            range: request.in_file(axis, last - first),
+            nearest: request.in_file(axis, (last - first) / intervals),
+            unit: request.unit(axis),
+        });
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of intervals: whole and positive; what is too large is too many points"
+    )]
+    let count = intervals.min(1e7) as usize;
+    Ok((0..=count)
+        .map(|k| first + (last - first) * k as f64 / count as f64)
+        .collect())
+}
+
+/// Errors of a machine, of whichever kind.
+trait Errors {
+    fn deviations(&self, request: &Request<'_>, axis: usize, commanded: &[f64]) -> Vec<f64>;
+}
+
+impl<E: GeometricErrors> Errors for E {
+    /// Linear axes by the position of the tool point, a rotary axis by its angle.
+    fn deviations(&self, request: &Request<'_>, axis: usize, commanded: &[f64]) -> Vec<f64> {
+        let machine = request.machine.machine();
+        let of = |moved| axis_deviations(machine, self, commanded, request.at, moved);
+        let mut deviations = of(Moved::Linear);
+        if machine.axes()[axis].kind() == AxisKind::Rotary {
+            deviations[axis] = of(Moved::All)[axis];
+        }
+        deviations
+    }
+}

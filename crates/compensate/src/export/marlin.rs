@@ -1,0 +1,42 @@
+//! `marlin`: `M852 I J K`, the skew factors of the planes XY, XZ, YZ.
+//!
+//! The firmware moves to `x - y I - z (J - I K)` and `y - z K`. A factor is the tangent of the angle that a plane's axes
+//! are short of 90°: positive if Y leans towards +X (I), Z towards +X (J), Z towards +Y (K). Positioning and straightness
+//! stay, and the part turns with the line of X. Kept with `M500`.
+//!
+//! Sources: `planner.h` (`skew`), and M852 in Marlin's documentation.
+
+use crate::Error;
+use crate::export::skew::Skew;
+use crate::export::{ExportedFile, Request, Rule, Tables, round};
+
+const FORMAT: &str = "marlin";
+
+pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
+    let skew = Skew::new(request, FORMAT)?;
+    let factors = skew.factors().map(|factor| round(factor, 9));
+    let [i, j, k] = factors.map(|factor| format!("{factor:.9}"));
+    let text = format!("; {}\nM852 I{i} J{j} K{k}\n", request.origin());
+    Ok(Tables {
+        files: vec![ExportedFile { name: "skew.gcode".to_owned(), text }],
+        notes: vec![
+            "squareness alone; a factor is positive if the second axis leans towards the first; M500 keeps it".to_owned(),
+            "the firmware prints six decimals (0.2″); it calculates with 32 bits".to_owned(),
+            request.origin(),
+        ],
+        is_experimental: false,
+        rule: Box::new(Factors { skew, factors }),
+    })
+}
+
+/// As the firmware applies them.
+pub(crate) struct Factors {
+    pub(crate) skew: Skew,
+    pub(crate) factors: [f64; 3],
+}
+
+impl Rule for Factors {
+    fn added(&self, commanded: &[f64]) -> Result<Vec<f64>, Error> {
+        Ok(self.skew.added(self.factors, commanded))
+    }
+}

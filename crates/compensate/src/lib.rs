@@ -1,0 +1,40 @@
+//! Commands that bring a machine with known errors where it was meant to go.
+//!
+//! A machine with errors is at `g(q)` when it is commanded to `q`, and should be at `g₀(q)` (tool against workpiece).
+//! [`correct()`] finds the positions `c` with `g(c) = g₀(q)` as far as the axes can, and says what they cannot take away.
+//!
+//! [`export()`] makes tables for controls ([`Format`]), and says what they leave.
+//!
+//! Noun in: a machine with its errors, as a [`trueaxis_calibrate::CalibratedMachine`], and a commanded pose; noun out:
+//! [`Corrected`] positions.
+//!
+//! ```
+//! use nalgebra::Point3;
+//! use trueaxis_compensate::{Moved, correct};
+//! use trueaxis_kinematics::MICROMETRE;
+//! use trueaxis_simulate::Scenario;
+//!
+//! let text = include_str!("../../../campaigns/five-axis/scenario.json");
+//! let truth = Scenario::from_json(text)?.true_machine()?;
+//! let commanded = [100.0, 200.0, 150.0, -0.3, 1.2];
+//! let tool = Point3::new(100.0, 50.0, 400.0);
+//! let corrected = correct(truth.machine(), &truth, &commanded, tool, Moved::All)?;
+//! assert!(corrected.left.translation_mm.norm() < 1e-6 * MICROMETRE);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod correct;
+mod error;
+mod export;
+mod freedom;
+mod remains;
+mod verify;
+
+pub use correct::{Corrected, axis_deviations, correct};
+pub use error::Error;
+pub use export::{Announcement, Export, ExportedFile, Format, LineFigures, Request, Sizes, export};
+pub use freedom::Moved;
+pub use remains::{Left, Remains, remains};
+pub use verify::iso_230_2::{Positioning, Side};
+pub use verify::iso_230_4::Circular;
+pub use verify::{EXPECTED_ABOVE_ONE, Point, Verified, is_misfit, verification_json, verify};

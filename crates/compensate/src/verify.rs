@@ -1,0 +1,380 @@
+//! Readings of other instruments against what a calibration predicts, with and without compensation.
+//!
+//! Readings at the same positions from the same side are one, with their mean. Where an instrument has its zero, where
+//! the centre of a ball bar is and how long the bar is, the machine does not tell: these columns `X` (as in
+//! `trueaxis-diagnose`) are fitted out of readings, predictions and covariance alike,
+//!
+//! ```text
+//! M = I - X X⁺     r → M r     p → M p     C → M C M
+//! E_n = (r - p) / √(U_r² + U_p²)           U = 2 u
+//! ```
+//!
+//! (ISO/IEC 17043, B.3). `U_r` is what the campaign declares, `U_p` that of the calibration and of its interpolation.
+
+pub(crate) mod iso_230_2;
+pub(crate) mod iso_230_4;
+mod json;
+
+use nalgebra::{DMatrix, DVector};
+use trueaxis_calibrate::{
+    Approach, CalibratedMachine, MeasuredPoint, carrier, measured_home_mm, predicted_reading_um,
+};
+use trueaxis_campaign::{Campaign, Direction, Verification, VerificationKind};
+use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
+
+use crate::{Error, Moved, correct};
+pub use json::verification_json;
+
+use iso_230_2::Positioning;
+use iso_230_4::{Circular, circular_deviation};
+
+/// Positions this close are one, mm or rad.
+const SAME: f64 = 1e-9;
+
+/// Parts of a unit vector that only rounding makes.
+const ROUNDING: f64 = 1e-9;
+
+/// Probability that a good prediction is refused.
+const FALSE_ALARM: f64 = 0.01;
+
+/// Share of |`E_n`| above 1 for normal errors and U for k = 2.
+pub const EXPECTED_ABOVE_ONE: f64 = 0.0455;
+
+/// One verification against its prediction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verified {
+    /// Its name.
+    pub name: String,
+    /// What was measured.
+    pub kind: VerificationKind,
+    /// Each position and side.
+    pub points: Vec<Point>,
+    /// ISO 230-2, of each line of positioning, with the positions of all axes at its first reading.
+    pub positioning: Vec<(Vec<f64>, Positioning)>,
+    /// ISO 230-4, of a ball bar.
+    pub circular: Option<Circular>,
+}
+
+/// All readings at one position from one side; values in µm without what the set-up leaves open.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Commanded positions of all axes, mm or rad.
+    pub positions: Vec<f64>,
+    /// Side of approach.
+    pub direction: Direction,
+    /// Number of readings.
+    pub readings: usize,
+    /// Their mean.
+    pub reading_um: f64,
+    /// Predicted without compensation, by exact motions.
+    pub predicted_um: f64,
+    /// The same of a ball bar to first order: the paper's Eq. 24.
+    pub first_order_um: f64,
+    /// Predicted with every command corrected.
+    pub compensated_um: f64,
+    /// Standard uncertainty of the prediction.
+    pub u_prediction_um: f64,
+    /// Declared standard uncertainty of the reading.
+    pub u_reading_um: Option<f64>,
+    /// `E_n`, where that is declared.
+    pub e_n: Option<f64>,
+}
+
+impl Verified {
+    /// How many of the `E_n` exceed 1, and of how many.
+    pub fn above_one(&self) -> (usize, usize) {
+        let all = self.points.iter().filter_map(|point| point.e_n);
+        let above = all.clone().filter(|e_n| e_n.abs() > 1.0).count();
+        (above, all.count())
+    }
+}
+
+/// Whether so many `E_n` of so many above 1 are more than chance explains, with a probability of 1 % if they are independent.
+pub fn is_misfit((above, all): (usize, usize)) -> bool {
+    // P(at least `above`), term by term.
+    let (p, q) = (EXPECTED_ABOVE_ONE, 1.0 - EXPECTED_ABOVE_ONE);
+    let mut term = (0..all).fold(1.0, |product, _| product * q);
+    let mut below = 0.0;
+    for k in 0..above {
+        below += term;
+        term *= p / q * (all - k) as f64 / (k + 1) as f64;
+    }
+    1.0 - below < FALSE_ALARM
+}
+
+/// Compares all verifications of a campaign with the predictions of a calibration; `is_compensated`: the readings were
+/// taken with the compensation switched on.
+///
+/// # Errors
+/// [`Error::OtherMachine`] if the calibration is that of another machine, [`Error::NotContracting`] if its errors have
+/// no inverse.
+pub fn verify(
+    machine: &CalibratedMachine,
+    campaign: &Campaign,
+    is_compensated: bool,
+) -> Result<Vec<Verified>, Error> {
+    check_same_machine(machine.machine(), &campaign.machine)?;
+    let all = campaign.verification.iter();
+    all.map(|verification| verified(machine, verification, is_compensated))
+        .collect()
+}
+
+fn verified(
+    machine: &CalibratedMachine,
+    verification: &Verification,
+    is_compensated: bool,
+) -> Result<Verified, Error> {
+    let (nominal, kind) = (machine.machine(), &verification.kind);
+    let mut points = grouped(verification);
+    for point in &mut points {
+        let at = &point.positions;
+        point.predicted_um = predicted_from_its_side(machine, kind, point);
+        let MeasuredPoint { point_mm, along } = MeasuredPoint::new(nominal, kind, at);
+        let home_mm = measured_home_mm(kind);
+        let actual = nominal.position(machine, carrier(nominal, kind), at, home_mm);
+        point.first_order_um = along.dot(&(actual - point_mm)) / MICROMETRE;
+        let corrected = correct(nominal, machine, at, home_mm, Moved::All)?.positions;
+        point.compensated_um = predicted_reading_um(nominal, kind, machine, at, &corrected);
+        point.u_reading_um = declared_u_um(nominal, verification, at);
+    }
+    let commanded: Vec<Vec<f64>> = points.iter().map(|p| p.positions.clone()).collect();
+    let set_up = set_up(nominal, kind, &points);
+    let free = &set_up * pseudo_inverse(&set_up);
+    let projection = DMatrix::identity(points.len(), points.len()) - free;
+    let covariance = &projection * machine.covariance_of_readings(kind, &commanded) * &projection;
+    let fitted = |value: fn(&mut Point) -> &mut f64, points: &mut [Point]| {
+        let column = DVector::from_iterator(points.len(), points.iter_mut().map(|p| *value(p)));
+        let left = &projection * column;
+        points
+            .iter_mut()
+            .zip(left.iter())
+            .for_each(|(point, left)| *value(point) = *left);
+    };
+    fitted(|point| &mut point.reading_um, &mut points);
+    fitted(|point| &mut point.predicted_um, &mut points);
+    fitted(|point| &mut point.first_order_um, &mut points);
+    fitted(|point| &mut point.compensated_um, &mut points);
+    for (i, point) in points.iter_mut().enumerate() {
+        point.u_prediction_um = covariance[(i, i)].max(0.0).sqrt();
+        let predicted = if is_compensated {
+            point.compensated_um
+        } else {
+            point.predicted_um
+        };
+        point.e_n = point
+            .u_reading_um
+            .map(|u| (point.reading_um - predicted) / (2.0 * u.hypot(point.u_prediction_um)));
+    }
+    Ok(Verified {
+        name: verification.name.clone(),
+        kind: kind.clone(),
+        positioning: positioning(verification),
+        circular: circular(nominal, kind, &points),
+        points,
+    })
+}
+
+fn predicted_from_its_side(
+    machine: &CalibratedMachine,
+    kind: &VerificationKind,
+    point: &Point,
+) -> f64 {
+    let (nominal, at) = (machine.machine(), &point.positions);
+    match *kind {
+        VerificationKind::Positioning { axis, .. } => {
+            let direction = point.direction;
+            let approach = Approach {
+                machine,
+                axis,
+                direction,
+            };
+            predicted_reading_um(nominal, kind, &approach, at, at)
+        }
+        VerificationKind::Ballbar { .. } => predicted_reading_um(nominal, kind, machine, at, at),
+    }
+}
+
+/// Readings by position and side, in the order in which they first occur.
+fn grouped(verification: &Verification) -> Vec<Point> {
+    let mut points: Vec<Point> = Vec::new();
+    for reading in &verification.readings {
+        let same = points.iter_mut().find(|point| {
+            point.direction == reading.direction && are_same(&point.positions, &reading.positions)
+        });
+        if let Some(point) = same {
+            point.readings += 1;
+            point.reading_um += (reading.value_um - point.reading_um) / point.readings as f64;
+        } else {
+            points.push(Point {
+                positions: reading.positions.clone(),
+                direction: reading.direction,
+                readings: 1,
+                reading_um: reading.value_um,
+                predicted_um: 0.0,
+                first_order_um: 0.0,
+                compensated_um: 0.0,
+                u_prediction_um: 0.0,
+                u_reading_um: None,
+                e_n: None,
+            });
+        }
+    }
+    points
+}
+
+fn are_same(a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME)
+}
+
+/// Whether two readings are of one line: the other axes stand at the same positions.
+fn on_one_line(axis: usize, a: &[f64], b: &[f64]) -> bool {
+    let mut pairs = a.iter().zip(b).enumerate();
+    pairs.all(|(i, (a, b))| i == axis || (a - b).abs() <= SAME)
+}
+
+/// √(a² + (b l)²), with l the commanded position of the axis (mm; an arc for a rotary one) or the nominal length.
+fn declared_u_um(machine: &Machine, verification: &Verification, at: &[f64]) -> Option<f64> {
+    if verification.u_um.is_none() && verification.u_ppm.is_none() {
+        return None;
+    }
+    let length_mm = match verification.kind {
+        VerificationKind::Positioning { axis, target_mm } => match machine.axes()[axis].kind() {
+            AxisKind::Linear => at[axis],
+            AxisKind::Rotary => {
+                let from_axis = target_mm - machine.axes()[axis].reference_mm();
+                let direction = machine.axes()[axis].direction().into_inner();
+                at[axis] * direction.cross(&from_axis).norm()
+            }
+        },
+        VerificationKind::Ballbar {
+            ball_mm,
+            ball_carrier,
+            center_mm,
+        } => (machine.position(&Ideal, ball_carrier, at, ball_mm) - center_mm).norm(),
+    };
+    // ppm of mm are nm.
+    let proportional = verification.u_ppm.unwrap_or(0.0) * length_mm / 1000.0;
+    Some(verification.u_um.unwrap_or(0.0).hypot(proportional)).filter(|u| *u > 0.0)
+}
+
+/// Columns of what the machine does not tell.
+fn set_up(machine: &Machine, kind: &VerificationKind, points: &[Point]) -> DMatrix<f64> {
+    let columns: Vec<Vec<f64>> = match *kind {
+        VerificationKind::Positioning { axis, .. } => {
+            let first = first_of_lines(axis, points.iter().map(|point| &point.positions));
+            let of_line = |line: &Vec<f64>| {
+                let is_on = points.iter().map(|p| on_one_line(axis, line, &p.positions));
+                is_on.map(|is_on| f64::from(u8::from(is_on))).collect()
+            };
+            first.iter().map(of_line).collect()
+        }
+        VerificationKind::Ballbar { .. } => circle_columns(machine, kind, points),
+    };
+    DMatrix::from_fn(points.len(), columns.len(), |row, column| {
+        columns[column][row]
+    })
+}
+
+/// Centre and length of a bar.
+fn circle_columns(machine: &Machine, kind: &VerificationKind, points: &[Point]) -> Vec<Vec<f64>> {
+    let along = points
+        .iter()
+        .map(|p| MeasuredPoint::new(machine, kind, &p.positions).along);
+    let along: Vec<_> = along.collect();
+    let centre = (0..3).map(|c| along.iter().map(|along| along[c]).collect::<Vec<f64>>());
+    let seen = centre.filter(|column| column.iter().any(|x| x.abs() > ROUNDING));
+    seen.chain([vec![1.0; points.len()]]).collect()
+}
+
+fn first_of_lines<'a>(axis: usize, all: impl Iterator<Item = &'a Vec<f64>>) -> Vec<Vec<f64>> {
+    let mut lines: Vec<Vec<f64>> = Vec::new();
+    for positions in all {
+        if !lines.iter().any(|line| on_one_line(axis, line, positions)) {
+            lines.push(positions.clone());
+        }
+    }
+    lines
+}
+
+fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let largest = matrix.norm();
+    let svd = matrix.clone().svd(true, true);
+    // With both factors there, nothing is refused.
+    svd.pseudo_inverse(ROUNDING * largest)
+        .unwrap_or_else(|_| DMatrix::zeros(matrix.ncols(), matrix.nrows()))
+}
+
+fn positioning(verification: &Verification) -> Vec<(Vec<f64>, Positioning)> {
+    let VerificationKind::Positioning { axis, .. } = verification.kind else {
+        return Vec::new();
+    };
+    let readings = &verification.readings;
+    let lines = first_of_lines(axis, readings.iter().map(|reading| &reading.positions));
+    let of_line = |line: Vec<f64>| {
+        let own = readings
+            .iter()
+            .filter(|r| on_one_line(axis, &line, &r.positions));
+        let own = own.map(|r| (r.positions[axis], r.direction, r.value_um));
+        let positioning = Positioning::new(&own.collect::<Vec<_>>());
+        (line, positioning)
+    };
+    lines.into_iter().map(of_line).collect()
+}
+
+fn circular(machine: &Machine, kind: &VerificationKind, points: &[Point]) -> Option<Circular> {
+    if !matches!(kind, VerificationKind::Ballbar { .. }) {
+        return None;
+    }
+    let of = |chosen: Vec<Point>| {
+        if chosen.is_empty() {
+            return None;
+        }
+        let set_up = set_up(machine, kind, &chosen);
+        let readings = DVector::from_iterator(chosen.len(), chosen.iter().map(|p| p.reading_um));
+        let left = &readings - &set_up * (pseudo_inverse(&set_up) * &readings);
+        circular_deviation(left.as_slice())
+    };
+    let side = |direction| {
+        let own = points.iter().filter(|point| point.direction == direction);
+        own.cloned().collect::<Vec<_>>()
+    };
+    let [forward, backward] = [Direction::Forward, Direction::Backward].map(side);
+    let pairs = forward.iter().filter_map(|f| {
+        let same = backward
+            .iter()
+            .find(|b| are_same(&f.positions, &b.positions));
+        same.map(|b| (f.reading_um - b.reading_um).abs())
+    });
+    let h_um = pairs.reduce(f64::max);
+    let is_both = !forward.is_empty() && !backward.is_empty();
+    Some(Circular {
+        g_both_um: is_both.then(|| of(points.to_vec())).flatten(),
+        g_forward_um: of(forward),
+        g_backward_um: of(backward),
+        h_um,
+    })
+}
+
+/// Names, kinds, order and directions of axes, and the branches.
+fn check_same_machine(calibrated: &Machine, measured: &Machine) -> Result<(), Error> {
+    use trueaxis_kinematics::Branch::{Tool, Workpiece};
+    let is_same = calibrated.axes().len() == measured.axes().len()
+        && calibrated.axes().iter().zip(measured.axes()).all(|(a, b)| {
+            let off = a.direction().into_inner() - b.direction().into_inner();
+            a.name() == b.name() && a.kind() == b.kind() && off.norm() < ROUNDING
+        })
+        && [Tool, Workpiece]
+            .into_iter()
+            .all(|branch| calibrated.branch(branch) == measured.branch(branch));
+    let names = |machine: &Machine| {
+        let names: Vec<&str> = machine.axes().iter().map(|axis| axis.name()).collect();
+        names.join(" ")
+    };
+    if is_same {
+        return Ok(());
+    }
+    Err(Error::OtherMachine {
+        calibrated: names(calibrated),
+        measured: names(measured),
+    })
+}

@@ -1,0 +1,214 @@
+//! Accuracy and repeatability of positioning by ISO 230-2:2014, 3: from deviations at target positions that were approached
+//! several times from both sides.
+//!
+//! With the mean `x̄_i↑` and the standard deviation `s_i↑` of the runs at position i from below (`↓` from above):
+//!
+//! ```text
+//! B_i = x̄_i↑ - x̄_i↓                          B = max |B_i|     B̄ = mean B_i
+//! R_i↑ = 4 s_i↑                               R_i = max(2 s_i↑ + 2 s_i↓ + |B_i|, R_i↑, R_i↓)
+//! E↑ = max x̄_i↑ - min x̄_i↑                    E = max(x̄_i↑, x̄_i↓) - min(x̄_i↑, x̄_i↓)
+//! M = max x̄_i - min x̄_i                       x̄_i = (x̄_i↑ + x̄_i↓) / 2
+//! A↑ = max(x̄_i↑ + 2 s_i↑) - min(x̄_i↑ - 2 s_i↑)  A: the same over both sides
+//! ```
+//!
+//! `B_i` is the opposite of lost motion. The zero of the instrument is in none of them.
+
+use trueaxis_campaign::Direction;
+
+/// Runs from each side that the standard wants.
+const RUNS: usize = 5;
+
+/// Positions this close are one, mm or rad.
+const SAME: f64 = 1e-9;
+
+/// The quantities, µm. Those of a side that was not approached are not there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Positioning {
+    /// Fewest runs at a position from a side.
+    pub runs: usize,
+    /// Whether there are fewer than the five of the standard.
+    pub is_short: bool,
+    /// From below, from above, both sides.
+    pub sides: [Option<Side>; 3],
+    /// Reversal error B: the largest amount.
+    pub b_um: Option<f64>,
+    /// Its mean, B̄, with its sign.
+    pub mean_b_um: Option<f64>,
+    /// Range of the mean bidirectional deviation M.
+    pub m_um: Option<f64>,
+}
+
+/// Quantities of one side or both, µm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Side {
+    /// Accuracy A; not with one run.
+    pub a_um: Option<f64>,
+    /// Systematic deviation E.
+    pub e_um: f64,
+    /// Repeatability R; not with one run.
+    pub r_um: Option<f64>,
+}
+
+/// Mean and standard deviation of the runs at a position from a side.
+#[derive(Debug, Clone, Copy)]
+struct Runs {
+    count: usize,
+    mean: f64,
+    s: f64,
+}
+
+impl Runs {
+    fn of(values: &[f64]) -> Option<Self> {
+        let count = values.len();
+        let mean = values.iter().sum::<f64>() / count as f64;
+        let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
+        (count > 0).then(|| Self {
+            count,
+            mean,
+            s: if count > 1 {
+                (squares / (count - 1) as f64).sqrt()
+            } else {
+                f64::NAN
+            },
+        })
+    }
+}
+
+impl Positioning {
+    /// From deviations (µm, actual minus commanded) at commanded positions.
+    pub fn new(deviations: &[(f64, Direction, f64)]) -> Self {
+        let mut positions: Vec<f64> = deviations.iter().map(|(position, ..)| *position).collect();
+        positions.sort_by(f64::total_cmp);
+        positions.dedup_by(|a, b| (*a - *b).abs() <= SAME);
+        let at = |position: &f64, side: Direction| {
+            let own = deviations
+                .iter()
+                .filter(|(q, d, _)| *d == side && (q - position).abs() <= SAME);
+            Runs::of(&own.map(|(.., x)| *x).collect::<Vec<_>>())
+        };
+        let pairs: Vec<[Option<Runs>; 2]> = positions
+            .iter()
+            .map(|q| [at(q, Direction::Forward), at(q, Direction::Backward)])
+            .collect();
+        let both: Vec<[Runs; 2]> = pairs
+            .iter()
+            .filter_map(|[f, b]| Some([(*f)?, (*b)?]))
+            .collect();
+        let reversal: Vec<f64> = both.iter().map(|[f, b]| f.mean - b.mean).collect();
+        let mean: Vec<f64> = both.iter().map(|[f, b]| 0.5 * (f.mean + b.mean)).collect();
+        let one_side = |side: usize| {
+            let runs: Vec<Runs> = pairs.iter().filter_map(|pair| pair[side]).collect();
+            let repeatability = runs.iter().map(|run| 4.0 * run.s);
+            Side::of(&runs, repeatability.collect())
+        };
+        let bidirectional = both.iter().map(|[f, b]| {
+            let sum = 2.0 * f.s + 2.0 * b.s + (f.mean - b.mean).abs();
+            let [f, b] = [4.0 * f.s, 4.0 * b.s];
+            // Not a number for a single run, which `max` would hide.
+            if sum.is_finite() {
+                sum.max(f).max(b)
+            } else {
+                f64::NAN
+            }
+        });
+        let all: Vec<Runs> = both.iter().flatten().copied().collect();
+        let runs = pairs.iter().flatten().flatten().map(|run| run.count);
+        let runs = runs.min().unwrap_or(0);
+        Self {
+            runs,
+            is_short: runs < RUNS,
+            sides: [
+                one_side(0),
+                one_side(1),
+                Side::of(&all, bidirectional.collect()),
+            ],
+            b_um: reversal.iter().map(|b| b.abs()).reduce(f64::max),
+            mean_b_um: (!reversal.is_empty())
+                .then(|| reversal.iter().sum::<f64>() / reversal.len() as f64),
+            m_um: range(mean.iter().copied()),
+        }
+    }
+}
+
+impl Side {
+    fn of(runs: &[Runs], repeatability: Vec<f64>) -> Option<Self> {
+        let known = |x: &f64| x.is_finite();
+        let high = runs.iter().map(|run| run.mean + 2.0 * run.s);
+        let low = runs.iter().map(|run| run.mean - 2.0 * run.s);
+        let all: Vec<f64> = high.chain(low).collect();
+        Some(Self {
+            a_um: range(all.iter().copied()).filter(|_| all.iter().all(known)),
+            e_um: range(runs.iter().map(|run| run.mean))?,
+            r_um: repeatability
+                .iter()
+                .copied()
+                .reduce(f64::max)
+                .filter(|_| repeatability.iter().all(known)),
+        })
+    }
+}
+
+fn range(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
+    Some(values.clone().reduce(f64::max)? - values.reduce(f64::min)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Direction::{Backward, Forward};
+
+    fn close(found: Option<f64>, expected: f64) {
+        let found = found.unwrap_or(f64::NAN);
+        assert!(
+            (found - expected).abs() < 1e-12,
+            "{found}, expected {expected}"
+        );
+    }
+
+    /// Two positions, three runs a side, worked out by hand: at 0 mm from below 1, 2, 3 (mean 2, s 1), from above 4, 5, 6
+    /// (mean 5, s 1); at 100 mm from below -1, 1, 3 (mean 1, s 2), from above 0, 0, 0 (mean 0, s 0).
+    #[test]
+    fn by_hand() {
+        let runs = |q: f64, side, values: [f64; 3]| values.map(|x| (q, side, x));
+        let all = [
+            runs(0.0, Forward, [1.0, 2.0, 3.0]),
+            runs(0.0, Backward, [4.0, 5.0, 6.0]),
+            runs(100.0, Forward, [-1.0, 1.0, 3.0]),
+            runs(100.0, Backward, [0.0, 0.0, 0.0]),
+        ];
+        let found = Positioning::new(&all.concat());
+        assert_eq!((found.runs, found.is_short), (3, true));
+        close(found.b_um, 3.0); // |2 - 5|, |1 - 0|
+        close(found.mean_b_um, -1.0); // (-3 + 1) / 2
+        close(found.m_um, 3.0); // 3.5 - 0.5
+        let [forward, backward, both] = found.sides.map(Option::unwrap);
+        close(Some(forward.e_um), 1.0);
+        close(forward.r_um, 8.0); // 4 · 2
+        close(forward.a_um, 8.0); // max(4, 5) - min(0, -3)
+        close(Some(backward.e_um), 5.0);
+        close(backward.r_um, 4.0);
+        close(backward.a_um, 7.0); // 7 - 0
+        close(Some(both.e_um), 5.0); // 5 - 0
+        close(both.r_um, 8.0); // at 0: 2 + 2 + 3 = 7; at 100: max(4 + 0 + 1, 8, 0)
+        close(both.a_um, 10.0); // 7 - (-3)
+        // The zero of the instrument is in none of them.
+        let shifted: Vec<_> = all
+            .concat()
+            .iter()
+            .map(|&(q, d, x)| (q, d, x + 17.0))
+            .collect();
+        let again = Positioning::new(&shifted);
+        close(again.sides[2].unwrap().a_um, 10.0);
+        close(again.m_um, 3.0);
+    }
+
+    #[test]
+    fn one_run_has_no_repeatability_and_one_side_no_reversal() {
+        let found = Positioning::new(&[(0.0, Forward, 1.0), (10.0, Forward, 4.0)]);
+        let forward = found.sides[0].unwrap();
+        assert_eq!((forward.a_um, forward.r_um), (None, None));
+        close(Some(forward.e_um), 3.0);
+        assert_eq!((found.sides[1], found.sides[2]), (None, None));
+        assert_eq!((found.b_um, found.m_um, found.runs), (None, None, 1));
+    }
+}

@@ -1,0 +1,133 @@
+//! `verification.json`.
+
+use serde_json::{Value, json};
+use trueaxis_calibrate::CalibratedMachine;
+use trueaxis_campaign::{Direction, VerificationKind};
+use trueaxis_files::round;
+use trueaxis_kinematics::{AxisKind, Machine};
+
+use crate::verify::iso_230_2::{Positioning, Side};
+use crate::verify::{EXPECTED_ABOVE_ONE, Point, Verified, is_misfit};
+
+/// Decimals of µm and `E_n`.
+const DECIMALS: i32 = 4;
+
+/// The document of all verifications of the campaign of this name.
+pub fn verification_json(
+    machine: &CalibratedMachine,
+    campaign: &str,
+    is_compensated: bool,
+    verified: &[Verified],
+) -> Value {
+    let nominal = machine.machine();
+    json!({
+        "format": "trueaxis-verification",
+        "version": 1,
+        "machine": machine.name,
+        "calibration": machine.campaign,
+        "campaign": campaign,
+        "effects_taken_out": machine.effects_taken_out,
+        "compensated": is_compensated,
+        "expected_above_one": EXPECTED_ABOVE_ONE,
+        "verification": verified.iter().map(|v| entry(nominal, v)).collect::<Value>(),
+    })
+}
+
+fn entry(machine: &Machine, verified: &Verified) -> Value {
+    let (above, all) = verified.above_one();
+    let mut entry = json!({
+        "name": verified.name,
+        "kind": match verified.kind {
+            VerificationKind::Positioning { .. } => "positioning",
+            VerificationKind::Ballbar { .. } => "ballbar",
+        },
+        "points": verified.points.iter().map(|p| point(machine, p)).collect::<Value>(),
+    });
+    if all > 0 {
+        entry["e_n"] =
+            json!({ "count": all, "above_one": above, "misfit": is_misfit((above, all)) });
+    }
+    if !verified.positioning.is_empty() {
+        let lines = verified.positioning.iter();
+        entry["iso_230_2"] = lines
+            .map(|(at, line)| positioning(machine, at, line))
+            .collect();
+    }
+    if let Some(circular) = verified.circular {
+        entry["iso_230_4"] = without_nulls([
+            ("G_forward_um", circular.g_forward_um),
+            ("G_backward_um", circular.g_backward_um),
+            ("Gb_um", circular.g_both_um),
+            ("H_um", circular.h_um),
+        ]);
+    }
+    entry
+}
+
+fn at(machine: &Machine, positions: &[f64]) -> Value {
+    let axes = machine.axes().iter().zip(positions);
+    let cells = axes.map(|(axis, &q)| {
+        let value = match axis.kind() {
+            AxisKind::Linear => round(q, 9),
+            AxisKind::Rotary => round(q.to_degrees(), 9),
+        };
+        (axis.name().to_owned(), json!(value))
+    });
+    cells.collect()
+}
+
+fn point(machine: &Machine, point: &Point) -> Value {
+    let um = |value: f64| json!(round(value, DECIMALS));
+    let mut value = json!({
+        "at": at(machine, &point.positions),
+        "direction": match point.direction {
+            Direction::Forward => 1,
+            Direction::Backward => -1,
+        },
+        "readings": point.readings,
+        "reading_um": um(point.reading_um),
+        "predicted_um": um(point.predicted_um),
+        "first_order_um": um(point.first_order_um),
+        "compensated_um": um(point.compensated_um),
+        "u_prediction_um": um(point.u_prediction_um),
+    });
+    if let Some((u, e_n)) = point.u_reading_um.zip(point.e_n) {
+        value["u_reading_um"] = um(u);
+        value["e_n"] = um(e_n);
+    }
+    value
+}
+
+fn positioning(machine: &Machine, line: &[f64], found: &Positioning) -> Value {
+    let mut value = json!({
+        "from": at(machine, line),
+        "runs": found.runs,
+        "fewer_runs_than_the_standard": found.is_short,
+    });
+    for (name, side) in ["forward", "backward", "bidirectional"]
+        .iter()
+        .zip(&found.sides)
+    {
+        if let Some(Side { a_um, e_um, r_um }) = *side {
+            value[*name] = without_nulls([("A_um", a_um), ("E_um", Some(e_um)), ("R_um", r_um)]);
+        }
+    }
+    let rest = without_nulls([
+        ("B_um", found.b_um),
+        ("mean_B_um", found.mean_b_um),
+        ("M_um", found.m_um),
+    ]);
+    if let (Value::Object(value), Value::Object(rest)) = (&mut value, rest) {
+        value.extend(rest);
+    }
+    value
+}
+
+fn without_nulls<const N: usize>(fields: [(&str, Option<f64>); N]) -> Value {
+    let there = fields
+        .into_iter()
+        .filter_map(|(name, value)| Some((name, value?)));
+    there
+        .map(|(name, value)| (name.to_owned(), json!(round(value, DECIMALS))))
+        .collect()
+}

@@ -1,0 +1,377 @@
+//! Small models of what controls make of their files, written from their descriptions: what they add to the commanded
+//! positions (mm, rad; axes X, Y, Z first).
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Point3, Vector3, Vector6};
+use trueaxis_compensate::{Export, Format};
+use trueaxis_kinematics::{
+    AxisKind, Branch, GeometricErrors, Ideal, LocationComponent, LocationError, Machine,
+    MotionError,
+};
+
+/// What a control adds.
+pub(crate) type Control = Box<dyn Fn(&[f64]) -> Vec<f64>>;
+
+pub(crate) fn control(
+    format: Format,
+    export: &Export,
+    machine: &Machine,
+    tool: Point3<f64>,
+) -> Control {
+    let text = |name: &str| {
+        let file = export.files.iter().find(|file| file.name == name);
+        file.map(|file| file.text.clone())
+    };
+    match format {
+        Format::Grid => grid(&text("grid.csv").unwrap(), machine),
+        Format::LinuxCnc => linuxcnc(export, machine),
+        Format::Isg => with_errors(isg(&text("volcomp.csv").unwrap(), machine), machine, tool),
+        Format::Etalon => with_errors(etalon(&text("etalon.txt").unwrap(), machine), machine, tool),
+        Format::Sinumerik => sinumerik(
+            &text("AX_EEC.INI").unwrap(),
+            text("NC_CEC.INI").as_deref(),
+            machine,
+        ),
+        Format::Marlin => marlin(&text("skew.gcode").unwrap()),
+        Format::Klipper => klipper(&text("skew.cfg").unwrap()),
+    }
+}
+
+/// Linear, constant outside.
+fn linear(points: &[(f64, f64)], x: f64) -> f64 {
+    if x <= points[0].0 {
+        return points[0].1;
+    }
+    for pair in points.windows(2) {
+        let [(a, fa), (b, fb)] = [pair[0], pair[1]];
+        if x <= b {
+            return fa + (fb - fa) * (x - a) / (b - a);
+        }
+    }
+    points[points.len() - 1].1
+}
+
+fn numbers(line: &str, separator: char) -> Vec<f64> {
+    let cells = line.split(separator).filter(|cell| !cell.is_empty());
+    cells.map(|cell| cell.trim().parse().unwrap()).collect()
+}
+
+fn is_rotary(machine: &Machine, axis: usize) -> bool {
+    machine.axes()[axis].kind() == AxisKind::Rotary
+}
+
+fn in_file(machine: &Machine, axis: usize, value: f64) -> f64 {
+    if is_rotary(machine, axis) {
+        value.to_degrees()
+    } else {
+        value
+    }
+}
+
+fn from_file(machine: &Machine, axis: usize, value: f64) -> f64 {
+    if is_rotary(machine, axis) {
+        value.to_radians()
+    } else {
+        value
+    }
+}
+
+/// Trilinear over X, Y, Z, from the columns `add_`.
+fn grid(text: &str, machine: &Machine) -> Control {
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .skip(1)
+        .map(|line| numbers(line, ','))
+        .collect();
+    let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    assert_eq!(header[..3], ["X", "Y", "Z"]);
+    assert_eq!(header[9..], ["add_X_um", "add_Y_um", "add_Z_um"]);
+    let axes = machine.axes().len();
+    let key = |row: &[f64]| [0, 1, 2].map(|c: usize| row[c].to_bits());
+    let values: BTreeMap<[u64; 3], Vec<f64>> = rows
+        .iter()
+        .map(|row| (key(row), row[9..].to_vec()))
+        .collect();
+    let mut nodes: [Vec<f64>; 3] = [const { Vec::new() }; 3];
+    for row in &rows {
+        for (c, nodes) in nodes.iter_mut().enumerate() {
+            if !nodes.contains(&row[c]) {
+                nodes.push(row[c]);
+            }
+        }
+    }
+    Box::new(move |q| {
+        let corner = |c: usize| {
+            let above = nodes[c]
+                .iter()
+                .position(|&node| node >= q[c])
+                .unwrap_or(nodes[c].len() - 1)
+                .max(1);
+            let (a, b) = (nodes[c][above - 1], nodes[c][above]);
+            [(a, (b - q[c]) / (b - a)), (b, (q[c] - a) / (b - a))]
+        };
+        let mut added = vec![0.0; axes];
+        for (x, wx) in corner(0) {
+            for (y, wy) in corner(1) {
+                for (z, wz) in corner(2) {
+                    let value = &values[&key(&[x, y, z])];
+                    (0..3).for_each(|c| added[c] += wx * wy * wz * value[c] * 1e-3);
+                }
+            }
+        }
+        added
+    })
+}
+
+/// `joint = C axis`, then `nominal - actual` at the joint's position: the mean of both directions.
+fn linuxcnc(export: &Export, machine: &Machine) -> Control {
+    let axes = machine.axes().len();
+    let mut tables: Vec<Option<Vec<(f64, f64)>>> = vec![None; axes];
+    let mut matrix = BTreeMap::new();
+    for file in &export.files {
+        if let Some(name) = file.name.strip_suffix(".comp") {
+            let axis = machine.axis_index(name).unwrap();
+            // The reader: three numbers or the end.
+            let lines = file.text.lines().map(|line| numbers(line, ' '));
+            let lines: Vec<Vec<f64>> = lines.take_while(|line| line.len() == 3).collect();
+            assert_eq!(lines.len(), file.text.lines().count());
+            let triplet = |l: &Vec<f64>| {
+                let added = l[0] - 0.5 * (l[1] + l[2]);
+                (l[0], from_file(machine, axis, added))
+            };
+            tables[axis] = Some(lines.iter().map(triplet).collect());
+        } else {
+            for line in file.text.lines() {
+                if let Some(rest) = line.strip_prefix("setp matrixkins.C_") {
+                    let (name, value) = rest.split_once(' ').unwrap();
+                    matrix.insert(name.to_owned(), value.parse::<f64>().unwrap());
+                }
+            }
+        }
+    }
+    let machine = machine.clone();
+    Box::new(move |q| {
+        let mut joints = q.to_vec();
+        if !matrix.is_empty() {
+            for (row, joint) in joints.iter_mut().take(3).enumerate() {
+                let letters = ["x", "y", "z"];
+                let c = |column: usize| matrix[&format!("{}{}", letters[row], letters[column])];
+                *joint = (0..3).map(|column| c(column) * q[column]).sum();
+            }
+        }
+        let motor = joints.iter().enumerate().map(|(axis, &joint)| {
+            let table = tables[axis].as_ref();
+            joint + table.map_or(0.0, |table| linear(table, in_file(&machine, axis, joint)))
+        });
+        motor.zip(q).map(|(motor, q)| motor - q).collect()
+    })
+}
+
+/// A positive value moves the axis in the negative direction, in both kinds of tables.
+fn sinumerik(positioning: &str, cross: Option<&str>, machine: &Machine) -> Control {
+    let machine = machine.clone();
+    let mut tables: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
+    for line in positioning.lines().chain(cross.unwrap_or_default().lines()) {
+        let Some((left, right)) = line.split_once('=') else {
+            continue;
+        };
+        let (name, index) = left.trim_end_matches(']').split_once('[').unwrap();
+        let index: Vec<&str> = index.split(',').collect();
+        // Of `$AA_ENC_COMP[e,N,AX]`, `$AA_ENC_COMP_STEP[e,AX]`, `$AN_CEC[t,N]`, `$AN_CEC_STEP[t]`.
+        let (table, key) = match (name, index.as_slice()) {
+            ("$AA_ENC_COMP", [_, n, axis]) => (format!("enc {axis}"), (*n).to_owned()),
+            ("$AN_CEC", [t, n]) => (format!("cec {t}"), (*n).to_owned()),
+            (name, [_, axis]) if name.starts_with("$AA_ENC_COMP_") => {
+                (format!("enc {axis}"), name[13..].to_owned())
+            }
+            (name, [t]) => (format!("cec {t}"), name[8..].to_owned()),
+            _ => panic!("{line}"),
+        };
+        tables
+            .entry(table)
+            .or_default()
+            .insert(key, right.to_owned());
+    }
+    Box::new(move |q| {
+        let mut added = vec![0.0; q.len()];
+        let axis = |name: &str| {
+            name.trim_matches(['(', ')'])
+                .strip_prefix("AX")
+                .unwrap()
+                .parse::<usize>()
+                .unwrap()
+                - 1
+        };
+        for (name, table) in &tables {
+            let number = |key: &str| table[key].parse::<f64>().unwrap();
+            let (input, output) = match name.strip_prefix("enc ") {
+                Some(own) => (axis(own), axis(own)),
+                None => (axis(&table["INPUT_AXIS"]), axis(&table["OUTPUT_AXIS"])),
+            };
+            let (min, step) = (number("MIN"), number("STEP"));
+            let numbered = (0_u32..).take_while(|n| table.contains_key(&n.to_string()));
+            let points = numbered.map(|n| (min + step * f64::from(n), number(&n.to_string())));
+            let points: Vec<(f64, f64)> = points.collect();
+            let last = points[points.len() - 1].0;
+            assert!((last - number("MAX")).abs() < 1e-6);
+            let value = linear(&points, in_file(&machine, input, q[input]));
+            added[output] -= from_file(&machine, output, value);
+        }
+        added
+    })
+}
+
+/// `x - y I - z (J - I K)`, `y - z K`.
+fn marlin(text: &str) -> Control {
+    let line = text.lines().find(|line| line.starts_with("M852")).unwrap();
+    let words: BTreeMap<char, f64> = line
+        .split(' ')
+        .skip(1)
+        .map(|word| (word.chars().next().unwrap(), word[1..].parse().unwrap()))
+        .collect();
+    skew([words[&'I'], words[&'J'], words[&'K']])
+}
+
+fn skew([xy, xz, yz]: [f64; 3]) -> Control {
+    Box::new(move |q| {
+        let x = q[0] - q[1] * xy - q[2] * (xz - xy * yz);
+        let y = q[1] - q[2] * yz;
+        let mut added = vec![0.0; q.len()];
+        (added[0], added[1]) = (x - q[0], y - q[1]);
+        added
+    })
+}
+
+/// The angle at A from the diagonals AC, BD and the side AD of a parallelogram.
+fn klipper(text: &str) -> Control {
+    let line = text
+        .lines()
+        .find(|line| line.starts_with("SET_SKEW"))
+        .unwrap();
+    let factor = |plane: &str| {
+        let word = line
+            .split(' ')
+            .find_map(|word| word.strip_prefix(plane))
+            .unwrap();
+        let lengths = numbers(word, ',');
+        let [ac, bd, ad] = [lengths[0], lengths[1], lengths[2]];
+        let side = (2.0 * ac * ac + 2.0 * bd * bd - 4.0 * ad * ad).sqrt() / 2.0;
+        let angle = ((ac * ac - side * side - ad * ad) / (2.0 * side * ad)).acos();
+        (std::f64::consts::FRAC_PI_2 - angle).tan()
+    };
+    skew(["XY=", "XZ=", "YZ="].map(factor))
+}
+
+/// The errors that a file holds.
+struct Errors {
+    /// For each axis and component points, mm or rad.
+    curves: BTreeMap<String, Vec<(f64, f64)>>,
+    locations: BTreeMap<String, f64>,
+    machine: Machine,
+}
+
+/// Columns by name; blocks between `#`.
+fn isg(text: &str, machine: &Machine) -> Errors {
+    let mut errors = Errors {
+        curves: BTreeMap::new(),
+        locations: BTreeMap::new(),
+        machine: machine.clone(),
+    };
+    let lines = text.lines().filter(|line| !line.starts_with("//"));
+    let lines: Vec<&str> = lines.collect();
+    for block in lines.split(|line| line.starts_with('#')) {
+        let header: Vec<&str> = block[0].split(' ').collect();
+        for row in &block[1..] {
+            let values = numbers(row, ' ');
+            if header[0].len() == 1 {
+                for (name, value) in header[1..].iter().zip(&values[1..]) {
+                    errors
+                        .curves
+                        .entry((*name).to_owned())
+                        .or_default()
+                        .push((values[0], *value));
+                }
+            } else {
+                let named = header.iter().zip(values);
+                errors
+                    .locations
+                    .extend(named.map(|(name, value)| ((*name).to_owned(), value)));
+            }
+        }
+    }
+    errors
+}
+
+fn etalon(text: &str, machine: &Machine) -> Errors {
+    let mut errors = Errors {
+        curves: BTreeMap::new(),
+        locations: BTreeMap::new(),
+        machine: machine.clone(),
+    };
+    let mut name = String::new();
+    for line in text
+        .lines()
+        .map(|line| line.split("//").next().unwrap().trim())
+    {
+        if let Some(section) = line.strip_prefix('[') {
+            name = section.trim_end_matches(']').to_owned();
+        } else if let Some(value) = line.strip_prefix("VALUE = ") {
+            errors
+                .locations
+                .insert(name.clone(), value.parse().unwrap());
+        } else if !line.is_empty() && !line.contains(['{', '}']) {
+            let pair = numbers(line, ' ');
+            errors
+                .curves
+                .entry(name.clone())
+                .or_default()
+                .push((pair[0], pair[1]));
+        }
+    }
+    errors
+}
+
+impl GeometricErrors for Errors {
+    fn location(&self, axis: usize) -> LocationError {
+        let mut location = LocationError::default();
+        let name = self.machine.axes()[axis].name();
+        for i in 0..3 {
+            for component in [LocationComponent::Offset(i), LocationComponent::Tilt(i)] {
+                let value = self.locations.get(&component.name(name));
+                *component.of_mut(&mut location) = value.copied().unwrap_or_default();
+            }
+        }
+        location
+    }
+
+    fn motion(&self, axis: usize, position: f64) -> MotionError {
+        let name = self.machine.axes()[axis].name();
+        let of = |c: usize| {
+            let curve = self
+                .curves
+                .get(&format!("E{}{name}", ["X", "Y", "Z", "A", "B", "C"][c]));
+            curve.map_or(0.0, |curve| {
+                linear(curve, in_file(&self.machine, axis, position))
+            })
+        };
+        MotionError::from_vector(&Vector6::from_fn(|c, _| of(c)))
+    }
+}
+
+/// The tool point goes back by its error, seen from the bed.
+fn with_errors(errors: Errors, machine: &Machine, tool: Point3<f64>) -> Control {
+    // δ of linear axes is at the origin.
+    let machine = machine.with_axes(|_, axis| match axis.kind() {
+        AxisKind::Linear => axis.with_reference(Point3::origin()),
+        AxisKind::Rotary => axis,
+    });
+    Box::new(move |q| {
+        let e = machine.tool_error(&errors, q, tool).translation_mm;
+        let workpiece = machine.chain_motion(&Ideal, machine.branch(Branch::Workpiece), q);
+        let back: Vector3<f64> = -(workpiece.rotation * e);
+        let mut added = vec![0.0; q.len()];
+        (0..3).for_each(|c| added[c] = back[c]);
+        added
+    })
+}

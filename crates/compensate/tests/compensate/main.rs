@@ -1,0 +1,58 @@
+//! Corrections and tables against the exact truth of the simulator.
+
+#![expect(
+    clippy::print_stdout,
+    reason = "the figures of a test are worth reading"
+)]
+
+mod controllers;
+mod export;
+mod inverse;
+mod remains;
+mod verify;
+
+use nalgebra::Point3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use trueaxis_calibrate::{CalibratedMachine, Settings, calibrate};
+use trueaxis_simulate::{Scenario, simulate};
+
+const THREE_AXES: &str = include_str!("../../../../campaigns/fxyz/scenario.json");
+const FIVE_AXES: &str = include_str!("../../../../campaigns/five-axis/scenario.json");
+const TABLE: &str = include_str!("../../../../campaigns/rotary-stage/scenario.json");
+
+/// The point of the paper's positioning lines.
+fn tool() -> Point3<f64> {
+    Point3::new(175.6, 497.5, 312.1)
+}
+
+fn scenario(text: &str) -> Scenario {
+    Scenario::from_json(text).unwrap()
+}
+
+/// The machine of a scenario as one campaign measures it, the sides of approach apart or not.
+fn calibrated(scenario: &Scenario, by_direction: bool) -> CalibratedMachine {
+    let simulated = simulate(scenario, 1).unwrap();
+    let settings = Settings {
+        by_direction,
+        ..Settings::default()
+    };
+    let calibration = calibrate(&simulated.campaign, &settings).unwrap();
+    calibration.calibrated_machine()
+}
+
+/// Positions of all axes at random, inside what was measured.
+fn poses(machine: &CalibratedMachine, count: usize) -> Vec<Vec<f64>> {
+    let mut rng = ChaCha8Rng::seed_from_u64(17);
+    let ranges: Vec<[f64; 2]> = (0..machine.machine().axes().len())
+        .map(|axis| {
+            let steps = machine.steps(axis);
+            [steps[0], steps[steps.len() - 1]]
+        })
+        .collect();
+    let mut pose = || {
+        let at = |range: &[f64; 2]| range[0] + (range[1] - range[0]) * rng.random::<f64>();
+        ranges.iter().map(at).collect()
+    };
+    (0..count).map(|_| pose()).collect()
+}

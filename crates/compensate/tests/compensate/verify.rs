@@ -1,0 +1,246 @@
+//! Verification readings against predictions.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Point3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use trueaxis_calibrate::CalibratedMachine;
+use trueaxis_campaign::{Campaign, Direction, Verification, VerificationKind, VerificationReading};
+use trueaxis_compensate::{Error, Moved, Verified, correct, is_misfit, verify};
+use trueaxis_kinematics::MICROMETRE;
+use trueaxis_simulate::{TrueMachine, simulate};
+
+use crate::{FIVE_AXES, THREE_AXES, calibrated, scenario, tool};
+
+/// Normal to the fourth moment: the sum of twelve uniform ones.
+fn deviate(rng: &mut ChaCha8Rng) -> f64 {
+    (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0
+}
+
+/// Displacement along the axis (positioning) or change of distance (bar) of the truth, sent where `sent` says, put together
+/// here; µm.
+fn reading_um(
+    truth: &TrueMachine,
+    kind: &VerificationKind,
+    commanded: &[f64],
+    sent: &[f64],
+) -> f64 {
+    let machine = truth.machine();
+    let at = |home: &Point3<f64>| {
+        let moved = home.coords + nalgebra::Vector3::new(commanded[0], commanded[1], commanded[2]);
+        (machine.position(truth, 2, sent, *home), Point3::from(moved))
+    };
+    let mm = match kind {
+        VerificationKind::Positioning { axis, target_mm } => {
+            let (actual, wanted) = at(target_mm);
+            actual[*axis] - wanted[*axis]
+        }
+        VerificationKind::Ballbar {
+            ball_mm, center_mm, ..
+        } => {
+            let (actual, wanted) = at(ball_mm);
+            (actual - center_mm).norm() - (wanted - center_mm).norm()
+        }
+    };
+    mm / MICROMETRE
+}
+
+/// Lines of X, Y, Z at T, five runs a side, and a ball bar in the plane of X and Y: readings of the true three-axis machine
+/// with noise of `u_um`, zeros and a set-up of their own, compensated by a calibration or not.
+fn measured(
+    truth: &TrueMachine,
+    compensated_by: Option<&CalibratedMachine>,
+    u_um: f64,
+    seed: u64,
+) -> Vec<Verification> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut all = Vec::new();
+    let mut add = |name: &str,
+                   kind: VerificationKind,
+                   commanded: Vec<(u32, Direction, Vec<f64>)>| {
+        let zero = 30.0 * deviate(&mut rng);
+        let home = match kind {
+            VerificationKind::Positioning { target_mm, .. } => target_mm,
+            VerificationKind::Ballbar { ball_mm, .. } => ball_mm,
+        };
+        let readings = commanded
+            .into_iter()
+            .enumerate()
+            .map(|(row, (cycle, direction, at))| {
+                let sent = compensated_by.map_or_else(
+                    || at.clone(),
+                    |machine| {
+                        correct(machine.machine(), machine, &at, home, Moved::All)
+                            .unwrap()
+                            .positions
+                    },
+                );
+                VerificationReading {
+                    time_s: None,
+                    cycle,
+                    direction,
+                    value_um: reading_um(truth, &kind, &at, &sent)
+                        + zero
+                        + u_um * deviate(&mut rng),
+                    positions: at,
+                    line: row + 2,
+                }
+            });
+        all.push(Verification {
+            name: name.to_owned(),
+            readings: readings.collect(),
+            kind,
+            u_um: Some(u_um),
+            u_ppm: None,
+        });
+    };
+    let sides = [Direction::Forward, Direction::Backward];
+    for axis in 0..3 {
+        let mut commanded = Vec::new();
+        for cycle in 1..=5 {
+            for direction in sides {
+                for k in 0..=20 {
+                    let k = if direction == Direction::Forward {
+                        k
+                    } else {
+                        20 - k
+                    };
+                    let mut at = vec![0.0; 3];
+                    at[axis] = 20.0 * f64::from(k);
+                    commanded.push((cycle, direction, at));
+                }
+            }
+        }
+        let kind = VerificationKind::Positioning {
+            axis,
+            target_mm: tool(),
+        };
+        add(&format!("line of axis {axis}"), kind, commanded);
+    }
+    let mut commanded = Vec::new();
+    for direction in sides {
+        for k in 0..72 {
+            let angle = TAU * f64::from(k) / 72.0;
+            let angle = if direction == Direction::Forward {
+                angle
+            } else {
+                TAU - angle
+            };
+            commanded.push((
+                1,
+                direction,
+                vec![
+                    200.0 + 100.0 * angle.cos(),
+                    200.0 + 100.0 * angle.sin(),
+                    100.0,
+                ],
+            ));
+        }
+    }
+    let ball_mm = tool();
+    let kind = VerificationKind::Ballbar {
+        ball_mm,
+        ball_carrier: 2,
+        center_mm: Point3::from(ball_mm.coords + nalgebra::Vector3::new(200.0, 200.0, 100.0)),
+    };
+    add("bar", kind, commanded);
+    all
+}
+
+fn campaign(verification: Vec<Verification>) -> Campaign {
+    let mut campaign = simulate(&scenario(THREE_AXES), 1).unwrap().campaign;
+    campaign.verification = verification;
+    campaign
+}
+
+/// Largest minus smallest.
+fn range(verified: &Verified, of: fn(&trueaxis_compensate::Point) -> f64) -> f64 {
+    let all = verified.points.iter().map(of);
+    all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
+}
+
+/// Readings of the truth with noise agree with the prediction of a calibration with noise: with compensation where it was
+/// switched on, without where not. The readings of a line share the errors of the calibration, so that a whole line can be off;
+/// with u for k = 2 and 20 lines, more than 12 % above 1 has a probability of some 1 %, and the seeds are fixed.
+#[test]
+fn predictions_agree_as_well_as_they_say() {
+    let scenario = scenario(THREE_AXES);
+    let truth = scenario.true_machine().unwrap();
+    let machine = calibrated(&scenario, false);
+    let (mut above, mut all) = (0, 0);
+    for seed in 0..5 {
+        for compensated_by in [None, Some(&machine)] {
+            let campaign = campaign(measured(&truth, compensated_by, 0.5, seed));
+            let verified = verify(&machine, &campaign, compensated_by.is_some()).unwrap();
+            for entry in &verified {
+                let (a, n) = entry.above_one();
+                (above, all) = (above + a, all + n);
+                // Compensation takes away what was there, as predicted.
+                let [predicted, compensated] = [
+                    range(entry, |p| p.predicted_um),
+                    range(entry, |p| p.compensated_um),
+                ];
+                assert!(
+                    compensated < 1e-3 && predicted > 5.0,
+                    "{predicted} {compensated}"
+                );
+                let found = range(entry, |p| p.reading_um);
+                assert_eq!(
+                    found < 0.5 * predicted,
+                    compensated_by.is_some(),
+                    "{found} {predicted}"
+                );
+            }
+            // The wrong switch is seen.
+            let wrong = verify(&machine, &campaign, compensated_by.is_none()).unwrap();
+            assert!(wrong.iter().all(|entry| is_misfit(entry.above_one())));
+        }
+    }
+    println!("{above} of {all} |E_n| above 1");
+    assert!((above as f64) < 0.12 * all as f64);
+}
+
+/// Eq. 24 is the first order of the bar: they differ by nanometres, and by the second order.
+#[test]
+fn the_bar_to_first_order_and_exactly() {
+    let scenario = scenario(THREE_AXES);
+    let truth = scenario.true_machine().unwrap();
+    let machine = calibrated(&scenario, false);
+    let campaign = campaign(measured(&truth, None, 0.1, 3));
+    let verified = verify(&machine, &campaign, false).unwrap();
+    let bar = verified.last().unwrap();
+    let off = bar
+        .points
+        .iter()
+        .map(|p| (p.predicted_um - p.first_order_um).abs());
+    let off = off.fold(0.0, f64::max);
+    assert!(off > 0.0 && off < 0.05, "{off}");
+    let circular = bar.circular.unwrap();
+    let [g, gb, h] = [circular.g_forward_um, circular.g_both_um, circular.h_um].map(Option::unwrap);
+    assert!(g > 5.0 && gb >= g - 1.0 && h < 2.0, "{circular:?}");
+    let (_, line) = &verified[0].positioning[0];
+    assert_eq!((line.runs, line.is_short), (5, false));
+    // Noise of 0.1 µm alone: R is some 4 s, and there is no lost motion.
+    assert!(line.b_um.unwrap() < 0.3 && line.sides[2].unwrap().r_um.unwrap() < 1.5);
+}
+
+#[test]
+fn another_machine_is_refused() {
+    let machine = calibrated(&scenario(FIVE_AXES), false);
+    let refused = verify(&machine, &campaign(Vec::new()), false).unwrap_err();
+    assert!(matches!(refused, Error::OtherMachine { .. }), "{refused}");
+    assert!(
+        refused
+            .to_string()
+            .contains("its axes are X Y Z A C, those of the campaign X Y Z")
+    );
+}
+
+/// Binomial, by hand: 1 - 0.9545^21 = 0.62; of 21, five or more have 0.27 %, four 1.4 %.
+#[test]
+fn a_misfit_is_more_than_chance() {
+    assert!(!is_misfit((0, 0)) && !is_misfit((1, 21)) && !is_misfit((4, 21)));
+    assert!(is_misfit((5, 21)) && is_misfit((21, 21)) && is_misfit((120, 1000)));
+    assert!(!is_misfit((50, 1000)));
+}

@@ -1,0 +1,54 @@
+//! What a pass over the batches of a network makes, uses and forgets.
+
+use std::sync::{Mutex, PoisonError};
+
+use trueaxis_leastsquares::{BlockBatch, Lanes};
+
+use crate::linearise::{Beams, Tie};
+use crate::state::DATUM;
+
+/// What decides among results that differ by a motion of the whole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Gauge {
+    /// Nothing: the equations of the lengths alone.
+    Free,
+    /// The constraints of the datum.
+    Datum,
+}
+
+impl Gauge {
+    /// Number of constraints.
+    pub(crate) fn constraints(self) -> usize {
+        match self {
+            Self::Free => 0,
+            Self::Datum => DATUM,
+        }
+    }
+}
+
+/// Memory for one batch after the other.
+#[derive(Debug, Default)]
+pub(crate) struct Memory {
+    pub(crate) beams: Beams,
+    /// `L⁻¹` of each visit, the rows of its triangle one after the other; and `L` of one.
+    pub(crate) weights: Vec<Lanes>,
+    pub(crate) factor: Vec<Lanes>,
+    pub(crate) equations: BlockBatch,
+    pub(crate) tie: Tie,
+}
+
+/// Memory that one pass leaves to the next.
+#[derive(Debug, Default)]
+pub(crate) struct Memories(Mutex<Vec<Memory>>);
+
+impl Memories {
+    /// Work with some memory; what is in it means nothing.
+    #[inline(always)]
+    pub(crate) fn lend<T>(&self, work: impl FnOnce(&mut Memory) -> T) -> T {
+        let pool = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut memory = pool().pop().unwrap_or_default();
+        let result = work(&mut memory);
+        pool().push(memory);
+        result
+    }
+}

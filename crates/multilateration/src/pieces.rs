@@ -1,0 +1,69 @@
+//! Work on batches, handed out to threads.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+use trueaxis_leastsquares::{Error as LeastSquaresError, in_widest_registers};
+
+/// Batches of a piece: enough work, some 50 µs, to be worth handing out.
+const LEAST_BATCHES: usize = 16;
+
+/// Most pieces: more would not spread the work better and each has a reduced system of its own.
+const MOST_PIECES: usize = 64;
+
+/// The pieces of so many batches, in order.
+pub(crate) fn pieces(batches: usize) -> Vec<Range<usize>> {
+    let size = batches.div_ceil(MOST_PIECES).max(LEAST_BATCHES);
+    let starts = (0..batches).step_by(size);
+    starts
+        .map(|start| start..batches.min(start + size))
+        .collect()
+}
+
+/// Does what has many passes over so many batches in a thread of the pool, if they are worth several:
+/// handing out pieces from outside costs more, each time.
+pub(crate) fn within_pool<T: Send>(batches: usize, work: impl FnOnce() -> T + Send) -> T {
+    match batches > LEAST_BATCHES {
+        true => rayon::scope(|_| work()),
+        false => work(),
+    }
+}
+
+/// What `work` makes of each item with the widest registers, in order.
+pub(crate) fn in_parallel<I: Send, T: Send>(
+    items: Vec<I>,
+    work: impl Fn(I) -> T + Sync + Send,
+) -> Vec<T> {
+    let work = |item| {
+        in_widest_registers(
+            #[inline(always)]
+            || work(item),
+        )
+    };
+    if items.len() <= 1 {
+        return items.into_iter().map(work).collect();
+    }
+    items.into_par_iter().map(work).collect()
+}
+
+/// The same for work that may fail; of several errors the first.
+pub(crate) fn try_in_parallel<I: Send, T: Send>(
+    items: Vec<I>,
+    work: impl Fn(I) -> Result<T, LeastSquaresError> + Sync + Send,
+) -> Result<Vec<T>, LeastSquaresError> {
+    in_parallel(items, work).into_iter().collect()
+}
+
+/// Splits a slice into parts of these lengths.
+pub(crate) fn split_mut<T>(
+    mut all: &mut [T],
+    lengths: impl IntoIterator<Item = usize>,
+) -> Vec<&mut [T]> {
+    let mut parts = Vec::new();
+    for length in lengths {
+        let (part, rest) = all.split_at_mut(length);
+        all = rest;
+        parts.push(part);
+    }
+    parts
+}

@@ -1,0 +1,194 @@
+//! The error curves of each axis with their uncertainty, and what they come to.
+
+use serde::Serialize;
+
+use crate::calibration::{Axis, Calibration, Curve, Kind};
+use crate::numbers::{coverage_factor, decimals, fixed, signed};
+use crate::page::Figure;
+use crate::svg::plot::{Frame, Plot};
+use crate::svg::ticks::{Scale, range};
+use crate::words;
+
+/// The section of an axis.
+#[derive(Serialize)]
+pub(crate) struct AxisSection {
+    name: String,
+    kind: &'static str,
+    figures: Vec<Figure>,
+    rows: Vec<Summary>,
+    /// Names of the sides of approach, where they are kept apart.
+    sides: Vec<&'static str>,
+    ratios: Vec<RatioRow>,
+}
+
+/// A curve in a line.
+#[derive(Serialize)]
+struct Summary {
+    name: String,
+    words: String,
+    unit: &'static str,
+    least: String,
+    largest: String,
+    range: String,
+    expanded: String,
+}
+
+/// u by equations relative to the joint adjustment.
+#[derive(Serialize)]
+struct RatioRow {
+    name: String,
+    nine: String,
+    six: String,
+}
+
+const SIZE: [f64; 2] = [340.0, 200.0];
+
+/// Small multiples, in the order of the names: displacements, then angles.
+const ORDER: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
+
+impl AxisSection {
+    pub(crate) fn figures(&self) -> impl Iterator<Item = &Figure> {
+        self.figures.iter()
+    }
+}
+
+pub(crate) fn sections(calibration: &Calibration) -> Vec<AxisSection> {
+    let axes = calibration.axes.iter();
+    axes.map(|axis| section(axis, calibration)).collect()
+}
+
+fn section(axis: &Axis, calibration: &Calibration) -> AxisSection {
+    let order = |name: &str| {
+        let letter = name.chars().nth(1).unwrap_or_default();
+        ORDER.iter().position(|&x| x == letter)
+    };
+    let mut curves: Vec<(&String, &Curve)> = axis.components.iter().collect();
+    curves.sort_by_key(|(name, _)| order(name));
+    let ratio = |ratio: Option<f64>| ratio.map_or("–".to_owned(), |r| fixed(r, 2));
+    let ratios = curves.iter().filter_map(|(name, _)| {
+        let of = axis.u_ratio.get(*name)?;
+        Some(RatioRow {
+            name: (*name).clone(),
+            nine: ratio(of.nine),
+            six: ratio(of.six),
+        })
+    });
+    let described = |name: &str| words::component(name, &axis.name, &calibration.machine);
+    AxisSection {
+        name: axis.name.clone(),
+        kind: match axis.kind {
+            Kind::Linear => "linear",
+            Kind::Rotary => "rotary",
+        },
+        figures: curves
+            .iter()
+            .map(|(name, curve)| figure(axis, name, curve, &described(name)))
+            .collect(),
+        rows: curves
+            .iter()
+            .map(|(name, curve)| summary(name, curve, described(name)))
+            .collect(),
+        sides: match axis.direction.is_empty() {
+            true => Vec::new(),
+            false => vec!["forward", "backward"],
+        },
+        ratios: ratios.collect(),
+    }
+}
+
+fn unit(curve: &Curve) -> &'static str {
+    match curve.is_angular() {
+        true => "″",
+        false => "µm",
+    }
+}
+
+fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
+    let (unit, factor) = (unit(curve), coverage_factor(curve.dof));
+    let position_unit = match axis.kind {
+        Kind::Linear => " mm",
+        Kind::Rotary => "°",
+    };
+    let nodes = axis.positions.iter().zip(curve.values()).zip(curve.u());
+    let nodes: Vec<[f64; 3]> = nodes
+        .map(|((&x, &value), &u)| [x, value, factor * u])
+        .collect();
+    let bounds = nodes
+        .iter()
+        .flat_map(|[_, value, expanded]| [value - expanded, value + expanded]);
+    let [low, high] = range(bounds.chain([0.0]));
+    let [from, to] = range(axis.positions.iter().copied());
+    let x = match axis.kind {
+        Kind::Linear => Scale::new(from, to, 5),
+        Kind::Rotary => Scale::degrees(from, to, 5),
+    };
+    let frame = Frame {
+        title: &format!("{name}  {described}"),
+        x_label: &format!("{} in {}", axis.name, position_unit.trim()),
+        y_label: &format!("{name} in {unit}"),
+        size: SIZE,
+    };
+    let mut plot = Plot::new(&frame, x, Scale::new(low, high, 5));
+    let of_side = |side: Option<i8>| -> Vec<[f64; 3]> {
+        let nodes = nodes.iter().enumerate();
+        let on = nodes.filter(|(k, _)| side.is_none() || axis.direction.get(*k).copied() == side);
+        let mut on: Vec<[f64; 3]> = on.map(|(_, node)| *node).collect();
+        on.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        on
+    };
+    let sides = match axis.direction.is_empty() {
+        true => vec![None],
+        false => vec![Some(1), Some(-1)],
+    };
+    for (colour, side) in sides.into_iter().enumerate() {
+        let on = of_side(side);
+        let at = |shift: f64| -> Vec<[f64; 2]> {
+            on.iter()
+                .map(|[x, value, expanded]| [*x, value + shift * expanded])
+                .collect()
+        };
+        plot.band(colour, &at(-1.0), &at(1.0));
+        plot.line(&format!("l{colour}"), &at(0.0));
+        plot.dots(&format!("m{colour}"), at(0.0).into_iter());
+        let side = match side {
+            Some(1) => ", forward",
+            Some(_) => ", backward",
+            None => "",
+        };
+        for [x, value, expanded] in on {
+            let digits = decimals(expanded);
+            let text = format!(
+                "{} = {x}{position_unit}{side}: {name} = {} ± {}{}{unit}",
+                axis.name,
+                signed(value, digits),
+                fixed(expanded, digits),
+                if curve.is_angular() { "" } else { " " },
+            );
+            plot.hover([x, value], &text);
+        }
+    }
+    Figure::new(&format!("component-{name}"), plot.finish())
+}
+
+fn summary(name: &str, curve: &Curve, words: String) -> Summary {
+    let values = || curve.values().iter().copied().filter(|x| x.is_finite());
+    let least = values().fold(f64::INFINITY, f64::min);
+    let largest = values().fold(f64::NEG_INFINITY, f64::max);
+    let u = curve.u().iter().copied().fold(0.0, f64::max);
+    let expanded = coverage_factor(curve.dof) * u;
+    let digits = decimals(expanded).min(2);
+    let is_defined = expanded < f64::MIN_POSITIVE && values().all(|x| x.abs() < f64::MIN_POSITIVE);
+    let shown = |text: String| match is_defined || least > largest {
+        true => "–".to_owned(),
+        false => text,
+    };
+    Summary {
+        name: name.to_owned(),
+        words,
+        unit: unit(curve),
+        least: shown(signed(least, digits)),
+        largest: shown(signed(largest, digits)),
+        range: shown(fixed(largest - least, digits)),
+        expanded: shown(fixed(expanded, digits)),
+    }
+}

@@ -1,0 +1,116 @@
+//! What figures and tables need of `diagnosis.json`.
+
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct Diagnosis {
+    #[serde(default)]
+    pub(crate) campaign: String,
+    #[serde(default)]
+    pub(crate) verdict: String,
+    #[serde(default)]
+    pub(crate) causes: Vec<Cause>,
+    #[serde(default)]
+    pub(crate) disturbances: Vec<Disturbance>,
+    #[serde(default)]
+    pub(crate) levels: Vec<Level>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct Cause {
+    pub(crate) effect: String,
+    #[serde(default)]
+    pub(crate) level: String,
+    #[serde(default)]
+    pub(crate) subject: Map<String, Value>,
+    #[serde(default)]
+    pub(crate) parameters: Vec<Parameter>,
+    #[serde(default)]
+    pub(crate) cannot_tell_apart_from: Vec<Rival>,
+    pub(crate) explained_rms_um: Option<f64>,
+    #[serde(default)]
+    pub(crate) component_change: Map<String, Value>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct Rival {
+    pub(crate) effect: String,
+    #[serde(default)]
+    pub(crate) subject: Map<String, Value>,
+    pub(crate) delta_bic: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct Parameter {
+    pub(crate) name: String,
+    pub(crate) value: f64,
+    pub(crate) u: Option<f64>,
+    #[serde(default)]
+    pub(crate) unit: String,
+}
+
+/// A smooth process of unknown form.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Disturbance {
+    #[serde(default)]
+    pub(crate) subject: Map<String, Value>,
+    #[serde(default)]
+    pub(crate) varies_with: Vec<String>,
+    #[serde(default)]
+    pub(crate) curve: Option<Vec<CurvePoint>>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct CurvePoint {
+    #[serde(default)]
+    pub(crate) at: Vec<f64>,
+    #[serde(default)]
+    pub(crate) value_um: Vec<f64>,
+    #[serde(default)]
+    pub(crate) u_um: Vec<f64>,
+}
+
+/// What one kind of data says.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Level {
+    #[serde(default)]
+    pub(crate) level: String,
+    #[serde(default)]
+    pub(crate) data: String,
+    #[serde(default)]
+    pub(crate) noise_floor_um: Option<f64>,
+    #[serde(default)]
+    pub(crate) before: Misfit,
+    #[serde(default)]
+    pub(crate) after: Misfit,
+    pub(crate) shares: Option<Shares>,
+    #[serde(default)]
+    pub(crate) places: Vec<MisfitAt>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(crate) struct Misfit {
+    pub(crate) rms_um: Option<f64>,
+}
+
+/// Parts of the sum of squares; they add up to 1.
+#[derive(Debug, Default, Deserialize)]
+pub(crate) struct Shares {
+    #[serde(default)]
+    pub(crate) causes: Vec<f64>,
+    #[serde(default)]
+    pub(crate) disturbances: Vec<f64>,
+    #[serde(default)]
+    pub(crate) unexplained: f64,
+    #[serde(default)]
+    pub(crate) noise: f64,
+}
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct MisfitAt {
+    pub(crate) by: String,
+    pub(crate) name: String,
+    pub(crate) before_um: f64,
+    pub(crate) after_um: f64,
+}

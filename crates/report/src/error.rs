@@ -1,0 +1,64 @@
+//! What keeps a folder from becoming a report.
+
+use std::path::PathBuf;
+
+/// A report that cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The folder holds no result.
+    #[error(
+        "{folder} holds neither {found}; give the folder that `trueaxis calibrate` or `trueaxis diagnose` wrote",
+        folder = folder.display(),
+        found = crate::input::RESULTS.join(" nor ")
+    )]
+    NothingToReport {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A file cannot be read.
+    #[error("{file} cannot be read", file = file.display())]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A JSON file is not what its name says.
+    #[error("{file} is no result of this program; write it again with `trueaxis`", file = file.display())]
+    NotAResult {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong, with line and column where there are any.
+        source: serde_json::Error,
+    },
+    /// A result has another format or version.
+    #[error(
+        "{file} has the format `{found}`, expected `{expected}`; write it again with this version of `trueaxis`",
+        file = file.display()
+    )]
+    OtherFormat {
+        /// The file.
+        file: PathBuf,
+        /// Format and version that it names.
+        found: String,
+        /// Those that are read.
+        expected: String,
+    },
+    /// The residuals are no table as `trueaxis calibrate` writes it.
+    #[error("{file} is no table of residuals; write it again with `trueaxis calibrate`", file = file.display())]
+    NotResiduals {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong, with its line.
+        source: csv::Error,
+    },
+    /// The template is wrong, or asks for what a report does not have.
+    #[error("the template fails: {detail}")]
+    Template {
+        /// Where and why.
+        detail: String,
+        /// The cause.
+        source: minijinja::Error,
+    },
+}

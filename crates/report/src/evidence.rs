@@ -1,0 +1,334 @@
+//! Figures of the residuals: what the adjustment left of the lengths.
+
+use serde::Serialize;
+
+use crate::calibration::{Kind, Machine};
+use crate::numbers::{fixed, normal_quantile, rough};
+use crate::page::Figure;
+use crate::residuals::{Residuals, Row};
+use crate::svg::plot::{Frame, Plot};
+use crate::svg::ticks::{Scale, range};
+
+/// Above this many lengths each figure shows every n-th dot, and all that stand out.
+const MOST_DOTS: usize = 20_000;
+
+/// Dots of a figure above 100,000 lengths.
+const DOTS_OF_MANY: usize = 10_000;
+const MANY: usize = 100_000;
+
+/// From so many standard deviations on a residual stands out: it is always drawn, and named.
+const FAR: f64 = 3.5;
+const MOST_NAMED: usize = 200;
+
+const COLOURS: usize = 6;
+const WIDE: [f64; 2] = [900.0, 280.0];
+const SMALL: [f64; 2] = [340.0, 230.0];
+
+/// The residuals in figures and numbers.
+#[derive(Serialize)]
+pub(crate) struct Evidence {
+    time: Figure,
+    by_station: Figure,
+    quantiles: Figure,
+    over_position: Vec<Figure>,
+    legend: Vec<String>,
+    /// Every how many-th dot is drawn, where not all are.
+    thinned: Option<usize>,
+    lengths: usize,
+    reliability: Option<Redundancy>,
+}
+
+#[derive(Serialize)]
+struct Redundancy {
+    least: String,
+    median: String,
+    /// Lengths of which less than a tenth of an error would show.
+    hardly_checked: usize,
+}
+
+const HARDLY: f64 = 0.1;
+
+impl Evidence {
+    /// `None` of an empty table.
+    pub(crate) fn new(residuals: &Residuals, machine: Option<&Machine>) -> Option<Self> {
+        if residuals.rows.is_empty() {
+            return None;
+        }
+        let drawn = match residuals.rows.len() {
+            count if count <= MOST_DOTS => count,
+            count if count <= MANY => MOST_DOTS,
+            _ => DOTS_OF_MANY,
+        };
+        let every = residuals.rows.len().div_ceil(drawn);
+        let axes = 0..residuals.axes.len();
+        let is_rotary = |axis: usize| {
+            let axes = machine.iter().flat_map(|machine| &machine.axes);
+            let mut rotary = axes.filter(|axis| axis.kind == Kind::Rotary);
+            rotary.any(|nominal| nominal.name == residuals.axes[axis])
+        };
+        Some(Self {
+            time: in_time(residuals, every),
+            by_station: by_station(residuals),
+            quantiles: quantiles(residuals),
+            over_position: axes
+                .filter_map(|axis| over_position(residuals, axis, every, is_rotary(axis)))
+                .collect(),
+            legend: residuals.stations.clone(),
+            thinned: (every > 1).then_some(every),
+            lengths: residuals.rows.len(),
+            reliability: redundancy(residuals),
+        })
+    }
+
+    pub(crate) fn figures(&self) -> impl Iterator<Item = &Figure> {
+        let single = [&self.time, &self.by_station, &self.quantiles];
+        single.into_iter().chain(&self.over_position)
+    }
+}
+
+fn shown(residuals: &Residuals, every: usize) -> impl Iterator<Item = (usize, &Row)> {
+    let rows = residuals.rows.iter().enumerate();
+    rows.filter(move |(k, row)| k % every == 0 || row.standardized.abs() > FAR)
+}
+
+/// What all but the far ones lie in: a wrong length must not make the others a line.
+fn of_used(residuals: &Residuals) -> Scale {
+    let used = residuals.rows.iter().filter(|row| row.used);
+    let [low, high] = range(used.map(|row| row.residual_um));
+    let half = low.abs().max(high.abs());
+    Scale::new(-half, half, 5)
+}
+
+fn in_time(residuals: &Residuals, every: usize) -> Figure {
+    let [from, to] = range(residuals.rows.iter().map(|row| row.time_s));
+    let frame = Frame {
+        title: "",
+        x_label: "time in s",
+        y_label: "residual in µm",
+        size: WIDE,
+    };
+    let y = of_used(residuals);
+    let half = y.high;
+    let mut plot = Plot::new(&frame, Scale::new(from.max(0.0).min(to), to, 8), y);
+    let at = |row: &Row| [row.time_s, row.residual_um.clamp(-half, half)];
+    for station in 0..residuals.stations.len() {
+        let of_station =
+            shown(residuals, every).filter(|(_, row)| row.used && row.station == station);
+        plot.dots(
+            &format!("p{}", station % COLOURS),
+            of_station.map(|(_, row)| at(row)),
+        );
+    }
+    let removed = residuals.rows.iter().filter(|row| !row.used);
+    plot.dots("out", removed.map(at));
+    let far = residuals
+        .rows
+        .iter()
+        .filter(|row| !row.used || row.standardized.abs() > FAR);
+    for row in far.take(MOST_NAMED) {
+        let text = format!(
+            "line {}: {} to {}, {} µm, {} standard deviations{}",
+            row.line,
+            residuals.stations[row.station],
+            residuals.targets[row.target],
+            rough(row.residual_um),
+            rough(row.standardized),
+            if row.used { "" } else { ", removed" }
+        );
+        plot.hover(at(row), &text);
+    }
+    Figure::new("residuals-time", plot.finish())
+}
+
+/// Rms of the standardized residuals of each target from each station, with the range that noise alone leaves it.
+fn by_station(residuals: &Residuals) -> Figure {
+    let (stations, targets) = (residuals.stations.len(), residuals.targets.len());
+    let mut sums = vec![(0.0, 0_usize); stations * targets];
+    for row in residuals
+        .rows
+        .iter()
+        .filter(|row| row.used && row.standardized.is_finite())
+    {
+        let (squares, count) = &mut sums[row.station * targets + row.target];
+        *squares += row.standardized * row.standardized;
+        *count += 1;
+    }
+    let rms: Vec<(usize, usize, f64, f64)> = sums
+        .iter()
+        .enumerate()
+        .filter(|(_, (_, count))| *count > 0)
+        .map(|(k, (squares, count))| {
+            let count = *count as f64;
+            // The rms of n standard normal numbers is normal about 1 with 1 / √(2 n).
+            (
+                k / targets,
+                k % targets,
+                (squares / count).sqrt(),
+                1.96 / (2.0 * count).sqrt(),
+            )
+        })
+        .collect();
+    let bounds = rms
+        .iter()
+        .flat_map(|(_, _, rms, half)| [*rms, 1.0 - half, 1.0 + half]);
+    let [low, high] = range(bounds);
+    let frame = Frame {
+        title: "rms by station and target",
+        x_label: "station",
+        y_label: "rms (1 if noise alone)",
+        size: SMALL,
+    };
+    let mut x = Scale::new(-0.5, stations as f64 - 0.5, 5);
+    let most = 8;
+    let every = stations.div_ceil(most).max(1);
+    let named = residuals.stations.iter().enumerate().step_by(every);
+    x.ticks = named.map(|(k, name)| (k as f64, short(name))).collect();
+    let mut plot = Plot::new(&frame, x, Scale::new(low.max(0.0), high, 5));
+    for (station, target, rms, half) in rms {
+        let spread = 0.7 * ((target as f64 + 0.5) / targets as f64 - 0.5);
+        let x = station as f64 + spread;
+        plot.line("range", &[[x, 1.0 - half], [x, 1.0 + half]]);
+        plot.dots("m0", std::iter::once([x, rms]));
+        let text = format!(
+            "{} to {}: {} (noise alone: {} to {})",
+            residuals.stations[station],
+            residuals.targets[target],
+            fixed(rms, 2),
+            fixed(1.0 - half, 2),
+            fixed(1.0 + half, 2)
+        );
+        plot.hover([x, rms], &text);
+    }
+    Figure::new("residuals-stations", plot.finish())
+}
+
+/// A name that has room under a tick.
+fn short(name: &str) -> String {
+    const MOST: usize = 6;
+    match name.chars().count() > MOST {
+        true => name.chars().take(MOST - 1).chain(['…']).collect(),
+        false => name.to_owned(),
+    }
+}
+
+/// Quantiles of the standardized residuals against those of the normal distribution.
+fn quantiles(residuals: &Residuals) -> Figure {
+    let used = residuals.rows.iter().filter(|row| row.used);
+    let mut w: Vec<f64> = used
+        .map(|row| row.standardized)
+        .filter(|w| w.is_finite())
+        .collect();
+    w.sort_by(f64::total_cmp);
+    let count = w.len();
+    let probability = |k: usize| (k as f64 + 0.5) / count as f64;
+    // All of the tails, where the question is; every n-th of the middle.
+    const MOST: usize = 1200;
+    const TAIL: usize = 100;
+    let every = count.div_ceil(MOST).max(1);
+    let kept: Vec<usize> = (0..count)
+        .filter(|k| k % every == 0 || *k < TAIL || *k + TAIL >= count)
+        .collect();
+    let expected: Vec<f64> = kept
+        .iter()
+        .map(|&k| normal_quantile(probability(k)))
+        .collect();
+    let [low, high] = range(kept.iter().map(|&k| w[k]).chain(expected.iter().copied()));
+    let half = low.abs().max(high.abs()).min(8.0);
+    let frame = Frame {
+        title: "quantiles of standardized residuals",
+        x_label: "normal distribution",
+        y_label: "residuals, standardized",
+        size: SMALL,
+    };
+    let mut plot = Plot::new(
+        &frame,
+        Scale::new(-half, half, 6),
+        Scale::new(-half, half, 6),
+    );
+    // Pointwise 95 % range of an order statistic (asymptotic).
+    let spread = |k: usize, z: f64| {
+        let p = probability(k);
+        let density = (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt();
+        1.96 * (p * (1.0 - p) / count as f64).sqrt() / density
+    };
+    let edge = |sign: f64| -> Vec<[f64; 2]> {
+        let points = kept.iter().zip(&expected);
+        points
+            .map(|(&k, &z)| [z, (z + sign * spread(k, z)).clamp(-half, half)])
+            .collect()
+    };
+    plot.band(2, &edge(-1.0), &edge(1.0));
+    plot.line("rule", &[[-half, -half], [half, half]]);
+    let points = kept
+        .iter()
+        .zip(&expected)
+        .map(|(&k, &z)| [z, w[k].clamp(-half, half)]);
+    plot.dots("p0", points);
+    Figure::new("residuals-quantiles", plot.finish())
+}
+
+/// Over the position of an axis, of the runs in which it alone moves.
+fn over_position(
+    residuals: &Residuals,
+    axis: usize,
+    every: usize,
+    is_rotary: bool,
+) -> Option<Figure> {
+    let mut bounds =
+        vec![[f64::INFINITY, f64::NEG_INFINITY]; residuals.runs.len() * residuals.axes.len()];
+    let axes = residuals.axes.len();
+    for (k, row) in residuals.rows.iter().enumerate() {
+        for (bound, &position) in bounds[row.run * axes..]
+            .iter_mut()
+            .zip(residuals.positions(k))
+        {
+            *bound = [bound[0].min(position), bound[1].max(position)];
+        }
+    }
+    let moves = |run: usize| {
+        let bound = bounds[run * axes + axis];
+        !residuals.runs[run].is_empty() && bound[1] > bound[0]
+    };
+    let points: Vec<(usize, [f64; 2])> = shown(residuals, every)
+        .filter(|(_, row)| row.used && moves(row.run))
+        .map(|(k, row)| (row.station, [residuals.positions(k)[axis], row.residual_um]))
+        .collect();
+    if points.is_empty() {
+        return None;
+    }
+    let [from, to] = range(points.iter().map(|(_, point)| point[0]));
+    let name = &residuals.axes[axis];
+    let frame = Frame {
+        title: &format!("over the position of {name}"),
+        x_label: &format!("{name} in {}", if is_rotary { "°" } else { "mm" }),
+        y_label: "residual in µm",
+        size: SMALL,
+    };
+    let x = match is_rotary {
+        true => Scale::degrees(from, to, 5),
+        false => Scale::new(from, to, 5),
+    };
+    let mut plot = Plot::new(&frame, x, of_used(residuals));
+    for station in 0..residuals.stations.len() {
+        let of_station = points.iter().filter(|(of, _)| *of == station);
+        plot.dots(
+            &format!("p{}", station % COLOURS),
+            of_station.map(|(_, point)| *point),
+        );
+    }
+    Some(Figure::new(&format!("residuals-{name}"), plot.finish()))
+}
+
+fn redundancy(residuals: &Residuals) -> Option<Redundancy> {
+    let mut numbers: Vec<f64> = residuals
+        .rows
+        .iter()
+        .filter_map(|row| row.redundancy)
+        .collect();
+    numbers.sort_by(f64::total_cmp);
+    Some(Redundancy {
+        least: fixed(*numbers.first()?, 2),
+        median: fixed(*numbers.get(numbers.len() / 2)?, 2),
+        hardly_checked: numbers.iter().filter(|r| **r < HARDLY).count(),
+    })
+}

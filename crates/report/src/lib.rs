@@ -1,0 +1,47 @@
+//! One page of HTML that shows what a calibration found, on what evidence, and what a diagnosis says of it.
+//!
+//! Noun in: the files of a folder ([`report()`] reads `calibration.json`, `residuals.csv`, `diagnosis.json` and
+//! `volume.json`, each if it is there). Noun out: a [`Report`], the page and its figures as SVG. Positions are mm or
+//! degrees, errors µm and arcsec, as in the files; bands and U are for 95 %, k = 2 or Student's factor
+//!
+//! ```text
+//! U = max(2, t₀.₉₇₅(dof)) u
+//! ```
+//!
+//! The page stands alone: figures, style and script are in it, and nothing is asked of a network. Whatever comes from a
+//! file is text, never markup. The same files give the same bytes.
+//!
+//! The page is a template of [minijinja](https://docs.rs/minijinja) which another one may replace
+//! ([`Settings::template`]); it gets the files as they stand (`calibration`, `diagnosis`, `volume`) beside the figures
+//! and numbers made of them, and asking it for what is not there is no error.
+//!
+//! It does not calculate: every number is in the files, but for rms and quantiles of residuals.
+//!
+//! ```no_run
+//! use trueaxis_report::{Settings, report};
+//!
+//! let report = report("fxyz-machine".as_ref(), &Settings::default())?;
+//! std::fs::write("fxyz-machine/report.html", report.html)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod calibration;
+mod causes;
+mod components;
+mod diagnosis;
+mod error;
+mod evidence;
+mod input;
+mod largest;
+mod locations;
+mod numbers;
+mod page;
+mod report;
+mod residuals;
+mod scene;
+mod svg;
+mod verdict;
+mod words;
+
+pub use error::Error;
+pub use report::{Report, Settings, report};

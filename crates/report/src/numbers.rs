@@ -1,0 +1,76 @@
+//! Numbers as people read them: to the digits that their uncertainty leaves.
+
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+/// Coverage factor where many degrees of freedom stand behind u.
+pub(crate) const COVERAGE: f64 = 2.0;
+
+/// Half width of the 95 % interval: Student's factor where that is more than [`COVERAGE`].
+pub(crate) fn coverage_factor(dof: Option<f64>) -> f64 {
+    let student = dof.and_then(|dof| StudentsT::new(0.0, 1.0, dof).ok());
+    // The inverse loses digits where the distribution is nearly normal, and fails where it hardly is one.
+    let factor = match dof {
+        Some(dof) if (1e-2..1e4).contains(&dof) => student.map(|t| t.inverse_cdf(0.975)),
+        _ => None,
+    };
+    factor
+        .filter(|factor| factor.is_finite())
+        .map_or(COVERAGE, |factor| factor.max(COVERAGE))
+}
+
+/// The value that a standard normal variable stays below with this probability.
+pub(crate) fn normal_quantile(probability: f64) -> f64 {
+    Normal::standard().inverse_cdf(probability)
+}
+
+/// Two significant digits of `uncertainty`, at most four decimals.
+pub(crate) fn decimals(uncertainty: f64) -> usize {
+    match uncertainty.abs() {
+        u if u >= 9.95 => 0,
+        u if u >= 0.995 => 1,
+        u if u >= 0.0995 => 2,
+        u if u >= 0.009_95 => 3,
+        _ => 4,
+    }
+}
+
+/// With a real minus sign, and no negative zero.
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
+    match text.strip_prefix('-') {
+        Some(digits) if is_zero => digits.to_owned(),
+        Some(digits) => format!("\u{2212}{digits}"),
+        None => text,
+    }
+}
+
+/// The same with a plus for what is not negative.
+pub(crate) fn signed(value: f64, decimals: usize) -> String {
+    let text = fixed(value, decimals);
+    match text.starts_with('\u{2212}') {
+        true => text,
+        false => format!("+{text}"),
+    }
+}
+
+/// To three significant digits.
+pub(crate) fn rough(value: f64) -> String {
+    match value.abs() {
+        x if x >= 1e5 => format!("{value:.2e}"),
+        x if x >= 99.95 => fixed(value, 0),
+        x if x >= 9.995 => fixed(value, 1),
+        x if x >= 0.0995 => fixed(value, 2),
+        x if x > 0.0 && x < 1e-3 => format!("{value:.1e}"),
+        _ => fixed(value, 3),
+    }
+}
+
+/// A probability: `0.42`, `3e-12`, `below 1e-300`.
+pub(crate) fn probability(p: f64) -> String {
+    match p {
+        p if p < f64::MIN_POSITIVE => "below 1e-300".to_owned(),
+        p if p < 1e-3 => format!("{p:.0e}"),
+        p => fixed(p, 3),
+    }
+}

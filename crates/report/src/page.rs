@@ -1,0 +1,112 @@
+//! What the template gets.
+
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::causes::DiagnosisSection;
+use crate::components::{self, AxisSection};
+use crate::evidence::Evidence;
+use crate::input::Input;
+use crate::locations::{Location, locations};
+use crate::scene::Scene;
+use crate::svg::Drawing;
+use crate::verdict::Verdict;
+
+/// A figure: for the page, and for a file of its own.
+#[derive(Serialize)]
+pub(crate) struct Figure {
+    /// File name without its ending.
+    pub(crate) name: String,
+    pub(crate) svg: String,
+    #[serde(skip)]
+    pub(crate) alone: String,
+}
+
+impl Figure {
+    /// `name` may hold names from files: what no file name should have is left out.
+    pub(crate) fn new(name: &str, drawing: Drawing) -> Self {
+        let plain = |c: char| {
+            if c.is_alphanumeric() || c == '-' {
+                c
+            } else {
+                '_'
+            }
+        };
+        Self {
+            name: name.chars().map(plain).take(80).collect(),
+            svg: drawing.inline(),
+            alone: drawing.alone(),
+        }
+    }
+}
+
+/// All of it. `calibration`, `diagnosis` and `volume` are the files as they stand, or null.
+#[derive(Serialize)]
+pub(crate) struct Page<'a> {
+    campaign: &'a str,
+    machine: &'a str,
+    verdict: Verdict,
+    left_out: &'a [String],
+    locations: Vec<Location>,
+    largest: Vec<crate::largest::Largest>,
+    scene: Option<&'a Scene>,
+    machine_figure: Option<Figure>,
+    axes: Vec<AxisSection>,
+    evidence: Option<Evidence>,
+    causes: Option<DiagnosisSection>,
+    calibration: Option<&'a Value>,
+    diagnosis: Option<&'a Value>,
+    volume: Option<&'a Value>,
+    figure_style: &'static str,
+}
+
+/// A page needs the scene as long as it lives.
+pub(crate) fn scene(input: &Input) -> Option<Scene> {
+    input
+        .calibration
+        .as_ref()
+        .and_then(|document| Scene::new(&document.parts))
+}
+
+impl<'a> Page<'a> {
+    pub(crate) fn new(input: &'a Input, scene: Option<&'a Scene>) -> Self {
+        let calibration = input.calibration.as_ref().map(|document| &document.parts);
+        let diagnosis = input.diagnosis.as_ref().map(|document| &document.parts);
+        let machine = calibration.map(|calibration| &calibration.machine);
+        let residuals = input.residuals.as_ref();
+        Self {
+            campaign: match (calibration, diagnosis) {
+                (Some(calibration), _) => &calibration.campaign,
+                (None, Some(diagnosis)) => &diagnosis.campaign,
+                (None, None) => "",
+            },
+            machine: machine.map_or("", |machine| &machine.name),
+            verdict: Verdict::new(calibration, diagnosis),
+            left_out: &input.left_out,
+            locations: calibration.map_or_else(Vec::new, locations),
+            largest: calibration.map_or_else(Vec::new, crate::largest::largest),
+            scene,
+            machine_figure: scene.map(Scene::still),
+            axes: calibration.map_or_else(Vec::new, components::sections),
+            evidence: residuals.and_then(|residuals| Evidence::new(residuals, machine)),
+            causes: diagnosis.map(DiagnosisSection::new),
+            calibration: input.calibration.as_ref().map(|document| &document.raw),
+            diagnosis: input.diagnosis.as_ref().map(|document| &document.raw),
+            volume: input.volume.as_ref(),
+            figure_style: include_str!("figure.css"),
+        }
+    }
+
+    /// All figures, in the order of the page.
+    pub(crate) fn figures(&self) -> Vec<&Figure> {
+        let of_axes = self.axes.iter().flat_map(AxisSection::figures);
+        let of_evidence = self.evidence.iter().flat_map(Evidence::figures);
+        let of_causes = self.causes.iter().flat_map(DiagnosisSection::figures);
+        let machine = self.machine_figure.iter();
+        machine
+            .chain(of_axes)
+            .chain(of_evidence)
+            .chain(of_causes)
+            .collect()
+    }
+}

@@ -1,0 +1,83 @@
+//! The headline verb: a folder of results to a page.
+
+use std::path::Path;
+
+use minijinja::syntax::SyntaxConfig;
+use minijinja::value::Serde;
+use minijinja::{AutoEscape, Environment, UndefinedBehavior};
+
+use crate::Error;
+use crate::input::Input;
+use crate::page::{Page, scene};
+
+/// The template of the page.
+const TEMPLATE: &str = include_str!("report.html");
+
+/// The script of the page: the view that turns, and the values that hovering shows.
+const SCRIPT: &str = include_str!("report.js");
+
+/// How a report is made.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Settings {
+    /// A template in place of the program's own.
+    pub template: Option<String>,
+}
+
+/// A report.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Report {
+    /// The page, complete in itself.
+    pub html: String,
+    /// The same figures as files: name and SVG.
+    pub figures: Vec<(String, String)>,
+}
+
+impl Report {
+    /// File name of the page.
+    pub const FILE: &str = "report.html";
+
+    /// Folder of the figures, beside the page.
+    pub const FIGURES: &str = "figures";
+}
+
+/// Shows the results in `folder`.
+///
+/// # Errors
+/// If the folder has no result, if a file in it is not what its name says, or if the template fails. Files that are
+/// not there leave their part of the page out.
+pub fn report(folder: &Path, settings: &Settings) -> Result<Report, Error> {
+    let input = Input::read(folder)?;
+    let scene = scene(&input);
+    let page = Page::new(&input, scene.as_ref());
+    let template = settings.template.as_deref().unwrap_or(TEMPLATE);
+    let figures = page.figures().into_iter();
+    let figures = figures.map(|figure| (format!("{}.svg", figure.name), figure.alone.clone()));
+    let figures = figures.collect();
+    Ok(Report {
+        html: render(template, &page).map_err(|source| Error::Template {
+            detail: format!("{source:#}"),
+            source,
+        })?,
+        figures,
+    })
+}
+
+fn render(template: &str, page: &Page<'_>) -> Result<String, minijinja::Error> {
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.set_undefined_behavior(UndefinedBehavior::Chainable);
+    environment.set_syntax(
+        SyntaxConfig::builder()
+            .trim_blocks(true)
+            .lstrip_blocks(true)
+            .build()?,
+    );
+    environment.add_global("script", SCRIPT);
+    environment.add_filter("digits", |value: f64, decimals: usize| {
+        crate::numbers::fixed(value, decimals)
+    });
+    environment.add_filter("rough", crate::numbers::rough);
+    environment.add_filter("probability", crate::numbers::probability);
+    environment.add_template("report.html", template)?;
+    environment.get_template("report.html")?.render(Serde(page))
+}

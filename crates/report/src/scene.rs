@@ -1,0 +1,301 @@
+//! The machine, its targets and the stations in space: as a still picture, and as data for the view that turns.
+
+use serde::Serialize;
+
+use crate::calibration::{Calibration, Kind, NominalAxis};
+use crate::page::Figure;
+use crate::svg::Drawing;
+
+/// Lines and points in the reference frame, mm.
+#[derive(Serialize)]
+pub(crate) struct Scene {
+    lines: Vec<Line>,
+    points: Vec<Point>,
+    centre: [f64; 3],
+    /// Radius of a ball about the centre that holds all, mm.
+    radius: f64,
+}
+
+#[derive(Serialize)]
+struct Line {
+    /// `box`, `track`, `arrow` or `beam`: a class of the style sheet.
+    class: &'static str,
+    points: Vec<[f64; 3]>,
+}
+
+#[derive(Serialize)]
+struct Point {
+    /// `station`, `target` or `axis`.
+    class: &'static str,
+    name: String,
+    at: [f64; 3],
+}
+
+/// Directions to the right and upwards in the still picture: from above and the front right.
+const RIGHT: [f64; 3] = [0.829, 0.559, 0.0];
+const UP: [f64; 3] = [-0.213, 0.316, 0.924];
+
+const SIZE: [f64; 2] = [460.0, 380.0];
+const MARGIN: f64 = 26.0;
+
+/// Points of a circle.
+const ROUND: usize = 48;
+
+/// Beyond, targets and stations have no names and no beams: they would cover each other.
+const MOST_NAMED: usize = 40;
+
+impl Scene {
+    /// `None` where there is nothing to show.
+    pub(crate) fn new(calibration: &Calibration) -> Option<Self> {
+        let finite = |p: &[f64; 3]| p.iter().all(|x| x.abs() < 1e9);
+        let of = |class, places: &[crate::calibration::Place]| -> Vec<Point> {
+            let places = places.iter().filter(|place| finite(&place.position_mm));
+            let point = |place: &crate::calibration::Place| Point {
+                class,
+                name: place.name.clone(),
+                at: place.position_mm,
+            };
+            places.map(point).collect()
+        };
+        let targets = of("target", &calibration.targets);
+        let stations = of("station", &calibration.stations);
+        if targets.is_empty() {
+            return None;
+        }
+        let middle = mean(targets.iter().map(|target| target.at));
+        let mut scene = Self {
+            lines: Vec::new(),
+            points: Vec::new(),
+            centre: middle,
+            radius: 1.0,
+        };
+        let axes = || {
+            calibration
+                .machine
+                .axes
+                .iter()
+                .filter(|axis| finite(&axis.direction))
+        };
+        let linear: Vec<&NominalAxis> = axes().filter(|axis| axis.kind == Kind::Linear).collect();
+        scene.volume(&linear);
+        let far = targets.iter().map(|target| distance(target.at, middle));
+        let size = far.fold(60.0, f64::max);
+        for axis in axes().filter(|axis| axis.kind == Kind::Rotary) {
+            scene.turning(axis, size);
+        }
+        if stations.len() <= MOST_NAMED {
+            let beams = stations.iter().map(|station| Line {
+                class: "beam",
+                points: vec![station.at, middle],
+            });
+            scene.lines.extend(beams);
+        }
+        scene.points.extend(targets);
+        scene.points.extend(stations);
+        scene.frame();
+        Some(scene)
+    }
+
+    /// Where the linear axes take the origin: a box, with an arrow along each axis.
+    fn volume(&mut self, axes: &[&NominalAxis]) {
+        let strokes: Vec<[f64; 2]> = axes
+            .iter()
+            .map(|axis| axis.travel.unwrap_or([0.0, 100.0]))
+            .collect();
+        let at = |amounts: &[f64]| {
+            let moved = axes.iter().zip(amounts);
+            moved.fold([0.0; 3], |point, (axis, amount)| {
+                along(point, axis.direction, *amount)
+            })
+        };
+        let lowest: Vec<f64> = strokes.iter().map(|stroke| stroke[0]).collect();
+        // The first three axes make a box; more would hide it.
+        let edges = axes.len().min(3);
+        for k in 0..edges {
+            for corner in 0..1_usize << edges {
+                if corner >> k & 1 == 1 {
+                    continue;
+                }
+                let mut from = lowest.clone();
+                for (axis, stroke) in strokes.iter().enumerate().take(edges) {
+                    from[axis] = stroke[corner >> axis & 1];
+                }
+                let mut to = from.clone();
+                to[k] = strokes[k][1];
+                self.lines.push(Line {
+                    class: if corner == 0 { "arrow" } else { "box" },
+                    points: vec![at(&from), at(&to)],
+                });
+            }
+            let mut tip = lowest.clone();
+            tip[k] = strokes[k][1] + 0.08 * (strokes[k][1] - strokes[k][0]);
+            self.points.push(Point {
+                class: "axis",
+                name: axes[k].name.clone(),
+                at: at(&tip),
+            });
+        }
+    }
+
+    /// A rotary axis with a circle about it.
+    fn turning(&mut self, axis: &NominalAxis, size: f64) {
+        let origin = axis.position_mm.unwrap_or_default();
+        let direction = axis.direction;
+        self.lines.push(Line {
+            class: "arrow",
+            points: vec![
+                along(origin, direction, -0.6 * size),
+                along(origin, direction, 1.2 * size),
+            ],
+        });
+        self.points.push(Point {
+            class: "axis",
+            name: axis.name.clone(),
+            at: along(origin, direction, 1.35 * size),
+        });
+        let least = (0..3).min_by(|&a, &b| direction[a].abs().total_cmp(&direction[b].abs()));
+        let mut other = [0.0; 3];
+        other[least.unwrap_or_default()] = 1.0;
+        let across = unit(cross(direction, other));
+        let third = cross(unit(direction), across);
+        let turn = (0..=ROUND).map(|k| {
+            let (sin, cos) = (std::f64::consts::TAU * k as f64 / ROUND as f64).sin_cos();
+            along(along(origin, across, size * cos), third, size * sin)
+        });
+        self.lines.push(Line {
+            class: "track",
+            points: turn.collect(),
+        });
+    }
+
+    /// The ball that holds everything.
+    fn frame(&mut self) {
+        let of_lines = self.lines.iter().flat_map(|line| &line.points);
+        let all: Vec<[f64; 3]> = of_lines
+            .chain(self.points.iter().map(|point| &point.at))
+            .copied()
+            .collect();
+        let mut centre = [0.0; 3];
+        for (k, middle) in centre.iter_mut().enumerate() {
+            let low = all.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min);
+            let high = all.iter().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max);
+            *middle = 0.5 * (low + high);
+        }
+        self.centre = centre;
+        self.radius = all.iter().map(|p| distance(*p, centre)).fold(1.0, f64::max);
+    }
+
+    /// The still picture.
+    pub(crate) fn still(&self) -> Figure {
+        let flat = |p: [f64; 3]| {
+            let p = [0, 1, 2].map(|k| p[k] - self.centre[k]);
+            [dot(p, RIGHT), -dot(p, UP)]
+        };
+        let all = self.lines.iter().flat_map(|line| &line.points).copied();
+        let all: Vec<[f64; 2]> = all
+            .chain(self.points.iter().map(|point| point.at))
+            .map(flat)
+            .collect();
+        let bound = |k: usize| {
+            let low = all.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min);
+            let high = all.iter().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max);
+            [0.5 * (low + high), (high - low).max(1.0)]
+        };
+        let [x, y] = [bound(0), bound(1)];
+        let fit = |k: usize, extent: f64| (SIZE[k] - 2.0 * MARGIN) / extent;
+        let scale = fit(0, x[1]).min(fit(1, y[1]));
+        let place = |p: [f64; 3]| {
+            let [a, b] = flat(p);
+            [
+                0.5 * SIZE[0] + scale * (a - x[0]),
+                0.5 * SIZE[1] + scale * (b - y[0]),
+            ]
+        };
+        let names: Vec<&str> = self
+            .points
+            .iter()
+            .map(|point| point.name.as_str())
+            .collect();
+        let title = format!("machine, targets and stations: {}", names.join(", "));
+        let mut drawing = Drawing::new(SIZE[0], SIZE[1], title);
+        for line in &self.lines {
+            drawing.path(line.class, line.points.iter().map(|p| place(*p)));
+        }
+        let mut taken: Vec<[f64; 4]> = Vec::new();
+        let named = self.points.len() <= MOST_NAMED;
+        for point in &self.points {
+            let at = place(point.at);
+            match point.class {
+                "axis" => {}
+                "station" => drawing.dots("out", std::iter::once(at)),
+                _ => drawing.dots("m0", std::iter::once(at)),
+            }
+            if named && let Some(text) = free(at, &point.name, &mut taken) {
+                drawing.text(text, "k", "start", &point.name);
+            }
+        }
+        Figure::new("machine", drawing)
+    }
+}
+
+/// Where a name has room near a point; `None` if nowhere.
+fn free(at: [f64; 2], name: &str, taken: &mut Vec<[f64; 4]>) -> Option<[f64; 2]> {
+    let (width, height) = (8.0 * name.chars().count() as f64, 15.0);
+    let places = [
+        [6.0, -4.0],
+        [-6.0 - width, -4.0],
+        [6.0, 15.0],
+        [-6.0 - width, 15.0],
+        [-0.5 * width, -10.0],
+        [-0.5 * width, 22.0],
+    ];
+    let in_frame = |[x, y, _, _]: &[f64; 4]| {
+        *x >= 0.0 && x + width <= SIZE[0] && *y >= 0.0 && y + height <= SIZE[1]
+    };
+    places.into_iter().find_map(|[dx, dy]| {
+        let base = [at[0] + dx, at[1] + dy];
+        let area = [base[0], base[1] - 12.0, width, height];
+        let covers = |other: &[f64; 4]| {
+            area[0] < other[0] + other[2]
+                && other[0] < area[0] + area[2]
+                && area[1] < other[1] + other[3]
+                && other[1] < area[1] + area[3]
+        };
+        if !in_frame(&area) || taken.iter().any(covers) {
+            return None;
+        }
+        taken.push(area);
+        Some(base)
+    })
+}
+
+fn mean(points: impl ExactSizeIterator<Item = [f64; 3]>) -> [f64; 3] {
+    let count = points.len() as f64;
+    points.fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k] / count))
+}
+
+fn along(point: [f64; 3], direction: [f64; 3], amount: f64) -> [f64; 3] {
+    [0, 1, 2].map(|k| point[k] + amount * direction[k])
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+fn unit(a: [f64; 3]) -> [f64; 3] {
+    let norm = dot(a, a).sqrt().max(f64::MIN_POSITIVE);
+    a.map(|x| x / norm)
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let d = [0, 1, 2].map(|k| a[k] - b[k]);
+    dot(d, d).sqrt()
+}

@@ -1,0 +1,135 @@
+//! Drawings as SVG text.
+//!
+//! Marks have classes; colours come from a style sheet, so that the page shows them dark or light. A file of its
+//! own carries the light ones ([`Drawing::alone`]). All text is escaped.
+
+pub(crate) mod plot;
+pub(crate) mod ticks;
+
+use std::fmt::{Display, Write};
+
+/// The colours of a drawing that stands alone; those of the page are in its template.
+const STYLE: &str = include_str!("figure.css");
+
+/// A drawing that grows mark by mark.
+pub(crate) struct Drawing {
+    width: f64,
+    height: f64,
+    title: String,
+    body: String,
+}
+
+impl Drawing {
+    /// `title` is what those hear who cannot see it.
+    pub(crate) fn new(width: f64, height: f64, title: impl Into<String>) -> Self {
+        Self {
+            width,
+            height,
+            title: title.into(),
+            body: String::new(),
+        }
+    }
+
+    /// An element; attributes are numbers and names of our own, never text from a file.
+    pub(crate) fn element(&mut self, element: std::fmt::Arguments<'_>) {
+        // Writing to a String cannot fail.
+        let _ = writeln!(self.body, "<{element}/>");
+    }
+
+    /// `anchor` is `start`, `middle` or `end`.
+    pub(crate) fn text(&mut self, [x, y]: [f64; 2], class: &str, anchor: &str, text: &str) {
+        let (x, y) = (coordinate(x), coordinate(y));
+        let text = escaped(text);
+        let _ = writeln!(
+            self.body,
+            r#"<text x="{x}" y="{y}" class="{class}" text-anchor="{anchor}">{text}</text>"#
+        );
+    }
+
+    /// Text that reads upwards.
+    pub(crate) fn text_upwards(&mut self, [x, y]: [f64; 2], text: &str) {
+        let (x, y) = (coordinate(x), coordinate(y));
+        let text = escaped(text);
+        let _ = writeln!(
+            self.body,
+            r#"<text transform="translate({x} {y}) rotate(-90)" text-anchor="middle">{text}</text>"#
+        );
+    }
+
+    /// A place that tells `text` to whoever points at it.
+    pub(crate) fn hover(&mut self, [x, y]: [f64; 2], radius: f64, text: &str) {
+        let (x, y) = (coordinate(x), coordinate(y));
+        let text = escaped(text);
+        let _ = writeln!(
+            self.body,
+            r#"<circle class="hit" cx="{x}" cy="{y}" r="{radius}"><title>{text}</title></circle>"#
+        );
+    }
+
+    pub(crate) fn path(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+        let mut d = String::new();
+        for [x, y] in points {
+            let letter = if d.is_empty() { 'M' } else { 'L' };
+            let _ = write!(d, "{letter}{} {}", coordinate(x), coordinate(y));
+        }
+        if !d.is_empty() {
+            self.element(format_args!(r#"path class="{class}" d="{d}""#));
+        }
+    }
+
+    /// Dots as one element: thousands of them stay small.
+    pub(crate) fn dots(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+        let mut d = String::new();
+        for [x, y] in points {
+            let _ = write!(d, "M{} {}h0", coordinate(x), coordinate(y));
+        }
+        if !d.is_empty() {
+            self.element(format_args!(r#"path class="{class}" d="{d}""#));
+        }
+    }
+
+    /// For a page, which has the style.
+    pub(crate) fn inline(&self) -> String {
+        self.with("", "")
+    }
+
+    /// For a file.
+    pub(crate) fn alone(&self) -> String {
+        let style = format!("<style>{STYLE}</style>\n");
+        let mut text = self.with(r#" xmlns="http://www.w3.org/2000/svg""#, &style);
+        text.push('\n');
+        text
+    }
+
+    fn with(&self, space: &str, style: &str) -> String {
+        let (width, height) = (coordinate(self.width), coordinate(self.height));
+        let title = escaped(&self.title);
+        format!(
+            "<svg{space} class=\"figure\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{title}\">\n{style}{}</svg>",
+            self.body
+        )
+    }
+}
+
+/// A coordinate to a tenth of a pixel, without idle digits.
+pub(crate) fn coordinate(value: f64) -> impl Display {
+    // Beyond, a drawing has lost its meaning and its file its size.
+    (10.0 * value.clamp(-1e5, 1e5)).round() / 10.0 + 0.0
+}
+
+/// Text that is neither markup nor a control character, which no XML may hold.
+pub(crate) fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => escaped.push(' '),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}

@@ -1,0 +1,150 @@
+//! A plot: two axes with units, and marks in their coordinates.
+
+use crate::svg::Drawing;
+use crate::svg::ticks::Scale;
+
+/// Space for what stands beside the plotting area.
+const LEFT: f64 = 52.0;
+const RIGHT: f64 = 14.0;
+const TOP: f64 = 8.0;
+const TITLE: f64 = 22.0;
+const BOTTOM: f64 = 40.0;
+
+/// Radius of the place around a value that shows it.
+const HIT: f64 = 7.0;
+
+/// A plot under way.
+pub(crate) struct Plot {
+    drawing: Drawing,
+    x: Scale,
+    y: Scale,
+    width: f64,
+    bottom: f64,
+    top: f64,
+}
+
+/// Width of a letter of a title, on average with some reserve.
+const TITLE_LETTER: f64 = 7.6;
+
+/// A title that has room.
+fn shortened(title: &str, width: f64) -> String {
+    let most = (width / TITLE_LETTER).floor();
+    if title.chars().count() as f64 <= most {
+        return title.to_owned();
+    }
+    let kept = title
+        .chars()
+        .zip(1..)
+        .take_while(|(_, count)| f64::from(*count) < most);
+    kept.map(|(c, _)| c).chain(['…']).collect()
+}
+
+/// What stands around a plot.
+pub(crate) struct Frame<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) x_label: &'a str,
+    pub(crate) y_label: &'a str,
+    pub(crate) size: [f64; 2],
+}
+
+impl Plot {
+    pub(crate) fn new(frame: &Frame<'_>, x: Scale, y: Scale) -> Self {
+        let [width, height] = frame.size;
+        let top = TOP + if frame.title.is_empty() { 0.0 } else { TITLE };
+        let described = match frame.title {
+            "" => format!("{} over {}", frame.y_label, frame.x_label),
+            title => format!("{title}: {} over {}", frame.y_label, frame.x_label),
+        };
+        let mut plot = Self {
+            drawing: Drawing::new(width, height, described),
+            x,
+            y,
+            width,
+            bottom: height - BOTTOM,
+            top,
+        };
+        plot.axes(frame, height);
+        plot
+    }
+
+    fn axes(&mut self, frame: &Frame<'_>, height: f64) {
+        let (left, right) = (LEFT, self.width - RIGHT);
+        let (top, bottom) = (self.top, self.bottom);
+        if !frame.title.is_empty() {
+            self.drawing.text(
+                [4.0, 16.0],
+                "t",
+                "start",
+                &shortened(frame.title, self.width),
+            );
+        }
+        for (value, text) in self.y.ticks.clone() {
+            let y = self.at([self.x.low, value])[1];
+            let class = if value.abs() < f64::MIN_POSITIVE {
+                "zero"
+            } else {
+                "grid"
+            };
+            self.drawing
+                .path(class, [[left, y], [right, y]].into_iter());
+            self.drawing.text([left - 6.0, y + 4.0], "n", "end", &text);
+        }
+        for (value, text) in self.x.ticks.clone() {
+            let x = self.at([value, self.y.low])[0];
+            self.drawing
+                .path("tick", [[x, bottom], [x, bottom + 4.0]].into_iter());
+            self.drawing.text([x, bottom + 16.0], "n", "middle", &text);
+        }
+        self.drawing.path(
+            "axis",
+            [[left, top], [left, bottom], [right, bottom]].into_iter(),
+        );
+        let middle = 0.5 * (left + right);
+        self.drawing
+            .text([middle, height - 6.0], "l", "middle", frame.x_label);
+        self.drawing
+            .text_upwards([13.0, 0.5 * (top + bottom)], frame.y_label);
+    }
+
+    /// Where a value is, in the drawing.
+    fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [
+            LEFT + self.x.place(x) * (self.width - LEFT - RIGHT),
+            self.bottom - self.y.place(y) * (self.bottom - self.top),
+        ]
+    }
+
+    fn inside(&self, points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
+        let finite = points.filter(|[x, y]| x.is_finite() && y.is_finite());
+        finite.map(|point| self.at(point)).collect()
+    }
+
+    /// What lies between two curves, in the order of their points.
+    pub(crate) fn band(&mut self, colour: usize, low: &[[f64; 2]], high: &[[f64; 2]]) {
+        let around = low.iter().chain(high.iter().rev()).copied();
+        let points = self.inside(around);
+        self.drawing.path(&format!("b{colour}"), points.into_iter());
+    }
+
+    pub(crate) fn line(&mut self, class: &str, points: &[[f64; 2]]) {
+        let points = self.inside(points.iter().copied());
+        self.drawing.path(class, points.into_iter());
+    }
+
+    pub(crate) fn dots(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+        let points = self.inside(points);
+        self.drawing.dots(class, points.into_iter());
+    }
+
+    /// Tells `text` at a value.
+    pub(crate) fn hover(&mut self, point: [f64; 2], text: &str) {
+        if point.iter().all(|x| x.is_finite()) {
+            let at = self.at(point);
+            self.drawing.hover(at, HIT, text);
+        }
+    }
+
+    pub(crate) fn finish(self) -> Drawing {
+        self.drawing
+    }
+}

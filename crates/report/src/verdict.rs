@@ -1,0 +1,108 @@
+//! Whether the calibration is sound, in one sentence with its reasons.
+
+use serde::Serialize;
+
+use crate::calibration::Calibration;
+use crate::diagnosis::Diagnosis;
+use crate::numbers::{fixed, probability};
+use crate::words;
+
+/// What stands at the top of the page.
+#[derive(Serialize)]
+pub(crate) struct Verdict {
+    /// `good`, `care` or `bad`.
+    level: &'static str,
+    sentence: String,
+    reasons: Vec<String>,
+}
+
+/// Significance at which residuals reject the declared noise, as for `--fail-on-misfit`.
+const MISFIT_LEVEL: f64 = 1e-3;
+
+impl Verdict {
+    pub(crate) fn new(calibration: Option<&Calibration>, diagnosis: Option<&Diagnosis>) -> Self {
+        let contradictions = calibration.map_or_else(Vec::new, contradictions);
+        let diagnosed = diagnosis.map(|diagnosis| (diagnosis.verdict.as_str(), said(diagnosis)));
+        let (level, sentence) = match (&diagnosed, contradictions.is_empty()) {
+            (Some(("clean", _)), true) => (
+                "good",
+                "The calibration is sound: nothing in the data contradicts the rigid machine model.",
+            ),
+            (Some(("named" | "ambiguous" | "unknown", _)), _) | (_, false) => (
+                "bad",
+                "The data contradict the rigid machine model: read the reasons before you use the numbers.",
+            ),
+            (Some(_), true) => (
+                "care",
+                "The residuals do not contradict the model, but the data could not be judged further.",
+            ),
+            (None, true) if calibration.is_some_and(is_unchecked) => (
+                "care",
+                "Nothing checks this measurement: there are no more observations than unknowns.",
+            ),
+            (None, true) => (
+                "good",
+                "The residuals agree with the model and the noise; hidden causes were not sought (trueaxis diagnose).",
+            ),
+        };
+        let mut reasons = contradictions;
+        reasons.extend(diagnosed.map(|(_, said)| said));
+        Self {
+            level,
+            sentence: sentence.to_owned(),
+            reasons,
+        }
+    }
+}
+
+fn is_unchecked(calibration: &Calibration) -> bool {
+    calibration.adjustment.degrees_of_freedom == 0
+}
+
+fn contradictions(calibration: &Calibration) -> Vec<String> {
+    let adjustment = &calibration.adjustment;
+    let mut reasons = Vec::new();
+    if let (Some(p), Some(sigma0)) = (adjustment.p_value, adjustment.sigma0)
+        && p < MISFIT_LEVEL
+        && !is_unchecked(calibration)
+    {
+        reasons.push(format!(
+            "The residuals are {} times what the declared noise explains (p {}{}).",
+            fixed(sigma0, 2),
+            if p < f64::MIN_POSITIVE { "" } else { "= " },
+            probability(p)
+        ));
+    }
+    match calibration.misfits.len() {
+        0 => {}
+        1 => reasons.push("One step, run or known length contradicts the rest.".to_owned()),
+        count => reasons.push(format!(
+            "{count} steps, runs or known lengths contradict the rest."
+        )),
+    }
+    reasons
+}
+
+/// The diagnosis in a sentence.
+fn said(diagnosis: &Diagnosis) -> String {
+    let of_data = diagnosis
+        .causes
+        .iter()
+        .filter(|cause| cause.level != "components");
+    let names: Vec<String> = of_data
+        .map(|cause| words::effect(&cause.effect, &cause.subject))
+        .collect();
+    match diagnosis.verdict.as_str() {
+        "clean" => "Diagnosis: clean, nothing but noise beside the rigid model.".to_owned(),
+        "named" => format!("Diagnosis: {}.", names.join("; ")),
+        "ambiguous" => format!(
+            "Diagnosis: several causes explain the data alike, first {}.",
+            names.join("; ")
+        ),
+        "unknown" => {
+            "Diagnosis: something is in the data that no known effect explains.".to_owned()
+        }
+        "not_judged" => "Diagnosis: not judged, the data have no power to.".to_owned(),
+        other => format!("Diagnosis: {other}."),
+    }
+}

@@ -1,0 +1,107 @@
+//! Names of errors and effects in plain words.
+
+use serde_json::{Map, Value};
+
+use crate::calibration::{Kind, Machine};
+
+const LETTERS: [char; 3] = ['X', 'Y', 'Z'];
+
+/// `straightness of X in the Z direction`, for `EZX`.
+pub(crate) fn component(name: &str, axis: &str, machine: &Machine) -> String {
+    let Some(letter) = name.chars().nth(1) else {
+        return String::new();
+    };
+    let along = principal(axis, machine);
+    let is_own = |k: usize| along == Some(k);
+    let rotary = is_rotary(axis, machine);
+    match (LETTERS.iter().position(|&x| x == letter), rotation(letter)) {
+        (Some(k), _) if rotary && is_own(k) => format!("axial motion of {axis}"),
+        (Some(_), _) if rotary => format!("radial motion of {axis} in the {letter} direction"),
+        (Some(k), _) if is_own(k) => format!("positioning of {axis}"),
+        (Some(_), _) => format!("straightness of {axis} in the {letter} direction"),
+        (_, Some(k)) if rotary && is_own(k) => format!("angular positioning of {axis}"),
+        (_, Some(k)) if rotary => format!("tilt motion of {axis} about {}", LETTERS[k]),
+        (_, Some(k)) if is_own(k) => format!("roll of {axis}"),
+        (_, Some(k)) => format!("rotation of {axis} about {}", LETTERS[k]),
+        _ => String::new(),
+    }
+}
+
+/// `squareness of Y to X`, for `C0Y`.
+pub(crate) fn location(name: &str, machine: &Machine) -> String {
+    let Some((letter, axis)) = name.split_once('0') else {
+        return String::new();
+    };
+    let letter = letter.chars().next().unwrap_or_default();
+    let turned = rotation(letter);
+    if is_rotary(axis, machine) {
+        return match turned {
+            Some(k) => format!("tilt of {axis} about {}", LETTERS[k]),
+            None => format!("offset of {axis} in the {letter} direction"),
+        };
+    }
+    // The axis turns about the normal of the plane that it spans with the other one.
+    match (turned, principal(axis, machine)) {
+        (Some(k), Some(own)) if k != own => {
+            format!("squareness of {axis} to {}", LETTERS[3 - k - own])
+        }
+        (Some(k), _) => format!("direction of {axis} about {}", LETTERS[k]),
+        _ => String::new(),
+    }
+}
+
+fn rotation(letter: char) -> Option<usize> {
+    ['A', 'B', 'C'].iter().position(|&x| x == letter)
+}
+
+fn is_rotary(axis: &str, machine: &Machine) -> bool {
+    let mut axes = machine.axes.iter();
+    axes.any(|a| a.name == axis && a.kind == Kind::Rotary)
+}
+
+/// The reference direction that an axis follows.
+fn principal(axis: &str, machine: &Machine) -> Option<usize> {
+    let axis = machine.axes.iter().find(|a| a.name == axis)?;
+    (0..3).max_by(|&a, &b| axis.direction[a].abs().total_cmp(&axis.direction[b].abs()))
+}
+
+/// `backlash of axis C`.
+pub(crate) fn effect(id: &str, subject: &Map<String, Value>) -> String {
+    let name = id.replace('_', " ");
+    let part = |field: &str, before: &str| {
+        let given = subject.get(field).and_then(Value::as_str)?;
+        Some(format!("{before}{given}"))
+    };
+    let of_axis = match subject.get("component").is_some_and(Value::is_string) {
+        true => part("component", ""),
+        false => part("axis", "axis "),
+    };
+    let parts = [
+        part("station", "station "),
+        part("target", "target "),
+        of_axis,
+        part("other_axis", "with axis "),
+        part("carrier", "carrier "),
+        part("column", "with "),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    match parts.is_empty() {
+        true => name,
+        false => format!("{name} of {}", parts.join(", ")),
+    }
+}
+
+/// A unit of the files as people write it.
+pub(crate) fn unit(unit: &str) -> &str {
+    match unit {
+        "um" => "µm",
+        "arcsec" => "″",
+        "deg" => "°",
+        "um/m" => "µm/m",
+        "um/m2" => "µm/m²",
+        "um/rad2" => "µm/rad²",
+        "arcsec/rad" => "″/rad",
+        "um/K" => "µm/K",
+        other => other,
+    }
+}

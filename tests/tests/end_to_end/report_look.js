@@ -1,0 +1,56 @@
+"use strict";
+// Looks at the pages in all frames and writes what it finds as JSON.
+addEventListener("load", () => {
+  const meet = (a, b) => {
+    const across = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+    const down = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+    // Boxes of text hold space above and below the letters.
+    return across > 1 && down > 0.25 * Math.min(a.height, b.height);
+  };
+  const look = (frame) => {
+    const page = frame.contentDocument, view = frame.contentWindow;
+    const found = { width: view.innerWidth, title: page.title, overlaps: [], outside: [], wide: [] };
+    const figures = [...page.querySelectorAll("svg.figure")];
+    found.figures = figures.length;
+    // Of a figure that turns, the still picture is hidden: it is looked at, too.
+    const still = page.querySelector(".turns");
+    if (still) still.classList.remove("turns");
+    for (const figure of figures) {
+      const edge = figure.getBoundingClientRect();
+      const texts = [...figure.querySelectorAll("text")].map((text) => [text.textContent, text.getBoundingClientRect()]);
+      texts.forEach(([name, box], k) => {
+        if (box.left < edge.left - 1 || box.right > edge.right + 1 || box.top < edge.top - 1 || box.bottom > edge.bottom + 1) {
+          found.outside.push(name);
+        }
+        for (const [other, its] of texts.slice(k + 1)) if (meet(box, its)) found.overlaps.push([name, other]);
+      });
+    }
+    if (still) still.classList.add("turns");
+    if (page.documentElement.scrollWidth > view.innerWidth) found.wide.push("page");
+    for (const part of page.querySelectorAll("h1,h2,h3,p,li,dd,dt,.cards div")) {
+      if (part.scrollWidth > part.clientWidth + 1 && part.clientWidth > 0) found.wide.push(part.textContent.trim().slice(0, 60));
+    }
+    for (const table of page.querySelectorAll("table")) {
+      const room = table.parentNode.getBoundingClientRect();
+      const scrolls = table.parentNode.classList.contains("scroll");
+      if (!scrolls && table.getBoundingClientRect().right > room.right + 1) found.wide.push(table.textContent.trim().slice(0, 60));
+    }
+    const canvas = page.getElementById("view");
+    if (canvas) {
+      const before = canvas.dataset.turn;
+      canvas.dispatchEvent(new view.KeyboardEvent("keydown", { key: "ArrowLeft", cancelable: true }));
+      found.turns = canvas.dataset.turn !== before;
+      const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+      found.drawn = pixels.some((value) => value !== 0);
+    }
+    const hit = page.querySelector("#component-EXX .hit");
+    if (hit) {
+      hit.dispatchEvent(new view.PointerEvent("pointerover", { bubbles: true, clientX: 50, clientY: 50 }));
+      const tip = page.getElementById("tip");
+      found.hovered = view.getComputedStyle(tip).visibility === "visible" ? tip.textContent : "";
+    }
+    return found;
+  };
+  const frames = [...document.querySelectorAll("iframe")];
+  document.getElementById("found").textContent = JSON.stringify(frames.map(look));
+});
