@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use trueaxis_campaign::{Campaign, read};
-use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose};
+use trueaxis_diagnose::{Diagnosis, Settings, diagnose};
 use trueaxis_simulate::replay;
 
 use crate::args::DiagnoseArgs;
@@ -59,7 +59,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
     if args.json {
         output::print(&text)?;
     }
-    if args.fail_on_misfit && diagnosis.verdict != Verdict::Clean {
+    if args.fail_on_misfit && diagnosis.verdict.is_misfit() {
         say("the data reject the model (--fail-on-misfit)");
         return Ok(Exit::Misfit);
     }

@@ -39,6 +39,7 @@ mod curve_set;
 mod estimate;
 mod family;
 mod judgement;
+mod line_curve;
 mod ln_chi_squared;
 mod report;
 mod search;
@@ -48,6 +49,8 @@ mod unseen;
 use trueaxis_calibrate::Calibration;
 use trueaxis_effects::Scene;
 use trueaxis_kinematics::Machine;
+
+pub(crate) use crate::components::line_curve::diagnose_line_curve;
 
 use crate::components::curve_set::curve_sets;
 use crate::components::search::Search;

@@ -9,8 +9,8 @@ use crate::changes::changes;
 use crate::components::diagnose_components;
 use crate::lengths::{LengthsOutcome, diagnose_lengths, scene};
 use crate::runs::diagnose_runs;
-use crate::verification::{EntryOutcome, diagnose_verification};
-use crate::{Cause, Diagnosis, Error, Settings, Unexplained, Verdict};
+use crate::verification::diagnose_verification;
+use crate::{Cause, Diagnosis, Error, LevelReport, Settings, Unexplained, Verdict};
 
 /// Says what the rigid, quasi-static model gets wrong in a campaign's data, why, what the better model
 /// looks like and what it gains on data that it did not use.
@@ -30,10 +30,11 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
     let mut diagnosis = Diagnosis {
         campaign: campaign.name.clone(),
         scene: scene_of_all(campaign),
-        verdict: Verdict::Clean,
+        verdict: Verdict::NotJudged,
         levels: Vec::new(),
         causes: Vec::new(),
         unexplained: None,
+        rejected: Vec::new(),
         not_observable: Vec::new(),
         calibration: None,
         notices: Vec::new(),
@@ -68,23 +69,22 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         }
     }
     let calibration = diagnosis.calibration.as_ref();
-    let verification = diagnose_verification(campaign, calibration, &diagnosis.scene);
-    for mut entry in verification.entries {
-        if entry.verdict == Verdict::Unknown {
-            without_names(&mut entry);
-        }
-        of_data(
-            &entry.report.data,
-            &mut entry.causes,
-            &mut entry.unexplained,
+    let verification = diagnose_verification(
+        campaign,
+        calibration,
+        &diagnosis.scene,
+        settings.explain_curves,
+    );
+    diagnosis.rejected = verification.rejected;
+    for entry in verification.entries {
+        with_level(
+            &mut diagnosis,
+            entry.report,
+            entry.causes,
+            entry.unexplained,
         );
-        diagnosis.verdict = worse(diagnosis.verdict, entry.verdict);
-        diagnosis.levels.push(entry.report);
-        diagnosis.causes.extend(entry.causes);
-        if diagnosis.unexplained.is_none() {
-            diagnosis.unexplained = entry.unexplained;
-        }
     }
+    diagnosis.causes.extend(verification.curves);
     diagnosis.not_observable.extend(verification.not_observable);
     diagnosis.notices.extend(verification.notices);
     if let Some(components) = components {
@@ -93,23 +93,15 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         diagnosis.notices.extend(components.notices);
     }
     if diagnosis.levels.is_empty() {
-        diagnosis.notices.push(
-            "nothing was judged: points have no redundancy of their own, only lengths and verification readings can contradict the model"
-                .to_owned(),
-        );
+        let why = match campaign.points {
+            Some(_) => {
+                "points are not compared with each other here, only lengths and verification readings can contradict the model"
+            }
+            None => "there is nothing that could contradict the model",
+        };
+        diagnosis.notices.push(format!("nothing was judged: {why}"));
     }
     Ok(diagnosis)
-}
-
-/// The verdict on two sets of data together: what is unknown in one stays unknown.
-fn worse(a: Verdict, b: Verdict) -> Verdict {
-    let weight = |verdict| match verdict {
-        Verdict::Clean => 0,
-        Verdict::Named => 1,
-        Verdict::Ambiguous => 2,
-        Verdict::Unknown => 3,
-    };
-    if weight(b) > weight(a) { b } else { a }
 }
 
 /// What the lengths say, and the calibration without the causes that they show; the campaign without them, if
@@ -134,11 +126,6 @@ fn with_lengths(
         with_better(diagnosis, &corrected, &mut outcome.causes, settings)?;
         without = Some(corrected);
     }
-    of_data(
-        &outcome.report.data,
-        &mut outcome.causes,
-        &mut outcome.unexplained,
-    );
     if outcome.unexplained.is_some() && !outcome.causes.is_empty() {
         diagnosis.notices.push(
             "something is left beside the cause: its size may be off by more than its uncertainty, and what \
@@ -146,10 +133,12 @@ fn with_lengths(
                 .to_owned(),
         );
     }
-    diagnosis.verdict = outcome.verdict;
-    diagnosis.levels.push(outcome.report);
-    diagnosis.causes.extend(outcome.causes);
-    diagnosis.unexplained = outcome.unexplained;
+    with_level(
+        diagnosis,
+        outcome.report,
+        outcome.causes,
+        outcome.unexplained,
+    );
     diagnosis.not_observable.extend(outcome.not_observable);
     diagnosis.notices.extend(outcome.notices);
     Ok(without)
@@ -185,44 +174,37 @@ fn with_runs(
     if let Some(corrected) = &outcome.corrected {
         with_better(diagnosis, corrected, &mut entry.causes, settings)?;
     }
-    of_data(
-        &entry.report.data,
-        &mut entry.causes,
-        &mut entry.unexplained,
-    );
     diagnosis
         .not_observable
         .retain(|unseen| unseen.effect != "cross_coupling");
     diagnosis.not_observable.extend(outcome.unseen);
-    diagnosis.verdict = worse(diagnosis.verdict, entry.verdict);
-    diagnosis.levels.push(entry.report);
-    diagnosis.causes.extend(entry.causes);
-    if diagnosis.unexplained.is_none() {
-        diagnosis.unexplained = entry.unexplained;
-    }
+    with_level(diagnosis, entry.report, entry.causes, entry.unexplained);
     Ok(outcome.corrected.is_some())
 }
 
-/// Where something is left that no effect explains, those that were tried are no causes.
-fn without_names(entry: &mut EntryOutcome) {
-    let tried: Vec<&str> = entry.causes.iter().map(|c| c.effect.effect.id).collect();
-    if let (Some(unexplained), false) = (&mut entry.unexplained, tried.is_empty()) {
-        let names = tried.join(" and ");
-        unexplained.note += &format!("; {names} explain a part, not enough to be named");
+/// Takes in what one set of data says.
+fn with_level(
+    diagnosis: &mut Diagnosis,
+    mut report: LevelReport,
+    mut causes: Vec<Cause>,
+    unexplained: Option<Unexplained>,
+) {
+    for (cause, share) in causes.iter_mut().zip(&report.shares.causes) {
+        cause.data.clone_from(&report.data);
+        cause.share = Some(*share);
     }
-    entry.causes.clear();
-    entry.report.after = entry.report.before;
-    entry.report.gain = None;
-}
-
-/// Says in what data something was found.
-fn of_data(data: &str, causes: &mut [Cause], unexplained: &mut Option<Unexplained>) {
-    for cause in causes {
-        data.clone_into(&mut cause.data);
+    report.unexplained = unexplained.map(|unexplained| Unexplained {
+        data: report.data.clone(),
+        share: report.shares.unexplained,
+        ..unexplained
+    });
+    let verdict = Verdict::of_causes(&causes, report.unexplained.is_some());
+    diagnosis.verdict = Verdict::of_all([diagnosis.verdict, verdict]);
+    if diagnosis.unexplained.is_none() {
+        diagnosis.unexplained.clone_from(&report.unexplained);
     }
-    if let Some(unexplained) = unexplained {
-        data.clone_into(&mut unexplained.data);
-    }
+    diagnosis.levels.push(report);
+    diagnosis.causes.extend(causes);
 }
 
 /// Stations, targets, and the axes that move in any of the data.

@@ -3,6 +3,8 @@
 use trueaxis_calibrate::Calibration;
 use trueaxis_effects::{Layer, Level, ResolvedEffect, Scene};
 
+use crate::Shares;
+
 /// A diagnosis of a campaign.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
@@ -16,8 +18,10 @@ pub struct Diagnosis {
     pub levels: Vec<LevelReport>,
     /// All causes, those of the data first, then those of the error curves; by rank.
     pub causes: Vec<Cause>,
-    /// What no cause explains; none if nothing is left.
+    /// What no cause explains, of the first level where something is left ([`LevelReport::unexplained`]).
     pub unexplained: Option<Unexplained>,
+    /// Readings of verifications that were left out as gross errors.
+    pub rejected: Vec<Rejected>,
     /// Effects that these data cannot show.
     pub not_observable: Vec<NotObservable>,
     /// The calibration with the causes found in the lengths taken out of them; none if there is nothing
@@ -32,12 +36,14 @@ pub struct Diagnosis {
 pub enum Verdict {
     /// Nothing contradicts the model.
     Clean,
-    /// One cause for each thing that is wrong, and nothing else explains it nearly as well.
+    /// A cause is clear: nothing else explains it nearly as well. More may be left ([`Unexplained`]).
     Named,
-    /// Something is wrong, and several causes explain it.
+    /// Something is wrong, and for each cause there are others that explain it as well.
     Ambiguous,
     /// Something is wrong that no effect of the catalogue explains.
     Unknown,
+    /// There is nothing that could contradict the model.
+    NotJudged,
 }
 
 impl Verdict {
@@ -48,6 +54,31 @@ impl Verdict {
             Self::Named => "named",
             Self::Ambiguous => "ambiguous",
             Self::Unknown => "unknown",
+            Self::NotJudged => "not_judged",
+        }
+    }
+
+    /// Whether the data reject the model.
+    pub fn is_misfit(self) -> bool {
+        matches!(self, Self::Named | Self::Ambiguous | Self::Unknown)
+    }
+
+    /// That of several sets of data, the first that holds of any: a clear cause in one is no less clear for
+    /// what the others leave open.
+    pub(crate) fn of_all(verdicts: impl IntoIterator<Item = Self>) -> Self {
+        let order = [Self::Named, Self::Ambiguous, Self::Unknown, Self::Clean];
+        let all: Vec<Self> = verdicts.into_iter().collect();
+        let first = order.into_iter().find(|verdict| all.contains(verdict));
+        first.unwrap_or(Self::NotJudged)
+    }
+
+    /// That of one set of data from its causes and whether something is left beside them.
+    pub(crate) fn of_causes(causes: &[Cause], is_left: bool) -> Self {
+        match (causes, is_left) {
+            ([], true) => Self::Unknown,
+            ([], false) => Self::Clean,
+            (causes, _) if causes.iter().any(|cause| cause.rivals.is_empty()) => Self::Named,
+            _ => Self::Ambiguous,
         }
     }
 }
@@ -67,6 +98,10 @@ pub struct LevelReport {
     pub after: Misfit,
     /// Gain on data that were not used; none where nothing was named or could be held out.
     pub gain: Option<Gain>,
+    /// What parts the misfit has.
+    pub shares: Shares,
+    /// What no cause of these data explains; none if nothing is left.
+    pub unexplained: Option<Unexplained>,
     /// The tests whether anything is wrong at all, before the causes.
     pub tests: Vec<OmnibusTest>,
     /// The same after the causes.
@@ -161,6 +196,8 @@ pub struct Cause {
     pub explained_rms_um: f64,
     /// By what part the held-out rms falls; none where nothing could be held out.
     pub heldout_gain: Option<f64>,
+    /// Its share of the misfit of its level, 0 to 1 ([`Shares`]); none for a cause of an error curve.
+    pub share: Option<f64>,
     /// Its parameters, the shape (instant, time constant, period) last.
     pub parameters: Vec<EstimatedParameter>,
     /// Covariance of the linear parameters in their units, rows one after the other.
@@ -216,10 +253,27 @@ pub struct Unexplained {
     pub data: String,
     /// Its rms beyond the noise, µm.
     pub rms_um: f64,
+    /// Its share of the misfit of its level, 0 to 1.
+    pub share: f64,
     /// What it varies with: `time`, `position`, `station`, `target`, `direction`.
     pub varies_with: Vec<&'static str>,
     /// In words, with a period where there is one.
     pub note: String,
+}
+
+/// A reading that contradicts all others and was left out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rejected {
+    /// The verification, by name.
+    pub file: String,
+    /// Its line in the table, from 1 (the header).
+    pub row: usize,
+    /// How far it is off, µm.
+    pub error_um: f64,
+    /// Standard uncertainty of that, µm.
+    pub u_um: f64,
+    /// In words.
+    pub reason: String,
 }
 
 /// An effect that these data cannot show. It may be there all the same.

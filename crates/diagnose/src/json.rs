@@ -11,7 +11,10 @@ use trueaxis_effects::{EffectsFile, Level};
 use trueaxis_files::{Ordered, round, significant};
 
 use crate::json::cause::CauseFile;
-use crate::{Cause, Diagnosis, Gain, LevelReport, Misfit, NotObservable, OmnibusTest, Place};
+use crate::{
+    Cause, Diagnosis, Gain, LevelReport, Misfit, NotObservable, OmnibusTest, Place, Rejected,
+    Shares, Unexplained,
+};
 
 impl Diagnosis {
     /// The text of `diagnosis.json`, version 1.
@@ -68,7 +71,9 @@ struct File<'a> {
     after: MisfitFile,
     gain: Option<GainFile>,
     causes: Vec<CauseFile<'a>>,
+    disturbances: [(); 0],
     unexplained: Option<UnexplainedFile<'a>>,
+    rejected: Vec<RejectedFile<'a>>,
     not_observable: Vec<NotObservableFile<'a>>,
     levels: Vec<LevelFile<'a>>,
     notices: &'a [String],
@@ -98,9 +103,28 @@ struct HeldOutRatioFile {
 #[derive(Serialize)]
 struct UnexplainedFile<'a> {
     rms_um: f64,
+    share: f64,
     varies_with: &'a [&'static str],
     note: &'a str,
     level: &'static str,
+    data: &'a str,
+}
+
+#[derive(Serialize)]
+struct RejectedFile<'a> {
+    file: &'a str,
+    row: usize,
+    error_um: f64,
+    u_um: f64,
+    reason: &'a str,
+}
+
+#[derive(Serialize)]
+struct SharesFile {
+    causes: Vec<f64>,
+    disturbances: [(); 0],
+    unexplained: f64,
+    noise: f64,
 }
 
 #[derive(Serialize)]
@@ -120,6 +144,8 @@ struct LevelFile<'a> {
     before: MisfitFile,
     after: MisfitFile,
     gain: Option<GainFile>,
+    shares: SharesFile,
+    unexplained: Option<UnexplainedFile<'a>>,
     tests: Vec<TestFile<'a>>,
     tests_after: Vec<TestFile<'a>>,
     places: Vec<PlaceFile<'a>>,
@@ -159,16 +185,44 @@ impl<'a> File<'a> {
             causes: ranked
                 .map(|(i, cause)| CauseFile::new(i + 1, cause, &diagnosis.scene))
                 .collect(),
-            unexplained: diagnosis.unexplained.as_ref().map(|u| UnexplainedFile {
-                rms_um: um(u.rms_um),
-                varies_with: &u.varies_with,
-                note: &u.note,
-                level: u.level.name(),
-            }),
+            disturbances: [],
+            unexplained: diagnosis.unexplained.as_ref().map(unexplained),
+            rejected: diagnosis.rejected.iter().map(rejected).collect(),
             not_observable: diagnosis.not_observable.iter().map(unseen).collect(),
             levels: diagnosis.levels.iter().map(level).collect(),
             notices: &diagnosis.notices,
         }
+    }
+}
+
+fn unexplained(left: &Unexplained) -> UnexplainedFile<'_> {
+    UnexplainedFile {
+        rms_um: um(left.rms_um),
+        share: round(left.share, 4),
+        varies_with: &left.varies_with,
+        note: &left.note,
+        level: left.level.name(),
+        data: &left.data,
+    }
+}
+
+fn rejected(rejected: &Rejected) -> RejectedFile<'_> {
+    RejectedFile {
+        file: &rejected.file,
+        row: rejected.row,
+        error_um: um(rejected.error_um),
+        u_um: um(rejected.u_um),
+        reason: &rejected.reason,
+    }
+}
+
+fn shares(shares: &Shares) -> SharesFile {
+    let part = |share: &f64| round(*share, 6);
+    SharesFile {
+        causes: shares.causes.iter().map(part).collect(),
+        disturbances: [],
+        unexplained: part(&shares.unexplained),
+        noise: part(&shares.noise),
     }
 }
 
@@ -180,6 +234,8 @@ fn level(level: &LevelReport) -> LevelFile<'_> {
         before: misfit(&level.before),
         after: misfit(&level.after),
         gain: level.gain.as_ref().map(gain),
+        shares: shares(&level.shares),
+        unexplained: level.unexplained.as_ref().map(unexplained),
         tests: level.tests.iter().map(test).collect(),
         tests_after: level.tests_after.iter().map(test).collect(),
         places: level.places.iter().map(place).collect(),

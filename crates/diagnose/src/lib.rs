@@ -56,7 +56,8 @@ mod verification;
 pub use diagnose::diagnose;
 pub use diagnosis::{
     Cause, Change, Diagnosis, EstimatedParameter, Follows, Gain, HeldOutRatio, LevelReport, Misfit,
-    NotObservable, OmnibusTest, Place, Rival, Unexplained, Verdict,
+    NotObservable, OmnibusTest, Place, Rejected, Rival, Unexplained, Verdict,
 };
 pub use error::Error;
+pub use selection::Shares;
 pub use settings::Settings;

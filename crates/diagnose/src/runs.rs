@@ -21,7 +21,7 @@ use crate::selection::{Projection, f_test};
 use crate::verification::EntryOutcome;
 use crate::{
     Cause, Error, EstimatedParameter, LevelReport, Misfit, NotObservable, OmnibusTest, Rival,
-    Settings, Unexplained, Verdict,
+    Settings, Shares, Unexplained,
 };
 
 /// What the runs say.
@@ -158,12 +158,10 @@ fn compared(
         sigma_um * (model.squares() / model.degrees_of_freedom.max(1.0)).sqrt()
     };
     let unexplained = is_left.then(|| unexplained(judge, &after, rms_um(&after), sigma_um, share));
-    let verdict = match (&unexplained, judged.is_empty()) {
-        (None, true) => Verdict::Clean,
-        (Some(_), true) => Verdict::Unknown,
-        _ if judged.iter().any(|j| !j.rivals.is_empty()) => Verdict::Ambiguous,
-        _ => Verdict::Named,
-    };
+    let columns: Vec<Vec<Vec<f64>>> = judged
+        .iter()
+        .map(|j| candidates[j.candidate].columns.clone())
+        .collect();
     let misfit = |model: &Projection| Misfit {
         rms_um: rms_um(model),
         heldout_rms_um: None,
@@ -192,12 +190,13 @@ fn compared(
                 before: misfit(&base),
                 after: misfit(&after),
                 gain: None,
+                shares: Shares::new(&base, &columns, is_left),
+                unexplained: None,
                 tests: vec![judge.test(&base)],
                 tests_after: vec![judge.test(&after)],
                 places: Vec::new(),
             },
             unexplained,
-            verdict,
         },
         unseen,
         corrected,
@@ -247,6 +246,7 @@ fn unexplained(
         level: Level::Lengths,
         data: String::new(),
         rms_um: (rms_um.powi(2) - sigma_um.powi(2)).max(0.0).sqrt(),
+        share: 0.0,
         varies_with: vec!["run"],
         note,
     }
@@ -313,6 +313,7 @@ fn cause(
         covariance: fit.covariance.clone(),
         rivals: rivals.collect(),
         changes: Vec::new(),
+        share: None,
         share_of_curve: None,
         effect,
     }

@@ -27,6 +27,7 @@ mod projection;
 mod rivals;
 mod scan;
 mod score;
+mod shares;
 
 pub(crate) use f_test::{f_test, ln_f_test};
 pub(crate) use fixed_scan::{FixedScan, gram as gram_of};
@@ -36,3 +37,4 @@ pub(crate) use projection::Projection;
 pub(crate) use rivals::{DECISIVE, Fit, cosine, is_rival};
 pub(crate) use scan::{Hypothesis, Scan};
 pub(crate) use score::{Score, rank};
+pub use shares::Shares;

@@ -15,11 +15,12 @@
 //! independent. Lines in different files are not joined.
 
 mod arrivals;
-mod base;
+pub(crate) mod base;
 mod believed;
 #[cfg(test)]
 mod calibrated_tests;
-mod comparison;
+pub(crate) mod comparison;
+mod gross_errors;
 mod held_out;
 mod hypotheses;
 mod noise_floor;
@@ -31,22 +32,32 @@ mod report;
 mod search;
 
 use trueaxis_calibrate::Calibration;
-use trueaxis_campaign::{Campaign, Verification};
+use trueaxis_campaign::{Campaign, Verification, VerificationKind};
 use trueaxis_effects::{Level, Scene};
 use trueaxis_kinematics::{Ideal, Machine};
 
+use crate::components::diagnose_line_curve;
+use crate::selection::Projection;
+use crate::verification::arrivals::is_same;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
+use crate::verification::gross_errors::gross_errors;
 use crate::verification::noise_floor::noise_floor_um;
 use crate::verification::prediction_error::{prediction_directions, with_reference_points};
 use crate::verification::problem::Problem;
-use crate::{Cause, LevelReport, Misfit, NotObservable, OmnibusTest, Unexplained, Verdict};
+use crate::{
+    Cause, LevelReport, Misfit, NotObservable, OmnibusTest, Rejected, Shares, Unexplained,
+};
 
 /// What all verifications of a campaign say.
 #[derive(Debug, Clone)]
 pub(crate) struct VerificationOutcome {
     /// For each verification of the campaign, in its order, what could be compared.
     pub(crate) entries: Vec<EntryOutcome>,
+    /// What mean curves consist of that no calibration predicts.
+    pub(crate) curves: Vec<Cause>,
+    /// Readings that were left out.
+    pub(crate) rejected: Vec<Rejected>,
     /// Effects that a verification cannot show.
     pub(crate) not_observable: Vec<NotObservable>,
     /// What a user must know before using the outcome.
@@ -62,8 +73,6 @@ pub(crate) struct EntryOutcome {
     pub(crate) causes: Vec<Cause>,
     /// What is left.
     pub(crate) unexplained: Option<Unexplained>,
-    /// The verdict on these readings.
-    pub(crate) verdict: Verdict,
 }
 
 /// False alarms of all verifications of a campaign together: once for the causes, once for the omnibus
@@ -79,6 +88,7 @@ pub(crate) fn diagnose_verification(
     campaign: &Campaign,
     calibration: Option<&Calibration>,
     scene: &Scene,
+    explain_curves: bool,
 ) -> VerificationOutcome {
     let machine = match calibration {
         Some(calibration) => with_reference_points(&campaign.machine, calibration),
@@ -86,6 +96,8 @@ pub(crate) fn diagnose_verification(
     };
     let mut outcome = VerificationOutcome {
         entries: Vec::new(),
+        curves: Vec::new(),
+        rejected: Vec::new(),
         not_observable: Vec::new(),
         notices: Vec::new(),
     };
@@ -98,29 +110,63 @@ pub(crate) fn diagnose_verification(
     let level = LEVEL / campaign.verification.len().max(1) as f64;
     for verification in &campaign.verification {
         diagnose_entry(
+            campaign,
             &machine,
             verification,
             calibration,
             scene,
-            level,
+            Asked {
+                level,
+                explain_curves,
+            },
             &mut outcome,
         );
     }
     outcome
 }
 
+/// What is asked of one verification.
+#[derive(Clone, Copy)]
+struct Asked {
+    /// Its part of the false alarms.
+    level: f64,
+    /// Whether to say what its mean curve consists of.
+    explain_curves: bool,
+}
+
 fn diagnose_entry(
+    campaign: &Campaign,
     machine: &Machine,
     verification: &Verification,
     calibration: Option<&Calibration>,
     scene: &Scene,
-    level: f64,
+    asked: Asked,
     outcome: &mut VerificationOutcome,
 ) {
-    let comparison = match calibration {
+    let Asked {
+        level,
+        explain_curves,
+    } = asked;
+    let compared = |verification| match calibration {
         Some(calibration) => Comparison::new(machine, verification, calibration),
         None => Comparison::new(machine, verification, &Ideal),
     };
+    let gross = gross_errors(verification, &compared(verification));
+    let mut kept = verification.clone();
+    for (row, _) in gross.iter().rev() {
+        kept.readings.remove(*row);
+    }
+    for (_, rejected) in gross {
+        outcome.notices.push(format!(
+            "{}: the reading in line {} is off by {:.1} µm (u = {:.1} µm) against all others and was left out",
+            rejected.file, rejected.row, rejected.error_um, rejected.u_um
+        ));
+        outcome.rejected.push(rejected);
+    }
+    let mut comparison = compared(&kept);
+    if calibration.is_some() {
+        comparison.parked_elsewhere = parked_elsewhere(campaign, &kept);
+    }
     let base = base_columns(&comparison, calibration.is_some());
     let posed = |sigma_um: f64| {
         let directions = calibration.map(|c| prediction_directions(&comparison, c, sigma_um));
@@ -133,6 +179,14 @@ fn diagnose_entry(
         )
     };
     let floor_um = noise_floor_um(&comparison);
+    let curve = match calibration {
+        None if explain_curves => {
+            diagnose_line_curve(&comparison, floor_um, machine, &verification.name)
+        }
+        _ => None,
+    };
+    let is_explained = curve.is_some();
+    outcome.curves.extend(curve.into_iter().flatten());
     // Without repeats the base model's misfit stands for the noise at first.
     let mut problem = posed(floor_um.unwrap_or(1.0));
     let name = &verification.name;
@@ -156,9 +210,39 @@ fn diagnose_entry(
         found.report.noise_floor_um = found.report.after.rms_um;
     }
     let unseen = not_observable::not_observable(&problem, scene, name, calibration.is_some());
+    // What the mean curve absorbs was looked for in the curve itself.
+    let in_curve = |id: &str| is_explained && ["scale_error", "cyclic_error"].contains(&id);
+    let unseen = unseen.into_iter().filter(|u| !in_curve(u.effect));
     outcome.not_observable.extend(unseen);
     outcome.entries.push(found);
 }
+
+/// Axes that stand elsewhere at the readings of a line than in all steps that its axis was calibrated at.
+fn parked_elsewhere(campaign: &Campaign, verification: &Verification) -> Vec<usize> {
+    let VerificationKind::Positioning { axis, .. } = verification.kind else {
+        return Vec::new();
+    };
+    let calibrated: Vec<&[f64]> = campaign
+        .steps
+        .iter()
+        .filter(|step| step.run.is_some_and(|run| campaign.runs[run].axis == axis))
+        .map(|step| step.positions.as_slice())
+        .collect();
+    let elsewhere = |other: &usize| {
+        let read = verification.readings.iter().map(|r| r.positions[*other]);
+        *other != axis
+            && !calibrated.is_empty()
+            && read
+                .clone()
+                .all(|q| calibrated.iter().all(|at| !is_same(at[*other], q)))
+    };
+    (0..campaign.machine.axes().len())
+        .filter(elsewhere)
+        .collect()
+}
+
+/// Causes that did not hold before it is enough.
+const MOST_EXCLUDED: usize = 4;
 
 /// Finds and judges the causes of one verification.
 fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> EntryOutcome {
@@ -167,26 +251,34 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
     let before = &problem.base;
     let tests = omnibus::omnibus(problem, &families, before);
 
-    // Causes that hold on unused readings; structure beside them that they do not merely imitate.
-    let mut chosen = search::search(problem, level);
-    believed::with_gain(problem, &mut chosen, &folds);
-    let left = omnibus::omnibus(problem, &families, &problem.with(&chosen));
-    let found = chosen.len();
-    believed::without_imitations(problem, &mut chosen, &left, &families, level);
-    if chosen.len() < found {
-        search::drop_superfluous(problem, &mut chosen, level);
+    // Causes that hold on unused readings; structure beside them that they do not merely imitate. What does
+    // not hold gives its place to the next.
+    let mut excluded: Vec<usize> = Vec::new();
+    let mut chosen;
+    loop {
+        chosen = search::search(problem, &excluded, level);
+        let first: Vec<usize> = chosen.iter().map(|c| c.candidate).collect();
+        believed::with_gain(problem, &mut chosen, &folds);
+        let left = omnibus::omnibus(problem, &families, &problem.with(&chosen));
+        let found = chosen.len();
+        believed::without_imitations(problem, &mut chosen, &left, &families, level);
+        if chosen.len() < found {
+            search::drop_superfluous(problem, &mut chosen, level);
+        }
+        if !chosen.is_empty() || first.is_empty() || excluded.len() >= MOST_EXCLUDED {
+            break;
+        }
+        excluded.extend(first);
     }
 
     let after = problem.with(&chosen);
     let tests_after = omnibus::omnibus(problem, &families, &after);
     let causes = report::causes(problem, scene, &chosen, &after, &folds);
-    let unexplained = unexplained(problem, problem.rms_um(&after), &tests_after, level);
-    let verdict = match (&unexplained, causes.as_slice()) {
-        (Some(_), _) => Verdict::Unknown,
-        (None, []) => Verdict::Clean,
-        (None, causes) if causes.iter().any(|c| !c.rivals.is_empty()) => Verdict::Ambiguous,
-        (None, _) => Verdict::Named,
-    };
+    let unexplained = unexplained(problem, &after, &families, &tests_after, level);
+    let columns: Vec<Vec<Vec<f64>>> = chosen
+        .iter()
+        .map(|cause| problem.columns(std::slice::from_ref(cause)))
+        .collect();
     let held_before = held_out::held_out(problem, &[], &folds);
     let held_after = held_out::held_out(problem, &chosen, &folds);
     let gain = held_out::gain(problem, &held_before, &held_after);
@@ -204,20 +296,22 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
             gain: gain
                 .map(|bounded| bounded.gain)
                 .filter(|_| !causes.is_empty()),
+            shares: Shares::new(&problem.base, &columns, unexplained.is_some()),
+            unexplained: None,
             tests,
             tests_after,
             places: report::places(problem, before, &after),
         },
         causes,
         unexplained,
-        verdict,
     }
 }
 
 /// Structure that the causes leave.
 fn unexplained(
     problem: &Problem<'_>,
-    rms_um: f64,
+    after: &Projection,
+    families: &[omnibus::Family],
     tests: &[OmnibusTest],
     level: f64,
 ) -> Option<Unexplained> {
@@ -225,13 +319,29 @@ fn unexplained(
     if significant.is_empty() {
         return None;
     }
+    // Squares beyond what noise leaves in the columns of the clearest test.
+    let excess = families
+        .iter()
+        .filter(|family| {
+            significant
+                .iter()
+                .any(|t| t.varies_with == family.varies_with)
+        })
+        .map(|family| {
+            let with = after.extended(&family.columns);
+            let variance = with.squares() / with.degrees_of_freedom.max(1.0);
+            let columns = after.degrees_of_freedom - with.degrees_of_freedom;
+            after.squares() - with.squares() - columns * variance
+        })
+        .fold(0.0, f64::max);
     let varies_with: Vec<&'static str> = significant.iter().map(|t| t.varies_with).collect();
     let period = significant.iter().find_map(|t| t.detail.as_deref());
     let period = period.map_or_else(String::new, |p| format!(", with a period near {p}"));
     Some(Unexplained {
         level: Level::Verification,
         data: String::new(),
-        rms_um: (rms_um.powi(2) - problem.sigma_um.powi(2)).max(0.0).sqrt(),
+        rms_um: problem.sigma_um * (excess.max(0.0) / problem.readings() as f64).sqrt(),
+        share: 0.0,
         note: format!("it varies with {}{period}", varies_with.join(" and ")),
         varies_with,
     })

@@ -25,6 +25,8 @@ mod encoder_eccentricity;
 mod encoder_ellipticity;
 mod fixture_expansion;
 mod guideway_bow;
+mod instrument_drift;
+mod instrument_jump;
 mod length_scale;
 mod machine_drift;
 mod machine_shift;
@@ -47,6 +49,8 @@ mod worm_gear;
 
 use crate::Effect;
 
+pub(crate) use backlash::OVER_COMPENSATED;
+
 /// Every effect, layer after layer: instrument, set-up, machine.
 pub fn catalogue() -> &'static [&'static Effect] {
     &[
@@ -57,6 +61,8 @@ pub fn catalogue() -> &'static [&'static Effect] {
         &timestamp_offset::EFFECT,
         &length_scale::EFFECT,
         &dead_path_offset::EFFECT,
+        &instrument_drift::EFFECT,
+        &instrument_jump::EFFECT,
         &station_drift::EFFECT,
         &station_settling::EFFECT,
         &station_jump::EFFECT,

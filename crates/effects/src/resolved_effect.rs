@@ -1,7 +1,8 @@
 //! One effect with its values in a scene, ready to displace readings.
 
+use crate::catalogue::OVER_COMPENSATED;
 use crate::shape::{shape_parameter, to_file};
-use crate::{Circumstances, Displaced, Effect, Parameter, Scene, Subject};
+use crate::{Circumstances, Displaced, Effect, Explanation, Parameter, Scene, Subject};
 use crate::{GivenEffect, GivenParameter, GivenSubject};
 
 /// An effect with its values; names are indices of the scene in which it was resolved.
@@ -22,6 +23,16 @@ impl ResolvedEffect {
     pub fn displaced(&self, at: &Circumstances<'_>) -> Displaced {
         self.effect
             .displacement(&self.subject, &self.parameters, self.shape, at)
+    }
+
+    /// What to tell a calibration engineer about an effect of these values: lost motion below zero is
+    /// over-compensation, and no wear.
+    pub fn explanation(&self) -> Explanation {
+        let is_lost_motion = ["backlash", "position_dependent_backlash"].contains(&self.effect.id);
+        match self.parameters.first() {
+            Some(value) if is_lost_motion && *value < 0.0 => OVER_COMPENSATED,
+            _ => self.effect.explanation,
+        }
     }
 
     /// The effect by names: the linear parameters in the order of the catalogue, then the shape.

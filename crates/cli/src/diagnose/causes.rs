@@ -22,7 +22,7 @@ pub(crate) fn of_misfit(
     with_changes: bool,
     scene: &Scene,
 ) -> Vec<String> {
-    let explanation = cause.effect.effect.explanation;
+    let explanation = cause.effect.explanation();
     let several = rank.is_some();
     let rank = rank.map(|rank| format!(" {rank}")).unwrap_or_default();
     let name = in_words::effect(&cause.effect, scene);
@@ -31,9 +31,13 @@ pub(crate) fn of_misfit(
     } else {
         ", or another"
     };
-    let mut lines = vec![format!("cause{rank}: {name}{or_another}")];
+    let mut lines = vec![format!("cause{rank} in {}: {name}{or_another}", cause.data)];
     lines.extend(labelled("what", explanation.cause));
-    lines.extend(labelled("size", &in_words::parameters(&cause.parameters)));
+    let mut size = in_words::parameters(&cause.parameters);
+    if let Some(share) = cause.share {
+        size += &format!("; {} of the misfit, in squares", in_words::percent(share));
+    }
+    lines.extend(labelled("size", &size));
     if let Some(follows) = cause.follows(scene) {
         let where_it_is = if follows.is_plausible {
             "in"
@@ -83,7 +87,7 @@ fn rivals(cause: &Cause, scene: &Scene) -> String {
 
 /// The largest changes, and the consequence of leaving the cause in.
 fn changes(cause: &Cause, with_changes: bool, several: bool) -> String {
-    let consequence = cause.effect.effect.explanation.consequence;
+    let consequence = cause.effect.explanation().consequence;
     let mut changes: Vec<&Change> = cause.changes.iter().collect();
     if with_changes && !changes.is_empty() && changes.iter().all(|c| size_um(c) < WORTH_A_WORD_UM) {
         return format!(
@@ -124,7 +128,13 @@ fn size_um(change: &Change) -> f64 {
 /// What was gained on unused data.
 pub(crate) fn gained(level: &LevelReport) -> Vec<String> {
     let Some(gain) = &level.gain else {
-        let text = "not measured: too few repeats to leave some out";
+        let between_runs = level.tests.iter().all(|test| test.varies_with == "run");
+        let text = match between_runs {
+            true => {
+                "not measured: the runs are compared with each other, none was left out to be predicted"
+            }
+            false => "not measured: too few repeats to leave some out",
+        };
         return labelled("gained", text);
     };
     let [low, high] = gain.interval;
@@ -184,8 +194,12 @@ pub(crate) fn of_curve(cause: &Cause, scene: &Scene) -> String {
         true => String::new(),
         false => format!(" (or {})", rivals.join(" or ")),
     };
+    let data = match cause.data.as_str() {
+        "error curves" => String::new(),
+        data => format!("{data}: "),
+    };
     format!(
-        "  {}{or}: {}{share}",
+        "  {data}{}{or}: {}{share}",
         in_words::effect(&cause.effect, scene),
         in_words::parameters(&amplitudes(&cause.parameters))
     )

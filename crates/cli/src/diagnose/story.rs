@@ -1,10 +1,10 @@
 //! A diagnosis in a dozen lines.
 
-use trueaxis_diagnose::{Cause, Diagnosis, LevelReport, Place, Verdict};
+use trueaxis_diagnose::{Cause, Diagnosis, LevelReport, Place, Unexplained, Verdict};
 use trueaxis_effects::Level;
 
-use crate::diagnose::causes;
 use crate::diagnose::layout::labelled;
+use crate::diagnose::{causes, in_words};
 
 /// A group whose misfit is so much larger than that of all is worth its name.
 const STANDS_OUT: f64 = 1.15;
@@ -16,7 +16,7 @@ const MOST_PLACES: usize = 2;
 pub(crate) fn lines(diagnosis: &Diagnosis) -> Vec<String> {
     let mut lines = vec![format!("{}: {}", diagnosis.campaign, verdict(diagnosis))];
     for level in &diagnosis.levels {
-        lines.extend(off(level, diagnosis));
+        lines.extend(off(level));
     }
     let of_level = |level: Level| {
         let causes = diagnosis.causes.iter();
@@ -42,16 +42,8 @@ pub(crate) fn lines(diagnosis: &Diagnosis) -> Vec<String> {
                 .flat_map(causes::gained),
         );
     }
-    if let Some(unexplained) = &diagnosis.unexplained {
-        lines.push(String::new());
-        lines.push(format!(
-            "unexplained in {}: {:.2} µm rms",
-            unexplained.data, unexplained.rms_um
-        ));
-        lines.extend(labelled("what", &unexplained.note));
-        let to_do = "no known effect explains it: look for what changes like this (air conditioning, \
-                     neighbours, the tripod's floor) before the calibration is used";
-        lines.extend(labelled("to do", to_do));
+    for level in &diagnosis.levels {
+        lines.extend(level.unexplained.iter().flat_map(left));
     }
     if of_level(Level::Components).next().is_some() {
         lines.push(String::new());
@@ -63,25 +55,53 @@ pub(crate) fn lines(diagnosis: &Diagnosis) -> Vec<String> {
     lines
 }
 
+/// What no cause explains.
+fn left(unexplained: &Unexplained) -> Vec<String> {
+    let mut lines = vec![
+        String::new(),
+        format!(
+            "unexplained in {}: {:.2} µm rms, {} of the misfit in squares",
+            unexplained.data,
+            unexplained.rms_um,
+            in_words::percent(unexplained.share)
+        ),
+    ];
+    lines.extend(labelled("what", &unexplained.note));
+    let has = |what: &str| unexplained.varies_with.contains(&what);
+    // What goes with time is looked for around the machine, what goes with the side or the place in it.
+    let to_do = if has("time") || has("cycle") || unexplained.varies_with.is_empty() {
+        "look for what changes like this (air conditioning, neighbours, the instrument's mount, the floor) \
+         before the calibration is used"
+    } else if has("direction") {
+        "look at the drive of the axis and at how the control stops: what differs between the sides of \
+         approach is in neither the air nor the floor"
+    } else {
+        "look at what the axis passes on its way (guideway, screw, cable chain), and at how targets and \
+         machine are clamped"
+    };
+    lines.extend(labelled("to do", to_do));
+    lines
+}
+
 fn verdict(diagnosis: &Diagnosis) -> String {
     let count = diagnosis
         .causes
         .iter()
         .filter(|cause| cause.level != Level::Components)
         .count();
+    let more = match diagnosis.levels.iter().any(|l| l.unexplained.is_some()) {
+        true => ", and something more",
+        false => "",
+    };
     match diagnosis.verdict {
-        Verdict::Clean if diagnosis.levels.is_empty() => "nothing was judged".to_owned(),
-        Verdict::Unknown if count > 0 => {
-            format!("the data contradict the model, for {count} cause(s) and something unknown")
-        }
+        Verdict::NotJudged => "nothing was judged".to_owned(),
         Verdict::Clean => "clean, nothing contradicts the model".to_owned(),
-        Verdict::Named | Verdict::Ambiguous if diagnosis.unexplained.is_some() => {
-            format!("the data contradict the model, for {count} cause(s) and something more")
+        Verdict::Named if count > 1 => {
+            format!("the data contradict the model, for {count} causes{more}")
         }
-        Verdict::Named if count > 1 => format!("the data contradict the model, for {count} causes"),
-        Verdict::Named => "the data contradict the model, and the cause is clear".to_owned(),
+        Verdict::Named => format!("the data contradict the model, and the cause is clear{more}"),
         Verdict::Ambiguous => {
-            "the data contradict the model, and several causes are possible".to_owned()
+            format!("the data contradict the model, and several causes are possible{more}")
         }
         Verdict::Unknown => {
             "the data contradict the model, and no known cause explains it".to_owned()
@@ -90,9 +110,9 @@ fn verdict(diagnosis: &Diagnosis) -> String {
 }
 
 /// How far the prediction is off, and where.
-fn off(level: &LevelReport, diagnosis: &Diagnosis) -> Vec<String> {
+fn off(level: &LevelReport) -> Vec<String> {
     // What is not explained may be in the scatter of the repeats, too.
-    let floor = match diagnosis.unexplained {
+    let floor = match level.unexplained {
         None => "noise alone is",
         Some(_) => "repeats scatter by",
     };
@@ -100,7 +120,7 @@ fn off(level: &LevelReport, diagnosis: &Diagnosis) -> Vec<String> {
         "predicted to {:.2} µm rms, {floor} {:.2} µm",
         level.before.rms_um, level.noise_floor_um
     );
-    if diagnosis.verdict != Verdict::Clean {
+    if level.unexplained.is_some() || !level.shares.causes.is_empty() {
         if level.after.rms_um < level.before.rms_um {
             text += &format!("; with the causes {:.2} µm", level.after.rms_um);
         }

@@ -37,7 +37,7 @@ pub(crate) struct CurveSet {
 
 /// Steps below which a curve says nothing about the rest of itself: the base and an effect with a
 /// period take up to five.
-const FEWEST_STEPS: usize = 8;
+pub(crate) const FEWEST_STEPS: usize = 8;
 
 /// Steps above which only every so-manieth is used: the cost grows with their square, and the rest of a
 /// curve is as smooth as its background.
@@ -116,6 +116,29 @@ impl CurveSet {
         };
         set.base = set.gauge();
         set
+    }
+
+    /// One curve that was read as a positioning line, µm or arcsec at positions in mm or rad, its values independent.
+    pub(crate) fn of_line(
+        axis: usize,
+        content: &Axis,
+        component: Component,
+        positions: Vec<f64>,
+        values: Vec<f64>,
+        variances: Vec<f64>,
+    ) -> Self {
+        let stride = positions.len().div_ceil(MOST_STEPS);
+        let mut set = Self {
+            axis,
+            content: content.clone(),
+            components: vec![component],
+            nodes: positions.into_iter().map(|q| (q, 1.0)).collect(),
+            values,
+            covariance: DMatrix::from_diagonal(&variances.into()),
+            base: Vec::new(),
+        };
+        set.base = set.gauge();
+        set.thinned(stride)
     }
 
     /// Every `stride`-th step of each curve.

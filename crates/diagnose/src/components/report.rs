@@ -55,6 +55,7 @@ pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
             .collect(),
         rivals: found.rivals.clone(),
         changes: Vec::new(),
+        share: None,
         share_of_curve: Some(share),
     }
 }

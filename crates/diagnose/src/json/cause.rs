@@ -14,11 +14,12 @@ pub(super) struct CauseFile<'a> {
     effect: &'static str,
     layer: &'static str,
     level: &'static str,
-    data: &'a str,
+    data: [&'a str; 1],
     subject: GivenSubject,
     p_value: f64,
     delta_bic: f64,
     explained_rms_um: f64,
+    share: Option<f64>,
     heldout_gain: Option<f64>,
     parameters: Vec<GivenParameter>,
     /// Of the linear parameters, rows in their order.
@@ -66,7 +67,7 @@ impl Serialize for ChangeFile<'_> {
 
 impl<'a> CauseFile<'a> {
     pub(super) fn new(rank: usize, cause: &'a Cause, scene: &Scene) -> Self {
-        let explanation = cause.effect.effect.explanation;
+        let explanation = cause.effect.explanation();
         let rivals = cause.rivals.iter().map(|rival| {
             let given = rival.effect.to_given(scene);
             RivalFile {
@@ -82,11 +83,12 @@ impl<'a> CauseFile<'a> {
             effect: cause.effect.effect.id,
             layer: cause.layer().name(),
             level: cause.level.name(),
-            data: &cause.data,
+            data: [&cause.data],
             subject: cause.effect.to_given(scene).subject,
             p_value: significant(cause.p_value),
             delta_bic: round(cause.delta_bic, 2),
             explained_rms_um: um(cause.explained_rms_um),
+            share: cause.share.map(|share| round(share, 4)),
             heldout_gain: cause.heldout_gain.map(|gain| round(gain, 4)),
             parameters: cause.parameters.iter().map(estimated).collect(),
             covariance: rows(&cause.covariance, cause.effect.parameters.len()),

@@ -17,7 +17,7 @@ use crate::lengths::omnibus::{OMNIBUS_LEVEL, Omnibus, omnibus};
 use crate::lengths::places::places;
 use crate::lengths::unexplained::unexplained_part;
 use crate::selection::Null;
-use crate::{Cause, Error, Gain, LevelReport, Misfit, NotObservable, Rival, Unexplained, Verdict};
+use crate::{Cause, Error, Gain, LevelReport, Misfit, NotObservable, Rival, Shares, Unexplained};
 
 /// Causes that explain so much of the structure are named even if their shape is not quite that of the
 /// catalogue (a drift with a bend, a jump that took ten seconds).
@@ -25,7 +25,6 @@ const NEARLY_ALL: f64 = 0.9;
 
 /// The diagnosis of the lengths.
 pub(crate) struct LengthsOutcome {
-    pub(crate) verdict: Verdict,
     pub(crate) report: LevelReport,
     pub(crate) causes: Vec<Cause>,
     pub(crate) unexplained: Option<Unexplained>,
@@ -106,12 +105,12 @@ pub(crate) fn diagnose_lengths(
             leave_one_station_out: stations_out.map(HeldOut::ratio),
         }
     });
-    let verdict = match (&unexplained, found.is_empty()) {
-        (None, true) => Verdict::Clean,
-        (Some(_), true) => Verdict::Unknown,
-        _ if found.iter().any(|f| !f.rivals.is_empty()) => Verdict::Ambiguous,
-        _ => Verdict::Named,
-    };
+    let columns: Vec<Vec<Vec<f64>>> = current
+        .suspects
+        .iter()
+        .map(|suspect| base.columns(&sharp, &suspect.hypothesis, suspect.shape))
+        .collect();
+    let shares = Shares::new(&sharp.projection, &columns, unexplained.is_some());
     let scale = |adjusted: &Adjusted| {
         (base.readings.len() as f64 / adjusted.projection.degrees_of_freedom).sqrt()
     };
@@ -128,6 +127,8 @@ pub(crate) fn diagnose_lengths(
             heldout_rms_um: heldout.map(|h| h.after * length_um),
         },
         gain,
+        shares,
+        unexplained: None,
         tests: before.into_iter().map(|t| t.test).collect(),
         tests_after: after.into_iter().map(|t| t.test).collect(),
         places: places(
@@ -141,7 +142,6 @@ pub(crate) fn diagnose_lengths(
     let notices = notices(&base);
     let causes = causes(&base, found, &current, gain);
     Ok(LengthsOutcome {
-        verdict,
         report,
         causes,
         unexplained,
@@ -330,6 +330,7 @@ fn causes(
                     })
                     .collect(),
                 changes: Vec::new(),
+                share: None,
                 share_of_curve: None,
                 effect: Base::resolved(&found.suspect),
             }

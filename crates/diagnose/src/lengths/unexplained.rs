@@ -43,6 +43,7 @@ pub(crate) fn unexplained_part(
         level: Level::Lengths,
         data: String::new(),
         rms_um: rms_um * (excess / dof).sqrt().min(1.0),
+        share: 0.0,
         varies_with,
         note,
     }

@@ -4,8 +4,10 @@
 //! leaves again. Readings that follow each other at the same positions are therefore one arrival, with
 //! their mean; arrivals are independent. An arrival with several readings is a standstill.
 //!
-//! The side that an axis comes from is that of the pass where it moves alone, else the sign of
-//! `q_next - q_last` within the pass (the readings of one cycle in one direction). Speeds come from the
+//! The side that the measured axis of a line comes from is the `direction` of the table, in whatever order its
+//! rows stand: sweep by sweep, or stop by stop from below and from above (step cycle of ISO 230-2). Other axes
+//! come from the side of the pass (the readings of one cycle in one direction) where they move alone in it,
+//! else from the sign of `q_next - q_last` within it. Speeds come from the
 //! table: `(q_next - q_last) / (t_next - t_last)` within the pass, zero at a standstill and where the table has no times. A table with one
 //! timed reading at each position does not say whether the machine stopped there; it is taken as read on
 //! the fly, so that an offset of the time stamps stays among the possible causes.
@@ -37,9 +39,14 @@ pub(crate) struct Arrival {
     pub(crate) speeds_per_s: Vec<f64>,
 }
 
-/// The arrivals of a table in the order of its rows.
-pub(crate) fn arrivals(readings: &[VerificationReading]) -> Vec<Arrival> {
-    let timed = readings.iter().all(|reading| reading.time_s.is_some());
+/// Whether a table has a clock; otherwise the numbers of its rows stand for it.
+pub(crate) fn are_timed(readings: &[VerificationReading]) -> bool {
+    readings.iter().all(|reading| reading.time_s.is_some())
+}
+
+/// The arrivals of a table in the order of its rows. `measured` is the axis of a line.
+pub(crate) fn arrivals(readings: &[VerificationReading], measured: Option<usize>) -> Vec<Arrival> {
+    let timed = are_timed(readings);
     let mut all: Vec<Arrival> = Vec::new();
     for (row, reading) in readings.iter().enumerate() {
         let time_s = reading.time_s.filter(|_| timed).unwrap_or(row as f64);
@@ -72,6 +79,11 @@ pub(crate) fn arrivals(readings: &[VerificationReading]) -> Vec<Arrival> {
     }
     set_progress(&mut all);
     set_motion(&mut all, timed);
+    for arrival in &mut all {
+        if let Some(axis) = measured {
+            arrival.sides[axis] = arrival.direction;
+        }
+    }
     all
 }
 

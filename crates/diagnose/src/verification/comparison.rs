@@ -5,7 +5,7 @@ use trueaxis_campaign::{Verification, VerificationKind};
 use trueaxis_effects::{Circumstances, Effect, Subject};
 use trueaxis_kinematics::{GeometricErrors, MICROMETRE, Machine};
 
-use crate::verification::arrivals::{Arrival, arrivals, is_same};
+use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same};
 
 /// One verification against a prediction.
 #[derive(Debug, Clone)]
@@ -20,8 +20,12 @@ pub(crate) struct Comparison<'a> {
     pub(crate) difference_um: Vec<f64>,
     /// Where the measured point is and in which direction its displacement counts.
     pub(crate) points: Vec<MeasuredPoint>,
+    /// Whether times are those of a clock, s; otherwise they count readings.
+    pub(crate) timed: bool,
     /// Axes that have more than one position in the readings.
     pub(crate) moving: Vec<usize>,
+    /// Axes that stand elsewhere than they did when the measured axis was calibrated.
+    pub(crate) parked_elsewhere: Vec<usize>,
 }
 
 impl<'a> Comparison<'a> {
@@ -32,7 +36,11 @@ impl<'a> Comparison<'a> {
         errors: &impl GeometricErrors,
     ) -> Self {
         let kind = &verification.kind;
-        let arrivals = arrivals(&verification.readings);
+        let measured = match *kind {
+            VerificationKind::Positioning { axis, .. } => Some(axis),
+            VerificationKind::Ballbar { .. } => None,
+        };
+        let arrivals = arrivals(&verification.readings, measured);
         let points = arrivals
             .iter()
             .map(|a| MeasuredPoint::new(machine, kind, &a.positions));
@@ -49,6 +57,8 @@ impl<'a> Comparison<'a> {
             difference_um: difference.collect(),
             points: points.collect(),
             moving: moving.collect(),
+            parked_elsewhere: Vec::new(),
+            timed: are_timed(&verification.readings),
             arrivals,
         }
     }

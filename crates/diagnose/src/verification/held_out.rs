@@ -207,7 +207,7 @@ pub(crate) fn gain(
             heldout_rms_ratio: (after / before).sqrt(),
             interval: [quantile(25)?, quantile(975)?],
             share_of_excess_removed: if excess > 0.0 {
-                (before - after) / excess
+                ((before - after) / excess).clamp(0.0, 1.0)
             } else {
                 0.0
             },

@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use trueaxis_campaign::VerificationKind;
-use trueaxis_effects::{Level, Scene, Shape, Subject, catalogue};
+use trueaxis_effects::{Level, Parameter, Scene, Shape, Subject, catalogue};
 use trueaxis_kinematics::{AxisKind, Component};
 
-use crate::selection::Hypothesis;
+use crate::selection::{Fit, Hypothesis, Projection};
 use crate::verification::comparison::Comparison;
 
 /// An effect on a subject with the columns of all its shapes.
@@ -16,9 +16,27 @@ pub(crate) struct Candidate {
     /// Its shapes.
     pub(crate) shapes: Vec<f64>,
     columns: Vec<Vec<Vec<f64>>>,
+    parameters: Vec<Parameter>,
 }
 
 impl Candidate {
+    /// Whether the data allow it a size that is physical: each value in its plausible range, three standard
+    /// uncertainties considered.
+    pub(crate) fn is_possible(&self, model: &Projection, shape: f64) -> bool {
+        if self.parameters.iter().all(|p| p.plausible.is_none()) {
+            return true;
+        }
+        let fit = Fit::new(model, self.columns(shape));
+        let variance = model.squares() / model.degrees_of_freedom.max(1.0);
+        let count = self.parameters.len();
+        self.parameters.iter().enumerate().all(|(k, parameter)| {
+            let u = 3.0 * (fit.covariance[k * count + k].max(0.0) * variance).sqrt();
+            parameter.plausible.is_none_or(|[low, high]| {
+                fit.estimates[k] - u <= high && fit.estimates[k] + u >= low
+            })
+        })
+    }
+
     /// The whitened columns at the nearest shape.
     pub(crate) fn columns(&self, shape: f64) -> &[Vec<f64>] {
         let distance = |k: &usize| (self.shapes[*k] - shape).abs();
@@ -29,6 +47,9 @@ impl Candidate {
 
 /// Time constants that are tried, in equal ratios.
 const TIME_CONSTANTS: i32 = 16;
+
+/// Readings within a time constant: fewer do not tell it from a slip.
+const LEAST_READINGS: f64 = 3.0;
 
 /// Instants that are tried at most.
 const INSTANTS: usize = 100;
@@ -58,10 +79,19 @@ pub(crate) fn candidates(
         if !effect.levels.contains(&Level::Verification) {
             continue;
         }
-        let subjects = effect.subjects(&scene).into_iter();
+        // An axis that stands, but elsewhere than in the calibration, is coupled as one that moves.
+        let beside = Scene {
+            moving: with(&scene.moving, &comparison.parked_elsewhere),
+            ..scene.clone()
+        };
+        let subjects = match effect.id {
+            "cross_coupling" => effect.subjects(&beside).into_iter(),
+            _ => effect.subjects(&scene).into_iter(),
+        };
         let subjects: Vec<Subject> = subjects.filter(|s| is_seen(comparison, s)).collect();
         for &subject in &subjects {
-            let parameters = effect.parameters(&scene, &subject).len();
+            let linear = effect.parameters(&scene, &subject);
+            let parameters = linear.len();
             let shapes = shapes(comparison, effect.shape, &subject);
             let columns = |&shape: &f64| {
                 let column = |k| whiten(comparison.column(effect, &subject, k, shape));
@@ -75,9 +105,18 @@ pub(crate) fn candidates(
                 },
                 columns: shapes.iter().map(columns).collect(),
                 shapes,
+                parameters: linear,
             });
         }
     }
+    all
+}
+
+/// Both in rising order.
+fn with(moving: &[usize], parked: &[usize]) -> Vec<usize> {
+    let mut all = [moving, parked].concat();
+    all.sort_unstable();
+    all.dedup();
     all
 }
 
@@ -111,8 +150,12 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
         Shape::TimeConstant | Shape::SettlingTime => {
             let arrivals = &comparison.arrivals;
             let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);
-            // From a time constant that is over within the first readings to one that looks linear.
-            let (shortest, longest) = (0.02 * duration, 3.0 * duration);
+            // From a time constant that a few readings resolve to one that looks linear.
+            let between = duration / arrivals.len().max(2) as f64;
+            let (shortest, longest) = (
+                (0.02 * duration).max(LEAST_READINGS * between),
+                3.0 * duration,
+            );
             let ratio = (longest / shortest).powf(1.0 / f64::from(TIME_CONSTANTS - 1));
             let constants = (0..TIME_CONSTANTS).map(|k| shortest * ratio.powi(k));
             constants.filter(|t| *t > 0.0).collect()

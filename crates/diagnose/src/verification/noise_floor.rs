@@ -14,7 +14,7 @@
 use trueaxis_campaign::VerificationKind;
 
 use crate::selection::Projection;
-use crate::verification::base::{set_up, stands};
+use crate::verification::base::{indicators, set_up, stands};
 use crate::verification::comparison::Comparison;
 
 /// A standard deviation from fewer degrees of freedom is uncertain by more than a quarter.
@@ -26,7 +26,7 @@ pub(crate) fn noise_floor_um(comparison: &Comparison<'_>) -> Option<f64> {
     let count = cells.iter().max().map_or(0, |max| max + 1);
     let mut readings = comparison.difference_um.clone();
     centre(&mut readings, &cells, count);
-    let mut columns = pass_columns(comparison);
+    let mut columns = pass_columns(comparison, true);
     for column in &mut columns {
         centre(column, &cells, count);
     }
@@ -35,6 +35,15 @@ pub(crate) fn noise_floor_um(comparison: &Comparison<'_>) -> Option<f64> {
     let squares = left.squares();
     (degrees_of_freedom >= LEAST_DEGREES_OF_FREEDOM && squares > 0.0)
         .then(|| (squares / degrees_of_freedom).sqrt())
+}
+
+/// What repeats do not repeat beyond an offset of each pass, with the model's projection; `None` without enough
+/// repeats. A slope of each pass would make all readings of a pass of three stops look alike.
+pub(crate) fn scatter(comparison: &Comparison<'_>) -> Option<Projection> {
+    let mut columns = indicators(&cells(comparison));
+    columns.extend(pass_columns(comparison, false));
+    let left = Projection::dense(comparison.difference_um.clone(), &columns);
+    (left.degrees_of_freedom >= LEAST_DEGREES_OF_FREEDOM && left.squares() > 0.0).then_some(left)
 }
 
 /// For each reading the number of its positions and direction.
@@ -56,13 +65,17 @@ fn cells(comparison: &Comparison<'_>) -> Vec<usize> {
     cells
 }
 
-/// An offset and a slope, or a set-up, for each pass.
-fn pass_columns(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
+/// An offset (and a slope), or a set-up, for each pass.
+fn pass_columns(comparison: &Comparison<'_>, with_slope: bool) -> Vec<Vec<f64>> {
     let measured = comparison.axis();
     let shapes: Vec<Vec<f64>> = match comparison.kind {
         VerificationKind::Positioning { .. } => {
             let at = comparison.arrivals.iter().map(|a| a.positions[measured]);
-            vec![vec![1.0; comparison.arrivals.len()], at.collect()]
+            let constant = vec![1.0; comparison.arrivals.len()];
+            match with_slope {
+                true => vec![constant, at.collect()],
+                false => vec![constant],
+            }
         }
         VerificationKind::Ballbar { .. } => set_up(comparison),
     };

@@ -171,7 +171,11 @@ fn period(problem: &Problem<'_>, model: &Projection) -> Option<String> {
     let best = (1..=WAVES)
         .map(|k| (k, drop(k)))
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some(format!("{:.0} s", duration / best.0 as f64))
+    let unit = match problem.comparison.timed {
+        true => "s",
+        false => "readings",
+    };
+    Some(format!("{:.0} {unit}", duration / best.0 as f64))
 }
 
 fn times(a: &[f64], b: &[f64]) -> Vec<f64> {

@@ -52,7 +52,11 @@ pub(crate) fn causes(
                 unit: parameter.unit,
             })
             .collect();
-        if let Some((parameter, size)) = shape_parameter(effect.shape, scene, &subject) {
+        let time_unit = match problem.comparison.timed {
+            true => "s",
+            false => "readings",
+        };
+        if let Some((parameter, size)) = shape_parameter(effect.shape, scene, &subject, time_unit) {
             parameters.push(EstimatedParameter {
                 name: parameter.name,
                 value: cause.shape / size,
@@ -80,6 +84,7 @@ pub(crate) fn causes(
             covariance: own.transpose().iter().copied().collect(),
             rivals: rivals(problem, chosen, k, &judged, &fit),
             changes: Vec::new(),
+            share: None,
             share_of_curve: None,
         });
     }
@@ -111,7 +116,12 @@ fn rivals(
         let other = Fit::new(model, columns);
         let holds_cause = score.rank > judged.score.rank
             && contains(model, &model.extended(columns), &cause_columns);
-        let is_close = if holds_cause {
+        let is_held = score.rank < judged.score.rank
+            && contains(model, &model.extended(&cause_columns), columns);
+        let is_close = if is_held {
+            // The larger form was taken because it is decided that there is more.
+            ln_more(model, score, &judged.score) > UNDECIDED.ln()
+        } else if holds_cause {
             ln_more(model, &judged.score, score) < UNDECIDED.ln()
         } else {
             is_rival(&judged.score, score, cosine(fit, &other))
@@ -132,15 +142,22 @@ fn rivals(
 }
 
 /// The shape as a parameter, and one unit of it in mm, rad or s.
-fn shape_parameter(shape: Shape, scene: &Scene, subject: &Subject) -> Option<(Parameter, f64)> {
+///
+/// Without a clock times count readings.
+fn shape_parameter(
+    shape: Shape,
+    scene: &Scene,
+    subject: &Subject,
+    time_unit: &'static str,
+) -> Option<(Parameter, f64)> {
     let rotary = subject
         .axis
         .is_some_and(|axis| scene.machine.axes()[axis].kind() == AxisKind::Rotary);
     match shape {
         Shape::Fixed => None,
-        Shape::Instant => Some((Parameter::new("time", "s"), 1.0)),
+        Shape::Instant => Some((Parameter::new("time", time_unit), 1.0)),
         Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
-            Some((Parameter::new("time_constant", "s"), 1.0))
+            Some((Parameter::new("time_constant", time_unit), 1.0))
         }
         Shape::Period if rotary => Some((Parameter::new("period", "deg"), 1_f64.to_radians())),
         Shape::Period => Some((Parameter::new("period", "mm"), 1.0)),

@@ -17,17 +17,20 @@ pub(crate) const MOST_CAUSES: usize = 3;
 const CONTAINED: f64 = 1e-6;
 
 /// The causes of what the base model leaves, the strongest first.
-pub(crate) fn search(problem: &Problem<'_>, level: f64) -> Vec<Chosen> {
+pub(crate) fn search(problem: &Problem<'_>, excluded: &[usize], level: f64) -> Vec<Chosen> {
     let mut causes: Vec<Chosen> = Vec::new();
     // Each round adds a cause; one that another makes superfluous gives its place free once.
     for _ in 0..2 * MOST_CAUSES {
         if causes.len() == MOST_CAUSES {
             break;
         }
-        let Some(next) = best(problem, &causes, level) else {
+        let Some(next) = best(problem, &causes, excluded, level) else {
             break;
         };
         if causes.contains(&next) {
+            break;
+        }
+        if is_shape_of(problem, &causes, &next) {
             break;
         }
         causes.push(next);
@@ -38,6 +41,18 @@ pub(crate) fn search(problem: &Problem<'_>, level: f64) -> Vec<Chosen> {
         }
     }
     causes
+}
+
+/// A further cause that explains less than this part of what the others do may be no more than their shape, which
+/// is never quite that of the catalogue.
+const SHAPE_ERROR: f64 = 0.05;
+
+fn is_shape_of(problem: &Problem<'_>, causes: &[Chosen], next: &Chosen) -> bool {
+    let model = problem.with(causes);
+    let earlier = problem.base.squares() - model.squares();
+    let columns = problem.columns(std::slice::from_ref(next));
+    let more = model.squares() - model.extended(&columns).squares();
+    !causes.is_empty() && more < SHAPE_ERROR * earlier
 }
 
 /// Drops causes that are not significant beside the others.
@@ -73,7 +88,8 @@ pub(crate) fn judge(problem: &Problem<'_>, causes: &[Chosen], k: usize) -> Optio
     let (scans, numbers) = problem.scans(&model, &others);
     let scan = numbers.iter().position(|&n| n == causes[k].candidate)?;
     let null = Null::simulated(&model, &scans);
-    let scores = rank(&model, &scans);
+    let mut scores = rank(&model, &scans);
+    scores.retain(|score| problem.candidates[numbers[score.scan]].is_possible(&model, score.shape));
     let score = *scores.iter().find(|score| score.scan == scan)?;
     Some(Judged {
         score,
@@ -91,14 +107,23 @@ pub(crate) fn without(causes: &[Chosen], k: usize) -> Vec<Chosen> {
 }
 
 /// The next cause, if there is one.
-fn best(problem: &Problem<'_>, causes: &[Chosen], level: f64) -> Option<Chosen> {
+fn best(
+    problem: &Problem<'_>,
+    causes: &[Chosen],
+    excluded: &[usize],
+    level: f64,
+) -> Option<Chosen> {
     let model = problem.with(causes);
     let (scans, numbers) = problem.scans(&model, causes);
     if scans.is_empty() {
         return None;
     }
-    let scores = rank(&model, &scans);
-    let leader = simplest(&model, &scans, &scores, level)?;
+    let mut possible = rank(&model, &scans);
+    possible.retain(|score| {
+        let candidate = &problem.candidates[numbers[score.scan]];
+        !excluded.contains(&numbers[score.scan]) && candidate.is_possible(&model, score.shape)
+    });
+    let leader = simplest(&model, &scans, &possible, level)?;
     let null = Null::simulated(&model, &scans);
     (null.family_wise(leader.ln_p) < level).then(|| chosen(&numbers, leader))
 }

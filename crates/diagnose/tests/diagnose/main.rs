@@ -8,6 +8,7 @@ mod ball_bar;
 mod clean;
 mod counts;
 mod curves;
+mod faults;
 mod feeds;
 mod iso_run;
 mod lines;

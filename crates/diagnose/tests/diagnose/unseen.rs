@@ -23,7 +23,10 @@ fn unseen(found: &Diagnosis) -> Vec<&'static str> {
 
 #[test]
 fn the_mean_curve_hides_scale_and_cyclic_error() {
-    let found = found(line(|_| true));
+    // Five positions are too few to look into the curve itself.
+    let mut short = line(|_| true);
+    short.readings.retain(|reading| reading.positions[0] < 90.0);
+    let found = found(short);
     let unseen = unseen(&found);
     for effect in ["scale_error", "cyclic_error", "timestamp_offset"] {
         assert!(unseen.contains(&effect), "{effect} {unseen:?}");

@@ -4,12 +4,15 @@
 
 use crate::{Effect, Explanation, Form, Layer, Level, PPM, Parameter, Shape, Subject};
 
+/// Steel over 27 K, aluminium over 13 K: no scale or screw grows or shrinks more while it is measured.
+const MOST_PPM: [f64; 2] = [-300.0, 300.0];
+
 pub(super) const EFFECT: Effect = Effect {
     id: "axis_expansion",
     layer: Layer::Machine,
     levels: &[Level::Lengths, Level::Verification],
     subjects: Subject::each_linear_axis,
-    parameters: |_, _| vec![Parameter::new("expansion", "ppm")],
+    parameters: |_, _| vec![Parameter::new("expansion", "ppm").plausible(MOST_PPM)],
     shape: Shape::Fixed,
     form: Form::Axis(|of| PPM * of.at.progress * of.position()),
     explanation: Explanation {

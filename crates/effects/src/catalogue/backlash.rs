@@ -15,7 +15,8 @@ pub(super) const EFFECT: Effect = Effect {
     subjects: Subject::each_axis,
     parameters: |scene, subject| {
         let unit = scene.unit(subject, "um", "arcsec");
-        vec![Parameter::new("lost_motion", unit)]
+        let most = if unit == "um" { MOST_UM } else { MOST_ARCSEC };
+        vec![Parameter::new("lost_motion", unit).plausible(most)]
     },
     shape: Shape::Fixed,
     form: Form::Axis(|of| half_lost_motion(of, 1.0)),
@@ -25,6 +26,18 @@ pub(super) const EFFECT: Effect = Effect {
         action: "adjust the drive or the backlash compensation of the control; calibrate --by-direction keeps the sides apart",
         separate_by: "measure the axis from both sides at two feeds: lost motion stays, a time offset of the readings grows with the feed",
     },
+};
+
+/// More than a millimetre, or five degrees, is no play of a drive that is in use.
+const MOST_UM: [f64; 2] = [-1e3, 1e3];
+const MOST_ARCSEC: [f64; 2] = [-1.8e4, 1.8e4];
+
+/// Lost motion below zero: the axis goes further than it should after it has turned round.
+pub(crate) const OVER_COMPENSATED: Explanation = Explanation {
+    cause: "the axis goes too far after a reversal: the backlash compensation of the control is too large, or the control stops at the near edge of its window",
+    consequence: "the two sides of approach are two machines; their mean is neither",
+    action: "lower the backlash compensation by this amount and measure again; look for the in-position window of the control; no part is worn",
+    separate_by: "measure both sides with the backlash compensation switched off: what a compensation makes goes away, what the control's window makes stays",
 };
 
 /// What `part` units of lost motion, µm or arcsec, leave the axis away from its position, mm or rad.

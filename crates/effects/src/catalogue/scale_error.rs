@@ -7,12 +7,15 @@ use trueaxis_kinematics::MotionError;
 
 use crate::{Effect, Explanation, Form, Layer, Level, PPM, Parameter, Shape, Subject};
 
+/// A millimetre in a metre: a wrong pitch or factor, which nobody would call an error of the scale.
+const MOST_PPM: [f64; 2] = [-1000.0, 1000.0];
+
 pub(super) const EFFECT: Effect = Effect {
     id: "scale_error",
     layer: Layer::Machine,
     levels: &[Level::Components, Level::Verification],
     subjects: Subject::each_linear_axis,
-    parameters: |_, _| vec![Parameter::new("scale", "ppm")],
+    parameters: |_, _| vec![Parameter::new("scale", "ppm").plausible(MOST_PPM)],
     shape: Shape::Fixed,
     form: Form::Curve(|of| {
         let along = of.at.axis.direction().into_inner();

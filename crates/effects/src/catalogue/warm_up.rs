@@ -6,12 +6,18 @@ use trueaxis_kinematics::MICROMETRE;
 
 use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 
+/// A column of 2 m of steel grows by 0.5 mm over 23 K.
+const MOST_UM: [f64; 2] = [-500.0, 500.0];
+
 pub(super) const EFFECT: Effect = Effect {
     id: "warm_up",
     layer: Layer::Machine,
     levels: &[Level::Lengths, Level::Verification],
     subjects: Subject::all_alike,
-    parameters: |_, _| Parameter::vector("growth", "um"),
+    parameters: |_, _| {
+        let growth = Parameter::vector("growth", "um").into_iter();
+        growth.map(|g| g.plausible(MOST_UM)).collect()
+    },
     shape: Shape::TimeConstant,
     form: Form::Target(|of| {
         let part = 1.0 - (-of.at.elapsed_s / of.shape).exp();

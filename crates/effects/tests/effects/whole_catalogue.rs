@@ -8,7 +8,7 @@ use crate::scene::{every_effect, for_each_reading, scene};
 
 /// The ids of DESIGN section 6, and two more: time stamps that are late, and squareness beyond what a
 /// calibration says.
-const IDS: [&str; 32] = [
+const IDS: [&str; 34] = [
     "dead_path_drift",
     "dead_path_jump",
     "refraction_drift",
@@ -41,6 +41,8 @@ const IDS: [&str; 32] = [
     "dead_path_offset",
     "timestamp_offset",
     "squareness_error",
+    "instrument_drift",
+    "instrument_jump",
 ];
 
 #[test]

@@ -1,0 +1,89 @@
+//! What the mean curve of a positioning line consists of, where no calibration says what it should be.
+//!
+//! The curve contradicts nothing: it is the machine as far as anyone knows. But what repeats along it, or is in
+//! proportion to position, has a name, and is found as in the curves of a calibration: on a smooth background.
+
+use trueaxis_campaign::VerificationKind;
+use trueaxis_effects::Scene;
+use trueaxis_kinematics::{ARCSEC, AxisKind, Component, Ideal, MICROMETRE, Machine};
+
+use crate::Cause;
+use crate::components::curve_set::{CurveSet, FEWEST_STEPS};
+use crate::components::search::Search;
+use crate::verification::base::{lines, places};
+use crate::verification::comparison::Comparison;
+
+/// Standard deviation that stands for the noise of readings without repeats, µm: next to nothing, so that the rough
+/// rest of the curve takes its place.
+const NO_REPEATS_UM: f64 = 1e-3;
+
+/// Named parts of the mean curve; `None` where there is no curve to explain: a ball bar, several lines, few positions.
+pub(crate) fn diagnose_line_curve(
+    comparison: &Comparison<'_>,
+    noise_um: Option<f64>,
+    machine: &Machine,
+    name: &str,
+) -> Option<Vec<Cause>> {
+    let VerificationKind::Positioning { axis, .. } = *comparison.kind else {
+        return None;
+    };
+    if lines(comparison).iter().any(|line| *line > 0) {
+        return None;
+    }
+    let content = &machine.axes()[axis];
+    let principal = content.principal();
+    let component = match content.kind() {
+        AxisKind::Linear => Component::ALL[principal],
+        AxisKind::Rotary => Component::ALL[principal + 3],
+    };
+    let places = places(comparison);
+    let count = places.iter().max().map_or(0, |max| max + 1);
+    if count < FEWEST_STEPS {
+        return None;
+    }
+    let (mut nodes, mut values, mut variances) = (Vec::new(), Vec::new(), Vec::new());
+    for place in 0..count {
+        let own = || (0..places.len()).filter(|&row| places[row] == place);
+        let first = own().next()?;
+        // One unit of the curve in µm of the readings.
+        let unit_um = match content.kind() {
+            AxisKind::Linear => 1.0,
+            AxisKind::Rotary => {
+                let chain = machine.chain(axis);
+                let positions = &comparison.arrivals[first].positions;
+                let before = machine.chain_motion(&Ideal, &chain[..chain.len() - 1], positions);
+                let direction = before.rotation * content.direction().into_inner();
+                let from_axis = comparison.points[first].point_mm - before * content.reference_mm();
+                direction.cross(&from_axis).norm() * ARCSEC / MICROMETRE
+            }
+        };
+        let of_side = |sign: f64| {
+            let rows = own().filter(|&row| comparison.arrivals[row].direction * sign > 0.0);
+            let rows: Vec<f64> = rows.map(|row| comparison.difference_um[row]).collect();
+            (!rows.is_empty()).then(|| rows.iter().sum::<f64>() / rows.len() as f64)
+        };
+        // The mean of the two sides, so that lost motion has no part in it.
+        let sides: Vec<f64> = [1.0, -1.0].into_iter().filter_map(of_side).collect();
+        let readings = own().count() as f64;
+        let sigma = noise_um.unwrap_or(NO_REPEATS_UM) / unit_um;
+        nodes.push(comparison.arrivals[first].positions[axis]);
+        values.push(sides.iter().sum::<f64>() / sides.len() as f64 / unit_um);
+        variances.push(sigma * sigma / readings);
+    }
+    if values.iter().any(|value| !value.is_finite()) {
+        return None;
+    }
+    let scene = Scene {
+        machine: machine.clone(),
+        stations: Vec::new(),
+        targets: Vec::new(),
+        moving: vec![axis],
+        temperatures: Vec::new(),
+    };
+    let set = CurveSet::of_line(axis, content, component, nodes, values, variances);
+    let mut causes = Search::new(&scene, vec![set]).causes();
+    for cause in &mut causes {
+        cause.data = format!("mean curve of {name}");
+    }
+    Some(causes)
+}

@@ -1,0 +1,102 @@
+//! What parts of a misfit are, in squares, so that they add up to one.
+//!
+//! With `S₀` the squares of the base model, the drop of a cause is averaged over all orders in which the causes can
+//! enter (Shapley), so that it does not matter which was found first:
+//!
+//! ```text
+//! share of cause k = max(0, φ_k - columns of k)/S₀      noise = ν/S₀      unexplained = the rest
+//! ```
+//!
+//! `ν` are the degrees of freedom that are left. Where no test finds anything left, the rest is noise.
+
+use crate::selection::Projection;
+
+/// The parts of a misfit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shares {
+    /// Of each cause, in the order of the causes.
+    pub causes: Vec<f64>,
+    /// What no cause explains.
+    pub unexplained: f64,
+    /// What noise alone would leave.
+    pub noise: f64,
+}
+
+impl Shares {
+    /// Of whitened columns of causes in a base model; `is_left` if a test finds something beside them.
+    pub(crate) fn new(base: &Projection, causes: &[Vec<Vec<f64>>], is_left: bool) -> Self {
+        let subsets: Vec<(f64, f64)> = (0..1_usize << causes.len())
+            .map(|subset| {
+                let own = causes.iter().enumerate();
+                let own = own.filter(|(k, _)| subset >> k & 1 == 1);
+                let columns: Vec<Vec<f64>> = own.flat_map(|(_, c)| c.iter().cloned()).collect();
+                let model = base.extended(&columns);
+                (model.squares(), model.degrees_of_freedom)
+            })
+            .collect();
+        let all = subsets[0].0.max(f64::MIN_POSITIVE);
+        let after = subsets[subsets.len() - 1];
+        // What each explains beyond what its columns explain of noise.
+        let gained = |subset: usize, k: usize| {
+            let (without, with) = (subsets[subset], subsets[subset | 1 << k]);
+            (without.0 - with.0) - (without.1 - with.1)
+        };
+        let share = |k: usize| {
+            let count = causes.len();
+            let without = (0..subsets.len()).filter(|subset| subset >> k & 1 == 0);
+            let mean: f64 = without
+                .map(|subset| gained(subset, k) * order_weight(subset.count_ones(), count))
+                .sum();
+            (mean / all).max(0.0)
+        };
+        let mut causes: Vec<f64> = (0..causes.len()).map(share).collect();
+        let sum: f64 = causes.iter().sum();
+        if sum > 1.0 {
+            causes.iter_mut().for_each(|share| *share /= sum);
+        }
+        let rest = (1.0 - sum).max(0.0);
+        let noise = if is_left {
+            rest.min(after.1 / all)
+        } else {
+            rest
+        };
+        Self {
+            causes,
+            unexplained: rest - noise,
+            noise,
+        }
+    }
+}
+
+/// Part of all orders of `count` in which exactly a given set of `before` enters first: `s! (n - s - 1)!/n!`.
+fn order_weight(before: u32, count: usize) -> f64 {
+    let s = before as usize;
+    let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
+    factorial(s) * factorial(count - s - 1) / factorial(count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Orthogonal columns explain 9 and 4, less one each; two alike share what one explains.
+    #[test]
+    fn shares_add_up_and_do_not_depend_on_the_order() {
+        let unit = |k: usize| {
+            (0..6)
+                .map(|i| f64::from(u8::from(i == k)))
+                .collect::<Vec<_>>()
+        };
+        let base = Projection::dense(vec![3.0, 2.0, 1.0, 1.0, 1.0, 1.0], &[]);
+        let shares = Shares::new(&base, &[vec![unit(0)], vec![unit(1)]], true);
+        assert!((shares.causes[0] - 8.0 / 17.0).abs() < 1e-12, "{shares:?}");
+        assert!((shares.causes[1] - 3.0 / 17.0).abs() < 1e-12, "{shares:?}");
+        assert!((shares.noise - 4.0 / 17.0).abs() < 1e-12, "{shares:?}");
+        let sum = shares.causes.iter().sum::<f64>() + shares.unexplained + shares.noise;
+        assert!((sum - 1.0).abs() < 1e-12, "{shares:?}");
+        let twice = Shares::new(&base, &[vec![unit(0)], vec![unit(0)]], false);
+        assert!((twice.causes[0] - twice.causes[1]).abs() < 1e-12);
+        assert!((twice.causes[0] - 4.0 / 17.0).abs() < 1e-12, "{twice:?}");
+        assert!(twice.unexplained.abs() < 1e-12);
+    }
+}

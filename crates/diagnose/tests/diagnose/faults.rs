@@ -1,0 +1,268 @@
+//! Faults that real readings showed, each with a control made for it: formulas of this file, nothing of the diagnosis.
+
+use nalgebra::Point3;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use trueaxis_campaign::{Direction, Verification, VerificationKind, VerificationReading};
+use trueaxis_diagnose::{Cause, Diagnosis, Verdict};
+
+use crate::{found, generator};
+
+const STOPS_MM: [f64; 3] = [0.0, 200.0, 400.0];
+
+/// Cycle, whether from below, and stop of 30 readings; `by_stop` in the order of a step cycle.
+fn visits(by_stop: bool) -> Vec<(u32, bool, usize)> {
+    let mut visits = Vec::new();
+    if by_stop {
+        for stop in 0..3 {
+            for cycle in 1..=5 {
+                visits.extend([true, false].map(|below| (cycle, below, stop)));
+            }
+        }
+    } else {
+        for cycle in 1..=5 {
+            visits.extend((0..3).map(|stop| (cycle, true, stop)));
+            visits.extend((0..3).rev().map(|stop| (cycle, false, stop)));
+        }
+    }
+    visits
+}
+
+/// Readings `value(row, below, stop)` with a slope of 10 µm/m and normal noise.
+fn line(
+    by_stop: bool,
+    sigma_um: f64,
+    seed: u64,
+    value_um: impl Fn(usize, bool, usize) -> f64,
+) -> Verification {
+    let mut generator: ChaCha8Rng = generator(seed, 21);
+    let readings = visits(by_stop).into_iter().enumerate();
+    let readings = readings.map(|(row, (cycle, below, stop))| {
+        let noise: f64 = StandardNormal.sample(&mut generator);
+        VerificationReading {
+            time_s: None,
+            cycle,
+            direction: match below {
+                true => Direction::Forward,
+                false => Direction::Backward,
+            },
+            positions: vec![STOPS_MM[stop], 0.0, 0.0],
+            value_um: 0.01 * STOPS_MM[stop] + value_um(row, below, stop) + sigma_um * noise,
+            line: row + 2,
+        }
+    });
+    Verification {
+        name: "line".into(),
+        kind: VerificationKind::Positioning {
+            axis: 0,
+            target_mm: Point3::new(100.0, 300.0, 200.0),
+        },
+        u_um: None,
+        u_ppm: None,
+        readings: readings.collect(),
+    }
+}
+
+/// Half of `lost_um` short from below, as far too far from above.
+fn lost(lost_um: f64, below: bool) -> f64 {
+    if below { -0.5 * lost_um } else { 0.5 * lost_um }
+}
+
+fn is_lost_motion(cause: &Cause) -> bool {
+    ["backlash", "position_dependent_backlash"].contains(&cause.effect.effect.id)
+}
+
+/// 10 µm against 0.5 µm: 20 times the noise, so that a miss has no chance worth a number.
+#[test]
+fn a_step_cycle_shows_lost_motion_as_sweeps_do() {
+    for by_stop in [true, false] {
+        for seed in 0..4 {
+            let found = found(line(by_stop, 0.5, seed, |_, below, _| lost(10.0, below)));
+            let [cause] = found.causes.as_slice() else {
+                panic!("{:?}", found.causes);
+            };
+            assert_eq!(cause.effect.effect.id, "backlash");
+            // Whether it also changes along the axis may stay open: the same cause.
+            let rivals: Vec<&str> = cause.rivals.iter().map(|r| r.effect.effect.id).collect();
+            assert!(
+                rivals.iter().all(|r| *r == "position_dependent_backlash"),
+                "{rivals:?}"
+            );
+            assert_eq!(cause.data, "line");
+            let lost = &cause.parameters[0];
+            assert!((lost.value - 10.0).abs() < 4.0 * lost.u, "{lost:?}");
+        }
+    }
+}
+
+/// Lost motion that differs by 8 % between the stops, read to 0.05 µm: a remainder as clear as the cause, of which
+/// it is 0.6 %.
+#[test]
+fn a_remainder_takes_no_name_away() {
+    let uneven = [-0.4, 0.5, -0.1];
+    for seed in 0..4 {
+        let value = |_, below, stop: usize| lost(10.0 + 2.0 * uneven[stop], below);
+        let found = found(line(false, 0.05, seed, value));
+        let cause = &found.causes[0];
+        assert!(is_lost_motion(cause), "{:?}", found.causes);
+        assert!(matches!(found.verdict, Verdict::Named | Verdict::Ambiguous));
+        assert!(cause.share.unwrap() > 0.98, "{:?}", cause.share);
+        let left = found.unexplained.as_ref().unwrap();
+        // Half of 2 g, rms over the stops: 0.37 µm.
+        assert!((0.25..0.5).contains(&left.rms_um), "{left:?}");
+        assert_shares_add_up(&found);
+    }
+}
+
+fn assert_shares_add_up(found: &Diagnosis) {
+    for level in &found.levels {
+        let shares = &level.shares;
+        let parts = shares
+            .causes
+            .iter()
+            .chain([&shares.unexplained, &shares.noise]);
+        assert!(
+            parts.clone().all(|part| (0.0..=1.0).contains(part)),
+            "{shares:?}"
+        );
+        let sum: f64 = parts.sum();
+        assert!((sum - 1.0).abs() < 1e-9, "{shares:?}");
+    }
+}
+
+#[test]
+fn lost_motion_below_zero_is_over_compensation() {
+    let too_far = found(line(true, 0.5, 1, |_, below, _| lost(-6.0, below)));
+    let explanation = too_far.causes[0].effect.explanation();
+    assert!(explanation.cause.contains("too far"), "{explanation:?}");
+    let short = found(line(true, 0.5, 1, |_, below, _| lost(6.0, below)));
+    let explanation = short.causes[0].effect.explanation();
+    assert!(explanation.cause.contains("lost motion"), "{explanation:?}");
+}
+
+/// A slip of the pen of 300 µm among 2 µm, at each row once, in both orders.
+#[test]
+fn a_slip_of_the_pen_is_left_out_and_said() {
+    for by_stop in [true, false] {
+        for slip in (0..30).step_by(7) {
+            let value = |row: usize, _, _| if row == slip { 300.0 } else { 0.0 };
+            let found = found(line(by_stop, 2.0, slip as u64, value));
+            let rows: Vec<usize> = found.rejected.iter().map(|r| r.row).collect();
+            assert_eq!(rows, [slip + 2], "{:?}", found.rejected);
+            let error_um = found.rejected[0].error_um;
+            assert!((200.0..400.0).contains(&error_um), "{error_um}");
+            assert!(found.causes.is_empty(), "{:?}", found.causes);
+        }
+    }
+}
+
+/// At 1e-4 for each file more than one of 40 has a chance of 8e-6.
+#[test]
+fn readings_in_order_are_kept() {
+    let kept = (0..40).filter(|&seed| {
+        let found = found(line(seed % 2 == 0, 1.0, seed, |_, _, _| 0.0));
+        found.rejected.is_empty()
+    });
+    assert!(kept.count() >= 39);
+}
+
+/// The zero of the reading instrument wanders off evenly by 15 µm: nothing in one file tells it from a machine that
+/// drifts, so it must be among the names.
+#[test]
+fn the_instrument_is_a_suspect() {
+    for seed in 0..4 {
+        let found = found(line(false, 0.5, seed, |row, _, _| -0.5 * row as f64));
+        let names = found.causes.iter().flat_map(|cause| {
+            let rivals = cause.rivals.iter().map(|r| r.effect.effect.id);
+            rivals.chain([cause.effect.effect.id])
+        });
+        let names: Vec<&str> = names.collect();
+        assert!(names.contains(&"instrument_drift"), "{names:?}");
+        assert!(names.contains(&"machine_drift"), "{names:?}");
+        assert_eq!(found.verdict, Verdict::Ambiguous);
+        // Rows are no seconds.
+        let parameters = found.causes.iter().flat_map(|cause| &cause.parameters);
+        assert!(
+            parameters.clone().all(|p| p.unit != "s"),
+            "{:?}",
+            found.causes
+        );
+    }
+}
+
+/// A scale that would have to grow by 1 % within the readings is no expansion.
+#[test]
+fn impossible_sizes_are_not_named() {
+    let value = |row: usize, _, stop: usize| 1e-2 * STOPS_MM[stop] * row as f64 / 29.0 * 1e3;
+    let found = found(line(false, 0.5, 1, value));
+    let effects = found.causes.iter().map(|cause| cause.effect.effect.id);
+    let effects: Vec<&str> = effects.collect();
+    assert!(!effects.contains(&"axis_expansion"), "{effects:?}");
+}
+
+/// One pass in one direction contradicts nothing.
+#[test]
+fn nothing_judged_is_not_clean() {
+    let mut once = line(false, 0.5, 1, |_, _, _| 0.0);
+    once.readings.truncate(3);
+    let found = found(once);
+    assert_eq!(found.verdict, Verdict::NotJudged);
+    assert_eq!(found.verdict.name(), "not_judged");
+    assert!(!found.verdict.is_misfit());
+}
+
+/// Neighbours of noise alone keep their share of noise.
+#[test]
+fn shares_of_noise_add_up() {
+    let mut random: ChaCha8Rng = generator(3, 22);
+    let sigma_um = 0.2 + random.random::<f64>();
+    assert_shares_add_up(&found(line(true, sigma_um, 5, |_, _, _| 0.0)));
+}
+
+/// A wave of 4 µm with a pitch of 50 mm on a curve that bends by 10 µm, read once in one direction, noise 0.2 µm.
+#[test]
+fn a_wave_on_a_smooth_curve_is_found_in_a_line_without_calibration() {
+    let mut random: ChaCha8Rng = generator(7, 23);
+    let mut once = line(false, 0.0, 1, |_, _, _| 0.0);
+    let reading = once.readings[0].clone();
+    once.readings = (0..=60)
+        .map(|k| {
+            let x_mm = 6.5 * f64::from(k);
+            let noise: f64 = StandardNormal.sample(&mut random);
+            let wave = 4.0 * (std::f64::consts::TAU * x_mm / 50.0 + 0.4).sin();
+            let mut reading = reading.clone();
+            reading.positions[0] = x_mm;
+            reading.value_um = 10.0 * (x_mm / 390.0).powi(2) + wave + 0.2 * noise;
+            reading.line = 2 + k as usize;
+            reading
+        })
+        .collect();
+    let found = found(once);
+    // It contradicts nothing.
+    assert_eq!(found.verdict, Verdict::NotJudged);
+    let cause = found
+        .causes
+        .iter()
+        .find(|c| c.effect.effect.id == "cyclic_error")
+        .unwrap();
+    assert_eq!(cause.data, "mean curve of line");
+    let value = |name: &str| {
+        cause
+            .parameters
+            .iter()
+            .find(|p| p.name == name)
+            .unwrap()
+            .value
+    };
+    assert!(
+        (value("period") - 50.0).abs() < 0.5,
+        "{:?}",
+        cause.parameters
+    );
+    assert!(
+        (value("amplitude") - 4.0).abs() < 0.5,
+        "{:?}",
+        cause.parameters
+    );
+}
