@@ -82,10 +82,10 @@ impl FactoredCovariance {
         let sensitivities = taken(&mut arrays, SENSITIVITIES, &[Some(results), None])?;
         let columns = sensitivities.shape[1];
         let shared = taken(&mut arrays, SHARED, &[Some(columns), Some(columns)])?;
-        let rows = sensitivities.data.chunks(ROWS * columns.max(1));
-        let rows = rows.enumerate().map(|(i, piece)| {
-            let count = piece.len() / columns.max(1);
-            Rows::new(ROWS * i, &DMatrix::from_row_slice(count, columns, piece))
+        let rows = (0..results).step_by(ROWS).map(|first| {
+            let count = ROWS.min(results - first);
+            let rows = &sensitivities.data[first * columns..(first + count) * columns];
+            Rows::new(first, &DMatrix::from_row_slice(count, columns, rows))
         });
         Ok(Self {
             own: own
@@ -125,4 +125,35 @@ fn taken(
         return Err(CovarianceProblem::NotFinite { name });
     }
     Ok(array)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 2,000 results, more than are taken at a time; the last file has nothing that they share.
+    #[test]
+    fn rows_come_back_also_if_nothing_is_shared() {
+        const NODES: usize = 333;
+        for columns in [2, 0] {
+            let results = 6 * NODES + 2;
+            let mut npz = NpzWriter::new(Cursor::new(Vec::new()));
+            let unit = (0..36 * NODES).map(|i| f64::from(u8::from(i % 36 % 7 == 0)));
+            npz.array(OWN, &[NODES, 6, 6], unit).unwrap();
+            let sensitivities = (0..results * columns).map(|i| i as f64);
+            npz.array(SENSITIVITIES, &[results, columns], sensitivities)
+                .unwrap();
+            let shared = (0..columns * columns).map(|i| [1.0, 0.0, 0.0, 1.0][i]);
+            npz.array(SHARED, &[columns, columns], shared).unwrap();
+            let bytes = npz.finish().unwrap().into_inner();
+            let read = FactoredCovariance::from_npz(&bytes, NODES, results).unwrap();
+            for place in [0, 767, 768, 1997, 1999] {
+                let row = (0..columns).map(|k| ((place * columns + k) as f64).powi(2));
+                let own = if place < 6 * NODES { 1.0 } else { 0.0 };
+                let found = read.between(&[(place, 1.0)], &[(place, 1.0)]);
+                let expected = own + row.sum::<f64>();
+                assert!((found - expected).abs() < 1e-9, "{place}: {found}");
+            }
+        }
+    }
 }
