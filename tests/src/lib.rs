@@ -6,6 +6,7 @@ pub mod blind;
 pub mod estimators;
 mod kind;
 mod scatter;
+pub mod verification;
 
 pub use kind::Kind;
 pub use scatter::{Estimate, Pooled, Scatter};

@@ -92,6 +92,7 @@ pub use files::predicted_csv::to_csv;
 pub use files::read_error::{CovarianceProblem, ReadError};
 pub use machine::approach::Approach;
 pub use machine::calibrated_machine::CalibratedMachine;
+pub use machine::compare::Difference;
 pub use machine::predict::Prediction;
 pub use machine::readings::{MeasuredPoint, carrier, measured_home_mm, predicted_reading_um};
 pub use machine::volume::places::{GridAxis, Places};

@@ -39,6 +39,8 @@ pub(crate) enum Verb {
     /// Compares a campaign's verification readings with what a calibration predicts; writes
     /// verification.json.
     Verify(VerifyArgs),
+    /// Says by what two calibrations of one machine differ; writes comparison.json.
+    Compare(CompareArgs),
     /// Says what the calibrated model gets wrong and why; writes diagnosis.json.
     Diagnose(DiagnoseArgs),
     /// Shows the results in a folder as one page; writes report.html and its figures.
@@ -235,6 +237,30 @@ pub(crate) struct ExportArgs {
     /// the tool's last axis].
     #[arg(long, value_name = "POINT", value_parser = point, allow_hyphen_values = true)]
     pub(crate) at: Option<Point3<f64>>,
+
+    /// Folder with the tables that were active while the machine was measured: the new ones contain
+    /// them (linuxcnc).
+    #[arg(long, value_name = "OLD")]
+    pub(crate) onto: Option<PathBuf>,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct CompareArgs {
+    /// The calibration to start from, with its covariance.npz beside it.
+    #[arg(value_name = "A.json")]
+    pub(crate) first: PathBuf,
+
+    /// The calibration to compare with it, of the same machine, with its covariance.npz beside it.
+    #[arg(value_name = "B.json")]
+    pub(crate) second: PathBuf,
+
+    /// Folder for comparison.json [default: one in the current directory, named after the campaign of B].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Also print comparison.json on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, ClapArgs)]
@@ -255,6 +281,10 @@ pub(crate) struct VerifyArgs {
     /// for corrected commands.
     #[arg(long)]
     pub(crate) compensated: bool,
+
+    /// Write no report.html.
+    #[arg(long)]
+    pub(crate) no_report: bool,
 
     /// Also print verification.json on standard output.
     #[arg(long)]

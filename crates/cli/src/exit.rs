@@ -7,6 +7,7 @@ use trueaxis_diagnose::Error as Diagnose;
 use trueaxis_poses::Error as Poses;
 
 use crate::effects_input::EffectsInputError;
+use crate::export::OldTablesError;
 use crate::output::OutputError;
 use crate::report::TemplateUnreadable;
 
@@ -75,7 +76,8 @@ impl Exit {
             if let Some(error) = cause.downcast_ref::<trueaxis_compensate::Error>() {
                 return match error {
                     trueaxis_compensate::Error::NotContracting { .. } => Self::NotConverged,
-                    trueaxis_compensate::Error::OtherMachine { .. } => Self::Input,
+                    trueaxis_compensate::Error::OtherMachine { .. }
+                    | trueaxis_compensate::Error::OldTable { .. } => Self::Input,
                     _ => Self::Usage,
                 };
             }
@@ -84,6 +86,9 @@ impl Exit {
                     trueaxis_report::Error::Template { .. } => Self::Usage,
                     _ => Self::Input,
                 };
+            }
+            if cause.is::<OldTablesError>() {
+                return Self::Input;
             }
             if cause.is::<EffectsInputError>() || cause.is::<trueaxis_effects::Error>() {
                 return Self::Input;

@@ -1,7 +1,9 @@
 //! `trueaxis export`.
 
+use std::path::{Path, PathBuf};
+
 use trueaxis_calibrate::CalibratedMachine;
-use trueaxis_compensate::{Announcement, Error, Format, Request, export};
+use trueaxis_compensate::{Announcement, Error, ExportedFile, Format, Request, export};
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 
 use crate::args::{ExportArgs, FormatArg};
@@ -23,6 +25,10 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
     };
     let axis = args.axis.as_deref().map(|name| index(&machine, name));
     let at = args.at.unwrap_or(machine.reference_point_mm());
+    let old = match &args.onto {
+        None => Vec::new(),
+        Some(folder) => old_tables(&machine, folder)?,
+    };
     let tables = export(
         format,
         &Request {
@@ -30,6 +36,7 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
             at,
             axis: axis.transpose()?,
             step: args.step,
+            onto: &old,
         },
     )?;
     for line in source(&machine) {
@@ -54,9 +61,11 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
             "no --at: the lines go through the reference point ({x}, {y}, {z}) mm, not through where the machine works"
         ));
     }
-    notice(
-        "a control that compensated while it was measured must keep doing so: add these tables to the old ones",
-    );
+    if old.is_empty() {
+        notice(
+            "a control that compensated while it was measured must keep doing so: add these tables to the old ones (--onto)",
+        );
+    }
     let folder = output::folder(args.out.as_deref(), &machine.campaign)?;
     for file in &tables.files {
         let path = folder.join(&file.name);
@@ -64,6 +73,43 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
         say(&format!("written: {}", path.display()));
     }
     Ok(Exit::Good)
+}
+
+/// A folder with old tables that cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum OldTablesError {
+    /// The operating system refuses.
+    #[error("{} cannot be read", path.display())]
+    Unreadable {
+        path: PathBuf,
+        source: std::io::Error,
+    },
+    /// No table is in it.
+    #[error("{} has no table of an axis, as X.comp; --onto wants the folder of the old ones", folder.display())]
+    Nothing { folder: PathBuf },
+}
+
+/// `X.comp` and so on, as far as they are there.
+fn old_tables(
+    machine: &CalibratedMachine,
+    folder: &Path,
+) -> Result<Vec<ExportedFile>, OldTablesError> {
+    let mut old = Vec::new();
+    for axis in machine.machine().axes() {
+        let name = format!("{}.comp", axis.name());
+        let path = folder.join(&name);
+        match std::fs::read_to_string(&path) {
+            Ok(text) => old.push(ExportedFile { name, text }),
+            Err(source) if source.kind() == std::io::ErrorKind::NotFound => {}
+            Err(source) => return Err(OldTablesError::Unreadable { path, source }),
+        }
+    }
+    match old.is_empty() {
+        true => Err(OldTablesError::Nothing {
+            folder: folder.to_owned(),
+        }),
+        false => Ok(old),
+    }
 }
 
 fn index(machine: &CalibratedMachine, name: &str) -> Result<usize, Error> {

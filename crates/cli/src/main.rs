@@ -6,6 +6,7 @@
 mod args;
 mod calibrate;
 mod check;
+mod compare;
 mod completions;
 mod diagnose;
 mod effects_input;
@@ -41,6 +42,7 @@ fn main() -> ExitCode {
     let run = || match &args.verb {
         Verb::Check(args) => check::run(args),
         Verb::Calibrate(args) => calibrate::run(args),
+        Verb::Compare(args) => compare::run(args),
         Verb::Completions(args) => completions::run(args),
         Verb::Diagnose(args) => diagnose::run(args),
         Verb::Export(args) => export::run(args),

@@ -11,6 +11,7 @@ use crate::args::VerifyArgs;
 use crate::exit::Exit;
 use crate::output;
 use crate::predict::source;
+use crate::report;
 use crate::talk::{notice, say};
 
 const FILE: &str = "verification.json";
@@ -21,7 +22,8 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     let verified = verify(&machine, &campaign, args.compensated)?;
     let document = verification_json(&machine, &campaign.name, args.compensated, &verified);
     let text = trueaxis_files::to_json(&document)?;
-    let path = output::folder(args.out.as_deref(), &campaign.name)?.join(FILE);
+    let folder = output::folder(args.out.as_deref(), &campaign.name)?;
+    let path = folder.join(FILE);
     output::write(&path, text.as_bytes())?;
 
     for line in source(&machine) {
@@ -36,6 +38,11 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
         notice("the campaign has no verification: add readings to `verification` of campaign.json");
     }
     say(&format!("written: {}", path.display()));
+    if !args.no_report
+        && let Some(page) = report::of_results(&folder)?
+    {
+        say(&format!("written: {}", page.display()));
+    }
     if args.json {
         output::print(&text)?;
     }

@@ -18,13 +18,13 @@ pub enum Error {
     },
     /// The calibration of another machine.
     #[error(
-        "this is the calibration of another machine: its axes are {calibrated}, those of the campaign {measured}; names, kinds, \
+        "this is the calibration of another machine: its axes are {calibrated}, expected {measured}; names, kinds, \
          directions and order from the bed must be the same"
     )]
     OtherMachine {
         /// Names of the axes of the calibration.
         calibrated: String,
-        /// Names of the axes of the campaign.
+        /// Names of the axes of the other calibration, or of the campaign.
         measured: String,
     },
     /// An axis that the machine does not have, or that was not measured.
@@ -44,6 +44,18 @@ pub enum Error {
         takes: &'static str,
         /// What the machine lacks.
         lacks: String,
+    },
+    /// An old table that the control would not read.
+    #[error("{file} line {line}: {found:?}; expected {expected}")]
+    OldTable {
+        /// Name of the file.
+        file: String,
+        /// Number of the line, from 1.
+        line: usize,
+        /// The line.
+        found: String,
+        /// What it should be.
+        expected: &'static str,
     },
     /// A spacing that does not end at the last step.
     #[error(

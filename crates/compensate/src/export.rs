@@ -77,6 +77,8 @@ pub struct Request<'a> {
     /// Distance of the points of a table, mm for linear and degrees for rotary axes; without it the steps at which the axis
     /// was measured.
     pub step: Option<f64>,
+    /// The files of this format that were active while the machine was measured: the new ones contain them.
+    pub onto: &'a [ExportedFile],
 }
 
 /// A file for the control.
@@ -120,6 +122,13 @@ struct Tables {
 /// # Errors
 /// What the control cannot hold, with the numbers: [`Error`].
 pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
+    if !request.onto.is_empty() && format != Format::LinuxCnc {
+        return Err(Error::Unsuitable {
+            format: format.name(),
+            takes: "no old tables yet (only linuxcnc does)",
+            lacks: "add the new ones to the old ones at the control".to_owned(),
+        });
+    }
     let tables = match format {
         Format::Grid => grid::tables(request),
         Format::LinuxCnc => linuxcnc::tables(request),

@@ -28,6 +28,7 @@ mod error;
 mod export;
 mod freedom;
 mod remains;
+mod same_machine;
 mod verify;
 
 pub use correct::{Corrected, axis_deviations, correct};
@@ -35,6 +36,7 @@ pub use error::Error;
 pub use export::{Announcement, Export, ExportedFile, Format, LineFigures, Request, Sizes, export};
 pub use freedom::Moved;
 pub use remains::{Left, Remains, remains};
+pub use same_machine::check_same_machine;
 pub use verify::iso_230_2::{Positioning, Side};
 pub use verify::iso_230_4::Circular;
 pub use verify::{EXPECTED_ABOVE_ONE, Point, Verified, is_misfit, verification_json, verify};

@@ -22,6 +22,7 @@ use trueaxis_calibrate::{
 use trueaxis_campaign::{Campaign, Direction, Verification, VerificationKind};
 use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
 
+use crate::same_machine::check_same_machine;
 use crate::{Error, Moved, correct};
 pub use json::verification_json;
 
@@ -352,29 +353,5 @@ fn circular(machine: &Machine, kind: &VerificationKind, points: &[Point]) -> Opt
         g_forward_um: of(forward),
         g_backward_um: of(backward),
         h_um,
-    })
-}
-
-/// Names, kinds, order and directions of axes, and the branches.
-fn check_same_machine(calibrated: &Machine, measured: &Machine) -> Result<(), Error> {
-    use trueaxis_kinematics::Branch::{Tool, Workpiece};
-    let is_same = calibrated.axes().len() == measured.axes().len()
-        && calibrated.axes().iter().zip(measured.axes()).all(|(a, b)| {
-            let off = a.direction().into_inner() - b.direction().into_inner();
-            a.name() == b.name() && a.kind() == b.kind() && off.norm() < ROUNDING
-        })
-        && [Tool, Workpiece]
-            .into_iter()
-            .all(|branch| calibrated.branch(branch) == measured.branch(branch));
-    let names = |machine: &Machine| {
-        let names: Vec<&str> = machine.axes().iter().map(|axis| axis.name()).collect();
-        names.join(" ")
-    };
-    if is_same {
-        return Ok(());
-    }
-    Err(Error::OtherMachine {
-        calibrated: names(calibrated),
-        measured: names(measured),
     })
 }

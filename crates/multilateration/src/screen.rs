@@ -29,7 +29,7 @@ const MAX_NOISE_UPDATES: usize = 5;
 /// guess.
 ///
 /// # Errors
-/// Those of [`solve`]; [`Error::TooManyGrossErrors`], [`Error::PartLost`] and
+/// Those of [`crate::solve`]; [`Error::TooManyGrossErrors`], [`Error::PartLost`] and
 /// [`Error::Undecidable`] if too much would have to be removed or nothing tells what.
 pub fn screen(network: &Network, declared: bool, settings: &Settings) -> Result<Screened, Error> {
     let mut work = Screening::new(network, declared, settings)?;

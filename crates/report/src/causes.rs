@@ -24,8 +24,8 @@ pub(crate) struct DiagnosisSection {
 struct LevelView {
     data: String,
     bar: Option<Figure>,
-    /// Parts of the bar with their share in per cent.
-    legend: Vec<(String, String)>,
+    /// Parts of the bar with their share in per cent and their class.
+    legend: Vec<(String, String, String)>,
     places: Option<Figure>,
 }
 
@@ -82,9 +82,10 @@ fn level_view(k: usize, level: &Level, diagnosis: &Diagnosis) -> LevelView {
         .map(|cause| words::effect(&cause.effect, &cause.subject))
         .collect();
     let parts = parts(level, &names);
-    let legend = parts
-        .iter()
-        .map(|(name, share, _)| (name.clone(), format!("{} %", fixed(100.0 * share, 0))));
+    let legend = parts.iter().map(|(name, share, class)| {
+        let share = format!("{} %", fixed(100.0 * share, 0));
+        (name.clone(), share, class.clone())
+    });
     LevelView {
         data: match level.data.is_empty() {
             true => level.level.clone(),
@@ -198,7 +199,7 @@ fn places(name: &str, level: &Level) -> Option<Figure> {
             "repeat" => (place, format!("#{}", place.name)),
             _ => (place, place.name.replace('-', "\u{2212}")),
         });
-    misfits(name, &frame, level, &named.collect::<Vec<_>>())
+    misfits(name, &frame, 105, level, &named.collect::<Vec<_>>())
 }
 
 /// The misfit where a cause acts: along its axis, else at its stations or targets, else in time.
@@ -241,15 +242,17 @@ fn where_it_acts(rank: usize, cause: &Cause, diagnosis: &Diagnosis) -> Option<Fi
     misfits(
         &format!("cause-{rank}"),
         &frame,
+        40,
         level,
         &named.collect::<Vec<_>>(),
     )
 }
 
-/// Misfits at places, with their names under the axis.
+/// Misfits at places, with their names under the axis, which has room for so many letters.
 fn misfits(
     name: &str,
     frame: &Frame<'_>,
+    letters: usize,
     level: &Level,
     places: &[(&MisfitAt, String)],
 ) -> Option<Figure> {
@@ -262,12 +265,7 @@ fn misfits(
     let [low, high] = range(values.chain(level.noise_floor_um));
     let end = places.len() as f64 - 0.4;
     let mut x = Scale::new(-0.6, end, 5);
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a width of some hundred letters"
-    )]
-    let letters = (frame.size[0] / 8.5) as usize / places.len();
+    let letters = letters / places.len();
     let ticks = places
         .iter()
         .enumerate()

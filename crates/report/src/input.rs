@@ -9,15 +9,17 @@ use crate::Error;
 use crate::calibration::Calibration;
 use crate::diagnosis::Diagnosis;
 use crate::residuals::Residuals;
+use crate::verification::Verification;
 
 /// The results of which at least one must be there.
-pub(crate) const RESULTS: [&str; 2] = ["calibration.json", "diagnosis.json"];
+pub(crate) const RESULTS: [&str; 3] = ["calibration.json", "diagnosis.json", "verification.json"];
 
 /// What is in the folder; each file is optional.
 pub(crate) struct Input {
     pub(crate) calibration: Option<Document<Calibration>>,
     pub(crate) diagnosis: Option<Document<Diagnosis>>,
     pub(crate) volume: Option<Value>,
+    pub(crate) verification: Option<Document<Verification>>,
     pub(crate) residuals: Option<Residuals>,
     /// Files that do not belong to the others, in words.
     pub(crate) left_out: Vec<String>,
@@ -35,10 +37,12 @@ impl Input {
             calibration: read_parts(folder, "calibration")?,
             diagnosis: read_parts(folder, "diagnosis")?,
             volume: read_json(folder, "volume")?.map(|(_, value)| value),
+            verification: read_parts(folder, "verification")?,
             residuals: Residuals::read(&folder.join("residuals.csv"))?,
             left_out: Vec::new(),
         };
-        if input.calibration.is_none() && input.diagnosis.is_none() {
+        if input.calibration.is_none() && input.diagnosis.is_none() && input.verification.is_none()
+        {
             let folder = folder.to_path_buf();
             return Err(Error::NothingToReport { folder });
         }
@@ -70,6 +74,12 @@ impl Input {
             self.volume = None;
             self.left_out
                 .push("volume.json is of another campaign and left out.".to_owned());
+        }
+        let compared = self.verification.as_ref();
+        if compared.is_some_and(|of| of.parts.calibration != *campaign) {
+            self.verification = None;
+            self.left_out
+                .push("verification.json is of another calibration and left out.".to_owned());
         }
         let observations = calibration.parts.adjustment.observations;
         if self

@@ -11,6 +11,7 @@ use crate::locations::{Location, locations};
 use crate::scene::Scene;
 use crate::svg::Drawing;
 use crate::verdict::Verdict;
+use crate::verification::VerificationSection;
 
 /// A figure: for the page, and for a file of its own.
 #[derive(Serialize)]
@@ -54,6 +55,7 @@ pub(crate) struct Page<'a> {
     axes: Vec<AxisSection>,
     evidence: Option<Evidence>,
     causes: Option<DiagnosisSection>,
+    verified: Option<VerificationSection>,
     calibration: Option<&'a Value>,
     diagnosis: Option<&'a Value>,
     volume: Option<&'a Value>,
@@ -72,16 +74,22 @@ impl<'a> Page<'a> {
     pub(crate) fn new(input: &'a Input, scene: Option<&'a Scene>) -> Self {
         let calibration = input.calibration.as_ref().map(|document| &document.parts);
         let diagnosis = input.diagnosis.as_ref().map(|document| &document.parts);
+        let verification = input.verification.as_ref().map(|document| &document.parts);
         let machine = calibration.map(|calibration| &calibration.machine);
         let residuals = input.residuals.as_ref();
         Self {
-            campaign: match (calibration, diagnosis) {
-                (Some(calibration), _) => &calibration.campaign,
-                (None, Some(diagnosis)) => &diagnosis.campaign,
+            campaign: match (calibration, diagnosis, verification) {
+                (Some(calibration), _, _) => &calibration.campaign,
+                (_, Some(diagnosis), _) => &diagnosis.campaign,
+                (_, _, Some(verification)) => &verification.campaign,
+                (None, None, None) => "",
+            },
+            machine: match (machine, verification) {
+                (Some(machine), _) => &machine.name,
+                (None, Some(verification)) => &verification.machine,
                 (None, None) => "",
             },
-            machine: machine.map_or("", |machine| &machine.name),
-            verdict: Verdict::new(calibration, diagnosis),
+            verdict: Verdict::new(calibration, diagnosis, verification),
             left_out: &input.left_out,
             locations: calibration.map_or_else(Vec::new, locations),
             largest: calibration.map_or_else(Vec::new, crate::largest::largest),
@@ -90,6 +98,7 @@ impl<'a> Page<'a> {
             axes: calibration.map_or_else(Vec::new, components::sections),
             evidence: residuals.and_then(|residuals| Evidence::new(residuals, machine)),
             causes: diagnosis.map(DiagnosisSection::new),
+            verified: verification.map(|of| VerificationSection::new(of, machine)),
             calibration: input.calibration.as_ref().map(|document| &document.raw),
             diagnosis: input.diagnosis.as_ref().map(|document| &document.raw),
             volume: input.volume.as_ref(),
@@ -102,11 +111,13 @@ impl<'a> Page<'a> {
         let of_axes = self.axes.iter().flat_map(AxisSection::figures);
         let of_evidence = self.evidence.iter().flat_map(Evidence::figures);
         let of_causes = self.causes.iter().flat_map(DiagnosisSection::figures);
+        let of_verified = self.verified.iter().flat_map(VerificationSection::figures);
         let machine = self.machine_figure.iter();
         machine
             .chain(of_axes)
             .chain(of_evidence)
             .chain(of_causes)
+            .chain(of_verified)
             .collect()
     }
 }

@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::calibration::Calibration;
 use crate::diagnosis::Diagnosis;
 use crate::numbers::{fixed, probability};
+use crate::verification::Verification;
 use crate::words;
 
 /// What stands at the top of the page.
@@ -20,10 +21,14 @@ pub(crate) struct Verdict {
 const MISFIT_LEVEL: f64 = 1e-3;
 
 impl Verdict {
-    pub(crate) fn new(calibration: Option<&Calibration>, diagnosis: Option<&Diagnosis>) -> Self {
+    pub(crate) fn new(
+        calibration: Option<&Calibration>,
+        diagnosis: Option<&Diagnosis>,
+        verification: Option<&Verification>,
+    ) -> Self {
         let contradictions = calibration.map_or_else(Vec::new, contradictions);
         let diagnosed = diagnosis.map(|diagnosis| (diagnosis.verdict.as_str(), said(diagnosis)));
-        let (level, sentence) = match (&diagnosed, contradictions.is_empty()) {
+        let (mut level, mut sentence) = match (&diagnosed, contradictions.is_empty()) {
             (Some(("clean", _)), true) => (
                 "good",
                 "The calibration is sound: nothing in the data contradicts the rigid machine model.",
@@ -47,6 +52,25 @@ impl Verdict {
         };
         let mut reasons = contradictions;
         reasons.extend(diagnosed.map(|(_, said)| said));
+        let verified = verification.and_then(Verification::is_misfit);
+        if verified == Some(true) {
+            reasons.push("Verification: the readings contradict the prediction.".to_owned());
+        }
+        if calibration.is_none() && diagnosis.is_none() {
+            (level, sentence) = match verified {
+                Some(true) => ("bad", "Other readings contradict the calibration."),
+                Some(false) => ("good", "Other readings agree with the calibration."),
+                None => (
+                    "care",
+                    "Whether the readings agree is not judged: no uncertainty is declared.",
+                ),
+            };
+        } else if verified == Some(true) && level == "good" {
+            (level, sentence) = (
+                "care",
+                "The residuals agree with the model, but other readings contradict it.",
+            );
+        }
         Self {
             level,
             sentence: sentence.to_owned(),

@@ -31,4 +31,5 @@ mod settling;
 mod temperatures;
 mod triangle;
 mod twins;
+mod verification;
 mod volume;

@@ -4,6 +4,7 @@
     reason = "the figures of a test are worth reading"
 )]
 
+mod compare;
 mod covariance_files;
 mod machine;
 mod propagation;

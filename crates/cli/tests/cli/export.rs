@@ -104,3 +104,40 @@ fn what_cannot_be_made_is_refused_and_nothing_is_written() {
     );
     outcome.assert_failed("no file", 3, &["give the path of a calibration.json"]);
 }
+
+#[test]
+fn old_tables_are_kept() {
+    let folder = calibrated();
+    let current = folder.path();
+    fs::create_dir(current.join("old")).unwrap();
+    fs::write(current.join("old/X.comp"), "0 0 0\n440 440.01 440.01\n").unwrap();
+    let onto = ["--onto", "old", "--axis", "X", "--out", "new"];
+    let outcome = export(&folder, "linuxcnc", &onto);
+    outcome.assert_good();
+    assert!(
+        !outcome.stderr.contains("must keep doing so"),
+        "{}",
+        outcome.stderr
+    );
+    export(&folder, "linuxcnc", &["--axis", "X", "--out", "alone"]).assert_good();
+    let last = |name: &str| {
+        let text = fs::read_to_string(current.join(name)).unwrap();
+        let line = text.lines().last().unwrap().to_owned();
+        line.split(' ')
+            .map(|cell| cell.parse().unwrap())
+            .collect::<Vec<f64>>()
+    };
+    let (new, alone) = (last("new/X.comp"), last("alone/X.comp"));
+    assert!((new[1] - alone[1] - 0.01).abs() < 1e-6, "{new:?} {alone:?}");
+    fs::write(current.join("old/X.comp"), "# 0 0 0\n").unwrap();
+    let outcome = export(&folder, "linuxcnc", &onto);
+    outcome.assert_failed(
+        "a comment",
+        3,
+        &["X.comp line 1", "the control reads no further"],
+    );
+    let outcome = export(&folder, "linuxcnc", &["--onto", "nowhere"]);
+    outcome.assert_failed("no folder", 3, &["nowhere has no table of an axis"]);
+    let outcome = export(&folder, "isg", &["--onto", "old"]);
+    outcome.assert_failed("another format", 2, &["isg takes no old tables yet"]);
+}

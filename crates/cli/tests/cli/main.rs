@@ -6,6 +6,7 @@
 mod calibrate;
 mod campaign_files;
 mod check;
+mod compare;
 mod diagnose;
 mod export;
 mod gross_errors;

@@ -124,9 +124,5 @@ fn readings_that_do_not() {
         other.to_str().unwrap(),
     ];
     let outcome = run(folder.path(), &args);
-    outcome.assert_failed(
-        "another machine",
-        3,
-        &["its axes are X Y Z, those of the campaign C"],
-    );
+    outcome.assert_failed("another machine", 3, &["its axes are X Y Z, expected C"]);
 }

@@ -8,19 +8,25 @@
 //! `matrixkins` (three linear axes X, Y, Z): `joint = C axis`; here ones on the diagonal, because the files hold the
 //! scale, and off it the mean slopes of the lines through the point.
 //!
+//! A file that was active while the machine was measured ([`Request::onto`]) is contained in the new one: at the points of both,
+//! the deviations of both.
+//!
 //! Sources: `usrmotLoadComp` in `src/emc/motion/usrmotintf.cc`, `src/hal/components/matrixkins.comp`, and the chapter
 //! "INI Configuration" of the manual.
 
 use std::fmt::Write;
 
 use crate::Error;
-use crate::export::line::Line;
+use crate::export::line::{Line, interpolate};
 use crate::export::skew::Skew;
 use crate::export::{ExportedFile, Request, Rule, Tables, round};
 
 const FORMAT: &str = "linuxcnc";
 
 const MOST_LINES: usize = 256;
+
+/// Positions this close are one, mm or degrees.
+const SAME: f64 = 1e-6;
 
 pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let mut files = Vec::new();
@@ -32,31 +38,25 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let mut lines = Vec::new();
     for axis in request.axes()? {
         let line = Line::new(request, axis, FORMAT)?;
-        let name = request.name(axis);
-        if line.positions.len() > MOST_LINES {
+        let name = format!("{}.comp", request.name(axis));
+        let old = request.onto.iter().find(|old| old.name == name);
+        let old = old.map_or_else(|| Ok(Vec::new()), triplets)?;
+        let triplets = summed(request, &line, &old);
+        if triplets.len() > MOST_LINES {
             return Err(Error::TooManyPoints {
-                what: format!("axis {name}"),
+                what: format!("axis {}", request.name(axis)),
                 format: FORMAT,
-                points: line.positions.len(),
+                points: triplets.len(),
                 most: MOST_LINES,
             });
         }
         let mut text = String::new();
-        for (k, &position) in line.positions.iter().enumerate() {
-            let actual = |deviation: f64| round(request.in_file(axis, position + deviation), 7);
+        for triplet in triplets {
+            let [nominal, forward, backward] = triplet.map(|x| round(x, 7));
             // Writing to a String cannot fail.
-            let _ = writeln!(
-                text,
-                "{} {} {}",
-                request.in_file(axis, position),
-                actual(line.forward[k][axis]),
-                actual(line.backward[k][axis])
-            );
+            let _ = writeln!(text, "{nominal} {forward} {backward}");
         }
-        files.push(ExportedFile {
-            name: format!("{name}.comp"),
-            text,
-        });
+        files.push(ExportedFile { name, text });
         lines.push(line);
     }
     // The matrix has no use for a part of the axes.
@@ -70,9 +70,7 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             name: "matrixkins.hal".to_owned(),
             text: matrix(request, skew),
         });
-        notes.push(
-            "matrixkins.hal: [KINS] KINEMATICS = matrixkins, then source this file".to_owned(),
-        );
+        notes.push("matrixkins.hal: [KINS] KINEMATICS = matrixkins, then source this file; add to it what an old one has off its diagonal".to_owned());
     }
     Ok(Tables {
         files,
@@ -80,6 +78,68 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         is_experimental: false,
         rule: Box::new(Joints { lines, skew }),
     })
+}
+
+/// `nominal forward reverse` of an old file, rising.
+fn triplets(old: &ExportedFile) -> Result<Vec<[f64; 3]>, Error> {
+    let mut all: Vec<[f64; 3]> = Vec::new();
+    for (number, line) in old.text.lines().enumerate() {
+        let cells: Vec<f64> = line
+            .split_whitespace()
+            .map_while(|cell| cell.parse().ok())
+            .filter(|x: &f64| x.is_finite())
+            .collect();
+        let &[nominal, forward, backward] = cells.as_slice() else {
+            return Err(wrong(
+                old,
+                number,
+                line,
+                "three numbers; the control reads no further",
+            ));
+        };
+        if all.last().is_some_and(|last| nominal <= last[0]) {
+            return Err(wrong(old, number, line, "a position above the one before"));
+        }
+        all.push([nominal, forward, backward]);
+    }
+    Ok(all)
+}
+
+fn wrong(old: &ExportedFile, number: usize, line: &str, expected: &'static str) -> Error {
+    Error::OldTable {
+        file: old.name.clone(),
+        line: number + 1,
+        found: line.to_owned(),
+        expected,
+    }
+}
+
+/// What an axis reaches, with the old table: the control adds what both subtract. mm or degrees.
+fn summed(request: &Request<'_>, line: &Line, old: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let axis = line.axis;
+    let own: Vec<f64> = line
+        .positions
+        .iter()
+        .map(|&q| request.in_file(axis, q))
+        .collect();
+    let mut nominal: Vec<f64> = own
+        .iter()
+        .copied()
+        .chain(old.iter().map(|t| t[0]))
+        .collect();
+    nominal.sort_by(f64::total_cmp);
+    nominal.dedup_by(|a, b| (*a - *b).abs() <= SAME);
+    let of_old: Vec<f64> = old.iter().map(|triplet| triplet[0]).collect();
+    let deviation = |side: usize, position: f64| {
+        let values = [&line.forward, &line.backward][side];
+        let new = interpolate(&own, |k| request.in_file(axis, values[k][axis]), position);
+        if old.is_empty() {
+            return new;
+        }
+        new + interpolate(&of_old, |k| old[k][side + 1] - old[k][0], position)
+    };
+    let at = |&q: &f64| [q, q + deviation(0, q), q + deviation(1, q)];
+    nominal.iter().map(at).collect()
 }
 
 fn matrix(request: &Request<'_>, skew: &Skew) -> String {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_calibrate::CalibratedMachine;
-use trueaxis_compensate::{Error, Export, Format, Request, export};
+use trueaxis_compensate::{Error, Export, ExportedFile, Format, Request, export};
 use trueaxis_kinematics::{GeometricErrors, Ideal, MICROMETRE};
 
 use crate::controllers::{Control, control};
@@ -14,6 +14,7 @@ fn request(machine: &CalibratedMachine) -> Request<'_> {
         at: tool(),
         axis: None,
         step: None,
+        onto: &[],
     }
 }
 
@@ -280,4 +281,63 @@ fn the_point_of_the_lines_matters() {
             .iter()
             .any(|note| note.contains("(175.6, 497.5, 312.1) mm at home"))
     );
+}
+
+/// The control adds what the old table and the new one add: at points of both, and between them.
+#[test]
+fn an_old_table_is_contained_in_the_new_one() {
+    let machine = calibrated(&scenario(THREE_AXES), false);
+    let alone = Request {
+        axis: Some(0),
+        ..request(&machine)
+    };
+    // 10 µm per 100 mm forward, 2 µm more backward, from -50 to 450 mm.
+    let nominal = [-50.0, 30.0, 130.0, 450.0];
+    let lines = nominal.map(|q| format!("{q} {} {}\n", q + 1e-4 * q, q + 1e-4 * q + 2e-3));
+    let old = [ExportedFile {
+        name: "X.comp".to_owned(),
+        text: lines.concat(),
+    }];
+    let onto = Request {
+        onto: &old,
+        ..alone
+    };
+    let control_of = |request: &Request<'_>| {
+        let export = export(Format::LinuxCnc, request).unwrap();
+        control(Format::LinuxCnc, &export, machine.machine(), tool())
+    };
+    let (new, sum) = (control_of(&alone), control_of(&onto));
+    for q in [0.0, 20.0, 25.0, 30.0, 200.0, 440.0] {
+        let added = |control: &Control| control(&[q, 0.0, 0.0])[0];
+        // The old one takes away what it says is too much: the mean of both directions.
+        let of_old = -(1e-4 * q + 1e-3);
+        let off = added(&sum) - added(&new) - of_old;
+        assert!(off.abs() < 1e-6, "{q}: {off:e}");
+    }
+    let refused = |text: &str| {
+        let old = [ExportedFile {
+            name: "X.comp".to_owned(),
+            text: text.to_owned(),
+        }];
+        let request = Request {
+            onto: &old,
+            ..alone
+        };
+        export(Format::LinuxCnc, &request).unwrap_err().to_string()
+    };
+    let said = refused("0 0 0\n# 10 10 10\n");
+    assert!(
+        said.contains("X.comp line 2") && said.contains("reads no further"),
+        "{said}"
+    );
+    let said = refused("0 0 0\n0 1 1\n");
+    assert!(said.contains("a position above the one before"), "{said}");
+    let other = Request {
+        onto: &old,
+        ..request(&machine)
+    };
+    assert!(matches!(
+        export(Format::Isg, &other),
+        Err(Error::Unsuitable { .. })
+    ));
 }

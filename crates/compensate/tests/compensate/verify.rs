@@ -233,7 +233,7 @@ fn another_machine_is_refused() {
     assert!(
         refused
             .to_string()
-            .contains("its axes are X Y Z A C, those of the campaign X Y Z")
+            .contains("its axes are X Y Z A C, expected X Y Z")
     );
 }
 

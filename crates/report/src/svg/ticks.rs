@@ -54,12 +54,10 @@ impl Scale {
         let step = step(high - low);
         let first = (low / step - 1e-6).ceil();
         let count = ((high / step + 1e-6).floor() - first).max(0.0);
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "from 0 to 9"
-        )]
-        let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
+        let (mut decimals, mut of_step) = (0_usize, step);
+        while of_step < 1.0 - 1e-9 && decimals < 9 {
+            (decimals, of_step) = (decimals + 1, 10.0 * of_step);
+        }
         let tick = |k: f64| {
             let value = (first + k) * step;
             let text = if !(1e-8..1e6).contains(&step) {

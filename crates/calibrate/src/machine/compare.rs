@@ -1,0 +1,129 @@
+//! The difference of two calibrations of one machine: before and after a repair, this year and last.
+//!
+//! Component errors are compared at the steps of the second calibration that lie inside those of the first, where the
+//! first is interpolated; location errors as they are. The two are taken for independent, so that `u² = u_a² + u_b²`, with
+//! what the interpolation may be off by. Both are in the frame and gauge of their own, by the same rules: what they define
+//! away differs by nothing.
+
+use trueaxis_kinematics::{Component, GeometricErrors};
+
+use crate::machine::calibrated_machine::{CalibratedAxis, CalibratedMachine};
+
+/// A difference is beyond noise if it is so many standard uncertainties: normal noise exceeds them once in 150,000, so that
+/// of a thousand differences, however they go together, one does with a probability below 1 %.
+const BEYOND_NOISE: f64 = 4.5;
+
+/// A component error at a step, or a location error, in both calibrations: mm or rad.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Difference {
+    /// ISO 230-1 name.
+    pub name: String,
+    /// Index of the axis.
+    pub axis: usize,
+    /// Position of the axis, mm or rad; none for a location error.
+    pub position: Option<f64>,
+    /// Whether it is an angle.
+    pub is_angular: bool,
+    /// In the first calibration.
+    pub first: f64,
+    /// In the second.
+    pub second: f64,
+    /// Standard uncertainty of second minus first; 0 where both are zero by definition.
+    pub u: f64,
+}
+
+impl Difference {
+    /// Second minus first, mm or rad.
+    pub fn value(&self) -> f64 {
+        self.second - self.first
+    }
+
+    /// Whether it is more than noise makes of any of a thousand differences.
+    pub fn is_beyond_noise(&self) -> bool {
+        self.u > 0.0 && self.value().abs() > BEYOND_NOISE * self.u
+    }
+
+    /// The difference over its U for k = 2; none where it is certain.
+    pub fn e_n(&self) -> Option<f64> {
+        (self.u > 0.0).then(|| self.value() / (2.0 * self.u))
+    }
+}
+
+impl CalibratedMachine {
+    /// What `second`, a calibration of the same machine, has that this one has not: component errors axis by axis, then
+    /// location errors. Axes are matched by name; those that only one calibration measured are left out.
+    pub fn compare(&self, second: &Self) -> Vec<Difference> {
+        let mut all = Vec::new();
+        let pairs = || {
+            second.axes.iter().filter_map(|b| {
+                let name = second.machine.axes()[b.axis].name();
+                let a = self.axis(self.machine.axis_index(name)?)?;
+                Some((name, a, b))
+            })
+        };
+        for (name, a, b) in pairs() {
+            for component in Component::ALL {
+                for position in b.curve.steps() {
+                    let of = |machine: &Self, axis: &CalibratedAxis| {
+                        machine.component_at(axis, component, position)
+                    };
+                    let (Some((first, u_a)), Some((second, u_b))) = (of(self, a), of(second, b))
+                    else {
+                        continue;
+                    };
+                    all.push(Difference {
+                        name: component.name(name),
+                        axis: b.axis,
+                        position: Some(position),
+                        is_angular: component.is_angular(),
+                        first,
+                        second,
+                        u: u_a.hypot(u_b),
+                    });
+                }
+            }
+        }
+        for (name, a, b) in pairs() {
+            for (i, component) in b.reported.iter().enumerate() {
+                let Some(k) = a.reported.iter().position(|other| other == component) else {
+                    continue;
+                };
+                let u = |machine: &Self, place: usize| {
+                    let place = [(place, 1.0)];
+                    machine.factors.between(&place, &place).max(0.0).sqrt()
+                };
+                let of = |machine: &Self, axis: usize| component.of(&machine.location(axis));
+                all.push(Difference {
+                    name: component.name(name),
+                    axis: b.axis,
+                    position: None,
+                    is_angular: component.is_angular(),
+                    first: of(self, a.axis),
+                    second: of(second, b.axis),
+                    u: u(self, a.first_location + k).hypot(u(second, b.first_location + i)),
+                });
+            }
+        }
+        all
+    }
+
+    /// A component error and its standard uncertainty, mm or rad; none outside the steps.
+    fn component_at(
+        &self,
+        axis: &CalibratedAxis,
+        component: Component,
+        position: f64,
+    ) -> Option<(f64, f64)> {
+        let sample = axis.curve.at(position);
+        if sample.beyond > 0.0 {
+            return None;
+        }
+        let c = component.index();
+        let places = sample.weights.iter();
+        let places: Vec<_> = places.map(|&(n, w)| (axis.first + 6 * n + c, w)).collect();
+        let variance = self.factors.between(&places, &places).max(0.0);
+        let between_steps = axis.remainder.u(&sample)[c];
+        let value = axis.error(&sample).to_vector()[c];
+        Some((value, variance.sqrt().hypot(between_steps)))
+    }
+}

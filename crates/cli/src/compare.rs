@@ -1,0 +1,119 @@
+//! `trueaxis compare`.
+
+use serde_json::{Value, json};
+use trueaxis_calibrate::{CalibratedMachine, Difference};
+use trueaxis_compensate::check_same_machine;
+use trueaxis_files::round;
+use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
+
+use crate::args::CompareArgs;
+use crate::exit::Exit;
+use crate::output;
+use crate::predict::source;
+use crate::talk::say;
+
+const FILE: &str = "comparison.json";
+
+/// Decimals of µm, ″ and `E_n`.
+const DECIMALS: i32 = 4;
+
+pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
+    let first = CalibratedMachine::read(&args.first)?;
+    let second = CalibratedMachine::read(&args.second)?;
+    check_same_machine(first.machine(), second.machine())?;
+    let differences = first.compare(&second);
+    let text = trueaxis_files::to_json(&to_json(&first, &second, &differences))?;
+    let folder = output::folder(args.out.as_deref(), &second.campaign)?;
+    let path = folder.join(FILE);
+    output::write(&path, text.as_bytes())?;
+    for (name, machine) in [("first", &first), ("second", &second)] {
+        for line in source(machine) {
+            say(&format!("{name}: {line}"));
+        }
+    }
+    table(&differences).iter().for_each(|line| say(line));
+    say(&format!("written: {}", path.display()));
+    if args.json {
+        output::print(&text)?;
+    }
+    Ok(Exit::Good)
+}
+
+/// Curves and location errors in the order of the differences.
+fn by_name(differences: &[Difference]) -> Vec<&[Difference]> {
+    differences.chunk_by(|a, b| a.name == b.name).collect()
+}
+
+fn to_json(
+    first: &CalibratedMachine,
+    second: &CalibratedMachine,
+    differences: &[Difference],
+) -> Value {
+    let axes = second.machine().axes();
+    let entry = |curve: &&[Difference]| {
+        let (unit, suffix) = unit(&curve[0]);
+        let column = |of: &dyn Fn(&Difference) -> f64| -> Value {
+            let values = curve.iter().map(|d| json!(round(of(d) / unit, DECIMALS)));
+            values.collect()
+        };
+        let mut value = json!({
+            format!("first_{suffix}"): column(&|d| d.first),
+            format!("difference_{suffix}"): column(&Difference::value),
+            format!("u_{suffix}"): column(&|d| d.u),
+        });
+        let positions = curve.iter().filter_map(|d| {
+            let kind = axes[d.axis].kind();
+            let in_file = |q: f64| match kind {
+                AxisKind::Linear => round(q, 9),
+                AxisKind::Rotary => round(q.to_degrees(), 9),
+            };
+            d.position.map(in_file)
+        });
+        let positions: Vec<f64> = positions.collect();
+        if !positions.is_empty() {
+            value["positions"] = json!(positions);
+        }
+        (curve[0].name.clone(), value)
+    };
+    json!({
+        "format": "trueaxis-comparison",
+        "version": 1,
+        "machine": second.name,
+        "first": first.campaign,
+        "second": second.campaign,
+        "differences": by_name(differences).iter().map(entry).collect::<Value>(),
+    })
+}
+
+fn unit(difference: &Difference) -> (f64, &'static str) {
+    match difference.is_angular {
+        true => (ARCSEC, "arcsec"),
+        false => (MICROMETRE, "um"),
+    }
+}
+
+/// A line for each curve and location error: its largest difference.
+fn table(differences: &[Difference]) -> Vec<String> {
+    let mut lines = vec!["second - first         largest           U (k = 2)".to_owned()];
+    for curve in by_name(differences) {
+        let largest = curve
+            .iter()
+            .max_by(|a, b| a.value().abs().total_cmp(&b.value().abs()));
+        let Some(largest) = largest else { continue };
+        let (unit, suffix) = unit(largest);
+        let symbol = if suffix == "um" { "µm" } else { "″ " };
+        let changed = curve.iter().filter(|d| d.is_beyond_noise()).count();
+        let said = match changed {
+            0 => String::new(),
+            _ => format!("changed, at {changed} of {}", curve.len()),
+        };
+        let line = format!(
+            "  {:12} {:>14.2} {symbol} {:>9.2} {symbol}  {said}",
+            largest.name,
+            largest.value() / unit,
+            2.0 * largest.u / unit
+        );
+        lines.push(line.trim_end().to_owned());
+    }
+    lines
+}

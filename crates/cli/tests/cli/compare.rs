@@ -1,0 +1,73 @@
+//! `trueaxis compare`: files, streams, exit codes. Numbers are tested in the library.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::program::{file_names, run, shipped};
+
+#[test]
+fn two_calibrations_and_two_machines() {
+    let folder = tempfile::tempdir().unwrap();
+    let current = folder.path();
+    for (campaign, out, method) in [
+        ("fxyz", "a", "joint"),
+        ("fxyz", "b", "nine"),
+        ("rotary-stage", "c", "joint"),
+    ] {
+        let campaign = shipped(campaign).join("campaign.json");
+        let args = [
+            "calibrate",
+            campaign.to_str().unwrap(),
+            "--out",
+            out,
+            "--method",
+            method,
+        ];
+        run(current, &args).assert_good();
+    }
+    let args = [
+        "compare",
+        "a/calibration.json",
+        "b/calibration.json",
+        "--json",
+    ];
+    let outcome = run(current, &args);
+    outcome.assert_good();
+    let path = "fxyz-machine/comparison.json";
+    assert!(
+        outcome.stderr.contains(&format!("written: {path}\n")),
+        "{}",
+        outcome.stderr
+    );
+    assert!(outcome.stderr.contains("\n  C0Y "), "{}", outcome.stderr);
+    // The same lengths by another path: no machine has changed.
+    assert!(!outcome.stderr.contains("changed"), "{}", outcome.stderr);
+    let text = fs::read_to_string(current.join(path)).unwrap();
+    assert_eq!(text, outcome.stdout);
+    let document: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(document["format"], "trueaxis-comparison");
+    let exx = &document["differences"]["EXX"];
+    for column in ["positions", "first_um", "difference_um", "u_um"] {
+        assert_eq!(exx[column].as_array().unwrap().len(), 23, "{column}");
+    }
+    assert_eq!(
+        document["differences"]["B0Z"]["u_arcsec"]
+            .as_array()
+            .unwrap()
+            .len(),
+        1
+    );
+
+    let names = file_names(current);
+    let outcome = run(
+        current,
+        &["compare", "a/calibration.json", "c/calibration.json"],
+    );
+    outcome.assert_failed(
+        "two machines",
+        3,
+        &["another machine: its axes are X Y Z, expected C"],
+    );
+    assert_eq!(file_names(current), names);
+}

@@ -1,0 +1,264 @@
+//! What other instruments read against what the calibration predicts, with and without compensation.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::calibration::{Kind, Machine};
+use crate::numbers::{COVERAGE, decimals, fixed, signed};
+use crate::page::Figure;
+use crate::svg::plot::{Frame, Plot};
+use crate::svg::ticks::{Scale, range};
+
+/// What figures and tables need of `verification.json`.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Verification {
+    /// The calibration that the readings are compared with.
+    #[serde(default)]
+    pub(crate) calibration: String,
+    #[serde(default)]
+    pub(crate) campaign: String,
+    #[serde(default)]
+    pub(crate) machine: String,
+    #[serde(default)]
+    compensated: bool,
+    #[serde(default)]
+    expected_above_one: f64,
+    #[serde(default)]
+    verification: Vec<Entry>,
+}
+
+/// One line or ball bar.
+#[derive(Debug, Deserialize)]
+struct Entry {
+    name: String,
+    kind: String,
+    #[serde(default)]
+    points: Vec<Point>,
+    e_n: Option<Agreement>,
+    #[serde(default)]
+    iso_230_2: Vec<Value>,
+    iso_230_4: Option<Value>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Point {
+    at: BTreeMap<String, f64>,
+    direction: i8,
+    reading_um: f64,
+    predicted_um: f64,
+    compensated_um: f64,
+    u_prediction_um: f64,
+    u_reading_um: Option<f64>,
+    e_n: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Agreement {
+    count: usize,
+    above_one: usize,
+    misfit: bool,
+}
+
+/// The section of the verification.
+#[derive(Serialize)]
+pub(crate) struct VerificationSection {
+    compensated: bool,
+    entries: Vec<EntryView>,
+}
+
+#[derive(Serialize)]
+struct EntryView {
+    name: String,
+    kind: String,
+    figure: Option<Figure>,
+    /// How well readings and prediction agree, where the uncertainty of a reading is declared.
+    agreement: Option<String>,
+    is_misfit: bool,
+    /// Rms of the readings, and of what is left of them less the prediction, µm.
+    readings_um: String,
+    left_um: String,
+    iso_230_2: Vec<Value>,
+    iso_230_4: Option<Value>,
+}
+
+const SIZE: [f64; 2] = [900.0, 270.0];
+
+impl Verification {
+    /// Whether the readings contradict the prediction; `None` where no uncertainty of a reading tells.
+    pub(crate) fn is_misfit(&self) -> Option<bool> {
+        let judged = self
+            .verification
+            .iter()
+            .filter_map(|entry| entry.e_n.as_ref());
+        judged.map(|e_n| e_n.misfit).reduce(|a, b| a || b)
+    }
+}
+
+impl VerificationSection {
+    pub(crate) fn new(verification: &Verification, machine: Option<&Machine>) -> Self {
+        let entries = verification.verification.iter().enumerate();
+        let view = |(k, entry): (usize, &Entry)| {
+            let predicted = |point: &Point| match verification.compensated {
+                true => point.compensated_um,
+                false => point.predicted_um,
+            };
+            let rms = |value: &dyn Fn(&Point) -> f64| {
+                let squares: f64 = entry.points.iter().map(|point| value(point).powi(2)).sum();
+                (squares / entry.points.len().max(1) as f64).sqrt()
+            };
+            EntryView {
+                name: entry.name.clone(),
+                kind: entry.kind.clone(),
+                figure: figure(k, entry, machine),
+                agreement: entry.e_n.as_ref().map(|e_n| {
+                    format!(
+                        "{} of {} normalised errors E_n are above 1, {} expected",
+                        e_n.above_one,
+                        e_n.count,
+                        fixed(verification.expected_above_one * e_n.count as f64, 1)
+                    )
+                }),
+                is_misfit: entry.e_n.as_ref().is_some_and(|e_n| e_n.misfit),
+                readings_um: fixed(rms(&|point| point.reading_um), 2),
+                left_um: fixed(rms(&|point| point.reading_um - predicted(point)), 2),
+                iso_230_2: entry.iso_230_2.clone(),
+                iso_230_4: entry.iso_230_4.clone(),
+            }
+        };
+        Self {
+            compensated: verification.compensated,
+            entries: entries.map(view).collect(),
+        }
+    }
+
+    pub(crate) fn figures(&self) -> impl Iterator<Item = &Figure> {
+        self.entries.iter().flat_map(|entry| &entry.figure)
+    }
+}
+
+/// Readings as dots with their U, the prediction with its band, and what is left with compensation.
+fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> {
+    let axis = moving_axis(entry)?;
+    let is_rotary = machine.is_some_and(|machine| {
+        let mut axes = machine.axes.iter();
+        axes.any(|nominal| nominal.name == axis && nominal.kind == Kind::Rotary)
+    });
+    let unit = if is_rotary { "°" } else { " mm" };
+    let on_axis = |point: &Point| point.at.get(&axis).copied().unwrap_or(f64::NAN);
+    // On a circle of two linear axes a position of one of them is no place: the points follow each other.
+    let is_place = tells_the_place(entry, &on_axis);
+    let numbered: Vec<(f64, &Point)> = match is_place {
+        true => entry
+            .points
+            .iter()
+            .map(|point| (on_axis(point), point))
+            .collect(),
+        false => (1..).map(f64::from).zip(&entry.points).collect(),
+    };
+    let u_reading = |point: &Point| COVERAGE * point.u_reading_um.unwrap_or(0.0);
+    let points = || entry.points.iter();
+    let [from, to] = range(numbered.iter().map(|(x, _)| *x));
+    let bounds = points().flat_map(|point| {
+        let u = [u_reading(point), COVERAGE * point.u_prediction_um];
+        let [reading, prediction] = [(point.reading_um, u[0]), (point.predicted_um, u[1])];
+        [
+            reading.0 - reading.1,
+            reading.0 + reading.1,
+            prediction.0 - prediction.1,
+            prediction.0 + prediction.1,
+            point.compensated_um,
+        ]
+    });
+    let [low, high] = range(bounds);
+    let frame = Frame {
+        title: "",
+        x_label: &match is_place {
+            true => format!("{axis} in {}", unit.trim()),
+            false => "point".to_owned(),
+        },
+        y_label: match entry.kind.as_str() {
+            "ballbar" => "change of the bar in µm",
+            _ => "deviation in µm",
+        },
+        size: SIZE,
+    };
+    let x = match is_rotary && is_place {
+        true => Scale::degrees(from, to, 8),
+        false => Scale::new(from, to, 8),
+    };
+    let mut plot = Plot::new(&frame, x, Scale::new(low, high, 5));
+    for side in [1, -1] {
+        let on_side = numbered.iter().filter(|(_, point)| point.direction == side);
+        let mut of_side: Vec<&(f64, &Point)> = on_side.collect();
+        of_side.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let curve = |value: &dyn Fn(&Point) -> f64| -> Vec<[f64; 2]> {
+            of_side
+                .iter()
+                .map(|(x, point)| [*x, value(point)])
+                .collect()
+        };
+        let edge = |sign: f64| {
+            curve(&|point| point.predicted_um + sign * COVERAGE * point.u_prediction_um)
+        };
+        plot.band(0, &edge(-1.0), &edge(1.0));
+        plot.line("l0", &curve(&|point| point.predicted_um));
+        plot.line("l2", &curve(&|point| point.compensated_um));
+    }
+    for &(x, point) in &numbered {
+        let u = u_reading(point);
+        plot.line(
+            "whisker",
+            &[[x, point.reading_um - u], [x, point.reading_um + u]],
+        );
+        plot.dots("m1", std::iter::once([x, point.reading_um]));
+        let digits = decimals(u.max(COVERAGE * point.u_prediction_um));
+        let text = format!(
+            "{axis} = {}{unit}, {}: read {} µm, predicted {} ± {} µm, {} µm with compensation{}",
+            on_axis(point),
+            if point.direction > 0 {
+                "forward"
+            } else {
+                "backward"
+            },
+            signed(point.reading_um, digits),
+            signed(point.predicted_um, digits),
+            fixed(COVERAGE * point.u_prediction_um, digits),
+            signed(point.compensated_um, digits),
+            point
+                .e_n
+                .map(|e_n| format!(", E_n {}", fixed(e_n, 2)))
+                .unwrap_or_default()
+        );
+        plot.hover([x, point.reading_um], &text);
+    }
+    Some(Figure::new(
+        &format!("verification-{}", k + 1),
+        plot.finish(),
+    ))
+}
+
+/// Whether the position of an axis names a point of each side of approach.
+fn tells_the_place(entry: &Entry, on_axis: &dyn Fn(&Point) -> f64) -> bool {
+    [1, -1].into_iter().all(|side| {
+        let of_side = entry.points.iter().filter(|point| point.direction == side);
+        let mut positions: Vec<f64> = of_side.map(on_axis).collect();
+        positions.sort_by(f64::total_cmp);
+        positions.windows(2).all(|pair| pair[0] < pair[1])
+    })
+}
+
+/// The axis that moves farthest, mm or degrees.
+fn moving_axis(entry: &Entry) -> Option<String> {
+    let first = entry.points.first()?;
+    let moved = |axis: &&String| {
+        let positions = entry.points.iter().filter_map(|point| point.at.get(*axis));
+        let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &q| {
+            (low.min(q), high.max(q))
+        });
+        high - low
+    };
+    let axes = first.at.keys().filter(|axis| moved(axis) > 0.0);
+    axes.max_by(|a, b| moved(a).total_cmp(&moved(b))).cloned()
+}

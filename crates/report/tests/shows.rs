@@ -1,0 +1,236 @@
+//! The page shows what the files say, in the units and to the digits that people read.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use serde_json::{Value, json};
+use trueaxis_report::{Settings, report};
+
+/// A machine with X and Y, squareness, and one curve that is 4 µm at most.
+fn calibration() -> Value {
+    json!({
+        "format": "trueaxis-calibration", "version": 1, "campaign": "two axes",
+        "machine": { "name": "M", "axes": [
+            { "name": "X", "kind": "linear", "direction": [1, 0, 0], "travel": [0, 400] },
+            { "name": "Y", "kind": "linear", "direction": [0, 1, 0], "travel": [0, 300] },
+            { "name": "C", "kind": "rotary", "direction": [0, 0, 1], "travel": [0, 360] } ] },
+        "adjustment": { "observations": 100, "degrees_of_freedom": 40, "sigma0": 1.02, "p_value": 0.4, "rejected": [] },
+        "stations": [ { "name": "S1", "position_mm": [900, 0, 100] } ],
+        "targets": [ { "name": "P", "position_mm": [1, 2, 3] } ],
+        "axes": [
+            { "name": "X", "kind": "linear", "positions": [0, 200, 400], "components": {
+                "EZX": { "value_um": [0.0, 4.0, -2.5], "u_um": [0.0, 0.25, 0.3], "dof": 9.0 } } } ],
+        "location_errors": {
+            "C0Y": { "value_arcsec": -23.417, "u_arcsec": 0.275 },
+            "X0C": { "value_mm": 0.0142726, "u_mm": 0.000115, "relative_to": "targets" } },
+    })
+}
+
+fn diagnosis(verdict: &str) -> Value {
+    let cause = json!({ "effect": "backlash", "level": "lengths", "subject": { "axis": "X" }, "layer": "machine",
+        "p_value": 1e-9, "parameters": [ { "name": "lost_motion", "value": 3.743, "u": 0.257, "unit": "um" } ] });
+    let causes = if verdict == "named" {
+        vec![cause]
+    } else {
+        Vec::new()
+    };
+    json!({ "format": "trueaxis-diagnosis", "version": 1, "campaign": "two axes", "verdict": verdict, "causes": causes })
+}
+
+fn page(folder: &Path, files: &[(&str, &Value)]) -> String {
+    for (name, value) in files {
+        std::fs::write(folder.join(name), value.to_string()).unwrap();
+    }
+    report(folder, &Settings::default()).unwrap().html
+}
+
+#[track_caller]
+fn has(page: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(page.contains(part), "{part} is not on the page");
+    }
+}
+
+#[test]
+fn numbers_have_their_uncertainty_and_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = page(folder.path(), &[("calibration.json", &calibration())]);
+    has(&page, &["squareness of Y to X", "−23.42″", "0.55″"]);
+    has(
+        &page,
+        &["offset of C in the X direction", "+14.27 µm", "0.23 µm"],
+    );
+    // t₀.₉₇₅ of 9 degrees of freedom is 2.262: U of 0.25 µm is 0.57 µm, the largest one 0.68 µm.
+    has(
+        &page,
+        &[
+            "straightness of X in the Z direction",
+            "X = 200 mm: EZX = +4.00 ± 0.57 µm",
+            ">0.68<",
+        ],
+    );
+    // 23.417″ on 300 mm make 34 µm: more than the curve. What is relative to nests is no error of the machine.
+    let largest = page.split("The largest errors").nth(1).unwrap();
+    let largest = largest.split("</table>").next().unwrap();
+    let at = |text: &str| largest.find(text);
+    assert!(at("34 µm").is_some() && at("C0Y") < at("EZX"), "{largest}");
+    assert!(at("X0C").is_none());
+}
+
+#[test]
+fn the_verdict_follows_residuals_and_diagnosis() {
+    let sound = calibration();
+    let mut contradicted = calibration();
+    contradicted["adjustment"]["p_value"] = json!(1e-9);
+    let of = |calibration: &Value, verdict: Option<&str>| {
+        let folder = tempfile::tempdir().unwrap();
+        let diagnosis = verdict.map(diagnosis);
+        let mut files = vec![("calibration.json", calibration)];
+        files.extend(
+            diagnosis
+                .as_ref()
+                .map(|diagnosis| ("diagnosis.json", diagnosis)),
+        );
+        page(folder.path(), &files)
+    };
+    has(
+        &of(&sound, None),
+        &["verdict good", "hidden causes were not sought"],
+    );
+    has(
+        &of(&sound, Some("clean")),
+        &["verdict good", "The calibration is sound"],
+    );
+    has(&of(&sound, Some("not_judged")), &["verdict care"]);
+    has(
+        &of(&sound, Some("named")),
+        &[
+            "verdict bad",
+            "backlash of axis X",
+            "lost motion +3.74 ± 0.51 µm",
+        ],
+    );
+    has(
+        &of(&contradicted, Some("clean")),
+        &["verdict bad", "1.02 times what the declared noise explains"],
+    );
+}
+
+#[test]
+fn what_belongs_to_other_data_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut stranger = diagnosis("named");
+    stranger["campaign"] = json!("another");
+    let files = [
+        ("calibration.json", &calibration()),
+        ("diagnosis.json", &stranger),
+    ];
+    let page = page(folder.path(), &files);
+    has(
+        &page,
+        &["diagnosis.json is of another campaign", "verdict good"],
+    );
+    assert!(!page.contains("backlash"));
+}
+
+#[test]
+fn readings_stand_beside_their_prediction() {
+    let point = |x: f64, read: f64| {
+        json!({ "at": { "X": x, "Y": 0 }, "direction": 1, "readings": 5, "reading_um": read, "predicted_um": 12.9,
+            "first_order_um": 12.9, "compensated_um": 0.0, "u_prediction_um": 0.5, "u_reading_um": 0.3, "e_n": 0.26 })
+    };
+    let mut verification = json!({
+        "format": "trueaxis-verification", "version": 1, "calibration": "two axes", "expected_above_one": 0.0455,
+        "verification": [ { "name": "LI along X", "kind": "positioning", "points": [point(0.0, 13.2), point(200.0, 12.6)],
+            "e_n": { "count": 2, "above_one": 0, "misfit": false },
+            "iso_230_2": [ { "from": {}, "runs": 5, "forward": { "A_um": 31.2, "E_um": 30.4, "R_um": 0.9 }, "M_um": 30.3 } ] } ] });
+    let folder = tempfile::tempdir().unwrap();
+    let files = [
+        ("calibration.json", &calibration()),
+        ("verification.json", &verification),
+    ];
+    let shown = page(folder.path(), &files);
+    has(
+        &shown,
+        &[
+            "LI along X",
+            "X = 200 mm, forward: read +12.6 µm, predicted +12.9 ± 1.0 µm",
+            "less the prediction 0.30 µm",
+        ],
+    );
+    has(
+        &shown,
+        &["0 of 2 normalised errors", "X in mm", ">31.2<", "M 30.3 µm"],
+    );
+    // On a circle two points have one position of X.
+    verification["verification"][0]["points"] =
+        json!([point(0.0, 13.2), point(200.0, 12.6), point(0.0, 12.0)]);
+    let files = [
+        ("calibration.json", &calibration()),
+        ("verification.json", &verification),
+    ];
+    has(&page(folder.path(), &files), &[">point</text>"]);
+    // A reading that contradicts the prediction is no clean bill; alone, the file makes a page of its own.
+    verification["verification"][0]["e_n"]["misfit"] = json!(true);
+    let files = [
+        ("calibration.json", &calibration()),
+        ("verification.json", &verification),
+    ];
+    has(
+        &page(folder.path(), &files),
+        &["verdict care", "other readings contradict it"],
+    );
+    let alone = tempfile::tempdir().unwrap();
+    has(
+        &page(alone.path(), &[("verification.json", &verification)]),
+        &["verdict bad", "LI along X"],
+    );
+    verification["calibration"] = json!("another");
+    let files = [
+        ("calibration.json", &calibration()),
+        ("verification.json", &verification),
+    ];
+    has(
+        &page(folder.path(), &files),
+        &["verification.json is of another calibration"],
+    );
+}
+
+/// Many lengths make neither a large page nor one that hides what stands out.
+#[test]
+fn many_residuals_are_thinned() {
+    const MANY: usize = 120_000;
+    const FAR: usize = 77_777;
+    let folder = tempfile::tempdir().unwrap();
+    let mut table =
+        "row,station,target,run,time_s,X,residual_um,standardized,redundancy,used\n".to_owned();
+    for k in 0..MANY {
+        // In (-1, 1), without a period that thinning could meet.
+        let residual = if k == FAR {
+            9.0
+        } else {
+            (k as f64 * 0.7).sin()
+        };
+        writeln!(
+            table,
+            "{},S{},P,x,{k},{},{residual},{residual},0.5,1",
+            k + 2,
+            k % 4,
+            k % 400
+        )
+        .unwrap();
+    }
+    std::fs::write(folder.path().join("residuals.csv"), table).unwrap();
+    let mut calibration = calibration();
+    calibration["adjustment"]["observations"] = json!(MANY);
+    let page = page(folder.path(), &[("calibration.json", &calibration)]);
+    assert!(page.len() < 1_000_000, "{} bytes", page.len());
+    has(
+        &page,
+        &[
+            "Of 120000 lengths",
+            "show one in 12,",
+            "line 77779: S1 to P",
+        ],
+    );
+}

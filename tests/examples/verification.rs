@@ -1,0 +1,25 @@
+//! Writes `campaigns/fxyz-lines` and `campaigns/fxyz-compensated`: `cargo run -p trueaxis-tests --example verification`.
+
+use std::error::Error;
+use std::path::Path;
+
+use trueaxis_calibrate::{Settings, calibrate};
+use trueaxis_campaign::{read, write};
+use trueaxis_simulate::Scenario;
+use trueaxis_tests::verification::verification_campaign;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let campaigns = Path::new(env!("CARGO_MANIFEST_DIR")).join("../campaigns");
+    let campaign = read(&campaigns.join("fxyz/campaign.json"))?;
+    let scenario = std::fs::read_to_string(campaigns.join("fxyz/scenario.json"))?;
+    let truth = Scenario::from_json(&scenario)?.true_machine()?;
+    let calibrated = calibrate(&campaign, &Settings::default())?.calibrated_machine();
+    for (folder, name, compensated_by) in [
+        ("fxyz-lines", "FXYZ lines", None),
+        ("fxyz-compensated", "FXYZ compensated", Some(&calibrated)),
+    ] {
+        let verification = verification_campaign(&campaign, &truth, compensated_by, name)?;
+        write(&verification, &campaigns.join(folder))?;
+    }
+    Ok(())
+}

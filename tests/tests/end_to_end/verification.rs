@@ -1,0 +1,76 @@
+//! The shipped verification readings: compensation does what it says.
+
+use std::path::Path;
+
+use trueaxis_calibrate::{CalibratedMachine, Settings, calibrate};
+use trueaxis_campaign::{Campaign, read};
+use trueaxis_compensate::{Verified, is_misfit, verify};
+use trueaxis_simulate::Scenario;
+use trueaxis_tests::verification::verification_campaign;
+
+fn shipped(name: &str) -> Campaign {
+    let campaigns = Path::new(env!("CARGO_MANIFEST_DIR")).join("../campaigns");
+    read(&campaigns.join(name).join("campaign.json")).unwrap()
+}
+
+fn calibrated() -> CalibratedMachine {
+    let calibration = calibrate(&shipped("fxyz"), &Settings::default()).unwrap();
+    calibration.calibrated_machine()
+}
+
+/// Largest minus smallest mean reading, µm.
+fn range_um(verified: &Verified) -> f64 {
+    let all = verified.points.iter().map(|point| point.reading_um);
+    all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
+}
+
+/// Readings agree with the predictions, and what was there is gone by more than the paper's factor (16.69 → 5.11,
+/// -17.52 → -4.47, -18.38 → -4.67 µm along X, Y, Z).
+#[test]
+fn compensation_takes_away_what_was_predicted() {
+    let machine = calibrated();
+    let before = verify(&machine, &shipped("fxyz-lines"), false).unwrap();
+    let after = verify(&machine, &shipped("fxyz-compensated"), true).unwrap();
+    assert_eq!((before.len(), after.len()), (4, 4));
+    let paper = [16.69 / 5.11, 17.52 / 4.47, 18.38 / 4.67, 1.0];
+    for ((before, after), factor) in before.iter().zip(&after).zip(paper) {
+        for verified in [before, after] {
+            let counts = verified.above_one();
+            println!(
+                "{}: {} of {} |E_n| above 1",
+                verified.name, counts.0, counts.1
+            );
+            assert!(!is_misfit(counts), "{}", verified.name);
+        }
+        let [b, a] = [before, after].map(range_um);
+        println!("{}: {b:.2} -> {a:.2} µm", before.name);
+        assert!(b / a > factor, "{}: {b} {a}", before.name);
+    }
+}
+
+/// The files are what the program in `examples/verification.rs` makes.
+#[test]
+fn the_files_are_those_of_the_example() {
+    let campaign = shipped("fxyz");
+    let scenario = include_str!("../../../campaigns/fxyz/scenario.json");
+    let truth = Scenario::from_json(scenario)
+        .unwrap()
+        .true_machine()
+        .unwrap();
+    let machine = calibrated();
+    for (name, compensated_by) in [("fxyz-lines", None), ("fxyz-compensated", Some(&machine))] {
+        let shipped = shipped(name);
+        let made = verification_campaign(&campaign, &truth, compensated_by, &shipped.name).unwrap();
+        for (a, b) in made.verification.iter().zip(&shipped.verification) {
+            assert_eq!(a.readings.len(), b.readings.len());
+            for (a, b) in a.readings.iter().zip(&b.readings) {
+                // The estimates behind the compensation may differ in their last digits.
+                assert!(
+                    (a.value_um - b.value_um).abs() < 0.01,
+                    "{name}: {a:?} {b:?}"
+                );
+                assert_eq!(a.positions, b.positions);
+            }
+        }
+    }
+}
