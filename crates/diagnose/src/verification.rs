@@ -241,8 +241,8 @@ fn parked_elsewhere(campaign: &Campaign, verification: &Verification) -> Vec<usi
         .collect()
 }
 
-/// Causes that did not hold before it is enough.
-const MOST_EXCLUDED: usize = 4;
+/// Searches until one holds, at most.
+const MOST_TRIES: usize = 3;
 
 /// Finds and judges the causes of one verification.
 fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> EntryOutcome {
@@ -255,7 +255,9 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
     // not hold gives its place to the next.
     let mut excluded: Vec<usize> = Vec::new();
     let mut chosen;
+    let mut tries = 0;
     loop {
+        tries += 1;
         chosen = search::search(problem, &excluded, level);
         let first: Vec<usize> = chosen.iter().map(|c| c.candidate).collect();
         believed::with_gain(problem, &mut chosen, &folds);
@@ -265,8 +267,12 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
         if chosen.len() < found {
             search::drop_superfluous(problem, &mut chosen, level);
         }
-        if !chosen.is_empty() || first.is_empty() || excluded.len() >= MOST_EXCLUDED {
+        if !chosen.is_empty() || first.is_empty() || tries == MOST_TRIES {
             break;
+        }
+        let of_time = |&number: &usize| problem.candidates[number].is_of_time();
+        if first.iter().any(of_time) {
+            excluded.extend((0..problem.candidates.len()).filter(of_time));
         }
         excluded.extend(first);
     }

@@ -31,7 +31,8 @@ pub(crate) fn of_misfit(
     } else {
         ", or another"
     };
-    let mut lines = vec![format!("cause{rank} in {}: {name}{or_another}", cause.data)];
+    let mut lines = vec![format!("cause{rank}: {name}{or_another}")];
+    lines.extend(labelled("seen in", &cause.data));
     lines.extend(labelled("what", explanation.cause));
     let mut size = in_words::parameters(&cause.parameters);
     if let Some(share) = cause.share {

@@ -17,7 +17,11 @@ use crate::verification::comparison::Comparison;
 /// rest of the curve takes its place.
 const NO_REPEATS_UM: f64 = 1e-3;
 
-/// Named parts of the mean curve; `None` where there is no curve to explain: a ball bar, several lines, few positions.
+/// Gaps of a line that is read in steps, in their median.
+const MOST_STEPS_APART: f64 = 3.0;
+
+/// Named parts of the mean curve; `None` where there is no curve to explain: a ball bar, several lines, few positions, or gaps between groups of
+/// them.
 pub(crate) fn diagnose_line_curve(
     comparison: &Comparison<'_>,
     noise_um: Option<f64>,
@@ -80,7 +84,13 @@ pub(crate) fn diagnose_line_curve(
         moving: vec![axis],
         temperatures: Vec::new(),
     };
+    // Between groups of neighbouring stops a wave of any length fits.
+    let largest = nodes.windows(2).map(|pair| pair[1] - pair[0]);
+    let largest = largest.fold(0.0, f64::max);
     let set = CurveSet::of_line(axis, content, component, nodes, values, variances);
+    if largest > MOST_STEPS_APART * set.step() {
+        return None;
+    }
     let mut causes = Search::new(&scene, vec![set]).causes();
     for cause in &mut causes {
         cause.data = format!("mean curve of {name}");

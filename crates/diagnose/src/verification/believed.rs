@@ -30,6 +30,10 @@ pub(crate) fn with_gain(problem: &Problem<'_>, causes: &mut Vec<Chosen>, folds: 
 /// from which the cause is taken for an imitation. A cause that fits leaves noise, far less than it took.
 const TOO_MUCH_LEFT: f64 = 0.25;
 
+/// The same of one course in time: what wanders looks like a jump or a drift in most of its squares, so that these
+/// are named only if they take 95 %.
+const TOO_MUCH_OF_TIME: f64 = 1.0 / 19.0;
+
 /// Drops causes whose trace lies where structure is left: a wrong name takes a part of an unknown
 /// disturbance and leaves the rest in the same columns.
 pub(crate) fn without_imitations(
@@ -53,12 +57,16 @@ pub(crate) fn without_imitations(
         })
         .collect();
     causes.retain(|cause| {
+        let too_much = match problem.candidates[cause.candidate].is_of_time() {
+            true => TOO_MUCH_OF_TIME,
+            false => TOO_MUCH_LEFT,
+        };
         let columns = problem.columns(std::slice::from_ref(cause));
         let trace = Fit::new(&problem.base, &columns).explained;
         let squares: f64 = trace.iter().map(|x| x * x).sum();
         !suspect.iter().any(|(family, left)| {
             let part = part_within(&problem.base, &family.columns, &trace);
-            part * left > TOO_MUCH_LEFT * squares
+            part * left > too_much * squares
         })
     });
 }

@@ -20,6 +20,11 @@ pub(crate) struct Candidate {
 }
 
 impl Candidate {
+    /// Whether it is one course in time of all readings alike: several of these together draw any course.
+    pub(crate) fn is_of_time(&self) -> bool {
+        OF_TIME.contains(&self.hypothesis.effect.id)
+    }
+
     /// Whether the data allow it a size that is physical: each value in its plausible range, three standard
     /// uncertainties considered.
     pub(crate) fn is_possible(&self, model: &Projection, shape: f64) -> bool {
@@ -44,6 +49,14 @@ impl Candidate {
         nearest.map_or(&[], |k| &self.columns[k])
     }
 }
+
+const OF_TIME: [&str; 5] = [
+    "instrument_drift",
+    "instrument_jump",
+    "machine_drift",
+    "machine_shift",
+    "warm_up",
+];
 
 /// Time constants that are tried, in equal ratios.
 const TIME_CONSTANTS: i32 = 16;

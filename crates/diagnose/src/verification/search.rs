@@ -119,9 +119,14 @@ fn best(
         return None;
     }
     let mut possible = rank(&model, &scans);
+    let has_time = causes
+        .iter()
+        .any(|cause| problem.candidates[cause.candidate].is_of_time());
     possible.retain(|score| {
         let candidate = &problem.candidates[numbers[score.scan]];
-        !excluded.contains(&numbers[score.scan]) && candidate.is_possible(&model, score.shape)
+        !(has_time && candidate.is_of_time())
+            && !excluded.contains(&numbers[score.scan])
+            && candidate.is_possible(&model, score.shape)
     });
     let leader = simplest(&model, &scans, &possible, level)?;
     let null = Null::simulated(&model, &scans);

@@ -266,3 +266,24 @@ fn a_wave_on_a_smooth_curve_is_found_in_a_line_without_calibration() {
         cause.parameters
     );
 }
+
+/// Two stops 0.5 mm apart at each of eight places, noise alone: the gaps leave room for a wave of any length.
+#[test]
+fn groups_of_stops_show_no_wave() {
+    for seed in 0..4 {
+        let mut random: ChaCha8Rng = generator(seed, 24);
+        let mut once = line(false, 0.0, 1, |_, _, _| 0.0);
+        let reading = once.readings[0].clone();
+        let positions = (0..8).flat_map(|k| [50.0 * f64::from(k), 50.0 * f64::from(k) + 0.5]);
+        once.readings = positions
+            .map(|x_mm| {
+                let noise: f64 = StandardNormal.sample(&mut random);
+                let mut reading = reading.clone();
+                reading.positions[0] = x_mm;
+                reading.value_um = noise;
+                reading
+            })
+            .collect();
+        assert!(found(once).causes.is_empty());
+    }
+}
