@@ -124,7 +124,8 @@ fn best(
         .any(|cause| problem.candidates[cause.candidate].is_of_time());
     possible.retain(|score| {
         let candidate = &problem.candidates[numbers[score.scan]];
-        !(has_time && candidate.is_of_time())
+        let of_time = has_time && candidate.is_of_time();
+        !of_time
             && !excluded.contains(&numbers[score.scan])
             && candidate.is_possible(&model, score.shape)
     });
