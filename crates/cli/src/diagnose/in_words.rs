@@ -58,6 +58,9 @@ pub(crate) fn parameters(parameters: &[EstimatedParameter]) -> String {
             name => name.replace('_', " "),
         };
         parts.push(match first.name.as_str() {
+            "period" if !first.u.is_finite() => {
+                format!("{name} at most {:.1}{}", first.value, unit(first.unit))
+            }
             "time" | "time_constant" | "period" => {
                 format!("{name} {}{}", plain(first), unit(first.unit))
             }
@@ -181,6 +184,9 @@ mod tests {
         ];
         let text = "shift x +3.10 ± 0.40, y +0.00 ± 0.40, z -1.44 ± 0.60 µm; at 5210.0 ± 8.0 s";
         assert_eq!(parameters(&all), text);
+        // Shorter than what the steps show.
+        let shortest = [parameter("period", 40.0, f64::INFINITY, "mm")];
+        assert_eq!(parameters(&shortest), "period at most 40.0 mm");
         let expansion = [parameter("expansion", 2.0, 0.01, "ppm")];
         assert_eq!(parameters(&expansion), "expansion +2.000 ± 0.020 ppm");
     }

@@ -107,7 +107,13 @@ fn u_of(found: &Found, f: &dyn Fn(&[f64]) -> f64) -> f64 {
 }
 
 fn shape(set: &CurveSet, found: &Found) -> Option<EstimatedParameter> {
-    let (value, u) = (found.estimate.shape, found.estimate.u_shape);
+    let value = found.estimate.shape;
+    // Waves as short as two steps may as well be shorter ones: the period is at most that, with no uncertainty.
+    let is_shortest = value <= 2.0 * set.step() * (1.0 + 1e-9);
+    let u = match is_shortest {
+        true => f64::INFINITY,
+        false => found.estimate.u_shape,
+    };
     match found.candidate.hypothesis.effect.shape {
         Shape::Period => {
             let (value, u, unit) = match set.content.kind() {
@@ -124,7 +130,7 @@ fn shape(set: &CurveSet, found: &Found) -> Option<EstimatedParameter> {
         Shape::Waves => Some(EstimatedParameter {
             name: "waves".to_owned(),
             value,
-            u,
+            u: found.estimate.u_shape,
             unit: "1",
         }),
         Shape::Fixed | Shape::Instant | Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
