@@ -61,27 +61,29 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     let folder = output::folder(args.out.as_deref(), &campaign.name)?;
     let text = calibration.to_json();
     let mut written = Vec::new();
-    let all = std::iter::once(("calibration.json", text.as_bytes()));
-    for (name, bytes) in all.chain(extra.iter().map(|(name, bytes)| (*name, bytes.as_slice()))) {
+    extra.insert(0, ("calibration.json", text.clone().into_bytes()));
+    for (name, bytes) in extra {
         let path = folder.join(name);
-        output::write(&path, bytes)?;
+        output::write(&path, &bytes)?;
         written.push(path);
     }
     let path = folder.join(FactoredCovariance::FILE);
     output::write_by(&path, |out| calibration.write_covariance_npz(out))?;
     written.push(path);
+    let lines = summary::lines(&campaign, &calibration, args.paper_signs);
+    let is_rejected = rejects_the_model(&calibration);
+    let notices = [&campaign.notices, &calibration.notices, &of_effects].map(Vec::as_slice);
+    let notices = notices.concat();
+    // The report reads the files: of a million lengths not everything need be in memory twice.
+    drop((campaign, calibration));
     if !args.no_report {
         written.extend(report::of_results(&folder)?);
     }
 
-    for line in summary::lines(&campaign, &calibration, args.paper_signs) {
-        say(&line);
+    for line in lines.iter().chain(&checked) {
+        say(line);
     }
-    for line in checked {
-        say(&line);
-    }
-    let notices = campaign.notices.iter().chain(&calibration.notices);
-    for text in notices.chain(&of_effects) {
+    for text in &notices {
         notice(text);
     }
     for path in &written {
@@ -90,7 +92,7 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     if args.json {
         output::print(&text)?;
     }
-    if args.fail_on_misfit && rejects_the_model(&calibration) {
+    if args.fail_on_misfit && is_rejected {
         say("the data reject the model (--fail-on-misfit)");
         return Ok(Exit::Misfit);
     }

@@ -19,6 +19,8 @@ pub(crate) struct AxisSection {
     /// Names of the sides of approach, where they are kept apart.
     sides: Vec<&'static str>,
     ratios: Vec<RatioRow>,
+    /// Whether its curves have more points than are drawn.
+    is_thinned: bool,
 }
 
 /// A curve in a line.
@@ -93,6 +95,7 @@ fn section(axis: &Axis, calibration: &Calibration) -> AxisSection {
             false => vec!["forward", "backward"],
         },
         ratios: ratios.collect(),
+        is_thinned: axis.positions.len() > MOST_POINTS,
     }
 }
 
@@ -134,7 +137,7 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
         let on = nodes.filter(|(k, _)| side.is_none() || axis.direction.get(*k).copied() == side);
         let mut on: Vec<[f64; 3]> = on.map(|(_, node)| *node).collect();
         on.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        on
+        thinned(on)
     };
     let sides = match axis.direction.is_empty() {
         true => vec![None],
@@ -170,6 +173,27 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
     Figure::new(&format!("component-{name}"), plot.finish())
 }
 
+/// More points of a curve than these cannot be told apart in its figure.
+const MOST_POINTS: usize = 400;
+
+/// Points in the order of their positions, of each part of a long curve the least and the largest.
+fn thinned(points: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
+    if points.len() <= MOST_POINTS {
+        return points;
+    }
+    let parts = points.chunks(points.len().div_ceil(MOST_POINTS / 2));
+    let ends = parts.flat_map(|part| {
+        let by_value = |a: &usize, b: &usize| part[*a][1].total_cmp(&part[*b][1]);
+        let least = (0..part.len()).min_by(by_value);
+        let largest = (0..part.len()).max_by(by_value);
+        let mut ends: Vec<usize> = least.into_iter().chain(largest).collect();
+        ends.sort_unstable();
+        ends.dedup();
+        ends.into_iter().map(|k| part[k])
+    });
+    ends.collect()
+}
+
 fn summary(name: &str, curve: &Curve, words: String) -> Summary {
     let values = || curve.values().iter().copied().filter(|x| x.is_finite());
     let least = values().fold(f64::INFINITY, f64::min);
@@ -190,5 +214,24 @@ fn summary(name: &str, curve: &Curve, words: String) -> Summary {
         largest: shown(signed(largest, digits)),
         range: shown(fixed(largest - least, digits)),
         expanded: shown(fixed(expanded, digits)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_curves_keep_their_extremes() {
+        let curve: Vec<[f64; 3]> = (0..33_333_u32)
+            .map(|k| [f64::from(k), (f64::from(k) / 500.0).sin(), 0.1])
+            .collect();
+        let drawn = thinned(curve.clone());
+        assert!(drawn.len() <= MOST_POINTS, "{}", drawn.len());
+        assert!(drawn.is_sorted_by(|a, b| a[0] < b[0]));
+        let extremes = |points: &[[f64; 3]]| range(points.iter().map(|point| point[1]));
+        let (all, kept) = (extremes(&curve), extremes(&drawn));
+        assert!((all[0] - kept[0]).abs() + (all[1] - kept[1]).abs() < 1e-15);
+        assert_eq!(thinned(curve[..400].to_vec()), curve[..400]);
     }
 }
