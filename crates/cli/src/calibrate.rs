@@ -61,11 +61,15 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     let folder = output::folder(args.out.as_deref(), &campaign.name)?;
     let text = calibration.to_json();
     let mut written = Vec::new();
-    extra.insert(0, ("calibration.json", text.clone().into_bytes()));
-    for (name, bytes) in extra {
+    let mut write = |name: &str, bytes: &[u8]| {
         let path = folder.join(name);
-        output::write(&path, &bytes)?;
+        output::write(&path, bytes)?;
         written.push(path);
+        anyhow::Ok(())
+    };
+    write("calibration.json", text.as_bytes())?;
+    for (name, bytes) in extra {
+        write(name, &bytes)?;
     }
     let path = folder.join(FactoredCovariance::FILE);
     output::write_by(&path, |out| calibration.write_covariance_npz(out))?;

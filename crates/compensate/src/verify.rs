@@ -17,7 +17,8 @@ mod json;
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_calibrate::{
-    Approach, CalibratedMachine, MeasuredPoint, carrier, measured_home_mm, predicted_reading_um,
+    Approach, CalibratedMachine, MeasuredPoint, ball_bar_set_up, carrier, measured_home_mm,
+    predicted_reading_um,
 };
 use trueaxis_campaign::{Campaign, Direction, Verification, VerificationKind};
 use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
@@ -269,22 +270,16 @@ fn set_up(machine: &Machine, kind: &VerificationKind, points: &[Point]) -> DMatr
             };
             first.iter().map(of_line).collect()
         }
-        VerificationKind::Ballbar { .. } => circle_columns(machine, kind, points),
+        VerificationKind::Ballbar { .. } => {
+            let along = points
+                .iter()
+                .map(|p| MeasuredPoint::new(machine, kind, &p.positions).along);
+            ball_bar_set_up(&along.collect::<Vec<_>>())
+        }
     };
     DMatrix::from_fn(points.len(), columns.len(), |row, column| {
         columns[column][row]
     })
-}
-
-/// Centre and length of a bar.
-fn circle_columns(machine: &Machine, kind: &VerificationKind, points: &[Point]) -> Vec<Vec<f64>> {
-    let along = points
-        .iter()
-        .map(|p| MeasuredPoint::new(machine, kind, &p.positions).along);
-    let along: Vec<_> = along.collect();
-    let centre = (0..3).map(|c| along.iter().map(|along| along[c]).collect::<Vec<f64>>());
-    let seen = centre.filter(|column| column.iter().any(|x| x.abs() > ROUNDING));
-    seen.chain([vec![1.0; points.len()]]).collect()
 }
 
 fn first_of_lines<'a>(axis: usize, all: impl Iterator<Item = &'a Vec<f64>>) -> Vec<Vec<f64>> {

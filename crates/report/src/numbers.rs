@@ -1,21 +1,22 @@
 //! Numbers as people read them: to the digits that their uncertainty leaves.
 
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal};
+use trueaxis_leastsquares::student_two_sided;
 
 /// Coverage factor where many degrees of freedom stand behind u.
 pub(crate) const COVERAGE: f64 = 2.0;
 
 /// Half width of the 95 % interval: Student's factor where that is more than [`COVERAGE`].
 pub(crate) fn coverage_factor(dof: Option<f64>) -> f64 {
-    let student = dof.and_then(|dof| StudentsT::new(0.0, 1.0, dof).ok());
     // The inverse loses digits where the distribution is nearly normal, and fails where it hardly is one.
     let factor = match dof {
-        Some(dof) if (1e-2..1e4).contains(&dof) => student.map(|t| t.inverse_cdf(0.975)),
-        _ => None,
+        Some(dof) if (1e-2..1e4).contains(&dof) => student_two_sided(0.05, dof),
+        _ => COVERAGE,
     };
-    factor
-        .filter(|factor| factor.is_finite())
-        .map_or(COVERAGE, |factor| factor.max(COVERAGE))
+    match factor.is_finite() {
+        true => factor.max(COVERAGE),
+        false => COVERAGE,
+    }
 }
 
 /// The value that a standard normal variable stays below with this probability.

@@ -8,7 +8,7 @@
 //! ```
 
 use std::collections::BTreeMap;
-use std::io::{self, Cursor, Seek, Write};
+use std::io::{self, Seek, Write};
 
 use nalgebra::{DMatrix, Matrix6};
 use trueaxis_files::{Array, NpzWriter, from_npz};
@@ -31,15 +31,6 @@ impl FactoredCovariance {
 }
 
 impl Calibration {
-    /// The bytes of `covariance.npz`.
-    pub fn covariance_npz(&self) -> Vec<u8> {
-        let mut bytes = Cursor::new(Vec::new());
-        // Memory takes everything, and the names differ.
-        self.write_covariance_npz(&mut bytes)
-            .expect("memory can be written");
-        bytes.into_inner()
-    }
-
     /// Writes `covariance.npz`.
     ///
     /// # Errors
@@ -71,7 +62,7 @@ impl Calibration {
 }
 
 impl FactoredCovariance {
-    /// The covariance of `results` results with so many nodes from the bytes of a file, in its units.
+    /// The covariance of `results` results, those of `nodes` nodes first, from the bytes of a file, in its units.
     pub(crate) fn from_npz(
         bytes: &[u8],
         nodes: usize,
@@ -129,6 +120,8 @@ fn taken(
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use super::*;
 
     /// 2,000 results, more than are taken at a time; the last file has nothing that they share.

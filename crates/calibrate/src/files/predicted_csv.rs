@@ -9,17 +9,21 @@ use trueaxis_kinematics::{ARCSEC, MICROMETRE, Machine};
 use crate::machine::predict::Prediction;
 use crate::result::output::position_in_file;
 
-/// Columns behind those of the axes.
-pub(crate) const COLUMNS: [&str; 16] = [
-    "x_mm",
-    "y_mm",
-    "z_mm",
+/// Columns of the tool point.
+const POINT: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
+
+/// Columns of the error of the tool against the workpiece.
+pub(crate) const ERROR: [&str; 6] = [
     "ex_um",
     "ey_um",
     "ez_um",
     "ea_arcsec",
     "eb_arcsec",
     "ec_arcsec",
+];
+
+/// Columns behind those of the error.
+const BEHIND: [&str; 7] = [
     "u_ex_um",
     "u_ey_um",
     "u_ez_um",
@@ -37,7 +41,7 @@ impl Prediction {
     /// uncertainty (actual minus nominal), and whether an axis stands outside its steps.
     pub fn columns(machine: &Machine) -> Vec<&str> {
         let axes = machine.axes().iter().map(|axis| axis.name());
-        axes.chain(COLUMNS).collect()
+        axes.chain(POINT).chain(ERROR).chain(BEHIND).collect()
     }
 
     /// The row of this prediction.

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, MICROMETRE, MotionError};
 
-use crate::files::predicted_csv::to_csv;
+use crate::files::predicted_csv::{ERROR, to_csv};
 use crate::files::{text, without_nulls};
 use crate::machine::calibrated_machine::CalibratedMachine;
 use crate::machine::volume::statistics::Sizes;
@@ -118,15 +118,7 @@ impl Volume {
     pub fn map_csv(&self, machine: &CalibratedMachine, map: &[MotionError]) -> String {
         let axes = machine.machine().axes();
         let names = axes.iter().map(|axis| axis.name());
-        let errors = [
-            "ex_um",
-            "ey_um",
-            "ez_um",
-            "ea_arcsec",
-            "eb_arcsec",
-            "ec_arcsec",
-        ];
-        let columns: Vec<&str> = names.chain(errors).collect();
+        let columns: Vec<&str> = names.chain(ERROR).collect();
         let rows = map.iter().zip(self.places.map()).map(|(error, number)| {
             let positions = self.places.at_node(number);
             let positions = axes.iter().zip(positions);

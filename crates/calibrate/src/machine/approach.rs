@@ -47,7 +47,7 @@ impl CalibratedMachine {
             .is_some_and(|axis| axis.curve.keeps_sides_apart())
     }
 
-    /// The places of [`CalibratedMachine::volume`]: so many nodes (two at least) along each linear axis, the others
+    /// The places of [`CalibratedMachine::volume`]: `points` nodes (two at least) along each linear axis, the others
     /// spread over their steps.
     pub fn places(&self, points: usize, tool_home_mm: Point3<f64>) -> Places {
         Places::new(self, points.max(2), tool_home_mm)

@@ -9,7 +9,7 @@ use trueaxis_kinematics::{Component, GeometricErrors};
 
 use crate::machine::calibrated_machine::{CalibratedAxis, CalibratedMachine};
 
-/// A difference is beyond noise if it is so many standard uncertainties: normal noise exceeds them once in 150,000, so that
+/// Standard uncertainties beyond which a difference is not noise: normal noise exceeds them once in 150,000, so that
 /// of a thousand differences, however they go together, one does with a probability below 1 %.
 const BEYOND_NOISE: f64 = 4.5;
 

@@ -247,20 +247,10 @@ fn divided_difference(knots: &[Knot]) -> Vec<(usize, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use trueaxis_campaign::Direction::{Backward, Forward};
 
-    struct At(f64, Option<Direction>);
-
-    impl Place for At {
-        fn position(&self) -> f64 {
-            self.0
-        }
-
-        fn direction(&self) -> Option<Direction> {
-            self.1
-        }
-    }
+    use super::*;
+    use crate::result::interpolation::tests::At;
 
     fn places(positions: impl IntoIterator<Item = f64>) -> Vec<At> {
         positions.into_iter().map(|q| At(q, None)).collect()

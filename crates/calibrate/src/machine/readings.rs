@@ -19,6 +19,18 @@ use crate::propagate::axis_twist::{TRANSLATION, axis_twist};
 /// Positions of an axis this close are one, mm or rad.
 const SAME: f64 = 1e-9;
 
+/// Parts of a unit vector that only rounding makes: the bar lies in a plane.
+const ROUNDING: f64 = 1e-9;
+
+/// What the set-up of a ball bar makes of its readings, one for each direction of the bar: columns of the offset of its
+/// centre, as far as the directions see it, and of its length.
+pub fn ball_bar_set_up(along: &[Vector3<f64>]) -> Vec<Vec<f64>> {
+    let centre = (0..3).map(|c| along.iter().map(|along| along[c]).collect());
+    let is_seen = |column: &Vec<f64>| column.iter().any(|x| x.abs() > ROUNDING);
+    let length = vec![1.0; along.len()];
+    centre.filter(is_seen).chain([length]).collect()
+}
+
 /// The measured point at commanded positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredPoint {

@@ -10,7 +10,7 @@ use crate::result::calibration::Calibration;
 /// Scatter about the mean that the machine's return and the noise may have, mm: more is no constant.
 const SCATTER_MM: f64 = 20.0 * MICROMETRE;
 
-/// A constant is named from so many times its scatter on.
+/// A constant is named if it is at least this many times its scatter.
 const SIGNIFICANT: f64 = 10.0;
 
 /// Fewer lengths prove nothing.

@@ -73,11 +73,12 @@ pub(crate) fn weights_at(
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use Direction::{Backward, Forward};
 
-    struct At(f64, Option<Direction>);
+    /// A place for tests.
+    pub(crate) struct At(pub(crate) f64, pub(crate) Option<Direction>);
 
     impl Place for At {
         fn position(&self) -> f64 {

@@ -4,19 +4,12 @@ use std::fs;
 
 use tempfile::TempDir;
 
-use crate::program::{Outcome, contents, file_names, run, shipped};
+use crate::program::{Outcome, calibrate_shipped, contents, file_names, run};
 
 /// A folder with the calibration of the three-axis machine in `calibrated`.
 fn calibrated() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let campaign = shipped("fxyz").join("campaign.json");
-    let args = [
-        "calibrate",
-        campaign.to_str().unwrap(),
-        "--out",
-        "calibrated",
-    ];
-    run(folder.path(), &args).assert_good();
+    calibrate_shipped(folder.path(), "fxyz");
     folder
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::program::{Outcome, contents, file_names, run, shipped};
+use crate::program::{Outcome, calibrate_shipped, contents, file_names, run, shipped};
 
 const WRONG_INPUT: i32 = 3;
 
@@ -18,14 +18,7 @@ const TABLE: &str = "X,Y,Z,A,C,x_mm,y_mm,z_mm\n\
 /// A folder with the calibration of the five-axis machine in `calibrated`.
 fn calibrated() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let campaign = shipped("five-axis").join("campaign.json");
-    let args = [
-        "calibrate",
-        campaign.to_str().unwrap(),
-        "--out",
-        "calibrated",
-    ];
-    run(folder.path(), &args).assert_good();
+    calibrate_shipped(folder.path(), "five-axis");
     folder
 }
 

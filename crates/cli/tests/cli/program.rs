@@ -98,6 +98,19 @@ pub(crate) fn shipped(campaign: &str) -> PathBuf {
         .join(campaign)
 }
 
+/// Calibrates a shipped campaign into the folder `calibrated` in `current`.
+#[track_caller]
+pub(crate) fn calibrate_shipped(current: &Path, campaign: &str) {
+    let campaign = shipped(campaign).join("campaign.json");
+    let args = [
+        "calibrate",
+        campaign.to_str().unwrap(),
+        "--out",
+        "calibrated",
+    ];
+    run(current, &args).assert_good();
+}
+
 /// All files below a folder with their bytes, by path.
 pub(crate) fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut files = Vec::new();

@@ -7,21 +7,14 @@ use std::path::Path;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use crate::program::{Outcome, contents, run, shipped};
+use crate::program::{Outcome, calibrate_shipped, contents, run, shipped};
 
 /// A folder with the calibration of the three-axis machine in `calibrated`, and in `verification` a campaign with readings
 /// along X through T: `factor` times what is predicted, with another zero.
 fn prepared(factor: f64) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let current = folder.path();
-    let campaign = shipped("fxyz").join("campaign.json");
-    let args = [
-        "calibrate",
-        campaign.to_str().unwrap(),
-        "--out",
-        "calibrated",
-    ];
-    run(current, &args).assert_good();
+    calibrate_shipped(current, "fxyz");
     let mut positions = "X,Y,Z,x_mm,y_mm,z_mm\n".to_owned();
     (0..=22).for_each(|k| writeln!(positions, "{},0,0,175.6,497.5,312.1", 20 * k).unwrap());
     fs::write(current.join("positions.csv"), positions).unwrap();
@@ -44,7 +37,7 @@ fn prepared(factor: f64) -> TempDir {
     }
     let verification = current.join("verification");
     fs::create_dir(&verification).unwrap();
-    let text = fs::read_to_string(&campaign).unwrap();
+    let text = fs::read_to_string(shipped("fxyz").join("campaign.json")).unwrap();
     let mut document: Value = serde_json::from_str(&text).unwrap();
     document["verification"] = json!([{
         "name": "LI along X", "kind": "positioning", "axis": "X", "target_mm": [175.6, 497.5, 312.1],

@@ -5,18 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::program::{Outcome, contents, file_names, run, run_with_environment, shipped};
-
-fn calibrate(current: &Path, campaign: &str) {
-    let campaign = shipped(campaign).join("campaign.json");
-    let args = [
-        "calibrate",
-        campaign.to_str().unwrap(),
-        "--out",
-        "calibrated",
-    ];
-    run(current, &args).assert_good();
-}
+use crate::program::{Outcome, calibrate_shipped, contents, file_names, run, run_with_environment};
 
 fn volume(current: &Path, options: &[&str]) -> Outcome {
     let args = ["volume", "calibrated/calibration.json", "--points", "5"];
@@ -26,7 +15,7 @@ fn volume(current: &Path, options: &[&str]) -> Outcome {
 #[test]
 fn figures_and_a_map() {
     let folder = tempfile::tempdir().unwrap();
-    calibrate(folder.path(), "five-axis");
+    calibrate_shipped(folder.path(), "five-axis");
     let outcome = volume(folder.path(), &["--json", "--tool", "-10,20.5,300"]);
     outcome.assert_good();
     let written = folder.path().join("five-axis-machine");
@@ -68,7 +57,7 @@ fn figures_and_a_map() {
 #[test]
 fn a_table_alone_has_no_map() {
     let folder = tempfile::tempdir().unwrap();
-    calibrate(folder.path(), "rotary-stage");
+    calibrate_shipped(folder.path(), "rotary-stage");
     let outcome = volume(folder.path(), &["--out", "v", "--draws", "0"]);
     outcome.assert_good();
     assert_eq!(file_names(&folder.path().join("v")), ["volume.json"]);

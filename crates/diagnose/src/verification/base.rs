@@ -11,6 +11,7 @@
 //! cycles or lines. The set-up of a ball bar absorbs a constant and once per turn: errors of scale that
 //! the axes have in common, not squareness.
 
+use trueaxis_calibrate::ball_bar_set_up;
 use trueaxis_campaign::VerificationKind;
 
 use crate::verification::arrivals::is_same;
@@ -50,15 +51,9 @@ pub(crate) fn absorbed(comparison: &Comparison<'_>, calibrated: bool) -> &'stati
 
 /// Offset of the centre along x, y, z and length of the bar.
 pub(crate) fn set_up(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
-    let part = |c: usize| comparison.points.iter().map(|p| -p.along[c]).collect();
-    let length = vec![1.0; comparison.points.len()];
-    let columns = (0..3).map(part).chain([length]);
-    let is_seen = |column: &Vec<f64>| column.iter().any(|x| x.abs() > ROUNDING);
-    columns.filter(is_seen).collect()
+    let towards: Vec<_> = comparison.points.iter().map(|p| -p.along).collect();
+    ball_bar_set_up(&towards)
 }
-
-/// Parts of a unit vector that only rounding makes: the bar lies in a plane.
-const ROUNDING: f64 = 1e-9;
 
 /// For each reading the number of its line.
 pub(crate) fn lines(comparison: &Comparison<'_>) -> Vec<usize> {

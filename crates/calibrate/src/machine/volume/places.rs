@@ -42,7 +42,7 @@ pub struct GridAxis {
 }
 
 impl Places {
-    /// With so many nodes (two at least) along each axis of the grid; where fewer axes than three make the grid, its nodes are visited
+    /// With `points` nodes (two at least) along each axis of the grid; where fewer axes than three make the grid, its nodes are visited
     /// as often as the others would make nodes.
     pub(crate) fn new(
         machine: &CalibratedMachine,
