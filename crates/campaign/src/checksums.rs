@@ -48,6 +48,20 @@ pub fn checksums(path: &Path) -> Result<Vec<InputFile>, Error> {
     all.map(checksum).collect()
 }
 
+impl InputFile {
+    /// The file at `path`, by its own name.
+    ///
+    /// # Errors
+    /// Those of the operating system.
+    pub fn of(path: &Path) -> io::Result<Self> {
+        let name = path.file_name().unwrap_or(path.as_os_str());
+        Ok(Self {
+            name: name.to_string_lossy().into_owned(),
+            sha256: sha256(path)?,
+        })
+    }
+}
+
 fn sha256(file: &Path) -> io::Result<String> {
     let mut hasher = Sha256::new();
     io::copy(

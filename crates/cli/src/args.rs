@@ -8,6 +8,8 @@ use nalgebra::Point3;
 use trueaxis_calibrate::{Method, ReferencePoint, Settings};
 use trueaxis_identify::SixRows;
 
+use crate::import::ImportVerb;
+
 /// Every geometric error of a machine tool from the lengths that one laser tracker measures to
 /// three targets.
 ///
@@ -39,6 +41,9 @@ pub(crate) enum Verb {
     /// Compares a campaign's verification readings with what a calibration predicts; writes
     /// verification.json.
     Verify(VerifyArgs),
+    /// Takes in what other systems measured.
+    #[command(subcommand)]
+    Import(ImportVerb),
     /// Says by what two calibrations of one machine differ; writes comparison.json.
     Compare(CompareArgs),
     /// Says what the calibrated model gets wrong and why; writes diagnosis.json.
@@ -437,7 +442,7 @@ fn reference_point(text: &str) -> Result<ReferencePoint, String> {
     })
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse().ok();
     let positive = number.filter(|x: &f64| x.is_finite() && *x > 0.0);
     positive.ok_or_else(|| "expected a number above zero".to_owned())

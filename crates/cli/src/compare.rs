@@ -107,11 +107,14 @@ fn table(differences: &[Difference]) -> Vec<String> {
             0 => String::new(),
             _ => format!("changed, at {changed} of {}", curve.len()),
         };
+        let expanded = match largest.u.is_nan() {
+            true => format!("{:>9}", "unknown"),
+            false => format!("{:>9.2} {symbol}", 2.0 * largest.u / unit),
+        };
         let line = format!(
-            "  {:12} {:>14.2} {symbol} {:>9.2} {symbol}  {said}",
+            "  {:12} {:>14.2} {symbol} {expanded}  {said}",
             largest.name,
             largest.value() / unit,
-            2.0 * largest.u / unit
         );
         lines.push(line.trim_end().to_owned());
     }

@@ -8,6 +8,7 @@ use trueaxis_poses::Error as Poses;
 
 use crate::effects_input::EffectsInputError;
 use crate::export::OldTablesError;
+use crate::import::calibration::ImportError;
 use crate::output::OutputError;
 use crate::report::TemplateUnreadable;
 
@@ -70,14 +71,17 @@ impl Exit {
             if cause.is::<OutputError>() || cause.is::<TemplateUnreadable>() {
                 return Self::Usage;
             }
-            if cause.is::<ReadError>() {
+            if cause.is::<ReadError>()
+                || cause.is::<ImportError>()
+                || cause.is::<trueaxis_files::DocumentError>()
+            {
                 return Self::Input;
             }
             if let Some(error) = cause.downcast_ref::<trueaxis_compensate::Error>() {
                 return match error {
                     trueaxis_compensate::Error::NotContracting { .. } => Self::NotConverged,
                     trueaxis_compensate::Error::OtherMachine { .. }
-                    | trueaxis_compensate::Error::OldTable { .. } => Self::Input,
+                    | trueaxis_compensate::Error::Table { .. } => Self::Input,
                     _ => Self::Usage,
                 };
             }

@@ -73,12 +73,15 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
         all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
     };
     let u = entry.points.iter().map(|point| point.u_prediction_um);
+    let u = match u.clone().any(f64::is_nan) {
+        true => "u of the predictions is not known".to_owned(),
+        false => format!("largest u of a prediction {:.2}", u.fold(0.0, f64::max)),
+    };
     lines.push(format!(
-        "  range, µm            read {:.2}; predicted {:.2}, with compensation {:.2}; largest u of a prediction {:.2}",
+        "  range, µm            read {:.2}; predicted {:.2}, with compensation {:.2}; {u}",
         range(|p| p.reading_um),
         range(|p| p.predicted_um),
         range(|p| p.compensated_um),
-        u.fold(0.0, f64::max)
     ));
     let squares = entry.points.iter().map(|point| {
         let predicted = if is_compensated {
@@ -91,6 +94,9 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
     let rms = (squares.sum::<f64>() / entry.points.len().max(1) as f64).sqrt();
     let (above, all) = entry.above_one();
     let judged = match all {
+        0 if entry.points.iter().any(|p| p.u_prediction_um.is_nan()) => {
+            "without uncertainties there is no E_n".to_owned()
+        }
         0 => "no u_um is declared, so there is no E_n".to_owned(),
         _ => format!(
             "|E_n| above 1 at {above} of {all} (expected {:.1}): {}",

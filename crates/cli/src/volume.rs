@@ -60,8 +60,12 @@ fn lines(machine: &CalibratedMachine, volume: &Volume) -> Vec<String> {
     let [x, y, z]: [f64; 3] = volume.places.tool_home_mm.coords.into();
     let mut lines = vec![
         format!(
-            "{} places; tool point ({x}, {y}, {z}) mm at home; in brackets 95 % intervals",
-            volume.places.count()
+            "{} places; tool point ({x}, {y}, {z}) mm at home{}",
+            volume.places.count(),
+            match volume.figures.zeroed_at_home.rms.drawn {
+                Some(_) => "; in brackets 95 % intervals",
+                None => "",
+            }
         ),
         "volumetric error, µm              rms                  95 %               largest"
             .to_owned(),
@@ -162,6 +166,10 @@ fn after_lines(after: &Remains) -> Vec<String> {
     lines.push(line("linear axes corrected", &after.linear));
     if after.linear != after.all {
         lines.push(line("all axes corrected", &after.all));
+    }
+    if after.u_rms_mm.is_nan() {
+        lines.push("  and what the calibration does not know, of which it says nothing".to_owned());
+        return lines;
     }
     lines.push(format!(
         "  and what the calibration does not know: u rms {:.2}, largest {:.2} µm (k = 1)",

@@ -2,13 +2,14 @@
 
 mod announcement;
 mod components;
-mod etalon;
+pub(crate) mod etalon;
 mod grid;
-mod isg;
+pub(crate) mod isg;
 mod klipper;
 mod line;
 mod linuxcnc;
 mod marlin;
+pub(crate) mod named_errors;
 mod sinumerik;
 mod skew;
 
@@ -110,7 +111,7 @@ pub(crate) trait Rule {
 }
 
 /// The files of a format before they are judged.
-struct Tables {
+pub(crate) struct Tables {
     files: Vec<ExportedFile>,
     notes: Vec<String>,
     is_experimental: bool,

@@ -74,7 +74,7 @@ pub struct Point {
     pub first_order_um: f64,
     /// Predicted with every command corrected.
     pub compensated_um: f64,
-    /// Standard uncertainty of the prediction.
+    /// Standard uncertainty of the prediction; NaN if the calibration has none.
     pub u_prediction_um: f64,
     /// Declared standard uncertainty of the reading.
     pub u_reading_um: Option<f64>,
@@ -157,7 +157,9 @@ fn verified(
     fitted(|point| &mut point.first_order_um, &mut points);
     fitted(|point| &mut point.compensated_um, &mut points);
     for (i, point) in points.iter_mut().enumerate() {
-        point.u_prediction_um = covariance[(i, i)].max(0.0).sqrt();
+        let variance = covariance[(i, i)];
+        // Rounding may leave less than zero; what is not known stays so.
+        point.u_prediction_um = if variance < 0.0 { 0.0 } else { variance.sqrt() };
         let predicted = if is_compensated {
             point.compensated_um
         } else {
@@ -165,6 +167,7 @@ fn verified(
         };
         point.e_n = point
             .u_reading_um
+            .filter(|_| machine.has_uncertainties)
             .map(|u| (point.reading_um - predicted) / (2.0 * u.hypot(point.u_prediction_um)));
     }
     Ok(Verified {

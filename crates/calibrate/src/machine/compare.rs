@@ -28,7 +28,7 @@ pub struct Difference {
     pub first: f64,
     /// In the second.
     pub second: f64,
-    /// Standard uncertainty of second minus first; 0 where both are zero by definition.
+    /// Standard uncertainty of second minus first; 0 where both are zero by definition, NaN if one calibration has none.
     pub u: f64,
 }
 
@@ -54,6 +54,10 @@ impl CalibratedMachine {
     /// location errors. Axes are matched by name; those that only one calibration measured are left out.
     pub fn compare(&self, second: &Self) -> Vec<Difference> {
         let mut all = Vec::new();
+        let unknown = match self.has_uncertainties && second.has_uncertainties {
+            true => 0.0,
+            false => f64::NAN,
+        };
         let pairs = || {
             second.axes.iter().filter_map(|b| {
                 let name = second.machine.axes()[b.axis].name();
@@ -78,7 +82,7 @@ impl CalibratedMachine {
                         is_angular: component.is_angular(),
                         first,
                         second,
-                        u: u_a.hypot(u_b),
+                        u: u_a.hypot(u_b) + unknown,
                     });
                 }
             }
@@ -100,7 +104,8 @@ impl CalibratedMachine {
                     is_angular: component.is_angular(),
                     first: of(self, a.axis),
                     second: of(second, b.axis),
-                    u: u(self, a.first_location + k).hypot(u(second, b.first_location + i)),
+                    u: u(self, a.first_location + k).hypot(u(second, b.first_location + i))
+                        + unknown,
                 });
             }
         }

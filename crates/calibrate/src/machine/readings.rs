@@ -120,12 +120,16 @@ pub fn predicted_reading_um(
 
 impl CalibratedMachine {
     /// The covariance of the readings that this machine predicts at commanded positions, from that of the calibration
-    /// and of the interpolation, µm²: to first order by the displacement of the point along the direction that counts.
+    /// and of the interpolation, µm²: to first order by the displacement of the point along the direction that counts. NaN
+    /// if the calibration has no uncertainties.
     pub fn covariance_of_readings(
         &self,
         kind: &VerificationKind,
         commanded: &[Vec<f64>],
     ) -> DMatrix<f64> {
+        if !self.has_uncertainties {
+            return DMatrix::from_element(commanded.len(), commanded.len(), f64::NAN);
+        }
         let rows: Vec<Row> = commanded.iter().map(|at| self.row(kind, at)).collect();
         let mut shared = DMatrix::zeros(rows.len(), self.factors.shared.nrows());
         for (i, row) in rows.iter().enumerate() {

@@ -5,6 +5,8 @@
 //!
 //! Source: "Etalon Exchange Format" in Beckhoff's TF5280 alone, so the writer is experimental.
 
+pub(crate) mod read;
+
 use std::fmt::Write;
 
 use trueaxis_kinematics::Component;

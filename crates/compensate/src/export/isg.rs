@@ -7,6 +7,8 @@
 //! Sources: "ISG CSV format", "Units of measure", "List of parameters supported" in the documentation of ISG and of
 //! Beckhoff (one text); the sign is not in it, so the writer is experimental.
 
+pub(crate) mod read;
+
 use std::fmt::Write;
 
 use trueaxis_kinematics::{AxisKind, Component};

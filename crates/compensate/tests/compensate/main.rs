@@ -7,6 +7,7 @@
 
 mod controllers;
 mod export;
+mod import;
 mod inverse;
 mod remains;
 mod verify;
