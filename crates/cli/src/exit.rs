@@ -70,7 +70,7 @@ impl Exit {
             if cause.is::<OutputError>() || cause.is::<TemplateUnreadable>() {
                 return Self::Usage;
             }
-            if cause.is::<ReadError>() {
+            if cause.is::<ReadError>() || cause.is::<trueaxis_import::Error>() {
                 return Self::Input;
             }
             if let Some(error) = cause.downcast_ref::<trueaxis_compensate::Error>() {

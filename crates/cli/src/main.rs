@@ -12,6 +12,7 @@ mod diagnose;
 mod effects_input;
 mod exit;
 mod export;
+mod import;
 mod montecarlo;
 mod montecarlo_file;
 mod output;
@@ -46,6 +47,7 @@ fn main() -> ExitCode {
         Verb::Completions(args) => completions::run(args),
         Verb::Diagnose(args) => diagnose::run(args),
         Verb::Export(args) => export::run(args),
+        Verb::Import(args) => import::run(args),
         Verb::Montecarlo(args) => montecarlo::run(args),
         Verb::Predict(args) => predict::run(args),
         Verb::Report(args) => report::run(args),

@@ -17,10 +17,16 @@ impl std::fmt::Display for OutputError {
         match &self.path {
             Some(path) => {
                 let path = path.display();
-                write!(
-                    f,
-                    "{path} cannot be written; choose another folder with --out"
-                )
+                match self.source.kind() {
+                    io::ErrorKind::AlreadyExists => write!(
+                        f,
+                        "{path} is there already and is not overwritten; move it away, or choose another place"
+                    ),
+                    _ => write!(
+                        f,
+                        "{path} cannot be written; choose another folder with --out"
+                    ),
+                }
             }
             None => write!(f, "standard output cannot be written"),
         }
@@ -48,6 +54,17 @@ pub(crate) fn folder(given: Option<&Path>, campaign: &str) -> Result<PathBuf, Ou
 /// Writes a result whole or not at all.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     write_by(path, |out| out.write_all(bytes))
+}
+
+/// Writes a file of the user's own, whole or not at all: nothing is overwritten.
+pub(crate) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    if path.symlink_metadata().is_ok() {
+        return Err(OutputError {
+            path: Some(path.to_path_buf()),
+            source: io::ErrorKind::AlreadyExists.into(),
+        });
+    }
+    write(path, bytes)
 }
 
 /// Writes a result that is not held in memory, whole or not at all.
