@@ -2,6 +2,7 @@
 
 mod campaign;
 mod import;
+mod init;
 
 use std::path::PathBuf;
 
@@ -10,6 +11,7 @@ use nalgebra::Point3;
 
 pub(crate) use campaign::{CalibrateArgs, CheckArgs, DiagnoseArgs, MontecarloArgs};
 pub(crate) use import::{ImportArgs, ImportTableArgs, ImportWhat};
+pub(crate) use init::{InitArgs, MachineType};
 
 /// Every geometric error of a machine tool from the lengths that one laser tracker measures to
 /// three targets.
@@ -29,6 +31,8 @@ pub(crate) struct Args {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
+    /// Begins a campaign: writes campaign.json, the rows to measure, and a map for exports.
+    Init(InitArgs),
     /// Makes a table of a campaign from the export of a tracker, by a map of its columns.
     Import(ImportArgs),
     /// Reads a campaign, checks it, and says what is in it.

@@ -23,7 +23,7 @@ fn table(args: &ImportTableArgs, kind: Kind, default: &str) -> anyhow::Result<Ex
     let map = Map::read(&args.map)?;
     let imported = trueaxis_import::read(kind, &args.file, &map)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(default));
-    output::write_new(&out, imported.text().as_bytes())?;
+    output::write_all_new(&[(&out, imported.text())])?;
     say(&format!(
         "{}: {} rows in {} stops; the first ones",
         args.file.display(),

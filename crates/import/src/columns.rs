@@ -121,7 +121,9 @@ impl Columns {
         if kind == Kind::Lengths && columns.station.is_none() {
             return nothing("station", "station = { value = \"S1\" } below [columns]");
         }
-        if columns.target.is_none() && map.stops.targets.is_empty() {
+        let has_order = |stop: &PlannedStop| !stop.targets.is_empty();
+        let all_have_order = !path.is_empty() && path.iter().all(has_order);
+        if columns.target.is_none() && map.stops.targets.is_empty() && !all_have_order {
             return nothing(
                 "target",
                 "target = { column = \"Point\" } below [columns], or targets = [\"P\", \"Q\", \"K\"], the order at each \

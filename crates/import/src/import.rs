@@ -355,9 +355,16 @@ impl Reader<'_> {
             })
         };
         let target = name(&columns.target);
-        let known = &self.map.stops.targets;
+        let stops = &self.map.stops;
+        let of_path = stops.path.iter().flat_map(|leg| &leg.targets);
+        let known: Vec<&str> = stops
+            .targets
+            .iter()
+            .chain(of_path)
+            .map(String::as_str)
+            .collect();
         if let (Some(source), Some(found)) = (&columns.target, &target)
-            && (found.is_empty() || !known.is_empty() && !known.contains(found))
+            && (found.is_empty() || !known.is_empty() && !known.contains(&found.as_str()))
         {
             let expected = match known.is_empty() {
                 true => "the name of a target".to_owned(),

@@ -128,6 +128,9 @@ pub struct Leg {
     /// Whether the axis then visits them in reverse order, the last one again first.
     #[serde(default)]
     pub back: bool,
+    /// The targets read at its stops, if these are others than those of all stops.
+    #[serde(default)]
+    pub targets: Vec<String>,
     /// Where other axes stand; at 0 if nothing is said.
     #[serde(default)]
     pub at: BTreeMap<String, f64>,

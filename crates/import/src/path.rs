@@ -13,6 +13,8 @@ pub(crate) struct PlannedStop {
     pub(crate) position: f64,
     /// +1 or -1.
     pub(crate) direction: i8,
+    /// The targets in their order; none if it is that of all stops.
+    pub(crate) targets: Vec<String>,
     /// Positions of other axes by name.
     pub(crate) at: Vec<(String, f64)>,
 }
@@ -44,6 +46,7 @@ pub(crate) fn stops(path: &[Leg]) -> Result<Vec<PlannedStop>, (usize, DocumentPr
                     axis: leg.axis.clone(),
                     position,
                     direction,
+                    targets: leg.targets.clone(),
                     at: at.clone(),
                 }),
         );
@@ -112,6 +115,7 @@ mod tests {
             to: Some(to),
             step: Some(step),
             back,
+            targets: Vec::new(),
             at: Default::default(),
         }
     }

@@ -44,20 +44,28 @@ pub(crate) fn visits(
     columns: &Columns,
     path: &[PlannedStop],
 ) -> Result<Vec<(Row, Visit)>, (usize, Problem)> {
-    let order = &map.stops.targets;
-    let stops = stops(&rows, order);
+    let order = |stop: Option<&PlannedStop>| match stop {
+        Some(stop) if !stop.targets.is_empty() => stop.targets.clone(),
+        _ => map.stops.targets.clone(),
+    };
+    let orders: Vec<Vec<String>> = match path {
+        [] => vec![order(None)],
+        path => path.iter().map(|stop| order(Some(stop))).collect(),
+    };
+    let stops = stops(&rows, &orders);
     if columns.target.is_none()
-        && let Some(part) = stops.iter().find(|stop| stop.len() != order.len())
+        && let Some((part, order)) = stops.iter().find(|(stop, order)| stop.len() != order.len())
     {
         return Err((
             rows[part.start].line,
             Problem::PartOfStop {
                 found: part.len(),
                 expected: order.len(),
-                targets: order.clone(),
+                targets: order.to_vec(),
             },
         ));
     }
+    let (stops, orders): (Vec<Range<usize>>, Vec<&[String]>) = stops.into_iter().unzip();
     let planned = planned(&rows, &stops, path)?;
     let positions: Vec<Vec<f64>> = stops
         .iter()
@@ -89,7 +97,7 @@ pub(crate) fn visits(
         let count = seen.entry(key).or_default();
         *count += 1;
         for (index, row) in rows[stop.clone()].iter().enumerate() {
-            let by_order = || order.get(index).cloned().unwrap_or_default();
+            let by_order = || orders[number].get(index).cloned().unwrap_or_default();
             visits.push(Visit {
                 stop: number,
                 run: runs[number].clone(),
@@ -103,30 +111,37 @@ pub(crate) fn visits(
     Ok(rows.into_iter().zip(visits).collect())
 }
 
-/// The rows of each stop. A stop ends where the row says that the machine or the tracker moved, and where the targets
-/// begin anew: the next in the order comes before the last one or, without an order, is read already.
-fn stops(rows: &[Row], order: &[String]) -> Vec<Range<usize>> {
-    let mut stops: Vec<Range<usize>> = Vec::new();
-    let rank =
-        |target: &Option<String>| order.iter().position(|name| Some(name) == target.as_ref());
+/// The rows of each stop and the order of its targets, which are those of `orders` in turn, at each station anew. A stop
+/// ends where the row says that the machine or the tracker moved, and where the targets begin anew: the next one in the
+/// order comes before the last one or, without an order, is read already.
+fn stops<'o>(rows: &[Row], orders: &'o [Vec<String>]) -> Vec<(Range<usize>, &'o [String])> {
+    let mut stops: Vec<(Range<usize>, &[String])> = Vec::new();
+    let mut in_turn = 0;
     for (index, row) in rows.iter().enumerate() {
-        let goes_on = stops.last().is_some_and(|stop| {
-            let last = &rows[index - 1];
+        let last = index.checked_sub(1).map(|last| &rows[last]);
+        let goes_on = stops.last().zip(last).is_some_and(|((stop, order), last)| {
+            let rank = |target: &Option<String>| {
+                order.iter().position(|name| Some(name) == target.as_ref())
+            };
             let stays = row.station == last.station
                 && row.run == last.run
                 && row.repeat == last.repeat
                 && row.direction == last.direction
                 && row.axes == last.axes;
             stays
-                && match (&row.target, order) {
+                && match (&row.target, *order) {
                     (None, order) => stop.len() < order.len(),
                     (Some(_), []) => rows[stop.clone()].iter().all(|r| r.target != row.target),
                     (target, _) => rank(target) > rank(&last.target),
                 }
         });
         match stops.last_mut() {
-            Some(stop) if goes_on => stop.end = index + 1,
-            _ => stops.push(index..index + 1),
+            Some((stop, _)) if goes_on => stop.end = index + 1,
+            _ => {
+                let same_station = last.is_some_and(|last| last.station == row.station);
+                in_turn = if same_station { in_turn + 1 } else { 0 };
+                stops.push((index..index + 1, orders[in_turn % orders.len()].as_slice()));
+            }
         }
     }
     stops

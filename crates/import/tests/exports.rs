@@ -131,6 +131,41 @@ fn a_missing_reading_stays_alone() {
     assert_eq!(positions, ["0", "0", "0", "90", "90", "180", "180", "180"]);
 }
 
+/// Runs of different targets follow each other, at one position of all axes.
+#[test]
+fn each_run_has_its_targets() {
+    let map = format!(
+        "[columns]\ntarget = {{ column = \"T\" }}{COORDINATES}\
+         [axes]\nX = {{ unit = \"mm\" }}\nC = {{ unit = \"deg\" }}\n[stops]\npath = [\
+         {{ run = \"x\", axis = \"X\", positions = [0, 10], targets = [\"P\", \"Q\"] }},\
+         {{ run = \"c\", axis = \"C\", positions = [0, 90], targets = [\"U\"] }}]"
+    );
+    let rows = "PQPQUUPQPQUU"
+        .chars()
+        .map(|target| format!("{target},1,2,3\n"));
+    let text = format!("T,X,Y,Z\n{}", rows.collect::<String>());
+    for map in [map.clone(), map.replace("target = { column = \"T\" }", "")] {
+        let imported = imported(Kind::Points, &map, &text).unwrap();
+        let visits = imported
+            .rows
+            .iter()
+            .map(|row| [&row[1..3], &row[4..7]].concat().join(" "));
+        let visits: Vec<String> = visits.collect();
+        assert_eq!(
+            visits[..6],
+            [
+                "1 x 0 0 P",
+                "1 x 0 0 Q",
+                "1 x 0 10 P",
+                "1 x 0 10 Q",
+                "1 c 0 0 U",
+                "1 c 90 0 U"
+            ]
+        );
+        assert_eq!(visits[11], "2 c 90 0 U");
+    }
+}
+
 /// Columns that are there: direction and repeat follow from the motion.
 #[test]
 fn direction_and_repeat_follow_from_the_positions() {

@@ -11,6 +11,7 @@ mod diagnose;
 mod export;
 mod gross_errors;
 mod harmless;
+mod import;
 mod misleading;
 mod montecarlo;
 mod predict;
