@@ -74,6 +74,7 @@ impl Exit {
             if cause.is::<ReadError>()
                 || cause.is::<ImportError>()
                 || cause.is::<trueaxis_files::DocumentError>()
+                || cause.is::<trueaxis_import::Error>()
             {
                 return Self::Input;
             }

@@ -13,6 +13,7 @@ mod effects_input;
 mod exit;
 mod export;
 mod import;
+mod init;
 mod montecarlo;
 mod montecarlo_file;
 mod output;
@@ -47,7 +48,8 @@ fn main() -> ExitCode {
         Verb::Completions(args) => completions::run(args),
         Verb::Diagnose(args) => diagnose::run(args),
         Verb::Export(args) => export::run(args),
-        Verb::Import(verb) => import::run(verb),
+        Verb::Import(args) => import::run(args),
+        Verb::Init(args) => init::run(args),
         Verb::Montecarlo(args) => montecarlo::run(args),
         Verb::Predict(args) => predict::run(args),
         Verb::Report(args) => report::run(args),

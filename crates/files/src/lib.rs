@@ -36,6 +36,7 @@ mod npz;
 mod ordered;
 mod place;
 mod rounding;
+mod serde_message;
 mod unique_keys;
 mod whole;
 

@@ -11,6 +11,7 @@ mod diagnose;
 mod export;
 mod gross_errors;
 mod harmless;
+mod import;
 mod import_calibration;
 mod misleading;
 mod montecarlo;

@@ -1,0 +1,508 @@
+//! The way from an export to a table.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use trueaxis_files::{Part, Place};
+
+use crate::cells::cells;
+use crate::clock::{Clock, seconds_of_day};
+use crate::columns::{Columns, Names, Source};
+use crate::decode::decode;
+use crate::map::Map;
+use crate::stops::{self, Row, Visit};
+use crate::unit::{Quantity, Unit};
+use crate::{Error, Problem, path};
+
+/// Which table an export becomes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// `lengths.csv`.
+    Lengths,
+    /// `points.csv`.
+    Points,
+}
+
+/// The rows of a table, and what was left out.
+#[derive(Debug, Clone)]
+pub struct Imported {
+    /// Names of the columns.
+    pub header: Vec<String>,
+    /// Cells in mm, degrees and s, in the order of the export.
+    pub rows: Vec<Vec<String>>,
+    /// Lines that are no row of the table, in their order.
+    pub skipped: Vec<Skipped>,
+    /// Number of stops: visits of the machine.
+    pub stops: usize,
+    /// What was not read but follows from the order of the rows.
+    pub notices: Vec<String>,
+}
+
+/// A line of the export that is no row of the table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Skipped {
+    /// Its number, from 1.
+    pub line: usize,
+    /// Why.
+    pub reason: String,
+}
+
+impl Imported {
+    /// The table as the text of a CSV file.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        for row in std::iter::once(&self.header).chain(&self.rows) {
+            let cells: Vec<String> = row.iter().map(|cell| quoted(cell)).collect();
+            text.push_str(&cells.join(","));
+            text.push('\n');
+        }
+        text
+    }
+}
+
+fn quoted(cell: &str) -> String {
+    match cell.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", cell.replace('"', "\"\"")),
+        false => cell.to_owned(),
+    }
+}
+
+/// The bytes of a file.
+///
+/// # Errors
+/// If there is no such file or it cannot be read; `mend` says what to give instead.
+pub(crate) fn bytes(file: &Path, mend: &'static str) -> Result<Vec<u8>, Error> {
+    if file.is_dir() {
+        return Err(Problem::Folder { mend }.at(Place::file(file)));
+    }
+    let read = fs::read(file).map_err(|source| match source.kind() {
+        io::ErrorKind::NotFound => Problem::NotFound { mend },
+        _ => Problem::Unreadable { source },
+    });
+    read.map_err(|problem| problem.at(Place::file(file)))
+}
+
+/// The table of that kind from the export in `file`.
+///
+/// # Errors
+/// If the file cannot be read, and those of [`import`].
+pub fn read(kind: Kind, file: &Path, map: &Map) -> Result<Imported, Error> {
+    let bytes = bytes(file, "give the file that the instrument's program exported")?;
+    import(kind, &bytes, Some(file), map)
+}
+
+/// The table of that kind from the bytes of an export; `file` is only named.
+///
+/// # Errors
+/// What is wrong with the map, or the first row that is not understood.
+pub fn import(kind: Kind, bytes: &[u8], file: Option<&Path>, map: &Map) -> Result<Imported, Error> {
+    let mut place = Place {
+        file: file.map(Path::to_owned),
+        ..Place::default()
+    };
+    let text = decode(bytes).map_err(|problem| problem.at(Box::new(place.clone())))?;
+    let planned = path::stops(&map.stops.path).map_err(|(index, problem)| {
+        Problem::Document(problem).at(map.place(&format!("stops.path[{index}]")))
+    })?;
+    let (separator, separator_words) = map.separator()?;
+
+    // Which lines are rows?
+    let mut skipped = Vec::new();
+    let mut names: Option<(usize, Vec<String>)> = None;
+    let mut lines = Vec::new();
+    for (line, text) in (1..).zip(text.lines()) {
+        let comment = map
+            .comment
+            .iter()
+            .find(|mark| !mark.is_empty() && text.trim_start().starts_with(mark.as_str()));
+        let reason = match comment {
+            _ if line <= map.skip_lines => "before the table (skip_lines)".to_owned(),
+            _ if text.trim().is_empty() => "blank".to_owned(),
+            Some(mark) => format!("comment ({mark})"),
+            None if names.is_none() && map.column_names != Some(false) => {
+                names = Some((line, cells(text, separator)));
+                "names of the columns".to_owned()
+            }
+            None => {
+                lines.push((line, cells(text, separator)));
+                continue;
+            }
+        };
+        skipped.push(Skipped { line, reason });
+    }
+    let names: Names<'_> = names
+        .as_ref()
+        .map(|(line, names)| (*line, names.as_slice()));
+    if let Some((line, [found])) = names {
+        place.line = Some(line);
+        let (found, separator) = (found.clone(), separator_words);
+        return Err(Problem::OneColumn { found, separator }.at(Box::new(place)));
+    }
+    let no_rows = |skipped: &[Skipped], why| {
+        let (lines, skipped) = (text.lines().count(), skipped.len());
+        Problem::NoRows {
+            lines,
+            skipped,
+            why,
+        }
+        .at(Box::new(place.clone()))
+    };
+    if lines.is_empty() {
+        return Err(no_rows(
+            &skipped,
+            "is skip_lines too large, or the file cut?",
+        ));
+    }
+    let columns = Columns::new(kind, map, names, &planned)?;
+
+    // What do they say?
+    let reader = Reader {
+        map,
+        columns: &columns,
+        decimal: map.decimal()?,
+        names,
+    };
+    let mut clock = Clock::default();
+    let mut rows = Vec::new();
+    let mut faults: Vec<(usize, Fault)> = Vec::new();
+    for (line, cells) in lines {
+        let is_mark = |mark: &&String| columns.cells().any(|cell| cells.get(cell) == Some(*mark));
+        if let Some(mark) = map.skip_rows.iter().find(is_mark) {
+            let reason = format!("a cell is \"{mark}\" (skip_rows)");
+            skipped.push(Skipped { line, reason });
+            continue;
+        }
+        match reader.row(line, &cells, &mut clock) {
+            Ok(row) => rows.push(row),
+            Err(fault) => faults.push((line, fault)),
+        }
+    }
+    skipped.sort_by_key(|skipped| skipped.line);
+    let more = faults.len().saturating_sub(1);
+    if let Some((line, fault)) = faults.into_iter().next() {
+        place.line = Some(line);
+        place.part = fault.column.map(Part::Column);
+        return Err(with_more(fault.problem, more).at(Box::new(place)));
+    }
+    if rows.is_empty() {
+        return Err(no_rows(&skipped, "do comment and skip_rows mark too much?"));
+    }
+    let visits = stops::visits(rows, map, &columns, &planned).map_err(|(line, problem)| {
+        place.line = Some(line);
+        problem.at(Box::new(place.clone()))
+    })?;
+    let stops = visits.last().map_or(0, |(_, visit)| visit.stop + 1);
+    Ok(Imported {
+        header: header(kind, &columns),
+        rows: visits
+            .iter()
+            .enumerate()
+            .map(|(index, row)| cells_of(kind, index, row))
+            .collect(),
+        skipped,
+        stops,
+        notices: notices(map, &columns),
+    })
+}
+
+fn with_more(problem: Problem, rows: usize) -> Problem {
+    match problem {
+        Problem::Cell {
+            found, expected, ..
+        } => Problem::Cell {
+            found,
+            expected,
+            more: rows,
+        },
+        Problem::Short { found, needed, .. } => Problem::Short {
+            found,
+            needed,
+            more: rows,
+        },
+        other => other,
+    }
+}
+
+fn header(kind: Kind, columns: &Columns) -> Vec<String> {
+    let station: &[&str] = match kind {
+        Kind::Lengths => &["station"],
+        Kind::Points => &[],
+    };
+    let visit = ["repeat", "run", "direction"];
+    let before = ["time_s"]
+        .iter()
+        .chain(station)
+        .chain(&visit)
+        .map(|&name| name.to_owned());
+    let axes = columns.axes.iter().map(|axis| axis.name.clone());
+    let numbers = columns.numbers.iter().map(|number| number.name.clone());
+    before
+        .chain(axes)
+        .chain(["target".to_owned()])
+        .chain(numbers)
+        .collect()
+}
+
+/// The cells of a row of the table, in the order of [`header`].
+fn cells_of(kind: Kind, index: usize, (row, visit): &(Row, Visit)) -> Vec<String> {
+    let counted = || index.to_string();
+    let mut cells = vec![row.time_s.map_or_else(counted, |time_s| time_s.to_string())];
+    if kind == Kind::Lengths {
+        cells.push(row.station.clone().unwrap_or_default());
+    }
+    let on_bed = visit.run.is_empty();
+    let direction = if on_bed {
+        String::new()
+    } else {
+        visit.direction.to_string()
+    };
+    cells.extend([visit.repeat.to_string(), visit.run.clone(), direction]);
+    cells.extend(visit.positions.iter().map(f64::to_string));
+    cells.push(visit.target.clone());
+    cells.extend(
+        row.numbers
+            .iter()
+            .map(|number| number.map(|n| n.to_string()).unwrap_or_default()),
+    );
+    cells
+}
+
+/// What was not read.
+fn notices(map: &Map, columns: &Columns) -> Vec<String> {
+    let mut notices = Vec::new();
+    let mut say = |missing: bool, text: &str| {
+        if missing {
+            notices.push(text.to_owned());
+        }
+    };
+    say(
+        columns.time.is_none(),
+        "no column holds the time: the rows are counted, 1 s each; rates of drift will be per row",
+    );
+    say(
+        columns.target.is_none(),
+        "no column holds the target: it follows from the order of the rows",
+    );
+    say(
+        !map.stops.path.is_empty(),
+        "where the machine stood follows from the order of the rows and the path",
+    );
+    say(
+        columns.direction.is_none() && map.stops.path.is_empty(),
+        "no column holds the direction: it is that of the motion from stop to stop",
+    );
+    say(
+        columns.repeat.is_none(),
+        "no column holds the repeat: visits to one position from one side are counted",
+    );
+    notices
+}
+
+/// What is wrong with a row, and in which column of the export.
+struct Fault {
+    column: Option<String>,
+    problem: Problem,
+}
+
+/// Reads rows.
+struct Reader<'r> {
+    map: &'r Map,
+    columns: &'r Columns,
+    decimal: char,
+    names: Names<'r>,
+}
+
+impl Reader<'_> {
+    fn row(&self, line: usize, cells: &[String], clock: &mut Clock) -> Result<Row, Fault> {
+        let columns = self.columns;
+        let (found, needed) = (cells.len(), columns.needed());
+        if found < needed {
+            let problem = Problem::Short {
+                found,
+                needed,
+                more: 0,
+            };
+            return Err(Fault {
+                column: None,
+                problem,
+            });
+        }
+        let parts: Vec<Vec<&str>> = columns
+            .splits
+            .iter()
+            .enumerate()
+            .map(|(index, (cell, pattern))| {
+                let expected = || {
+                    format!(
+                        "a text like {}; or name it in skip_rows, if it is no reading",
+                        self.map.split[index].pattern
+                    )
+                };
+                let parts = pattern.split(&cells[*cell]);
+                parts.ok_or_else(|| self.fault(&Source::Cell(*cell), &cells[*cell], expected()))
+            })
+            .collect::<Result<_, _>>()?;
+        let row = RowText { cells, parts };
+        let name = |source: &Option<Source>| {
+            let text = source.as_ref().map(|source| row.text(source));
+            text.map(|text| {
+                self.map
+                    .rename
+                    .get(text)
+                    .cloned()
+                    .unwrap_or_else(|| text.to_owned())
+            })
+        };
+        let target = name(&columns.target);
+        let stops = &self.map.stops;
+        let of_path = stops.path.iter().flat_map(|leg| &leg.targets);
+        let known: Vec<&str> = stops
+            .targets
+            .iter()
+            .chain(of_path)
+            .map(String::as_str)
+            .collect();
+        if let (Some(source), Some(found)) = (&columns.target, &target)
+            && (found.is_empty() || !known.is_empty() && !known.contains(&found.as_str()))
+        {
+            let expected = match known.is_empty() {
+                true => "the name of a target".to_owned(),
+                false => format!(
+                    "one of {} (targets); other points are skipped with skip_rows = [\"{found}\"] or mended with rename",
+                    known.join(", ")
+                ),
+            };
+            return Err(self.fault(source, row.text(source), expected));
+        }
+        let axes = columns.axes.iter().map(|axis| {
+            let source = axis.source.as_ref();
+            source
+                .map(|source| self.number(&row, source, Some(axis.unit)))
+                .transpose()
+        });
+        let numbers = columns.numbers.iter().map(|number| {
+            if number.optional && row.text(&number.source).is_empty() {
+                return Ok(None);
+            }
+            self.number(&row, &number.source, number.unit).map(Some)
+        });
+        Ok(Row {
+            line,
+            station: name(&columns.station),
+            run: name(&columns.run),
+            target,
+            repeat: self.counting(&row, &columns.repeat)?,
+            direction: self.direction(&row, &columns.direction)?,
+            time_s: self.time(&row, clock)?,
+            axes: axes.collect::<Result<_, _>>()?,
+            numbers: numbers.collect::<Result<_, _>>()?,
+        })
+    }
+
+    fn number(&self, row: &RowText<'_>, source: &Source, unit: Option<Unit>) -> Result<f64, Fault> {
+        let text = row.text(source);
+        // A point is no decimal sign where a comma is; it may part thousands.
+        let point = match self.decimal {
+            ',' if text.contains('.') => None,
+            ',' => Some(text.replace(',', ".")),
+            _ => Some(text.to_owned()),
+        };
+        let number = point
+            .and_then(|text| text.parse().ok())
+            .filter(|x: &f64| x.is_finite());
+        let number = number.ok_or_else(|| self.fault(source, text, self.expected_number(text)))?;
+        Ok(unit.map_or(number, |unit| unit.convert(number)))
+    }
+
+    fn expected_number(&self, text: &str) -> String {
+        let other = if self.decimal == ',' { '.' } else { ',' };
+        let other_sign = text.replace(other, if other == ',' { "." } else { "," });
+        let is_other = text.contains(other) && other_sign.replace(',', ".").parse::<f64>().is_ok();
+        match is_other {
+            true => format!(
+                "a number with \"{}\" as decimal sign; decimal = \"{other}\" in the map changes it",
+                self.decimal
+            ),
+            false => format!(
+                "a number; rows without a reading are skipped with skip_rows = [\"{text}\"]"
+            ),
+        }
+    }
+
+    fn counting(&self, row: &RowText<'_>, source: &Option<Source>) -> Result<Option<u32>, Fault> {
+        let Some(source) = source else {
+            return Ok(None);
+        };
+        let text = row.text(source);
+        let number = text.parse().ok().filter(|&number: &u32| number > 0);
+        number
+            .map(Some)
+            .ok_or_else(|| self.fault(source, text, "a whole number from 1".to_owned()))
+    }
+
+    fn direction(&self, row: &RowText<'_>, source: &Option<Source>) -> Result<Option<i8>, Fault> {
+        let Some(source) = source else {
+            return Ok(None);
+        };
+        match row.text(source) {
+            "1" | "+1" | "+" => Ok(Some(1)),
+            "-1" | "-" => Ok(Some(-1)),
+            other => Err(self.fault(source, other, "1 or -1, the side of approach".to_owned())),
+        }
+    }
+
+    fn time(&self, row: &RowText<'_>, clock: &mut Clock) -> Result<Option<f64>, Fault> {
+        match &self.columns.time {
+            None => Ok(None),
+            Some((source, unit)) if unit.quantity == Quantity::Clock => {
+                let text = row.text(source);
+                let of_day_s = seconds_of_day(text);
+                let expected = || "a time of day as 10:21:33 (unit \"clock\")".to_owned();
+                let of_day_s = of_day_s.ok_or_else(|| self.fault(source, text, expected()))?;
+                Ok(Some(clock.since_first_s(of_day_s)))
+            }
+            Some((source, unit)) => self.number(row, source, Some(*unit)).map(Some),
+        }
+    }
+
+    fn fault(&self, source: &Source, found: &str, expected: String) -> Fault {
+        let cell = match source {
+            Source::Cell(cell) => Some(*cell),
+            Source::Part { split, .. } => self.columns.splits.get(*split).map(|(cell, _)| *cell),
+            Source::Value(_) => None,
+        };
+        let column = cell.map(|cell| {
+            let name = self.names.and_then(|(_, names)| names.get(cell));
+            name.cloned().unwrap_or_else(|| (cell + 1).to_string())
+        });
+        let found = found.to_owned();
+        let problem = Problem::Cell {
+            found,
+            expected,
+            more: 0,
+        };
+        Fault { column, problem }
+    }
+}
+
+/// The texts of a row.
+struct RowText<'r> {
+    cells: &'r [String],
+    parts: Vec<Vec<&'r str>>,
+}
+
+impl RowText<'_> {
+    fn text<'s>(&'s self, source: &'s Source) -> &'s str {
+        match source {
+            Source::Cell(cell) => self.cells.get(*cell).map_or("", String::as_str),
+            Source::Value(value) => value,
+            Source::Part { split, field } => self
+                .parts
+                .get(*split)
+                .and_then(|parts| parts.get(*field))
+                .copied()
+                .unwrap_or(""),
+        }
+    }
+}
