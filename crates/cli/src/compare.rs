@@ -1,8 +1,7 @@
 //! `trueaxis compare`.
 
 use serde_json::{Value, json};
-use trueaxis_calibrate::{CalibratedMachine, Difference};
-use trueaxis_compensate::check_same_machine;
+use trueaxis_calibrate::{CalibratedMachine, Difference, check_same_machine};
 use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 

@@ -9,8 +9,9 @@ mod story;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{Campaign, read};
-use trueaxis_diagnose::{Diagnosis, Settings, diagnose};
+use trueaxis_diagnose::{Diagnosis, Settings, diagnose, diagnose_against};
 use trueaxis_simulate::replay;
 
 use crate::args::DiagnoseArgs;
@@ -28,7 +29,14 @@ const REPLAY: &str = "replay.json";
 pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
     let in_file = || args.campaign.display().to_string();
-    let diagnosis = diagnose(&campaign, &Settings::default()).with_context(in_file)?;
+    let diagnosis = match &args.calibration {
+        None => diagnose(&campaign, &Settings::default()),
+        Some(path) => {
+            let calibration = CalibratedMachine::read(path)?;
+            diagnose_against(&campaign, &calibration, &Settings::default())
+        }
+    };
+    let diagnosis = diagnosis.with_context(in_file)?;
     let text = diagnosis.to_json();
     let mut notices: Vec<String> = campaign.notices.clone();
     notices.extend(diagnosis.notices.iter().cloned());

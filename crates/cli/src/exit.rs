@@ -72,6 +72,7 @@ impl Exit {
                 return Self::Usage;
             }
             if cause.is::<ReadError>()
+                || cause.is::<trueaxis_calibrate::OtherMachine>()
                 || cause.is::<ImportError>()
                 || cause.is::<trueaxis_files::DocumentError>()
                 || cause.is::<trueaxis_import::Error>()
@@ -81,7 +82,7 @@ impl Exit {
             if let Some(error) = cause.downcast_ref::<trueaxis_compensate::Error>() {
                 return match error {
                     trueaxis_compensate::Error::NotContracting { .. } => Self::NotConverged,
-                    trueaxis_compensate::Error::OtherMachine { .. }
+                    trueaxis_compensate::Error::OtherMachine(_)
                     | trueaxis_compensate::Error::Table { .. } => Self::Input,
                     _ => Self::Usage,
                 };
@@ -102,7 +103,8 @@ impl Exit {
                 return match error {
                     Diagnose::Calibrate(error) => Self::of_calibration(error),
                     Diagnose::Adjustment(_) => Self::NotConverged,
-                    Diagnose::NothingMeasured => Self::NotIdentifiable,
+                    Diagnose::NothingMeasured | Diagnose::NothingRead => Self::NotIdentifiable,
+                    Diagnose::OtherMachine(_) => Self::Input,
                 };
             }
             if let Some(error) = cause.downcast_ref::<Calibrate>() {

@@ -17,16 +17,8 @@ pub enum Error {
         limit: f64,
     },
     /// The calibration of another machine.
-    #[error(
-        "this is the calibration of another machine: its axes are {calibrated}, expected {measured}; names, kinds, \
-         directions and order from the bed must be the same"
-    )]
-    OtherMachine {
-        /// Names of the axes of the calibration.
-        calibrated: String,
-        /// Names of the axes of the other calibration, or of the campaign.
-        measured: String,
-    },
+    #[error(transparent)]
+    OtherMachine(#[from] trueaxis_calibrate::OtherMachine),
     /// An axis that the machine does not have, or that was not measured.
     #[error("axis {axis} was not measured; measured are {measured}")]
     NoSuchAxis {

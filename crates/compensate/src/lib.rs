@@ -31,7 +31,6 @@ mod export;
 mod freedom;
 mod import;
 mod remains;
-mod same_machine;
 mod verify;
 
 pub use correct::{Corrected, axis_deviations, correct};
@@ -40,7 +39,6 @@ pub use export::{Announcement, Export, ExportedFile, Format, LineFigures, Reques
 pub use freedom::Moved;
 pub use import::{DeclaredUncertainty, Import, Imported, import};
 pub use remains::{Left, Remains, remains};
-pub use same_machine::check_same_machine;
 pub use verify::iso_230_2::{Positioning, Side};
 pub use verify::iso_230_4::Circular;
 pub use verify::{EXPECTED_ABOVE_ONE, Point, Verified, is_misfit, verification_json, verify};
