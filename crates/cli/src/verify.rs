@@ -3,9 +3,10 @@
 use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::VerificationKind;
 use trueaxis_compensate::{
-    Circular, EXPECTED_ABOVE_ONE, Point, Positioning, Verified, is_misfit, verification_json,
-    verify,
+    Circular, EXPECTED_ABOVE_ONE, ParallelLines, Point, Positioning, Verified, is_misfit,
+    parallel_lines, verification_json, verify,
 };
+use trueaxis_kinematics::ARCSEC;
 
 use crate::args::VerifyArgs;
 use crate::exit::Exit;
@@ -20,7 +21,14 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     let machine = CalibratedMachine::read(&args.calibration)?;
     let campaign = trueaxis_campaign::read(&args.campaign)?;
     let verified = verify(&machine, &campaign, args.compensated)?;
-    let document = verification_json(&machine, &campaign.name, args.compensated, &verified);
+    let parallel = parallel_lines(&machine, &verified, args.compensated);
+    let document = verification_json(
+        &machine,
+        &campaign.name,
+        args.compensated,
+        &verified,
+        &parallel,
+    );
     let text = trueaxis_files::to_json(&document)?;
     let folder = output::folder(args.out.as_deref(), &campaign.name)?;
     let path = folder.join(FILE);
@@ -33,6 +41,9 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
         lines(entry, args.compensated)
             .iter()
             .for_each(|line| say(line));
+    }
+    for found in &parallel {
+        angles(&machine, found).iter().for_each(|line| say(line));
     }
     if verified.is_empty() {
         notice("the campaign has no verification: add readings to `verification` of campaign.json");
@@ -113,6 +124,35 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
         lines.extend(iso_230_2(positioning));
     }
     lines.extend(entry.circular.as_ref().map(iso_230_4));
+    lines
+}
+
+/// Pitch and yaw from parallel lines.
+fn angles(machine: &CalibratedMachine, found: &ParallelLines) -> Vec<String> {
+    let name = machine.machine().axes()[found.axis].name();
+    let mut lines = vec![format!(
+        "angles of {name} from {} parallel lines ({}), at {} positions; mean taken out, as each line has a zero of its own",
+        found.lines.len(),
+        found.lines.join(", "),
+        found.positions.len()
+    )];
+    for curve in &found.angles {
+        let range = |values: &[f64]| {
+            let high = values.iter().copied().fold(f64::MIN, f64::max);
+            (high - values.iter().copied().fold(f64::MAX, f64::min)) / ARCSEC
+        };
+        let u = match curve.u_largest() {
+            Some(u) => format!("; U of that {:.2}″ (k = 2)", 2.0 * u / ARCSEC),
+            None => String::new(),
+        };
+        lines.push(format!(
+            "  {}, range, ″         read {:.2}; predicted {:.2}; they differ by {:.2}″ at most{u}",
+            curve.component.name(name),
+            range(&curve.measured),
+            range(&curve.predicted),
+            curve.largest_difference() / ARCSEC
+        ));
+    }
     lines
 }
 

@@ -14,6 +14,7 @@
 pub(crate) mod iso_230_2;
 pub(crate) mod iso_230_4;
 mod json;
+pub(crate) mod parallel_lines;
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_calibrate::{
