@@ -58,6 +58,7 @@ pub fn verification_campaign(
         ball_mm,
         ball_carrier: TOOL,
         center_mm: ball_mm + Vector3::from(CENTRE_MM),
+        length_is_calibrated: false,
     };
     verification.push(readings.of("DBB in XY", kind, &circle())?);
     Ok(Campaign {

@@ -164,6 +164,8 @@ pub(crate) struct VerificationEntry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) center_mm: Option<[f64; 3]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) length_is_calibrated: Option<bool>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) u_um: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) u_ppm: Option<f64>,

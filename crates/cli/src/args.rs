@@ -146,8 +146,8 @@ pub(crate) struct ExportArgs {
     #[arg(long, value_name = "POINT", value_parser = point, allow_hyphen_values = true)]
     pub(crate) at: Option<Point3<f64>>,
 
-    /// Folder with the tables that were active while the machine was measured: the new ones contain
-    /// them (linuxcnc).
+    /// The tables that were active while the machine was measured, as their folder or file: the new ones
+    /// contain them (all formats but marlin and klipper).
     #[arg(long, value_name = "OLD")]
     pub(crate) onto: Option<PathBuf>,
 }

@@ -190,6 +190,11 @@ fn iso_230_4(found: &Circular) -> String {
         ("G backward", found.g_backward_um),
         ("G(b)", found.g_both_um),
         ("H", found.h_um),
+        ("F forward min", found.f_forward_um.map(|f| f[0])),
+        ("max", found.f_forward_um.map(|f| f[1])),
+        ("F backward min", found.f_backward_um.map(|f| f[0])),
+        ("max", found.f_backward_um.map(|f| f[1])),
+        ("D", found.d_um),
     ];
     let parts = parts
         .iter()

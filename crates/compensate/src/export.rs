@@ -12,6 +12,7 @@ mod marlin;
 pub(crate) mod named_errors;
 mod sinumerik;
 mod skew;
+mod with_old;
 
 use nalgebra::Point3;
 use trueaxis_calibrate::CalibratedMachine;
@@ -62,6 +63,29 @@ impl Format {
             Self::Marlin => "marlin",
             Self::Klipper => "klipper",
         }
+    }
+}
+
+impl Format {
+    /// Names of the files of old tables that [`Request::onto`] takes, for the axes of a machine.
+    pub fn old_files<'a>(self, axes: impl Iterator<Item = &'a str>) -> Vec<String> {
+        match self {
+            Self::Grid => vec!["grid.csv".to_owned()],
+            Self::LinuxCnc => axes.map(|axis| format!("{axis}.comp")).collect(),
+            Self::Isg => vec!["volcomp.csv".to_owned()],
+            Self::Etalon => vec!["etalon.txt".to_owned()],
+            Self::Sinumerik => vec!["AX_EEC.INI".to_owned(), "NC_CEC.INI".to_owned()],
+            Self::Marlin | Self::Klipper => Vec::new(),
+        }
+    }
+}
+
+/// The error for a format of one file that got more.
+fn one_file(format: &'static str, found: usize) -> Error {
+    Error::Unsuitable {
+        format,
+        takes: "one old file",
+        lacks: format!("{found} were given"),
     }
 }
 
@@ -123,11 +147,11 @@ pub(crate) struct Tables {
 /// # Errors
 /// What the control cannot hold, with the numbers: [`Error`].
 pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
-    if !request.onto.is_empty() && format != Format::LinuxCnc {
+    if !request.onto.is_empty() && matches!(format, Format::Marlin | Format::Klipper) {
         return Err(Error::Unsuitable {
             format: format.name(),
-            takes: "no old tables yet (only linuxcnc does)",
-            lacks: "add the new ones to the old ones at the control".to_owned(),
+            takes: "no old tables",
+            lacks: "switch its skew correction off before you measure".to_owned(),
         });
     }
     let tables = match format {

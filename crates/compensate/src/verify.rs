@@ -28,7 +28,7 @@ use crate::{Error, Moved, correct};
 pub use json::verification_json;
 
 use iso_230_2::Positioning;
-use iso_230_4::{Circular, circular_deviation};
+use iso_230_4::Circular;
 
 /// Positions this close are one, mm or rad.
 const SAME: f64 = 1e-9;
@@ -178,7 +178,7 @@ fn verified(
         name: verification.name.clone(),
         kind: kind.clone(),
         positioning: positioning(verification),
-        circular: circular(nominal, kind, &points),
+        circular: Circular::new(nominal, kind, &grouped(verification)),
         points,
     })
 }
@@ -253,6 +253,7 @@ fn declared_u_um(machine: &Machine, verification: &Verification, at: &[f64]) -> 
             ball_mm,
             ball_carrier,
             center_mm,
+            ..
         } => (machine.position(&Ideal, ball_carrier, at, ball_mm) - center_mm).norm(),
     };
     // ppm of mm are nm.
@@ -309,38 +310,4 @@ fn positioning(verification: &Verification) -> Vec<(Vec<f64>, Positioning)> {
         (own[0].positions.clone(), positioning)
     };
     (0..count).map(of_line).collect()
-}
-
-fn circular(machine: &Machine, kind: &VerificationKind, points: &[Point]) -> Option<Circular> {
-    if !matches!(kind, VerificationKind::Ballbar { .. }) {
-        return None;
-    }
-    let of = |chosen: Vec<Point>| {
-        if chosen.is_empty() {
-            return None;
-        }
-        let set_up = set_up(machine, kind, &chosen);
-        let readings = DVector::from_iterator(chosen.len(), chosen.iter().map(|p| p.reading_um));
-        let left = &readings - &set_up * (pseudo_inverse(&set_up) * &readings);
-        circular_deviation(left.as_slice())
-    };
-    let side = |direction| {
-        let own = points.iter().filter(|point| point.direction == direction);
-        own.cloned().collect::<Vec<_>>()
-    };
-    let [forward, backward] = [Direction::Forward, Direction::Backward].map(side);
-    let pairs = forward.iter().filter_map(|f| {
-        let same = backward
-            .iter()
-            .find(|b| are_same(&f.positions, &b.positions));
-        same.map(|b| (f.reading_um - b.reading_um).abs())
-    });
-    let h_um = pairs.reduce(f64::max);
-    let is_both = !forward.is_empty() && !backward.is_empty();
-    Some(Circular {
-        g_both_um: is_both.then(|| of(points.to_vec())).flatten(),
-        g_forward_um: of(forward),
-        g_backward_um: of(backward),
-        h_um,
-    })
 }

@@ -82,6 +82,7 @@ impl MeasuredPoint {
                 ball_mm,
                 ball_carrier,
                 center_mm,
+                ..
             } => {
                 let point_mm = machine.position(&Ideal, ball_carrier, positions, ball_mm);
                 let bar = point_mm - center_mm;

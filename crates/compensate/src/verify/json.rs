@@ -93,6 +93,11 @@ fn entry(machine: &Machine, verified: &Verified) -> Value {
             ("G_backward_um", circular.g_backward_um),
             ("Gb_um", circular.g_both_um),
             ("H_um", circular.h_um),
+            ("Fmin_forward_um", circular.f_forward_um.map(|f| f[0])),
+            ("Fmax_forward_um", circular.f_forward_um.map(|f| f[1])),
+            ("Fmin_backward_um", circular.f_backward_um.map(|f| f[0])),
+            ("Fmax_backward_um", circular.f_backward_um.map(|f| f[1])),
+            ("D_um", circular.d_um),
         ]);
     }
     entry

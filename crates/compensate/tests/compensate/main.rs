@@ -9,6 +9,7 @@ mod controllers;
 mod export;
 mod import;
 mod inverse;
+mod onto;
 mod parallel_lines;
 mod remains;
 mod verify;
