@@ -1,7 +1,7 @@
 //! `trueaxis verify`.
 
 use trueaxis_calibrate::CalibratedMachine;
-use trueaxis_campaign::VerificationKind;
+use trueaxis_campaign::{VerificationKind, checksums};
 use trueaxis_compensate::{
     Circular, EXPECTED_ABOVE_ONE, ParallelLines, Point, Positioning, Verified, is_misfit,
     parallel_lines, verification_json, verify,
@@ -14,6 +14,7 @@ use crate::output;
 use crate::predict::source;
 use crate::report;
 use crate::talk::{notice, say};
+use crate::traceability::{of_calibration, traced};
 
 const FILE: &str = "verification.json";
 
@@ -29,7 +30,9 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
         &verified,
         &parallel,
     );
-    let text = trueaxis_files::to_json(&document)?;
+    let mut inputs = of_calibration(&args.calibration, &machine)?;
+    inputs.extend(checksums(&args.campaign)?);
+    let text = traced(&trueaxis_files::to_json(&document)?, &inputs, None)?;
     let folder = output::folder(args.out.as_deref(), &campaign.name)?;
     let path = folder.join(FILE);
     output::write(&path, text.as_bytes())?;

@@ -37,6 +37,7 @@ mod ordered;
 mod place;
 mod rounding;
 mod serde_message;
+mod sha256;
 mod unique_keys;
 mod whole;
 
@@ -51,5 +52,6 @@ pub use npz::{NpzError, NpzWriter, from_npz};
 pub use ordered::Ordered;
 pub use place::{Part, Place};
 pub use rounding::{round, significant};
+pub use sha256::sha256;
 pub use unique_keys::unique_keys;
 pub use whole::{write_whole, write_whole_by};

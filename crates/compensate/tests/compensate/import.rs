@@ -151,6 +151,7 @@ fn without_an_uncertainty_nothing_has_one() {
     assert!(
         again
             .compare(&machine)
+            .unwrap()
             .iter()
             .all(|d| d.u.is_nan() && !d.is_beyond_noise())
     );
