@@ -94,9 +94,9 @@ fn old_tables(
     machine: &CalibratedMachine,
     format: Format,
     path: &Path,
-) -> Result<Vec<ExportedFile>, OldTablesError> {
+) -> anyhow::Result<Vec<ExportedFile>> {
     let axes = machine.machine().axes().iter().map(|axis| axis.name());
-    let names = format.old_files(axes);
+    let names = format.old_files(axes)?;
     let files: Vec<(String, PathBuf)> = match path.file_name() {
         Some(name) if path.is_file() => {
             vec![(name.to_string_lossy().into_owned(), path.to_owned())]
@@ -111,14 +111,15 @@ fn old_tables(
         match std::fs::read_to_string(&path) {
             Ok(text) => old.push(ExportedFile { name, text }),
             Err(source) if source.kind() == std::io::ErrorKind::NotFound => {}
-            Err(source) => return Err(OldTablesError::Unreadable { path, source }),
+            Err(source) => return Err(OldTablesError::Unreadable { path, source }.into()),
         }
     }
-    match old.is_empty() && !names.is_empty() {
+    match old.is_empty() {
         true => Err(OldTablesError::Nothing {
             folder: path.to_owned(),
             names: names.join(", "),
-        }),
+        }
+        .into()),
         false => Ok(old),
     }
 }

@@ -68,15 +68,24 @@ impl Format {
 
 impl Format {
     /// Names of the files of old tables that [`Request::onto`] takes, for the axes of a machine.
-    pub fn old_files<'a>(self, axes: impl Iterator<Item = &'a str>) -> Vec<String> {
-        match self {
+    ///
+    /// # Errors
+    /// [`Error::Unsuitable`] for a format without tables.
+    pub fn old_files<'a>(self, axes: impl Iterator<Item = &'a str>) -> Result<Vec<String>, Error> {
+        Ok(match self {
             Self::Grid => vec!["grid.csv".to_owned()],
             Self::LinuxCnc => axes.map(|axis| format!("{axis}.comp")).collect(),
             Self::Isg => vec!["volcomp.csv".to_owned()],
             Self::Etalon => vec!["etalon.txt".to_owned()],
             Self::Sinumerik => vec!["AX_EEC.INI".to_owned(), "NC_CEC.INI".to_owned()],
-            Self::Marlin | Self::Klipper => Vec::new(),
-        }
+            Self::Marlin | Self::Klipper => {
+                return Err(Error::Unsuitable {
+                    format: self.name(),
+                    takes: "no old tables",
+                    lacks: "switch its skew correction off before you measure".to_owned(),
+                });
+            }
+        })
     }
 }
 
@@ -147,12 +156,8 @@ pub(crate) struct Tables {
 /// # Errors
 /// What the control cannot hold, with the numbers: [`Error`].
 pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
-    if !request.onto.is_empty() && matches!(format, Format::Marlin | Format::Klipper) {
-        return Err(Error::Unsuitable {
-            format: format.name(),
-            takes: "no old tables",
-            lacks: "switch its skew correction off before you measure".to_owned(),
-        });
+    if !request.onto.is_empty() {
+        format.old_files(std::iter::empty())?;
     }
     let tables = match format {
         Format::Grid => grid::tables(request),
