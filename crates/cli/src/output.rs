@@ -35,6 +35,16 @@ impl std::fmt::Display for OutputError {
     }
 }
 
+impl OutputError {
+    /// The code of the error.
+    pub(crate) fn code(&self) -> &'static str {
+        match self.source {
+            Some(_) => "E004",
+            None => "E005",
+        }
+    }
+}
+
 impl std::error::Error for OutputError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         self.source.as_ref().map(|source| source as _)
