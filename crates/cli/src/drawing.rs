@@ -4,7 +4,7 @@ use std::fs;
 use std::ops::Range;
 
 use trueaxis_calibrate::ReadError;
-use trueaxis_files::{DocumentError, Part, Place, field_span};
+use trueaxis_files::{DocumentError, DocumentProblem, Part, Place, field_span};
 
 /// Columns that a line takes at most; what is left and right of the mark is cut.
 const WIDTH: usize = 100;
@@ -23,6 +23,11 @@ pub(crate) fn of(error: &anyhow::Error) -> Option<Vec<String>> {
     let text = text.trim_start_matches('\u{feff}');
     let (number, mark) = mark(text, place)?;
     let line = text.lines().nth(number - 1)?;
+    let word = error
+        .chain()
+        .find_map(word)
+        .and_then(|word| single(line, word));
+    let mark = word.unwrap_or(mark);
     Some(draw(&file.display().to_string(), number, line, mark))
 }
 
@@ -54,6 +59,28 @@ fn place<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<&'e Place> 
                 .downcast_ref::<trueaxis_import::Error>()
                 .map(|error| &*error.place)
         })
+}
+
+/// What was found, where the separators of the file are not known.
+fn word<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<&'e str> {
+    match &cause.downcast_ref::<trueaxis_import::Error>()?.problem {
+        trueaxis_import::Problem::Cell { found, .. } => Some(found),
+        trueaxis_import::Problem::NoSuchColumn { name, .. } => Some(name),
+        trueaxis_import::Problem::Document(
+            DocumentProblem::UnknownName { name, .. } | DocumentProblem::UnknownField { name, .. },
+        ) => Some(name),
+        _ => None,
+    }
+}
+
+/// The bytes of a word that stands in the line once.
+fn single(line: &str, word: &str) -> Option<Range<usize>> {
+    let (start, _) = line
+        .match_indices(word)
+        .next()
+        .filter(|_| !word.is_empty())?;
+    let is_single = line.match_indices(word).nth(1).is_none();
+    is_single.then_some(start..start + word.len())
 }
 
 /// The line, from 1, and the bytes in it that are meant.

@@ -87,6 +87,33 @@ fn errors_are_drawn_on_their_line() {
             "  |                ^^^^^^\n",
         ],
     );
+    let docs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/examples");
+    let map = fs::read_to_string(format!("{docs}/turntable.toml")).unwrap();
+    let export = format!("{docs}/turntable.txt");
+    let import = |map: &str| {
+        write("map.toml", map);
+        run(
+            folder.path(),
+            &["import", "points", &export, "--map", "map.toml"],
+        )
+    };
+    import(&map.replacen("\"in\"", "\"inn\"", 1)).assert_failed(
+        "unit",
+        3,
+        &[
+            "error[E104]",
+            "x_mm = { column = \"X\", unit = \"inn\" }\n  |                                ^^^\n",
+        ],
+    );
+    import(&map.replacen("decimal", "# decimal", 1)).assert_failed(
+        "decimal",
+        3,
+        &[
+            "error[E236]",
+            "7 | P_000;26,068146;-14,632530",
+            "  |       ^^^^^^^^^\n",
+        ],
+    );
     run(folder.path(), &["check", "none.json"]).assert_failed(
         "none",
         3,
