@@ -187,6 +187,7 @@ fn of_calibrate(error: &Calibrate) -> &'static str {
         Calibrate::NotIdentifiable { .. } => "E401",
         Calibrate::NotThatMotion { .. } => "E402",
         Calibrate::SeveralAxesMove { .. } => "E403",
+        Calibrate::OtherReferencePoint { .. } => "E509",
         Calibrate::CovarianceTooLarge { .. } | Calibrate::ReliabilityTooLarge { .. } => "E610",
     }
 }

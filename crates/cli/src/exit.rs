@@ -112,7 +112,9 @@ impl Exit {
             Calibrate::Poses(error) => Self::of_poses(error),
             Calibrate::Mistaken { error, .. } => Self::of_calibration(error),
             Calibrate::NotIdentifiable { .. } => Self::NotIdentifiable,
-            Calibrate::NotThatMotion { .. } | Calibrate::SeveralAxesMove { .. } => Self::Input,
+            Calibrate::NotThatMotion { .. }
+            | Calibrate::SeveralAxesMove { .. }
+            | Calibrate::OtherReferencePoint { .. } => Self::Input,
             Calibrate::NotSettled { .. } => Self::NotConverged,
             Calibrate::CovarianceTooLarge { .. } | Calibrate::ReliabilityTooLarge { .. } => {
                 Self::Usage

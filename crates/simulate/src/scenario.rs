@@ -16,7 +16,7 @@ use crate::{KnownLengthSpec, ReflectorSpec, SystematicSpec, TemperatureSpec, Ter
 /// [`Scenario::read`] or [`Scenario::from_json`]; [`crate::simulate`] checks it. Written as JSON
 /// (`trueaxis_files::to_json`) it can be read back.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object: the scenario")]
 pub struct Scenario {
     /// The name of [`Scenario::FORMAT`].
     pub format: String,
@@ -88,7 +88,7 @@ impl Scenario {
 
 /// A target on a stage.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object: a target")]
 pub struct TargetSpec {
     /// Name, as `P`.
     pub name: String,
@@ -112,7 +112,7 @@ pub struct TargetSpec {
 
 /// When targets on the bed are read from each station.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object: targets on the bed")]
 pub struct BedSpec {
     /// How often all of them are read: once at the start of the occupation, once at its end, and the other times
     /// between sweeps, evenly.
@@ -121,7 +121,7 @@ pub struct BedSpec {
 
 /// A station of the tracker.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object: a station")]
 pub struct StationSpec {
     /// Name, as `S1`.
     pub name: String,
@@ -141,7 +141,7 @@ pub struct StationSpec {
 
 /// The true errors of one axis.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object: the errors of an axis")]
 pub struct AxisErrors {
     /// Curves by ISO 230-1 name, as `EXX`: the sum of the terms, µm or arcsec.
     #[serde(default, deserialize_with = "unique_keys")]
@@ -160,7 +160,10 @@ pub struct AxisErrors {
 
 /// One location error: an angle or a shift.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an object as { \"value_arcsec\": 12 } or { \"value_mm\": 0.02 }"
+)]
 pub struct LocationValue {
     /// A tilt, arcsec (right-hand rule).
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -184,7 +187,7 @@ pub enum Gauge {
 
 /// A sweep of one axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object: a run")]
 pub struct RunSpec {
     /// Name, as `x`.
     pub name: String,
@@ -209,7 +212,10 @@ pub struct RunSpec {
 
 /// Positions `start, start + step, ..., stop`, mm or deg.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an object as { \"start\": 0, \"stop\": 400, \"step\": 20 }"
+)]
 pub struct Sweep {
     /// First position.
     pub start: f64,
@@ -221,7 +227,7 @@ pub struct Sweep {
 
 /// True noise; what is not given is as the instrument declares.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object: the instrument")]
 pub struct NoiseSpec {
     /// Constant part of a length's standard deviation, µm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -239,7 +245,7 @@ pub struct NoiseSpec {
 
 /// When readings are taken. The clock starts at `start_s` at the first station.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields, default, expecting = "an object: the timing")]
 pub struct Timing {
     /// Start of the campaign, s.
     pub start_s: f64,

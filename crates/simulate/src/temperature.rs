@@ -22,7 +22,7 @@ const TEMPERATURES_PER_K: f64 = 1e3;
 
 /// A column of logged temperatures.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object: a logged temperature")]
 pub struct TemperatureSpec {
     /// Column of `lengths.csv`, as `machine_temp_spindle_c`.
     pub column: String,

@@ -10,6 +10,7 @@ mod compare;
 mod diagnose;
 mod explain;
 mod export;
+mod golden;
 mod gross_errors;
 mod harmless;
 mod import;
