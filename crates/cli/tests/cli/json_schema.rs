@@ -106,7 +106,7 @@ fn check(root: &Value, schema: &Value, value: &Value, path: &str, faults: &mut V
                             faults.push(format!("{path} is unknown"));
                         }
                         ("additionalProperties", None) => {
-                            check(root, argument, field, &path, faults)
+                            check(root, argument, field, &path, faults);
                         }
                         _ => {}
                     }
