@@ -13,6 +13,7 @@ use crate::exit::Exit;
 use crate::output;
 use crate::predict::source;
 use crate::talk::say;
+use crate::traceability::{of_calibration, traced};
 
 const FILE: &str = "comparison.json";
 
@@ -24,7 +25,10 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
     let second = CalibratedMachine::read(&args.second)?;
     check_same_machine(first.machine(), second.machine())?;
     let differences = first.compare(&second)?;
+    let mut inputs = of_calibration(&args.first)?;
+    inputs.extend(of_calibration(&args.second)?);
     let text = trueaxis_files::to_json(&to_json(&first, &second, &differences))?;
+    let text = traced(&text, &inputs, None)?;
     let folder = output::folder(args.out.as_deref(), &second.campaign)?;
     let path = folder.join(FILE);
     output::write(&path, text.as_bytes())?;

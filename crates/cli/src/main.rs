@@ -28,6 +28,7 @@ mod simulate;
 mod summary;
 mod table1;
 mod talk;
+mod traceability;
 mod verify;
 mod volume;
 

@@ -40,6 +40,7 @@ mod rounding;
 mod schema;
 mod schema_key;
 mod serde_message;
+mod sha256;
 mod unique_keys;
 mod whole;
 
@@ -55,5 +56,6 @@ pub use ordered::Ordered;
 pub use place::{Part, Place};
 pub use rounding::{round, significant};
 pub use schema::nullable_text;
+pub use sha256::sha256;
 pub use unique_keys::unique_keys;
 pub use whole::{write_whole, write_whole_by};
