@@ -369,8 +369,9 @@ fn nothing_panics() {
             Err(_) => refused += 1,
         }
     }
+    // Both happen.
     assert!(
-        read > 300 && refused > 1000,
+        read > 100 && refused > 100,
         "{read} read, {refused} refused"
     );
 }
