@@ -20,7 +20,7 @@ impl std::fmt::Display for OutputError {
                 let path = path.display();
                 write!(
                     f,
-                    "{path} cannot be written; choose another folder with --out"
+                    "{path} cannot be written; choose another place, as with --out"
                 )
             }
             (Some(path), None) => {
