@@ -1,5 +1,6 @@
 //! The command line.
 
+mod about;
 mod campaign;
 mod import;
 mod init;
@@ -9,6 +10,7 @@ use std::path::PathBuf;
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use nalgebra::Point3;
 
+pub(crate) use about::{ExplainArgs, SchemaArgs, SchemaName};
 pub(crate) use campaign::{CalibrateArgs, CheckArgs, DiagnoseArgs, MontecarloArgs};
 pub(crate) use import::{ImportArgs, ImportTableArgs, ImportWhat};
 pub(crate) use init::{InitArgs, MachineType};
@@ -58,6 +60,10 @@ pub(crate) enum Verb {
     Montecarlo(MontecarloArgs),
     /// Makes a campaign with known errors from a scenario; writes the campaign and truth.json.
     Simulate(SimulateArgs),
+    /// Prints the JSON Schema of a document, for editors and other programs.
+    Schema(SchemaArgs),
+    /// Says what the code of an error means, and how to mend it.
+    Explain(ExplainArgs),
     /// Prints what a shell needs to complete the words of a command line.
     Completions(CompletionsArgs),
     /// Repeats Table 1 of the paper: what multilateration makes of the noise, by Monte Carlo.

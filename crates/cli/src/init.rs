@@ -23,7 +23,9 @@ pub(crate) fn run(args: &InitArgs) -> anyhow::Result<Exit> {
     let template = args.folder.join(format!("{kind}-template.csv"));
     let map = args.folder.join("import.toml");
     let table = plan.table(args.points);
+    let schema = args.folder.join("campaign.schema.json");
     output::write_all_new(&[
+        (&schema, trueaxis_campaign::schema()),
         (&campaign, campaign_text(plan.campaign, &name, args.points)),
         (&template, table.clone()),
         (&map, plan.map(args.points)),
@@ -44,6 +46,7 @@ pub(crate) fn run(args: &InitArgs) -> anyhow::Result<Exit> {
         &map,
         "what the columns of a tracker's export mean, instead of filling in",
     );
+    line(&schema, "lets an editor complete and check campaign.json");
     let (map, folder) = (map.display(), args.folder.join(kind));
     say("next:");
     say(&format!(
@@ -59,6 +62,7 @@ pub(crate) fn run(args: &InitArgs) -> anyhow::Result<Exit> {
 fn campaign_text(template: &str, name: &str, points: bool) -> String {
     let quoted = serde_json::Value::from(name).to_string();
     let text = template.replace("\"NAME\"", &quoted);
+    let text = text.replacen('{', "{\n  \"$schema\": \"campaign.schema.json\",", 1);
     if !points {
         return text;
     }

@@ -20,7 +20,7 @@ impl std::fmt::Display for OutputError {
                 let path = path.display();
                 write!(
                     f,
-                    "{path} cannot be written; choose another folder with --out"
+                    "{path} cannot be written; choose another place, as with --out"
                 )
             }
             (Some(path), None) => {
@@ -31,6 +31,16 @@ impl std::fmt::Display for OutputError {
                 )
             }
             (None, _) => write!(f, "standard output cannot be written"),
+        }
+    }
+}
+
+impl OutputError {
+    /// The code of the error.
+    pub(crate) fn code(&self) -> &'static str {
+        match self.source {
+            Some(_) => "E004",
+            None => "E005",
         }
     }
 }

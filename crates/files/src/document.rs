@@ -7,6 +7,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use serde_json::error::Category;
 
+use crate::schema_key::without_schema_key;
 use crate::{DocumentError, DocumentProblem, Part, Place, field_line};
 
 /// A format of this project.
@@ -29,7 +30,7 @@ impl Format {
         self.name.strip_prefix(PREFIX).unwrap_or(self.name)
     }
 
-    /// Reads a document of this format. Format and version come first: a document of another format
+    /// Reads a document of this format; `$schema` at its top is ignored. Format and version come first: a document of another format
     /// or a later version is called that, and not blamed for its unknown fields.
     ///
     /// # Errors
@@ -41,6 +42,7 @@ impl Format {
     ) -> Result<T, DocumentError> {
         self.check_header(text)
             .and_then(|()| {
+                let text = &without_schema_key(text);
                 let deserializer = &mut serde_json::Deserializer::from_str(text);
                 serde_path_to_error::deserialize(deserializer)
                     .map_err(|error| refused(&error.path().to_string(), error.inner()))

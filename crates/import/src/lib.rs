@@ -1,6 +1,6 @@
 //! Exports of laser trackers and other instruments, whatever their columns, into the tables of a campaign.
 //!
-//! Noun in: the text of an export (any ASCII or CSV, as a point list of SpatialAnalyzer or PolyWorks) and a
+//! Noun in: the text of an export (any ASCII or CSV, as a point list of `SpatialAnalyzer` or `PolyWorks`) and a
 //! [`Map`], which says what its columns mean; noun out: [`Imported`], the rows of `lengths.csv` or `points.csv`
 //! in mm, degrees and s, with every line that was skipped and why. Nothing is guessed that changes a number: units are
 //! stated, and a cell that is not understood is an [`Error`] with its line.
@@ -38,10 +38,12 @@ mod clock;
 mod columns;
 mod decode;
 mod error;
+mod finder;
 mod import;
 mod map;
 mod path;
 mod pattern;
+mod reader;
 mod stops;
 mod unit;
 

@@ -13,13 +13,14 @@ use crate::{Error, Problem};
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Map {
-    /// Between the cells of a row: one sign, `tab`, or `blanks` for any number of blanks and tabs [`,`].
+    /// Between the cells of a row: one sign, `tab`, or `blanks` for any number of blanks and tabs;
+    /// `,` if it is not given.
     pub separator: Option<String>,
-    /// Decimal sign [`.`].
+    /// Decimal sign, `.` if it is not given.
     pub decimal: Option<String>,
     /// Lines before the one with the names of the columns, or before the rows.
     pub skip_lines: usize,
-    /// Whether a line names the columns [true]; else they have numbers from 1.
+    /// Whether a line names the columns, true if it is not given; else they have numbers from 1.
     pub column_names: Option<bool>,
     /// Lines that begin with one of these are skipped.
     pub comment: Vec<String>,

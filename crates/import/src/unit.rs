@@ -75,7 +75,7 @@ mod tests {
         let unit = Unit::named("in", &[Quantity::Length]).unwrap();
         assert_eq!(unit.convert(1.2345).to_string(), "31.3563");
         let half_turn = Unit::named("rad", &[Quantity::Angle]).unwrap();
-        assert_eq!(half_turn.convert(3.141_592_653_59).to_string(), "180");
+        assert_eq!(half_turn.convert(std::f64::consts::PI).to_string(), "180");
         let unknown = Unit::named("inc", &[Quantity::Length]).unwrap_err();
         assert_eq!(unknown.nearest.as_deref(), Some("in"));
         assert_eq!(unknown.known, ["mm", "um", "cm", "m", "in", "ft"]);

@@ -333,3 +333,45 @@ fn mistakes_are_explained() {
         assert!(error.contains(says), "no `{says}` in: {error}");
     }
 }
+
+/// Damaged bytes of export and map are read or refused, never more.
+#[test]
+fn nothing_panics() {
+    let docs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/examples/turntable");
+    let [export, map] = ["txt", "toml"].map(|end| std::fs::read(format!("{docs}.{end}")).unwrap());
+    let signs = b"\",;.\n\r\t {}[]=_0-\xFF\xC3";
+    let mut state = 1_u64;
+    let mut draw = |below: usize| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        usize::try_from(state >> 33).unwrap() % below
+    };
+    let (mut read, mut refused) = (0, 0);
+    for round in 0..4000 {
+        let (mut export, mut map) = (export.clone(), map.clone());
+        let damaged = if round % 2 == 0 {
+            &mut export
+        } else {
+            &mut map
+        };
+        for _ in 0..1 + draw(3) {
+            let at = draw(damaged.len());
+            match draw(3) {
+                0 => damaged[at] = signs[draw(signs.len())],
+                1 => drop(damaged.drain(at..damaged.len().min(at + draw(20)))),
+                _ => damaged.truncate(at.max(1)),
+            }
+        }
+        let map = Map::parse(&String::from_utf8_lossy(&map), None);
+        match map.and_then(|map| import(Kind::Points, &export, None, &map)) {
+            Ok(_) => read += 1,
+            Err(_) => refused += 1,
+        }
+    }
+    // Both happen.
+    assert!(
+        read > 100 && refused > 100,
+        "{read} read, {refused} refused"
+    );
+}

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trueaxis_campaign::{Instrument, MachineSpec};
 use trueaxis_effects::GivenEffect;
@@ -14,7 +15,7 @@ use crate::{KnownLengthSpec, ReflectorSpec, SystematicSpec, TemperatureSpec, Ter
 /// Plain data in the units of the file: mm, degrees, µm and arc seconds by name. Read it with
 /// [`Scenario::read`] or [`Scenario::from_json`]; [`crate::simulate`] checks it. Written as JSON
 /// (`trueaxis_files::to_json`) it can be read back.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: the scenario")]
 pub struct Scenario {
     /// The name of [`Scenario::FORMAT`].
@@ -78,10 +79,15 @@ impl Scenario {
         version: 1,
         noun: "a scenario",
     };
+
+    /// The JSON Schema of `scenario.json`.
+    pub fn schema() -> String {
+        Self::FORMAT.schema::<Self>()
+    }
 }
 
 /// A target on a stage.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a target")]
 pub struct TargetSpec {
     /// Name, as `P`.
@@ -90,6 +96,7 @@ pub struct TargetSpec {
     pub position_mm: [f64; 3],
     /// The outermost axis that moves it; null on the bed, where [`Scenario::bed`] reads it.
     #[serde(deserialize_with = "Option::deserialize")]
+    #[schemars(schema_with = "trueaxis_files::nullable_text")]
     pub carried_by: Option<String>,
     /// True minus nominal position at home, mm.
     #[serde(default)]
@@ -104,7 +111,7 @@ pub struct TargetSpec {
 }
 
 /// When targets on the bed are read from each station.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: targets on the bed")]
 pub struct BedSpec {
     /// How often all of them are read: once at the start of the occupation, once at its end, and the other times
@@ -113,7 +120,7 @@ pub struct BedSpec {
 }
 
 /// A station of the tracker.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a station")]
 pub struct StationSpec {
     /// Name, as `S1`.
@@ -133,7 +140,7 @@ pub struct StationSpec {
 }
 
 /// The true errors of one axis.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: the errors of an axis")]
 pub struct AxisErrors {
     /// Curves by ISO 230-1 name, as `EXX`: the sum of the terms, µm or arcsec.
@@ -152,7 +159,7 @@ pub struct AxisErrors {
 }
 
 /// One location error: an angle or a shift.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(
     deny_unknown_fields,
     expecting = "an object as { \"value_arcsec\": 12 } or { \"value_mm\": 0.02 }"
@@ -167,7 +174,7 @@ pub struct LocationValue {
 }
 
 /// What is done to the curves before they are simulated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Gauge {
     /// Mean, slope and home value are taken out so that the location errors of the scenario are
@@ -179,7 +186,7 @@ pub enum Gauge {
 }
 
 /// A sweep of one axis.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a run")]
 pub struct RunSpec {
     /// Name, as `x`.
@@ -204,7 +211,7 @@ pub struct RunSpec {
 }
 
 /// Positions `start, start + step, ..., stop`, mm or deg.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
     deny_unknown_fields,
     expecting = "an object as { \"start\": 0, \"stop\": 400, \"step\": 20 }"
@@ -219,7 +226,7 @@ pub struct Sweep {
 }
 
 /// True noise; what is not given is as the instrument declares.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: the instrument")]
 pub struct NoiseSpec {
     /// Constant part of a length's standard deviation, µm.
@@ -237,7 +244,7 @@ pub struct NoiseSpec {
 }
 
 /// When readings are taken. The clock starts at `start_s` at the first station.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "an object: the timing")]
 pub struct Timing {
     /// Start of the campaign, s.

@@ -208,6 +208,6 @@ fn nothing_is_overwritten_or_left_half_done() {
     run(folder.path(), &["init", "new"]).assert_good();
     fs::remove_file(folder.path().join("new/campaign.json")).unwrap();
     let again = run(folder.path(), &["init", "new", "--type", "rotary-stage"]);
-    again.assert_failed("again", USAGE, &["lengths-template.csv", there]);
+    again.assert_failed("again", USAGE, &["campaign.schema.json", there]);
     assert!(!folder.path().join("new/campaign.json").exists());
 }
