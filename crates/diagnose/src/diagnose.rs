@@ -3,13 +3,14 @@
 use trueaxis_calibrate::{
     CalibratedMachine, Calibration, calibrate_with_adjustment, check_same_machine,
 };
-use trueaxis_campaign::{Campaign, Lengths};
+use trueaxis_campaign::{Campaign, Lengths, Points};
 use trueaxis_effects::Scene;
 use trueaxis_poses::LengthsAdjustment;
 
 use crate::changes::changes;
 use crate::components::diagnose_components;
 use crate::lengths::{LengthsOutcome, diagnose_lengths, scene};
+use crate::points::diagnose_points;
 use crate::runs::diagnose_runs;
 use crate::verification::diagnose_verification;
 use crate::{Cause, Diagnosis, Error, LevelReport, Settings, Unexplained, Verdict};
@@ -32,9 +33,17 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
     let mut diagnosis = Diagnosis::new(campaign);
     let mut adjustment = None;
     if measured {
-        let (calibration, of_lengths) = calibrated(campaign, settings, &mut diagnosis.notices)?;
-        diagnosis.calibration = Some(calibration);
-        adjustment = of_lengths;
+        match calibrated(campaign, settings, &mut diagnosis.notices) {
+            Ok((calibration, of_lengths)) => {
+                diagnosis.calibration = Some(calibration);
+                adjustment = of_lengths;
+            }
+            // Points that do not determine a pose may still contradict each other.
+            Err(error) if campaign.lengths.is_none() && is_not_identifiable(&error) => {
+                diagnosis.notices.push(format!("not calibrated: {error}"));
+            }
+            Err(error) => return Err(error),
+        }
     }
     let explained = |calibration: Option<&Calibration>| {
         let wanted = calibration.filter(|_| settings.explain_curves);
@@ -59,6 +68,11 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
             components = explained(diagnosis.calibration.as_ref());
         }
     }
+    if let (None, Some(points)) = (&campaign.lengths, &campaign.points)
+        && with_points(&mut diagnosis, campaign, points, settings)
+    {
+        components = explained(diagnosis.calibration.as_ref());
+    }
     let calibration = diagnosis.calibration.as_ref();
     let predicts = calibration.map(Calibration::calibrated_machine);
     with_verification(&mut diagnosis, campaign, predicts.as_ref(), settings);
@@ -67,14 +81,9 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         diagnosis.not_observable.extend(components.not_observable);
         diagnosis.notices.extend(components.notices);
     }
-    if diagnosis.levels.is_empty() {
-        let why = match campaign.points {
-            Some(_) => {
-                "points are not compared with each other here, only lengths and verification readings can contradict the model"
-            }
-            None => "there is nothing that could contradict the model",
-        };
-        diagnosis.notices.push(format!("nothing was judged: {why}"));
+    if diagnosis.levels.is_empty() && diagnosis.notices.is_empty() {
+        let why = "nothing was judged: there is nothing that could contradict the model";
+        diagnosis.notices.push(why.to_owned());
     }
     Ok(diagnosis)
 }
@@ -121,7 +130,7 @@ fn with_verification(
         &diagnosis.scene,
         settings.explain_curves,
     );
-    diagnosis.rejected = outcome.rejected;
+    diagnosis.rejected.extend(outcome.rejected);
     for entry in outcome.entries {
         with_level(diagnosis, entry.report, entry.causes, entry.unexplained);
     }
@@ -186,6 +195,42 @@ fn with_lengths(
     diagnosis.not_observable.extend(outcome.not_observable);
     diagnosis.notices.extend(outcome.notices);
     Ok(without)
+}
+
+/// What the points say, and the calibration without the causes and gross errors that they show; whether there are any.
+fn with_points(
+    diagnosis: &mut Diagnosis,
+    campaign: &Campaign,
+    points: &Points,
+    settings: &Settings,
+) -> bool {
+    let mut outcome = diagnose_points(campaign, points, &diagnosis.scene);
+    if let (Some(corrected), Some(_)) = (&outcome.corrected, &diagnosis.calibration) {
+        let better = with_better(diagnosis, corrected, &mut outcome.causes, settings);
+        if let Err(error) = better {
+            let text = format!("the calibration is that of the points as they are: {error}");
+            diagnosis.notices.push(text);
+        }
+    }
+    if let Some(report) = outcome.report {
+        with_level(diagnosis, report, outcome.causes, outcome.unexplained);
+    }
+    diagnosis.rejected.extend(outcome.rejected);
+    diagnosis.not_observable.extend(outcome.not_observable);
+    diagnosis.notices.extend(outcome.notices);
+    outcome.corrected.is_some()
+}
+
+/// Whether an error says that the data do not determine what is asked.
+fn is_not_identifiable(error: &Error) -> bool {
+    use trueaxis_calibrate::Error as Calibrate;
+    matches!(
+        error,
+        Error::Calibrate(
+            Calibrate::NotIdentifiable { .. }
+                | Calibrate::Poses(trueaxis_poses::Error::NotIdentifiable { .. })
+        )
+    )
 }
 
 /// The calibration of the campaign without the causes, and what they change.

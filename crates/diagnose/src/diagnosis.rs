@@ -20,11 +20,11 @@ pub struct Diagnosis {
     pub causes: Vec<Cause>,
     /// What no cause explains, of the first level where something is left ([`LevelReport::unexplained`]).
     pub unexplained: Option<Unexplained>,
-    /// Readings of verifications that were left out as gross errors.
+    /// Points and readings of verifications that were left out as gross errors.
     pub rejected: Vec<Rejected>,
     /// Effects that these data cannot show.
     pub not_observable: Vec<NotObservable>,
-    /// The calibration with the causes found in the lengths taken out of them; none if there is nothing
+    /// The calibration with the causes found in the lengths or points taken out of them; none if there is nothing
     /// to calibrate from.
     pub calibration: Option<Calibration>,
     /// What a user must know before using the outcome.
@@ -264,7 +264,7 @@ pub struct Unexplained {
 /// A reading that contradicts all others and was left out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rejected {
-    /// The verification, by name.
+    /// The verification, by name, or `points.csv`.
     pub file: String,
     /// Its line in the table, from 1 (the header).
     pub row: usize,

@@ -19,6 +19,6 @@ pub enum Error {
     )]
     NothingRead,
     /// There is nothing to compare.
-    #[error("the campaign has neither lengths nor verification readings to diagnose")]
+    #[error("the campaign has neither lengths, points nor verification readings to diagnose")]
     NothingMeasured,
 }

@@ -31,9 +31,10 @@ impl Diagnosis {
         FORMAT.schema_of_result::<File<'_>>()
     }
 
-    /// The level that stands for the whole: the lengths, else the one with the largest misfit.
+    /// The level that stands for the whole: the lengths or the points, else the one with the largest misfit.
     pub fn headline(&self) -> Option<&LevelReport> {
-        let lengths = self.levels.iter().find(|l| l.level == Level::Lengths);
+        let of_targets = |l: &&LevelReport| [Level::Lengths, Level::Points].contains(&l.level);
+        let lengths = self.levels.iter().find(of_targets);
         lengths.or_else(|| {
             let misfit = |l: &&LevelReport| l.before.rms_um;
             let levels = self.levels.iter();

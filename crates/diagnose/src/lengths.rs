@@ -34,6 +34,9 @@ mod step_scan;
 mod swapped;
 mod unexplained;
 
+pub(crate) use harmonics::half_waves;
+pub(crate) use held_out::{HeldOut, Sums, interval};
 pub(crate) use not_observable::in_words;
 pub(crate) use search::{LengthsOutcome, diagnose_lengths};
+pub(crate) use step_scan::{StepScan, VisitTimes};
 pub(crate) use trueaxis_poses::scene_of as scene;

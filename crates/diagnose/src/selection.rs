@@ -33,7 +33,7 @@ pub(crate) use f_test::{f_test, ln_f_test};
 pub(crate) use fixed_scan::{FixedScan, gram as gram_of};
 pub(crate) use gram::Gram;
 pub(crate) use null::Null;
-pub(crate) use projection::Projection;
+pub(crate) use projection::{Arrowhead, Projection};
 pub(crate) use rivals::{DECISIVE, Fit, cosine, is_rival};
 pub(crate) use scan::{Hypothesis, Scan};
 pub(crate) use score::{Score, rank};

@@ -65,6 +65,8 @@ impl Layer {
 pub enum Level {
     /// The tracker's lengths.
     Lengths,
+    /// Coordinates of targets, measured by any instrument.
+    Points,
     /// The identified error curves.
     Components,
     /// Positioning lines and ballbar sweeps.
@@ -76,6 +78,7 @@ impl Level {
     pub fn name(self) -> &'static str {
         match self {
             Self::Lengths => "lengths",
+            Self::Points => "points",
             Self::Components => "components",
             Self::Verification => "verification",
         }
@@ -117,11 +120,28 @@ impl Parameter {
         ["x", "y", "z"].map(along).into()
     }
 
+    /// How a station moves: the three components of a vector. Where there are no stations but the frame in which
+    /// an instrument measures coordinates, it also turns: `<name>_a`, `_b`, `_c` in arcsec about the reference axes
+    /// through the origin of the reference frame, where the vector is its displacement.
+    pub(crate) fn of_station(name: &str, scene: &Scene) -> Vec<Self> {
+        let along = Self::vector(name, "um");
+        if !scene.stations.is_empty() {
+            return along;
+        }
+        let about = |axis| Self::new(format!("{name}_{axis}"), "arcsec").plausible(FRAME_ARCSEC);
+        let along = along.into_iter().map(|p| p.plausible(FRAME_UM));
+        along.chain(["a", "b", "c"].map(about)).collect()
+    }
+
     /// The two amplitudes of a wave.
     pub(crate) fn sine_and_cosine(unit: &'static str) -> Vec<Self> {
         ["sine", "cosine"].map(|name| Self::new(name, unit)).into()
     }
 }
+
+/// Five millimetres, or five in a metre: who bumps an instrument by more sets it up again.
+const FRAME_UM: [f64; 2] = [-5e3, 5e3];
+const FRAME_ARCSEC: [f64; 2] = [-1e3, 1e3];
 
 /// An effect in the words of a calibration engineer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

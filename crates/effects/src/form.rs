@@ -13,7 +13,7 @@
 //! frame of what carries the axis, and R the orientation of that frame, from the commanded positions.
 
 use nalgebra::Vector3;
-use trueaxis_kinematics::{Axis, AxisKind, MotionError};
+use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, MICROMETRE, MotionError};
 
 use crate::{Circumstances, Displaced, Effect, Layer, Shape, Subject};
 
@@ -22,7 +22,8 @@ use crate::{Circumstances, Displaced, Effect, Layer, Shape, Subject};
 pub(crate) enum Form {
     /// The instrument shows more than the distance, mm.
     Length(fn(&AtReading<'_>) -> f64),
-    /// The station moves along the reference direction of the parameter, mm.
+    /// The station moves along the reference direction of the parameter, mm; the fourth to sixth parameter of the
+    /// frame of an instrument turn it about the origin, one arcsec where the others are one µm.
     Station(fn(&AtReading<'_>) -> f64),
     /// The target moves along the reference direction of the parameter, mm.
     Target(fn(&AtReading<'_>) -> f64),
@@ -80,6 +81,17 @@ impl AtReading<'_> {
         history.map_or(0.0, |h| h.warmer_k(self.at.time_s, self.shape))
     }
 
+    /// What `mm` of the parameter of a station, or of the frame of an instrument, is where the target is.
+    fn frame_motion(&self, mm: f64) -> Vector3<f64> {
+        match self.parameter.checked_sub(3) {
+            None => Vector3::ith(self.parameter, mm),
+            Some(about) => {
+                let turn_rad = Vector3::ith(about, mm / MICROMETRE * ARCSEC);
+                turn_rad.cross(&self.at.point_mm.coords)
+            }
+        }
+    }
+
     /// Whether the axis of the subject is the one that moves between the readings.
     pub(crate) fn is_of_moving_axis(&self) -> bool {
         self.subject.axis == Some(self.at.axis)
@@ -114,7 +126,7 @@ impl Effect {
         let along = |mm: f64| Vector3::ith(parameter, mm);
         match self.form {
             Form::Length(value) => Displaced::length(value(&of)),
-            Form::Station(value) => Displaced::station(along(value(&of))),
+            Form::Station(value) => Displaced::station(of.frame_motion(value(&of))),
             Form::Target(value) => Displaced::point(along(value(&of))),
             Form::TargetOnStage(value) => Displaced::point(at.ref_from_stage() * along(value(&of))),
             Form::Displacement(value) => Displaced::point(value(&of)),
@@ -192,5 +204,40 @@ impl Circumstances<'_> {
         };
         let r = ref_from_base.inverse() * self.point_mm - reference;
         ref_from_base.rotation * by.displacement_mm(r)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Scene, effect};
+    use trueaxis_kinematics::Machine;
+
+    /// Without stations a frame has six parameters; one arcsec about z moves what is a metre along x by 4.848 µm.
+    #[test]
+    fn the_frame_of_an_instrument_turns() {
+        let x = Axis::linear("X", Vector3::x(), [0.0, 400.0]).unwrap();
+        let machine = Machine::new(vec![x], vec![0], vec![]).unwrap();
+        let scene = Scene {
+            machine: machine.clone(),
+            stations: Vec::new(),
+            targets: Vec::new(),
+            moving: vec![0],
+            temperatures: Vec::new(),
+        };
+        let jump = effect("station_jump").unwrap();
+        let subjects = jump.subjects(&scene);
+        assert_eq!(subjects, [Subject::default()]);
+        assert_eq!(jump.parameters(&scene, &subjects[0]).len(), 6);
+        let at = Circumstances {
+            time_s: 2.0,
+            positions: &[0.0],
+            point_mm: nalgebra::Point3::new(1000.0, 0.0, 0.0),
+            ..Circumstances::new(&machine)
+        };
+        let turned = jump.form(&subjects[0], 5, 1.0, &at).station_mm;
+        assert!((turned - Vector3::new(0.0, 4.848_136_811e-3, 0.0)).norm() < 1e-12);
+        let along = jump.form(&subjects[0], 1, 1.0, &at).station_mm;
+        assert_eq!(along, Vector3::new(0.0, MICROMETRE, 0.0));
     }
 }

@@ -103,6 +103,14 @@ impl Subject {
         (0..scene.stations.len()).map(Self::station).collect()
     }
 
+    /// Without stations the frame in which coordinates are measured.
+    pub(crate) fn each_station_or_frame(scene: &Scene) -> Vec<Self> {
+        match scene.stations.is_empty() {
+            true => Self::all_alike(scene),
+            false => Self::each_station(scene),
+        }
+    }
+
     pub(crate) fn each_station_and_all(scene: &Scene) -> Vec<Self> {
         [Self::each_station(scene), Self::all_alike(scene)].concat()
     }

@@ -87,7 +87,7 @@ pub(crate) fn held_out_stations(
 type Misfits = (usize, f64, f64);
 
 /// Number of readings of a sweep, its squares without and with the causes.
-type Sums = (usize, f64, f64);
+pub(crate) type Sums = (usize, f64, f64);
 
 /// Predicts each fold from what is left of the base without its readings (ascending).
 fn held_out<'a>(
@@ -139,7 +139,7 @@ fn held_out<'a>(
 }
 
 /// 95 % interval of the ratio of the rms with and without the causes, by a bootstrap of sweeps.
-fn interval(sums: &[Sums]) -> [f64; 2] {
+pub(crate) fn interval(sums: &[Sums]) -> [f64; 2] {
     let mut generator = ChaCha8Rng::seed_from_u64(SEED);
     let mut resampled = || {
         let (mut before, mut after) = (0.0, 0.0);

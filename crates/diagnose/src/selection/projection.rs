@@ -24,6 +24,22 @@ pub(crate) struct Projection {
     sigma: Vec<f64>,
 }
 
+/// The parts of a projection whose shared columns are orthonormal, and orthogonal to those of all groups.
+pub(crate) struct Arrowhead {
+    /// `e = M y`.
+    pub(crate) residuals: Vec<f64>,
+    /// Trace of `M`.
+    pub(crate) degrees_of_freedom: f64,
+    pub(crate) group_of_row: Vec<usize>,
+    pub(crate) groups: usize,
+    /// `O`, row after row.
+    pub(crate) own: Vec<f64>,
+    pub(crate) own_width: usize,
+    /// `T`, row after row.
+    pub(crate) shared: Vec<f64>,
+    pub(crate) shared_width: usize,
+}
+
 /// What must be left of a column, relative to its length, for it to count as something new.
 const NEW_TOL: f64 = 1e-6;
 
@@ -58,6 +74,24 @@ impl Projection {
             sigma: Vec::new(),
         };
         bare.extended(base)
+    }
+
+    /// That of an eliminated system: `Σ = I`.
+    pub(crate) fn arrowhead(parts: Arrowhead) -> Self {
+        let width = parts.shared_width;
+        let mut sigma = vec![0.0; width * width];
+        (0..width).for_each(|k| sigma[k * width + k] = 1.0);
+        Self {
+            residuals: parts.residuals,
+            degrees_of_freedom: parts.degrees_of_freedom,
+            group_of_row: parts.group_of_row,
+            groups: parts.groups,
+            own: parts.own,
+            own_width: parts.own_width,
+            shared: parts.shared,
+            shared_width: width,
+            sigma,
+        }
     }
 
     /// Number of observations.

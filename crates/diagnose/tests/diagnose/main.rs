@@ -13,6 +13,8 @@ mod feeds;
 mod iso_run;
 mod lines;
 mod machines;
+mod made_points;
+mod points;
 mod unknown;
 mod unseen;
 

@@ -10,7 +10,7 @@ const MOST_PPM: [f64; 2] = [-300.0, 300.0];
 pub(super) const EFFECT: Effect = Effect {
     id: "axis_expansion",
     layer: Layer::Machine,
-    levels: &[Level::Lengths, Level::Verification],
+    levels: &[Level::Lengths, Level::Points, Level::Verification],
     subjects: Subject::each_linear_axis,
     parameters: |_, _| vec![Parameter::new("expansion", "ppm").plausible(MOST_PPM)],
     shape: Shape::Fixed,

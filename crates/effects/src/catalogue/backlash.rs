@@ -11,7 +11,7 @@ use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 pub(super) const EFFECT: Effect = Effect {
     id: "backlash",
     layer: Layer::Machine,
-    levels: &[Level::Lengths, Level::Verification],
+    levels: &[Level::Lengths, Level::Points, Level::Verification],
     subjects: Subject::each_axis,
     parameters: |scene, subject| {
         let unit = scene.unit(subject, "um", "arcsec");

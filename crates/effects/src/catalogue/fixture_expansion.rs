@@ -9,7 +9,7 @@ use crate::{Effect, Explanation, Form, Layer, Level, PPM, Parameter, Shape, Subj
 pub(super) const EFFECT: Effect = Effect {
     id: "fixture_expansion",
     layer: Layer::Setup,
-    levels: &[Level::Lengths],
+    levels: &[Level::Lengths, Level::Points],
     subjects: Subject::all_alike,
     parameters: |_, _| vec![Parameter::new("expansion", "ppm")],
     shape: Shape::Fixed,

@@ -9,7 +9,7 @@ use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 pub(super) const EFFECT: Effect = Effect {
     id: "machine_shift",
     layer: Layer::Machine,
-    levels: &[Level::Lengths, Level::Verification],
+    levels: &[Level::Lengths, Level::Points, Level::Verification],
     subjects: Subject::all_alike,
     parameters: |_, _| Parameter::vector("shift", "um"),
     shape: Shape::Instant,

@@ -13,7 +13,7 @@ const METRES_PER_MM: f64 = 1e-3;
 pub(super) const EFFECT: Effect = Effect {
     id: "stage_bending",
     layer: Layer::Machine,
-    levels: &[Level::Lengths],
+    levels: &[Level::Lengths, Level::Points],
     subjects: each_axis_of_each_target,
     parameters: |scene, subject| {
         Parameter::vector("bending", scene.unit(subject, "um/m2", "um/rad2"))

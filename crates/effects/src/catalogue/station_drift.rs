@@ -2,6 +2,9 @@
 //!
 //! One tripod, or all alike: the tracker warms up, or the floor gives way, in every turn. v is `creep_x`,
 //! `creep_y`, `creep_z` in µm per turn, in the reference frame.
+//!
+//! Where coordinates are measured there are no stations: the frame of the instrument moves by these at the origin of the
+//! reference frame, and turns by `creep_a`, `creep_b`, `creep_c` in arcsec about the reference axes.
 
 use trueaxis_kinematics::MICROMETRE;
 
@@ -10,9 +13,9 @@ use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 pub(super) const EFFECT: Effect = Effect {
     id: "station_drift",
     layer: Layer::Setup,
-    levels: &[Level::Lengths],
+    levels: &[Level::Lengths, Level::Points],
     subjects: Subject::each_station_and_all,
-    parameters: |_, _| Parameter::vector("creep", "um"),
+    parameters: |scene, _| Parameter::of_station("creep", scene),
     shape: Shape::Fixed,
     form: Form::Station(|of| MICROMETRE * of.at.turn_progress),
     explanation: Explanation {

@@ -1,6 +1,9 @@
 //! The tripod is bumped at t0: `D_S = d · [t > t0, this station]`; a length changes by `-u·d`.
 //!
 //! d is `jump_x`, `jump_y`, `jump_z` in µm, in the reference frame.
+//!
+//! Where coordinates are measured there are no stations: the frame of the instrument moves by these at the origin of the
+//! reference frame, and turns by `jump_a`, `jump_b`, `jump_c` in arcsec about the reference axes.
 
 use trueaxis_kinematics::MICROMETRE;
 
@@ -9,9 +12,9 @@ use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 pub(super) const EFFECT: Effect = Effect {
     id: "station_jump",
     layer: Layer::Setup,
-    levels: &[Level::Lengths],
-    subjects: Subject::each_station,
-    parameters: |_, _| Parameter::vector("jump", "um"),
+    levels: &[Level::Lengths, Level::Points],
+    subjects: Subject::each_station_or_frame,
+    parameters: |scene, _| Parameter::of_station("jump", scene),
     shape: Shape::Instant,
     form: Form::Station(|_| MICROMETRE),
     explanation: Explanation {

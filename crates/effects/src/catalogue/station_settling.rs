@@ -4,6 +4,9 @@
 //! One tripod, or all alike with one time constant: the tracker warms up, or the feet sink in, at the
 //! start of every turn. v is `settling_x`, `settling_y`, `settling_z` in µm, how far from its last place the
 //! station stands at first, in the reference frame; T is `time_constant` in s.
+//!
+//! Where coordinates are measured there are no stations: the frame of the instrument moves by these at the origin of the
+//! reference frame, and turns by `settling_a`, `settling_b`, `settling_c` in arcsec about the reference axes.
 
 use trueaxis_kinematics::MICROMETRE;
 
@@ -12,9 +15,9 @@ use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 pub(super) const EFFECT: Effect = Effect {
     id: "station_settling",
     layer: Layer::Setup,
-    levels: &[Level::Lengths],
+    levels: &[Level::Lengths, Level::Points],
     subjects: Subject::each_station_and_all,
-    parameters: |_, _| Parameter::vector("settling", "um"),
+    parameters: |scene, _| Parameter::of_station("settling", scene),
     shape: Shape::SettlingTime,
     form: Form::Station(|of| MICROMETRE * (-of.at.turn_elapsed_s / of.shape).exp()),
     explanation: Explanation {

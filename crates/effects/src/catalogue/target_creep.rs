@@ -10,7 +10,7 @@ use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 pub(super) const EFFECT: Effect = Effect {
     id: "target_creep",
     layer: Layer::Setup,
-    levels: &[Level::Lengths],
+    levels: &[Level::Lengths, Level::Points],
     subjects: Subject::each_target,
     parameters: |_, _| Parameter::vector("creep", "um"),
     shape: Shape::Fixed,

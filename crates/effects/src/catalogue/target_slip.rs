@@ -9,7 +9,7 @@ use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 pub(super) const EFFECT: Effect = Effect {
     id: "target_slip",
     layer: Layer::Setup,
-    levels: &[Level::Lengths],
+    levels: &[Level::Lengths, Level::Points],
     subjects: Subject::each_target,
     parameters: |_, _| Parameter::vector("slip", "um"),
     shape: Shape::Instant,

@@ -9,7 +9,7 @@ const SECONDS_PER_MS: f64 = 1e-3;
 pub(super) const EFFECT: Effect = Effect {
     id: "timestamp_offset",
     layer: Layer::Instrument,
-    levels: &[Level::Lengths, Level::Verification],
+    levels: &[Level::Lengths, Level::Points, Level::Verification],
     subjects: Subject::each_axis,
     parameters: |_, _| vec![Parameter::new("offset", "ms")],
     shape: Shape::Fixed,

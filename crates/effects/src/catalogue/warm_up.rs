@@ -12,7 +12,7 @@ const MOST_UM: [f64; 2] = [-500.0, 500.0];
 pub(super) const EFFECT: Effect = Effect {
     id: "warm_up",
     layer: Layer::Machine,
-    levels: &[Level::Lengths, Level::Verification],
+    levels: &[Level::Lengths, Level::Points, Level::Verification],
     subjects: Subject::all_alike,
     parameters: |_, _| {
         let growth = Parameter::vector("growth", "um").into_iter();

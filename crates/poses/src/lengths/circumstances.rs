@@ -66,7 +66,11 @@ pub fn scene_of(campaign: &Campaign) -> Scene {
     moving.dedup();
     Scene {
         machine: campaign.machine.clone(),
-        stations: campaign.stations.iter().map(|s| s.name.clone()).collect(),
+        stations: match campaign.points {
+            // Coordinates are measured in the frame of an instrument, wherever it stands.
+            Some(_) if campaign.lengths.is_none() => Vec::new(),
+            _ => campaign.stations.iter().map(|s| s.name.clone()).collect(),
+        },
         targets: targets.collect(),
         moving,
         temperatures: temperatures_of(campaign)

@@ -1,0 +1,43 @@
+//! The level of measured coordinates.
+//!
+//! A campaign of points has three coordinates of each target at each stop, in the frame of any rigid instrument.
+//! The base model is that of the joint adjustment without stations: six pose parameters for each step, common to all
+//! repeats and sides of approach, and the shape of the targets of each stage, common to all steps,
+//!
+//! ```text
+//! p = T_step h_target + noise      cov = σ² w² I + σ_m² 1 1ᵀ  (each coordinate of one stop)
+//! ```
+//!
+//! with σ the instrument's noise (w: what the table declares, relatively) and `σ_m` the machine's return, common to
+//! a stop. Targets on the bed stand still. What contradicts it are distances between targets of one stage (three
+//! targets or more), repeats, and the two sides of approach. All is linear about one adjustment: poses are
+//! known to micrometres, effects are as small.
+//!
+//! - [`readings`]: when, where and on which sweep each point was measured.
+//! - [`base`]: the adjustment, and its derivatives; what effects of the catalogue do to the coordinates.
+//! - [`noise`], [`model`], [`variances`]: whitening stop by stop, elimination of the poses, restricted maximum
+//!   likelihood, where the residuals demand it with unlike variances in three directions.
+//! - [`gross_errors`]: points that contradict all others leave, before the search and beside its causes.
+//! - [`hypotheses`], [`search`]: the effects of level points by the numbers of [`crate::selection`], one after the
+//!   other. A frame that moves as a whole cannot be told from a machine that does: such twins are always
+//!   given together.
+//! - [`omnibus`]: whether anything is left, and what it varies with.
+//! - [`held_out`]: the gain on sweeps that the model was not fitted to.
+//! - [`report`] puts it together; [`causes`], [`places`] and [`not_observable`] say it in words and units.
+
+mod base;
+mod causes;
+mod gross_errors;
+mod held_out;
+mod hypotheses;
+mod model;
+mod noise;
+mod not_observable;
+mod omnibus;
+mod places;
+mod readings;
+mod report;
+mod search;
+mod variances;
+
+pub(crate) use report::diagnose_points;

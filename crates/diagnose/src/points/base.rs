@@ -1,0 +1,308 @@
+//! Poses and shapes of the targets, and how the coordinates change with them and with effects.
+//!
+//! Where the model stands is found by best fits in turn: each pose to the points of its step with the shapes as they
+//! are, each shape to the mean of its points in the poses as they are (generalised Procrustes analysis; J. C. Gower,
+//! *Psychometrika* 40, 33, 1975). Everything beyond is linear about it: `p = t + R h`,
+//!
+//! ```text
+//! dp = δ + ε × (p - pivot) + R dh
+//! ```
+
+use nalgebra::{Isometry3, Matrix3, Matrix3x6, Point3, SymmetricEigen, Translation3, Vector3};
+use trueaxis_campaign::{Campaign, Points};
+use trueaxis_effects::{Circumstances, Displaced, ResolvedEffect, Scene};
+use trueaxis_kinematics::{Ideal, best_fit};
+
+use crate::points::model::Model;
+use crate::points::noise::Noise;
+use crate::points::readings::{Reading, Readings};
+use crate::selection::Hypothesis;
+
+/// The points of a campaign about one adjustment.
+pub(crate) struct Base<'a> {
+    pub(crate) campaign: &'a Campaign,
+    pub(crate) scene: &'a Scene,
+    pub(crate) readings: Readings,
+    /// From the datum (the best fit of all targets to their nominal places) to the instrument.
+    instrument_from_datum: Isometry3<f64>,
+    /// Where each point is, in the datum, and the centroid of the targets measured with it.
+    places_mm: Vec<[Point3<f64>; 2]>,
+    /// From the instrument's frame to the directions of the rows: those in which the noise differs most.
+    rows_from_instrument: Matrix3<f64>,
+    /// Measured less modelled coordinates, three for each point, along the directions of the rows, mm.
+    pub(crate) misfit_mm: Vec<f64>,
+    /// What the pose of each point does to it: translation and rotation times an arm, mm per mm.
+    pub(crate) by_pose: Vec<Matrix3x6<f64>>,
+    /// What its place in the shape does to it.
+    pub(crate) by_shape: Vec<Matrix3<f64>>,
+}
+
+/// A coordinate of a shape that moves by less rests, mm: what is left is of second order.
+const RESTS_MM: f64 = 1e-6;
+
+const MOST_FITS: usize = 100;
+
+/// Distinct targets that determine a pose.
+const TARGETS_OF_A_POSE: usize = 3;
+
+impl<'a> Base<'a> {
+    /// Adjusts the points without those with the numbers `removed`.
+    pub(crate) fn new(
+        campaign: &'a Campaign,
+        scene: &'a Scene,
+        points: &Points,
+        removed: &[usize],
+    ) -> Self {
+        let readings = Readings::new(campaign, points, removed);
+        let machine = &campaign.machine;
+        let nominal = |reading: &Reading| {
+            let positions = &campaign.steps[reading.step].positions;
+            let home_mm = campaign.targets[reading.target].home_mm;
+            machine.position(&Ideal, reading.carrier, positions, home_mm)
+        };
+        let nominal_mm: Vec<Point3<f64>> = readings.all.iter().map(nominal).collect();
+        let measured_mm: Vec<Point3<f64>> = readings.all.iter().map(|r| r.measured_mm).collect();
+        let instrument_from_datum = best_fit(&nominal_mm, &measured_mm);
+
+        // What the run's axis carries to the nominal place of each point, and its shape there.
+        let motion = |step: usize, carrier: Option<usize>| {
+            machine.motion(&Ideal, carrier, &campaign.steps[step].positions)
+        };
+        let mut poses = vec![instrument_from_datum; readings.steps.len()];
+        let mut shapes_mm = vec![Point3::origin(); readings.shapes.len()];
+        for (reading, place_mm) in readings.all.iter().zip(&nominal_mm) {
+            // Several carriers are one body in their run: as the axis under test moves it.
+            let only = readings.shapes[reading.shape].0;
+            let carrier = only.map_or(reading.carrier, |_| reading.axis);
+            let nominal = motion(reading.step, carrier);
+            shapes_mm[reading.shape] = nominal.inverse() * place_mm;
+            if let Some(pose) = reading.pose {
+                poses[pose] = instrument_from_datum * nominal;
+            }
+        }
+        let still = instrument_from_datum;
+        let of_pose = of_pose(&readings);
+        for _ in 0..MOST_FITS {
+            for (pose, own) in poses.iter_mut().zip(&of_pose) {
+                *pose = fitted(*pose, own, &readings, &shapes_mm);
+            }
+            let moved_mm = fit_shapes(&mut shapes_mm, &readings, &poses, &still);
+            if moved_mm < RESTS_MM {
+                break;
+            }
+        }
+        let pose = |reading: &Reading| reading.pose.map_or(still, |pose| poses[pose]);
+        let modelled: Vec<Point3<f64>> = readings
+            .all
+            .iter()
+            .map(|r| pose(r) * shapes_mm[r.shape])
+            .collect();
+        let arms: Vec<Arm> = of_pose.iter().map(|own| Arm::of(own, &modelled)).collect();
+        let misfit = readings.all.iter().zip(&modelled);
+        let misfit_mm = misfit.flat_map(|(r, p)| <[f64; 3]>::from(r.measured_mm - p));
+        let mut base = Self {
+            campaign,
+            scene,
+            rows_from_instrument: Matrix3::identity(),
+            misfit_mm: misfit_mm.collect(),
+            by_pose: by_pose(&readings, &modelled, &arms),
+            by_shape: readings
+                .all
+                .iter()
+                .map(|r| pose(r).rotation.to_rotation_matrix().into_inner())
+                .collect(),
+            places_mm: places_mm(&readings, &modelled, &instrument_from_datum),
+            instrument_from_datum,
+            readings,
+        };
+        base.turn_rows();
+        base
+    }
+
+    /// Turns the rows to the principal axes of what is left of them.
+    fn turn_rows(&mut self) {
+        let unit = Noise {
+            own_mm: [1.0; 3],
+            return_mm: [0.0; 3],
+        };
+        let left = Model::with(self, &[], unit, None).bare.residuals;
+        let rows = left.chunks_exact(3).map(Vector3::from_column_slice);
+        let scatter: Matrix3<f64> = rows.map(|e| e * e.transpose()).sum();
+        if !scatter.iter().all(|x| x.is_finite()) {
+            return;
+        }
+        let turn = SymmetricEigen::new(scatter).eigenvectors.transpose();
+        for row in self.misfit_mm.chunks_exact_mut(3) {
+            let turned = turn * Vector3::from_column_slice(row);
+            row.copy_from_slice(turned.as_slice());
+        }
+        self.by_pose.iter_mut().for_each(|by| *by = turn * *by);
+        self.by_shape.iter_mut().for_each(|by| *by = turn * *by);
+        self.rows_from_instrument = turn;
+    }
+
+    /// A vector in the instrument's frame along the directions of the rows.
+    pub(crate) fn in_rows(&self, v: Vector3<f64>) -> Vector3<f64> {
+        self.rows_from_instrument * v
+    }
+
+    /// The circumstances of a point.
+    fn at(&self, i: usize) -> Circumstances<'_> {
+        let reading = &self.readings.all[i];
+        let [point_mm, centroid_mm] = self.places_mm[i];
+        Circumstances {
+            machine: &self.scene.machine,
+            time_s: reading.time_s,
+            elapsed_s: reading.elapsed_s,
+            progress: reading.progress,
+            turn_progress: reading.progress,
+            turn_elapsed_s: reading.elapsed_s,
+            station: 0,
+            target: reading.target,
+            carrier: reading.carrier,
+            axis: reading.axis.unwrap_or(0),
+            direction: reading.side,
+            speed_per_s: reading.speed_per_s,
+            positions: &self.campaign.steps[reading.step].positions,
+            point_mm,
+            centroid_mm,
+            distance_mm: 0.0,
+            temperatures: &[],
+        }
+    }
+
+    /// What a displacement does to measured coordinates: a frame that moves takes the points the other way.
+    fn shown_mm(&self, by: &Displaced) -> Vector3<f64> {
+        self.instrument_from_datum.rotation * (by.point_mm - by.station_mm)
+    }
+
+    /// What one unit of each parameter of a hypothesis does to all coordinates, mm.
+    pub(crate) fn columns_mm(&self, hypothesis: &Hypothesis, shape: f64) -> Vec<Vec<f64>> {
+        let (effect, subject) = (hypothesis.effect, &hypothesis.subject);
+        let count = effect.parameters(self.scene, subject).len();
+        let mut columns = vec![Vec::with_capacity(self.misfit_mm.len()); count];
+        for i in 0..self.readings.all.len() {
+            let at = self.at(i);
+            for (k, column) in columns.iter_mut().enumerate() {
+                let shown_mm = self.shown_mm(&effect.form(subject, k, shape, &at));
+                column.extend(self.in_rows(shown_mm).iter());
+            }
+        }
+        columns
+    }
+
+    /// What effects do to the coordinates of the `i`-th point, in the instrument's frame, mm.
+    pub(crate) fn effect_mm(&self, i: usize, effects: &[ResolvedEffect]) -> Vector3<f64> {
+        let at = self.at(i);
+        self.shown_mm(&effects.iter().map(|effect| effect.displaced(&at)).sum())
+    }
+}
+
+/// The readings of each pose.
+pub(crate) fn of_pose(readings: &Readings) -> Vec<Vec<usize>> {
+    let mut of_pose = vec![Vec::new(); readings.steps.len()];
+    for (i, reading) in readings.all.iter().enumerate() {
+        if let Some(pose) = reading.pose {
+            of_pose[pose].push(i);
+        }
+    }
+    of_pose
+}
+
+/// The pose that fits its points best; one that they do not determine keeps its rotation.
+fn fitted(
+    pose: Isometry3<f64>,
+    own: &[usize],
+    readings: &Readings,
+    shapes_mm: &[Point3<f64>],
+) -> Isometry3<f64> {
+    let of = |i: &usize| &readings.all[*i];
+    let measured: Vec<Point3<f64>> = own.iter().map(|i| of(i).measured_mm).collect();
+    let home: Vec<Point3<f64>> = own.iter().map(|i| shapes_mm[of(i).shape]).collect();
+    let mut shapes: Vec<usize> = own.iter().map(|i| of(i).shape).collect();
+    shapes.sort_unstable();
+    shapes.dedup();
+    if shapes.len() >= TARGETS_OF_A_POSE {
+        return best_fit(&home, &measured);
+    }
+    let left = measured.iter().zip(&home).map(|(p, h)| p - pose * h);
+    let mean = left.sum::<Vector3<f64>>() / own.len().max(1) as f64;
+    Translation3::from(mean) * pose
+}
+
+/// Moves each shape to the mean of its points; the largest move, mm.
+fn fit_shapes(
+    shapes_mm: &mut [Point3<f64>],
+    readings: &Readings,
+    poses: &[Isometry3<f64>],
+    still: &Isometry3<f64>,
+) -> f64 {
+    let mut sums = vec![(0.0, Vector3::zeros()); shapes_mm.len()];
+    for reading in &readings.all {
+        let pose = reading.pose.map_or(still, |pose| &poses[pose]);
+        let sum = &mut sums[reading.shape];
+        sum.0 += 1.0;
+        sum.1 += (pose.inverse() * reading.measured_mm).coords;
+    }
+    let mut largest_mm = 0.0_f64;
+    for (shape, (count, sum)) in shapes_mm.iter_mut().zip(sums) {
+        let mean = Point3::from(sum / count);
+        largest_mm = largest_mm.max((mean - *shape).amax());
+        *shape = mean;
+    }
+    largest_mm
+}
+
+/// About what a pose turns, and how far its points are from there, mm.
+struct Arm {
+    pivot_mm: Point3<f64>,
+    length_mm: f64,
+}
+
+impl Arm {
+    fn of(own: &[usize], modelled: &[Point3<f64>]) -> Self {
+        let count = own.len().max(1) as f64;
+        let sum: Vector3<f64> = own.iter().map(|&i| modelled[i].coords).sum();
+        let pivot_mm = Point3::from(sum / count);
+        let squares = own.iter().map(|&i| (modelled[i] - pivot_mm).norm_squared());
+        let length_mm = (squares.sum::<f64>() / count).sqrt();
+        Self {
+            pivot_mm,
+            length_mm,
+        }
+    }
+}
+
+fn by_pose(readings: &Readings, modelled: &[Point3<f64>], arms: &[Arm]) -> Vec<Matrix3x6<f64>> {
+    let of_point = |(reading, p): (&Reading, &Point3<f64>)| {
+        let mut by = Matrix3x6::zeros();
+        if let Some(arm) = reading.pose.map(|pose| &arms[pose]) {
+            by.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
+            let turned = -(p - arm.pivot_mm).cross_matrix() / arm.length_mm.max(1.0);
+            by.fixed_view_mut::<3, 3>(0, 3).copy_from(&turned);
+        }
+        by
+    };
+    readings.all.iter().zip(modelled).map(of_point).collect()
+}
+
+/// Each point in the datum, and the centroid of the targets at its step.
+fn places_mm(
+    readings: &Readings,
+    modelled: &[Point3<f64>],
+    instrument_from_datum: &Isometry3<f64>,
+) -> Vec<[Point3<f64>; 2]> {
+    let datum = |p: &Point3<f64>| instrument_from_datum.inverse() * p;
+    let mut centroids = vec![Point3::origin(); modelled.len()];
+    for own in of_pose(readings) {
+        let mut targets: Vec<(usize, usize)> =
+            own.iter().map(|&i| (readings.all[i].shape, i)).collect();
+        targets.sort_unstable();
+        targets.dedup_by_key(|(shape, _)| *shape);
+        let sum: Vector3<f64> = targets.iter().map(|(_, i)| modelled[*i].coords).sum();
+        let centroid = datum(&Point3::from(sum / targets.len().max(1) as f64));
+        own.iter().for_each(|&i| centroids[i] = centroid);
+    }
+    let places = modelled.iter().zip(centroids);
+    places.map(|(p, centroid)| [datum(p), centroid]).collect()
+}

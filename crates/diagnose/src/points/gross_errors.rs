@@ -1,0 +1,176 @@
+//! Points that contradict all others, as a wrong target or a slip of the pen does.
+//!
+//! With the three columns `X` of a point alone in the model, the drop of the squares is tested against what the others
+//! leave (externally studentised; Cook and Weisberg 1982):
+//!
+//! ```text
+//! T = sᵀ G⁻¹ s      s = Xᵀ e      G = Xᵀ M X      F(rank, ν - rank)
+//! ```
+//!
+//! What is more than a few, or several in a row of one target, is no accident but structure, and stays. Where two points
+//! of one step explain the contradiction nearly alike, nothing tells which of them is wrong, and both leave.
+
+use nalgebra::Vector3;
+use trueaxis_campaign::Points;
+
+use crate::Rejected;
+use crate::points::base::Base;
+use crate::points::model::{Model, left_of};
+use crate::selection::{Gram, ln_f_test};
+
+/// Probability of leaving out anything of points that are in order.
+const LEVEL: f64 = 1e-4;
+
+/// Part of the points that may be wrong, and at least one.
+const MOST: f64 = 0.01;
+
+/// Points that stand out by less than this part of the largest wait: what they contradict may be that one.
+const AT_ONCE: f64 = 0.5;
+
+/// Of two points of one step that stand out by so nearly the same either may be wrong.
+const ALIKE: f64 = 0.9;
+
+/// As many wrong points in a row of one target are no accidents.
+const IN_A_ROW: usize = 3;
+
+/// A point that contradicts the others.
+#[derive(Debug, Clone)]
+pub(crate) struct Gross {
+    /// Its number among the points of the campaign.
+    pub(crate) number: usize,
+    pub(crate) line: usize,
+    step: usize,
+    target: usize,
+    statistic: f64,
+    error_um: f64,
+    u_um: f64,
+    is_alone: bool,
+}
+
+impl Gross {
+    /// As the result file lists it.
+    pub(crate) fn rejected(&self) -> Rejected {
+        let reason = match self.is_alone {
+            true => "contradicts all other points",
+            false => {
+                "one of the points of this step contradicts the others, and nothing tells which: measure the step again"
+            }
+        };
+        Rejected {
+            file: "points.csv".to_owned(),
+            row: self.line,
+            error_um: self.error_um,
+            u_um: self.u_um,
+            reason: reason.to_owned(),
+        }
+    }
+}
+
+/// The points that stand out of what a model leaves, at once: those that are left are to be adjusted again.
+pub(crate) fn stand_out(base: &Base<'_>, model: &Model) -> Vec<Gross> {
+    let projection = &model.projection;
+    let (squares, freedom) = (projection.squares(), projection.degrees_of_freedom);
+    let limit = (LEVEL / base.readings.all.len() as f64).ln();
+    let mut found: Vec<Gross> = Vec::new();
+    for stop in &base.readings.stops {
+        for i in stop.clone() {
+            let columns: Vec<Vec<f64>> = (0..3)
+                .map(|k| {
+                    let mut column = vec![0.0; 3 * stop.len()];
+                    column[3 * (i - stop.start) + k] = 1.0;
+                    let points = &base.readings.all[stop.clone()];
+                    model.noise.whiten_stop(points, &mut column, 1.0);
+                    column
+                })
+                .collect();
+            let first = 3 * stop.start;
+            let along = |column: &Vec<f64>| -> f64 {
+                let own = column.iter().zip(&projection.residuals[first..]);
+                own.map(|(x, e)| x * e).sum()
+            };
+            let s: Vec<f64> = columns.iter().map(along).collect();
+            let before: Vec<f64> = columns
+                .iter()
+                .map(|c| c.iter().map(|x| x * x).sum())
+                .collect();
+            let gram = Gram::new(&left_of(projection, first, &columns), &before);
+            let statistic = gram.statistic(&s);
+            if freedom - (gram.rank() as f64) < LEAST_DEGREES_OF_FREEDOM
+                || ln_f_test(statistic, squares, gram.rank(), freedom) > limit
+            {
+                continue;
+            }
+            let error = Vector3::from_column_slice(&gram.estimates(&s));
+            let covariance = nalgebra::Matrix3::from_column_slice(&gram.covariance());
+            let unit = error.normalize();
+            let rest = (squares - statistic) / (freedom - gram.rank() as f64);
+            let reading = &base.readings.all[i];
+            found.push(Gross {
+                number: reading.number,
+                line: reading.line,
+                step: reading.step,
+                target: reading.target,
+                statistic,
+                error_um: 1e3 * error.norm(),
+                u_um: 1e3 * (rest * unit.dot(&(covariance * unit))).max(0.0).sqrt(),
+                is_alone: true,
+            });
+        }
+    }
+    first_of_steps(found)
+}
+
+/// With fewer, the limit is beyond anything.
+const LEAST_DEGREES_OF_FREEDOM: f64 = 5.0;
+
+/// The largest of each step, if none is much larger, with those that are nearly as large.
+fn first_of_steps(mut found: Vec<Gross>) -> Vec<Gross> {
+    found.sort_by(|a, b| b.statistic.total_cmp(&a.statistic));
+    let largest = found.first().map_or(0.0, |first| first.statistic);
+    let mut out: Vec<Gross> = Vec::new();
+    for gross in found {
+        if gross.statistic < AT_ONCE * largest {
+            break;
+        }
+        let first = out.iter_mut().find(|other| other.step == gross.step);
+        match first {
+            Some(first) if gross.statistic < ALIKE * first.statistic => {}
+            Some(first) => {
+                first.is_alone = false;
+                let is_alone = false;
+                out.push(Gross { is_alone, ..gross });
+            }
+            None => out.push(gross),
+        }
+    }
+    out
+}
+
+/// Whether these are so few and so scattered that they are accidents.
+pub(crate) fn are_accidents(gross: &[Gross], base: &Base<'_>, points: &Points) -> bool {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a count"
+    )]
+    let most = ((MOST * points.readings.len() as f64) as usize).max(1);
+    let steps = |gross: &[Gross]| {
+        let mut steps: Vec<usize> = gross.iter().map(|g| g.step).collect();
+        steps.sort_unstable();
+        steps.dedup();
+        steps.len()
+    };
+    if steps(gross) > most {
+        return false;
+    }
+    // In measuring order, target by target.
+    let mut in_a_row = vec![0; base.scene.targets.len()];
+    points.readings.iter().enumerate().all(|(number, reading)| {
+        let row = &mut in_a_row[reading.target];
+        let is_gross = gross
+            .iter()
+            .any(|g| g.number == number && g.target == reading.target);
+        *row = if is_gross { *row + 1 } else { 0 };
+        *row < IN_A_ROW
+    })
+}

@@ -1,0 +1,70 @@
+//! The gain on sweeps that the model was not fitted to.
+//!
+//! Whole sweeps are dealt to five folds. Those of a fold are given next to no weight, so that they move nothing; what
+//! they are off is their error of prediction, whitened as the others. Shapes of the causes are sought again on the rest.
+//! A point counts if its target was measured at this step in a sweep of the rest, too.
+
+use std::collections::HashSet;
+
+use crate::lengths::{HeldOut, Sums, interval};
+use crate::points::base::Base;
+use crate::points::hypotheses::scan;
+use crate::points::model::{Model, NO_WEIGHT};
+use crate::points::search::Suspect;
+
+const FOLDS: usize = 5;
+
+/// With fewer sweeps the rest says too little.
+const LEAST_SWEEPS: usize = 4;
+
+/// Predicts each fold without and with the causes; `None` if nothing can be predicted.
+pub(crate) fn held_out(base: &Base<'_>, model: &Model, causes: &[Suspect]) -> Option<HeldOut> {
+    let all = &base.readings.all;
+    let sweeps = all.iter().map(|r| r.sweep).max()? + 1;
+    if sweeps < LEAST_SWEEPS {
+        return None;
+    }
+    let folds = FOLDS.min(sweeps);
+    let mut sums: Vec<Sums> = vec![(0, 0.0, 0.0); sweeps];
+    for fold in 0..folds {
+        let is_held = |i: usize| all[i].sweep % folds == fold;
+        let stops = base.readings.stops.iter();
+        let held: Vec<bool> = stops.map(|stop| is_held(stop.start)).collect();
+        let plain = Model::with(base, &[], model.noise, Some(&held));
+        let mut projection = plain.bare.clone();
+        for cause in causes {
+            let Some(scan) = scan(base, &plain, &projection, cause.hypothesis) else {
+                continue;
+            };
+            let mut best = (0.0, cause.shape);
+            scan.for_each(&projection.residuals, &mut |shape, gram, s| {
+                let statistic = gram.statistic(s);
+                if statistic > best.0 {
+                    best = (statistic, shape);
+                }
+            });
+            projection = projection.extended(&scan.columns(best.1));
+        }
+        let kept = (0..all.len()).filter(|&i| !is_held(i));
+        let known: HashSet<_> = kept.map(|i| (all[i].pose, all[i].shape)).collect();
+        for i in (0..all.len()).filter(|&i| is_held(i)) {
+            if !known.contains(&(all[i].pose, all[i].shape)) {
+                continue;
+            }
+            let sum = &mut sums[all[i].sweep];
+            sum.0 += 3;
+            for row in 3 * i..3 * i + 3 {
+                sum.1 += (plain.bare.residuals[row] / NO_WEIGHT).powi(2);
+                sum.2 += (projection.residuals[row] / NO_WEIGHT).powi(2);
+            }
+        }
+    }
+    sums.retain(|sum| sum.0 > 0);
+    let count: usize = sums.iter().map(|s| s.0).sum();
+    let rms = |squares: f64| (squares / count as f64).sqrt();
+    (sums.len() >= LEAST_SWEEPS).then(|| HeldOut {
+        before: rms(sums.iter().map(|s| s.1).sum()),
+        after: rms(sums.iter().map(|s| s.2).sum()),
+        interval: interval(&sums),
+    })
+}

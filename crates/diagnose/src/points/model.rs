@@ -1,0 +1,193 @@
+//! The points less what poses, shapes and causes absorb.
+//!
+//! The whitened system has blocks of six columns for each pose, whose orthonormal bases are `O`, and the shapes of
+//! all stages, whose basis `T` is orthogonal to them; what the data do not determine has no part in either.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use crate::points::base::{Base, of_pose};
+use crate::points::noise::Noise;
+use crate::points::readings::Reading;
+use crate::selection::{Arrowhead, Projection};
+
+/// An adjusted model.
+pub(crate) struct Model {
+    pub(crate) noise: Noise,
+    /// Of each stop: 1, or next to nothing where it is held out.
+    weights: Vec<f64>,
+    /// The base model.
+    pub(crate) bare: Projection,
+    /// The base model with the causes.
+    pub(crate) projection: Projection,
+}
+
+/// Factor on the coordinates of stops that are to be predicted: their squares then weigh nothing.
+pub(crate) const NO_WEIGHT: f64 = 1e-4;
+
+impl Model {
+    /// With columns of causes (mm) and given noise; stops that are `held` have next to no weight.
+    pub(crate) fn with(
+        base: &Base<'_>,
+        causes_mm: &[Vec<f64>],
+        noise: Noise,
+        held: Option<&[bool]>,
+    ) -> Self {
+        let weight = |stop: usize| match held {
+            Some(held) if held[stop] => NO_WEIGHT,
+            _ => 1.0,
+        };
+        let weights: Vec<f64> = (0..base.readings.stops.len()).map(weight).collect();
+        let bare = eliminated(base, noise, &weights);
+        let mut model = Self {
+            noise,
+            weights,
+            projection: bare.clone(),
+            bare,
+        };
+        let columns = model.whitened(base, causes_mm);
+        model.projection = model.bare.extended(&columns);
+        model
+    }
+
+    /// Columns as those of the model.
+    pub(crate) fn whitened(&self, base: &Base<'_>, columns_mm: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut columns = columns_mm.to_vec();
+        for column in &mut columns {
+            self.noise.whiten(&base.readings, column, &self.weights);
+        }
+        columns
+    }
+
+    /// Rms for one degree of freedom of what a model leaves, in units of the noise.
+    pub(crate) fn rms(projection: &Projection) -> f64 {
+        (projection.squares() / projection.degrees_of_freedom.max(1.0)).sqrt()
+    }
+}
+
+/// `Xᵀ M X` of columns that are nothing but in a few rows of one pose from `first` on; rows one after the other.
+pub(crate) fn left_of(projection: &Projection, first: usize, columns: &[Vec<f64>]) -> Vec<f64> {
+    let (own_width, width) = projection.widths();
+    let through = |column: &Vec<f64>| {
+        let mut sums = vec![0.0; own_width + width];
+        for (k, x) in column.iter().enumerate() {
+            let rows = [
+                projection.own_row(first + k),
+                projection.shared_row(first + k),
+            ];
+            for (sum, value) in sums.iter_mut().zip(rows.into_iter().flatten()) {
+                *sum += x * value;
+            }
+        }
+        sums
+    };
+    let taken: Vec<Vec<f64>> = columns.iter().map(through).collect();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let pairs = (0..columns.len()).flat_map(|i| (0..columns.len()).map(move |k| (i, k)));
+    pairs
+        .map(|(i, k)| dot(&columns[i], &columns[k]) - dot(&taken[i], &taken[k]))
+        .collect()
+}
+
+/// Eigenvalues of a normal matrix of columns of one length below this are of what the data do not determine.
+const DETERMINED: f64 = 1e-10;
+
+/// Poses and shapes projected out.
+fn eliminated(base: &Base<'_>, noise: Noise, weights: &[f64]) -> Projection {
+    let readings = &base.readings;
+    let rows = 3 * readings.all.len();
+    let whiten = |column: &mut Vec<f64>| noise.whiten(readings, column, weights);
+    let mut residuals = base.misfit_mm.clone();
+    whiten(&mut residuals);
+    let own = (0..6).map(|k| {
+        let values = base
+            .by_pose
+            .iter()
+            .flat_map(|by| by.column(k).into_owned().data.0[0]);
+        let mut column: Vec<f64> = values.collect();
+        whiten(&mut column);
+        column
+    });
+    let own: Vec<Vec<f64>> = own.collect();
+    let mut shapes = vec![vec![0.0; rows]; 3 * readings.shapes.len()];
+    for (i, (reading, by)) in readings.all.iter().zip(&base.by_shape).enumerate() {
+        for k in 0..3 {
+            let column = &mut shapes[3 * reading.shape + k];
+            (0..3).for_each(|row| column[3 * i + row] = by[(row, k)]);
+        }
+    }
+    shapes.iter_mut().for_each(whiten);
+    let length = |column: &Vec<f64>| column.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let lengths: Vec<f64> = shapes.iter().map(length).collect();
+
+    // O, and everything else without it.
+    let mut basis = vec![0.0; 6 * rows];
+    let mut degrees_of_freedom = rows as f64;
+    // What stands on the bed has no pose: a group of its own without columns.
+    let groups = readings.steps.len() + 1;
+    for points in &of_pose(readings) {
+        let of: Vec<usize> = points.iter().flat_map(|i| 3 * i..3 * i + 3).collect();
+        let values = DMatrix::from_fn(of.len(), 6, |i, k| own[k][of[i]]);
+        let lengths: Vec<f64> = values.column_iter().map(|c| c.norm()).collect();
+        let unit = orthonormal(values, &lengths);
+        degrees_of_freedom -= unit.ncols() as f64;
+        for (i, &row) in of.iter().enumerate() {
+            for k in 0..unit.ncols() {
+                basis[6 * row + k] = unit[(i, k)];
+            }
+        }
+        for column in shapes.iter_mut().chain([&mut residuals]) {
+            for k in 0..unit.ncols() {
+                let along: f64 = of
+                    .iter()
+                    .enumerate()
+                    .map(|(i, &r)| unit[(i, k)] * column[r])
+                    .sum();
+                of.iter()
+                    .enumerate()
+                    .for_each(|(i, &r)| column[r] -= along * unit[(i, k)]);
+            }
+        }
+    }
+    let values = DMatrix::from_fn(rows, shapes.len(), |i, k| shapes[k][i]);
+    let unit = orthonormal(values, &lengths);
+    degrees_of_freedom -= unit.ncols() as f64;
+    for column in unit.column_iter() {
+        let along: f64 = column.iter().zip(&residuals).map(|(t, e)| t * e).sum();
+        residuals
+            .iter_mut()
+            .zip(column.iter())
+            .for_each(|(e, t)| *e -= along * t);
+    }
+    let group_of = |r: &Reading| r.pose.unwrap_or(groups - 1);
+    let width = unit.ncols();
+    Projection::arrowhead(Arrowhead {
+        residuals,
+        degrees_of_freedom,
+        group_of_row: readings.all.iter().flat_map(|r| [group_of(r); 3]).collect(),
+        groups,
+        own: basis,
+        own_width: 6,
+        shared: unit.transpose().iter().copied().collect(),
+        shared_width: width,
+    })
+}
+
+/// Orthonormal columns that span those of a matrix, without what is nothing to rounding.
+///
+/// Columns are divided by their `lengths` first, those that they had before anything was projected out: whitening makes those of what a stop has in common small where the
+/// machine's return is much larger than the noise of the instrument.
+fn orthonormal(mut columns: DMatrix<f64>, lengths: &[f64]) -> DMatrix<f64> {
+    for (mut column, &length) in columns.column_iter_mut().zip(lengths) {
+        if length > 0.0 {
+            column /= length;
+        }
+    }
+    let eigen = SymmetricEigen::new(columns.transpose() * &columns);
+    let kept = (0..eigen.eigenvalues.len()).filter(|&k| eigen.eigenvalues[k] > DETERMINED);
+    let vectors = kept.map(|k| eigen.eigenvectors.column(k) / eigen.eigenvalues[k].sqrt());
+    let vectors: Vec<_> = vectors.collect();
+    match vectors.is_empty() {
+        true => DMatrix::zeros(columns.nrows(), 0),
+        false => columns * DMatrix::from_columns(&vectors),
+    }
+}

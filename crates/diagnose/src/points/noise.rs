@@ -1,0 +1,66 @@
+//! The noise of the points and their whitening, stop by stop.
+//!
+//! With `w` the declared standard deviations of the points of one stop in relative units, the coordinates along each
+//! direction have the covariance `C = σ² diag(w²) + σ_m² 1 1ᵀ`; a part of rank one, so that `C^-½` takes a few
+//! operations for each point. The three directions are those of [`Base`](crate::points::base::Base): an instrument
+//! that measures angles is worse across its beam than along it.
+
+use crate::points::readings::{Reading, Readings};
+
+/// The noise of the coordinates along each direction, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Noise {
+    /// Standard deviation where 1 µm is declared, or nothing.
+    pub(crate) own_mm: [f64; 3],
+    /// Standard deviation of the machine's return.
+    pub(crate) return_mm: [f64; 3],
+}
+
+impl Noise {
+    /// Multiplies coordinates of all points by `C^-½` of their stop, and by `weight` of the stop.
+    pub(crate) fn whiten(&self, readings: &Readings, column: &mut [f64], weight: &[f64]) {
+        for (stop, weight) in readings.stops.iter().zip(weight) {
+            let rows = &mut column[3 * stop.start..3 * stop.end];
+            self.whiten_stop(&readings.all[stop.clone()], rows, *weight);
+        }
+    }
+
+    /// The same for the points of one stop.
+    pub(crate) fn whiten_stop(&self, points: &[Reading], rows: &mut [f64], weight: f64) {
+        let is_on_bed = points.first().is_some_and(|r| r.pose.is_none());
+        for direction in 0..3 {
+            let return_mm = match is_on_bed {
+                true => 0.0,
+                false => self.return_mm[direction],
+            };
+            let unit = |k: usize| points[k].weight * self.own_mm[direction];
+            let squares = (0..points.len()).map(|k| (return_mm / unit(k)).powi(2));
+            let squares: f64 = squares.sum();
+            // Of what the points have in common so much goes.
+            let goes = match squares > 0.0 {
+                true => (1.0 - 1.0 / (1.0 + squares).sqrt()) / squares,
+                false => 0.0,
+            };
+            let mut common = 0.0;
+            for k in 0..points.len() {
+                let row = &mut rows[3 * k + direction];
+                *row *= weight / unit(k);
+                common += *row * return_mm / unit(k);
+            }
+            for k in 0..points.len() {
+                rows[3 * k + direction] -= goes * common * return_mm / unit(k);
+            }
+        }
+    }
+
+    /// Standard deviation of a coordinate, mean over the points, µm.
+    pub(crate) fn mean_um(&self, readings: &Readings) -> f64 {
+        let squares = |of: [f64; 3]| of.iter().map(|x| x * x).sum::<f64>() / 3.0;
+        let variance = |r: &Reading| {
+            let of_return = r.pose.map_or(0.0, |_| squares(self.return_mm));
+            r.weight * r.weight * squares(self.own_mm) + of_return
+        };
+        let sum: f64 = readings.all.iter().map(variance).sum();
+        (sum / readings.all.len().max(1) as f64).sqrt() * 1e3
+    }
+}

@@ -1,0 +1,200 @@
+//! The circumstances of every measured point.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use nalgebra::Point3;
+use trueaxis_campaign::{Campaign, Direction, Points, Stop};
+
+/// A measured point.
+#[derive(Debug, Clone)]
+pub(crate) struct Reading {
+    /// Its number among the points of the campaign.
+    pub(crate) number: usize,
+    /// Its line in the table.
+    pub(crate) line: usize,
+    pub(crate) time_s: f64,
+    pub(crate) elapsed_s: f64,
+    /// Progress of time over the campaign, 0 to 1.
+    pub(crate) progress: f64,
+    pub(crate) step: usize,
+    /// The axis of its run; none of a target on the bed.
+    pub(crate) axis: Option<usize>,
+    /// Side of approach, +1 or -1.
+    pub(crate) side: f64,
+    pub(crate) repeat: u32,
+    /// Number of the sweep: one run, one repeat, one side, in time order.
+    pub(crate) sweep: usize,
+    /// Speed of the axis if the machine may be moving, mm/s or rad/s.
+    pub(crate) speed_per_s: f64,
+    pub(crate) target: usize,
+    /// The outermost axis that moves it; none on the bed.
+    pub(crate) carrier: Option<usize>,
+    /// Which pose it belongs to; none on the bed.
+    pub(crate) pose: Option<usize>,
+    /// Its place in the shapes of all stages.
+    pub(crate) shape: usize,
+    /// Standard deviation of a coordinate as declared, relative to 1 µm.
+    pub(crate) weight: f64,
+    /// Where it was measured, in the instrument's frame, mm.
+    pub(crate) measured_mm: Point3<f64>,
+}
+
+/// The points of a campaign in measuring order, stop by stop.
+#[derive(Debug, Clone)]
+pub(crate) struct Readings {
+    pub(crate) all: Vec<Reading>,
+    /// The readings of each stop.
+    pub(crate) stops: Vec<Range<usize>>,
+    /// The step of each pose.
+    pub(crate) steps: Vec<usize>,
+    /// For each place in the shapes: its target, and the run if that target is rigid with others in this run only.
+    pub(crate) shapes: Vec<(Option<usize>, usize)>,
+}
+
+impl Readings {
+    /// Those of a campaign without the points with the numbers `removed`.
+    ///
+    /// Targets that the axis of a run does not move are left out of this run, as in the calibration.
+    pub(crate) fn new(campaign: &Campaign, points: &Points, removed: &[usize]) -> Self {
+        let times = || points.readings.iter().map(|r| r.time_s);
+        let first_s = times().fold(f64::INFINITY, f64::min);
+        let duration_s = times().fold(f64::NEG_INFINITY, f64::max) - first_s;
+        let mut new = Self {
+            all: Vec::new(),
+            stops: Vec::new(),
+            steps: Vec::new(),
+            shapes: Vec::new(),
+        };
+        let (mut pose_of, mut shape_of) = (HashMap::new(), HashMap::new());
+        let several = on_several_carriers(campaign, points);
+        let key = |stop: &Stop| (stop.repeat, campaign.steps[stop.step].run, stop.direction);
+        let sweeps = points.stops.chunk_by(|a, b| key(a) == key(b));
+        for (sweep, stops) in sweeps.enumerate() {
+            let run = campaign.steps[stops[0].step].run;
+            let axis = run.map(|run| campaign.runs[run].axis);
+            let speed_per_s = axis.map_or(0.0, |axis| speed_per_s(campaign, points, stops, axis));
+            for stop in stops {
+                let first = new.all.len();
+                for number in stop.readings.clone() {
+                    let reading = &points.readings[number];
+                    let carrier = campaign.targets[reading.target].carrier;
+                    let is_moved = is_moved(campaign, axis, reading.target);
+                    if !is_moved || removed.contains(&number) {
+                        continue;
+                    }
+                    let pose = axis.map(|_| {
+                        let steps = &mut new.steps;
+                        *pose_of.entry(stop.step).or_insert_with(|| {
+                            steps.push(stop.step);
+                            steps.len() - 1
+                        })
+                    });
+                    let only = run.filter(|&run| several[run]);
+                    let shapes = &mut new.shapes;
+                    let shape = *shape_of.entry((only, reading.target)).or_insert_with(|| {
+                        shapes.push((only, reading.target));
+                        shapes.len() - 1
+                    });
+                    let elapsed_s = reading.time_s - first_s;
+                    new.all.push(Reading {
+                        number,
+                        line: reading.line,
+                        time_s: reading.time_s,
+                        elapsed_s,
+                        progress: if duration_s > 0.0 {
+                            elapsed_s / duration_s
+                        } else {
+                            0.0
+                        },
+                        step: stop.step,
+                        axis,
+                        side: match stop.direction {
+                            Direction::Forward => 1.0,
+                            Direction::Backward => -1.0,
+                        },
+                        repeat: stop.repeat,
+                        sweep,
+                        speed_per_s,
+                        target: reading.target,
+                        carrier,
+                        pose,
+                        shape,
+                        weight: reading.sigma_um.unwrap_or(1.0),
+                        measured_mm: reading.position_mm,
+                    });
+                }
+                if new.all.len() > first {
+                    new.stops.push(first..new.all.len());
+                }
+            }
+        }
+        new
+    }
+
+    /// First and last time of a stop, s.
+    pub(crate) fn span_s(&self, stop: &Range<usize>) -> [f64; 2] {
+        let times = || self.all[stop.clone()].iter().map(|r| r.time_s);
+        [
+            times().fold(f64::INFINITY, f64::min),
+            times().fold(f64::NEG_INFINITY, f64::max),
+        ]
+    }
+}
+
+/// Whether the axis of a run moves a target; on the bed those targets that nothing moves.
+fn is_moved(campaign: &Campaign, axis: Option<usize>, target: usize) -> bool {
+    let carrier = campaign.targets[target].carrier;
+    match axis {
+        Some(axis) => campaign.machine.chain(carrier).contains(&axis),
+        None => carrier.is_none(),
+    }
+}
+
+/// For each run whether the targets that it moves sit on several carriers: they are one rigid body in this run only.
+fn on_several_carriers(campaign: &Campaign, points: &Points) -> Vec<bool> {
+    let mut carriers: Vec<Vec<Option<usize>>> = vec![Vec::new(); campaign.runs.len()];
+    for stop in &points.stops {
+        let Some(run) = campaign.steps[stop.step].run else {
+            continue;
+        };
+        for reading in &points.readings[stop.readings.clone()] {
+            let carrier = campaign.targets[reading.target].carrier;
+            let axis = Some(campaign.runs[run].axis);
+            if is_moved(campaign, axis, reading.target) && !carriers[run].contains(&carrier) {
+                carriers[run].push(carrier);
+            }
+        }
+    }
+    carriers.iter().map(|own| own.len() > 1).collect()
+}
+
+/// A feed is constant if nine in ten speeds between neighbouring stops differ by less than this part.
+const CONSTANT_FEED: f64 = 0.02;
+
+/// Speed of an axis in a sweep with sign, if the machine may be moving there: all points of a stop at one time, and
+/// positions that grow in proportion to time. Otherwise 0.
+fn speed_per_s(campaign: &Campaign, points: &Points, sweep: &[Stop], axis: usize) -> f64 {
+    let time_s = |stop: &Stop| points.readings[stop.readings.start].time_s;
+    let at_one_time = |stop: &Stop| {
+        let mut readings = points.readings[stop.readings.clone()].iter();
+        readings.all(|reading| reading.time_s <= time_s(stop))
+    };
+    if sweep.len() < 3 || !sweep.iter().all(at_one_time) {
+        return 0.0;
+    }
+    let position = |stop: &Stop| campaign.steps[stop.step].positions[axis];
+    let between = sweep.windows(2).map(|pair| {
+        let [from, to] = [&pair[0], &pair[1]];
+        (position(to) - position(from)) / (time_s(to) - time_s(from))
+    });
+    let mut between: Vec<f64> = between.collect();
+    between.sort_by(f64::total_cmp);
+    let median = between[between.len() / 2];
+    let alike = |v: &&f64| (*v - median).abs() <= CONSTANT_FEED * median.abs();
+    let is_constant = 10 * between.iter().filter(alike).count() >= 9 * between.len();
+    match median.is_finite() && is_constant {
+        true => median,
+        false => 0.0,
+    }
+}

@@ -1,0 +1,307 @@
+//! What the points say, in words and units.
+
+use nalgebra::Vector3;
+use trueaxis_campaign::{Campaign, Points};
+use trueaxis_effects::{Level, ResolvedEffect, Scene};
+
+use crate::lengths::HeldOut;
+use crate::points::base::Base;
+use crate::points::causes::causes;
+use crate::points::gross_errors::{Gross, are_accidents, stand_out};
+use crate::points::held_out::held_out;
+use crate::points::hypotheses::of_catalogue;
+use crate::points::model::Model;
+use crate::points::not_observable::not_observable;
+use crate::points::omnibus::{Family, OMNIBUS_LEVEL, Omnibus, families, is_imitation, omnibus};
+use crate::points::places::places;
+use crate::points::search::{Found, Search, Suspect, columns_mm, find_causes};
+use crate::{Cause, Gain, LevelReport, Misfit, NotObservable, Rejected, Shares, Unexplained};
+
+/// The diagnosis of the points.
+pub(crate) struct PointsOutcome {
+    /// Tests, misfits and gain; none if nothing could contradict the model.
+    pub(crate) report: Option<LevelReport>,
+    pub(crate) causes: Vec<Cause>,
+    pub(crate) unexplained: Option<Unexplained>,
+    pub(crate) rejected: Vec<Rejected>,
+    pub(crate) not_observable: Vec<NotObservable>,
+    pub(crate) notices: Vec<String>,
+    /// The campaign without gross errors and without what the causes do; none if there is neither.
+    pub(crate) corrected: Option<Campaign>,
+}
+
+/// Degrees of freedom below which nothing can be said.
+const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
+
+/// No instrument resolves less, µm: what is left of points that were made without noise is rounding.
+const RESOLUTION_UM: f64 = 1e-3;
+
+/// Finds what the points contradict in the rigid, quasi-static model, and why.
+pub(crate) fn diagnose_points(
+    campaign: &Campaign,
+    points: &Points,
+    scene: &Scene,
+) -> PointsOutcome {
+    let mut screened = Screened::beside(campaign, points, scene, &[]);
+    let plain = Model::estimated(&screened.base, &[]);
+    let freedom = plain.projection.degrees_of_freedom;
+    if freedom < LEAST_DEGREES_OF_FREEDOM {
+        return not_judged(&screened.base, freedom);
+    }
+    if plain.noise.mean_um(&screened.base.readings) < RESOLUTION_UM {
+        return said(&screened, points, plain, Vec::new(), &[]);
+    }
+    let all = of_catalogue(&screened.base);
+    let mut search = find_causes(&screened.base, plain, &all);
+    if !search.found.is_empty() {
+        // What stood out of everything may have been a part of a cause, or have hidden beneath it.
+        let again = Screened::beside(campaign, points, scene, &suspects(&search.found));
+        if again.numbers() != screened.numbers() {
+            let plain = Model::estimated(&again.base, &[]);
+            search = find_causes(&again.base, plain, &all);
+        }
+        screened = again;
+    }
+    let families = families(&screened.base);
+    let Search { found, model } = believed(&screened.base, search, &families);
+    said(&screened, points, model, found, &families)
+}
+
+fn suspects(found: &[Found]) -> Vec<Suspect> {
+    found.iter().map(|f| f.suspect).collect()
+}
+
+/// The points without gross errors.
+struct Screened<'a> {
+    base: Base<'a>,
+    gross: Vec<Gross>,
+    /// Whether there are too many, or several in a row: then none is left out.
+    are_many: bool,
+}
+
+impl<'a> Screened<'a> {
+    /// Beside causes.
+    fn beside(
+        campaign: &'a Campaign,
+        points: &Points,
+        scene: &'a Scene,
+        causes: &[Suspect],
+    ) -> Self {
+        let mut gross: Vec<Gross> = Vec::new();
+        loop {
+            let mut removed: Vec<usize> = gross.iter().map(|g| g.number).collect();
+            removed.sort_unstable();
+            let base = Base::new(campaign, scene, points, &removed);
+            let model = Model::estimated(&base, &columns_mm(&base, causes));
+            let next = stand_out(&base, &model);
+            let are_many = !are_accidents(&[&gross[..], &next[..]].concat(), &base, points);
+            if are_many {
+                gross.clear();
+            }
+            if next.is_empty() || are_many {
+                gross.sort_by_key(|g| g.number);
+                return Self {
+                    base: match are_many {
+                        true => Base::new(campaign, scene, points, &[]),
+                        false => base,
+                    },
+                    gross,
+                    are_many,
+                };
+            }
+            gross.extend(next);
+        }
+    }
+
+    fn numbers(&self) -> Vec<usize> {
+        self.gross.iter().map(|g| g.number).collect()
+    }
+}
+
+fn not_judged(base: &Base<'_>, freedom: f64) -> PointsOutcome {
+    let text = format!(
+        "{} points leave {freedom:.0} degrees of freedom beside a pose for each step, at least {LEAST_DEGREES_OF_FREEDOM:.0} are needed: measure \
+         every step twice or from both sides, or three targets on the stage",
+        base.readings.all.len()
+    );
+    PointsOutcome {
+        report: None,
+        causes: Vec::new(),
+        unexplained: None,
+        rejected: Vec::new(),
+        not_observable: Vec::new(),
+        notices: vec![text],
+        corrected: None,
+    }
+}
+
+/// The causes of a search but those that predict unused points worse than nothing, or merely imitate what is left.
+fn believed(base: &Base<'_>, search: Search, families: &[Family]) -> Search {
+    let Search {
+        mut found,
+        mut model,
+    } = search;
+    loop {
+        let count = found.len();
+        let left = omnibus(base, families, &model);
+        let is_one = |cause: &Found| is_imitation(base, families, &model, &left, cause);
+        // What was found beside an imitation goes with it.
+        let first = found.iter().position(is_one);
+        found.truncate(first.unwrap_or(count));
+        if found.len() == count {
+            let heldout = held_out(base, &model, &suspects(&found));
+            if count == 0 || heldout.is_none_or(|h| h.interval[0] < 1.0) {
+                return Search { found, model };
+            }
+            found.clear();
+        }
+        model = Model::estimated(base, &columns_mm(base, &suspects(&found)));
+    }
+}
+
+/// All of it, of a model with the causes.
+fn said(
+    screened: &Screened<'_>,
+    points: &Points,
+    model: Model,
+    found: Vec<Found>,
+    families: &[Family],
+) -> PointsOutcome {
+    let (base, gross) = (&screened.base, &screened.gross);
+    let suspects = suspects(&found);
+    // Both in the noise that is left at the end.
+    let sharp = Model::with(base, &[], model.noise, None);
+    let noise_um = model.noise.mean_um(&base.readings);
+    let (before_um, after_um) = (
+        noise_um * Model::rms(&sharp.projection),
+        noise_um * Model::rms(&model.projection),
+    );
+    let before = omnibus(base, families, &sharp);
+    let after = omnibus(base, families, &model);
+    let unexplained = unexplained(&model, &after, noise_um);
+    let heldout = match found.is_empty() {
+        true => None,
+        false => held_out(base, &model, &suspects),
+    };
+    let excess = before_um.powi(2) - noise_um.powi(2);
+    let removed = 1.0 - (after_um.powi(2) - noise_um.powi(2)).max(0.0) / excess;
+    let gain = heldout.map(|h| Gain {
+        heldout_rms_ratio: h.ratio().ratio,
+        interval: h.interval,
+        share_of_excess_removed: if excess > 0.0 {
+            removed.clamp(0.0, 1.0)
+        } else {
+            0.0
+        },
+        leave_one_station_out: None,
+    });
+    let of_cause = |suspect: &Suspect| columns_mm(base, std::slice::from_ref(suspect));
+    let columns = suspects.iter().map(|s| sharp.whitened(base, &of_cause(s)));
+    let columns: Vec<Vec<Vec<f64>>> = columns.collect();
+    let misfit = |rms_um: f64, of: fn(&HeldOut) -> f64| Misfit {
+        rms_um,
+        heldout_rms_um: heldout.as_ref().map(|h| of(h) * noise_um),
+    };
+    let tests = |all: Vec<Omnibus>| all.into_iter().map(|t| t.test).collect();
+    let report = LevelReport {
+        level: Level::Points,
+        data: format!("{} points", base.readings.all.len()),
+        noise_floor_um: noise_um,
+        before: misfit(before_um, |h| h.before),
+        after: misfit(after_um, |h| h.after),
+        gain,
+        shares: Shares::new(&sharp.projection, &columns, unexplained.is_some()),
+        unexplained: None,
+        tests: tests(before),
+        tests_after: tests(after),
+        places: places(base, &sharp, &model, noise_um),
+    };
+    let (causes, effects) = causes(base, &model, found, gain);
+    let corrected = (!effects.is_empty() || !gross.is_empty())
+        .then(|| corrected(base, points, gross, &effects));
+    PointsOutcome {
+        report: Some(report),
+        causes,
+        unexplained,
+        not_observable: not_observable(base, &sharp),
+        notices: notices(screened),
+        rejected: gross.iter().map(Gross::rejected).collect(),
+        corrected,
+    }
+}
+
+fn notices(screened: &Screened<'_>) -> Vec<String> {
+    let (base, gross) = (&screened.base, &screened.gross);
+    let mut notices = Vec::new();
+    if !gross.is_empty() {
+        let lines: Vec<String> = gross.iter().map(|g| g.line.to_string()).collect();
+        notices.push(format!(
+            "points.csv: {} point(s) contradict all others and were left out: line(s) {}",
+            lines.len(),
+            lines.join(", ")
+        ));
+    }
+    if screened.are_many {
+        notices.push(
+            "points that look like gross errors are too many, or too close together, to be left out as accidents: they \
+             are in the misfit"
+                .to_owned(),
+        );
+    }
+    let elapsed = base.readings.all.iter().map(|r| r.elapsed_s);
+    if elapsed.fold(0.0, f64::max) <= 0.0 {
+        notices.push(
+            "all points have the same time_s: nothing that changes with time can be told; give times"
+                .to_owned(),
+        );
+    }
+    notices
+}
+
+/// Structure that the causes leave.
+fn unexplained(model: &Model, after: &[Omnibus], noise_um: f64) -> Option<Unexplained> {
+    let clear = || after.iter().filter(|t| t.test.p_value < OMNIBUS_LEVEL);
+    let excess = clear().map(|t| t.excess).reduce(f64::max)?;
+    let varies_with: Vec<&'static str> = clear().map(|t| t.test.varies_with).collect();
+    let freedom = model.projection.degrees_of_freedom;
+    Some(Unexplained {
+        level: Level::Points,
+        data: String::new(),
+        rms_um: noise_um * Model::rms(&model.projection) * (excess / freedom).sqrt().min(1.0),
+        share: 0.0,
+        note: format!("varies with {}", varies_with.join(" and ")),
+        varies_with,
+    })
+}
+
+/// The campaign without gross errors and without what the causes do to the coordinates.
+fn corrected(
+    base: &Base<'_>,
+    points: &Points,
+    gross: &[Gross],
+    effects: &[ResolvedEffect],
+) -> Campaign {
+    let mut moved_mm = vec![Vector3::zeros(); points.readings.len()];
+    for (i, reading) in base.readings.all.iter().enumerate() {
+        moved_mm[reading.number] = base.effect_mm(i, effects);
+    }
+    let is_kept = |number: &usize| gross.iter().all(|g| g.number != *number);
+    let mut kept = Points::default();
+    for stop in &points.stops {
+        let first = kept.readings.len();
+        for number in stop.readings.clone().filter(is_kept) {
+            let mut reading = points.readings[number].clone();
+            reading.position_mm -= moved_mm[number];
+            kept.readings.push(reading);
+        }
+        if kept.readings.len() > first {
+            let mut stop = stop.clone();
+            stop.readings = first..kept.readings.len();
+            kept.stops.push(stop);
+        }
+    }
+    Campaign {
+        points: Some(kept),
+        ..base.campaign.clone()
+    }
+}

@@ -1,0 +1,332 @@
+//! Points campaigns: every effect of the level, clean ones, gross errors, and what cannot be judged.
+
+use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose};
+use trueaxis_effects::{Level, ResolvedEffect};
+
+use crate::made_points::{Hidden, PERIOD_MM, Plan, made};
+use crate::{counts, generator, report};
+
+/// Of a three-axis machine, and which of them a rotary stage can show.
+const EFFECTS: [(&str, bool); 12] = [
+    ("station_drift", true),
+    ("station_settling", true),
+    ("station_jump", true),
+    ("target_slip", true),
+    ("target_creep", true),
+    ("fixture_expansion", true),
+    ("machine_drift", true),
+    ("warm_up", true),
+    ("machine_shift", true),
+    ("axis_expansion", false),
+    ("backlash", true),
+    ("stage_bending", true),
+];
+
+#[derive(Debug, Default, Clone)]
+struct Count {
+    named: usize,
+    among: usize,
+    unknown: usize,
+    missed: usize,
+    wrong: usize,
+    /// Parameters inside their 95 % interval, and of how many.
+    inside: [usize; 2],
+    odd: Vec<String>,
+}
+
+impl Count {
+    fn add(&mut self, found: &Diagnosis, hidden: &Hidden, plan: &Plan) {
+        let is_it = |e: &ResolvedEffect| {
+            e.effect.id == hidden.id
+                && e.subject
+                    .target
+                    .is_none_or(|target| target == hidden.target)
+                && e.subject.axis.is_none_or(|axis| axis == hidden.axis)
+        };
+        for cause in found.causes.iter().filter(|c| is_it(&c.effect)) {
+            for (parameter, truth) in cause.parameters.iter().zip(hidden.truth(plan)) {
+                let is_inside = (parameter.value - truth).abs() < 1.96 * parameter.u;
+                self.inside[0] += usize::from(is_inside && parameter.u.is_finite());
+                self.inside[1] += usize::from(parameter.u.is_finite());
+            }
+        }
+        let explains = |c: &trueaxis_diagnose::Cause| {
+            is_it(&c.effect) || c.rivals.iter().any(|r| is_it(&r.effect))
+        };
+        let of_points = || found.causes.iter().filter(|c| c.share_of_curve.is_none());
+        let is_wrong = of_points().any(|c| c.rivals.is_empty() && !is_it(&c.effect));
+        match found.verdict {
+            _ if is_wrong => self.wrong += 1,
+            _ if of_points().any(|c| is_it(&c.effect) && c.rivals.is_empty()) => {
+                self.named += 1;
+                return;
+            }
+            _ if of_points().any(explains) => {
+                self.among += 1;
+                return;
+            }
+            Verdict::Unknown => self.unknown += 1,
+            Verdict::Clean => self.missed += 1,
+            _ => self.wrong += 1,
+        }
+        self.odd.push(counts::summary(found));
+    }
+
+    fn right(&self) -> usize {
+        self.named + self.among
+    }
+}
+
+fn without_curves() -> Settings {
+    Settings {
+        explain_curves: false,
+        ..Settings::default()
+    }
+}
+
+fn count(plan: &Plan, id: &'static str, size: f64, seeds: std::ops::Range<u64>) -> Count {
+    let mut count = Count::default();
+    for seed in seeds {
+        let hidden = Hidden::draw(id, size, plan, &mut generator(seed, 3));
+        let campaign = made(plan, std::slice::from_ref(&hidden), seed);
+        let found = diagnose(&campaign, &without_curves()).unwrap();
+        count.add(&found, &hidden, plan);
+    }
+    count
+}
+
+#[test]
+fn each_effect_is_named_in_points_of_a_three_axis_machine() {
+    for (id, _) in EFFECTS {
+        let count = count(&Plan::THREE_AXES, id, 1.0, 1..2);
+        assert_eq!((count.right(), count.wrong), (1, 0), "{id}: {count:?}");
+    }
+}
+
+#[test]
+#[ignore = "study: 460 campaigns of points, two machines"]
+fn effects_are_named_in_nineteen_of_twenty_points_campaigns() {
+    let from = std::env::var("SEED").map_or(1000, |s| s.parse().unwrap());
+    let size = std::env::var("SIZE").map_or(1.0, |s| s.parse().unwrap());
+    let mut inside = [0; 2];
+    for (name, plan) in [
+        ("three axes", Plan::THREE_AXES),
+        ("rotary stage", Plan::ROTARY),
+    ] {
+        for (id, of_rotary) in EFFECTS {
+            if plan.is_rotary && !of_rotary {
+                continue;
+            }
+            let count = count(&plan, id, size, from..from + 20);
+            report(&format!("{name}, {id} × {size}: {count:?}"));
+            inside = [inside[0] + count.inside[0], inside[1] + count.inside[1]];
+            assert!(
+                size < 1.0 || (count.right() >= 19 && count.wrong == 0),
+                "{name}, {id}: {count:?}"
+            );
+        }
+    }
+    // Of some 600 values, of which three at a time share their noise: three standard errors.
+    report(&format!("{} of {} values inside", inside[0], inside[1]));
+    let share = inside[0] as f64 / inside[1] as f64;
+    assert!(size < 1.0 || (0.91..0.985).contains(&share), "{share}");
+}
+
+fn alarms(plan: &Plan, seeds: std::ops::Range<u64>) -> Vec<String> {
+    let found = seeds.map(|seed| diagnose(&made(plan, &[], seed), &without_curves()).unwrap());
+    found
+        .filter(|found| found.verdict != Verdict::Clean || !found.rejected.is_empty())
+        .map(|found| counts::summary(&found))
+        .collect()
+}
+
+/// At a level of 0.7 % one in ten alarms in 7 % of all choices of seeds.
+#[test]
+fn clean_points_are_clean() {
+    let found = alarms(&Plan::THREE_AXES, 1..6);
+    assert!(found.is_empty(), "{found:?}");
+    let found = alarms(&Plan::ROTARY, 1..6);
+    assert!(found.is_empty(), "{found:?}");
+}
+
+#[test]
+#[ignore = "study: 300 clean campaigns of points"]
+fn clean_points_campaigns_have_few_alarms() {
+    let from = std::env::var("SEED").map_or(1000, |s| s.parse().unwrap());
+    let one = Plan {
+        repeats: 1,
+        both_sides: false,
+        ..Plan::THREE_AXES
+    };
+    for plan in [Plan::THREE_AXES, Plan::ROTARY, one] {
+        let found = alarms(&plan, from..from + 100);
+        report(&format!(
+            "{plan:?}: {} alarms of 100: {found:?}",
+            found.len()
+        ));
+        // With 0.7 % the odds of four are 1 in 170.
+        assert!(found.len() <= 3, "{found:?}");
+    }
+}
+
+/// A point that is off by 0.3 mm, in a clean campaign and beside a slip: found with its line, nothing else.
+#[test]
+fn a_gross_error_is_found_with_its_line() {
+    for (seed, id, wrong) in [
+        (11, None, 310),
+        (12, None, 0),
+        (13, Some("target_slip"), 505),
+        (14, Some("backlash"), 755),
+    ] {
+        let plan = Plan::THREE_AXES;
+        let hidden = id.map(|id| Hidden::draw(id, 1.0, &plan, &mut generator(seed, 3)));
+        let mut campaign = made(&plan, hidden.as_slice(), seed);
+        let points = campaign.points.as_mut().unwrap();
+        points.readings[wrong].position_mm.y += 0.3;
+        let found = diagnose(&campaign, &without_curves()).unwrap();
+        let rows: Vec<usize> = found.rejected.iter().map(|r| r.row).collect();
+        assert_eq!(rows, [wrong + 2], "{}", counts::summary(&found));
+        let rejected = &found.rejected[0];
+        assert!(
+            (rejected.error_um - 300.0).abs() < 4.0 * rejected.u_um,
+            "{rejected:?}"
+        );
+        let verdict = match id {
+            None => Verdict::Clean,
+            Some(_) => Verdict::Named,
+        };
+        assert_eq!(found.verdict, verdict, "{}", counts::summary(&found));
+    }
+}
+
+/// One target is no body: without repeats and second side nothing is redundant; with both, lost motion shows.
+#[test]
+fn one_target_is_judged_by_repeats_and_sides_only() {
+    let once = Plan {
+        targets: 1,
+        repeats: 1,
+        both_sides: false,
+        ..Plan::THREE_AXES
+    };
+    let found = diagnose(&made(&once, &[], 1), &without_curves()).unwrap();
+    assert_eq!(found.verdict, Verdict::NotJudged);
+    let text = found.notices.join("; ");
+    assert!(
+        text.contains("measure every step twice or from both sides"),
+        "{text}"
+    );
+    let plan = Plan {
+        targets: 1,
+        ..Plan::THREE_AXES
+    };
+    // At a constant feed readings that are late look the same.
+    let count = count(&plan, "backlash", 2.0, 2..4);
+    assert_eq!((count.among, count.wrong), (2, 0), "{count:?}");
+}
+
+/// What stands on the bed tells an instrument that moves from a machine that does.
+#[test]
+fn targets_on_the_bed_tell_twins_apart() {
+    let plan = Plan {
+        bed: true,
+        ..Plan::THREE_AXES
+    };
+    let pairs = [
+        ("machine_shift", "station_jump"),
+        ("machine_drift", "station_drift"),
+    ];
+    for (id, twin) in pairs.into_iter().flat_map(|(a, b)| [(a, b), (b, a)]) {
+        for seed in 5..7 {
+            let hidden = Hidden::draw(id, 2.0, &plan, &mut generator(seed, 3));
+            let found = diagnose(&made(&plan, &[hidden], seed), &without_curves()).unwrap();
+            let [cause] = &found.causes[..] else {
+                panic!("{id}: {}", counts::summary(&found));
+            };
+            let is_twin = |e: &ResolvedEffect| e.effect.id == twin;
+            let mut all = cause
+                .rivals
+                .iter()
+                .map(|r| &r.effect)
+                .chain([&cause.effect]);
+            assert!(!all.any(is_twin), "{id}: {cause:?}");
+            assert_eq!(cause.effect.effect.id, id, "{}", counts::summary(&found));
+        }
+    }
+}
+
+/// Two troubles of different things come out together.
+#[test]
+fn a_slip_and_lost_motion_are_both_named() {
+    let plan = Plan::THREE_AXES;
+    let mut rng = generator(21, 3);
+    let hidden = ["target_slip", "backlash"].map(|id| Hidden::draw(id, 1.5, &plan, &mut rng));
+    let found = diagnose(&made(&plan, &hidden, 21), &without_curves()).unwrap();
+    let mut ids: Vec<&str> = found.causes.iter().map(|c| c.effect.effect.id).collect();
+    ids.sort_unstable();
+    assert_eq!(
+        ids,
+        ["backlash", "target_slip"],
+        "{}",
+        counts::summary(&found)
+    );
+    let shares = &found.levels[0].shares;
+    let sum = shares.causes.iter().sum::<f64>() + shares.unexplained + shares.noise;
+    assert!((sum - 1.0).abs() < 1e-9, "{shares:?}");
+    assert!(found.levels[0].gain.is_some_and(|gain| gain.is_claimed()));
+}
+
+/// Poses take a cyclic error whole: it contradicts nothing, and stands in the error curve.
+#[test]
+fn a_cyclic_error_in_points_is_found_in_the_curve() {
+    let plan = Plan::THREE_AXES;
+    let hidden = Hidden::draw("cyclic_error", 1.0, &plan, &mut generator(22, 3));
+    let axis = hidden.axis;
+    let found = diagnose(&made(&plan, &[hidden], 22), &Settings::default()).unwrap();
+    assert_eq!(found.verdict, Verdict::Clean, "{}", counts::summary(&found));
+    let is_it = |c: &&trueaxis_diagnose::Cause| {
+        c.level == Level::Components
+            && c.effect.effect.id == "cyclic_error"
+            && c.effect.subject.axis == Some(axis)
+            && (c.effect.shape / PERIOD_MM - 1.0).abs() < 0.03
+    };
+    assert!(
+        found.causes.iter().any(|c| is_it(&c)),
+        "{}",
+        counts::summary(&found)
+    );
+}
+
+/// An instrument that is three times worse across its beam, and ten times better along it.
+#[test]
+#[ignore = "study: 200 clean campaigns of points with noise that differs between directions"]
+fn unlike_directions_make_few_alarms() {
+    let from = std::env::var("SEED").map_or(1000, |s| s.parse().unwrap());
+    for return_mm in [1e-3, 0.0] {
+        let unlike = Plan {
+            unlike: [3.0, 1.0, 0.3],
+            return_mm,
+            ..Plan::THREE_AXES
+        };
+        let found = alarms(&unlike, from..from + 100);
+        report(&format!(
+            "{unlike:?}: {} alarms of 100: {found:?}",
+            found.len()
+        ));
+        // At 3 %, since six variances are estimated, the odds of nine are 1 in 300.
+        assert!(found.len() <= 8, "{found:?}");
+    }
+}
+
+/// A hall that breathes, a holder that sways, a stage that is wavy: of no catalogue.
+#[test]
+#[ignore = "study: 120 campaigns of points with what no effect is"]
+fn what_is_in_no_catalogue_is_not_named() {
+    let from = std::env::var("SEED").map_or(1000, |s| s.parse().unwrap());
+    for id in ["breathing", "swaying_target", "wavy_stage"] {
+        for plan in [Plan::THREE_AXES, Plan::ROTARY] {
+            let count = count(&plan, id, 1.0, from..from + 20);
+            report(&format!("{id}, rotary {}: {count:?}", plan.is_rotary));
+            assert!(count.wrong <= 1 && count.unknown >= 17, "{id}: {count:?}");
+        }
+    }
+}
