@@ -5,7 +5,6 @@
 //! noise. Several tests share their level (Bonferroni).
 
 use rayon::prelude::*;
-use trueaxis_kinematics::Machine;
 use trueaxis_poses::LengthCircumstances as Reading;
 
 use crate::OmnibusTest;
@@ -56,7 +55,7 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
                 fill(
                     set,
                     first,
-                    half_waves(travelled(base, machine, r), OF_POSITION),
+                    half_waves(travelled(base, r), OF_POSITION),
                 );
             },
         ),
@@ -69,7 +68,7 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
                 fill(
                     set,
                     first,
-                    half_waves(travelled(base, machine, r), OF_TARGET),
+                    half_waves(travelled(base, r), OF_TARGET),
                 );
                 set[targets * axes * OF_TARGET as usize + r.target * stations + r.station] = 1.0;
             },
@@ -84,7 +83,7 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
             |r, set| {
                 let first = (r.target * axes + r.axis) * width;
                 set[first] = r.sign();
-                let waves = half_waves(travelled(base, machine, r), OF_DIRECTION);
+                let waves = half_waves(travelled(base, r), OF_DIRECTION);
                 fill(set, first + 1, waves.map(|x| x * r.sign()));
             },
         ));
@@ -116,8 +115,8 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
 }
 
 /// Where an axis stands in its travel, 0 to 1.
-fn travelled(base: &Base<'_>, machine: &Machine, reading: &Reading) -> f64 {
-    let [low, high] = machine.axes()[reading.axis].travel();
+pub(crate) fn travelled(base: &Base<'_>, reading: &Reading) -> f64 {
+    let [low, high] = base.scene.machine.axes()[reading.axis].travel();
     let position = base.campaign.steps[reading.step].positions[reading.axis];
     if high > low {
         (position - low) / (high - low)

@@ -2,16 +2,33 @@
 //!
 //! `M = I - O Oᵀ [same group] - T Σ Tᵀ`; the parts of an arrowhead system, or, without groups, the
 //! orthonormal columns `T` of a small dense one (`Σ = I`).
+//!
+//! Columns with a prior `N(0, I)` of their coefficients ([`Projection::beside`]) join the covariance,
+//! `V = I + X Xᵀ`. All that is asked of `M` then is asked of
+//!
+//! ```text
+//! R = V⁻¹ - V⁻¹A (AᵀV⁻¹A)⁻¹ AᵀV⁻¹ = M - M X (I + Xᵀ M X)⁻¹ Xᵀ M
+//! ```
+//!
+//! (A: the base model), which has the same form with more columns `T`, but is no projection any more.
 
 use trueaxis_multilateration::Whitened;
+
+use crate::selection::fixed_scan::gram;
 
 /// Whitened residuals and the projection that made them.
 #[derive(Debug, Clone)]
 pub(crate) struct Projection {
     /// `e = M y`.
     pub(crate) residuals: Vec<f64>,
-    /// Trace of `M`.
+    /// `yᵀ M y`.
+    squares: f64,
+    /// Observations less parameters of the base model.
     pub(crate) degrees_of_freedom: f64,
+    /// Columns with a prior as far as the data take them, `Σ x/(1 + x)`.
+    pub(crate) taken: f64,
+    /// Whether columns with a prior are in it, so that `M² ≠ M`.
+    is_soft: bool,
     group_of_row: Vec<usize>,
     groups: usize,
     /// `O`, row after row.
@@ -27,11 +44,17 @@ pub(crate) struct Projection {
 /// What must be left of a column, relative to its length, for it to count as something new.
 const NEW_TOL: f64 = 1e-6;
 
+/// A direction of which the data take so small a part of its prior is as good as fixed.
+const NOTHING: f64 = 1e-3;
+
 impl Projection {
     /// That of an adjusted network.
     pub(crate) fn of_network(whitened: &Whitened) -> Self {
         Self {
             residuals: whitened.residuals.clone(),
+            squares: dot(&whitened.residuals, &whitened.residuals),
+            is_soft: false,
+            taken: 0.0,
             degrees_of_freedom: whitened.degrees_of_freedom as f64,
             group_of_row: whitened.group_of_row.clone(),
             groups: whitened.groups,
@@ -48,6 +71,9 @@ impl Projection {
         let rows = observations.len();
         let bare = Self {
             degrees_of_freedom: rows as f64,
+            squares: dot(&observations, &observations),
+            is_soft: false,
+            taken: 0.0,
             residuals: observations,
             group_of_row: vec![0; rows],
             groups: 1,
@@ -65,53 +91,109 @@ impl Projection {
         self.residuals.len()
     }
 
-    /// `Σ e²`.
+    /// `yᵀ M y`.
     pub(crate) fn squares(&self) -> f64 {
-        self.residuals.iter().map(|e| e * e).sum()
+        self.squares
     }
 
     /// `x <- M x`.
     pub(crate) fn project(&self, x: &mut [f64]) {
-        let (own_width, width) = (self.own_width, self.shared_width);
-        let mut of_groups = vec![0.0; self.groups * own_width];
-        let mut t = vec![0.0; width];
-        for (i, &value) in x.iter().enumerate() {
-            if value == 0.0 {
-                continue;
-            }
-            let group = &mut of_groups[self.group_of_row[i] * own_width..][..own_width];
-            add(group, self.own_row(i), value);
-            add(&mut t, self.shared_row(i), value);
-        }
-        let through: Vec<f64> = (0..width)
-            .map(|k| dot(&self.sigma[k * width..(k + 1) * width], &t))
-            .collect();
+        let taken = self.taken_of(x);
         for (i, value) in x.iter_mut().enumerate() {
-            let group = &of_groups[self.group_of_row[i] * own_width..][..own_width];
-            *value -= dot(self.own_row(i), group) + dot(self.shared_row(i), &through);
+            let group = &taken.own[self.group_of_row[i] * self.own_width..][..self.own_width];
+            *value -= dot(self.own_row(i), group) + dot(self.shared_row(i), &taken.through);
         }
+    }
+
+    /// What the base model takes of a whitened column.
+    pub(crate) fn taken_of(&self, x: &[f64]) -> Taken {
+        let (own_width, width) = (self.own_width, self.shared_width);
+        let mut taken = Taken {
+            own: vec![0.0; self.groups * own_width],
+            shared: vec![0.0; width],
+            through: Vec::new(),
+        };
+        for (i, &value) in x.iter().enumerate() {
+            if value != 0.0 {
+                let group = &mut taken.own[self.group_of_row[i] * own_width..][..own_width];
+                add(group, self.own_row(i), value);
+                add(&mut taken.shared, self.shared_row(i), value);
+            }
+        }
+        let through = (0..width).map(|k| dot(self.sigma_row(k), &taken.shared));
+        taken.through = through.collect();
+        taken
     }
 
     /// The projection after columns have joined the base model.
     pub(crate) fn extended(&self, columns: &[Vec<f64>]) -> Self {
         let mut basis: Vec<Vec<f64>> = Vec::new();
+        let (mut residuals, mut squares) = (self.residuals.clone(), self.squares);
         for column in columns {
             let length = dot(column, column).sqrt();
             let mut left = column.clone();
             // Twice, so that rounding does not stay.
-            for _ in 0..2 {
+            for _ in 0..if self.is_soft { 1 } else { 2 } {
+                let before = left.clone();
                 self.project(&mut left);
                 for unit in &basis {
-                    let along = dot(unit, &left);
-                    add(&mut left, unit, -along);
+                    add(&mut left, unit, -dot(unit, &before));
                 }
             }
-            let norm = dot(&left, &left).sqrt();
+            // Of a projection the same, with less rounding.
+            let square = dot(if self.is_soft { column } else { &left }, &left);
+            let norm = square.max(0.0).sqrt();
             if norm > NEW_TOL * length {
                 left.iter_mut().for_each(|x| *x /= norm);
+                let along = match self.is_soft {
+                    true => dot(column, &residuals) / norm,
+                    false => dot(&left, &residuals),
+                };
+                add(&mut residuals, &left, -along);
+                squares -= along * along;
                 basis.push(left);
             }
         }
+        Self {
+            degrees_of_freedom: self.degrees_of_freedom - basis.len() as f64,
+            ..self.with(&basis, residuals, squares)
+        }
+    }
+
+    /// The same with columns whose coefficients have the prior `N(0, I)`, and the logarithm of `|I + Xᵀ M X|`.
+    pub(crate) fn beside(&self, columns: &[Vec<f64>]) -> (Self, f64) {
+        let gram = gram(self, columns);
+        let s: Vec<f64> = columns.iter().map(|c| dot(c, &self.residuals)).collect();
+        let mut basis: Vec<Vec<f64>> = Vec::new();
+        let (mut residuals, mut squares) = (self.residuals.clone(), self.squares);
+        let (mut taken, mut ln_price) = (self.taken, 0.0);
+        for (value, z, vector) in gram.directions(&s) {
+            ln_price += value.ln_1p();
+            let part = value / (1.0 + value);
+            taken += part;
+            if part < NOTHING {
+                continue;
+            }
+            let mut left = vec![0.0; self.rows()];
+            for (column, v) in columns.iter().zip(vector) {
+                add(&mut left, column, v * (part / value).sqrt());
+            }
+            self.project(&mut left);
+            let along = z * part.sqrt();
+            add(&mut residuals, &left, -along);
+            squares -= along * along;
+            basis.push(left);
+        }
+        let beside = Self {
+            is_soft: true,
+            taken,
+            ..self.with(&basis, residuals, squares)
+        };
+        (beside, ln_price)
+    }
+
+    /// The same with more columns `T`.
+    fn with(&self, basis: &[Vec<f64>], residuals: Vec<f64>, squares: f64) -> Self {
         let (old, width) = (self.shared_width, self.shared_width + basis.len());
         let mut shared = Vec::with_capacity(self.rows() * width);
         for i in 0..self.rows() {
@@ -127,21 +209,19 @@ impl Projection {
                 sigma[k * width + k] = 1.0;
             }
         }
-        let mut residuals = self.residuals.clone();
-        for unit in &basis {
-            let along = dot(unit, &residuals);
-            add(&mut residuals, unit, -along);
-        }
         Self {
             residuals,
-            degrees_of_freedom: self.degrees_of_freedom - basis.len() as f64,
+            squares,
+            shared,
+            shared_width: width,
+            sigma,
+            is_soft: self.is_soft,
+            taken: self.taken,
+            degrees_of_freedom: self.degrees_of_freedom,
             group_of_row: self.group_of_row.clone(),
             groups: self.groups,
             own: self.own.clone(),
             own_width: self.own_width,
-            shared,
-            shared_width: width,
-            sigma,
         }
     }
 
@@ -171,6 +251,20 @@ impl Projection {
     /// Columns of `O` and `T`.
     pub(crate) fn widths(&self) -> (usize, usize) {
         (self.own_width, self.shared_width)
+    }
+}
+
+/// `Oᵀx` of each group, `Tᵀx` and `Σ Tᵀx`.
+pub(crate) struct Taken {
+    own: Vec<f64>,
+    shared: Vec<f64>,
+    through: Vec<f64>,
+}
+
+impl Taken {
+    /// `xᵀ (I - M) y`.
+    pub(crate) fn product(&self, other: &Self) -> f64 {
+        dot(&self.own, &other.own) + dot(&self.shared, &other.through)
     }
 }
 
