@@ -121,7 +121,10 @@ fn outcome(name: &str, seed: u64, strength: f64) -> Option<Outcome> {
         all
     };
     let mut all = hidden.clone();
-    all.extend(mess.iter().flat_map(|part| blind::mess(&kind, seed, part * USUAL)));
+    all.extend(
+        mess.iter()
+            .flat_map(|part| blind::mess(&kind, seed, part * USUAL)),
+    );
     let campaign = blind::campaign(&kind, &all, seed);
     let settings = Settings {
         explain_curves: false,
@@ -175,7 +178,10 @@ fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Dia
     for cause in &causes {
         let id = cause.effect.effect.id;
         label += &format!(" {id}");
-        line += &format!(" {id} {:?} p={:.1e}", cause.effect.subject, cause.p_value);
+        let subject = &cause.effect.subject;
+        let who = [subject.station, subject.target, subject.axis];
+        let (shape, p) = (cause.effect.shape, cause.p_value);
+        line += &format!(" {id} {who:?} at {shape:.0} p={p:.1e}");
         for rival in &cause.rivals {
             line += &format!(
                 " | {} {:?}",

@@ -134,7 +134,11 @@ fn with_lengths(
                 .to_owned(),
         );
     }
-    for (own, share) in outcome.disturbances.iter_mut().zip(&outcome.report.shares.disturbances) {
+    for (own, share) in outcome
+        .disturbances
+        .iter_mut()
+        .zip(&outcome.report.shares.disturbances)
+    {
         own.data.clone_from(&outcome.report.data);
         own.share = *share;
     }

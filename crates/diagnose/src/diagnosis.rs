@@ -286,7 +286,7 @@ pub struct CorrelationLength {
 pub struct CurvePoint {
     /// Time or position, in the unit of the correlation length.
     pub at: f64,
-    /// Each coordinate (x, y, z; of a station its dead path, too), µm.
+    /// Each coordinate (x, y, z; of a station its dead path, too), µm: from its mean over a turn, or over the range.
     pub value_um: Vec<f64>,
     /// Their standard uncertainties, µm.
     pub u_um: Vec<f64>,

@@ -33,3 +33,4 @@ mod triangle;
 mod twins;
 mod verification;
 mod volume;
+mod wandering;

@@ -240,7 +240,9 @@ impl<'a> Base<'a> {
         solution: &Solution,
     ) -> Vec<Vec<f64>> {
         let mut columns = disturbance.columns_mm(self, solution);
-        columns.iter_mut().for_each(|column| whitened.whiten(column));
+        columns
+            .iter_mut()
+            .for_each(|column| whitened.whiten(column));
         columns
     }
 
@@ -314,7 +316,11 @@ impl<'a> Base<'a> {
         }
     }
 
-    pub(crate) fn observation<'b>(&'b self, reading: &Reading, solution: &Solution) -> Observation<'b> {
+    pub(crate) fn observation<'b>(
+        &'b self,
+        reading: &Reading,
+        solution: &Solution,
+    ) -> Observation<'b> {
         reading.observation(
             &self.scene.machine,
             &self.campaign.steps[reading.step].positions,

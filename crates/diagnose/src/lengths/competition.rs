@@ -8,8 +8,11 @@
 //! Two models are built. One finds causes first, then what wanders beside them, then causes again with that in the
 //! covariance; the other begins with what wanders. They, and what wanders alone, are compared in the same noise by
 //! their whole evidence. A form that can be anything is believed less than one of the catalogue, and every further
-//! name costs: each disturbance, and each cause but one that explains all, is charged [`DECISIVE`], odds of 20 to 1. So a
-//! drift is a drift though something that wanders might have done it, and three stacked causes do not beat one disturbance.
+//! name costs: a cause is charged [`DECISIVE`], odds of 20 to 1, and a disturbance twice that. So a drift is a drift
+//! though something that wanders might have done it, and three stacked causes do not beat one disturbance.
+//!
+//! A cause in time that leaves a tenth of what it explains to a disturbance of the same thing does not describe how
+//! that thing moves, and loses its name ([`is_of`]).
 
 use trueaxis_leastsquares::chi_squared_upper_tail;
 use trueaxis_multilateration::Noise;
@@ -162,7 +165,23 @@ fn best<'a>(base: &Base<'a>, models: Vec<Model<'a>>) -> Result<Model<'a>, Error>
         .fold(f64::NEG_INFINITY, |best, &e| best.max(e));
     if std::env::var("TRACE").is_ok() {
         for (m, e) in models.iter().zip(&evidences) {
-            eprintln!("  model {e:.1}: {:?} | {:?}", m.search.found.iter().map(|f| (f.suspect.hypothesis.effect.id, f.suspect.hypothesis.subject.station, f.p_value, f.statistic)).collect::<Vec<_>>(), m.wandering.iter().map(|j| (j.disturbance, j.evidence)).collect::<Vec<_>>());
+            eprintln!(
+                "  model {e:.1}: {:?} | {:?}",
+                m.search
+                    .found
+                    .iter()
+                    .map(|f| (
+                        f.suspect.hypothesis.effect.id,
+                        f.suspect.hypothesis.subject.station,
+                        f.p_value,
+                        f.statistic
+                    ))
+                    .collect::<Vec<_>>(),
+                m.wandering
+                    .iter()
+                    .map(|j| (j.disturbance, j.evidence))
+                    .collect::<Vec<_>>()
+            );
         }
     }
     let mut models = models.into_iter().zip(evidences);
@@ -194,9 +213,8 @@ fn evidence(base: &Base<'_>, plain: &Adjusted, model: &Model<'_>) -> f64 {
             adjusted = adjusted.with(adjusted.projection.extended(&columns));
         }
     }
-    let free = usize::from(model.wandering.is_empty());
-    let names = model.wandering.len() + model.search.found.len().saturating_sub(free);
-    sum - DECISIVE * names as f64
+    let names = model.search.found.len() + 2 * model.wandering.len();
+    sum - DECISIVE * names.saturating_sub(1) as f64
 }
 
 /// Only what wanders.
@@ -258,7 +276,9 @@ fn wandering(base: &Base<'_>, suspects: &[Suspect]) -> Result<Vec<Judged>, Error
         for k in 0..own.len() {
             let mut others = disturbances(&own);
             let wanderer = others.remove(k).wanderer;
-            let without = base.beside(others).adjust(suspects.to_vec(), Some(adjusted.network.noise))?;
+            let without = base
+                .beside(others)
+                .adjust(suspects.to_vec(), Some(adjusted.network.noise))?;
             if let Some(again) = judge(base, &without, wanderer, all.len()) {
                 let rivals = std::mem::take(&mut own[k].rivals);
                 own[k] = Judged { rivals, ..again };

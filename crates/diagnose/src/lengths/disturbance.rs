@@ -184,7 +184,10 @@ impl Wanderer {
             With::Turn => (reading.station, reading.turn_progress),
             With::Campaign => {
                 let (first, last) = (base.span_s[0], base.span_s[1]);
-                (0, (reading.time_s - first) / (last - first).max(f64::MIN_POSITIVE))
+                (
+                    0,
+                    (reading.time_s - first) / (last - first).max(f64::MIN_POSITIVE),
+                )
             }
             With::Position => (reading.axis, travelled(base, reading)),
             With::Sides => (0, travelled(base, reading)),
@@ -231,7 +234,12 @@ impl Wanderer {
         let of_one = of_one.iter().map(|s| (s / variance).sqrt());
         let times = self.courses(base).len() * self.coordinates().len();
         let of_one: Vec<f64> = of_one.collect();
-        of_one.iter().copied().cycle().take(times * of_one.len()).collect()
+        of_one
+            .iter()
+            .copied()
+            .cycle()
+            .take(times * of_one.len())
+            .collect()
     }
 
     /// `1, cos(πx), ...`.

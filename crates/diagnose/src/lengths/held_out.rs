@@ -117,7 +117,10 @@ fn held_out<'a>(
             extended = rest.less(&extended, &rest.wandered_mm(&extended, &rest))?;
         }
         let mut after = rest.predicted_misfit_mm(base, &extended);
-        after.iter_mut().zip(&wandered_mm).for_each(|(misfit, w)| *misfit -= w);
+        after
+            .iter_mut()
+            .zip(&wandered_mm)
+            .for_each(|(misfit, w)| *misfit -= w);
         // A fold holds whole visits, so that these are whitened among themselves.
         adjusted.whitened.whiten(&mut before);
         adjusted.whitened.whiten(&mut after);

@@ -52,11 +52,7 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
             stations * axes * OF_POSITION as usize,
             |r, set| {
                 let first = (r.station * axes + r.axis) * OF_POSITION as usize;
-                fill(
-                    set,
-                    first,
-                    half_waves(travelled(base, r), OF_POSITION),
-                );
+                fill(set, first, half_waves(travelled(base, r), OF_POSITION));
             },
         ),
         columns(
@@ -65,11 +61,7 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
             targets * axes * OF_TARGET as usize + targets * stations,
             |r, set| {
                 let first = (r.target * axes + r.axis) * OF_TARGET as usize;
-                fill(
-                    set,
-                    first,
-                    half_waves(travelled(base, r), OF_TARGET),
-                );
+                fill(set, first, half_waves(travelled(base, r), OF_TARGET));
                 set[targets * axes * OF_TARGET as usize + r.target * stations + r.station] = 1.0;
             },
         ),

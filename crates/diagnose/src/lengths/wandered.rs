@@ -158,7 +158,11 @@ impl Posterior {
     fn curve(&self, base: &Base<'_>, axis: Option<usize>) -> Vec<CurvePoint> {
         let courses = self.wanderer.courses(base);
         let shown: Vec<usize> = match axis {
-            Some(axis) => courses.iter().position(|&c| c == axis).into_iter().collect(),
+            Some(axis) => courses
+                .iter()
+                .position(|&c| c == axis)
+                .into_iter()
+                .collect(),
             None => (0..courses.len()).collect(),
         };
         let points = POINTS.div_ceil(shown.len().max(1));
@@ -181,16 +185,23 @@ impl Posterior {
         curve
     }
 
-    /// All coordinates at a place of a course, 0 to 1, and their standard uncertainties, µm.
+    /// All coordinates at a place of a course, 0 to 1, and their standard uncertainties, µm: from their mean over the
+    /// course, since the base model takes that for the place of a station or a target. Lost motion has a mean.
     fn at(&self, course: usize, x: f64) -> (Vec<f64>, Vec<f64>) {
-        let basis: Vec<f64> = self.wanderer.basis(x).collect();
+        let mut basis: Vec<f64> = self.wanderer.basis(x).collect();
+        if self.wanderer.with != With::Sides {
+            basis[0] = 0.0;
+        }
         let (width, n) = (basis.len(), self.mean.len());
         let coordinates = self.wanderer.coordinates().len();
         let of_coordinate = |c: usize| {
             let first = (course * coordinates + c) * width;
-            let row: Vec<f64> = (0..width).map(|k| basis[k] * self.roots_um[first + k]).collect();
+            let row: Vec<f64> = (0..width)
+                .map(|k| basis[k] * self.roots_um[first + k])
+                .collect();
             let value = dot(&row, &self.mean[first..first + width]);
-            let through = |i: usize| dot(&row, &self.covariance[(first + i) * n + first..][..width]);
+            let through =
+                |i: usize| dot(&row, &self.covariance[(first + i) * n + first..][..width]);
             let variance: f64 = (0..width).map(|i| row[i] * through(i)).sum();
             (value, variance.max(0.0).sqrt())
         };
@@ -212,6 +223,10 @@ fn unit_um(base: &Base<'_>, adjusted: &Adjusted, wanderer: Wanderer) -> f64 {
     let (count, sum) = squares
         .filter(|square| *square > 0.0)
         .fold((0, 0.0), |(count, sum), square| (count + 1, sum + square));
-    let times = if wanderer.with == With::Sides { 2.0 } else { 1.0 };
+    let times = if wanderer.with == With::Sides {
+        2.0
+    } else {
+        1.0
+    };
     times * 1e3 * (sum / f64::from(count.max(1))).sqrt()
 }

@@ -44,8 +44,8 @@ pub(crate) struct Projection {
 /// What must be left of a column, relative to its length, for it to count as something new.
 const NEW_TOL: f64 = 1e-6;
 
-/// A direction of which the data take so small a part of its prior is as good as fixed.
-const NOTHING: f64 = 1e-3;
+/// A direction that the data know so much less than its prior does is left out of the covariance.
+const NOTHING: f64 = 0.02;
 
 impl Projection {
     /// That of an adjusted network.
@@ -168,12 +168,12 @@ impl Projection {
         let (mut residuals, mut squares) = (self.residuals.clone(), self.squares);
         let (mut taken, mut ln_price) = (self.taken, 0.0);
         for (value, z, vector) in gram.directions(&s) {
-            ln_price += value.ln_1p();
             let part = value / (1.0 + value);
-            taken += part;
             if part < NOTHING {
                 continue;
             }
+            taken += part;
+            ln_price += value.ln_1p();
             let mut left = vec![0.0; self.rows()];
             for (column, v) in columns.iter().zip(vector) {
                 add(&mut left, column, v * (part / value).sqrt());
