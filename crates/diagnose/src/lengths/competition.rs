@@ -152,10 +152,8 @@ fn settled<'a>(
 
 /// The model with the most evidence in the noise of the one with the least.
 fn best<'a>(base: &Base<'a>, models: Vec<Model<'a>>) -> Result<Model<'a>, Error> {
-    let variance = |noise: &Noise| noise.length_sigma_mm.powi(2) + noise.return_sigma_mm.powi(2);
     let noises = models.iter().map(|m| m.search.adjusted.network.noise);
-    let noise = noises.min_by(|a, b| variance(a).total_cmp(&variance(b)));
-    let plain = base.adjust(Vec::new(), noise)?;
+    let plain = base.adjust(Vec::new(), least(noises))?;
     let evidences: Vec<f64> = models
         .iter()
         .map(|model| evidence(base, &plain, model))
@@ -163,37 +161,23 @@ fn best<'a>(base: &Base<'a>, models: Vec<Model<'a>>) -> Result<Model<'a>, Error>
     let first = evidences
         .iter()
         .fold(f64::NEG_INFINITY, |best, &e| best.max(e));
-    if std::env::var("TRACE").is_ok() {
-        for (m, e) in models.iter().zip(&evidences) {
-            eprintln!(
-                "  model {e:.1}: {:?} | {:?}",
-                m.search
-                    .found
-                    .iter()
-                    .map(|f| (
-                        f.suspect.hypothesis.effect.id,
-                        f.suspect.hypothesis.subject.station,
-                        f.p_value,
-                        f.statistic
-                    ))
-                    .collect::<Vec<_>>(),
-                m.wandering
-                    .iter()
-                    .map(|j| (j.disturbance, j.evidence))
-                    .collect::<Vec<_>>()
-            );
-        }
-    }
     let mut models = models.into_iter().zip(evidences);
     let found = models.find(|(_, evidence)| *evidence >= first);
     Ok(found.expect("one has the most").0)
 }
 
-/// Twice the logarithm of the marginal likelihood ratio against the model without anything, less what names cost.
-fn evidence(base: &Base<'_>, plain: &Adjusted, model: &Model<'_>) -> f64 {
+/// The noise with the least variance.
+fn least(noises: impl Iterator<Item = Noise>) -> Option<Noise> {
+    let variance = |noise: &Noise| noise.length_sigma_mm.powi(2) + noise.return_sigma_mm.powi(2);
+    noises.min_by(|a, b| variance(a).total_cmp(&variance(b)))
+}
+
+/// Twice the logarithm of the marginal likelihood ratio of what wanders against a model without it, and the
+/// projection with it.
+fn of_wandering(base: &Base<'_>, plain: &Adjusted, wandering: &[Judged]) -> (f64, Projection) {
     let mut projection = plain.projection.clone();
     let mut sum = 0.0;
-    for judged in &model.wandering {
+    for judged in wandering {
         let own = &judged.disturbance;
         let columns = base.whitened_columns(own, &plain.whitened, &plain.solution);
         let (next, ln_price) = projection.beside(&columns);
@@ -202,6 +186,12 @@ fn evidence(base: &Base<'_>, plain: &Adjusted, model: &Model<'_>) -> f64 {
         sum -= projection.degrees_of_freedom * ratio.ln() + ln_price + 2.0 * (tried as f64).ln();
         projection = next;
     }
+    (sum, projection)
+}
+
+/// Twice the logarithm of the marginal likelihood ratio against the model without anything, less what names cost.
+fn evidence(base: &Base<'_>, plain: &Adjusted, model: &Model<'_>) -> f64 {
+    let (mut sum, projection) = of_wandering(base, plain, &model.wandering);
     let visits = visit_times(base);
     let mut adjusted = plain.with(projection);
     for found in &model.search.found {
@@ -266,8 +256,37 @@ fn disturbances(judged: &[Judged]) -> Vec<Disturbance> {
     judged.iter().map(|judged| judged.disturbance).collect()
 }
 
-/// What wanders beside causes, one after the other, each with the size that it has beside the others.
+/// What wanders beside causes. Where it would be several single things, it may be one that they have in common: then
+/// that is tried first, too, and the better explanation taken.
 fn wandering(base: &Base<'_>, suspects: &[Suspect]) -> Result<Vec<Judged>, Error> {
+    let (first, noise) = one_after_the_other(base, suspects, None)?;
+    let is_common = |wanderer: &Wanderer| wanderer.of_kind(base) == 1;
+    if first.len() < 2 || first.iter().any(|j| is_common(&j.disturbance.wanderer)) {
+        return Ok(first);
+    }
+    let mut all = vec![(first, noise)];
+    for common in wanderers(base).into_iter().filter(is_common) {
+        all.push(one_after_the_other(base, suspects, Some(common))?);
+    }
+    let plain = base.adjust(
+        suspects.to_vec(),
+        least(all.iter().map(|(_, noise)| *noise)),
+    )?;
+    let scored = all.into_iter().map(|(judged, _)| {
+        let price = 2.0 * DECISIVE * judged.len() as f64;
+        (of_wandering(base, &plain, &judged).0 - price, judged)
+    });
+    let best = scored.max_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(best.map(|best| best.1).unwrap_or_default())
+}
+
+/// What wanders beside causes, one after the other from `first`, each with the size that it has beside the others, and
+/// the noise beside all.
+fn one_after_the_other(
+    base: &Base<'_>,
+    suspects: &[Suspect],
+    first: Option<Wanderer>,
+) -> Result<(Vec<Judged>, Noise), Error> {
     let all = wanderers(base);
     let mut own: Vec<Judged> = Vec::new();
     loop {
@@ -286,13 +305,13 @@ fn wandering(base: &Base<'_>, suspects: &[Suspect]) -> Result<Vec<Judged>, Error
         }
         own.retain(|judged| judged.p_value < LEVEL);
         if own.len() == MOST {
-            return Ok(own);
+            return Ok((own, adjusted.network.noise));
         }
-        let others: Vec<Wanderer> = all
-            .iter()
-            .copied()
-            .filter(|w| own.iter().all(|o| o.disturbance.wanderer != *w))
-            .collect();
+        let is_next = |w: &Wanderer| match (first, own.is_empty()) {
+            (Some(first), true) => *w == first,
+            _ => own.iter().all(|o| o.disturbance.wanderer != *w),
+        };
+        let others: Vec<Wanderer> = all.iter().copied().filter(is_next).collect();
         let here = base.beside(disturbances(&own));
         let adjusted = match own.is_empty() {
             true => adjusted,
@@ -300,7 +319,7 @@ fn wandering(base: &Base<'_>, suspects: &[Suspect]) -> Result<Vec<Judged>, Error
         };
         let judged = judge_all(base, &adjusted, &others, all.len());
         let Some(next) = judged.first().filter(|next| next.p_value < LEVEL) else {
-            return Ok(own);
+            return Ok((own, adjusted.network.noise));
         };
         let is_rival = |other: &&Judged| next.evidence - other.evidence < DECISIVE;
         let rivals = judged.iter().skip(1).filter(is_rival);

@@ -24,8 +24,8 @@ use crate::{
 };
 
 /// Causes are named if they explain more than this part of the structure beside what wanders: a remainder takes
-/// no name away, but what is only a smaller part of something else is no cause.
-const MOST: f64 = 0.5;
+/// no name away, but what is a small part of something else is no cause.
+const LEAST: f64 = 0.25;
 
 /// The diagnosis of the lengths.
 pub(crate) struct LengthsOutcome {
@@ -260,7 +260,7 @@ fn named<'a>(
     let excesses = named.after.iter().map(|t| t.excess);
     let share = explained / (explained + excesses.fold(search.left, f64::max));
     let closest = named.found.first().map(|f| (f.suspect.clone(), share));
-    if closest.is_some() && share < MOST {
+    if closest.is_some() && share < LEAST {
         named = left_alone(base, plain, before)?;
         // Even if no single test is sure, what several effects share is there.
         let part = unexplained_part(&named.base, &named.adjusted, &named.after, closest.as_ref());

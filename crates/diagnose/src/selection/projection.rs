@@ -278,3 +278,66 @@ pub(crate) fn add(sum: &mut [f64], x: &[f64], factor: f64) {
         *s += factor * x;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+
+    /// `R = V⁻¹ - V⁻¹A (AᵀV⁻¹A)⁻¹ AᵀV⁻¹`, `V = I + X Xᵀ`, from dense matrices.
+    fn dense(a: &DMatrix<f64>, x: &DMatrix<f64>) -> DMatrix<f64> {
+        let n = a.nrows();
+        let v = (DMatrix::identity(n, n) + x * x.transpose()).try_inverse();
+        let v = v.expect("positive definite");
+        let normal = (a.transpose() * &v * a).try_inverse().expect("full rank");
+        &v - &v * a * normal * a.transpose() * &v
+    }
+
+    /// Columns with a prior, then free ones: the same as by dense matrices, to the part that is left out of weak
+    /// directions; here all are strong.
+    #[test]
+    fn columns_with_a_prior_are_in_the_covariance() {
+        let mut generator = ChaCha8Rng::seed_from_u64(1);
+        let mut draw = |rows: usize, columns: usize, size: f64| {
+            DMatrix::from_fn(rows, columns, |_, _| {
+                let drawn: f64 = StandardNormal.sample(&mut generator);
+                size * drawn
+            })
+        };
+        let (base, smooth, free) = (draw(30, 4, 1.0), draw(30, 5, 2.0), draw(30, 2, 1.0));
+        let y = draw(30, 1, 1.0);
+        let columns = |m: &DMatrix<f64>| -> Vec<Vec<f64>> {
+            m.column_iter()
+                .map(|c| c.iter().copied().collect())
+                .collect()
+        };
+        let plain = Projection::dense(columns(&y)[0].clone(), &columns(&base));
+        let (beside, ln_price) = plain.beside(&columns(&smooth));
+        let extended = beside.extended(&columns(&free));
+        let all = DMatrix::from_fn(30, 6, |i, k| {
+            if k < 4 {
+                base[(i, k)]
+            } else {
+                free[(i, k - 4)]
+            }
+        });
+        for (projection, a) in [(&beside, &base), (&extended, &all)] {
+            let r = dense(a, &smooth);
+            let expected: DVector<f64> = (&r * &y).column(0).into_owned();
+            let squares = y.column(0).dot(&expected);
+            assert!((projection.squares() - squares).abs() < 1e-9 * squares);
+            let found = DVector::from_column_slice(&projection.residuals);
+            assert!((found - expected).norm() < 1e-9);
+            let mut x = columns(&y)[0].clone();
+            projection.project(&mut x);
+            assert!((dot(&x, &columns(&y)[0]) - squares).abs() < 1e-9 * squares);
+        }
+        let r = dense(&base, &DMatrix::zeros(30, 1));
+        let gram = DMatrix::identity(5, 5) + smooth.transpose() * r * &smooth;
+        assert!((ln_price - gram.determinant().ln()).abs() < 1e-9);
+    }
+}
