@@ -101,7 +101,7 @@ mod write;
 
 pub use checksums::{InputFile, checksums};
 pub use coverage::{Coverage, Hole, Seen};
-pub use document::{AxisKindSpec, AxisSpec, KinematicsSpec, MachineSpec};
+pub use document::{AxisKindSpec, AxisSpec, KinematicsSpec, MachineSpec, schema};
 pub use error::{Error, Problem};
 pub use header::ColumnFault;
 pub use logged::{LoggedColumn, LoggedQuantity};

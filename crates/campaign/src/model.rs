@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use nalgebra::Point3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trueaxis_kinematics::Machine;
 
@@ -50,7 +51,7 @@ pub struct Campaign {
 }
 
 /// Declared accuracy. What is `None` was not declared.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "an object: the instrument")]
 pub struct Instrument {
     /// Name of the instrument.

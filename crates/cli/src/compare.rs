@@ -1,5 +1,7 @@
 //! `trueaxis compare`.
 
+use std::path::Path;
+
 use serde_json::{Value, json};
 use trueaxis_calibrate::{CalibratedMachine, Difference};
 use trueaxis_compensate::check_same_machine;
@@ -11,6 +13,7 @@ use crate::exit::Exit;
 use crate::output;
 use crate::predict::source;
 use crate::talk::say;
+use crate::traceability::{of_calibration, traced};
 
 const FILE: &str = "comparison.json";
 
@@ -21,8 +24,11 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
     let first = CalibratedMachine::read(&args.first)?;
     let second = CalibratedMachine::read(&args.second)?;
     check_same_machine(first.machine(), second.machine())?;
-    let differences = first.compare(&second);
+    let differences = first.compare(&second)?;
+    let mut inputs = of_calibration(&args.first)?;
+    inputs.extend(of_calibration(&args.second)?);
     let text = trueaxis_files::to_json(&to_json(&first, &second, &differences))?;
+    let text = traced(&text, &inputs, None)?;
     let folder = output::folder(args.out.as_deref(), &second.campaign)?;
     let path = folder.join(FILE);
     output::write(&path, text.as_bytes())?;
@@ -32,11 +38,42 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
         }
     }
     table(&differences).iter().for_each(|line| say(line));
+    say(&summary(&differences));
+    for (axis, kind, [a, b]) in first.other_travels(&second) {
+        let travel = |[from, to]: [f64; 2]| match kind {
+            AxisKind::Linear => format!("{from:.0} … {to:.0} mm"),
+            AxisKind::Rotary => format!("{:.0} … {:.0}°", from.to_degrees(), to.to_degrees()),
+        };
+        say(&format!(
+            "notice: {axis} was measured over {} first, over {} then: average lines and axes are those of the travel, so \
+             that differences of straightness and location errors contain what its curves make of that",
+            travel(a),
+            travel(b)
+        ));
+    }
+    if measured_lengths(&args.first)
+        .is_some_and(|hash| measured_lengths(&args.second) == Some(hash))
+    {
+        say(
+            "notice: both follow from the same measurement, whose noise is common to them: U of the differences is too large",
+        );
+    }
     say(&format!("written: {}", path.display()));
     if args.json {
         output::print(&text)?;
     }
     Ok(Exit::Good)
+}
+
+/// The checksum of the table of readings that a calibration follows from, if it says so.
+fn measured_lengths(path: &Path) -> Option<String> {
+    let document: Value = serde_json::from_slice(&std::fs::read(path).ok()?).ok()?;
+    let inputs = document["traceability"]["inputs"].as_array()?;
+    let table = inputs.iter().find(|input| {
+        let name = input["name"].as_str().unwrap_or_default();
+        Path::new(name).extension().is_some_and(|e| e == "csv")
+    })?;
+    table["sha256"].as_str().map(str::to_owned)
 }
 
 /// Curves and location errors in the order of the differences.
@@ -89,6 +126,24 @@ fn unit(difference: &Difference) -> (f64, &'static str) {
     match difference.is_angular {
         true => (ARCSEC, "arcsec"),
         false => (MICROMETRE, "um"),
+    }
+}
+
+/// What it amounts to.
+fn summary(differences: &[Difference]) -> String {
+    let curves = by_name(differences);
+    let changed = curves
+        .iter()
+        .filter(|curve| curve.iter().any(Difference::is_beyond_noise));
+    match changed.count() {
+        0 => format!(
+            "none of the {} has changed by more than the noise",
+            curves.len()
+        ),
+        n => format!(
+            "{n} of the {} have changed by more than the noise",
+            curves.len()
+        ),
     }
 }
 

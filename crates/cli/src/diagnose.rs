@@ -9,7 +9,7 @@ mod story;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use trueaxis_campaign::{Campaign, read};
+use trueaxis_campaign::{Campaign, checksums, read};
 use trueaxis_diagnose::{Diagnosis, Settings, diagnose};
 use trueaxis_simulate::replay;
 
@@ -18,6 +18,7 @@ use crate::exit::Exit;
 use crate::output;
 use crate::report;
 use crate::talk::{notice, say};
+use crate::traceability::traced;
 
 /// What was found in the lengths, for `calibrate --with-effects`.
 const EFFECTS: &str = "effects.json";
@@ -29,7 +30,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
     let in_file = || args.campaign.display().to_string();
     let diagnosis = diagnose(&campaign, &Settings::default()).with_context(in_file)?;
-    let text = diagnosis.to_json();
+    let text = traced(&diagnosis.to_json(), &checksums(&args.campaign)?, None)?;
     let mut notices: Vec<String> = campaign.notices.clone();
     notices.extend(diagnosis.notices.iter().cloned());
     let mut files = vec![("diagnosis.json", text.clone())];

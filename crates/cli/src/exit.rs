@@ -70,7 +70,7 @@ impl Exit {
             if cause.is::<OutputError>() || cause.is::<TemplateUnreadable>() {
                 return Self::Usage;
             }
-            if cause.is::<ReadError>() {
+            if cause.is::<ReadError>() || cause.is::<trueaxis_import::Error>() {
                 return Self::Input;
             }
             if let Some(error) = cause.downcast_ref::<trueaxis_compensate::Error>() {
@@ -112,7 +112,9 @@ impl Exit {
             Calibrate::Poses(error) => Self::of_poses(error),
             Calibrate::Mistaken { error, .. } => Self::of_calibration(error),
             Calibrate::NotIdentifiable { .. } => Self::NotIdentifiable,
-            Calibrate::NotThatMotion { .. } | Calibrate::SeveralAxesMove { .. } => Self::Input,
+            Calibrate::NotThatMotion { .. }
+            | Calibrate::SeveralAxesMove { .. }
+            | Calibrate::OtherReferencePoint { .. } => Self::Input,
             Calibrate::NotSettled { .. } => Self::NotConverged,
             Calibrate::CovarianceTooLarge { .. } | Calibrate::ReliabilityTooLarge { .. } => {
                 Self::Usage

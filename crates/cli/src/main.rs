@@ -6,22 +6,29 @@
 mod args;
 mod calibrate;
 mod check;
+mod codes;
 mod compare;
 mod completions;
 mod diagnose;
+mod drawing;
 mod effects_input;
 mod exit;
+mod explain;
 mod export;
+mod import;
+mod init;
 mod montecarlo;
 mod montecarlo_file;
 mod output;
 mod predict;
 mod progress;
 mod report;
+mod schema;
 mod simulate;
 mod summary;
 mod table1;
 mod talk;
+mod traceability;
 mod verify;
 mod volume;
 
@@ -45,10 +52,14 @@ fn main() -> ExitCode {
         Verb::Compare(args) => compare::run(args),
         Verb::Completions(args) => completions::run(args),
         Verb::Diagnose(args) => diagnose::run(args),
+        Verb::Explain(args) => explain::run(args),
         Verb::Export(args) => export::run(args),
+        Verb::Import(args) => import::run(args),
+        Verb::Init(args) => init::run(args),
         Verb::Montecarlo(args) => montecarlo::run(args),
         Verb::Predict(args) => predict::run(args),
         Verb::Report(args) => report::run(args),
+        Verb::Schema(args) => schema::run(args),
         Verb::Simulate(args) => simulate::run(args),
         Verb::Table1(args) => table1::run(args),
         Verb::Verify(args) => verify::run(args),

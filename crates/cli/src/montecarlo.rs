@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use trueaxis_calibrate::{NumberedResult, Output, Unit, calibrate_for_replay};
-use trueaxis_campaign::{Campaign, read};
+use trueaxis_campaign::{Campaign, checksums, read};
 use trueaxis_montecarlo::{
     FirstOrder, Outcome, Propagation, Settings, Trials, Validation, propagate, validate,
 };
@@ -12,6 +12,7 @@ use crate::exit::Exit;
 use crate::montecarlo_file::{self, Compared};
 use crate::summary::in_words;
 use crate::talk::{notice, say};
+use crate::traceability::traced;
 use crate::{output, progress, summary};
 
 /// Trials without `--trials`: fixed, and most with `--digits` (or what the memory takes).
@@ -62,6 +63,7 @@ pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
     let folder = output::folder(args.out.as_deref(), &campaign.name)?;
     let path = folder.join("montecarlo.json");
     let text = montecarlo_file::text(&campaign.name, args.seed, &propagation, &compared);
+    let text = traced(&text, &checksums(&args.campaign)?, Some(args.seed))?;
     output::write(&path, text.as_bytes())?;
     let adjustment = summary::adjustment(&calibration);
     for line in adjustment.into_iter().chain(lines(&propagation, &compared)) {

@@ -9,27 +9,45 @@ use std::path::{Path, PathBuf};
 pub(crate) struct OutputError {
     /// `None` for standard output.
     path: Option<PathBuf>,
-    source: io::Error,
+    /// `None` if the file is there and is not to be overwritten.
+    source: Option<io::Error>,
 }
 
 impl std::fmt::Display for OutputError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match &self.path {
-            Some(path) => {
+        match (&self.path, &self.source) {
+            (Some(path), Some(_)) => {
                 let path = path.display();
                 write!(
                     f,
-                    "{path} cannot be written; choose another folder with --out"
+                    "{path} cannot be written; choose another place, as with --out"
                 )
             }
-            None => write!(f, "standard output cannot be written"),
+            (Some(path), None) => {
+                let path = path.display();
+                write!(
+                    f,
+                    "{path} is there already and is not overwritten; move it away, or choose another place"
+                )
+            }
+            (None, _) => write!(f, "standard output cannot be written"),
+        }
+    }
+}
+
+impl OutputError {
+    /// The code of the error.
+    pub(crate) fn code(&self) -> &'static str {
+        match self.source {
+            Some(_) => "E004",
+            None => "E005",
         }
     }
 }
 
 impl std::error::Error for OutputError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        Some(&self.source)
+        self.source.as_ref().map(|source| source as _)
     }
 }
 
@@ -40,7 +58,7 @@ pub(crate) fn folder(given: Option<&Path>, campaign: &str) -> Result<PathBuf, Ou
         Ok(()) => Ok(path),
         Err(source) => Err(OutputError {
             path: Some(path),
-            source,
+            source: Some(source),
         }),
     }
 }
@@ -50,6 +68,29 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     write_by(path, |out| out.write_all(bytes))
 }
 
+/// Writes files that become the user's own, whole or not at all. If one is there already, none is written.
+pub(crate) fn write_all_new(files: &[(&Path, String)]) -> Result<(), OutputError> {
+    if let Some((path, _)) = files
+        .iter()
+        .find(|(path, _)| path.symlink_metadata().is_ok())
+    {
+        return Err(OutputError {
+            path: Some(path.to_path_buf()),
+            source: None,
+        });
+    }
+    for (path, text) in files {
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).map_err(|source| OutputError {
+                path: Some(folder.to_path_buf()),
+                source: Some(source),
+            })?;
+        }
+        write(path, text.as_bytes())?;
+    }
+    Ok(())
+}
+
 /// Writes a result that is not held in memory, whole or not at all.
 pub(crate) fn write_by(
     path: &Path,
@@ -57,7 +98,7 @@ pub(crate) fn write_by(
 ) -> Result<(), OutputError> {
     let failed = |source| OutputError {
         path: Some(path.to_path_buf()),
-        source,
+        source: Some(source),
     };
     trueaxis_files::write_whole_by(path, write).map_err(failed)
 }
@@ -66,7 +107,10 @@ pub(crate) fn write_by(
 pub(crate) fn print(text: &str) -> Result<(), OutputError> {
     match io::stdout().lock().write_all(text.as_bytes()) {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        Err(source) => Err(OutputError { path: None, source }),
+        Err(source) => Err(OutputError {
+            path: None,
+            source: Some(source),
+        }),
         Ok(()) => Ok(()),
     }
 }

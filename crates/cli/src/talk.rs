@@ -3,6 +3,8 @@
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::{codes, drawing};
+
 static QUIET: AtomicBool = AtomicBool::new(false);
 
 /// From now on only errors are said.
@@ -27,13 +29,21 @@ pub(crate) fn say_always(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
-/// An error with its causes.
+/// An error with its code and its causes, drawn on the line where it is.
 pub(crate) fn error(error: &anyhow::Error) {
     let mut causes = error.chain();
     let first = causes.next().map(ToString::to_string).unwrap_or_default();
-    say_always(&format!("error: {first}"));
+    let code = codes::of(error);
+    let in_brackets = code.map(|code| format!("[{code}]")).unwrap_or_default();
+    say_always(&format!("error{in_brackets}: {first}"));
     for cause in causes {
         say_always(&format!("  because: {cause}"));
+    }
+    for line in drawing::of(error).into_iter().flatten() {
+        say_always(&line);
+    }
+    if let Some(code) = code {
+        say_always(&format!("more: trueaxis explain {code}"));
     }
 }
 

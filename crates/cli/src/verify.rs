@@ -1,7 +1,7 @@
 //! `trueaxis verify`.
 
 use trueaxis_calibrate::CalibratedMachine;
-use trueaxis_campaign::VerificationKind;
+use trueaxis_campaign::{VerificationKind, checksums};
 use trueaxis_compensate::{
     Circular, EXPECTED_ABOVE_ONE, Point, Positioning, Verified, is_misfit, verification_json,
     verify,
@@ -13,6 +13,7 @@ use crate::output;
 use crate::predict::source;
 use crate::report;
 use crate::talk::{notice, say};
+use crate::traceability::{of_calibration, traced};
 
 const FILE: &str = "verification.json";
 
@@ -21,7 +22,9 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     let campaign = trueaxis_campaign::read(&args.campaign)?;
     let verified = verify(&machine, &campaign, args.compensated)?;
     let document = verification_json(&machine, &campaign.name, args.compensated, &verified);
-    let text = trueaxis_files::to_json(&document)?;
+    let mut inputs = of_calibration(&args.calibration)?;
+    inputs.extend(checksums(&args.campaign)?);
+    let text = traced(&trueaxis_files::to_json(&document)?, &inputs, None)?;
     let folder = output::folder(args.out.as_deref(), &campaign.name)?;
     let path = folder.join(FILE);
     output::write(&path, text.as_bytes())?;

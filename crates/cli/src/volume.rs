@@ -5,12 +5,15 @@ use trueaxis_calibrate::{CalibratedMachine, Figure, Volume, VolumeSettings};
 use trueaxis_compensate::{Left, Remains, remains};
 use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
+use trueaxis_report::Report;
 
 use crate::args::VolumeArgs;
 use crate::exit::Exit;
 use crate::output;
 use crate::predict::source;
+use crate::report;
 use crate::talk::{notice, say};
+use crate::traceability::{of_calibration, traced};
 
 /// Shares that are listed.
 const MOST_LISTED: usize = 6;
@@ -25,6 +28,7 @@ pub(crate) fn run(args: &VolumeArgs) -> anyhow::Result<Exit> {
     });
     let after = remains(&machine, &volume.places)?;
     let text = with_after(&volume.to_json(&machine), &after)?;
+    let text = traced(&text, &of_calibration(&args.calibration)?, Some(args.seed))?;
     let map = volume.map(&machine);
     let mut files = vec![("volume.json", text.clone())];
     let has_map = volume.places.grid.iter().any(Option::is_some);
@@ -39,6 +43,10 @@ pub(crate) fn run(args: &VolumeArgs) -> anyhow::Result<Exit> {
         let path = folder.join(name);
         output::write(&path, text.as_bytes())?;
         written.push(path);
+    }
+    // A page of the results that is there shows it from now on.
+    if folder.join(Report::FILE).exists() {
+        written.extend(report::of_results(&folder)?);
     }
     for line in source(&machine).into_iter().chain(lines(&machine, &volume)) {
         say(&line);

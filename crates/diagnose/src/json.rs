@@ -7,9 +7,10 @@
 mod cause;
 mod disturbance;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use trueaxis_effects::{EffectsFile, Level};
-use trueaxis_files::{Ordered, round, significant};
+use trueaxis_files::{Format, Ordered, round, significant};
 
 use crate::json::cause::CauseFile;
 use crate::json::disturbance::DisturbanceFile;
@@ -25,6 +26,11 @@ impl Diagnosis {
     pub fn to_json(&self) -> String {
         // Serialising plain structs of numbers and strings has no way to fail.
         trueaxis_files::to_json(&File::new(self)).expect("numbers and strings serialise")
+    }
+
+    /// The JSON Schema of `diagnosis.json`.
+    pub fn schema() -> String {
+        FORMAT.schema_of_result::<File<'_>>()
     }
 
     /// The level that stands for the whole: the lengths, else the one with the largest misfit.
@@ -62,7 +68,14 @@ impl Diagnosis {
     }
 }
 
-#[derive(Serialize)]
+const FORMAT: Format = Format {
+    name: "trueaxis-diagnosis",
+    version: 1,
+    noun: "a diagnosis",
+};
+
+/// What the calibrated model gets wrong, and why (`docs/formats.md`).
+#[derive(Serialize, JsonSchema)]
 struct File<'a> {
     format: &'static str,
     version: u32,
@@ -81,13 +94,13 @@ struct File<'a> {
     notices: &'a [String],
 }
 
-#[derive(Serialize, Default)]
+#[derive(Serialize, Default, JsonSchema)]
 struct MisfitFile {
     rms_um: Option<f64>,
     heldout_rms_um: Option<f64>,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct GainFile {
     heldout_rms_ratio: f64,
     interval: [f64; 2],
@@ -96,13 +109,13 @@ struct GainFile {
     leave_one_station_out: Option<HeldOutRatioFile>,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct HeldOutRatioFile {
     heldout_rms_ratio: f64,
     interval: [f64; 2],
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct UnexplainedFile<'a> {
     rms_um: f64,
     share: f64,
@@ -112,7 +125,7 @@ struct UnexplainedFile<'a> {
     data: &'a str,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct RejectedFile<'a> {
     file: &'a str,
     row: usize,
@@ -121,7 +134,7 @@ struct RejectedFile<'a> {
     reason: &'a str,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct SharesFile {
     causes: Vec<f64>,
     disturbances: Vec<f64>,
@@ -129,7 +142,7 @@ struct SharesFile {
     noise: f64,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct NotObservableFile<'a> {
     effect: &'static str,
     subject: &'a str,
@@ -138,7 +151,7 @@ struct NotObservableFile<'a> {
     measure: &'a str,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct LevelFile<'a> {
     level: &'static str,
     data: &'a str,
@@ -153,7 +166,7 @@ struct LevelFile<'a> {
     places: Vec<PlaceFile<'a>>,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct TestFile<'a> {
     varies_with: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -162,7 +175,7 @@ struct TestFile<'a> {
     p_value: f64,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct PlaceFile<'a> {
     by: &'static str,
     name: &'a str,
@@ -176,8 +189,8 @@ impl<'a> File<'a> {
         let headline = diagnosis.headline();
         let ranked = diagnosis.causes.iter().enumerate();
         Self {
-            format: "trueaxis-diagnosis",
-            version: 1,
+            format: FORMAT.name,
+            version: FORMAT.version,
             campaign: &diagnosis.campaign,
             verdict: diagnosis.verdict.name(),
             noise_floor_um: headline.map(|l| um(l.noise_floor_um)),

@@ -8,6 +8,7 @@
 //!   "covariance": [[0.01]] }
 //! ```
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trueaxis_files::{DocumentProblem, Format};
 
@@ -46,6 +47,11 @@ impl EffectsFile {
         version: 1,
         noun: "an effects file",
     };
+
+    /// The JSON Schema of the file.
+    pub fn schema() -> String {
+        Self::FORMAT.schema::<Document>()
+    }
 
     /// Reads the text of a file and checks its header, the effects' names, the numbers and the
     /// covariance; subjects and parameters are checked by [`EffectsFile::resolve`].
@@ -166,8 +172,8 @@ fn check_covariance(covariance: &[Vec<f64>], expected: usize) -> Result<(), Erro
     Ok(())
 }
 
-/// The whole file.
-#[derive(Serialize, Deserialize)]
+/// Effects of a campaign, with their uncertainties.
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(
     deny_unknown_fields,
     expecting = "an object: the effects of a campaign"

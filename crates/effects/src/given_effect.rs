@@ -1,5 +1,6 @@
 //! One effect with its values, by name, as files hold it.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Problem;
@@ -20,7 +21,7 @@ use crate::{Effect, Error, GivenSubject, Parameter, ResolvedEffect, Scene, catal
 /// The parameters are all linear ones of the effect ([`Effect::parameters`]) and, where it has one, its
 /// shape: `time` (s, on the clock of the campaign) of what happens at an instant, `time_constant` (s),
 /// `period` (mm, or deg of a rotary axis) or `waves` (per turn), in any order.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: an effect")]
 pub struct GivenEffect {
     /// Its name in the catalogue, as `station_jump`.
@@ -33,7 +34,7 @@ pub struct GivenEffect {
 }
 
 /// The value of a parameter.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a parameter")]
 pub struct GivenParameter {
     /// Its name, as `jump_x`.

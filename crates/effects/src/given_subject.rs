@@ -1,5 +1,6 @@
 //! What an effect happens to, by name.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trueaxis_kinematics::{Axis, Component};
 
@@ -11,7 +12,7 @@ use crate::{Effect, Error, Scene, Subject};
 const LISTED_AT_MOST: usize = 12;
 
 /// Station, target and axes that an effect concerns, by name; none where it concerns all alike.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(
     default,
     deny_unknown_fields,

@@ -7,7 +7,8 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use serde_json::error::Category;
 
-use crate::{Alternatives, DocumentError, DocumentProblem, Part, Place, field_line};
+use crate::schema_key::without_schema_key;
+use crate::{DocumentError, DocumentProblem, Part, Place, field_line};
 
 /// A format of this project.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,7 +30,7 @@ impl Format {
         self.name.strip_prefix(PREFIX).unwrap_or(self.name)
     }
 
-    /// Reads a document of this format. Format and version come first: a document of another format
+    /// Reads a document of this format; `$schema` at its top is ignored. Format and version come first: a document of another format
     /// or a later version is called that, and not blamed for its unknown fields.
     ///
     /// # Errors
@@ -41,6 +42,7 @@ impl Format {
     ) -> Result<T, DocumentError> {
         self.check_header(text)
             .and_then(|()| {
+                let text = &without_schema_key(text);
                 let deserializer = &mut serde_json::Deserializer::from_str(text);
                 serde_path_to_error::deserialize(deserializer)
                     .map_err(|error| refused(&error.path().to_string(), error.inner()))
@@ -121,44 +123,7 @@ fn refused(path: &str, error: &serde_json::Error) -> DocumentError {
             part: (path != ".").then(|| Part::Field(path.to_owned())),
             ..Place::default()
         }),
-        problem: problem(&message(error)),
-    }
-}
-
-/// How the parser sees an entry too many in a list of fixed length; the syntax has been checked before.
-const TRAILING: &str = "trailing characters";
-
-/// serde writes its reasons in words alone: the kind first, then the name found and those that it
-/// knows, each in backticks.
-fn problem(message: &str) -> DocumentProblem {
-    let mut names = message.split('`').skip(1).step_by(2);
-    let name = names.next().unwrap_or_default().to_owned();
-    if message.starts_with("unknown field") {
-        let alternatives = Alternatives::new(&name, names);
-        return DocumentProblem::UnknownField { name, alternatives };
-    }
-    if message.starts_with("unknown variant") {
-        return DocumentProblem::UnknownName {
-            what: "value",
-            alternatives: Alternatives::new(&name, names),
-            name,
-        };
-    }
-    if message.starts_with("missing field") {
-        return DocumentProblem::MissingField { name };
-    }
-    let (found, expected) = match message {
-        TRAILING => (
-            "the list is too long",
-            "three coordinates for a point, two ends for a travel",
-        ),
-        _ => message
-            .split_once(", expected ")
-            .unwrap_or((message, "the form that the format describes")),
-    };
-    DocumentProblem::Value {
-        found: found.to_owned(),
-        expected: in_words(expected).to_owned(),
+        problem: DocumentProblem::from_serde(&message(error)),
     }
 }
 
@@ -168,17 +133,6 @@ fn message(error: &serde_json::Error) -> String {
     let message = error.to_string();
     let without = message.strip_suffix(&position).unwrap_or(&message);
     without.to_owned()
-}
-
-/// Names of Rust types in words of the user.
-fn in_words(expected: &str) -> &str {
-    match expected {
-        "f64" => "a number with a decimal point",
-        "a sequence" => "a list in square brackets",
-        "an array of length 2" => "two numbers: the low and the high end",
-        "an array of length 3" => "three numbers: x, y and z",
-        other => other,
-    }
 }
 
 #[cfg(test)]

@@ -1,28 +1,45 @@
-//! Finds the line of a field in JSON text, so that an error can name it.
+//! Finds a field in JSON text, so that an error can name its line and point at it.
+
+use std::ops::Range;
+
+use crate::cursor::Cursor;
 
 /// The line, from 1, on which the value of the field at `path` begins (`runs[1].axis`).
 ///
 /// Where a part of the path is not there (a default applies), it is the line of what should hold
 /// it. The text must be valid JSON; a path is followed to the first match of each key.
 pub fn field_line(json: &str, path: &str) -> usize {
-    let mut cursor = Cursor {
-        json: json.as_bytes(),
-        at: 0,
-    };
-    cursor.skip_space();
+    let (cursor, _) = walk(json, path);
+    let before = json.bytes().take(cursor.at);
+    1 + before.filter(|&byte| byte == b'\n').count()
+}
+
+/// The bytes of a field with its key, or of an element of a list; none where it is not there.
+///
+/// The text must be valid JSON.
+pub fn field_span(json: &str, path: &str) -> Option<Range<usize>> {
+    let (mut cursor, is_there) = walk(json, path);
+    let begin = cursor.begin;
+    cursor.skip_value()?;
+    let text = json.get(begin..cursor.at)?.trim_end();
+    is_there.then_some(begin..begin + text.len())
+}
+
+/// As far as the path leads, and whether that is to its end.
+fn walk<'j>(json: &'j str, path: &str) -> (Cursor<'j>, bool) {
+    let mut cursor = Cursor::new(json);
     for segment in segments(path) {
-        let start = cursor.at;
+        let (start, begin) = (cursor.at, cursor.begin);
         let found = match segment {
             Segment::Key(key) => cursor.enter_key(key),
             Segment::Index(index) => cursor.enter_index(index),
         };
         if found.is_none() {
-            cursor.at = start;
-            break;
+            (cursor.at, cursor.begin) = (start, begin);
+            return (cursor, false);
         }
     }
-    let before = cursor.json.iter().take(cursor.at);
-    1 + before.filter(|&&byte| byte == b'\n').count()
+    (cursor, true)
 }
 
 enum Segment<'a> {
@@ -37,90 +54,6 @@ fn segments(path: &str) -> impl Iterator<Item = Segment<'_>> {
             Some(Ok(index)) => Segment::Index(index),
             _ => Segment::Key(part),
         })
-}
-
-/// A place in valid JSON text. Its methods return `None` at the end of the text, or where
-/// something else stands than they look for.
-struct Cursor<'a> {
-    json: &'a [u8],
-    at: usize,
-}
-
-impl Cursor<'_> {
-    /// From an object to its value of that key.
-    fn enter_key(&mut self, key: &str) -> Option<()> {
-        self.expect(b'{')?;
-        while self.peek()? == b'"' {
-            let start = self.at + 1;
-            self.skip_string()?;
-            let found = self.json.get(start..self.at - 1)?;
-            self.skip_space();
-            self.expect(b':')?;
-            if found == key.as_bytes() {
-                return Some(());
-            }
-            self.skip_value()?;
-            self.expect(b',')?;
-        }
-        None
-    }
-
-    /// From a list to its element of that index.
-    fn enter_index(&mut self, index: usize) -> Option<()> {
-        self.expect(b'[')?;
-        for _ in 0..index {
-            self.skip_value()?;
-            self.expect(b',')?;
-        }
-        (self.peek()? != b']').then_some(())
-    }
-
-    /// To the separator behind the value.
-    fn skip_value(&mut self) -> Option<()> {
-        let mut depth = 0_usize;
-        loop {
-            match self.peek()? {
-                b'"' => {
-                    self.skip_string()?;
-                    continue;
-                }
-                b'{' | b'[' => depth += 1,
-                b'}' | b']' if depth > 0 => depth -= 1,
-                b',' | b'}' | b']' if depth == 0 => return Some(()),
-                _ => {}
-            }
-            self.at += 1;
-        }
-    }
-
-    fn skip_string(&mut self) -> Option<()> {
-        self.at += 1;
-        loop {
-            match self.peek()? {
-                b'"' => break,
-                b'\\' => self.at += 2,
-                _ => self.at += 1,
-            }
-        }
-        self.at += 1;
-        Some(())
-    }
-
-    fn expect(&mut self, byte: u8) -> Option<()> {
-        (self.peek()? == byte).then(|| self.at += 1)?;
-        self.skip_space();
-        Some(())
-    }
-
-    fn skip_space(&mut self) {
-        while self.peek().is_some_and(|byte| byte.is_ascii_whitespace()) {
-            self.at += 1;
-        }
-    }
-
-    fn peek(&self) -> Option<u8> {
-        self.json.get(self.at).copied()
-    }
 }
 
 #[cfg(test)]
@@ -154,6 +87,22 @@ mod tests {
         ];
         for (path, line) in cases {
             assert_eq!(field_line(TEXT, path), line, "{path}");
+        }
+    }
+
+    #[test]
+    fn spans_hold_key_and_value() {
+        for (path, text) in [
+            ("targets[0].name", Some("\"name\": \"P\"")),
+            ("targets[0].position_mm[1]", Some("2")),
+            ("errors.X.components.EYX", Some("\"EYX\": []")),
+            ("targets[2].name", None),
+        ] {
+            assert_eq!(
+                field_span(TEXT, path).map(|span| &TEXT[span]),
+                text,
+                "{path}"
+            );
         }
     }
 

@@ -26,6 +26,7 @@
 //! ```
 
 mod alternatives;
+mod cursor;
 mod document;
 mod document_error;
 mod field_line;
@@ -36,13 +37,17 @@ mod npz;
 mod ordered;
 mod place;
 mod rounding;
+mod schema;
+mod schema_key;
+mod serde_message;
+mod sha256;
 mod unique_keys;
 mod whole;
 
 pub use alternatives::Alternatives;
 pub use document::Format;
 pub use document_error::{DocumentError, DocumentProblem};
-pub use field_line::field_line;
+pub use field_line::{field_line, field_span};
 pub use json::to_json;
 pub use names::{check_names, index_of};
 pub use npy::{Array, NpyError, from_npy, to_npy};
@@ -50,5 +55,7 @@ pub use npz::{NpzError, NpzWriter, from_npz};
 pub use ordered::Ordered;
 pub use place::{Part, Place};
 pub use rounding::{round, significant};
+pub use schema::nullable_text;
+pub use sha256::sha256;
 pub use unique_keys::unique_keys;
 pub use whole::{write_whole, write_whole_by};

@@ -1,9 +1,11 @@
 //! The files of a folder of results.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use trueaxis_files::sha256;
 
 use crate::Error;
 use crate::calibration::Calibration;
@@ -47,6 +49,7 @@ impl Input {
             return Err(Error::NothingToReport { folder });
         }
         input.leave_out_strangers();
+        input.leave_out_outdated(&folder.join("calibration.json"))?;
         Ok(input)
     }
 
@@ -92,6 +95,57 @@ impl Input {
                 .push("residuals.csv is not of this calibration and left out.".to_owned());
         }
     }
+
+    /// Lets go of what rests on other files than those of the calibration, or on another calibration.
+    fn leave_out_outdated(&mut self, file: &Path) -> Result<(), Error> {
+        let Some(calibration) = &self.calibration else {
+            return Ok(());
+        };
+        let own = sha256(file).map_err(|source| Error::Unreadable {
+            file: file.to_path_buf(),
+            source,
+        })?;
+        let own = BTreeMap::from([("calibration.json", own.as_str())]);
+        let is_other = |result: &Value| contradict(&checksums(result), &own);
+        let of_campaign = checksums(&calibration.raw);
+        let diagnosis = self.diagnosis.as_ref();
+        let mut outdated = Vec::new();
+        if diagnosis.is_some_and(|of| contradict(&checksums(&of.raw), &of_campaign)) {
+            outdated.push("diagnosis.json is of other measurements");
+            self.diagnosis = None;
+        }
+        if self.volume.as_ref().is_some_and(is_other) {
+            outdated.push("volume.json is of another calibration");
+            self.volume = None;
+        }
+        if self
+            .verification
+            .as_ref()
+            .is_some_and(|of| is_other(&of.raw))
+        {
+            outdated.push("verification.json is of another calibration");
+            self.verification = None;
+        }
+        let outdated = outdated.into_iter();
+        self.left_out
+            .extend(outdated.map(|what| format!("{what} and left out; make it again.")));
+        Ok(())
+    }
+}
+
+/// The checksums of the inputs of a result, by name.
+fn checksums(result: &Value) -> BTreeMap<&str, &str> {
+    let inputs = result["traceability"]["inputs"].as_array();
+    let inputs = inputs.into_iter().flatten();
+    let named =
+        inputs.filter_map(|input| Some((input["name"].as_str()?, input["sha256"].as_str()?)));
+    named.collect()
+}
+
+/// Whether a file of one name is another file in the other list.
+fn contradict(a: &BTreeMap<&str, &str>, b: &BTreeMap<&str, &str>) -> bool {
+    let mut both = a.iter().filter_map(|(name, sha)| Some((sha, b.get(name)?)));
+    both.any(|(a, b)| a != b)
 }
 
 fn read_parts<T: DeserializeOwned>(

@@ -133,6 +133,39 @@ fn what_belongs_to_other_data_is_left_out() {
     assert!(!page.contains("backlash"));
 }
 
+/// What an earlier calibration or other lengths led to, under the same name of the campaign.
+#[test]
+fn what_rests_on_other_files_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |name: &str, sha256: &str| json!({ "inputs": [ { "name": name, "sha256": sha256 } ] });
+    let (mut calibration, mut diagnosis) = (calibration(), diagnosis("named"));
+    calibration["traceability"] = of("lengths.csv", "12ab");
+    diagnosis["traceability"] = of("lengths.csv", "12ab");
+    let mut volume = json!({ "format": "trueaxis-volume", "version": 1, "campaign": "two axes", "places": 8,
+        "before": { "zeroed_at_home": { "rms_um": {} }, "best_fit": {} }, "after": {} });
+    volume["traceability"] = of("calibration.json", "34cd");
+    let files = [
+        ("calibration.json", &calibration),
+        ("diagnosis.json", &diagnosis),
+        ("volume.json", &volume),
+    ];
+    let shown = page(folder.path(), &files);
+    has(
+        &shown,
+        &[
+            "backlash",
+            "volume.json is of another calibration and left out",
+        ],
+    );
+    diagnosis["traceability"] = of("lengths.csv", "56ef");
+    let shown = page(folder.path(), &[("diagnosis.json", &diagnosis)]);
+    has(
+        &shown,
+        &["diagnosis.json is of other measurements and left out"],
+    );
+    assert!(!shown.contains("backlash"));
+}
+
 #[test]
 fn readings_stand_beside_their_prediction() {
     let point = |x: f64, read: f64| {

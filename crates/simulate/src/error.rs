@@ -187,7 +187,7 @@ pub enum Problem {
     },
     /// Mounting errors that move the origin of the reference frame.
     #[error(
-        "the mounting errors of {targets} have the mean [{x}, {y}, {z}] mm, but the \
+        "the mounting errors of {targets} have the mean [{x:.6}, {y:.6}, {z:.6}] mm, but the \
          reference frame has its origin where that mean is zero; mended: {mended}",
         x = mean_mm[0], y = mean_mm[1], z = mean_mm[2]
     )]

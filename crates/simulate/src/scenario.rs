@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trueaxis_campaign::{Instrument, MachineSpec};
 use trueaxis_effects::GivenEffect;
@@ -14,8 +15,8 @@ use crate::{KnownLengthSpec, ReflectorSpec, SystematicSpec, TemperatureSpec, Ter
 /// Plain data in the units of the file: mm, degrees, µm and arc seconds by name. Read it with
 /// [`Scenario::read`] or [`Scenario::from_json`]; [`crate::simulate`] checks it. Written as JSON
 /// (`trueaxis_files::to_json`) it can be read back.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object: the scenario")]
 pub struct Scenario {
     /// The name of [`Scenario::FORMAT`].
     pub format: String,
@@ -78,11 +79,16 @@ impl Scenario {
         version: 1,
         noun: "a scenario",
     };
+
+    /// The JSON Schema of `scenario.json`.
+    pub fn schema() -> String {
+        Self::FORMAT.schema::<Self>()
+    }
 }
 
 /// A target on a stage.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object: a target")]
 pub struct TargetSpec {
     /// Name, as `P`.
     pub name: String,
@@ -90,6 +96,7 @@ pub struct TargetSpec {
     pub position_mm: [f64; 3],
     /// The outermost axis that moves it; null on the bed, where [`Scenario::bed`] reads it.
     #[serde(deserialize_with = "Option::deserialize")]
+    #[schemars(schema_with = "trueaxis_files::nullable_text")]
     pub carried_by: Option<String>,
     /// True minus nominal position at home, mm.
     #[serde(default)]
@@ -104,8 +111,8 @@ pub struct TargetSpec {
 }
 
 /// When targets on the bed are read from each station.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object: targets on the bed")]
 pub struct BedSpec {
     /// How often all of them are read: once at the start of the occupation, once at its end, and the other times
     /// between sweeps, evenly.
@@ -113,8 +120,8 @@ pub struct BedSpec {
 }
 
 /// A station of the tracker.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object: a station")]
 pub struct StationSpec {
     /// Name, as `S1`.
     pub name: String,
@@ -133,8 +140,8 @@ pub struct StationSpec {
 }
 
 /// The true errors of one axis.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object: the errors of an axis")]
 pub struct AxisErrors {
     /// Curves by ISO 230-1 name, as `EXX`: the sum of the terms, µm or arcsec.
     #[serde(default, deserialize_with = "unique_keys")]
@@ -152,8 +159,11 @@ pub struct AxisErrors {
 }
 
 /// One location error: an angle or a shift.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an object as { \"value_arcsec\": 12 } or { \"value_mm\": 0.02 }"
+)]
 pub struct LocationValue {
     /// A tilt, arcsec (right-hand rule).
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -164,7 +174,7 @@ pub struct LocationValue {
 }
 
 /// What is done to the curves before they are simulated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Gauge {
     /// Mean, slope and home value are taken out so that the location errors of the scenario are
@@ -176,8 +186,8 @@ pub enum Gauge {
 }
 
 /// A sweep of one axis.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object: a run")]
 pub struct RunSpec {
     /// Name, as `x`.
     pub name: String,
@@ -201,8 +211,11 @@ pub struct RunSpec {
 }
 
 /// Positions `start, start + step, ..., stop`, mm or deg.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an object as { \"start\": 0, \"stop\": 400, \"step\": 20 }"
+)]
 pub struct Sweep {
     /// First position.
     pub start: f64,
@@ -213,8 +226,8 @@ pub struct Sweep {
 }
 
 /// True noise; what is not given is as the instrument declares.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object: the instrument")]
 pub struct NoiseSpec {
     /// Constant part of a length's standard deviation, µm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -231,8 +244,8 @@ pub struct NoiseSpec {
 }
 
 /// When readings are taken. The clock starts at `start_s` at the first station.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default, expecting = "an object: the timing")]
 pub struct Timing {
     /// Start of the campaign, s.
     pub start_s: f64,

@@ -5,6 +5,7 @@
 //! same: no part changes another, nor the noise.
 
 use nalgebra::Vector3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trueaxis_campaign::{
     KnownDeadPath, KnownLength, Target, check_instrument, check_reflectors, reflectors,
@@ -17,8 +18,11 @@ use crate::plan::{Plan, PlannedTarget};
 use crate::{Error, Scenario, check};
 
 /// True standard deviations of what is drawn once for the campaign; what is not given is as declared.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an object: what is systematic in the instrument"
+)]
 pub struct SystematicSpec {
     /// Of the constants of reflectors that are not listed, µm; else `instrument.reflector_sigma_um`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -46,8 +50,8 @@ impl SystematicSpec {
 }
 
 /// A reflector whose constant is known to the scenario.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object: a reflector")]
 pub struct ReflectorSpec {
     /// Name, as targets name it; that of a target which names none.
     pub name: String,
@@ -56,8 +60,8 @@ pub struct ReflectorSpec {
 }
 
 /// A bar between two nests of one stage, as its certificate knows it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object: a known length")]
 pub struct KnownLengthSpec {
     /// Names of the two targets.
     pub targets: [String; 2],

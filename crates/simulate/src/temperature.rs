@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trueaxis_campaign::{AxisExpansion, LengthReading, LoggedColumn, LoggedQuantity};
 use trueaxis_effects::{Medium, SceneTemperature, TemperatureHistory};
@@ -20,8 +21,8 @@ const REFERENCE_C: f64 = 20.0;
 const TEMPERATURES_PER_K: f64 = 1e3;
 
 /// A column of logged temperatures.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object: a logged temperature")]
 pub struct TemperatureSpec {
     /// Column of `lengths.csv`, as `machine_temp_spindle_c`.
     pub column: String,
@@ -33,7 +34,7 @@ pub struct TemperatureSpec {
 }
 
 /// One term of the course of a temperature, °C; times are those of `lengths.csv`, s.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub enum TemperatureTerm {
     /// Straight lines between the entries; before the first and after the last their values.

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trueaxis_kinematics::AxisKind;
 
@@ -11,7 +12,7 @@ use crate::check;
 /// One term of an error curve; a curve is the sum of its terms.
 ///
 /// Values are µm for translations and arcsec for rotations, positions q are mm or deg.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Term {
     /// `c0 + c1 s + c2 s² + ...`, where s runs from -1 to 1 over the travel of the axis.

@@ -27,6 +27,7 @@ mod reference_frame;
 mod reflectors;
 mod report;
 mod round_trip;
+mod settled;
 mod settling;
 mod temperatures;
 mod triangle;

@@ -3,15 +3,23 @@
 //! Component errors are compared at the steps of the second calibration that lie inside those of the first, where the
 //! first is interpolated; location errors as they are. The two are taken for independent, so that `u² = u_a² + u_b²`, with
 //! what the interpolation may be off by. Both are in the frame and gauge of their own, by the same rules: what they define
-//! away differs by nothing.
+//! away differs by nothing. Translations and average lines are those of the reference point, so that calibrations with
+//! other reference points are not compared; average lines over other travels are ([`CalibratedMachine::other_travels`]).
 
-use trueaxis_kinematics::{Component, GeometricErrors};
+use trueaxis_kinematics::{AxisKind, Component, GeometricErrors};
 
+use crate::Error;
 use crate::machine::calibrated_machine::{CalibratedAxis, CalibratedMachine};
 
 /// Standard uncertainties beyond which a difference is not noise: normal noise exceeds them once in 150,000, so that
 /// of a thousand differences, however they go together, one does with a probability below 1 %.
 const BEYOND_NOISE: f64 = 4.5;
+
+/// Reference points that are closer together are one, mm: a rotation of 1e-3 rad makes a nanometre of the distance.
+const SAME_POINT_MM: f64 = 1e-3;
+
+/// Ends that differ by less of the travel change no average line to speak of.
+const SAME_TRAVEL: f64 = 0.02;
 
 /// A component error at a step, or a location error, in both calibrations: mm or rad.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,16 +60,25 @@ impl Difference {
 impl CalibratedMachine {
     /// What `second`, a calibration of the same machine, has that this one has not: component errors axis by axis, then
     /// location errors. Axes are matched by name; those that only one calibration measured are left out.
-    pub fn compare(&self, second: &Self) -> Vec<Difference> {
+    ///
+    /// # Errors
+    /// [`Error::OtherReferencePoint`]: translations of two points of a stage differ by its rotations.
+    pub fn compare(&self, second: &Self) -> Result<Vec<Difference>, Error> {
         let mut all = Vec::new();
-        let pairs = || {
-            second.axes.iter().filter_map(|b| {
-                let name = second.machine.axes()[b.axis].name();
-                let a = self.axis(self.machine.axis_index(name)?)?;
-                Some((name, a, b))
-            })
-        };
-        for (name, a, b) in pairs() {
+        for (name, a, b) in self.pairs(second) {
+            let [first_mm, second_mm] = [
+                self.machine.axes()[a.axis].reference_mm(),
+                second.machine.axes()[b.axis].reference_mm(),
+            ];
+            if (first_mm - second_mm).norm() > SAME_POINT_MM {
+                return Err(Error::OtherReferencePoint {
+                    axis: name.to_owned(),
+                    first_mm: first_mm.coords.into(),
+                    second_mm: second_mm.coords.into(),
+                });
+            }
+        }
+        for (name, a, b) in self.pairs(second) {
             for component in Component::ALL {
                 for position in b.curve.steps() {
                     let of = |machine: &Self, axis: &CalibratedAxis| {
@@ -83,7 +100,7 @@ impl CalibratedMachine {
                 }
             }
         }
-        for (name, a, b) in pairs() {
+        for (name, a, b) in self.pairs(second) {
             for (i, component) in b.reported.iter().enumerate() {
                 let Some(k) = a.reported.iter().position(|other| other == component) else {
                     continue;
@@ -104,7 +121,38 @@ impl CalibratedMachine {
                 });
             }
         }
-        all
+        Ok(all)
+    }
+
+    /// Axes whose first or last step is elsewhere in `second`, with both travels, mm or rad. Straightness, squareness and
+    /// where a rotary axis is are about the average line or axis of the travel, so that their differences contain what
+    /// the error curve itself makes of the other travel.
+    pub fn other_travels<'a>(
+        &'a self,
+        second: &'a Self,
+    ) -> Vec<(&'a str, AxisKind, [[f64; 2]; 2])> {
+        let all = self.pairs(second).map(|(name, a, b)| {
+            let kind = second.machine.axes()[b.axis].kind();
+            (name, kind, [a.range, b.range])
+        });
+        all.filter(|(_, _, [a, b])| {
+            let longest = (a[1] - a[0]).max(b[1] - b[0]);
+            let off = (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+            off > SAME_TRAVEL * longest
+        })
+        .collect()
+    }
+
+    /// The axes that both measured, by name.
+    fn pairs<'a>(
+        &'a self,
+        second: &'a Self,
+    ) -> impl Iterator<Item = (&'a str, &'a CalibratedAxis, &'a CalibratedAxis)> {
+        second.axes.iter().filter_map(|b| {
+            let name = second.machine.axes()[b.axis].name();
+            let a = self.axis(self.machine.axis_index(name)?)?;
+            Some((name, a, b))
+        })
     }
 
     /// A component error and its standard uncertainty, mm or rad; none outside the steps.

@@ -1,7 +1,7 @@
 //! Two calibrations of one machine.
 
 use trueaxis_calibrate::{CalibratedMachine, Settings, calibrate};
-use trueaxis_kinematics::MICROMETRE;
+use trueaxis_kinematics::{AxisKind, MICROMETRE};
 use trueaxis_simulate::{Scenario, Term, simulate};
 
 fn scenario() -> Scenario {
@@ -21,7 +21,7 @@ fn calibrated(scenario: &Scenario, seed: u64) -> CalibratedMachine {
 fn noise_is_no_difference_and_a_repair_is_one() {
     let before = calibrated(&scenario(), 1);
     let again = calibrated(&scenario(), 2);
-    let differences = before.compare(&again);
+    let differences = before.compare(&again).unwrap();
     // 18 curves of 23, 21, 21 steps, and three squarenesses.
     assert_eq!(differences.len(), 6 * (23 + 21 + 21) + 3);
     let e_n: Vec<f64> = differences.iter().filter_map(|d| d.e_n()).collect();
@@ -34,7 +34,7 @@ fn noise_is_no_difference_and_a_repair_is_one() {
     assert!(at_home.value().abs() < 1e-9, "{at_home:?}");
 
     // Of its own only noise: the opposite way round it is the opposite.
-    let back = again.compare(&before);
+    let back = again.compare(&before).unwrap();
     for (there, back) in differences.iter().zip(&back) {
         assert!((there.value() + back.value()).abs() < 1e-15 && (there.u - back.u).abs() < 1e-15);
     }
@@ -51,7 +51,7 @@ fn noise_is_no_difference_and_a_repair_is_one() {
         coefficients: vec![0.0, 6.0],
     });
     let after = calibrated(&repaired, 3);
-    let differences = before.compare(&after);
+    let differences = before.compare(&after).unwrap();
     let exx: Vec<_> = differences.iter().filter(|d| d.name == "EXX").collect();
     let last = exx[exx.len() - 1];
     assert!(
@@ -63,5 +63,21 @@ fn noise_is_no_difference_and_a_repair_is_one() {
     assert!(
         changed.len() > 5 && changed.iter().all(|name| *name == "EXX"),
         "{changed:?}"
+    );
+}
+
+/// A second measurement over half of the travel of X has other average lines, which is said; the same travel is not.
+#[test]
+fn other_travels_are_told() {
+    let whole = calibrated(&scenario(), 1);
+    assert!(whole.other_travels(&calibrated(&scenario(), 2)).is_empty());
+    let json = include_str!("../../../../campaigns/fxyz/scenario.json");
+    let half = json.replace("\"stop\": 440", "\"stop\": 220");
+    assert_ne!(half, json);
+    let half = calibrated(&Scenario::from_json(&half).unwrap(), 2);
+    let travels = [[0.0, 440.0], [0.0, 220.0]];
+    assert_eq!(
+        whole.other_travels(&half),
+        [("X", AxisKind::Linear, travels)]
     );
 }

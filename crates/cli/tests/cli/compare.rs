@@ -42,7 +42,13 @@ fn two_calibrations_and_two_machines() {
     );
     assert!(outcome.stderr.contains("\n  C0Y "), "{}", outcome.stderr);
     // The same lengths by another path: no machine has changed.
-    assert!(!outcome.stderr.contains("changed"), "{}", outcome.stderr);
+    assert!(
+        outcome
+            .stderr
+            .contains("none of the 21 has changed by more than the noise\nnotice: both follow from the same measurement"),
+        "{}",
+        outcome.stderr
+    );
     let text = fs::read_to_string(current.join(path)).unwrap();
     assert_eq!(text, outcome.stdout);
     let document: Value = serde_json::from_str(&text).unwrap();
@@ -59,7 +65,25 @@ fn two_calibrations_and_two_machines() {
         1
     );
 
+    // Translations of another point of the stage, which its rotations displace: no change of the machine.
+    let campaign = shipped("fxyz").join("campaign.json");
+    let campaign = campaign.to_str().unwrap();
+    let args = [
+        "calibrate",
+        campaign,
+        "--out",
+        "d",
+        "--reference-point",
+        "centroid",
+    ];
+    run(current, &args).assert_good();
     let names = file_names(current);
+    run(current, &["compare", "a/calibration.json", "d/calibration.json"]).assert_failed(
+        "two points",
+        3,
+        &["the translations of X are those of the point [0.0, 0.0, 0.0] mm in the first calibration, of [140.783,"],
+    );
+
     let outcome = run(
         current,
         &["compare", "a/calibration.json", "c/calibration.json"],

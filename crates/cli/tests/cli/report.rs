@@ -55,6 +55,36 @@ fn the_page_is_made_again_with_its_figures() {
     .assert_failed("no template", 2, &["none.html", "cannot be read"]);
 }
 
+/// Calibrated again in another way, a volumetric error of before is another machine's.
+#[test]
+fn what_rests_on_an_earlier_calibration_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let campaign = shipped("rotary-stage").join("campaign.json");
+    let campaign = campaign.display().to_string();
+    let page = || fs::read_to_string(folder.path().join("rotary-stage/report.html")).unwrap();
+    let calibrate = ["calibrate", &campaign];
+    run(folder.path(), &calibrate).assert_good();
+    run(folder.path(), &["diagnose", &campaign]).assert_good();
+    let volume = ["volume", "rotary-stage/calibration.json", "--points", "3"];
+    run(folder.path(), &volume).assert_good();
+    assert!(page().contains("Volumetric error") && !page().contains("left out"));
+    run(folder.path(), &["calibrate", &campaign, "--method", "nine"]).assert_good();
+    let said = "volume.json is of another calibration and left out";
+    assert!(page().contains(said) && !page().contains("diagnosis.json is"));
+    for name in ["calibration", "diagnosis", "volume"] {
+        let file = folder.path().join(format!("rotary-stage/{name}.json"));
+        let result: serde_json::Value =
+            serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap();
+        let inputs = result["traceability"]["inputs"].as_array().unwrap();
+        assert!(
+            inputs
+                .iter()
+                .all(|i| i["sha256"].as_str().unwrap().len() == 64),
+            "{name}"
+        );
+    }
+}
+
 #[test]
 fn without_a_result_there_is_no_report() {
     let folder = tempfile::tempdir().unwrap();

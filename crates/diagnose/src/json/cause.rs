@@ -1,5 +1,8 @@
 //! One cause in `diagnosis.json`.
 
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 use trueaxis_effects::{GivenEffect, GivenParameter, GivenSubject, Scene};
@@ -8,7 +11,7 @@ use trueaxis_files::{Ordered, round, significant};
 use crate::json::um;
 use crate::{Cause, Change, EstimatedParameter};
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 pub(super) struct CauseFile<'a> {
     rank: usize,
     effect: &'static str,
@@ -37,7 +40,7 @@ pub(super) struct CauseFile<'a> {
 }
 
 /// The logged temperature that a cause goes with.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct FollowsFile {
     column: String,
     plausible: bool,
@@ -45,7 +48,7 @@ struct FollowsFile {
     unit: &'static str,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct RivalFile {
     effect: &'static str,
     subject: GivenSubject,
@@ -62,6 +65,22 @@ impl Serialize for ChangeFile<'_> {
         let field = format!("max_{}", self.0.unit);
         map.serialize_entry(&field, &round(self.0.largest, 6))?;
         map.end()
+    }
+}
+
+impl JsonSchema for ChangeFile<'_> {
+    fn schema_name() -> Cow<'static, str> {
+        "ChangeFile".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "type": "object",
+            "properties": { "max_um": { "type": "number" }, "max_arcsec": { "type": "number" } },
+            "minProperties": 1,
+            "maxProperties": 1,
+            "additionalProperties": false
+        })
     }
 }
 

@@ -1,0 +1,37 @@
+//! Verbs that say something about files and messages: `schema`, `explain`.
+
+use clap::{Args as ClapArgs, ValueEnum};
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct SchemaArgs {
+    /// The document.
+    #[arg(value_name = "DOCUMENT", value_enum)]
+    pub(crate) name: SchemaName,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum SchemaName {
+    /// campaign.json, read by most verbs.
+    Campaign,
+    /// scenario.json, read by `simulate`.
+    Scenario,
+    /// effects.json, read by `calibrate --with-effects`.
+    Effects,
+    /// calibration.json, written by `calibrate`.
+    Calibration,
+    /// diagnosis.json, written by `diagnose`.
+    Diagnosis,
+    /// verification.json, written by `verify`.
+    Verification,
+    /// volume.json, written by `volume`.
+    Volume,
+    /// comparison.json, written by `compare`.
+    Comparison,
+}
+
+#[derive(Debug, ClapArgs)]
+pub(crate) struct ExplainArgs {
+    /// The code, as E104; without it all codes are listed.
+    #[arg(value_name = "CODE")]
+    pub(crate) code: Option<String>,
+}

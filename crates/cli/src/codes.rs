@@ -1,0 +1,334 @@
+//! The code of each error: E and three digits, by which `trueaxis explain` tells more.
+//!
+//! E0 files, E1 documents, E2 tables, E3 the adjustment, E4 what is sought, E5 results that are read, E6 what is asked for.
+
+use trueaxis_calibrate::{Error as Calibrate, ReadError};
+use trueaxis_campaign::{Error as Campaign, Part, Place, Problem};
+use trueaxis_compensate::Error as Compensate;
+use trueaxis_diagnose::Error as Diagnose;
+use trueaxis_effects::Error as Effects;
+use trueaxis_files::{DocumentError, DocumentProblem};
+use trueaxis_import::{Error as Import, Problem as ImportProblem};
+use trueaxis_montecarlo::Error as Montecarlo;
+use trueaxis_poses::Error as Poses;
+use trueaxis_report::Error as Report;
+use trueaxis_simulate::{Error as Simulate, Problem as SimulateProblem};
+
+use crate::effects_input::EffectsInputError;
+use crate::export::OldTablesError;
+use crate::output::OutputError;
+use crate::report::TemplateUnreadable;
+
+/// The code of an error by its first cause that has one.
+pub(crate) fn of(error: &anyhow::Error) -> Option<&'static str> {
+    error.chain().find_map(|cause| {
+        if let Some(error) = cause.downcast_ref::<Campaign>() {
+            return Some(of_campaign(&error.problem, &error.place));
+        }
+        if let Some(error) = cause.downcast_ref::<DocumentError>() {
+            return Some(of_document(&error.problem, &error.place));
+        }
+        if let Some(error) = cause.downcast_ref::<Simulate>() {
+            return Some(of_scenario(&error.problem, &error.place));
+        }
+        if let Some(error) = cause.downcast_ref::<Import>() {
+            return Some(of_import(&error.problem, &error.place));
+        }
+        let of_calibrate = cause.downcast_ref().map(of_calibrate);
+        of_calibrate
+            .or_else(|| cause.downcast_ref().map(of_diagnose))
+            .or_else(|| cause.downcast_ref().map(of_poses))
+            .or_else(|| cause.downcast_ref().map(of_calibration))
+            .or_else(|| cause.downcast_ref().map(of_effects))
+            .or_else(|| cause.downcast_ref().map(of_compensate))
+            .or_else(|| cause.downcast_ref().map(of_montecarlo))
+            .or_else(|| cause.downcast_ref().map(of_report))
+            .or_else(|| cause.downcast_ref().map(OutputError::code))
+            .or_else(|| cause.downcast_ref().map(of_old_tables))
+            .or_else(|| cause.is::<TemplateUnreadable>().then_some("E003"))
+            .or_else(|| cause.is::<EffectsInputError>().then_some("E116"))
+    })
+}
+
+fn of_document(problem: &DocumentProblem, place: &Place) -> &'static str {
+    let in_table = matches!(place.part, Some(Part::Column(_)));
+    match problem {
+        DocumentProblem::Syntax { .. } => "E008",
+        DocumentProblem::OtherDocument { .. } => "E010",
+        DocumentProblem::Format { .. } => "E011",
+        DocumentProblem::Version { .. } => "E012",
+        DocumentProblem::UnknownField { .. } => "E101",
+        DocumentProblem::MissingField { .. } => "E102",
+        DocumentProblem::Value { .. } if in_table => "E220",
+        DocumentProblem::Value { .. } => "E103",
+        DocumentProblem::UnknownName { .. } if in_table => "E221",
+        DocumentProblem::UnknownName { .. } => "E104",
+        DocumentProblem::DuplicateName { .. } => "E105",
+    }
+}
+
+fn of_campaign(problem: &Problem, place: &Place) -> &'static str {
+    match problem {
+        Problem::Document(problem) => of_document(problem, place),
+        Problem::NotFound { .. } => "E001",
+        Problem::Folder { .. } => "E002",
+        Problem::Unreadable { .. } => "E003",
+        Problem::Unwritable { .. } => "E004",
+        Problem::Empty => "E006",
+        Problem::NotUtf8 => "E007",
+        Problem::Machine { .. } => "E106",
+        Problem::NothingMeasured => "E107",
+        Problem::TwoMeasurements => "E108",
+        Problem::EmptyList { .. } => "E109",
+        Problem::Inconsistent { .. } => "E131",
+        Problem::Separator { .. } => "E201",
+        Problem::NoHeader { .. } => "E202",
+        Problem::MissingColumn { .. } => "E203",
+        Problem::UnknownColumn { .. } => "E204",
+        Problem::DuplicateColumn => "E205",
+        Problem::Columns { .. } => "E206",
+        Problem::FieldCount { .. } => "E207",
+        Problem::NoRows => "E208",
+        Problem::OutsideTravel { .. } => "E209",
+        Problem::TargetReadTwice { .. } => "E210",
+        Problem::VisitRepeated { .. } => "E211",
+        Problem::NotInMeasuringOrder { .. } => "E212",
+        Problem::StationCopied { .. } => "E213",
+        Problem::WrongAxisMoves { .. } => "E214",
+        Problem::LengthsTooLarge { .. } => "E215",
+        Problem::LengthsTooSmall { .. } => "E216",
+        Problem::PointsImpossible { .. } => "E217",
+        Problem::ScaleAgainstApprox { .. } => "E218",
+        Problem::SwappedStations { .. } => "E219",
+        _ => "E199",
+    }
+}
+
+fn of_effects(error: &Effects) -> &'static str {
+    use trueaxis_effects::Problem as EffectsProblem;
+    match error {
+        Effects::Document(error) => of_document(&error.problem, &error.place),
+        Effects::Field { problem, .. } => match problem {
+            EffectsProblem::UnknownName { .. } => "E104",
+            EffectsProblem::Subject { .. } => "E110",
+            EffectsProblem::MissingParameter { .. } => "E111",
+            EffectsProblem::DuplicateParameter { .. } => "E112",
+            EffectsProblem::Unit { .. } => "E113",
+            EffectsProblem::Value { .. } => "E103",
+            EffectsProblem::CovarianceSize { .. } => "E114",
+            EffectsProblem::CovarianceAsymmetric { .. } => "E115",
+        },
+    }
+}
+
+fn of_scenario(problem: &SimulateProblem, place: &Place) -> &'static str {
+    match problem {
+        SimulateProblem::Document(problem) => of_document(problem, place),
+        SimulateProblem::Campaign(problem) => of_campaign(problem, place),
+        SimulateProblem::Effect(error) => of_effects(error),
+        SimulateProblem::Read(_) => "E003",
+        SimulateProblem::Write(_) => "E004",
+        SimulateProblem::Value { .. } | SimulateProblem::Expected { .. } => "E103",
+        SimulateProblem::OutsideTravel { .. } => "E209",
+        SimulateProblem::NotIncreasing { .. } => "E121",
+        SimulateProblem::TargetAtRest { .. } => "E122",
+        SimulateProblem::TargetUnused { .. } => "E123",
+        SimulateProblem::NoRun { .. } => "E124",
+        SimulateProblem::GaugeUndefined { .. } => "E125",
+        SimulateProblem::LostMotionUnseen { .. } => "E126",
+        SimulateProblem::TakenByFrame { .. } => "E127",
+        SimulateProblem::MountingMean { .. } => "E128",
+        SimulateProblem::MountingRotation { .. } => "E129",
+        SimulateProblem::ExactWithNoise { .. } => "E130",
+        _ => "E199",
+    }
+}
+
+fn of_import(problem: &ImportProblem, place: &Place) -> &'static str {
+    match problem {
+        ImportProblem::Document(problem) => of_document(problem, place),
+        ImportProblem::NotFound { .. } => "E001",
+        ImportProblem::Folder { .. } => "E002",
+        ImportProblem::Unreadable { .. } => "E003",
+        ImportProblem::NoText => "E007",
+        ImportProblem::Toml { .. } => "E009",
+        ImportProblem::NoRows { .. } => "E208",
+        ImportProblem::NoSuchColumn { .. } => "E231",
+        ImportProblem::NoNames { .. } => "E232",
+        ImportProblem::OneColumn { .. } => "E233",
+        ImportProblem::Nothing { .. } => "E234",
+        ImportProblem::Short { .. } => "E235",
+        ImportProblem::Cell { .. } => "E236",
+        ImportProblem::PartOfStop { .. } => "E237",
+        ImportProblem::PartOfPath { .. } => "E238",
+        _ => "E199",
+    }
+}
+
+fn of_poses(error: &Poses) -> &'static str {
+    match error {
+        Poses::NotConverged { .. } => "E301",
+        Poses::NotTrustworthy { .. } => "E302",
+        Poses::Contradictory { .. } => "E303",
+        Poses::RanAway { .. } => "E304",
+        Poses::StationUnexplained { .. } => "E305",
+        Poses::Numerical { .. } => "E306",
+        Poses::NotIdentifiable { .. } => "E401",
+        Poses::NothingMeasured => "E404",
+        Poses::EffectsWithoutLengths => "E405",
+    }
+}
+
+fn of_calibrate(error: &Calibrate) -> &'static str {
+    match error {
+        Calibrate::Poses(error) => of_poses(error),
+        Calibrate::Mistaken { error, .. } => of_calibrate(error),
+        Calibrate::NotSettled { .. } => "E307",
+        Calibrate::NotIdentifiable { .. } => "E401",
+        Calibrate::NotThatMotion { .. } => "E402",
+        Calibrate::SeveralAxesMove { .. } => "E403",
+        Calibrate::OtherReferencePoint { .. } => "E509",
+        Calibrate::CovarianceTooLarge { .. } | Calibrate::ReliabilityTooLarge { .. } => "E610",
+    }
+}
+
+fn of_diagnose(error: &Diagnose) -> &'static str {
+    match error {
+        Diagnose::Calibrate(error) => of_calibrate(error),
+        Diagnose::Adjustment(_) => "E301",
+        Diagnose::NothingMeasured => "E404",
+    }
+}
+
+fn of_calibration(error: &ReadError) -> &'static str {
+    match error {
+        ReadError::Unreadable { source, .. } => match source.kind() {
+            std::io::ErrorKind::NotFound => "E001",
+            std::io::ErrorKind::IsADirectory => "E002",
+            _ => "E003",
+        },
+        ReadError::Document(error) => of_document(&error.problem, &error.place),
+        ReadError::Machine(error) => of_campaign(&error.problem, &error.place),
+        ReadError::NoMachine { .. } => "E501",
+        ReadError::Covariance { .. } => "E502",
+    }
+}
+
+fn of_report(error: &Report) -> &'static str {
+    match error {
+        Report::Unreadable { .. } => "E003",
+        Report::NothingToReport { .. } => "E504",
+        Report::NotAResult { .. } => "E505",
+        Report::OtherFormat { .. } => "E506",
+        Report::NotResiduals { .. } => "E507",
+        Report::Template { .. } => "E508",
+        _ => "E199",
+    }
+}
+
+fn of_compensate(error: &Compensate) -> &'static str {
+    match error {
+        Compensate::OtherMachine { .. } => "E503",
+        Compensate::NotContracting { .. } => "E601",
+        Compensate::NoSuchAxis { .. } => "E602",
+        Compensate::Unsuitable { .. } => "E603",
+        Compensate::OldTable { .. } => "E604",
+        Compensate::Step { .. } => "E605",
+        Compensate::UnequalSteps { .. } => "E606",
+        Compensate::TooManyPoints { .. } => "E607",
+        Compensate::Slope { .. } => "E608",
+    }
+}
+
+fn of_old_tables(error: &OldTablesError) -> &'static str {
+    match error {
+        OldTablesError::Unreadable { .. } => "E003",
+        OldTablesError::Nothing { .. } => "E609",
+    }
+}
+
+fn of_montecarlo(error: &Montecarlo) -> &'static str {
+    match error {
+        Montecarlo::TooFewTrials { .. } | Montecarlo::TooFewForBlocks { .. } => "E611",
+        Montecarlo::Memory { .. } | Montecarlo::Allocation { .. } => "E612",
+        Montecarlo::Threads { .. } => "E613",
+        Montecarlo::Coverage { .. }
+        | Montecarlo::NoOutputs
+        | Montecarlo::SignificantDigits { .. } => "E614",
+        Montecarlo::NotFinite { .. }
+        | Montecarlo::Overflow { .. }
+        | Montecarlo::FirstOrderNotFinite { .. } => "E308",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::fs;
+    use std::path::Path;
+
+    use crate::explain;
+
+    const SOURCE: &str = include_str!("codes.rs");
+
+    /// Codes that stand in the code of the program.
+    fn codes(source: &str) -> BTreeSet<&str> {
+        let texts = source.split('"').filter(|text| {
+            let digits = text.strip_prefix('E').unwrap_or_default();
+            digits.len() == 3 && digits.bytes().all(|b| b.is_ascii_digit())
+        });
+        texts.collect()
+    }
+
+    #[test]
+    fn every_code_is_explained_and_no_other() {
+        let mut given = codes(SOURCE);
+        given.extend(codes(include_str!("output.rs")));
+        let explained: Vec<&str> = explain::entries().map(|entry| entry.code).collect();
+        assert!(explained.is_sorted(), "{explained:?}");
+        let unique: BTreeSet<&str> = explained.iter().copied().collect();
+        assert_eq!(unique.len(), explained.len(), "a code is explained twice");
+        assert_eq!(given, unique);
+    }
+
+    /// A variant that is new in a library has no code of its own until it stands here.
+    #[test]
+    fn every_variant_has_a_code() {
+        let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let mut count = 0;
+        for (file, name) in [
+            ("files/src/document_error.rs", "DocumentProblem"),
+            ("campaign/src/error.rs", "Problem"),
+            ("effects/src/error.rs", "EffectsProblem"),
+            ("simulate/src/error.rs", "SimulateProblem"),
+            ("import/src/error.rs", "ImportProblem"),
+            ("poses/src/error.rs", "Poses"),
+            ("calibrate/src/error.rs", "Calibrate"),
+            ("compensate/src/error.rs", "Compensate"),
+            ("report/src/error.rs", "Report"),
+            ("montecarlo/src/error.rs", "Montecarlo"),
+        ] {
+            let text = fs::read_to_string(crates.join(file)).unwrap();
+            let start = [
+                "pub enum Problem {",
+                "pub enum DocumentProblem {",
+                "pub enum Error {",
+            ];
+            let start = start.iter().find_map(|start| text.find(start)).unwrap();
+            let body = &text[start..];
+            let body = &body[..body.find("\n}\n").unwrap()];
+            for line in body.lines().skip(1) {
+                let Some(variant) = line.strip_prefix("    ") else {
+                    continue;
+                };
+                if variant.starts_with(|c: char| c.is_ascii_uppercase()) {
+                    let end = variant.find(|c: char| !c.is_alphanumeric()).unwrap();
+                    let arm = format!("{name}::{}", &variant[..end]);
+                    assert!(SOURCE.contains(&arm), "{file}: {arm} has no code");
+                    count += 1;
+                }
+            }
+        }
+        assert!(count > 90, "{count}");
+    }
+}

@@ -1,0 +1,74 @@
+//! `trueaxis init`.
+
+mod plan;
+
+use std::path::Path;
+
+use crate::args::{InitArgs, MachineType};
+use crate::exit::Exit;
+use crate::output;
+use crate::talk::say;
+
+pub(crate) fn run(args: &InitArgs) -> anyhow::Result<Exit> {
+    let plan = match args.machine_type {
+        MachineType::Fxyz => plan::FXYZ,
+        MachineType::FiveAxis => plan::FIVE_AXIS,
+        MachineType::RotaryStage => plan::ROTARY_STAGE,
+    };
+    let kind = if args.points { "points" } else { "lengths" };
+    let name = args.folder.canonicalize().ok();
+    let name = name.as_deref().unwrap_or(&args.folder).file_name();
+    let name = name.map_or_else(|| "machine".into(), |name| name.to_string_lossy());
+    let campaign = args.folder.join("campaign.json");
+    let template = args.folder.join(format!("{kind}-template.csv"));
+    let map = args.folder.join("import.toml");
+    let table = plan.table(args.points);
+    let schema = args.folder.join("campaign.schema.json");
+    output::write_all_new(&[
+        (&schema, trueaxis_campaign::schema()),
+        (&campaign, campaign_text(plan.campaign, &name, args.points)),
+        (&template, table.clone()),
+        (&map, plan.map(args.points)),
+    ])?;
+    let line = |path: &Path, what: &str| say(&format!("written: {}: {what}", path.display()));
+    line(
+        &campaign,
+        "machine, targets, stations and runs; change what is not so",
+    );
+    line(
+        &template,
+        &format!(
+            "{} rows to measure; fill it in and save it as {kind}.csv",
+            table.lines().count() - 1
+        ),
+    );
+    line(
+        &map,
+        "what the columns of a tracker's export mean, instead of filling in",
+    );
+    line(&schema, "lets an editor complete and check campaign.json");
+    let (map, folder) = (map.display(), args.folder.join(kind));
+    say("next:");
+    say(&format!(
+        "  trueaxis import {kind} EXPORT.txt --map {map} --out {}.csv",
+        folder.display()
+    ));
+    say(&format!("  trueaxis check {}", campaign.display()));
+    say(&format!("  trueaxis calibrate {}", campaign.display()));
+    Ok(Exit::Good)
+}
+
+/// The template with its name; with points there are no stations.
+fn campaign_text(template: &str, name: &str, points: bool) -> String {
+    let quoted = serde_json::Value::from(name).to_string();
+    let text = template.replace("\"NAME\"", &quoted);
+    let text = text.replacen('{', "{\n  \"$schema\": \"campaign.schema.json\",", 1);
+    if !points {
+        return text;
+    }
+    let lines = text
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("\"stations\""));
+    let text: String = lines.flat_map(|line| [line, "\n"]).collect();
+    text.replace("\"lengths\": \"lengths.csv\"", "\"points\": \"points.csv\"")
+}

@@ -1,0 +1,56 @@
+//! The tables on the terminal, line by line as users see them.
+//!
+//! They are kept in `golden/`. After a change that is meant, `GOLDEN=write cargo test -p trueaxis-cli golden` writes them
+//! anew; look at the difference before it is committed.
+
+use std::fs;
+use std::path::Path;
+
+use crate::program::{run, shipped};
+
+#[track_caller]
+fn assert_golden(name: &str, said: &str) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/cli/golden")
+        .join(name);
+    if std::env::var_os("GOLDEN").is_some() {
+        fs::write(&file, said).unwrap();
+    }
+    let golden = fs::read_to_string(&file).unwrap_or_default();
+    for (number, (said, golden)) in (1..).zip(said.lines().zip(golden.lines())) {
+        assert_eq!(said, golden, "{name} line {number}");
+    }
+    assert_eq!(
+        said.lines().count(),
+        golden.lines().count(),
+        "{name}: lines"
+    );
+}
+
+#[test]
+fn golden_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = |args: &[&str]| {
+        let outcome = run(folder.path(), args);
+        outcome.assert_good();
+        outcome.stderr
+    };
+    let campaign = |name: &str| shipped(name).join("campaign.json").display().to_string();
+    let [fxyz, five, lines] = ["fxyz", "five-axis", "fxyz-lines"].map(campaign);
+    assert_golden(
+        "calibrate-fxyz.txt",
+        &said(&["calibrate", &fxyz, "--out", "a"]),
+    );
+    assert_golden(
+        "calibrate-five-axis.txt",
+        &said(&["calibrate", &five, "--out", "b", "--by-direction"]),
+    );
+    assert_golden(
+        "verify-fxyz-lines.txt",
+        &said(&["verify", "a/calibration.json", &lines, "--out", "a"]),
+    );
+    assert_golden(
+        "diagnose-fxyz-lines.txt",
+        &said(&["diagnose", &lines, "--out", "c"]),
+    );
+}

@@ -1,0 +1,198 @@
+//! What can be wrong with an export or its map.
+
+use std::fmt;
+use std::io;
+
+use trueaxis_files::{Alternatives, DocumentError, DocumentProblem, Place};
+
+/// An export that cannot be imported, or a map that cannot be read.
+///
+/// Its message says where, what was found, what is expected and how to mend it.
+#[derive(Debug)]
+pub struct Error {
+    /// Where.
+    pub place: Box<Place>,
+    /// What is wrong there.
+    pub problem: Problem,
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let place = self.place.to_string();
+        match place.as_str() {
+            "" => write!(f, "{}", self.problem),
+            _ => write!(f, "{place}: {}", self.problem),
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        self.problem.source()
+    }
+}
+
+impl From<DocumentError> for Error {
+    fn from(error: DocumentError) -> Self {
+        Problem::Document(error.problem).at(error.place)
+    }
+}
+
+impl Problem {
+    pub(crate) fn at(self, place: Box<Place>) -> Error {
+        Error {
+            place,
+            problem: self,
+        }
+    }
+
+    pub(crate) fn value(found: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self::Document(DocumentProblem::value(found, expected))
+    }
+}
+
+/// What can be wrong with an export or its map. An [`Error`] says where.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// Of a name or value anywhere.
+    #[error(transparent)]
+    Document(DocumentProblem),
+    /// There is no such file.
+    #[error("there is no such file; {mend}")]
+    NotFound {
+        /// What to give instead.
+        mend: &'static str,
+    },
+    /// A folder stands where a file is needed.
+    #[error("this is a folder, expected a file; {mend}")]
+    Folder {
+        /// What to give instead.
+        mend: &'static str,
+    },
+    /// The operating system refuses to read the file.
+    #[error("the file cannot be read; check its permissions")]
+    Unreadable {
+        /// The reason of the operating system.
+        source: io::Error,
+    },
+    /// The file holds a NUL, as programs and spreadsheets in their own format do.
+    #[error("this is no text; export the points as ASCII or CSV")]
+    NoText,
+    /// The map is not TOML.
+    #[error("not valid TOML: {problem}; text stands in quotes, as separator = \";\"")]
+    Toml {
+        /// The parser's reason.
+        problem: String,
+    },
+    /// The map names a column that the export does not have.
+    #[error("the export has no column `{name}`, its line {line} names others; {alternatives}")]
+    NoSuchColumn {
+        /// The name in the map.
+        name: String,
+        /// The line of the export that holds the names.
+        line: usize,
+        /// The names that it has.
+        alternatives: Alternatives,
+    },
+    /// The map names columns, but the export has no line with names.
+    #[error(
+        "the column `{name}` is named, but with column_names = false columns have only numbers, as column = 3"
+    )]
+    NoNames {
+        /// The name in the map.
+        name: String,
+    },
+    /// The line with the names of the columns is one cell.
+    #[error(
+        "the line has one column only, `{found}`; is the separator {separator}, and is this the line that names the columns \
+         (skip_lines)?"
+    )]
+    OneColumn {
+        /// Its text.
+        found: String,
+        /// The separator of the map, in words.
+        separator: &'static str,
+    },
+    /// Nothing says what a column of the table shall hold.
+    #[error("nothing says the {name} of a row; add {example}")]
+    Nothing {
+        /// The column of the table.
+        name: String,
+        /// What could stand in the map.
+        example: String,
+    },
+    /// A row has fewer cells than the map needs.
+    #[error(
+        "found {found} cells, the map needs {needed}; if this is no reading, name a mark of such lines in `comment` or `skip_rows`{}",
+        and_more(*more)
+    )]
+    Short {
+        /// Cells of the row.
+        found: usize,
+        /// Number of the last column that is needed.
+        needed: usize,
+        /// Further rows with a fault.
+        more: usize,
+    },
+    /// A cell that is not understood.
+    #[error("found \"{found}\"; expected {expected}{}", and_more(*more))]
+    Cell {
+        /// Its text.
+        found: String,
+        /// What would be right, and how to skip such rows.
+        expected: String,
+        /// Further rows with a fault.
+        more: usize,
+    },
+    /// No row is left.
+    #[error("no row is left: {lines} lines were read, {skipped} skipped; {why}")]
+    NoRows {
+        /// Lines of the file.
+        lines: usize,
+        /// Lines skipped.
+        skipped: usize,
+        /// The likely reason.
+        why: &'static str,
+    },
+    /// A stop without all of its rows.
+    #[error(
+        "the stop that begins here has {found} rows, expected {expected} ({}), because the rows have no column for the target; \
+         put in the missing row, or map a column with the name of the point", targets.join(", ")
+    )]
+    PartOfStop {
+        /// Rows of the stop.
+        found: usize,
+        /// Rows that a stop has.
+        expected: usize,
+        /// Their targets.
+        targets: Vec<String>,
+    },
+    /// The stops are no whole number of rounds of the path.
+    #[error(
+        "the export has {stops} stops{}, a round of the path has {path}; {} too many or {} too few: compare the path in the \
+         map with the readings",
+        of(station), stops % path, path - stops % path
+    )]
+    PartOfPath {
+        /// Stops found.
+        stops: usize,
+        /// The station they were measured from.
+        station: Option<String>,
+        /// Stops of the path.
+        path: usize,
+    },
+}
+
+fn and_more(more: usize) -> String {
+    match more {
+        0 => String::new(),
+        1 => " (and 1 more row)".to_owned(),
+        _ => format!(" (and {more} more rows)"),
+    }
+}
+
+fn of(station: &Option<String>) -> String {
+    let words = station.as_ref().map(|name| format!(" of station {name}"));
+    words.unwrap_or_default()
+}

@@ -1,0 +1,221 @@
+//! Rows that belong together, and what follows from their order.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use crate::Problem;
+use crate::columns::Columns;
+use crate::map::Map;
+use crate::path::{PlannedStop, directions};
+
+/// What a row of an export says itself.
+#[derive(Debug, Clone)]
+pub(crate) struct Row {
+    pub(crate) line: usize,
+    pub(crate) station: Option<String>,
+    pub(crate) run: Option<String>,
+    pub(crate) target: Option<String>,
+    pub(crate) repeat: Option<u32>,
+    pub(crate) direction: Option<i8>,
+    pub(crate) time_s: Option<f64>,
+    /// Positions of the axes in mm or degrees; none where the path tells it.
+    pub(crate) axes: Vec<Option<f64>>,
+    pub(crate) numbers: Vec<Option<f64>>,
+}
+
+/// What the table says of a row beside what was measured.
+#[derive(Debug, Clone)]
+pub(crate) struct Visit {
+    /// Number of the stop, from 0.
+    pub(crate) stop: usize,
+    pub(crate) run: String,
+    pub(crate) target: String,
+    pub(crate) repeat: u32,
+    /// +1 or -1.
+    pub(crate) direction: i8,
+    /// mm or degrees.
+    pub(crate) positions: Vec<f64>,
+}
+
+/// Each row with its visit, or what is wrong and in which line.
+pub(crate) fn visits(
+    rows: Vec<Row>,
+    map: &Map,
+    columns: &Columns,
+    path: &[PlannedStop],
+) -> Result<Vec<(Row, Visit)>, (usize, Problem)> {
+    let order = |stop: Option<&PlannedStop>| match stop {
+        Some(stop) if !stop.targets.is_empty() => stop.targets.clone(),
+        _ => map.stops.targets.clone(),
+    };
+    let orders: Vec<Vec<String>> = match path {
+        [] => vec![order(None)],
+        path => path.iter().map(|stop| order(Some(stop))).collect(),
+    };
+    let stops = stops(&rows, &orders);
+    if columns.target.is_none()
+        && let Some((part, order)) = stops.iter().find(|(stop, order)| stop.len() != order.len())
+    {
+        return Err((
+            rows[part.start].line,
+            Problem::PartOfStop {
+                found: part.len(),
+                expected: order.len(),
+                targets: order.to_vec(),
+            },
+        ));
+    }
+    let (stops, orders): (Vec<Range<usize>>, Vec<&[String]>) = stops.into_iter().unzip();
+    let planned = planned(&rows, &stops, path)?;
+    let positions: Vec<Vec<f64>> = stops
+        .iter()
+        .zip(&planned)
+        .map(|(stop, planned)| positions(&rows[stop.start], columns, *planned))
+        .collect();
+    let runs: Vec<String> = stops
+        .iter()
+        .zip(&planned)
+        .map(|(stop, planned)| {
+            let run = rows[stop.start].run.clone();
+            run.or_else(|| planned.map(|stop| stop.run.clone()))
+                .unwrap_or_default()
+        })
+        .collect();
+    let inferred = inferred_directions(&rows, &stops, &runs, &positions);
+
+    let mut seen: BTreeMap<(Option<String>, String, i8, Vec<u64>), u32> = BTreeMap::new();
+    let mut visits = Vec::new();
+    for (number, stop) in stops.iter().enumerate() {
+        let first = &rows[stop.start];
+        let planned = planned[number].map(|stop| stop.direction);
+        let direction = first.direction.or(planned).unwrap_or(inferred[number]);
+        let bits = positions[number]
+            .iter()
+            .map(|position| position.to_bits())
+            .collect();
+        let key = (first.station.clone(), runs[number].clone(), direction, bits);
+        let count = seen.entry(key).or_default();
+        *count += 1;
+        for (index, row) in rows[stop.clone()].iter().enumerate() {
+            let by_order = || orders[number].get(index).cloned().unwrap_or_default();
+            visits.push(Visit {
+                stop: number,
+                run: runs[number].clone(),
+                target: row.target.clone().unwrap_or_else(by_order),
+                repeat: row.repeat.unwrap_or(*count),
+                direction,
+                positions: positions[number].clone(),
+            });
+        }
+    }
+    Ok(rows.into_iter().zip(visits).collect())
+}
+
+/// The rows of each stop and the order of its targets, which are those of `orders` in turn, at each station anew. A stop
+/// ends where the row says that the machine or the tracker moved, and where the targets begin anew: the next one in the
+/// order comes before the last one or, without an order, is read already.
+fn stops<'o>(rows: &[Row], orders: &'o [Vec<String>]) -> Vec<(Range<usize>, &'o [String])> {
+    let mut stops: Vec<(Range<usize>, &[String])> = Vec::new();
+    let mut in_turn = 0;
+    for (index, row) in rows.iter().enumerate() {
+        let last = index.checked_sub(1).map(|last| &rows[last]);
+        let goes_on = stops.last().zip(last).is_some_and(|((stop, order), last)| {
+            let rank = |target: &Option<String>| {
+                order.iter().position(|name| Some(name) == target.as_ref())
+            };
+            let stays = row.station == last.station
+                && row.run == last.run
+                && row.repeat == last.repeat
+                && row.direction == last.direction
+                && row.axes == last.axes;
+            stays
+                && match (&row.target, *order) {
+                    (None, order) => stop.len() < order.len(),
+                    (Some(_), []) => rows[stop.clone()].iter().all(|r| r.target != row.target),
+                    (target, _) => rank(target) > rank(&last.target),
+                }
+        });
+        match stops.last_mut() {
+            Some((stop, _)) if goes_on => stop.end = index + 1,
+            _ => {
+                let same_station = last.is_some_and(|last| last.station == row.station);
+                in_turn = if same_station { in_turn + 1 } else { 0 };
+                stops.push((index..index + 1, orders[in_turn % orders.len()].as_slice()));
+            }
+        }
+    }
+    stops
+}
+
+/// The stop of the path for each stop; each station begins it anew.
+fn planned<'p>(
+    rows: &[Row],
+    stops: &[Range<usize>],
+    path: &'p [PlannedStop],
+) -> Result<Vec<Option<&'p PlannedStop>>, (usize, Problem)> {
+    if path.is_empty() {
+        return Ok(vec![None; stops.len()]);
+    }
+    let mut planned = Vec::new();
+    for turn in stops.chunk_by(|a, b| rows[a.start].station == rows[b.start].station) {
+        if !turn.len().is_multiple_of(path.len()) {
+            let first = &rows[turn[0].start];
+            return Err((
+                first.line,
+                Problem::PartOfPath {
+                    stops: turn.len(),
+                    station: first.station.clone(),
+                    path: path.len(),
+                },
+            ));
+        }
+        planned.extend(path.iter().cycle().take(turn.len()).map(Some));
+    }
+    Ok(planned)
+}
+
+/// Positions of all axes: as read, or of the path, in which an axis that nothing is said of stands at 0.
+fn positions(row: &Row, columns: &Columns, planned: Option<&PlannedStop>) -> Vec<f64> {
+    let axes = columns.axes.iter().zip(&row.axes);
+    axes.map(|(axis, read)| {
+        let by_plan = planned.and_then(|stop| {
+            let moving = (stop.axis == axis.name).then_some(stop.position);
+            let standing = || {
+                stop.at
+                    .iter()
+                    .find(|(name, _)| *name == axis.name)
+                    .map(|(_, at)| *at)
+            };
+            moving.or_else(standing)
+        });
+        read.unwrap_or_else(|| axis.unit.convert(by_plan.unwrap_or(0.0)))
+    })
+    .collect()
+}
+
+/// The direction of each stop by the motion of the axis that moves most in the turn of its station in its run.
+fn inferred_directions(
+    rows: &[Row],
+    stops: &[Range<usize>],
+    runs: &[String],
+    positions: &[Vec<f64>],
+) -> Vec<i8> {
+    let numbers: Vec<usize> = (0..stops.len()).collect();
+    let station = |stop: usize| &rows[stops[stop].start].station;
+    let together = |&a: &usize, &b: &usize| runs[a] == runs[b] && station(a) == station(b);
+    let mut all = Vec::new();
+    for turn in numbers.chunk_by(together) {
+        let axis_positions =
+            |axis: usize| -> Vec<f64> { turn.iter().map(|&stop| positions[stop][axis]).collect() };
+        let motion = |axis: &usize| -> f64 {
+            let along = axis_positions(*axis);
+            along.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum()
+        };
+        let axes = 0..positions[turn[0]].len();
+        let moving = axes
+            .max_by(|a, b| motion(a).total_cmp(&motion(b)))
+            .unwrap_or(0);
+        all.extend(directions(&axis_positions(moving)));
+    }
+    all
+}
