@@ -1,5 +1,6 @@
 //! One disturbance in `diagnosis.json`.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use trueaxis_effects::{GivenSubject, Scene};
 use trueaxis_files::{round, significant};
@@ -7,7 +8,7 @@ use trueaxis_files::{round, significant};
 use crate::json::um;
 use crate::{CurvePoint, Disturbance, Wandering};
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 pub(super) struct DisturbanceFile<'a> {
     effect: &'static str,
     layer: &'static str,
@@ -18,27 +19,27 @@ pub(super) struct DisturbanceFile<'a> {
     p_value: f64,
     rms_um: f64,
     share: f64,
-    correlation_length: LengthFile,
+    correlation_length: CorrelationLengthFile,
     heldout_gain: Option<f64>,
-    curve: Vec<PointFile>,
-    cannot_tell_apart_from: Vec<RivalFile>,
+    curve: Vec<CurvePointFile>,
+    cannot_tell_apart_from: Vec<AlikeFile>,
 }
 
-#[derive(Serialize)]
-struct LengthFile {
+#[derive(Serialize, JsonSchema)]
+struct CorrelationLengthFile {
     value: f64,
     unit: &'static str,
 }
 
-#[derive(Serialize)]
-struct PointFile {
+#[derive(Serialize, JsonSchema)]
+struct CurvePointFile {
     at: [f64; 1],
     value_um: Vec<f64>,
     u_um: Vec<f64>,
 }
 
-#[derive(Serialize)]
-struct RivalFile {
+#[derive(Serialize, JsonSchema)]
+struct AlikeFile {
     effect: &'static str,
     layer: &'static str,
     varies_with: &'static [&'static str],
@@ -50,7 +51,7 @@ const ID: &str = "disturbance";
 
 impl<'a> DisturbanceFile<'a> {
     pub(super) fn new(own: &'a Disturbance, scene: &Scene) -> Self {
-        let rival = |rival: &Wandering| RivalFile {
+        let rival = |rival: &Wandering| AlikeFile {
             effect: ID,
             layer: rival.layer.name(),
             varies_with: rival.varies_with,
@@ -66,7 +67,7 @@ impl<'a> DisturbanceFile<'a> {
             p_value: significant(own.p_value),
             rms_um: um(own.rms_um),
             share: round(own.share, 4),
-            correlation_length: LengthFile {
+            correlation_length: CorrelationLengthFile {
                 value: round(own.correlation_length.value, 3),
                 unit: own.correlation_length.unit,
             },
@@ -77,9 +78,9 @@ impl<'a> DisturbanceFile<'a> {
     }
 }
 
-fn point(point: &CurvePoint) -> PointFile {
+fn point(point: &CurvePoint) -> CurvePointFile {
     let rounded = |values: &[f64]| values.iter().map(|v| round(*v, 4)).collect();
-    PointFile {
+    CurvePointFile {
         at: [round(point.at, 3)],
         value_um: rounded(&point.value_um),
         u_um: rounded(&point.u_um),
