@@ -26,7 +26,7 @@ pub struct Diagnosis {
     pub rejected: Vec<Rejected>,
     /// Effects that these data cannot show.
     pub not_observable: Vec<NotObservable>,
-    /// The calibration with the causes found in the lengths taken out of them; none if there is nothing
+    /// The calibration with causes and disturbances found in the lengths taken out of them; none if there is nothing
     /// to calibrate from.
     pub calibration: Option<Calibration>,
     /// What a user must know before using the outcome.

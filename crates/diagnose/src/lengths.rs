@@ -14,12 +14,13 @@
 //! - [`causes`]: one after the other, each judged beside the others, until nothing is left that is a
 //!   cause of its own ([`culprit`]).
 //! - [`disturbance`]: what wanders in a course that nobody knows joins the covariance, where it has more evidence
-//!   than causes have, or is left beside them ([`competition`]; [`wandered`] tells it).
+//!   than causes have, or is left beside them ([`beside`], [`wandering`], [`competition`]; [`wandered`] tells it).
 //! - [`omnibus`]: whether anything is left at all, and what it varies with ([`unexplained`]).
 //! - [`left_out`]: gross errors leave before the search, and come back if the causes explain them.
 //! - [`held_out`]: the gain on sweeps, and on whole stations, that the model was not fitted to.
 
 mod base;
+mod beside;
 mod causes;
 mod competition;
 mod culprit;
@@ -38,6 +39,7 @@ mod step_scan;
 mod swapped;
 mod unexplained;
 mod wandered;
+mod wandering;
 
 pub(crate) use not_observable::in_words;
 pub(crate) use search::{LengthsOutcome, diagnose_lengths};

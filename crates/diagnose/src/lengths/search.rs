@@ -7,7 +7,7 @@ use trueaxis_poses::LengthsAdjustment;
 
 use crate::lengths::base::{Adjusted, Base, Suspect};
 use crate::lengths::causes::{Found, find_causes};
-use crate::lengths::competition::{Candidates, Judged, Model, compete, only_wandering};
+use crate::lengths::competition::{Candidates, Model, compete, only_wandering};
 use crate::lengths::estimated::estimated;
 use crate::lengths::held_out::{HeldOut, held_out_stations, held_out_sweeps};
 use crate::lengths::hypotheses::{hypotheses, of_catalogue};
@@ -18,6 +18,7 @@ use crate::lengths::omnibus::{OMNIBUS_LEVEL, Omnibus, omnibus};
 use crate::lengths::places::places;
 use crate::lengths::unexplained::unexplained_part;
 use crate::lengths::wandered::wandered;
+use crate::lengths::wandering::Judged;
 use crate::selection::{Null, Part};
 use crate::{
     Cause, Disturbance, Error, Gain, LevelReport, Misfit, NotObservable, Rival, Shares, Unexplained,

@@ -4,8 +4,8 @@ use trueaxis_effects::{Level, Subject};
 use trueaxis_kinematics::AxisKind;
 
 use crate::lengths::base::{Adjusted, Base};
-use crate::lengths::competition::Judged;
 use crate::lengths::disturbance::{Wanderer, With};
+use crate::lengths::wandering::Judged;
 use crate::selection::{dot, gram_matrix};
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Wandering};
 
