@@ -1,4 +1,4 @@
-//! Writes `campaigns/fxyz-lines` and `campaigns/fxyz-compensated`: `cargo run -p trueaxis-tests --example verification`.
+//! Writes `campaigns/fxyz-lines`, `campaigns/fxyz-compensated` and `campaigns/rotary-bars`: `cargo run -p trueaxis-tests --example verification`.
 
 use std::error::Error;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_campaign::{read, write};
 use trueaxis_simulate::Scenario;
-use trueaxis_tests::verification::verification_campaign;
+use trueaxis_tests::verification::{bars_on_the_stage, verification_campaign};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let campaigns = Path::new(env!("CARGO_MANIFEST_DIR")).join("../campaigns");
@@ -21,5 +21,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let verification = verification_campaign(&campaign, &truth, compensated_by, name)?;
         write(&verification, &campaigns.join(folder))?;
     }
+    let campaign = read(&campaigns.join("rotary-stage/campaign.json"))?;
+    let scenario = std::fs::read_to_string(campaigns.join("rotary-stage/scenario.json"))?;
+    let truth = Scenario::from_json(&scenario)?.true_machine()?;
+    let bars = bars_on_the_stage(&campaign, &truth, "Rotary stage, ball bars")?;
+    write(&bars, &campaigns.join("rotary-bars"))?;
     Ok(())
 }

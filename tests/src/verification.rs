@@ -1,9 +1,10 @@
-//! Verification readings of the shipped three-axis machine, by its exact model: as it is, and with the compensation of the
-//! calibration of `campaigns/fxyz` switched on.
+//! Verification readings of the shipped machines, by their exact models: of the three-axis machine as it is, and with the
+//! compensation of the calibration of `campaigns/fxyz` switched on; of the rotary stage as it is.
 //!
 //! Lines of X, Y and Z through the paper's point T (175.6, 497.5, 312.1) mm, 21 positions, five runs a side, and a ball bar
 //! of 100 mm in the plane of X and Y, both ways. A reading has noise of the instrument and the machine's return; each
-//! line has a zero, the bar a set-up of its own.
+//! line has a zero, the bar a set-up of its own. On the rotary stage balls at the paper's points A and B, and the centre of the
+//! bar above the middle of the stage (its Figs. 15 and 16): every 20°, three times each way.
 
 use std::f64::consts::TAU;
 
@@ -58,9 +59,55 @@ pub fn verification_campaign(
         ball_mm,
         ball_carrier: TOOL,
         center_mm: ball_mm + Vector3::from(CENTRE_MM),
+        length_is_calibrated: false,
     };
     verification.push(readings.of("DBB in XY", kind, &circle())?);
-    Ok(Campaign {
+    Ok(readings_alone(campaign, verification, name))
+}
+
+/// The paper's points A and B.
+const ON_THE_STAGE_MM: [(&str, [f64; 3]); 2] = [
+    ("DBB at A", [121.779, 87.578, 59.216]),
+    ("DBB at B", [49.919, 2.842, 59.216]),
+];
+
+/// The campaign of the rotary stage with ball bars alone.
+///
+/// # Errors
+/// None: nothing is compensated.
+pub fn bars_on_the_stage(
+    campaign: &Campaign,
+    truth: &TrueMachine,
+    name: &str,
+) -> Result<Campaign, Error> {
+    let mut readings = Readings {
+        truth,
+        compensated_by: None,
+        rng: ChaCha8Rng::seed_from_u64(2028),
+    };
+    let bar = |(name, ball): (&str, [f64; 3])| {
+        let kind = VerificationKind::Ballbar {
+            ball_mm: Point3::from(ball),
+            ball_carrier: 0,
+            center_mm: Point3::new(0.0, 0.0, ball[2]),
+            length_is_calibrated: false,
+        };
+        readings.with(name, kind, &turn(), |readings, set_up_mm, commanded| {
+            let centre = Point3::from(set_up_mm + Vector3::z() * ball[2]);
+            let machine = readings.truth.machine();
+            let actual = machine.position(readings.truth, 0, commanded, Point3::from(ball));
+            // However the stage turns, the ball is as far from its axis.
+            Ok(((actual - centre).norm() - ball[0].hypot(ball[1])) / MICROMETRE)
+        })
+    };
+    let bars = ON_THE_STAGE_MM.into_iter().map(bar);
+    let bars = bars.collect::<Result<_, Error>>()?;
+    Ok(readings_alone(campaign, bars, name))
+}
+
+/// A campaign without what else it measured.
+fn readings_alone(campaign: &Campaign, verification: Vec<Verification>, name: &str) -> Campaign {
+    Campaign {
         name: name.to_owned(),
         verification,
         instrument: Instrument::default(),
@@ -71,7 +118,25 @@ pub fn verification_campaign(
         lengths: None,
         notices: Vec::new(),
         ..campaign.clone()
-    })
+    }
+}
+
+/// A turn in steps of 20°, three times each way.
+fn turn() -> Vec<Stand> {
+    let mut stands = Vec::new();
+    for cycle in 1..=3 {
+        for direction in SIDES {
+            for k in 0..=18 {
+                let k = if direction == Direction::Forward {
+                    k
+                } else {
+                    18 - k
+                };
+                stands.push((cycle, direction, vec![(20.0 * f64::from(k)).to_radians()]));
+            }
+        }
+    }
+    stands
 }
 
 /// Cycle, side and positions.
@@ -137,11 +202,27 @@ impl Readings<'_> {
         kind: VerificationKind,
         stands: &[Stand],
     ) -> Result<Verification, Error> {
+        self.with(
+            name,
+            kind.clone(),
+            stands,
+            |readings, set_up_mm, commanded| readings.exact_um(&kind, commanded, set_up_mm),
+        )
+    }
+
+    /// With what the instrument reads but for its zero and noise, for its set-up and commanded positions.
+    fn with(
+        &mut self,
+        name: &str,
+        kind: VerificationKind,
+        stands: &[Stand],
+        exact_um: impl Fn(&Self, Vector3<f64>, &[f64]) -> Result<f64, Error>,
+    ) -> Result<Verification, Error> {
         let zero_um: f64 = 5.0 * self.deviate();
         let set_up_mm = Vector3::from_fn(|_, _| 0.005 * self.deviate());
         let mut readings = Vec::new();
         for (row, (cycle, direction, commanded)) in stands.iter().enumerate() {
-            let exact_um = self.exact_um(&kind, commanded, set_up_mm)?;
+            let exact_um = exact_um(self, set_up_mm, commanded)?;
             let noise_um = INSTRUMENT_UM * self.deviate() + RETURN_UM * self.deviate();
             let value_um = exact_um + zero_um + noise_um;
             readings.push(VerificationReading {

@@ -95,8 +95,10 @@ pub use machine::calibrated_machine::CalibratedMachine;
 pub use machine::compare::Difference;
 pub use machine::predict::Prediction;
 pub use machine::readings::{
-    MeasuredPoint, ball_bar_set_up, carrier, measured_home_mm, predicted_reading_um,
+    MeasuredPoint, ball_bar_set_up, carrier, measured_home_mm, positioning_lines,
+    predicted_reading_um,
 };
+pub use machine::same_machine::{OtherMachine, check_same_machine};
 pub use machine::volume::places::{GridAxis, Places};
 pub use machine::volume::statistics::{Figures, Sizes};
 pub use machine::volume::{Drawn, Figure, Volume, VolumeSettings};

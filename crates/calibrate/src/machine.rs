@@ -7,4 +7,5 @@ pub(crate) mod curve;
 pub(crate) mod predict;
 pub(crate) mod readings;
 pub(crate) mod remainder;
+pub(crate) mod same_machine;
 pub(crate) mod volume;

@@ -44,3 +44,17 @@ pub fn checksums(path: &Path) -> Result<Vec<InputFile>, Error> {
     };
     all.map(checksum).collect()
 }
+
+impl InputFile {
+    /// The file at `path`, by its own name.
+    ///
+    /// # Errors
+    /// Those of the operating system.
+    pub fn of(path: &Path) -> std::io::Result<Self> {
+        let name = path.file_name().unwrap_or(path.as_os_str());
+        Ok(Self {
+            name: name.to_string_lossy().into_owned(),
+            sha256: sha256(path)?,
+        })
+    }
+}

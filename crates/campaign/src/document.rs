@@ -208,6 +208,9 @@ pub(crate) struct VerificationEntry {
     /// The other ball at home, mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) center_mm: Option<[f64; 3]>,
+    /// Whether readings of a ball bar are changes from the nominal distance of the balls (false).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) length_is_calibrated: Option<bool>,
     /// Constant part of the standard uncertainty of a reading, µm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) u_um: Option<f64>,

@@ -313,6 +313,9 @@ pub enum VerificationKind {
         ball_carrier: usize,
         /// The fixed ball in the reference frame, mm.
         center_mm: Point3<f64>,
+        /// Whether readings are changes from the nominal distance of the balls, as of a bar whose length is calibrated; otherwise
+        /// their zero is anywhere.
+        length_is_calibrated: bool,
     },
 }
 

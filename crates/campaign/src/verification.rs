@@ -36,6 +36,8 @@ pub(crate) fn kind(
             fields.foreign("ball_mm", "ballbar", entry.ball_mm.is_some())?;
             fields.foreign("ball_carried_by", "ballbar", carrier)?;
             fields.foreign("center_mm", "ballbar", entry.center_mm.is_some())?;
+            let calibrated = entry.length_is_calibrated.is_some();
+            fields.foreign("length_is_calibrated", "ballbar", calibrated)?;
             Ok(VerificationKind::Positioning {
                 axis: fields.axis("axis", entry.axis.as_ref())?,
                 target_mm: fields.point("target_mm", entry.target_mm)?,
@@ -48,6 +50,7 @@ pub(crate) fn kind(
                 ball_mm: fields.point("ball_mm", entry.ball_mm)?,
                 ball_carrier: fields.axis("ball_carried_by", entry.ball_carried_by.as_ref())?,
                 center_mm: fields.point("center_mm", entry.center_mm)?,
+                length_is_calibrated: entry.length_is_calibrated.unwrap_or(false),
             })
         }
     }
@@ -205,6 +208,7 @@ pub(crate) fn to_entry(
         ball_mm: None,
         ball_carried_by: None,
         center_mm: None,
+        length_is_calibrated: None,
         u_um: verification.u_um,
         u_ppm: verification.u_ppm,
         readings,
@@ -218,11 +222,13 @@ pub(crate) fn to_entry(
             ball_mm,
             ball_carrier,
             center_mm,
+            length_is_calibrated,
         } => {
             entry.kind = VerificationKindEntry::Ballbar;
             entry.ball_mm = Some(ball_mm.into());
             entry.ball_carried_by = axis_name(ball_carrier);
             entry.center_mm = Some(center_mm.into());
+            entry.length_is_calibrated = length_is_calibrated.then_some(true);
         }
     }
     entry

@@ -152,8 +152,8 @@ pub(crate) struct ExportArgs {
     #[arg(long, value_name = "POINT", value_parser = point, allow_hyphen_values = true)]
     pub(crate) at: Option<Point3<f64>>,
 
-    /// Folder with the tables that were active while the machine was measured: the new ones contain
-    /// them (linuxcnc).
+    /// The tables that were active while the machine was measured, as their folder or file: the new ones
+    /// contain them (all formats but marlin and klipper).
     #[arg(long, value_name = "OLD")]
     pub(crate) onto: Option<PathBuf>,
 }
@@ -277,7 +277,7 @@ pub(crate) struct Table1Args {
     pub(crate) json: bool,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse().ok();
     let positive = number.filter(|x: &f64| x.is_finite() && *x > 0.0);
     positive.ok_or_else(|| "expected a number above zero".to_owned())

@@ -196,7 +196,8 @@ fn of_diagnose(error: &Diagnose) -> &'static str {
     match error {
         Diagnose::Calibrate(error) => of_calibrate(error),
         Diagnose::Adjustment(_) => "E301",
-        Diagnose::NothingMeasured => "E404",
+        Diagnose::NothingMeasured | Diagnose::NothingRead => "E404",
+        Diagnose::OtherMachine(_) => "E503",
     }
 }
 
@@ -228,11 +229,11 @@ fn of_report(error: &Report) -> &'static str {
 
 fn of_compensate(error: &Compensate) -> &'static str {
     match error {
-        Compensate::OtherMachine { .. } => "E503",
+        Compensate::OtherMachine(_) => "E503",
         Compensate::NotContracting { .. } => "E601",
         Compensate::NoSuchAxis { .. } => "E602",
-        Compensate::Unsuitable { .. } => "E603",
-        Compensate::OldTable { .. } => "E604",
+        Compensate::Unsuitable { .. } | Compensate::NoLever => "E603",
+        Compensate::Table { .. } => "E604",
         Compensate::Step { .. } => "E605",
         Compensate::UnequalSteps { .. } => "E606",
         Compensate::TooManyPoints { .. } => "E607",

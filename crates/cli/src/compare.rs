@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use trueaxis_calibrate::{CalibratedMachine, Difference};
-use trueaxis_compensate::check_same_machine;
+use trueaxis_calibrate::{CalibratedMachine, Difference, check_same_machine};
 use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 
@@ -25,8 +24,8 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
     let second = CalibratedMachine::read(&args.second)?;
     check_same_machine(first.machine(), second.machine())?;
     let differences = first.compare(&second)?;
-    let mut inputs = of_calibration(&args.first)?;
-    inputs.extend(of_calibration(&args.second)?);
+    let mut inputs = of_calibration(&args.first, &first)?;
+    inputs.extend(of_calibration(&args.second, &second)?);
     let text = trueaxis_files::to_json(&to_json(&first, &second, &differences))?;
     let text = traced(&text, &inputs, None)?;
     let folder = output::folder(args.out.as_deref(), &second.campaign)?;
@@ -162,11 +161,14 @@ fn table(differences: &[Difference]) -> Vec<String> {
             0 => String::new(),
             _ => format!("changed, at {changed} of {}", curve.len()),
         };
+        let expanded = match largest.u.is_nan() {
+            true => format!("{:>9}", "unknown"),
+            false => format!("{:>9.2} {symbol}", 2.0 * largest.u / unit),
+        };
         let line = format!(
-            "  {:12} {:>14.2} {symbol} {:>9.2} {symbol}  {said}",
+            "  {:12} {:>14.2} {symbol} {expanded}  {said}",
             largest.name,
             largest.value() / unit,
-            2.0 * largest.u / unit
         );
         lines.push(line.trim_end().to_owned());
     }

@@ -9,8 +9,9 @@ mod story;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{Campaign, checksums, read};
-use trueaxis_diagnose::{Diagnosis, Settings, diagnose};
+use trueaxis_diagnose::{Diagnosis, Settings, diagnose, diagnose_against};
 use trueaxis_simulate::replay;
 
 use crate::args::DiagnoseArgs;
@@ -18,7 +19,7 @@ use crate::exit::Exit;
 use crate::output;
 use crate::report;
 use crate::talk::{notice, say};
-use crate::traceability::traced;
+use crate::traceability::{of_calibration, traced};
 
 /// What was found in the lengths, for `calibrate --with-effects`.
 const EFFECTS: &str = "effects.json";
@@ -29,8 +30,17 @@ const REPLAY: &str = "replay.json";
 pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
     let in_file = || args.campaign.display().to_string();
-    let diagnosis = diagnose(&campaign, &Settings::default()).with_context(in_file)?;
-    let text = traced(&diagnosis.to_json(), &checksums(&args.campaign)?, None)?;
+    let mut inputs = checksums(&args.campaign)?;
+    let diagnosis = match &args.calibration {
+        None => diagnose(&campaign, &Settings::default()),
+        Some(path) => {
+            let calibration = CalibratedMachine::read(path)?;
+            inputs.extend(of_calibration(path, &calibration)?);
+            diagnose_against(&campaign, &calibration, &Settings::default())
+        }
+    };
+    let diagnosis = diagnosis.with_context(in_file)?;
+    let text = traced(&diagnosis.to_json(), &inputs, None)?;
     let mut notices: Vec<String> = campaign.notices.clone();
     notices.extend(diagnosis.notices.iter().cloned());
     let mut files = vec![("diagnosis.json", text.clone())];

@@ -8,6 +8,7 @@ use trueaxis_poses::Error as Poses;
 
 use crate::effects_input::EffectsInputError;
 use crate::export::OldTablesError;
+use crate::import::calibration::ImportError;
 use crate::output::OutputError;
 use crate::report::TemplateUnreadable;
 
@@ -70,14 +71,19 @@ impl Exit {
             if cause.is::<OutputError>() || cause.is::<TemplateUnreadable>() {
                 return Self::Usage;
             }
-            if cause.is::<ReadError>() || cause.is::<trueaxis_import::Error>() {
+            if cause.is::<ReadError>()
+                || cause.is::<trueaxis_calibrate::OtherMachine>()
+                || cause.is::<ImportError>()
+                || cause.is::<trueaxis_files::DocumentError>()
+                || cause.is::<trueaxis_import::Error>()
+            {
                 return Self::Input;
             }
             if let Some(error) = cause.downcast_ref::<trueaxis_compensate::Error>() {
                 return match error {
                     trueaxis_compensate::Error::NotContracting { .. } => Self::NotConverged,
-                    trueaxis_compensate::Error::OtherMachine { .. }
-                    | trueaxis_compensate::Error::OldTable { .. } => Self::Input,
+                    trueaxis_compensate::Error::OtherMachine(_)
+                    | trueaxis_compensate::Error::Table { .. } => Self::Input,
                     _ => Self::Usage,
                 };
             }
@@ -97,7 +103,8 @@ impl Exit {
                 return match error {
                     Diagnose::Calibrate(error) => Self::of_calibration(error),
                     Diagnose::Adjustment(_) => Self::NotConverged,
-                    Diagnose::NothingMeasured => Self::NotIdentifiable,
+                    Diagnose::NothingMeasured | Diagnose::NothingRead => Self::NotIdentifiable,
+                    Diagnose::OtherMachine(_) => Self::Input,
                 };
             }
             if let Some(error) = cause.downcast_ref::<Calibrate>() {

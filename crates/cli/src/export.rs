@@ -27,7 +27,7 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
     let at = args.at.unwrap_or(machine.reference_point_mm());
     let old = match &args.onto {
         None => Vec::new(),
-        Some(folder) => old_tables(&machine, folder)?,
+        Some(path) => old_tables(&machine, format, path)?,
     };
     let tables = export(
         format,
@@ -75,7 +75,7 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
     Ok(Exit::Good)
 }
 
-/// A folder with old tables that cannot be read.
+/// Old tables that cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum OldTablesError {
     /// The operating system refuses.
@@ -85,29 +85,41 @@ pub(crate) enum OldTablesError {
         source: std::io::Error,
     },
     /// No table is in it.
-    #[error("{} has no table of an axis, as X.comp; --onto wants the folder of the old ones", folder.display())]
-    Nothing { folder: PathBuf },
+    #[error("{} has none of {names}; --onto wants the folder of the old tables, or a file", folder.display())]
+    Nothing { folder: PathBuf, names: String },
 }
 
-/// `X.comp` and so on, as far as they are there.
+/// A file, or those in a folder that have the names of the format.
 fn old_tables(
     machine: &CalibratedMachine,
-    folder: &Path,
-) -> Result<Vec<ExportedFile>, OldTablesError> {
+    format: Format,
+    path: &Path,
+) -> anyhow::Result<Vec<ExportedFile>> {
+    let axes = machine.machine().axes().iter().map(|axis| axis.name());
+    let names = format.old_files(axes)?;
+    let files: Vec<(String, PathBuf)> = match path.file_name() {
+        Some(name) if path.is_file() => {
+            vec![(name.to_string_lossy().into_owned(), path.to_owned())]
+        }
+        _ => names
+            .iter()
+            .map(|name| (name.clone(), path.join(name)))
+            .collect(),
+    };
     let mut old = Vec::new();
-    for axis in machine.machine().axes() {
-        let name = format!("{}.comp", axis.name());
-        let path = folder.join(&name);
+    for (name, path) in files {
         match std::fs::read_to_string(&path) {
             Ok(text) => old.push(ExportedFile { name, text }),
             Err(source) if source.kind() == std::io::ErrorKind::NotFound => {}
-            Err(source) => return Err(OldTablesError::Unreadable { path, source }),
+            Err(source) => return Err(OldTablesError::Unreadable { path, source }.into()),
         }
     }
     match old.is_empty() {
         true => Err(OldTablesError::Nothing {
-            folder: folder.to_owned(),
-        }),
+            folder: path.to_owned(),
+            names: names.join(", "),
+        }
+        .into()),
         false => Ok(old),
     }
 }

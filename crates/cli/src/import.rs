@@ -1,5 +1,7 @@
 //! `trueaxis import`.
 
+pub(crate) mod calibration;
+
 use std::path::PathBuf;
 
 use trueaxis_import::{Imported, Kind, Map, Skipped};
@@ -14,6 +16,7 @@ const PREVIEW_ROWS: usize = 5;
 
 pub(crate) fn run(args: &ImportArgs) -> anyhow::Result<Exit> {
     match &args.what {
+        ImportWhat::Calibration(args) => calibration::run(args),
         ImportWhat::Lengths(args) => table(args, Kind::Lengths, "lengths.csv"),
         ImportWhat::Points(args) => table(args, Kind::Points, "points.csv"),
     }

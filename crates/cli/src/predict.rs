@@ -78,6 +78,12 @@ pub(crate) fn source(machine: &CalibratedMachine) -> Vec<String> {
             unmeasured.join(", ")
         ));
     }
+    if !machine.has_uncertainties {
+        lines.push(
+            "the calibration has no uncertainties (it was imported without --u-um), so that nothing here has one"
+                .to_owned(),
+        );
+    }
     lines
 }
 
@@ -99,7 +105,10 @@ fn summary(
         worst.map(|(p, line)| {
             let vector = p.error.to_vector();
             let (e, u) = (vector / unit, p.u() * k / unit);
-            let part = |i: usize| format!("{:+.2} ± {:.2}", e[first + i], u[first + i]);
+            let part = |i: usize| match machine.has_uncertainties {
+                true => format!("{:+.2} ± {:.2}", e[first + i], u[first + i]),
+                false => format!("{:+.2}", e[first + i]),
+            };
             format!(
                 "  largest {what:12} {:.2} {symbol} in line {line}: {}, {}, {} {symbol}",
                 size(p) / unit,
@@ -110,10 +119,10 @@ fn summary(
         })
     };
     let outside = predictions.iter().filter(|p| p.extrapolated).count();
-    let mut all = vec![format!(
-        "{} positions; ± is U for k = {k:.2}",
-        predictions.len()
-    )];
+    let mut all = vec![match machine.has_uncertainties {
+        true => format!("{} positions; ± is U for k = {k:.2}", predictions.len()),
+        false => format!("{} positions", predictions.len()),
+    }];
     all.extend(largest("displacement", 0, MICROMETRE, "µm"));
     all.extend(largest("rotation", 3, ARCSEC, "″"));
     if outside > 0 {

@@ -4,9 +4,8 @@ use std::path::Path;
 
 use anyhow::Context;
 use serde_json::{Value, json};
-use trueaxis_calibrate::FactoredCovariance;
+use trueaxis_calibrate::{CalibratedMachine, FactoredCovariance};
 use trueaxis_campaign::InputFile;
-use trueaxis_files::sha256;
 
 /// The text of a result with its `traceability`.
 pub(crate) fn traced(
@@ -26,19 +25,16 @@ pub(crate) fn traced(
     Ok(trueaxis_files::to_json(&document)?)
 }
 
-/// A calibration and the covariance beside it.
-pub(crate) fn of_calibration(path: &Path) -> anyhow::Result<Vec<InputFile>> {
-    let all = [
-        path.to_owned(),
-        path.with_file_name(FactoredCovariance::FILE),
-    ];
-    let input = |path: std::path::PathBuf| {
-        let name = path.file_name().unwrap_or(path.as_os_str());
-        let sha256 = sha256(&path).with_context(|| path.display().to_string())?;
-        Ok(InputFile {
-            name: name.to_string_lossy().into_owned(),
-            sha256,
-        })
-    };
-    all.into_iter().map(input).collect()
+/// A calibration and, if it has uncertainties, the covariance beside it.
+pub(crate) fn of_calibration(
+    path: &Path,
+    machine: &CalibratedMachine,
+) -> anyhow::Result<Vec<InputFile>> {
+    let covariance = machine
+        .has_uncertainties
+        .then(|| path.with_file_name(FactoredCovariance::FILE));
+    let all = std::iter::once(path.to_owned()).chain(covariance);
+    let input =
+        |path: std::path::PathBuf| InputFile::of(&path).with_context(|| path.display().to_string());
+    all.map(input).collect()
 }

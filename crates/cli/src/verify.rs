@@ -3,9 +3,10 @@
 use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{VerificationKind, checksums};
 use trueaxis_compensate::{
-    Circular, EXPECTED_ABOVE_ONE, Point, Positioning, Verified, is_misfit, verification_json,
-    verify,
+    Circular, EXPECTED_ABOVE_ONE, ParallelLines, Point, Positioning, Verified, is_misfit,
+    parallel_lines, verification_json, verify,
 };
+use trueaxis_kinematics::ARCSEC;
 
 use crate::args::VerifyArgs;
 use crate::exit::Exit;
@@ -21,8 +22,15 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     let machine = CalibratedMachine::read(&args.calibration)?;
     let campaign = trueaxis_campaign::read(&args.campaign)?;
     let verified = verify(&machine, &campaign, args.compensated)?;
-    let document = verification_json(&machine, &campaign.name, args.compensated, &verified);
-    let mut inputs = of_calibration(&args.calibration)?;
+    let parallel = parallel_lines(&machine, &verified, args.compensated);
+    let document = verification_json(
+        &machine,
+        &campaign.name,
+        args.compensated,
+        &verified,
+        &parallel,
+    );
+    let mut inputs = of_calibration(&args.calibration, &machine)?;
     inputs.extend(checksums(&args.campaign)?);
     let text = traced(&trueaxis_files::to_json(&document)?, &inputs, None)?;
     let folder = output::folder(args.out.as_deref(), &campaign.name)?;
@@ -36,6 +44,9 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
         lines(entry, args.compensated)
             .iter()
             .for_each(|line| say(line));
+    }
+    for found in &parallel {
+        angles(&machine, found).iter().for_each(|line| say(line));
     }
     if verified.is_empty() {
         notice("the campaign has no verification: add readings to `verification` of campaign.json");
@@ -76,12 +87,15 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
         all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
     };
     let u = entry.points.iter().map(|point| point.u_prediction_um);
+    let u = match u.clone().any(f64::is_nan) {
+        true => "u of the predictions is not known".to_owned(),
+        false => format!("largest u of a prediction {:.2}", u.fold(0.0, f64::max)),
+    };
     lines.push(format!(
-        "  range, µm            read {:.2}; predicted {:.2}, with compensation {:.2}; largest u of a prediction {:.2}",
+        "  range, µm            read {:.2}; predicted {:.2}, with compensation {:.2}; {u}",
         range(|p| p.reading_um),
         range(|p| p.predicted_um),
         range(|p| p.compensated_um),
-        u.fold(0.0, f64::max)
     ));
     let squares = entry.points.iter().map(|point| {
         let predicted = if is_compensated {
@@ -94,6 +108,9 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
     let rms = (squares.sum::<f64>() / entry.points.len().max(1) as f64).sqrt();
     let (above, all) = entry.above_one();
     let judged = match all {
+        0 if entry.points.iter().any(|p| p.u_prediction_um.is_nan()) => {
+            "without uncertainties there is no E_n".to_owned()
+        }
         0 => "no u_um is declared, so there is no E_n".to_owned(),
         _ => format!(
             "|E_n| above 1 at {above} of {all} (expected {:.1}): {}",
@@ -110,6 +127,35 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
         lines.extend(iso_230_2(positioning));
     }
     lines.extend(entry.circular.as_ref().map(iso_230_4));
+    lines
+}
+
+/// Pitch and yaw from parallel lines.
+fn angles(machine: &CalibratedMachine, found: &ParallelLines) -> Vec<String> {
+    let name = machine.machine().axes()[found.axis].name();
+    let mut lines = vec![format!(
+        "angles of {name} from {} parallel lines ({}), at {} positions; mean taken out, as each line has a zero of its own",
+        found.lines.len(),
+        found.lines.join(", "),
+        found.positions.len()
+    )];
+    for curve in &found.angles {
+        let range = |values: &[f64]| {
+            let high = values.iter().copied().fold(f64::MIN, f64::max);
+            (high - values.iter().copied().fold(f64::MAX, f64::min)) / ARCSEC
+        };
+        let u = match curve.u_largest() {
+            Some(u) => format!("; U of that {:.2}″ (k = 2)", 2.0 * u / ARCSEC),
+            None => String::new(),
+        };
+        lines.push(format!(
+            "  {}, range, ″         read {:.2}; predicted {:.2}; they differ by {:.2}″ at most{u}",
+            curve.component.name(name),
+            range(&curve.measured),
+            range(&curve.predicted),
+            curve.largest_difference() / ARCSEC
+        ));
+    }
     lines
 }
 
@@ -147,6 +193,11 @@ fn iso_230_4(found: &Circular) -> String {
         ("G backward", found.g_backward_um),
         ("G(b)", found.g_both_um),
         ("H", found.h_um),
+        ("F forward min", found.f_forward_um.map(|f| f[0])),
+        ("max", found.f_forward_um.map(|f| f[1])),
+        ("F backward min", found.f_backward_um.map(|f| f[0])),
+        ("max", found.f_backward_um.map(|f| f[1])),
+        ("D", found.d_um),
     ];
     let parts = parts
         .iter()

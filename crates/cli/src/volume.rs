@@ -28,7 +28,11 @@ pub(crate) fn run(args: &VolumeArgs) -> anyhow::Result<Exit> {
     });
     let after = remains(&machine, &volume.places)?;
     let text = with_after(&volume.to_json(&machine), &after)?;
-    let text = traced(&text, &of_calibration(&args.calibration)?, Some(args.seed))?;
+    let text = traced(
+        &text,
+        &of_calibration(&args.calibration, &machine)?,
+        Some(args.seed),
+    )?;
     let map = volume.map(&machine);
     let mut files = vec![("volume.json", text.clone())];
     let has_map = volume.places.grid.iter().any(Option::is_some);
@@ -68,8 +72,12 @@ fn lines(machine: &CalibratedMachine, volume: &Volume) -> Vec<String> {
     let [x, y, z]: [f64; 3] = volume.places.tool_home_mm.coords.into();
     let mut lines = vec![
         format!(
-            "{} places; tool point ({x}, {y}, {z}) mm at home; in brackets 95 % intervals",
-            volume.places.count()
+            "{} places; tool point ({x}, {y}, {z}) mm at home{}",
+            volume.places.count(),
+            match volume.figures.zeroed_at_home.rms.drawn {
+                Some(_) => "; in brackets 95 % intervals",
+                None => "",
+            }
         ),
         "volumetric error, µm              rms                  95 %               largest"
             .to_owned(),
@@ -170,6 +178,10 @@ fn after_lines(after: &Remains) -> Vec<String> {
     lines.push(line("linear axes corrected", &after.linear));
     if after.linear != after.all {
         lines.push(line("all axes corrected", &after.all));
+    }
+    if after.u_rms_mm.is_nan() {
+        lines.push("  and what the calibration does not know, of which it says nothing".to_owned());
+        return lines;
     }
     lines.push(format!(
         "  and what the calibration does not know: u rms {:.2}, largest {:.2} µm (k = 1)",

@@ -17,16 +17,8 @@ pub enum Error {
         limit: f64,
     },
     /// The calibration of another machine.
-    #[error(
-        "this is the calibration of another machine: its axes are {calibrated}, expected {measured}; names, kinds, \
-         directions and order from the bed must be the same"
-    )]
-    OtherMachine {
-        /// Names of the axes of the calibration.
-        calibrated: String,
-        /// Names of the axes of the other calibration, or of the campaign.
-        measured: String,
-    },
+    #[error(transparent)]
+    OtherMachine(#[from] trueaxis_calibrate::OtherMachine),
     /// An axis that the machine does not have, or that was not measured.
     #[error("axis {axis} was not measured; measured are {measured}")]
     NoSuchAxis {
@@ -45,18 +37,24 @@ pub enum Error {
         /// What the machine lacks.
         lacks: String,
     },
-    /// An old table that the control would not read.
+    /// A table that cannot be used.
     #[error("{file} line {line}: {found:?}; expected {expected}")]
-    OldTable {
+    Table {
         /// Name of the file.
         file: String,
         /// Number of the line, from 1.
         line: usize,
-        /// The line.
+        /// What it says.
         found: String,
         /// What it should be.
-        expected: &'static str,
+        expected: String,
     },
+    /// Angles of a machine without a length to compare them with.
+    #[error(
+        "the machine has no linear axis, on whose travel an angle would make so many µm; give the standard uncertainty of the \
+         angles, too (--u-arcsec)"
+    )]
+    NoLever,
     /// A spacing that does not end at the last step.
     #[error(
         "axis {axis}: a spacing of {step} {unit} does not divide the range of its steps, {range} {unit}; \

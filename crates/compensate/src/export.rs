@@ -2,15 +2,17 @@
 
 mod announcement;
 mod components;
-mod etalon;
+pub(crate) mod etalon;
 mod grid;
-mod isg;
+pub(crate) mod isg;
 mod klipper;
 mod line;
 mod linuxcnc;
 mod marlin;
+pub(crate) mod named_errors;
 mod sinumerik;
 mod skew;
+mod with_old;
 
 use nalgebra::Point3;
 use trueaxis_calibrate::CalibratedMachine;
@@ -64,6 +66,38 @@ impl Format {
     }
 }
 
+impl Format {
+    /// Names of the files of old tables that [`Request::onto`] takes, for the axes of a machine.
+    ///
+    /// # Errors
+    /// [`Error::Unsuitable`] for a format without tables.
+    pub fn old_files<'a>(self, axes: impl Iterator<Item = &'a str>) -> Result<Vec<String>, Error> {
+        Ok(match self {
+            Self::Grid => vec!["grid.csv".to_owned()],
+            Self::LinuxCnc => axes.map(|axis| format!("{axis}.comp")).collect(),
+            Self::Isg => vec!["volcomp.csv".to_owned()],
+            Self::Etalon => vec!["etalon.txt".to_owned()],
+            Self::Sinumerik => vec!["AX_EEC.INI".to_owned(), "NC_CEC.INI".to_owned()],
+            Self::Marlin | Self::Klipper => {
+                return Err(Error::Unsuitable {
+                    format: self.name(),
+                    takes: "no old tables",
+                    lacks: "switch its skew correction off before you measure".to_owned(),
+                });
+            }
+        })
+    }
+}
+
+/// The error for a format of one file that got more.
+fn one_file(format: &'static str, found: usize) -> Error {
+    Error::Unsuitable {
+        format,
+        takes: "one old file",
+        lacks: format!("{found} were given"),
+    }
+}
+
 /// What is asked for.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
@@ -110,7 +144,7 @@ pub(crate) trait Rule {
 }
 
 /// The files of a format before they are judged.
-struct Tables {
+pub(crate) struct Tables {
     files: Vec<ExportedFile>,
     notes: Vec<String>,
     is_experimental: bool,
@@ -122,12 +156,8 @@ struct Tables {
 /// # Errors
 /// What the control cannot hold, with the numbers: [`Error`].
 pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
-    if !request.onto.is_empty() && format != Format::LinuxCnc {
-        return Err(Error::Unsuitable {
-            format: format.name(),
-            takes: "no old tables yet (only linuxcnc does)",
-            lacks: "add the new ones to the old ones at the control".to_owned(),
-        });
+    if !request.onto.is_empty() {
+        format.old_files(std::iter::empty())?;
     }
     let tables = match format {
         Format::Grid => grid::tables(request),

@@ -5,6 +5,8 @@
 //!
 //! [`export()`] makes tables for controls ([`Format`]), and says what they leave.
 //!
+//! [`import()`] makes a calibration of the tables of another system.
+//!
 //! Noun in: a machine with its errors, as a [`trueaxis_calibrate::CalibratedMachine`], and a commanded pose; noun out:
 //! [`Corrected`] positions.
 //!
@@ -27,16 +29,17 @@ mod correct;
 mod error;
 mod export;
 mod freedom;
+mod import;
 mod remains;
-mod same_machine;
 mod verify;
 
 pub use correct::{Corrected, axis_deviations, correct};
 pub use error::Error;
 pub use export::{Announcement, Export, ExportedFile, Format, LineFigures, Request, Sizes, export};
 pub use freedom::Moved;
+pub use import::{DeclaredUncertainty, Import, Imported, import};
 pub use remains::{Left, Remains, remains};
-pub use same_machine::check_same_machine;
 pub use verify::iso_230_2::{Positioning, Side};
 pub use verify::iso_230_4::Circular;
+pub use verify::parallel_lines::{AngleCurve, ParallelLines, parallel_lines};
 pub use verify::{EXPECTED_ABOVE_ONE, Point, Verified, is_misfit, verification_json, verify};

@@ -18,7 +18,7 @@ pub struct Remains {
     /// With all axes corrected.
     pub all: Left,
     /// What the calibration does not know of the displacement, and no compensation takes away: rms and largest of
-    /// `√trace` of the covariance, mm (k = 1).
+    /// `√trace` of the covariance, mm (k = 1); NaN if the calibration has no uncertainties.
     pub u_rms_mm: f64,
     /// See above.
     pub u_max_mm: f64,
@@ -68,7 +68,11 @@ pub fn remains(machine: &CalibratedMachine, places: &Places) -> Result<Remains, 
         let u = prediction.u();
         Vector6::new(u[0], u[1], u[2], 0.0, 0.0, 0.0)
     });
-    let u = Left::of(&u.collect::<Vec<_>>());
+    let mut u = Left::of(&u.collect::<Vec<_>>());
+    if !machine.has_uncertainties {
+        // Which the largest of many would hide.
+        (u.rms_mm, u.max_mm) = (f64::NAN, f64::NAN);
+    }
     Ok(Remains {
         places: chosen.len(),
         linear: left(Moved::Linear)?,

@@ -14,21 +14,21 @@
 pub(crate) mod iso_230_2;
 pub(crate) mod iso_230_4;
 mod json;
+pub(crate) mod parallel_lines;
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_calibrate::{
-    Approach, CalibratedMachine, MeasuredPoint, ball_bar_set_up, carrier, measured_home_mm,
-    predicted_reading_um,
+    Approach, CalibratedMachine, MeasuredPoint, ball_bar_set_up, carrier, check_same_machine,
+    measured_home_mm, positioning_lines, predicted_reading_um,
 };
 use trueaxis_campaign::{Campaign, Direction, Verification, VerificationKind};
 use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
 
-use crate::same_machine::check_same_machine;
 use crate::{Error, Moved, correct};
 pub use json::verification_json;
 
 use iso_230_2::Positioning;
-use iso_230_4::{Circular, circular_deviation};
+use iso_230_4::Circular;
 
 /// Positions this close are one, mm or rad.
 const SAME: f64 = 1e-9;
@@ -74,7 +74,7 @@ pub struct Point {
     pub first_order_um: f64,
     /// Predicted with every command corrected.
     pub compensated_um: f64,
-    /// Standard uncertainty of the prediction.
+    /// Standard uncertainty of the prediction; NaN if the calibration has none.
     pub u_prediction_um: f64,
     /// Declared standard uncertainty of the reading.
     pub u_reading_um: Option<f64>,
@@ -139,11 +139,15 @@ fn verified(
         point.compensated_um = predicted_reading_um(nominal, kind, machine, at, &corrected);
         point.u_reading_um = declared_u_um(nominal, verification, at);
     }
-    let commanded: Vec<Vec<f64>> = points.iter().map(|p| p.positions.clone()).collect();
+    let readings: Vec<_> = points
+        .iter()
+        .map(|point| (kind, point.positions.as_slice()))
+        .collect();
+    let covariance = machine.covariance_of_readings(&readings);
     let set_up = set_up(nominal, kind, &points);
     let free = &set_up * pseudo_inverse(&set_up);
     let projection = DMatrix::identity(points.len(), points.len()) - free;
-    let covariance = &projection * machine.covariance_of_readings(kind, &commanded) * &projection;
+    let covariance = &projection * covariance * &projection;
     let fitted = |value: fn(&mut Point) -> &mut f64, points: &mut [Point]| {
         let column = DVector::from_iterator(points.len(), points.iter_mut().map(|p| *value(p)));
         let left = &projection * column;
@@ -157,7 +161,9 @@ fn verified(
     fitted(|point| &mut point.first_order_um, &mut points);
     fitted(|point| &mut point.compensated_um, &mut points);
     for (i, point) in points.iter_mut().enumerate() {
-        point.u_prediction_um = covariance[(i, i)].max(0.0).sqrt();
+        let variance = covariance[(i, i)];
+        // Rounding may leave less than zero; what is not known stays so.
+        point.u_prediction_um = if variance < 0.0 { 0.0 } else { variance.sqrt() };
         let predicted = if is_compensated {
             point.compensated_um
         } else {
@@ -165,13 +171,14 @@ fn verified(
         };
         point.e_n = point
             .u_reading_um
+            .filter(|_| machine.has_uncertainties)
             .map(|u| (point.reading_um - predicted) / (2.0 * u.hypot(point.u_prediction_um)));
     }
     Ok(Verified {
         name: verification.name.clone(),
         kind: kind.clone(),
         positioning: positioning(verification),
-        circular: circular(nominal, kind, &points),
+        circular: Circular::new(nominal, kind, &grouped(verification)),
         points,
     })
 }
@@ -228,12 +235,6 @@ fn are_same(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME)
 }
 
-/// Whether two readings are of one line: the other axes stand at the same positions.
-fn on_one_line(axis: usize, a: &[f64], b: &[f64]) -> bool {
-    let mut pairs = a.iter().zip(b).enumerate();
-    pairs.all(|(i, (a, b))| i == axis || (a - b).abs() <= SAME)
-}
-
 /// √(a² + (b l)²), with l the commanded position of the axis (mm; an arc for a rotary one) or the nominal length.
 fn declared_u_um(machine: &Machine, verification: &Verification, at: &[f64]) -> Option<f64> {
     if verification.u_um.is_none() && verification.u_ppm.is_none() {
@@ -252,6 +253,7 @@ fn declared_u_um(machine: &Machine, verification: &Verification, at: &[f64]) -> 
             ball_mm,
             ball_carrier,
             center_mm,
+            ..
         } => (machine.position(&Ideal, ball_carrier, at, ball_mm) - center_mm).norm(),
     };
     // ppm of mm are nm.
@@ -263,12 +265,13 @@ fn declared_u_um(machine: &Machine, verification: &Verification, at: &[f64]) -> 
 fn set_up(machine: &Machine, kind: &VerificationKind, points: &[Point]) -> DMatrix<f64> {
     let columns: Vec<Vec<f64>> = match *kind {
         VerificationKind::Positioning { axis, .. } => {
-            let first = first_of_lines(axis, points.iter().map(|point| &point.positions));
-            let of_line = |line: &Vec<f64>| {
-                let is_on = points.iter().map(|p| on_one_line(axis, line, &p.positions));
-                is_on.map(|is_on| f64::from(u8::from(is_on))).collect()
+            let lines = positioning_lines(axis, points.iter().map(|p| p.positions.as_slice()));
+            let count = lines.iter().max().map_or(0, |last| last + 1);
+            let of_line = |line| {
+                let is_on = lines.iter().map(|&own| f64::from(u8::from(own == line)));
+                is_on.collect()
             };
-            first.iter().map(of_line).collect()
+            (0..count).map(of_line).collect()
         }
         VerificationKind::Ballbar { .. } => {
             let along = points
@@ -280,16 +283,6 @@ fn set_up(machine: &Machine, kind: &VerificationKind, points: &[Point]) -> DMatr
     DMatrix::from_fn(points.len(), columns.len(), |row, column| {
         columns[column][row]
     })
-}
-
-fn first_of_lines<'a>(axis: usize, all: impl Iterator<Item = &'a Vec<f64>>) -> Vec<Vec<f64>> {
-    let mut lines: Vec<Vec<f64>> = Vec::new();
-    for positions in all {
-        if !lines.iter().any(|line| on_one_line(axis, line, positions)) {
-            lines.push(positions.clone());
-        }
-    }
-    lines
 }
 
 fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
@@ -305,48 +298,16 @@ fn positioning(verification: &Verification) -> Vec<(Vec<f64>, Positioning)> {
         return Vec::new();
     };
     let readings = &verification.readings;
-    let lines = first_of_lines(axis, readings.iter().map(|reading| &reading.positions));
-    let of_line = |line: Vec<f64>| {
-        let own = readings
+    let lines = positioning_lines(axis, readings.iter().map(|r| r.positions.as_slice()));
+    let count = lines.iter().max().map_or(0, |last| last + 1);
+    let of_line = |line: usize| {
+        let own = readings.iter().zip(&lines).filter(|(_, own)| **own == line);
+        let own: Vec<_> = own.map(|(reading, _)| reading).collect();
+        let runs = own
             .iter()
-            .filter(|r| on_one_line(axis, &line, &r.positions));
-        let own = own.map(|r| (r.positions[axis], r.direction, r.value_um));
-        let positioning = Positioning::new(&own.collect::<Vec<_>>());
-        (line, positioning)
+            .map(|r| (r.positions[axis], r.direction, r.value_um));
+        let positioning = Positioning::new(&runs.collect::<Vec<_>>());
+        (own[0].positions.clone(), positioning)
     };
-    lines.into_iter().map(of_line).collect()
-}
-
-fn circular(machine: &Machine, kind: &VerificationKind, points: &[Point]) -> Option<Circular> {
-    if !matches!(kind, VerificationKind::Ballbar { .. }) {
-        return None;
-    }
-    let of = |chosen: Vec<Point>| {
-        if chosen.is_empty() {
-            return None;
-        }
-        let set_up = set_up(machine, kind, &chosen);
-        let readings = DVector::from_iterator(chosen.len(), chosen.iter().map(|p| p.reading_um));
-        let left = &readings - &set_up * (pseudo_inverse(&set_up) * &readings);
-        circular_deviation(left.as_slice())
-    };
-    let side = |direction| {
-        let own = points.iter().filter(|point| point.direction == direction);
-        own.cloned().collect::<Vec<_>>()
-    };
-    let [forward, backward] = [Direction::Forward, Direction::Backward].map(side);
-    let pairs = forward.iter().filter_map(|f| {
-        let same = backward
-            .iter()
-            .find(|b| are_same(&f.positions, &b.positions));
-        same.map(|b| (f.reading_um - b.reading_um).abs())
-    });
-    let h_um = pairs.reduce(f64::max);
-    let is_both = !forward.is_empty() && !backward.is_empty();
-    Some(Circular {
-        g_both_um: is_both.then(|| of(points.to_vec())).flatten(),
-        g_forward_um: of(forward),
-        g_backward_um: of(backward),
-        h_um,
-    })
+    (0..count).map(of_line).collect()
 }

@@ -1,6 +1,8 @@
 //! The headline verb: a campaign to a diagnosis.
 
-use trueaxis_calibrate::{Calibration, calibrate_with_adjustment};
+use trueaxis_calibrate::{
+    CalibratedMachine, Calibration, calibrate_with_adjustment, check_same_machine,
+};
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::Scene;
 use trueaxis_poses::LengthsAdjustment;
@@ -27,19 +29,7 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
     if campaign.verification.is_empty() && !measured {
         return Err(Error::NothingMeasured);
     }
-    let mut diagnosis = Diagnosis {
-        campaign: campaign.name.clone(),
-        scene: scene_of_all(campaign),
-        verdict: Verdict::NotJudged,
-        levels: Vec::new(),
-        causes: Vec::new(),
-        disturbances: Vec::new(),
-        unexplained: None,
-        rejected: Vec::new(),
-        not_observable: Vec::new(),
-        calibration: None,
-        notices: Vec::new(),
-    };
+    let mut diagnosis = Diagnosis::new(campaign);
     let mut adjustment = None;
     if measured {
         let (calibration, of_lengths) = calibrated(campaign, settings, &mut diagnosis.notices)?;
@@ -70,24 +60,8 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         }
     }
     let calibration = diagnosis.calibration.as_ref();
-    let verification = diagnose_verification(
-        campaign,
-        calibration,
-        &diagnosis.scene,
-        settings.explain_curves,
-    );
-    diagnosis.rejected = verification.rejected;
-    for entry in verification.entries {
-        with_level(
-            &mut diagnosis,
-            entry.report,
-            entry.causes,
-            entry.unexplained,
-        );
-    }
-    diagnosis.causes.extend(verification.curves);
-    diagnosis.not_observable.extend(verification.not_observable);
-    diagnosis.notices.extend(verification.notices);
+    let predicts = calibration.map(Calibration::calibrated_machine);
+    with_verification(&mut diagnosis, campaign, predicts.as_ref(), settings);
     if let Some(components) = components {
         diagnosis.causes.extend(components.causes);
         diagnosis.not_observable.extend(components.not_observable);
@@ -103,6 +77,76 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         diagnosis.notices.push(format!("nothing was judged: {why}"));
     }
     Ok(diagnosis)
+}
+
+/// Says what the verification readings of a campaign contradict in a calibration that was made before, or by another system.
+/// What else the campaign measured is not looked at.
+///
+/// # Errors
+/// [`Error::OtherMachine`] if the calibration is that of another machine, [`Error::NothingRead`] without readings.
+pub fn diagnose_against(
+    campaign: &Campaign,
+    calibration: &CalibratedMachine,
+    settings: &Settings,
+) -> Result<Diagnosis, Error> {
+    check_same_machine(calibration.machine(), &campaign.machine)?;
+    if campaign.verification.is_empty() {
+        return Err(Error::NothingRead);
+    }
+    let mut diagnosis = Diagnosis::new(campaign);
+    diagnosis.notices.push(format!(
+        "the readings are judged against the calibration `{}` that was given",
+        calibration.campaign
+    ));
+    if campaign.lengths.is_some() || campaign.points.is_some() {
+        diagnosis.notices.push(
+            "what the campaign measured itself (lengths, points) was not looked at: diagnose it without --calibration"
+                .to_owned(),
+        );
+    }
+    with_verification(&mut diagnosis, campaign, Some(calibration), settings);
+    Ok(diagnosis)
+}
+
+/// What the verification readings say.
+fn with_verification(
+    diagnosis: &mut Diagnosis,
+    campaign: &Campaign,
+    calibration: Option<&CalibratedMachine>,
+    settings: &Settings,
+) {
+    let outcome = diagnose_verification(
+        campaign,
+        calibration,
+        &diagnosis.scene,
+        settings.explain_curves,
+    );
+    diagnosis.rejected = outcome.rejected;
+    for entry in outcome.entries {
+        with_level(diagnosis, entry.report, entry.causes, entry.unexplained);
+    }
+    diagnosis.causes.extend(outcome.curves);
+    diagnosis.not_observable.extend(outcome.not_observable);
+    diagnosis.notices.extend(outcome.notices);
+}
+
+impl Diagnosis {
+    /// Before anything was judged.
+    fn new(campaign: &Campaign) -> Self {
+        Self {
+            campaign: campaign.name.clone(),
+            scene: scene_of_all(campaign),
+            verdict: Verdict::NotJudged,
+            levels: Vec::new(),
+            causes: Vec::new(),
+            disturbances: Vec::new(),
+            unexplained: None,
+            rejected: Vec::new(),
+            not_observable: Vec::new(),
+            calibration: None,
+            notices: Vec::new(),
+        }
+    }
 }
 
 /// What the lengths say, and the calibration without the causes that they show; the campaign without them, if

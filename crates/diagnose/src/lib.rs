@@ -53,7 +53,7 @@ mod selection;
 mod settings;
 mod verification;
 
-pub use diagnose::diagnose;
+pub use diagnose::{diagnose, diagnose_against};
 pub use diagnosis::{
     Cause, Change, CorrelationLength, CurvePoint, Diagnosis, Disturbance, EstimatedParameter,
     Follows, Gain, HeldOutRatio, LevelReport, Misfit, NotObservable, OmnibusTest, Place, Rejected,

@@ -31,7 +31,7 @@ mod problem;
 mod report;
 mod search;
 
-use trueaxis_calibrate::Calibration;
+use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{Campaign, Verification, VerificationKind};
 use trueaxis_effects::{Level, Scene};
 use trueaxis_kinematics::{Ideal, Machine};
@@ -43,7 +43,7 @@ use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
 use crate::verification::gross_errors::gross_errors;
 use crate::verification::noise_floor::noise_floor_um;
-use crate::verification::prediction_error::{prediction_directions, with_reference_points};
+use crate::verification::prediction_error::prediction_directions;
 use crate::verification::problem::Problem;
 use crate::{
     Cause, LevelReport, Misfit, NotObservable, OmnibusTest, Rejected, Shares, Unexplained,
@@ -86,13 +86,13 @@ const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
 /// machine.
 pub(crate) fn diagnose_verification(
     campaign: &Campaign,
-    calibration: Option<&Calibration>,
+    calibration: Option<&CalibratedMachine>,
     scene: &Scene,
     explain_curves: bool,
 ) -> VerificationOutcome {
     let machine = match calibration {
-        Some(calibration) => with_reference_points(&campaign.machine, calibration),
-        None => campaign.machine.clone(),
+        Some(calibration) => calibration.machine(),
+        None => &campaign.machine,
     };
     let mut outcome = VerificationOutcome {
         entries: Vec::new(),
@@ -101,9 +101,9 @@ pub(crate) fn diagnose_verification(
         not_observable: Vec::new(),
         notices: Vec::new(),
     };
-    if calibration.is_some_and(|c| c.covariance.is_none()) && !campaign.verification.is_empty() {
+    if calibration.is_some_and(|c| !c.has_uncertainties) && !campaign.verification.is_empty() {
         outcome.notices.push(
-            "the calibration was made without covariances: the correlation of the prediction's errors along an axis is assumed"
+            "the calibration has no uncertainties and is taken as exact: its own errors are found in the readings"
                 .to_owned(),
         );
     }
@@ -111,7 +111,7 @@ pub(crate) fn diagnose_verification(
     for verification in &campaign.verification {
         diagnose_entry(
             campaign,
-            &machine,
+            machine,
             verification,
             calibration,
             scene,
@@ -138,7 +138,7 @@ fn diagnose_entry(
     campaign: &Campaign,
     machine: &Machine,
     verification: &Verification,
-    calibration: Option<&Calibration>,
+    calibration: Option<&CalibratedMachine>,
     scene: &Scene,
     asked: Asked,
     outcome: &mut VerificationOutcome,

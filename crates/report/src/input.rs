@@ -43,6 +43,15 @@ impl Input {
             residuals: Residuals::read(&folder.join("residuals.csv"))?,
             left_out: Vec::new(),
         };
+        let has_u = |calibration: &Calibration| {
+            let mut curves = calibration.axes.iter().flat_map(|a| a.components.values());
+            curves.all(|curve| curve.u().len() == curve.values().len())
+        };
+        if input.calibration.take_if(|of| !has_u(&of.parts)).is_some() {
+            input
+                .left_out
+                .push("calibration.json has no uncertainties and is left out.".to_owned());
+        }
         if input.calibration.is_none() && input.diagnosis.is_none() && input.verification.is_none()
         {
             let folder = folder.to_path_buf();

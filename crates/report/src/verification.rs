@@ -49,7 +49,8 @@ struct Point {
     reading_um: f64,
     predicted_um: f64,
     compensated_um: f64,
-    u_prediction_um: f64,
+    /// Not there if the calibration has no uncertainties.
+    u_prediction_um: Option<f64>,
     u_reading_um: Option<f64>,
     e_n: Option<f64>,
 }
@@ -158,10 +159,11 @@ fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> 
         false => (1..).map(f64::from).zip(&entry.points).collect(),
     };
     let u_reading = |point: &Point| COVERAGE * point.u_reading_um.unwrap_or(0.0);
+    let u_prediction = |point: &Point| COVERAGE * point.u_prediction_um.unwrap_or(0.0);
     let points = || entry.points.iter();
     let [from, to] = range(numbered.iter().map(|(x, _)| *x));
     let bounds = points().flat_map(|point| {
-        let u = [u_reading(point), COVERAGE * point.u_prediction_um];
+        let u = [u_reading(point), u_prediction(point)];
         let [reading, prediction] = [(point.reading_um, u[0]), (point.predicted_um, u[1])];
         [
             reading.0 - reading.1,
@@ -199,9 +201,7 @@ fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> 
                 .map(|(x, point)| [*x, value(point)])
                 .collect()
         };
-        let edge = |sign: f64| {
-            curve(&|point| point.predicted_um + sign * COVERAGE * point.u_prediction_um)
-        };
+        let edge = |sign: f64| curve(&|point| point.predicted_um + sign * u_prediction(point));
         plot.band(0, &edge(-1.0), &edge(1.0));
         plot.line("l0", &curve(&|point| point.predicted_um));
         plot.line("l2", &curve(&|point| point.compensated_um));
@@ -213,9 +213,9 @@ fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> 
             &[[x, point.reading_um - u], [x, point.reading_um + u]],
         );
         plot.dots("m1", std::iter::once([x, point.reading_um]));
-        let digits = decimals(u.max(COVERAGE * point.u_prediction_um));
+        let digits = decimals(u.max(u_prediction(point)));
         let text = format!(
-            "{axis} = {}{unit}, {}: read {} µm, predicted {} ± {} µm, {} µm with compensation{}",
+            "{axis} = {}{unit}, {}: read {} µm, predicted {}{} µm, {} µm with compensation{}",
             on_axis(point),
             if point.direction > 0 {
                 "forward"
@@ -224,7 +224,10 @@ fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> 
             },
             signed(point.reading_um, digits),
             signed(point.predicted_um, digits),
-            fixed(COVERAGE * point.u_prediction_um, digits),
+            match point.u_prediction_um {
+                Some(u) => format!(" ± {}", fixed(COVERAGE * u, digits)),
+                None => String::new(),
+            },
             signed(point.compensated_um, digits),
             point
                 .e_n

@@ -6,7 +6,7 @@ use trueaxis_calibrate::{CalibratedMachine, Settings, calibrate};
 use trueaxis_campaign::{Campaign, read};
 use trueaxis_compensate::{Verified, is_misfit, verify};
 use trueaxis_simulate::Scenario;
-use trueaxis_tests::verification::verification_campaign;
+use trueaxis_tests::verification::{bars_on_the_stage, verification_campaign};
 
 fn shipped(name: &str) -> Campaign {
     let campaigns = Path::new(env!("CARGO_MANIFEST_DIR")).join("../campaigns");
@@ -45,6 +45,47 @@ fn compensation_takes_away_what_was_predicted() {
         let [b, a] = [before, after].map(range_um);
         println!("{}: {b:.2} -> {a:.2} µm", before.name);
         assert!(b / a > factor, "{}: {b} {a}", before.name);
+    }
+}
+
+/// Ball bars at the paper's points A and B of the rotary stage (Fig. 16) agree with the prediction of its calibration, by Eq. 24 as
+/// exactly.
+#[test]
+fn bars_on_the_stage_agree_with_the_prediction() {
+    let calibration = calibrate(&shipped("rotary-stage"), &Settings::default()).unwrap();
+    let bars = verify(
+        &calibration.calibrated_machine(),
+        &shipped("rotary-bars"),
+        false,
+    )
+    .unwrap();
+    assert_eq!(bars.len(), 2);
+    for verified in &bars {
+        let counts = verified.above_one();
+        let off = |f: fn(&trueaxis_compensate::Point) -> f64| {
+            let all = verified.points.iter().map(f);
+            all.fold(0.0, |largest: f64, x| largest.max(x.abs()))
+        };
+        println!(
+            "{}: {counts:?} |E_n| above 1, {:.2} µm at most, Eq. 24 off by {:.4} µm",
+            verified.name,
+            off(|p| p.reading_um - p.predicted_um),
+            off(|p| p.first_order_um - p.predicted_um)
+        );
+        assert_eq!(counts.1, 38);
+        assert!(!is_misfit(counts), "{}", verified.name);
+        assert!(off(|p| p.first_order_um - p.predicted_um) < 0.05);
+    }
+    let scenario = include_str!("../../../campaigns/rotary-stage/scenario.json");
+    let scenario = Scenario::from_json(scenario).unwrap();
+    let truth = scenario.true_machine().unwrap();
+    let made = bars_on_the_stage(&shipped("rotary-stage"), &truth, "bars").unwrap();
+    let shipped = shipped("rotary-bars");
+    for (a, b) in made.verification.iter().zip(&shipped.verification) {
+        let values = |v: &trueaxis_campaign::Verification| -> Vec<f64> {
+            v.readings.iter().map(|r| r.value_um).collect()
+        };
+        assert_eq!(values(a), values(b));
     }
 }
 

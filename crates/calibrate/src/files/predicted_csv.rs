@@ -61,14 +61,17 @@ impl Prediction {
     }
 }
 
-/// A table as CSV.
+/// A table as CSV; what is not known (NaN) is an empty cell.
 pub fn to_csv(columns: &[&str], rows: impl Iterator<Item = Vec<f64>>) -> String {
     let mut text = columns.join(",");
     for row in rows {
         let mut separator = '\n';
         for number in row {
             // Writing to a String cannot fail.
-            let _ = write!(text, "{separator}{number}");
+            let _ = match number.is_nan() {
+                true => write!(text, "{separator}"),
+                false => write!(text, "{separator}{number}"),
+            };
             separator = ',';
         }
     }

@@ -59,7 +59,7 @@ struct CurveEntry {
     #[serde(alias = "value_arcsec")]
     value_um: Vec<f64>,
     #[serde(alias = "u_arcsec")]
-    u_um: Vec<f64>,
+    u_um: Option<Vec<f64>>,
     dof: Option<f64>,
 }
 
@@ -69,12 +69,21 @@ struct LocationEntry {
     #[serde(alias = "value_arcsec")]
     value_mm: f64,
     #[serde(alias = "u_arcsec")]
-    u_mm: f64,
+    u_mm: Option<f64>,
     dof: Option<f64>,
 }
 
+impl Document {
+    /// Whether any error has a standard uncertainty; then all must. Imported calibrations may have none.
+    fn has_uncertainties(&self) -> bool {
+        let curves = self.axes.iter().flat_map(|axis| axis.components.values());
+        let of_locations = self.location_errors.values().any(|l| l.u_mm.is_some());
+        curves.into_iter().any(|curve| curve.u_um.is_some()) || of_locations
+    }
+}
+
 impl CalibratedMachine {
-    /// Reads `calibration.json`, and `covariance.npz` beside it.
+    /// Reads `calibration.json`, and, if its errors have uncertainties, `covariance.npz` beside it.
     ///
     /// # Errors
     /// [`ReadError`]: where, what was found, and what to do.
@@ -100,19 +109,17 @@ impl CalibratedMachine {
             error.place.file = Some(path.to_owned());
             error
         })?;
-        let path = path.with_file_name(FactoredCovariance::FILE);
-        let bytes = std::fs::read(&path).map_err(|source| ReadError::Unreadable {
-            path: path.clone(),
-            mend: "it belongs beside calibration.json; copy it there, or calibrate the campaign again",
-            source,
-        })?;
-        let factors = read.factors(&bytes, document.stations.len());
-        let factors = factors.map_err(|problem| ReadError::Covariance { path, problem })?;
+        let has_uncertainties = document.has_uncertainties();
+        let factors = match has_uncertainties {
+            true => read.factors_beside(path, document.stations.len())?,
+            false => FactoredCovariance::zero(read.nodes_of_all(), read.results.len()),
+        };
         let effects = document.effects_taken_out.into_iter();
         Ok(Self {
             name: spec.name.clone(),
             campaign: document.campaign,
             effects_taken_out: effects.map(|entry| entry.effect).collect(),
+            has_uncertainties,
             dof: read.dof,
             axes: calibrated_axes(&read.machine, read.axes, &factors),
             machine: read.machine,
@@ -126,8 +133,9 @@ struct Measured {
     machine: Machine,
     /// In the order of the file.
     axes: Vec<MeasuredAxis>,
-    /// Name, unit and stated standard uncertainty (in that unit) of each result.
+    /// Name, unit and stated standard uncertainty (in that unit) of each result; zero where none has one.
     results: Vec<(String, Unit, f64)>,
+    has_uncertainties: bool,
     dof: f64,
 }
 
@@ -137,6 +145,7 @@ impl Measured {
             machine: machine.clone(),
             axes: Vec::new(),
             results: Vec::new(),
+            has_uncertainties: document.has_uncertainties(),
             dof: f64::INFINITY,
         };
         let names: Vec<String> = machine.axes().iter().map(|a| a.name().to_owned()).collect();
@@ -193,14 +202,20 @@ impl Measured {
                 return Err(problem.in_field(format!("{field}.components")));
             };
             require(&format!("components.{name}"), curve.value_um.len())?;
-            require(&format!("components.{name}"), curve.u_um.len())?;
+            let unit = Unit::of_component(component);
+            let u = match &curve.u_um {
+                Some(u) => u.clone(),
+                None if !self.has_uncertainties => vec![0.0; steps],
+                None => return Err(no_u(unit, format!("{field}.components.{name}"))),
+            };
+            require(&format!("components.{name}"), u.len())?;
             self.dof = self.dof.min(curve.dof.unwrap_or(f64::INFINITY));
-            curves.push((name, Unit::of_component(component), curve));
+            curves.push((name, unit, curve, u));
         }
         let of_step = |k: usize| {
             let values = curves
                 .iter()
-                .map(|(_, unit, curve)| curve.value_um[k] * unit.size());
+                .map(|(_, unit, curve, _)| curve.value_um[k] * unit.size());
             let position = entry.positions[k];
             MeasuredNode {
                 position: match kind {
@@ -216,9 +231,9 @@ impl Measured {
         };
         let nodes = (0..steps).map(of_step).collect();
         for k in 0..steps {
-            for (name, unit, curve) in &curves {
+            for (name, unit, _, u) in &curves {
                 let name = format!("{name} at {}", entry.positions[k]);
-                self.results.push((name, *unit, curve.u_um[k]));
+                self.results.push((name, *unit, u[k]));
             }
         }
         Ok(nodes)
@@ -245,7 +260,13 @@ impl Measured {
                     LocationComponent::Tilt(i) => axis.location.tilt_rad[i] = value,
                 }
                 axis.reported.push(component);
-                self.results.push((name, unit, entry.u_mm));
+                let u = match entry.u_mm {
+                    None if self.has_uncertainties => {
+                        return Err(no_u(unit, format!("location_errors.{name}")));
+                    }
+                    u => u.unwrap_or(0.0),
+                };
+                self.results.push((name, unit, u));
                 self.dof = self.dof.min(entry.dof.unwrap_or(f64::INFINITY));
             }
             // A tilt is across the axis: the part that has no name follows from the others.
@@ -265,13 +286,33 @@ impl Measured {
         }
     }
 
+    fn nodes_of_all(&self) -> usize {
+        self.axes.iter().map(|axis| axis.nodes.len()).sum()
+    }
+
+    /// The covariance in the file beside `calibration`.
+    fn factors_beside(
+        &self,
+        calibration: &Path,
+        stations: usize,
+    ) -> Result<FactoredCovariance, ReadError> {
+        let path = calibration.with_file_name(FactoredCovariance::FILE);
+        let bytes = std::fs::read(&path).map_err(|source| ReadError::Unreadable {
+            path: path.clone(),
+            mend: "it belongs beside calibration.json; copy it there, or calibrate the campaign again",
+            source,
+        })?;
+        let factors = self.factors(&bytes, stations);
+        factors.map_err(|problem| ReadError::Covariance { path, problem })
+    }
+
     /// The covariance, which must be that of these results.
     fn factors(
         &self,
         bytes: &[u8],
         stations: usize,
     ) -> Result<FactoredCovariance, CovarianceProblem> {
-        let nodes = self.axes.iter().map(|axis| axis.nodes.len()).sum();
+        let nodes = self.nodes_of_all();
         let count = self.results.len() + 4 * stations;
         let in_file = FactoredCovariance::from_npz(bytes, nodes, count)?;
         for (i, (name, unit, expected)) in self.results.iter().enumerate() {
@@ -290,6 +331,12 @@ impl Measured {
             .collect();
         Ok(in_file.scaled(&units))
     }
+}
+
+/// Either all errors have standard uncertainties or none has.
+fn no_u(unit: Unit, field: String) -> DocumentError {
+    let name = format!("u_{}", unit.suffix());
+    DocumentProblem::MissingField { name }.in_field(field)
 }
 
 /// Standard uncertainties of one result that differ by no more are the same: relative, and what `calibration.json`

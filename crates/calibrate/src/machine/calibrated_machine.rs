@@ -23,6 +23,9 @@ pub struct CalibratedMachine {
     pub campaign: String,
     /// Names of effects that were taken out of the lengths first.
     pub effects_taken_out: Vec<String>,
+    /// Whether it is known how well the errors are known: a calibration that another system made may not say. Without it every
+    /// standard uncertainty and covariance is NaN.
+    pub has_uncertainties: bool,
     /// Least degrees of freedom of any standard uncertainty of the calibration: the factor for an interval is
     /// [`crate::coverage_factor`].
     pub dof: f64,
@@ -87,6 +90,7 @@ impl Calibration {
             name: self.machine_spec.name.clone(),
             campaign: self.campaign.clone(),
             effects_taken_out: effects.map(|effect| effect.effect.clone()).collect(),
+            has_uncertainties: true,
             dof: dof.fold(f64::INFINITY, f64::min),
             machine: self.with_reference_points(),
             axes: calibrated_axes(

@@ -36,7 +36,7 @@ pub struct Difference {
     pub first: f64,
     /// In the second.
     pub second: f64,
-    /// Standard uncertainty of second minus first; 0 where both are zero by definition.
+    /// Standard uncertainty of second minus first; 0 where both are zero by definition, NaN if one calibration has none.
     pub u: f64,
 }
 
@@ -65,6 +65,10 @@ impl CalibratedMachine {
     /// [`Error::OtherReferencePoint`]: translations of two points of a stage differ by its rotations.
     pub fn compare(&self, second: &Self) -> Result<Vec<Difference>, Error> {
         let mut all = Vec::new();
+        let unknown = match self.has_uncertainties && second.has_uncertainties {
+            true => 0.0,
+            false => f64::NAN,
+        };
         for (name, a, b) in self.pairs(second) {
             let [first_mm, second_mm] = [
                 self.machine.axes()[a.axis].reference_mm(),
@@ -95,7 +99,7 @@ impl CalibratedMachine {
                         is_angular: component.is_angular(),
                         first,
                         second,
-                        u: u_a.hypot(u_b),
+                        u: u_a.hypot(u_b) + unknown,
                     });
                 }
             }
@@ -117,7 +121,8 @@ impl CalibratedMachine {
                     is_angular: component.is_angular(),
                     first: of(self, a.axis),
                     second: of(second, b.axis),
-                    u: u(self, a.first_location + k).hypot(u(second, b.first_location + i)),
+                    u: u(self, a.first_location + k).hypot(u(second, b.first_location + i))
+                        + unknown,
                 });
             }
         }

@@ -13,6 +13,7 @@
 //! ends. Outside its steps an axis has the errors of the nearest.
 
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 use trueaxis_campaign::Direction;
 use trueaxis_kinematics::AxisKind;
@@ -164,7 +165,7 @@ impl Side {
 
     fn at(&self, mut position: f64) -> Sample {
         let [first, last] = self.range;
-        if self.is_closed && !(first - SAME..=last + SAME).contains(&position) {
+        if self.is_closed && !self.whole_stencils().contains(&position) {
             position = first + (position - first).rem_euclid(TAU);
         }
         let above = self.knots.partition_point(|knot| knot.position < position);
@@ -197,6 +198,16 @@ impl Side {
             remainder: distances.product(),
             beyond: 0.0,
         }
+    }
+}
+
+impl Side {
+    /// The positions about which a closed curve has steps on both sides. Near its ends it goes on, and does not jump to the other
+    /// end: the steps there, at the same angle, differ by their noise, and a position that is corrected must not jump.
+    fn whole_stencils(&self) -> RangeInclusive<f64> {
+        let inner = MOST_STEPS / 2;
+        let last = self.knots.len() - 1 - inner;
+        self.knots[inner].position..=self.knots[last].position
     }
 }
 
@@ -254,6 +265,28 @@ mod tests {
 
     fn places(positions: impl IntoIterator<Item = f64>) -> Vec<At> {
         positions.into_iter().map(|q| At(q, None)).collect()
+    }
+
+    /// Steps at 0 and at 360° have noise of their own: the curve goes on at both without a jump.
+    #[test]
+    fn a_full_turn_does_not_jump_at_its_ends() {
+        let nodes = places((0..=18).map(|k| (20.0 * f64::from(k)).to_radians()));
+        let curve = Curve::new(AxisKind::Rotary, &nodes);
+        let at = |q: f64| {
+            let weights = curve.at(q).weights.into_iter();
+            // 1 at the last step, 0 at all others.
+            weights
+                .filter(|(node, _)| *node == 18)
+                .map(|(_, weight)| weight)
+                .sum::<f64>()
+        };
+        for (end, expected) in [(TAU, 1.0), (0.0, 0.0)] {
+            for q in [end - 1e-6, end, end + 1e-6] {
+                assert!((at(q) - expected).abs() < 1e-5, "{q}: {}", at(q));
+            }
+        }
+        // Elsewhere a turn more is no matter.
+        assert!((at(TAU + 2.0) - at(2.0)).abs() < 1e-12);
     }
 
     fn value(curve: &Curve, nodes: &[At], f: impl Fn(f64) -> f64, q: f64) -> f64 {

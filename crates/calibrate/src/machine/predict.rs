@@ -24,7 +24,8 @@ pub struct Prediction {
     /// Displacement of the tool point (mm) and rotation of the tool (rad), actual against nominal, along the
     /// reference axes of the workpiece at home, which turn with it.
     pub error: MotionError,
-    /// Its covariance in the order of [`MotionError::to_vector`], mm and rad.
+    /// Its covariance in the order of [`MotionError::to_vector`], mm and rad; NaN if it is not known
+    /// ([`CalibratedMachine::has_uncertainties`]).
     pub covariance: Matrix6<f64>,
     /// The part of it that comes from interpolation between the steps.
     pub of_interpolation: Matrix6<f64>,
@@ -33,9 +34,12 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    /// Standard uncertainties in the order of [`MotionError::to_vector`], mm and rad.
+    /// Standard uncertainties in the order of [`MotionError::to_vector`], mm and rad; NaN if they are not known.
     pub fn u(&self) -> Vector6<f64> {
-        self.covariance.diagonal().map(|v| v.max(0.0).sqrt())
+        // Rounding may leave less than zero; what is not known stays so.
+        self.covariance
+            .diagonal()
+            .map(|v| if v < 0.0 { 0.0 } else { v.sqrt() })
     }
 }
 
@@ -62,7 +66,10 @@ impl CalibratedMachine {
                 * Matrix6::from_diagonal(&u.component_mul(&u))
                 * of_components.transpose();
         }
-        let covariance = self.factors.of_functions(&functions, &functions) + of_interpolation;
+        let mut covariance = self.factors.of_functions(&functions, &functions) + of_interpolation;
+        if !self.has_uncertainties {
+            covariance.fill(f64::NAN);
+        }
         Prediction {
             error: self.machine.tool_error(self, positions, tool_home_mm),
             covariance: (covariance + covariance.transpose()) * 0.5,

@@ -31,6 +31,23 @@ pub fn ball_bar_set_up(along: &[Vector3<f64>]) -> Vec<Vec<f64>> {
     centre.filter(is_seen).chain([length]).collect()
 }
 
+/// For each reading of the positioning of `axis` the number of its line, from 0 in the order in which the lines begin: readings
+/// with the other axes at the same positions (mm or rad) are on one line, for which the instrument is set to zero.
+pub fn positioning_lines<'a>(axis: usize, all: impl IntoIterator<Item = &'a [f64]>) -> Vec<usize> {
+    let mut first: Vec<&[f64]> = Vec::new();
+    let mut number = |positions: &'a [f64]| {
+        let is_known = |line: &&[f64]| {
+            let mut pairs = line.iter().zip(positions).enumerate();
+            pairs.all(|(i, (a, b))| i == axis || (a - b).abs() <= SAME)
+        };
+        first.iter().position(is_known).unwrap_or_else(|| {
+            first.push(positions);
+            first.len() - 1
+        })
+    };
+    all.into_iter().map(&mut number).collect()
+}
+
 /// The measured point at commanded positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredPoint {
@@ -65,6 +82,7 @@ impl MeasuredPoint {
                 ball_mm,
                 ball_carrier,
                 center_mm,
+                ..
             } => {
                 let point_mm = machine.position(&Ideal, ball_carrier, positions, ball_mm);
                 let bar = point_mm - center_mm;
@@ -119,14 +137,15 @@ pub fn predicted_reading_um(
 }
 
 impl CalibratedMachine {
-    /// The covariance of the readings that this machine predicts at commanded positions, from that of the calibration
-    /// and of the interpolation, µm²: to first order by the displacement of the point along the direction that counts.
-    pub fn covariance_of_readings(
-        &self,
-        kind: &VerificationKind,
-        commanded: &[Vec<f64>],
-    ) -> DMatrix<f64> {
-        let rows: Vec<Row> = commanded.iter().map(|at| self.row(kind, at)).collect();
+    /// The covariance of the readings that this machine predicts, each of a kind and at commanded positions, from that of the calibration
+    /// and of the interpolation, µm²: to first order by the displacement of the point along the direction that counts. NaN
+    /// if the calibration has no uncertainties.
+    pub fn covariance_of_readings(&self, readings: &[(&VerificationKind, &[f64])]) -> DMatrix<f64> {
+        if !self.has_uncertainties {
+            return DMatrix::from_element(readings.len(), readings.len(), f64::NAN);
+        }
+        let rows = readings.iter().map(|(kind, at)| self.row(kind, at));
+        let rows: Vec<Row> = rows.collect();
         let mut shared = DMatrix::zeros(rows.len(), self.factors.shared.nrows());
         for (i, row) in rows.iter().enumerate() {
             for &(place, coefficient) in &row.results {

@@ -169,7 +169,7 @@ struct Subset {
 impl Subset {
     /// For each figure its bias, and the interval relative to the value.
     fn drawn(&self, machine: &CalibratedMachine, settings: &VolumeSettings) -> Option<Vec<Drawn>> {
-        let root = Root::new(machine)?;
+        let root = Root::new(machine).filter(|_| machine.has_uncertainties)?;
         let fit = RigidFit::new(&self.points);
         let value = figures(&self.points, &fit, &self.errors, &self.home).to_array();
         let draws = in_order::map(settings.draws, |number| {

@@ -11,7 +11,7 @@
 
 use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
 
-use crate::result::sensitivities::Sensitivities;
+use crate::result::sensitivities::{Rows, Sensitivities};
 
 /// Covariance of all results of a calibration ([`crate::Calibration::results`] has their order) in mm and rad.
 ///
@@ -27,6 +27,16 @@ pub struct FactoredCovariance {
 }
 
 impl FactoredCovariance {
+    /// Of results that are taken as exact, those of `nodes` nodes first.
+    pub(crate) fn zero(nodes: usize, results: usize) -> Self {
+        let rows = Rows::new(0, &DMatrix::zeros(results, 0));
+        Self {
+            own: vec![Matrix6::zeros(); nodes],
+            sensitivities: Sensitivities::new(0, vec![rows]),
+            shared: DMatrix::zeros(0, 0),
+        }
+    }
+
     /// Number of results.
     pub fn results(&self) -> usize {
         self.sensitivities.shape().0

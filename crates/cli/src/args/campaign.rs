@@ -71,6 +71,11 @@ pub(crate) struct DiagnoseArgs {
     #[arg(value_name = "CAMPAIGN.json")]
     pub(crate) campaign: PathBuf,
 
+    /// Judge the verification readings against this calibration (imported, or of another campaign), with
+    /// its covariance.npz beside it. What the campaign measured itself is not looked at.
+    #[arg(long, value_name = "CALIBRATION.json")]
+    pub(crate) calibration: Option<PathBuf>,
+
     /// Folder for diagnosis.json, and for effects.json and replay.json if the lengths show causes
     /// [default: one in the current directory, named after the campaign].
     #[arg(long, value_name = "DIR")]

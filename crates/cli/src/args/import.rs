@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Subcommand};
 
+use crate::import::calibration::ImportCalibrationArgs;
+
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ImportArgs {
     #[command(subcommand)]
@@ -12,6 +14,8 @@ pub(crate) struct ImportArgs {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum ImportWhat {
+    /// Tables that another system wrote for a control; writes calibration.json.
+    Calibration(ImportCalibrationArgs),
     /// Lengths of an interferometer; writes lengths.csv.
     Lengths(ImportTableArgs),
     /// Coordinates of targets by any 3D instrument; writes points.csv.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::program::{Outcome, contents, file_names, run, shipped};
+use crate::program::{Outcome, calibrate_shipped, contents, file_names, run, shipped};
 
 const USAGE: i32 = 2;
 const INPUT: i32 = 3;
@@ -213,4 +213,50 @@ fn wrong_files() {
         outcome.assert_failed(name, INPUT, &["effects.json", says]);
         assert_eq!(contents(folder.path()), before, "{name}");
     }
+}
+
+/// Readings alone, against a calibration that was made before.
+#[test]
+fn readings_against_a_given_calibration() {
+    let folder = tempfile::tempdir().unwrap();
+    let current = folder.path();
+    calibrate_shipped(current, "fxyz");
+    let lines = shipped("fxyz-lines").join("campaign.json");
+    let lines = lines.to_str().unwrap();
+    let against = |campaign: &str, calibration: &str| {
+        let args = [
+            "diagnose",
+            campaign,
+            "--calibration",
+            calibration,
+            "--out",
+            "out",
+        ];
+        run(current, &args)
+    };
+    let outcome = against(lines, "calibrated/calibration.json");
+    outcome.assert_good();
+    let says = "the readings are judged against the calibration `FXYZ machine` that was given";
+    assert!(outcome.stderr.contains(says), "{}", outcome.stderr);
+    let text = fs::read_to_string(current.join("out/diagnosis.json")).unwrap();
+    let document: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(document["verdict"], "clean", "{text}");
+    assert_eq!(document["levels"].as_array().unwrap().len(), 4);
+    // Another machine, no readings, no calibration.
+    let table = shipped("rotary-stage").join("campaign.json");
+    against(table.to_str().unwrap(), "calibrated/calibration.json").assert_failed(
+        "another machine",
+        3,
+        &["its axes are X Y Z, expected C"],
+    );
+    let own = shipped("fxyz").join("campaign.json");
+    against(own.to_str().unwrap(), "calibrated/calibration.json").assert_failed(
+        "no readings",
+        5,
+        &[
+            "no verification readings",
+            "`verification` of campaign.json",
+        ],
+    );
+    against(lines, lines).assert_failed("a campaign", 3, &["not a calibration"]);
 }

@@ -130,7 +130,29 @@ fn old_tables_are_kept() {
         &["X.comp line 1", "the control reads no further"],
     );
     let outcome = export(&folder, "linuxcnc", &["--onto", "nowhere"]);
-    outcome.assert_failed("no folder", 3, &["nowhere has no table of an axis"]);
+    outcome.assert_failed(
+        "no folder",
+        3,
+        &["nowhere has none of X.comp, Y.comp, Z.comp"],
+    );
     let outcome = export(&folder, "isg", &["--onto", "old"]);
-    outcome.assert_failed("another format", 2, &["isg takes no old tables yet"]);
+    outcome.assert_failed("another format", 3, &["old has none of volcomp.csv"]);
+    let outcome = export(&folder, "klipper", &["--onto", "old"]);
+    outcome.assert_failed("no old ones", 2, &["klipper takes no old tables"]);
+    // A folder of the format's own files, and one file.
+    for format in ["isg", "etalon", "sinumerik", "grid"] {
+        export(&folder, format, &["--out", "tables"]).assert_good();
+        let onto = ["--onto", "tables", "--out", "sum"];
+        export(&folder, format, &onto).assert_good();
+    }
+    let onto = ["--onto", "tables/etalon.txt", "--out", "sum"];
+    export(&folder, "etalon", &onto).assert_good();
+    let of_sum = fs::read_to_string(current.join("sum/etalon.txt")).unwrap();
+    let of_one = fs::read_to_string(current.join("tables/etalon.txt")).unwrap();
+    let squareness = |text: &str| {
+        let (_, behind) = text.split_once("[C0Y]\nVALUE = ").unwrap();
+        let value: f64 = behind.lines().next().unwrap().parse().unwrap();
+        value
+    };
+    assert!((squareness(&of_sum) - 2.0 * squareness(&of_one)).abs() < 1e-11);
 }

@@ -14,6 +14,7 @@ mod golden;
 mod gross_errors;
 mod harmless;
 mod import;
+mod import_calibration;
 mod json_schema;
 mod misleading;
 mod montecarlo;

@@ -19,6 +19,7 @@ pub(crate) struct Components {
 }
 
 /// The errors of one axis.
+#[derive(Debug, Clone)]
 pub(crate) struct AxisComponents {
     pub(crate) axis: usize,
     /// mm or rad.

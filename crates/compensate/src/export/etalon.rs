@@ -5,13 +5,16 @@
 //!
 //! Source: "Etalon Exchange Format" in Beckhoff's TF5280 alone, so the writer is experimental.
 
+pub(crate) mod read;
+
 use std::fmt::Write;
 
 use trueaxis_kinematics::Component;
 
 use crate::Error;
 use crate::export::components::Components;
-use crate::export::{ExportedFile, Request, Tables, round};
+use crate::export::with_old::with_old;
+use crate::export::{ExportedFile, Request, Tables, one_file, round};
 
 const FORMAT: &str = "etalon";
 
@@ -20,16 +23,25 @@ const DECIMALS: usize = 12;
 
 pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let components = Components::new(request, FORMAT)?;
+    let axes = match request.onto {
+        [] => components.axes.clone(),
+        [old] => {
+            let machine = request.machine.machine();
+            let old = read::read(&old.name, &old.text)?.of_machine(machine)?;
+            with_old(machine, &components.axes, &old)
+        }
+        more => return Err(one_file(FORMAT, more.len())),
+    };
     let notes = components.notes(request);
     let mut text = String::new();
     // Writing to a String cannot fail.
     for note in &notes {
         let _ = writeln!(text, "// {note}");
     }
-    for (name, value) in components.axes.iter().flat_map(|axis| &axis.locations) {
+    for (name, value) in axes.iter().flat_map(|axis| &axis.locations) {
         let _ = writeln!(text, "[{name}]\nVALUE = {:.DECIMALS$}", round(*value, 12));
     }
-    for axis in &components.axes {
+    for axis in &axes {
         for component in Component::ALL {
             let name = component.name(request.name(axis.axis));
             let _ = writeln!(text, "[{name}]\nGridpoints = {{");

@@ -9,10 +9,14 @@ use std::fmt::Write;
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 
 use crate::export::line::positions;
-use crate::export::{ExportedFile, Request, Rule, Tables, round};
+use crate::export::named_errors::wrong;
+use crate::export::{ExportedFile, Request, Rule, Tables, one_file, round};
 use crate::{Error, Moved, correct};
 
 const FORMAT: &str = "grid";
+
+/// Positions this close are one, mm.
+const SAME: f64 = 1e-6;
 
 /// Rows beyond this are no table.
 const MOST_ROWS: usize = 1_000_000;
@@ -29,14 +33,7 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let nodes = axes.iter().map(|&axis| positions(request, axis));
     let nodes = nodes.collect::<Result<Vec<_>, _>>()?;
     let rows = nodes.iter().map(Vec::len).product();
-    if rows > MOST_ROWS {
-        return Err(Error::TooManyPoints {
-            what: "the grid".to_owned(),
-            format: FORMAT,
-            points: rows,
-            most: MOST_ROWS,
-        });
-    }
+    check_rows(rows)?;
     let machine = request.machine.machine();
     let at_home = vec![0.0; machine.axes().len()];
     let added = |commanded: &[f64]| -> Result<Vec<f64>, Error> {
@@ -56,6 +53,25 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let error_at_home = machine.tool_error(request.machine, &at_home, request.at);
 
     let names: Vec<&str> = axes.iter().map(|&axis| request.name(axis)).collect();
+    // As it stands alone, at its own nodes.
+    let mut values = Vec::with_capacity(rows);
+    for row in 0..rows {
+        let added = added(&commanded(&axes, &nodes, row, &at_home))?;
+        let pairs = added.iter().zip(&home);
+        values.push(pairs.map(|(a, b)| a - b).collect());
+    }
+    let own = Grid {
+        axes: axes.clone(),
+        nodes,
+        values,
+    };
+    let written = match request.onto {
+        [] => None,
+        [old] => Some(own.with(&read_old(old, request, &axes)?)?),
+        more => return Err(one_file(FORMAT, more.len())),
+    };
+    let Grid { nodes, values, .. } = written.as_ref().unwrap_or(&own);
+
     let mut text = names.join(",");
     text.push_str(",ex_um,ey_um,ez_um,ea_arcsec,eb_arcsec,ec_arcsec");
     // Writing to a String cannot fail.
@@ -63,29 +79,19 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         let _ = write!(text, ",add_{name}_um");
     });
     text.push('\n');
-    let mut values = Vec::with_capacity(rows);
-    for row in 0..rows {
-        let mut commanded = at_home.clone();
-        let mut rest = row;
-        for (&axis, nodes) in axes.iter().zip(&nodes) {
-            commanded[axis] = nodes[rest % nodes.len()];
-            rest /= nodes.len();
+    for (row, added) in values.iter().enumerate() {
+        let commanded = commanded(&axes, nodes, row, &at_home);
+        for &axis in &axes {
             let _ = write!(text, "{},", request.in_file(axis, commanded[axis]));
         }
         let error = machine.tool_error(request.machine, &commanded, request.at);
         let e = (error.translation_mm - error_at_home.translation_mm) / MICROMETRE;
         let turned = (error.rotation_rad - error_at_home.rotation_rad) / ARCSEC;
-        let added: Vec<f64> = added(&commanded)?
-            .iter()
-            .zip(&home)
-            .map(|(a, b)| a - b)
-            .collect();
         let own = axes.iter().map(|&axis| added[axis] / MICROMETRE);
         let cells = e.iter().chain(turned.iter()).copied().chain(own);
         let cells: Vec<String> = cells.map(|x| round(x, 4).to_string()).collect();
         text.push_str(&cells.join(","));
         text.push('\n');
-        values.push(added);
     }
     Ok(Tables {
         files: vec![ExportedFile { name: "grid.csv".to_owned(), text }],
@@ -96,8 +102,97 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             request.origin(),
         ],
         is_experimental: false,
-        rule: Box::new(Grid { axes, nodes, values }),
+        rule: Box::new(own),
     })
+}
+
+fn check_rows(rows: usize) -> Result<(), Error> {
+    if rows <= MOST_ROWS {
+        return Ok(());
+    }
+    Err(Error::TooManyPoints {
+        what: "the grid".to_owned(),
+        format: FORMAT,
+        points: rows,
+        most: MOST_ROWS,
+    })
+}
+
+/// The node of a row, the first axis fastest.
+fn commanded(axes: &[usize], nodes: &[Vec<f64>], row: usize, at_home: &[f64]) -> Vec<f64> {
+    let mut commanded = at_home.to_vec();
+    let mut rest = row;
+    for (&axis, nodes) in axes.iter().zip(nodes) {
+        commanded[axis] = nodes[rest % nodes.len()];
+        rest /= nodes.len();
+    }
+    commanded
+}
+
+/// What an old table adds.
+fn read_old(old: &ExportedFile, request: &Request<'_>, axes: &[usize]) -> Result<Grid, Error> {
+    let count = request.machine.machine().axes().len();
+    let mut lines = (1..).zip(old.text.lines());
+    let (_, header) = lines.next().unwrap_or((1, ""));
+    let header: Vec<&str> = header.split(',').collect();
+    let column = |name: String| {
+        let found = header.iter().position(|cell| *cell == name);
+        found.ok_or_else(|| wrong(&old.name, 1, &header.join(","), format!("a column {name}")))
+    };
+    let own = axes.iter().map(|&axis| {
+        let name = request.name(axis);
+        Ok([column(name.to_owned())?, column(format!("add_{name}_um"))?])
+    });
+    let own = own.collect::<Result<Vec<_>, Error>>()?;
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    for (number, line) in lines {
+        let cells = line.split(',').map(|cell| cell.trim().parse().ok());
+        let cells: Option<Vec<f64>> = cells.collect();
+        let cells = cells.filter(|c| c.len() == header.len() && c.iter().all(|x| x.is_finite()));
+        rows.push(cells.ok_or_else(|| {
+            let expected = format!("{} numbers, as in the header", header.len());
+            wrong(&old.name, number, line, expected)
+        })?);
+    }
+    let nodes: Vec<Vec<f64>> = own
+        .iter()
+        .map(|&[at, _]| united(rows.iter().map(|row| row[at])))
+        .collect();
+    let at_home = vec![0.0; count];
+    let expected: usize = nodes.iter().map(Vec::len).product();
+    let mut values = Vec::new();
+    for (row, cells) in rows.iter().enumerate() {
+        let node = commanded(axes, &nodes, row, &at_home);
+        let is_there = axes.iter().zip(&own).all(|(&axis, &[at, _])| {
+            (cells[at] - node[axis]).abs() <= SAME && expected == rows.len()
+        });
+        if !is_there {
+            let found = format!("row {} of {}", row + 1, rows.len());
+            let text = "every node of the grid once, the first axis fastest";
+            return Err(wrong(&old.name, row + 2, &found, text));
+        }
+        let mut added = vec![0.0; count];
+        for (&axis, &[_, added_um]) in axes.iter().zip(&own) {
+            added[axis] = cells[added_um] * MICROMETRE;
+        }
+        values.push(added);
+    }
+    if values.is_empty() {
+        return Err(wrong(&old.name, 1, "no rows", "a row for each node"));
+    }
+    Ok(Grid {
+        axes: axes.to_vec(),
+        nodes,
+        values,
+    })
+}
+
+/// Positions in rising order, each once.
+fn united(positions: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut all: Vec<f64> = positions.collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup_by(|a, b| (*a - *b).abs() <= SAME);
+    all
 }
 
 /// Multilinear interpolation of what is added.
@@ -105,6 +200,29 @@ struct Grid {
     axes: Vec<usize>,
     nodes: Vec<Vec<f64>>,
     values: Vec<Vec<f64>>,
+}
+
+impl Grid {
+    /// The sum of two, exact at the nodes of both and between them.
+    fn with(&self, other: &Self) -> Result<Self, Error> {
+        let pairs = self.nodes.iter().zip(&other.nodes);
+        let nodes: Vec<Vec<f64>> = pairs
+            .map(|(a, b)| united(a.iter().chain(b).copied()))
+            .collect();
+        let rows = nodes.iter().map(Vec::len).product();
+        check_rows(rows)?;
+        let at_home = vec![0.0; self.values[0].len()];
+        let values = (0..rows).map(|row| {
+            let node = commanded(&self.axes, &nodes, row, &at_home);
+            let (a, b) = (self.added(&node)?, other.added(&node)?);
+            Ok(a.iter().zip(b).map(|(a, b)| a + b).collect())
+        });
+        Ok(Self {
+            axes: self.axes.clone(),
+            values: values.collect::<Result<_, Error>>()?,
+            nodes,
+        })
+    }
 }
 
 impl Rule for Grid {

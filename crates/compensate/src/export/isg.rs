@@ -7,13 +7,16 @@
 //! Sources: "ISG CSV format", "Units of measure", "List of parameters supported" in the documentation of ISG and of
 //! Beckhoff (one text); the sign is not in it, so the writer is experimental.
 
+pub(crate) mod read;
+
 use std::fmt::Write;
 
 use trueaxis_kinematics::{AxisKind, Component};
 
 use crate::Error;
 use crate::export::components::Components;
-use crate::export::{ExportedFile, Request, Tables, round};
+use crate::export::with_old::with_old;
+use crate::export::{ExportedFile, Request, Tables, one_file, round};
 
 const FORMAT: &str = "isg";
 
@@ -22,6 +25,15 @@ const DECIMALS: i32 = 10;
 
 pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let components = Components::new(request, FORMAT)?;
+    let axes = match request.onto {
+        [] => components.axes.clone(),
+        [old] => {
+            let machine = request.machine.machine();
+            let old = read::read(&old.name, &old.text)?.of_machine(machine)?;
+            with_old(machine, &components.axes, &old)
+        }
+        more => return Err(one_file(FORMAT, more.len())),
+    };
     let mut notes = components.notes(request);
     let mut text = String::new();
     for note in &notes {
@@ -30,18 +42,14 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     }
     let number = |value: f64| round(value, DECIMALS).to_string();
     let mut blocks = Vec::new();
-    let locations: Vec<_> = components
-        .axes
-        .iter()
-        .flat_map(|axis| &axis.locations)
-        .collect();
+    let locations: Vec<_> = axes.iter().flat_map(|axis| &axis.locations).collect();
     if !locations.is_empty() {
         let names: Vec<&str> = locations.iter().map(|(name, _)| name.as_str()).collect();
         let values: Vec<String> = locations.iter().map(|(_, value)| number(*value)).collect();
         blocks.push(format!("{}\n{}\n", names.join(" "), values.join(" ")));
     }
     let mut records = usize::from(!locations.is_empty());
-    for axis in &components.axes {
+    for axis in &axes {
         let geometry = &request.machine.machine().axes()[axis.axis];
         let name = geometry.name();
         if geometry.kind() == AxisKind::Rotary {

@@ -18,6 +18,7 @@ use std::fmt::Write;
 
 use crate::Error;
 use crate::export::line::{Line, interpolate};
+use crate::export::named_errors::wrong;
 use crate::export::skew::Skew;
 use crate::export::{ExportedFile, Request, Rule, Tables, round};
 
@@ -91,27 +92,19 @@ fn triplets(old: &ExportedFile) -> Result<Vec<[f64; 3]>, Error> {
             .collect();
         let &[nominal, forward, backward] = cells.as_slice() else {
             return Err(wrong(
-                old,
-                number,
+                &old.name,
+                number + 1,
                 line,
                 "three numbers; the control reads no further",
             ));
         };
         if all.last().is_some_and(|last| nominal <= last[0]) {
-            return Err(wrong(old, number, line, "a position above the one before"));
+            let expected = "a position above the one before";
+            return Err(wrong(&old.name, number + 1, line, expected));
         }
         all.push([nominal, forward, backward]);
     }
     Ok(all)
-}
-
-fn wrong(old: &ExportedFile, number: usize, line: &str, expected: &'static str) -> Error {
-    Error::OldTable {
-        file: old.name.clone(),
-        line: number + 1,
-        found: line.to_owned(),
-        expected,
-    }
 }
 
 /// What an axis reaches, with the old table: the control adds what both subtract. mm or degrees.

@@ -6,8 +6,16 @@
 //! `$AA_ENC_COMP` makes the axis move in the negative direction, so the value is the deviation, actual minus commanded;
 //! `$AN_CEC` is written with the same sign.
 //!
+//! Tables that were active while the machine was measured ([`Request::onto`]) are contained in the new ones: what is for the same
+//! axes is added up at the points of both, others stay. `$AN_CEC_MULT_BY_TABLE`, which could make an angle times a lever,
+//! stays 0: its product is added to the compensation value, and whether the two factors are added besides is in none of the
+//! pages that were found.
+//!
 //! Sources: "Function Manual, Extended Functions, K3: Compensations" (840D sl, 828D), "Function Manual" (808D); the sign of
 //! `$AN_CEC` is in none of the pages that were found, so these tables are experimental: `$SN_CEC_TABLE_WEIGHT` turns them.
+
+mod read;
+mod table;
 
 use std::fmt::Write;
 
@@ -15,6 +23,7 @@ use trueaxis_kinematics::AxisKind;
 
 use crate::Error;
 use crate::export::line::Line;
+use crate::export::sinumerik::table::Table;
 use crate::export::{ExportedFile, Request, Rule, Tables, round};
 
 const FORMAT: &str = "sinumerik";
@@ -30,33 +39,11 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
          $SN_CEC_TABLE_WEIGHT = -1 turns a table"
             .to_owned(),
     ];
-    let mut positioning = format!("%_N_AX_EEC_INI\n; {}\nCHANDATA(1)\n", request.origin());
-    let mut cross = format!("%_N_NC_CEC_INI\n; {}\nCHANDATA(1)\n", request.origin());
     let mut lines = Vec::new();
-    let mut table = 0;
+    let mut tables = Vec::new();
     for axis in request.axes()? {
         let line = Line::new(request, axis, FORMAT)?;
         let step = line.spacing(request, FORMAT)?;
-        let range = Range::new(request, &line, step);
-        let number = axis + 1;
-        let name = request.name(axis);
-        notes.push(format!(
-            "AX{number} is {name}: $MA_MM_ENC_COMP_MAX_POINTS at least {}{}",
-            line.positions.len(),
-            lost_motion(request, &line)
-        ));
-        // Writing to a String cannot fail.
-        let _ = writeln!(positioning, "; {name}");
-        for k in 0..line.positions.len() {
-            let value = value(request, &line, axis, k);
-            let _ = writeln!(positioning, "$AA_ENC_COMP[0,{k},AX{number}]={value}");
-        }
-        let _ = write!(
-            positioning,
-            "$AA_ENC_COMP_STEP[0,AX{number}]={}\n$AA_ENC_COMP_MIN[0,AX{number}]={}\n\
-             $AA_ENC_COMP_MAX[0,AX{number}]={}\n$AA_ENC_COMP_IS_MODULO[0,AX{number}]=0\n",
-            range.step, range.min, range.max
-        );
         let others = (0..axes.len()).filter(|&other| {
             // Straightness of rotary axes is no function of a position alone.
             other != axis
@@ -64,38 +51,51 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
                     .iter()
                     .all(|&i| axes[i].kind() == AxisKind::Linear)
         });
-        for other in others {
-            let _ = writeln!(cross, "; {} by {name}", request.name(other));
-            for k in 0..line.positions.len() {
-                let value = value(request, &line, other, k);
-                let _ = writeln!(cross, "$AN_CEC[{table},{k}]={value}");
-            }
-            let _ = write!(
-                cross,
-                "$AN_CEC_INPUT_AXIS[{table}]=(AX{number})\n$AN_CEC_OUTPUT_AXIS[{table}]=(AX{})\n\
-                 $AN_CEC_STEP[{table}]={}\n$AN_CEC_MIN[{table}]={}\n$AN_CEC_MAX[{table}]={}\n\
-                 $AN_CEC_DIRECTION[{table}]=0\n$AN_CEC_MULT_BY_TABLE[{table}]=0\n$AN_CEC_IS_MODULO[{table}]=0\n",
-                other + 1,
-                range.step,
-                range.min,
-                range.max
-            );
-            table += 1;
+        for output in std::iter::once(axis).chain(others) {
+            let values = (0..line.positions.len()).map(|k| value(request, &line, output, k));
+            tables.push(Table {
+                is_encoder: output == axis,
+                input: axis,
+                output,
+                min: request.in_file(axis, line.positions[0]),
+                step: request.in_file(axis, step),
+                values: values.collect(),
+            });
         }
+        notes.extend(lost_motion(request, &line));
         lines.push(line);
     }
-    positioning.push_str("M17\n");
-    cross.push_str("M17\n");
+    for file in request.onto {
+        for old in read::read(file, request.machine.machine())? {
+            match tables.iter_mut().find(|new| new.is_like(&old)) {
+                Some(new) => *new = new.with(&old, request.name(old.input), FORMAT)?,
+                None => tables.push(old),
+            }
+        }
+    }
+    let [encoder, cross]: [Vec<&Table>; 2] =
+        [true, false].map(|is| tables.iter().filter(|t| t.is_encoder == is).collect());
+    for table in &encoder {
+        notes.push(format!(
+            "AX{} is {}: $MA_MM_ENC_COMP_MAX_POINTS at least {}",
+            table.input + 1,
+            request.name(table.input),
+            table.values.len()
+        ));
+    }
     let mut files = vec![ExportedFile {
         name: "AX_EEC.INI".to_owned(),
-        text: positioning,
+        text: text("%_N_AX_EEC_INI", request, &encoder),
     }];
-    if table > 0 {
+    if !cross.is_empty() {
         files.push(ExportedFile {
             name: "NC_CEC.INI".to_owned(),
-            text: cross,
+            text: text("%_N_NC_CEC_INI", request, &cross),
         });
-        notes.push(format!("{table} sag compensation tables; $MN_MM_CEC_MAX_POINTS for each, $MA_CEC_ENABLE, $SN_CEC_TABLE_ENABLE"));
+        notes.push(format!(
+            "{} sag compensation tables; $MN_MM_CEC_MAX_POINTS for each, $MA_CEC_ENABLE, $SN_CEC_TABLE_ENABLE",
+            cross.len()
+        ));
     }
     notes.push(request.origin());
     Ok(Tables {
@@ -109,38 +109,35 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     })
 }
 
-struct Range {
-    step: f64,
-    min: f64,
-    max: f64,
-}
-
-impl Range {
-    fn new(request: &Request<'_>, line: &Line, step: f64) -> Self {
-        let in_file = |value| request.in_file(line.axis, value);
-        Self {
-            step: in_file(step),
-            min: in_file(line.positions[0]),
-            max: in_file(line.positions[line.positions.len() - 1]),
-        }
+/// The file of some tables.
+fn text(name: &str, request: &Request<'_>, tables: &[&Table]) -> String {
+    let mut text = format!("{name}\n; {}\nCHANDATA(1)\n", request.origin());
+    for (number, table) in tables.iter().enumerate() {
+        let (of, by) = (request.name(table.output), request.name(table.input));
+        // Writing to a String cannot fail.
+        let _ = match table.is_encoder {
+            true => writeln!(text, "; {of}"),
+            false => writeln!(text, "; {of} by {by}"),
+        };
+        table.write(&mut text, number);
     }
+    text.push_str("M17\n");
+    text
 }
 
 /// The mean of both sides of approach, mm or degrees.
 fn value(request: &Request<'_>, line: &Line, of: usize, k: usize) -> f64 {
-    round(
-        request.in_file(of, 0.5 * (line.forward[k][of] + line.backward[k][of])),
-        DECIMALS,
-    )
+    request.in_file(of, 0.5 * (line.forward[k][of] + line.backward[k][of]))
 }
 
-fn lost_motion(request: &Request<'_>, line: &Line) -> String {
-    if !request.machine.keeps_sides_apart(line.axis) {
-        return String::new();
-    }
-    // Positive where the encoder leads the machine: forward it stops short.
-    let backlash = round(request.in_file(line.axis, -line.reversal()), DECIMALS);
-    format!("; $MA_BACKLASH = {backlash} {}", request.unit(line.axis))
+fn lost_motion(request: &Request<'_>, line: &Line) -> Option<String> {
+    let own = request.machine.keeps_sides_apart(line.axis);
+    own.then(|| {
+        // Positive where the encoder leads the machine: forward it stops short.
+        let backlash = round(request.in_file(line.axis, -line.reversal()), DECIMALS);
+        let (name, unit) = (request.name(line.axis), request.unit(line.axis));
+        format!("{name}: $MA_BACKLASH = {backlash} {unit}")
+    })
 }
 
 struct Sums {

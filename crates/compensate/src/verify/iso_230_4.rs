@@ -1,12 +1,27 @@
-//! Circular tests by ISO 230-4:2005, 3, as far as the set-up of the bar leaves them determined.
+//! Circular tests by ISO 230-4, 3, as far as the set-up of the bar leaves them determined.
 //!
-//! - `G`: circular deviation, the distance of two concentric circles around a path, here about its least-squares centre;
-//!   `G(b)`: the same around both paths, clockwise and counter-clockwise, about their common centre.
+//! Each path has a least-squares centre; what the readings `r` are beside its offset `c` (`a`: direction of the bar),
+//!
+//! ```text
+//! f_i = r_i - a_i · c        D = mean of f about the common centre of both paths
+//! G = F_max - F_min          H = max |r_i↑ - r_i↓|
+//! ```
+//!
+//! - `G`: circular deviation, the distance of two concentric circles around a path; `G(b)`: the same around both paths,
+//!   clockwise and counter-clockwise, about their common centre. The standard allows the least-squares circle for the smallest
+//!   pair of circles, beside which `G` is a little too large.
+//! - `F_max`, `F_min`: radial deviation, from the nominal circle about that centre; `D`: mean bidirectional radial deviation, of
+//!   the radius of the least-squares circle of both paths from the nominal one. Both need a bar of calibrated length.
 //! - `H`: circular hysteresis, the largest difference of the two paths.
-//!
-//! The radial deviations F and D need the true length of the bar, which a set-up does not know.
 
-/// The quantities, µm.
+use nalgebra::{DMatrix, DVector};
+use trueaxis_calibrate::{MeasuredPoint, ball_bar_set_up};
+use trueaxis_campaign::{Direction, VerificationKind};
+use trueaxis_kinematics::Machine;
+
+use crate::verify::{Point, are_same, pseudo_inverse};
+
+/// The quantities, µm. Those of a path that was not run are not there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Circular {
     /// G of the readings with direction +1.
@@ -17,10 +32,91 @@ pub struct Circular {
     pub g_both_um: Option<f64>,
     /// H.
     pub h_um: Option<f64>,
+    /// Least and largest F with direction +1, if the length of the bar is calibrated.
+    pub f_forward_um: Option<[f64; 2]>,
+    /// The same with direction -1.
+    pub f_backward_um: Option<[f64; 2]>,
+    /// D, if the length of the bar is calibrated.
+    pub d_um: Option<f64>,
 }
 
-/// Largest minus smallest of what is left.
-pub(crate) fn circular_deviation(left: &[f64]) -> Option<f64> {
-    let high = left.iter().copied().reduce(f64::max)?;
-    Some(high - left.iter().copied().reduce(f64::min)?)
+/// A path about its least-squares centre, µm.
+struct Path {
+    least: f64,
+    largest: f64,
+    /// Radius of the least-squares circle beyond nominal.
+    radius: f64,
+}
+
+impl Circular {
+    /// Of readings as they are; none of a positioning line.
+    pub(crate) fn new(
+        machine: &Machine,
+        kind: &VerificationKind,
+        points: &[Point],
+    ) -> Option<Self> {
+        let VerificationKind::Ballbar {
+            length_is_calibrated,
+            ..
+        } = *kind
+        else {
+            return None;
+        };
+        let [forward, backward] = [Direction::Forward, Direction::Backward].map(|direction| {
+            let own = points.iter().filter(|point| point.direction == direction);
+            own.collect::<Vec<_>>()
+        });
+        let pairs = forward.iter().filter_map(|f| {
+            let mut opposite = backward.iter();
+            let same = opposite.find(|b| are_same(&f.positions, &b.positions));
+            same.map(|b| (f.reading_um - b.reading_um).abs())
+        });
+        let h_um = pairs.reduce(f64::max);
+        let path = |points: &[&Point]| Path::new(machine, kind, points);
+        let is_both = !forward.is_empty() && !backward.is_empty();
+        let both = [forward.as_slice(), backward.as_slice()].concat();
+        let both = is_both.then(|| path(&both)).flatten();
+        let [forward, backward] = [&forward, &backward].map(|points| path(points));
+        let g = |path: &Option<Path>| path.as_ref().map(|path| path.largest - path.least);
+        let f = |path: &Option<Path>| {
+            let path = path.as_ref().filter(|_| length_is_calibrated);
+            path.map(|path| [path.least, path.largest])
+        };
+        Some(Self {
+            g_forward_um: g(&forward),
+            g_backward_um: g(&backward),
+            g_both_um: g(&both),
+            h_um,
+            f_forward_um: f(&forward),
+            f_backward_um: f(&backward),
+            d_um: both
+                .filter(|_| length_is_calibrated)
+                .map(|path| path.radius),
+        })
+    }
+}
+
+impl Path {
+    fn new(machine: &Machine, kind: &VerificationKind, points: &[&Point]) -> Option<Self> {
+        if points.is_empty() {
+            return None;
+        }
+        let along = points
+            .iter()
+            .map(|point| MeasuredPoint::new(machine, kind, &point.positions).along);
+        let columns = ball_bar_set_up(&along.collect::<Vec<_>>());
+        let set_up = DMatrix::from_fn(points.len(), columns.len(), |row, c| columns[c][row]);
+        let readings = points.iter().map(|point| point.reading_um);
+        let readings = DVector::from_iterator(points.len(), readings);
+        let mut fitted = pseudo_inverse(&set_up) * &readings;
+        // The last is the length, which stays.
+        let last = fitted.len() - 1;
+        let radius = std::mem::take(&mut fitted[last]);
+        let left = readings - set_up * fitted;
+        Some(Self {
+            least: left.iter().copied().reduce(f64::min)?,
+            largest: left.iter().copied().reduce(f64::max)?,
+            radius,
+        })
+    }
 }

@@ -4,23 +4,25 @@ use serde_json::{Value, json};
 use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{Direction, VerificationKind};
 use trueaxis_files::round;
-use trueaxis_kinematics::{AxisKind, Machine};
+use trueaxis_kinematics::{ARCSEC, AxisKind, Machine};
 
 use crate::verify::iso_230_2::{Positioning, Side};
+use crate::verify::parallel_lines::ParallelLines;
 use crate::verify::{EXPECTED_ABOVE_ONE, Point, Verified, is_misfit};
 
 /// Decimals of µm and `E_n`.
 const DECIMALS: i32 = 4;
 
-/// The document of all verifications of the campaign of this name.
+/// The document of all verifications of the campaign of this name, and of the angles that parallel lines tell.
 pub fn verification_json(
     machine: &CalibratedMachine,
     campaign: &str,
     is_compensated: bool,
     verified: &[Verified],
+    lines: &[ParallelLines],
 ) -> Value {
     let nominal = machine.machine();
-    json!({
+    let mut document = json!({
         "format": "trueaxis-verification",
         "version": 1,
         "machine": machine.name,
@@ -30,6 +32,38 @@ pub fn verification_json(
         "compensated": is_compensated,
         "expected_above_one": EXPECTED_ABOVE_ONE,
         "verification": verified.iter().map(|v| entry(nominal, v)).collect::<Value>(),
+    });
+    if !lines.is_empty() {
+        let lines = lines.iter();
+        document["parallel_lines"] = lines.map(|l| parallel(nominal, l)).collect();
+    }
+    document
+}
+
+fn parallel(machine: &Machine, found: &ParallelLines) -> Value {
+    let name = machine.axes()[found.axis].name();
+    let arcsec = |values: &[f64]| -> Value {
+        let values = values.iter().map(|x| json!(round(x / ARCSEC, DECIMALS)));
+        values.collect()
+    };
+    let components = found.angles.iter().map(|curve| {
+        let mut value = json!({
+            "measured_arcsec": arcsec(&curve.measured),
+            "predicted_arcsec": arcsec(&curve.predicted),
+            "u_predicted_arcsec": arcsec(&curve.u_predicted),
+            "largest_difference_arcsec": round(curve.largest_difference() / ARCSEC, DECIMALS),
+        });
+        if let Some(u) = &curve.u_measured {
+            value["u_measured_arcsec"] = arcsec(u);
+        }
+        (curve.component.name(name), value)
+    });
+    let positions = found.positions.iter().map(|q| json!(round(*q, 9)));
+    json!({
+        "axis": name,
+        "lines": found.lines,
+        "positions": positions.collect::<Value>(),
+        "components": components.collect::<Value>(),
     })
 }
 
@@ -59,6 +93,11 @@ fn entry(machine: &Machine, verified: &Verified) -> Value {
             ("G_backward_um", circular.g_backward_um),
             ("Gb_um", circular.g_both_um),
             ("H_um", circular.h_um),
+            ("Fmin_forward_um", circular.f_forward_um.map(|f| f[0])),
+            ("Fmax_forward_um", circular.f_forward_um.map(|f| f[1])),
+            ("Fmin_backward_um", circular.f_backward_um.map(|f| f[0])),
+            ("Fmax_backward_um", circular.f_backward_um.map(|f| f[1])),
+            ("D_um", circular.d_um),
         ]);
     }
     entry

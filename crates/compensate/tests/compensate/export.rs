@@ -332,12 +332,4 @@ fn an_old_table_is_contained_in_the_new_one() {
     );
     let said = refused("0 0 0\n0 1 1\n");
     assert!(said.contains("a position above the one before"), "{said}");
-    let other = Request {
-        onto: &old,
-        ..request(&machine)
-    };
-    assert!(matches!(
-        export(Format::Isg, &other),
-        Err(Error::Unsuitable { .. })
-    ));
 }

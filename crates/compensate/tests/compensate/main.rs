@@ -7,7 +7,10 @@
 
 mod controllers;
 mod export;
+mod import;
 mod inverse;
+mod onto;
+mod parallel_lines;
 mod remains;
 mod verify;
 

@@ -11,7 +11,7 @@
 //! cycles or lines. The set-up of a ball bar absorbs a constant and once per turn: errors of scale that
 //! the axes have in common, not squareness.
 
-use trueaxis_calibrate::ball_bar_set_up;
+use trueaxis_calibrate::{ball_bar_set_up, positioning_lines};
 use trueaxis_campaign::VerificationKind;
 
 use crate::verification::arrivals::is_same;
@@ -57,14 +57,8 @@ pub(crate) fn set_up(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
 
 /// For each reading the number of its line.
 pub(crate) fn lines(comparison: &Comparison<'_>) -> Vec<usize> {
-    let measured = comparison.axis();
-    numbered(comparison, |positions| {
-        let others = positions
-            .iter()
-            .enumerate()
-            .filter(|(axis, _)| *axis != measured);
-        others.map(|(_, position)| *position).collect()
-    })
+    let positions = comparison.arrivals.iter().map(|a| a.positions.as_slice());
+    positioning_lines(comparison.axis(), positions)
 }
 
 /// For each reading the number of the commanded position of the measured axis.

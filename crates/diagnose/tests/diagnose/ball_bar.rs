@@ -88,6 +88,7 @@ fn table(
         kind: VerificationKind::Ballbar {
             ball_mm: Point3::new(0.0, 0.0, 50.0),
             ball_carrier: 2,
+            length_is_calibrated: false,
             center_mm: Point3::new(CENTRE_MM[0], CENTRE_MM[1], 50.0),
         },
         u_um: None,

@@ -2,7 +2,18 @@
 
 use trueaxis_kinematics::{Branch, Machine};
 
-use crate::Error;
+/// The calibration of another machine.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "this is the calibration of another machine: its axes are {calibrated}, expected {measured}; names, kinds, \
+     directions and order from the bed must be the same"
+)]
+pub struct OtherMachine {
+    /// Names of the axes of the calibration.
+    pub calibrated: String,
+    /// Names of the axes of the other calibration, or of the campaign.
+    pub measured: String,
+}
 
 /// Unit vectors this close are one.
 const SAME_DIRECTION: f64 = 1e-9;
@@ -10,8 +21,8 @@ const SAME_DIRECTION: f64 = 1e-9;
 /// Names, kinds, directions and order of the axes must be the same, and the branches.
 ///
 /// # Errors
-/// [`Error::OtherMachine`] with the names of both.
-pub fn check_same_machine(calibrated: &Machine, measured: &Machine) -> Result<(), Error> {
+/// [`OtherMachine`] with the names of both.
+pub fn check_same_machine(calibrated: &Machine, measured: &Machine) -> Result<(), OtherMachine> {
     let is_same = calibrated.axes().len() == measured.axes().len()
         && calibrated.axes().iter().zip(measured.axes()).all(|(a, b)| {
             let off = a.direction().into_inner() - b.direction().into_inner();
@@ -27,7 +38,7 @@ pub fn check_same_machine(calibrated: &Machine, measured: &Machine) -> Result<()
     if is_same {
         return Ok(());
     }
-    Err(Error::OtherMachine {
+    Err(OtherMachine {
         calibrated: names(calibrated),
         measured: names(measured),
     })

@@ -1,0 +1,217 @@
+//! Tables onto those that were active while the machine was measured: the models of the controls add what both add.
+
+use trueaxis_calibrate::{CalibratedMachine, Settings, calibrate};
+use trueaxis_compensate::{Error, Export, ExportedFile, Format, Request, export};
+use trueaxis_kinematics::MICROMETRE;
+use trueaxis_simulate::simulate;
+
+use crate::controllers::control;
+use crate::{FIVE_AXES, THREE_AXES, calibrated, poses, scenario, tool};
+
+const FORMATS: [Format; 4] = [Format::Grid, Format::Isg, Format::Etalon, Format::Sinumerik];
+
+fn request(machine: &CalibratedMachine) -> Request<'_> {
+    Request {
+        machine,
+        at: tool(),
+        axis: None,
+        step: None,
+        onto: &[],
+    }
+}
+
+/// What an old calibration of the same machine, with other noise, made, at its own spacing.
+fn old(format: Format, text: &str) -> Export {
+    let campaign = simulate(&scenario(text), 7).unwrap().campaign;
+    let machine = calibrate(&campaign, &Settings::default()).unwrap();
+    let machine = machine.calibrated_machine();
+    let step = (text == THREE_AXES).then_some(40.0);
+    export(
+        format,
+        &Request {
+            step,
+            ..request(&machine)
+        },
+    )
+    .unwrap()
+}
+
+/// Both linear in the tables (`grid`, `sinumerik`: to the digits of the files), or in the errors (`isg`, `etalon`: to the second
+/// order, some nm).
+#[test]
+fn the_control_adds_what_both_add() {
+    for text in [THREE_AXES, FIVE_AXES] {
+        let machine = calibrated(&scenario(text), false);
+        for format in FORMATS {
+            let old = old(format, text);
+            let new = export(format, &request(&machine)).unwrap();
+            let onto = Request {
+                onto: &old.files,
+                ..request(&machine)
+            };
+            let sum = export(format, &onto).unwrap();
+            // It is announced for the machine as measured, with the old ones on.
+            assert_eq!(sum.announcement, new.announcement, "{}", format.name());
+            let [old, new, sum] =
+                [&old, &new, &sum].map(|export| control(format, export, machine.machine(), tool()));
+            let mut largest: f64 = 0.0;
+            let mut added: f64 = 0.0;
+            for commanded in poses(&machine, 200) {
+                let [old, new, sum] = [&old, &new, &sum].map(|control| control(&commanded));
+                for ((old, new), sum) in old.iter().zip(&new).zip(&sum) {
+                    largest = largest.max((old + new - sum).abs());
+                    added = added.max(sum.abs());
+                }
+            }
+            println!(
+                "{} {}: {:.6} of {:.1} µm",
+                machine.name,
+                format.name(),
+                largest / MICROMETRE,
+                added / MICROMETRE
+            );
+            // An old correction of half the size is moved along the slopes of the new errors: squareness and pitch, below 3e-4.
+            let limit = match format {
+                Format::Isg | Format::Etalon => 0.5 * added * 3e-4,
+                _ => 4e-4 * MICROMETRE,
+            };
+            assert!(largest < limit && added > 10.0 * MICROMETRE);
+        }
+    }
+}
+
+/// Tables for one axis leave those of the others as they are.
+#[test]
+fn what_only_the_old_ones_have_stays() {
+    let machine = calibrated(&scenario(THREE_AXES), false);
+    for format in [Format::Isg, Format::Etalon, Format::Sinumerik] {
+        let old = old(format, THREE_AXES);
+        let one = Request {
+            axis: Some(0),
+            ..request(&machine)
+        };
+        let new = export(format, &one).unwrap();
+        let sum = Request {
+            onto: &old.files,
+            ..one
+        };
+        let sum = export(format, &sum).unwrap();
+        let [old, new, sum] =
+            [&old, &new, &sum].map(|export| control(format, export, machine.machine(), tool()));
+        for commanded in [[100.0, 0.0, 0.0], [0.0, 210.0, 0.0], [50.0, 130.0, 370.0]] {
+            let [old, new, sum] = [&old, &new, &sum].map(|control| control(&commanded));
+            for ((old, new), sum) in old.iter().zip(&new).zip(&sum) {
+                assert!(
+                    (old + new - sum).abs() < 0.02 * MICROMETRE,
+                    "{}",
+                    format.name()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn old_tables_that_are_none_are_refused_with_their_place() {
+    let machine = calibrated(&scenario(THREE_AXES), false);
+    let refused = |format, name: &str, text: &str| {
+        let old = [ExportedFile {
+            name: name.to_owned(),
+            text: text.to_owned(),
+        }];
+        let request = Request {
+            onto: &old,
+            ..request(&machine)
+        };
+        export(format, &request).unwrap_err().to_string()
+    };
+    let enc = "$AA_ENC_COMP[0,0,AX1]=0\n$AA_ENC_COMP[0,1,AX1]=0.01\n$AA_ENC_COMP_STEP[0,AX1]=440\n\
+               $AA_ENC_COMP_MIN[0,AX1]=0\n$AA_ENC_COMP_MAX[0,AX1]=440\n";
+    let grid = "X,Y,Z,add_X_um,add_Y_um,add_Z_um\n0,0,0,1,1,1\n440,0,0,1,1,1\n";
+    for (format, name, text, says) in [
+        (
+            Format::Isg,
+            "volcomp.csv",
+            "X EXX\n0 0\n10\n",
+            "volcomp.csv line 3",
+        ),
+        (
+            Format::Etalon,
+            "etalon.txt",
+            "[EXX]\n",
+            "the file is cut off",
+        ),
+        (
+            Format::Sinumerik,
+            "AX_EEC.INI",
+            &enc[..40],
+            "AX_EEC.INI line 2",
+        ),
+        (
+            Format::Sinumerik,
+            "AX_EEC.INI",
+            &enc[..80],
+            "_MIN of the table; the file may be cut off",
+        ),
+        (
+            Format::Sinumerik,
+            "AX_EEC.INI",
+            &enc.replace("AX1", "AX9"),
+            "expected AX1 to AX3",
+        ),
+        (
+            Format::Sinumerik,
+            "AX_EEC.INI",
+            &enc.replace("=440\n$AA_ENC_COMP_MIN", "=220\n$AA_ENC_COMP_MIN"),
+            "2 points from 0 to 440, 220 apart",
+        ),
+        (
+            Format::Sinumerik,
+            "AX_EEC.INI",
+            &enc.replace("=440\n$AA_ENC_COMP_MIN", "=439.99\n$AA_ENC_COMP_MIN")
+                .replace("=440\n", "=439.99\n"),
+            "axis X, the old and the new table in one",
+        ),
+        (
+            Format::Sinumerik,
+            "AX_EEC.INI",
+            &format!("{enc}$AA_ENC_COMP_IS_MODULO[0,AX1]=1\n"),
+            "_IS_MODULO 0",
+        ),
+        (
+            Format::Grid,
+            "grid.csv",
+            "X,Y,Z\n0,0,0\n",
+            "a column add_X_um",
+        ),
+        (Format::Grid, "grid.csv", &grid[..50], "grid.csv line 3"),
+        (
+            Format::Grid,
+            "grid.csv",
+            &grid.replace("440,0,0", "440,0,40"),
+            "every node of the grid once",
+        ),
+        (
+            Format::Marlin,
+            "skew.gcode",
+            "M852 I0\n",
+            "marlin takes no old tables",
+        ),
+    ] {
+        let said = refused(format, name, text);
+        assert!(
+            said.contains(says),
+            "{}: {said}\n  expected {says}",
+            format.name()
+        );
+    }
+    let two = old(Format::Sinumerik, THREE_AXES).files;
+    let request = Request {
+        onto: &two,
+        ..request(&machine)
+    };
+    assert!(matches!(
+        export(Format::Isg, &request),
+        Err(Error::Unsuitable { .. })
+    ));
+}
