@@ -5,7 +5,8 @@
 //! ```
 //!
 //! SEEDS is a number or a range, as `100..112`; `a+b` hides two effects, `a~` one whose shape is not quite
-//! that of the catalogue.
+//! that of the catalogue. `a@0.3` hides `a` beside a hall that breathes and a tripod that sways, both with 0.3 of the
+//! usual strength λ = 7, in noise with heavy tails; `mess@0.3` is that alone.
 //!
 //! For every effect and seed a campaign with that effect hidden in it at the strength λ is diagnosed;
 //! the truth is opened afterwards. `clean` as an effect counts false alarms.
@@ -94,9 +95,19 @@ fn kind_of(name: &str, seed: u64) -> Kind {
     }
 }
 
+/// The strength of which a mess is a part.
+const USUAL: f64 = 7.0;
+
 fn outcome(name: &str, seed: u64, strength: f64) -> Option<Outcome> {
-    let kind = kind_of(name, seed);
-    let hidden: Vec<Hidden> = if name == "clean" {
+    let (name, mess) = match name.split_once('@') {
+        Some((name, part)) => (name, part.parse::<f64>().ok()),
+        None => (name, None),
+    };
+    let mut kind = kind_of(name, seed);
+    if mess.is_some() {
+        kind = kind.with_heavy_tails();
+    }
+    let hidden: Vec<Hidden> = if ["clean", "mess"].contains(&name) {
         Vec::new()
     } else {
         let mut all = Vec::new();
@@ -109,7 +120,12 @@ fn outcome(name: &str, seed: u64, strength: f64) -> Option<Outcome> {
         }
         all
     };
-    let campaign = blind::campaign(&kind, &hidden, seed);
+    let mut all = hidden.clone();
+    all.extend(
+        mess.iter()
+            .flat_map(|part| blind::mess(&kind, seed, part * USUAL)),
+    );
+    let campaign = blind::campaign(&kind, &all, seed);
     let settings = Settings {
         explain_curves: false,
         ..Settings::default()
@@ -127,6 +143,20 @@ fn outcome(name: &str, seed: u64, strength: f64) -> Option<Outcome> {
         }
     };
     Some(judged(name, seed, &kind, &hidden, &diagnosis))
+}
+
+/// Whether that is what wanders in one that no catalogue has.
+fn is_wandering(hidden: &Hidden, whose: &trueaxis_diagnose::Wandering) -> bool {
+    let (layer, station) = (whose.layer.name(), whose.subject.station);
+    let of_all = station.is_none() && whose.subject.target.is_none();
+    let with = whose.varies_with;
+    match hidden.name {
+        "air_conditioning" => of_all && with == ["time"],
+        "opposed_warm_ups" => of_all && with == ["time"] && layer != "instrument",
+        "tripod_sway" => station == hidden.station && with == ["time"],
+        "cross_talk" => station == hidden.station && with == ["position"],
+        _ => false,
+    }
 }
 
 fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Diagnosis) -> Outcome {
@@ -148,7 +178,10 @@ fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Dia
     for cause in &causes {
         let id = cause.effect.effect.id;
         label += &format!(" {id}");
-        line += &format!(" {id} {:?} p={:.1e}", cause.effect.subject, cause.p_value);
+        let subject = &cause.effect.subject;
+        let who = [subject.station, subject.target, subject.axis];
+        let (shape, p) = (cause.effect.shape, cause.p_value);
+        line += &format!(" {id} {who:?} at {shape:.0} p={p:.1e}");
         for rival in &cause.rivals {
             line += &format!(
                 " | {} {:?}",
@@ -162,11 +195,29 @@ fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Dia
             hidden.name, hidden.station, hidden.target, hidden.axis
         );
     }
+    for own in &diagnosis.disturbances {
+        line += &format!(
+            " ~{} {:.2} um {:.0} {}",
+            own.whose.in_words(&diagnosis.scene),
+            own.rms_um,
+            own.correlation_length.value,
+            own.correlation_length.unit
+        );
+    }
     if let Some(unexplained) = &diagnosis.unexplained {
         line += &format!(" [{}]", unexplained.note);
     }
+    let wanders = |hidden: &Hidden| {
+        let all = diagnosis.disturbances.iter();
+        let all = all.flat_map(|own| std::iter::once(&own.whose).chain(&own.rivals));
+        all.into_iter().any(|whose| is_wandering(hidden, whose))
+    };
     let right = if name == "clean" {
         diagnosis.verdict == Verdict::Clean
+    } else if name == "mess" {
+        diagnosis.verdict != Verdict::Named
+    } else if blind::UNCATALOGUED.contains(&name) {
+        diagnosis.verdict == Verdict::Unknown && hidden.iter().all(wanders)
     } else {
         diagnosis.verdict == Verdict::Named
             && causes.len() == hidden.len()

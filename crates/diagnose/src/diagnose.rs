@@ -60,7 +60,7 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         || explained(as_measured.as_ref()),
     );
     if let (Some(lengths), Some(outcome)) = (&campaign.lengths, outcome.transpose()?) {
-        let mut is_changed = !outcome.causes.is_empty();
+        let mut is_changed = !outcome.causes.is_empty() || !outcome.disturbances.is_empty();
         let corrected = with_lengths(&mut diagnosis, campaign, lengths, outcome, settings)?;
         let campaign = corrected.as_ref().unwrap_or(campaign);
         is_changed |= with_runs(&mut diagnosis, campaign, settings)?;
@@ -148,6 +148,7 @@ impl Diagnosis {
             verdict: Verdict::NotJudged,
             levels: Vec::new(),
             causes: Vec::new(),
+            disturbances: Vec::new(),
             unexplained: None,
             rejected: Vec::new(),
             not_observable: Vec::new(),
@@ -174,7 +175,7 @@ fn with_lengths(
              is not in effects.json"
                 .to_owned(),
         );
-    } else if !outcome.causes.is_empty() {
+    } else if !outcome.causes.is_empty() || !outcome.disturbances.is_empty() {
         let corrected = without_effects(campaign, lengths, &outcome.effects_mm);
         with_better(diagnosis, &corrected, &mut outcome.causes, settings)?;
         without = Some(corrected);
@@ -186,6 +187,18 @@ fn with_lengths(
                 .to_owned(),
         );
     }
+    for (own, share) in outcome
+        .disturbances
+        .iter_mut()
+        .zip(&outcome.report.shares.disturbances)
+    {
+        own.data.clone_from(&outcome.report.data);
+        own.share = *share;
+    }
+    if outcome.causes.is_empty() && !outcome.disturbances.is_empty() {
+        diagnosis.verdict = Verdict::of_all([diagnosis.verdict, Verdict::Unknown]);
+    }
+    diagnosis.disturbances.extend(outcome.disturbances);
     with_level(
         diagnosis,
         outcome.report,

@@ -5,6 +5,7 @@
 //! was held out, named or left.
 
 mod cause;
+mod disturbance;
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -12,6 +13,7 @@ use trueaxis_effects::{EffectsFile, Level};
 use trueaxis_files::{Format, Ordered, round, significant};
 
 use crate::json::cause::CauseFile;
+use crate::json::disturbance::DisturbanceFile;
 use crate::{
     Cause, Diagnosis, Gain, LevelReport, Misfit, NotObservable, OmnibusTest, Place, Rejected,
     Shares, Unexplained,
@@ -85,7 +87,7 @@ struct File<'a> {
     after: MisfitFile,
     gain: Option<GainFile>,
     causes: Vec<CauseFile<'a>>,
-    disturbances: [(); 0],
+    disturbances: Vec<DisturbanceFile<'a>>,
     unexplained: Option<UnexplainedFile<'a>>,
     rejected: Vec<RejectedFile<'a>>,
     not_observable: Vec<NotObservableFile<'a>>,
@@ -136,7 +138,7 @@ struct RejectedFile<'a> {
 #[derive(Serialize, JsonSchema)]
 struct SharesFile {
     causes: Vec<f64>,
-    disturbances: [(); 0],
+    disturbances: Vec<f64>,
     unexplained: f64,
     noise: f64,
 }
@@ -199,7 +201,11 @@ impl<'a> File<'a> {
             causes: ranked
                 .map(|(i, cause)| CauseFile::new(i + 1, cause, &diagnosis.scene))
                 .collect(),
-            disturbances: [],
+            disturbances: diagnosis
+                .disturbances
+                .iter()
+                .map(|own| DisturbanceFile::new(own, &diagnosis.scene))
+                .collect(),
             unexplained: diagnosis.unexplained.as_ref().map(unexplained),
             rejected: diagnosis.rejected.iter().map(rejected).collect(),
             not_observable: diagnosis.not_observable.iter().map(unseen).collect(),
@@ -234,7 +240,7 @@ fn shares(shares: &Shares) -> SharesFile {
     let part = |share: &f64| round(*share, 6);
     SharesFile {
         causes: shares.causes.iter().map(part).collect(),
-        disturbances: [],
+        disturbances: shares.disturbances.iter().map(part).collect(),
         unexplained: part(&shares.unexplained),
         noise: part(&shares.noise),
     }

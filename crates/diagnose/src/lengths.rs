@@ -13,13 +13,18 @@
 //!   are profiled over all visits by running sums ([`step_scan`]).
 //! - [`causes`]: one after the other, each judged beside the others, until nothing is left that is a
 //!   cause of its own ([`culprit`]).
+//! - [`disturbance`]: what wanders in a course that nobody knows joins the covariance, where it has more evidence
+//!   than causes have, or is left beside them ([`beside`], [`wandering`], [`competition`]; [`wandered`] tells it).
 //! - [`omnibus`]: whether anything is left at all, and what it varies with ([`unexplained`]).
 //! - [`left_out`]: gross errors leave before the search, and come back if the causes explain them.
 //! - [`held_out`]: the gain on sweeps, and on whole stations, that the model was not fitted to.
 
 mod base;
+mod beside;
 mod causes;
+mod competition;
 mod culprit;
+mod disturbance;
 mod estimated;
 mod harmonics;
 mod held_out;
@@ -33,6 +38,8 @@ mod search;
 mod step_scan;
 mod swapped;
 mod unexplained;
+mod wandered;
+mod wandering;
 
 pub(crate) use harmonics::half_waves;
 pub(crate) use held_out::{HeldOut, Sums, interval};

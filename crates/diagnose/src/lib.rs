@@ -56,8 +56,9 @@ mod verification;
 
 pub use diagnose::{diagnose, diagnose_against};
 pub use diagnosis::{
-    Cause, Change, Diagnosis, EstimatedParameter, Follows, Gain, HeldOutRatio, LevelReport, Misfit,
-    NotObservable, OmnibusTest, Place, Rejected, Rival, Unexplained, Verdict,
+    Cause, Change, CorrelationLength, CurvePoint, Diagnosis, Disturbance, EstimatedParameter,
+    Follows, Gain, HeldOutRatio, LevelReport, Misfit, NotObservable, OmnibusTest, Place, Rejected,
+    Rival, Unexplained, Verdict, Wandering,
 };
 pub use error::Error;
 pub use selection::Shares;

@@ -30,11 +30,12 @@ mod score;
 mod shares;
 
 pub(crate) use f_test::{f_test, ln_f_test};
-pub(crate) use fixed_scan::{FixedScan, gram as gram_of};
+pub(crate) use fixed_scan::{FixedScan, gram as gram_of, gram_matrix};
 pub(crate) use gram::Gram;
 pub(crate) use null::Null;
-pub(crate) use projection::{Arrowhead, Projection};
+pub(crate) use projection::{Arrowhead, Projection, dot};
 pub(crate) use rivals::{DECISIVE, Fit, cosine, is_rival};
 pub(crate) use scan::{Hypothesis, Scan};
-pub(crate) use score::{Score, rank};
+pub(crate) use score::{Score, marginal as marginal_of, rank};
+pub(crate) use shares::Part;
 pub use shares::Shares;

@@ -39,7 +39,7 @@ pub struct GivenSubject {
 
 impl GivenSubject {
     /// The names of a subject; what the scene does not have is left out.
-    pub(crate) fn new(subject: &Subject, scene: &Scene) -> Self {
+    pub fn new(subject: &Subject, scene: &Scene) -> Self {
         let axes = scene.machine.axes();
         let axis = |index: usize| axes.get(index).map(|axis| axis.name().to_owned());
         let station = |index: usize| scene.stations.get(index).cloned();

@@ -66,7 +66,11 @@ impl Experiment {
             for &reading in &visit.readings {
                 let mut disturbance = self.disturbance(visit, reading, hidden);
                 disturbance.machine_mm += return_mm;
-                let noise_mm = noise.length_um * MICROMETRE * random.normal();
+                let drawn = match self.kind.heavy_tails {
+                    true => random.student(),
+                    false => random.normal(),
+                };
+                let noise_mm = noise.length_um * MICROMETRE * drawn;
                 let length_mm = self.length_mm(visit, reading.0, &disturbance) + noise_mm;
                 lengths.push((length_mm * LENGTHS_PER_MM).round() / LENGTHS_PER_MM);
             }

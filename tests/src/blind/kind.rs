@@ -21,6 +21,9 @@ pub struct Kind {
     pub declared: Noise,
     /// The noise that the lengths have.
     pub noise: Noise,
+    /// Whether that of a length has Student's distribution with four degrees of freedom, scaled to its standard
+    /// deviation, instead of the normal one.
+    pub heavy_tails: bool,
 }
 
 /// Nominal geometry.
@@ -67,6 +70,7 @@ impl Kind {
             bed_readings: 0,
             declared: Noise::default(),
             noise: Noise::default(),
+            heavy_tails: false,
         }
     }
 
@@ -101,6 +105,15 @@ impl Kind {
     pub fn with_bed(self, readings: usize) -> Self {
         Self {
             bed_readings: readings,
+            ..self
+        }
+    }
+
+    /// The same with noise that has heavy tails.
+    #[must_use]
+    pub fn with_heavy_tails(self) -> Self {
+        Self {
+            heavy_tails: true,
             ..self
         }
     }

@@ -87,6 +87,16 @@ pub fn strength(kind: &Kind, hidden: &[Hidden], seed: u64) -> f64 {
     Projection::new(&experiment).residuals(&change).norm()
 }
 
+/// What a hall does beside all else: it breathes and one tripod sways, each with the strength `lambda`; to be
+/// measured with [`Kind::with_heavy_tails`].
+pub fn mess(kind: &Kind, seed: u64, lambda: f64) -> Vec<Hidden> {
+    let drawn = ["air_conditioning", "tripod_sway"].map(|name| draw(kind, name, seed));
+    let drawn = drawn.into_iter().flatten();
+    drawn
+        .map(|hidden| at_strength(kind, &hidden, seed, lambda))
+        .collect()
+}
+
 /// The same disturbance as large as gives it the strength `lambda`; as it is if it has none.
 #[must_use]
 pub fn at_strength(kind: &Kind, hidden: &Hidden, seed: u64, lambda: f64) -> Hidden {

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::{Distribution, StandardNormal, StudentT};
 
 /// What random numbers are for. Streams of one seed are independent, so that the same machine can be
 /// measured with and without a disturbance under the same noise.
@@ -63,6 +63,14 @@ impl Random {
     /// Standard normal.
     pub(super) fn normal(&mut self) -> f64 {
         StandardNormal.sample(&mut self.0)
+    }
+
+    /// Student's with four degrees of freedom, scaled to a standard deviation of one.
+    pub(super) fn student(&mut self) -> f64 {
+        let drawn: f64 = StudentT::new(4.0)
+            .expect("four degrees of freedom")
+            .sample(&mut self.0);
+        drawn / f64::sqrt(2.0)
     }
 
     /// Three of them.

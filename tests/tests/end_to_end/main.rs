@@ -34,3 +34,4 @@ mod triangle;
 mod twins;
 mod verification;
 mod volume;
+mod wandering;

@@ -1,7 +1,7 @@
 //! A diagnosis in a dozen lines.
 
-use trueaxis_diagnose::{Cause, Diagnosis, LevelReport, Place, Unexplained, Verdict};
-use trueaxis_effects::Level;
+use trueaxis_diagnose::{Cause, Diagnosis, Disturbance, LevelReport, Place, Unexplained, Verdict};
+use trueaxis_effects::{Level, Scene};
 
 use crate::diagnose::layout::labelled;
 use crate::diagnose::{causes, in_words};
@@ -42,6 +42,9 @@ pub(crate) fn lines(diagnosis: &Diagnosis) -> Vec<String> {
                 .flat_map(causes::gained),
         );
     }
+    for disturbance in &diagnosis.disturbances {
+        lines.extend(wanders(disturbance, &diagnosis.scene));
+    }
     for level in &diagnosis.levels {
         lines.extend(level.unexplained.iter().flat_map(left));
     }
@@ -67,9 +70,41 @@ fn left(unexplained: &Unexplained) -> Vec<String> {
         ),
     ];
     lines.extend(labelled("what", &unexplained.note));
-    let has = |what: &str| unexplained.varies_with.contains(&what);
+    lines.extend(labelled("to do", to_do(&unexplained.varies_with)));
+    lines
+}
+
+/// What moves in a course that no known cause has.
+fn wanders(disturbance: &Disturbance, scene: &Scene) -> Vec<String> {
+    let length = disturbance.correlation_length;
+    let mut lines = vec![
+        String::new(),
+        format!(
+            "{} wanders: {:.2} µm rms, {} of the misfit in squares",
+            disturbance.whose.in_words(scene),
+            disturbance.rms_um,
+            in_words::percent(disturbance.share)
+        ),
+    ];
+    let how = format!(
+        "smooth over {:.0} {}; its curve is in diagnosis.json",
+        length.value, length.unit
+    );
+    lines.extend(labelled("how", &how));
+    let rivals = disturbance.rivals.iter().map(|rival| rival.in_words(scene));
+    let rivals: Vec<String> = rivals.collect();
+    if !rivals.is_empty() {
+        lines.extend(labelled("or", &rivals.join("; ")));
+    }
+    lines.extend(labelled("to do", to_do(disturbance.whose.varies_with)));
+    lines
+}
+
+/// Where to look for what varies with something.
+fn to_do(varies_with: &[&str]) -> &'static str {
+    let has = |what: &str| varies_with.contains(&what);
     // What goes with time is looked for around the machine, what goes with the side or the place in it.
-    let to_do = if has("time") || has("cycle") || unexplained.varies_with.is_empty() {
+    if has("time") || has("cycle") || varies_with.is_empty() {
         "look for what changes like this (air conditioning, neighbours, the instrument's mount, the floor) \
          before the calibration is used"
     } else if has("direction") {
@@ -78,9 +113,7 @@ fn left(unexplained: &Unexplained) -> Vec<String> {
     } else {
         "look at what the axis passes on its way (guideway, screw, cable chain), and at how targets and \
          machine are clamped"
-    };
-    lines.extend(labelled("to do", to_do));
-    lines
+    }
 }
 
 fn verdict(diagnosis: &Diagnosis) -> String {
@@ -89,7 +122,8 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         .iter()
         .filter(|cause| cause.level != Level::Components)
         .count();
-    let more = match diagnosis.levels.iter().any(|l| l.unexplained.is_some()) {
+    let is_left = diagnosis.levels.iter().any(|l| l.unexplained.is_some());
+    let more = match is_left || !diagnosis.disturbances.is_empty() {
         true => ", and something more",
         false => "",
     };

@@ -12,10 +12,12 @@ use trueaxis_poses::{
 };
 
 use crate::Error;
+use crate::lengths::disturbance::Disturbance;
 use crate::lengths::left_out::LeftOut;
 use crate::selection::{Fit, Hypothesis, Projection};
 
 /// The lengths of a campaign, ready to be adjusted.
+#[derive(Clone)]
 pub(crate) struct Base<'a> {
     pub(crate) campaign: &'a Campaign,
     pub(crate) scene: Scene,
@@ -30,6 +32,10 @@ pub(crate) struct Base<'a> {
     pub(crate) left_out: Vec<LeftOut>,
     /// Number of readings that look like gross errors but are too many to be left out.
     pub(crate) many_gross: usize,
+    /// What wanders: in the covariance of the lengths.
+    pub(crate) disturbances: Vec<Disturbance>,
+    /// First and last time of all lengths, s.
+    pub(crate) span_s: [f64; 2],
 }
 
 /// A cause with its parameters, linear at its shape.
@@ -70,6 +76,9 @@ const NO_WEIGHT: f64 = 1e6;
 const RESTS: f64 = 1e-3;
 
 const MAX_ITERATIONS: usize = 8;
+
+/// Rounds of noise and disturbances: the first takes one for the other.
+const ROUNDS: usize = 3;
 
 impl<'a> Base<'a> {
     /// The lengths as their calibration adjusted them, without causes. Single gross errors are left out;
@@ -115,7 +124,14 @@ impl<'a> Base<'a> {
         let (mut network, kept) = network.without(removed);
         let start = solve_as_a_set(&mut network, near, &settings)?;
         let readings = length_circumstances(campaign, lengths, &network, &groups, &kept);
+        let times = || readings.iter().map(|r| r.time_s);
+        let span_s = [
+            times().fold(f64::INFINITY, f64::min),
+            times().fold(f64::NEG_INFINITY, f64::max),
+        ];
         Ok(Self {
+            span_s,
+            disturbances: Vec::new(),
             campaign,
             scene: scene_of(campaign),
             temperatures: temperature_histories(campaign),
@@ -139,34 +155,51 @@ impl<'a> Base<'a> {
         let settings = Settings::default();
         let mut solution = self.start.clone();
         let mut network = self.network.clone();
-        for _ in 0..MAX_ITERATIONS {
+        let mut wandered_mm = vec![0.0; self.readings.len()];
+        for round in 1..=MAX_ITERATIONS {
             self.correct(&mut network, &solution, &suspects);
             if let Some(noise) = noise {
                 network.noise = noise;
                 solution = solve_from(&network, &solution, &settings)?;
             } else {
                 network.noise = self.network.noise;
+                // What wanders is no noise.
+                let add = |network: &mut Network, sign: f64| {
+                    for (reading, mm) in network.readings.iter_mut().zip(&wandered_mm) {
+                        reading.length_mm += sign * mm;
+                    }
+                };
+                add(&mut network, -1.0);
                 solution = solve_from(&network, &solution, &settings)?;
                 estimate_noise(&mut network, &mut solution, self.declared, &settings)?;
+                add(&mut network, 1.0);
+                if !self.disturbances.is_empty() {
+                    solution = solve_from(&network, &solution, &settings)?;
+                }
             }
             let whitened = Whitened::new(&network, &solution);
-            let bare = Projection::of_network(&whitened);
             let mut adjusted = Adjusted {
+                projection: self.before_causes(&whitened, &solution),
                 network,
                 solution,
                 whitened,
-                projection: bare,
                 suspects,
             };
-            if adjusted.suspects.is_empty() {
+            let is_known = noise.is_some() || self.disturbances.is_empty() || round >= ROUNDS;
+            if adjusted.suspects.is_empty() && is_known {
                 return Ok(adjusted);
             }
             let columns = self.columns_of_suspects(&adjusted);
             let fit = Fit::new(&adjusted.projection, &columns);
             let rests = adjusted.update(&fit);
-            if rests {
+            if !is_known || rests {
                 adjusted.projection = adjusted.projection.extended(&columns);
+            }
+            if is_known && rests {
                 return Ok(adjusted);
+            }
+            if !is_known {
+                wandered_mm = self.wandered_mm(&adjusted, self);
             }
             Adjusted {
                 network,
@@ -201,7 +234,7 @@ impl<'a> Base<'a> {
         let solution = solve_from(&network, &self.start, &Settings::default())?;
         let whitened = Whitened::new(&network, &solution);
         Ok(Adjusted {
-            projection: Projection::of_network(&whitened),
+            projection: self.before_causes(&whitened, &solution),
             network,
             solution,
             whitened,
@@ -218,7 +251,11 @@ impl<'a> Base<'a> {
         }
     }
 
-    fn observation<'b>(&'b self, reading: &Reading, solution: &Solution) -> Observation<'b> {
+    pub(crate) fn observation<'b>(
+        &'b self,
+        reading: &Reading,
+        solution: &Solution,
+    ) -> Observation<'b> {
         reading.observation(
             &self.scene.machine,
             &self.campaign.steps[reading.step].positions,
@@ -306,6 +343,8 @@ impl<'a> Base<'a> {
             declared: self.declared,
             left_out: Vec::new(),
             many_gross: 0,
+            disturbances: self.disturbances.clone(),
+            span_s: self.span_s,
         })
     }
 
@@ -334,6 +373,17 @@ impl<'a> Base<'a> {
 }
 
 impl Adjusted {
+    /// The same with another projection and no causes.
+    pub(crate) fn with(&self, projection: Projection) -> Self {
+        Self {
+            network: self.network.clone(),
+            solution: self.solution.clone(),
+            whitened: self.whitened.clone(),
+            projection,
+            suspects: Vec::new(),
+        }
+    }
+
     /// Moves the parameters by a fit of what is left; whether they rest.
     fn update(&mut self, fit: &Fit) -> bool {
         let all = fit.estimates.len();

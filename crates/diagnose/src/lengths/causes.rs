@@ -154,7 +154,7 @@ fn is_significant(score: &Score, null: &Null) -> bool {
 const MOST_EXCHANGES: usize = 6;
 
 /// Judges each cause against the candidates with the others in the model until none changes any more.
-fn settle(
+pub(super) fn settle(
     base: &Base<'_>,
     mut suspects: Vec<Suspect>,
     candidates: &[Hypothesis],

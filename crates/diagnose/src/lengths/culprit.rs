@@ -4,6 +4,7 @@ use trueaxis_effects::Shape;
 
 use crate::lengths::base::{Base, Suspect};
 use crate::lengths::causes::Found;
+use crate::lengths::disturbance::{Wanderer, Who, With};
 use crate::selection::Hypothesis;
 
 /// What a cause, or a rival of it, makes responsible.
@@ -33,6 +34,21 @@ pub(crate) fn overlap(base: &Base<'_>, a: &Found, b: &Found) -> bool {
     };
     let others = culprits(b);
     culprits(a).iter().any(|c| others.contains(c))
+}
+
+/// Whether what wanders is what a cause makes responsible, in time: then the cause may be no more than a part of a
+/// course that it does not describe.
+pub(crate) fn is_of(base: &Base<'_>, found: &Found, wanderer: Wanderer) -> bool {
+    let rivals = found.rivals.iter().map(|(suspect, _)| suspect);
+    let culprits = rivals.chain([&found.suspect]);
+    let mut culprits = culprits.map(|suspect| culprit(base, suspect));
+    culprits.any(|culprit| match (culprit, wanderer.who, wanderer.with) {
+        (Culprit::Station(own, _), Who::Station(other), With::Turn)
+        | (Culprit::Target(own, _), Who::Target(other), With::Campaign) => own == other,
+        (Culprit::EveryTurn, Who::Machine | Who::Tripods, _) => true,
+        (Culprit::Everything(id), Who::Air, _) => id == "refraction_drift",
+        _ => false,
+    })
 }
 
 fn culprit(base: &Base<'_>, suspect: &Suspect) -> Culprit {

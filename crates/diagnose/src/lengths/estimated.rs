@@ -9,7 +9,7 @@ use trueaxis_effects::{Shape, shape_parameter};
 use crate::EstimatedParameter;
 use crate::lengths::base::{Adjusted, Base, Suspect};
 use crate::lengths::hypotheses::{duration_s, visit_times};
-use crate::selection::{Fit, Projection};
+use crate::selection::Fit;
 
 /// Step of the logarithm of a time constant for its derivative.
 const STEP: f64 = 0.01;
@@ -93,7 +93,7 @@ fn with_time_constant(base: &Base<'_>, adjusted: &Adjusted, suspect: &Suspect) -
         }
     }
     columns.push(derivative);
-    let bare = Projection::of_network(&adjusted.whitened);
+    let bare = base.before_causes(&adjusted.whitened, &adjusted.solution);
     let fit = Fit::new(&bare, &columns);
     let covariance = |i: usize, k: usize| fit.covariance[i * (n + 1) + k];
     let u = if fit.seen[n] {

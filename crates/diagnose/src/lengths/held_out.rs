@@ -104,11 +104,23 @@ fn held_out<'a>(
         let Ok(rest) = rest(&out) else {
             return Ok(None);
         };
-        let plain = rest.adjust(Vec::new(), Some(noise))?;
-        let suspects = fitted_again(&rest, &plain, &adjusted.suspects);
-        let extended = rest.adjust_given(suspects, noise)?;
+        let plain = rest.beside(Vec::new()).adjust(Vec::new(), Some(noise))?;
+        let beside = match rest.disturbances.is_empty() {
+            true => plain.with(plain.projection.clone()),
+            false => rest.adjust(Vec::new(), Some(noise))?,
+        };
+        let suspects = fitted_again(&rest, &beside, &adjusted.suspects);
+        let mut extended = rest.adjust_given(suspects, noise)?;
         let mut before = rest.predicted_misfit_mm(base, &plain);
+        let wandered_mm = rest.wandered_mm(&extended, base);
+        if !rest.disturbances.is_empty() {
+            extended = rest.less(&extended, &rest.wandered_mm(&extended, &rest))?;
+        }
         let mut after = rest.predicted_misfit_mm(base, &extended);
+        after
+            .iter_mut()
+            .zip(&wandered_mm)
+            .for_each(|(misfit, w)| *misfit -= w);
         // A fold holds whole visits, so that these are whitened among themselves.
         adjusted.whitened.whiten(&mut before);
         adjusted.whitened.whiten(&mut after);
@@ -162,13 +174,7 @@ pub(crate) fn interval(sums: &[Sums]) -> [f64; 2] {
 /// these hardly show are shrunk ([`crate::selection::Gram::shrunk`]). A cause that they do not show stays out.
 fn fitted_again(base: &Base<'_>, plain: &Adjusted, suspects: &[Suspect]) -> Vec<Suspect> {
     let visits = visit_times(base);
-    let mut projected = Adjusted {
-        network: plain.network.clone(),
-        solution: plain.solution.clone(),
-        whitened: plain.whitened.clone(),
-        projection: plain.projection.clone(),
-        suspects: Vec::new(),
-    };
+    let mut projected = plain.with(plain.projection.clone());
     let mut again: Vec<Suspect> = Vec::new();
     for suspect in suspects {
         let hypothesis: Hypothesis = suspect.hypothesis;

@@ -5,7 +5,6 @@
 //! noise. Several tests share their level (Bonferroni).
 
 use rayon::prelude::*;
-use trueaxis_kinematics::Machine;
 use trueaxis_poses::LengthCircumstances as Reading;
 
 use crate::OmnibusTest;
@@ -53,11 +52,7 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
             stations * axes * OF_POSITION as usize,
             |r, set| {
                 let first = (r.station * axes + r.axis) * OF_POSITION as usize;
-                fill(
-                    set,
-                    first,
-                    half_waves(travelled(base, machine, r), OF_POSITION),
-                );
+                fill(set, first, half_waves(travelled(base, r), OF_POSITION));
             },
         ),
         columns(
@@ -66,11 +61,7 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
             targets * axes * OF_TARGET as usize + targets * stations,
             |r, set| {
                 let first = (r.target * axes + r.axis) * OF_TARGET as usize;
-                fill(
-                    set,
-                    first,
-                    half_waves(travelled(base, machine, r), OF_TARGET),
-                );
+                fill(set, first, half_waves(travelled(base, r), OF_TARGET));
                 set[targets * axes * OF_TARGET as usize + r.target * stations + r.station] = 1.0;
             },
         ),
@@ -84,7 +75,7 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
             |r, set| {
                 let first = (r.target * axes + r.axis) * width;
                 set[first] = r.sign();
-                let waves = half_waves(travelled(base, machine, r), OF_DIRECTION);
+                let waves = half_waves(travelled(base, r), OF_DIRECTION);
                 fill(set, first + 1, waves.map(|x| x * r.sign()));
             },
         ));
@@ -116,8 +107,8 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
 }
 
 /// Where an axis stands in its travel, 0 to 1.
-fn travelled(base: &Base<'_>, machine: &Machine, reading: &Reading) -> f64 {
-    let [low, high] = machine.axes()[reading.axis].travel();
+pub(crate) fn travelled(base: &Base<'_>, reading: &Reading) -> f64 {
+    let [low, high] = base.scene.machine.axes()[reading.axis].travel();
     let position = base.campaign.steps[reading.step].positions[reading.axis];
     if high > low {
         (position - low) / (high - low)

@@ -2,11 +2,12 @@
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::Level;
-use trueaxis_multilateration::network_from_campaign;
+use trueaxis_multilateration::{Noise, network_from_campaign};
 use trueaxis_poses::LengthsAdjustment;
 
 use crate::lengths::base::{Adjusted, Base, Suspect};
-use crate::lengths::causes::{Found, Search, find_causes};
+use crate::lengths::causes::{Found, find_causes};
+use crate::lengths::competition::{Candidates, Model, compete, only_wandering};
 use crate::lengths::estimated::estimated;
 use crate::lengths::held_out::{HeldOut, held_out_stations, held_out_sweeps};
 use crate::lengths::hypotheses::{hypotheses, of_catalogue};
@@ -16,21 +17,26 @@ use crate::lengths::not_observable::not_observable;
 use crate::lengths::omnibus::{OMNIBUS_LEVEL, Omnibus, omnibus};
 use crate::lengths::places::places;
 use crate::lengths::unexplained::unexplained_part;
-use crate::selection::Null;
-use crate::{Cause, Error, Gain, LevelReport, Misfit, NotObservable, Rival, Shares, Unexplained};
+use crate::lengths::wandered::wandered;
+use crate::lengths::wandering::Judged;
+use crate::selection::{Null, Part};
+use crate::{
+    Cause, Disturbance, Error, Gain, LevelReport, Misfit, NotObservable, Rival, Shares, Unexplained,
+};
 
-/// Causes that explain so much of the structure are named even if their shape is not quite that of the
-/// catalogue (a drift with a bend, a jump that took ten seconds).
-const NEARLY_ALL: f64 = 0.9;
+/// Causes are named if they explain more than this part of the structure beside what wanders: a remainder takes
+/// no name away, but what is a small part of something else is no cause.
+const LEAST: f64 = 0.25;
 
 /// The diagnosis of the lengths.
 pub(crate) struct LengthsOutcome {
     pub(crate) report: LevelReport,
     pub(crate) causes: Vec<Cause>,
+    pub(crate) disturbances: Vec<Disturbance>,
     pub(crate) unexplained: Option<Unexplained>,
     pub(crate) not_observable: Vec<NotObservable>,
     pub(crate) notices: Vec<String>,
-    /// For every reading of the campaign what the causes do to it, mm.
+    /// For every reading of the campaign what causes and disturbances do to it, mm.
     pub(crate) effects_mm: Vec<f64>,
 }
 
@@ -61,28 +67,31 @@ pub(crate) fn diagnose_lengths(
         mut named,
         not_observable,
     } = looked;
-    let bare = || base.adjust(Vec::new(), Some(plain.network.noise));
-    let heldout = match named.found.is_empty() {
+    // A fold that cannot be adjusted holds nothing out.
+    let held_out_by = |named: &Named<'_>| match named.is_plain() {
         true => None,
-        // A fold that cannot be adjusted holds nothing out.
-        false => held_out_sweeps(&base, &named.adjusted).unwrap_or(None),
+        false => held_out_sweeps(&named.base, &named.adjusted).unwrap_or(None),
     };
+    let mut heldout = held_out_by(&named);
     // What predicts unused data worse than nothing is no cause.
-    let is_worse = heldout.is_some_and(|h| h.interval[0] >= 1.0);
-    let heldout = heldout.filter(|_| !is_worse);
-    if is_worse {
-        named = left_alone(&base, bare()?, &before);
+    if heldout.is_some_and(|h| h.interval[0] >= 1.0) && !named.found.is_empty() {
+        named = left_alone(&base, plain.network.noise, &before)?;
+        heldout = held_out_by(&named);
     }
     let Named {
+        base,
         found,
+        wandering,
         adjusted: current,
         after,
         unexplained,
     } = named;
-    let scatter_um = noise_floor_um(&base, &current);
+    let wandered_mm = base.wandered_mm(&current, &base);
+    let rest = base.less(&current, &wandered_mm)?;
+    let scatter_um = noise_floor_um(&base, &rest);
     // Both in the noise that is left at the end.
     let noise = current.network.noise;
-    let sharp = base.adjust(Vec::new(), Some(noise))?;
+    let sharp = base.beside(Vec::new()).adjust(Vec::new(), Some(noise))?;
     let length_um = mean_noise_um(&base, &current);
     let rms_um = |adjusted: &Adjusted| {
         (adjusted.projection.squares() / adjusted.projection.degrees_of_freedom).sqrt() * length_um
@@ -90,7 +99,7 @@ pub(crate) fn diagnose_lengths(
     let (before_um, after_um) = (rms_um(&sharp), rms_um(&current));
     // What changes between repeats and is not among the causes is in their scatter, too.
     let floor_um = scatter_um.min(after_um);
-    let stations_out = match found.is_empty() {
+    let stations_out = match found.is_empty() && wandering.is_empty() {
         true => None,
         false => held_out_stations(&base, &current).unwrap_or(None),
     };
@@ -105,12 +114,13 @@ pub(crate) fn diagnose_lengths(
             leave_one_station_out: stations_out.map(HeldOut::ratio),
         }
     });
-    let columns: Vec<Vec<Vec<f64>>> = current
-        .suspects
-        .iter()
-        .map(|suspect| base.columns(&sharp, &suspect.hypothesis, suspect.shape))
-        .collect();
-    let shares = Shares::new(&sharp.projection, &columns, unexplained.is_some());
+    let of_causes = current.suspects.iter();
+    let of_causes = of_causes.map(|s| Part::Free(base.columns(&sharp, &s.hypothesis, s.shape)));
+    let smooth = base.disturbances.iter();
+    let smooth =
+        smooth.map(|d| Part::Smooth(base.whitened_columns(d, &sharp.whitened, &sharp.solution)));
+    let parts: Vec<Part> = of_causes.chain(smooth).collect();
+    let shares = Shares::of_parts(&sharp.projection, &parts, unexplained.is_some());
     let scale = |adjusted: &Adjusted| {
         (base.readings.len() as f64 / adjusted.projection.degrees_of_freedom).sqrt()
     };
@@ -134,16 +144,19 @@ pub(crate) fn diagnose_lengths(
         places: places(
             &base,
             &plain.solution.residuals_mm,
-            &current.solution.residuals_mm,
+            &rest.solution.residuals_mm,
             [scale(&plain), scale(&current)],
         ),
     };
-    let effects_mm = effects_mm(&base, lengths, &current);
+    let effects_mm = effects_mm(&base, lengths, &current, &wandered_mm);
     let notices = notices(&base);
-    let causes = causes(&base, found, &current, gain);
+    let only = found.len() + wandering.len() == 1;
+    let disturbances = wandered(&base, &current, wandering, gain.filter(|_| only));
+    let causes = causes(&base, found, &current, gain.filter(|_| only));
     Ok(LengthsOutcome {
         report,
         causes,
+        disturbances,
         unexplained,
         not_observable,
         notices,
@@ -152,12 +165,12 @@ pub(crate) fn diagnose_lengths(
 }
 
 /// What the search finds in the lengths of a base.
-pub(crate) struct Looked {
+pub(crate) struct Looked<'a> {
     /// The model without causes.
     pub(crate) plain: Adjusted,
     /// The tests of what it leaves.
     before: Vec<Omnibus>,
-    pub(crate) named: Named,
+    pub(crate) named: Named<'a>,
     not_observable: Vec<NotObservable>,
 }
 
@@ -166,7 +179,7 @@ pub(crate) struct Looked {
 const RESOLUTION_UM: f64 = 1e-3;
 
 /// Tests, searches and names.
-pub(crate) fn look(base: &Base<'_>) -> Result<Looked, Error> {
+pub(crate) fn look<'a>(base: &Base<'a>) -> Result<Looked<'a>, Error> {
     let plain = base.adjust(Vec::new(), None)?;
     let residuals_um = plain.solution.residuals_mm.iter().map(|r| 1e3 * r);
     let squares: f64 = residuals_um.map(|r| r * r).sum();
@@ -184,82 +197,119 @@ pub(crate) fn look(base: &Base<'_>) -> Result<Looked, Error> {
     let null = Null::simulated(&plain.projection, scans);
     let sides = || base.readings.iter().map(|r| r.direction);
     let both_sides = sides().any(|side| Some(side) != sides().next());
-    let bare = || base.adjust(Vec::new(), Some(plain.network.noise));
-    let search = find_causes(base, bare()?, &all, scans, &null)?;
+    let bare = base.adjust(Vec::new(), Some(plain.network.noise))?;
+    let search = find_causes(base, bare, &all, scans, &null)?;
+    let candidates = Candidates {
+        all: &all,
+        null: &null,
+    };
+    let model = compete(base, &before, search, &candidates)?;
     Ok(Looked {
-        named: named(base, search, &before, bare)?,
+        named: named(base, model, plain.network.noise, &before)?,
         before,
         not_observable: not_observable(&base.scene, &first.without_trace, both_sides),
         plain,
     })
 }
 
-/// The causes that are named, the model with them, and what they leave.
-pub(crate) struct Named {
+/// The causes that are named, the model with them and what wanders beside them, and what they leave.
+pub(crate) struct Named<'a> {
+    /// The lengths, what wanders in their covariance.
+    base: Base<'a>,
     pub(crate) found: Vec<Found>,
+    wandering: Vec<Judged>,
     pub(crate) adjusted: Adjusted,
     after: Vec<Omnibus>,
     unexplained: Option<Unexplained>,
 }
 
-/// Names the causes of a search if they explain nearly all of the structure; none otherwise. `bare` is
-/// the model without any, `before` the tests of what it leaves.
-fn named(
-    base: &Base<'_>,
-    search: Search,
+impl Named<'_> {
+    fn is_plain(&self) -> bool {
+        self.found.is_empty() && self.wandering.is_empty()
+    }
+}
+
+/// Names the causes of a model if they explain most of the structure beside what wanders; none otherwise. `before`
+/// are the tests of what a model without any leaves, in the noise `plain`.
+fn named<'a>(
+    base: &Base<'a>,
+    model: Model<'a>,
+    plain: Noise,
     before: &[Omnibus],
-    bare: impl Fn() -> Result<Adjusted, Error>,
-) -> Result<Named, Error> {
-    let after = match search.found.is_empty() {
-        true => before.to_vec(),
-        false => omnibus(base, &search.adjusted),
-    };
-    let is_left = after.iter().any(|t| t.test.p_value < OMNIBUS_LEVEL);
+) -> Result<Named<'a>, Error> {
+    let Model {
+        base: here,
+        search,
+        wandering,
+    } = model;
     let mut named = Named {
+        after: match search.found.is_empty() && wandering.is_empty() {
+            true => before.to_vec(),
+            false => omnibus(&here, &search.adjusted),
+        },
+        base: here,
         found: search.found,
+        wandering,
         adjusted: search.adjusted,
-        after,
         unexplained: None,
     };
+    let is_left = named.after.iter().any(|t| t.test.p_value < OMNIBUS_LEVEL);
     if !is_left && search.left <= 0.0 {
         return Ok(named);
     }
     let explained: f64 = named.found.iter().map(|f| f.statistic).sum();
     let excesses = named.after.iter().map(|t| t.excess);
     let share = explained / (explained + excesses.fold(search.left, f64::max));
-    if named.found.is_empty() || share < NEARLY_ALL {
-        let closest = named.found.first().map(|f| (f.suspect.clone(), share));
-        named = left_alone(base, bare()?, before);
+    let closest = named.found.first().map(|f| (f.suspect.clone(), share));
+    if closest.is_some() && share < LEAST {
+        named = left_alone(base, plain, before)?;
         // Even if no single test is sure, what several effects share is there.
-        let part = unexplained_part(base, &named.adjusted, &named.after, closest.as_ref());
+        let part = unexplained_part(&named.base, &named.adjusted, &named.after, closest.as_ref());
         named.unexplained = Some(part);
     } else if is_left {
-        let part = unexplained_part(base, &named.adjusted, &named.after, None);
+        let part = unexplained_part(&named.base, &named.adjusted, &named.after, None);
         named.unexplained = Some(part);
     }
     Ok(named)
 }
 
-/// Without any cause: what the omnibus tests find is unexplained.
-fn left_alone(base: &Base<'_>, bare: Adjusted, before: &[Omnibus]) -> Named {
-    let after = before.to_vec();
+/// Without any cause: what wanders, and what the omnibus tests find beside it is unexplained.
+fn left_alone<'a>(base: &Base<'a>, plain: Noise, before: &[Omnibus]) -> Result<Named<'a>, Error> {
+    let model = only_wandering(base)?;
+    let is_plain = model.wandering.is_empty();
+    let adjusted = match is_plain {
+        true => base.adjust(Vec::new(), Some(plain))?,
+        false => model.search.adjusted,
+    };
+    let after = match is_plain {
+        true => before.to_vec(),
+        false => omnibus(&model.base, &adjusted),
+    };
     let is_left = after.iter().any(|t| t.test.p_value < OMNIBUS_LEVEL);
-    Named {
+    Ok(Named {
         found: Vec::new(),
-        unexplained: is_left.then(|| unexplained_part(base, &bare, &after, None)),
-        adjusted: bare,
+        unexplained: is_left.then(|| unexplained_part(&model.base, &adjusted, &after, None)),
+        base: model.base,
+        wandering: model.wandering,
+        adjusted,
         after,
-    }
+    })
 }
 
-/// For every reading of the campaign what the causes do to it, mm. Readings that were left out keep
+/// For every reading of the campaign what the causes and what wanders do to it, mm. Readings that were left out keep
 /// their error.
-fn effects_mm(base: &Base<'_>, lengths: &Lengths, adjusted: &Adjusted) -> Vec<f64> {
+fn effects_mm(
+    base: &Base<'_>,
+    lengths: &Lengths,
+    adjusted: &Adjusted,
+    wandered_mm: &[f64],
+) -> Vec<f64> {
     let mut effects_mm = vec![0.0; lengths.readings.len()];
     let is_kept = |i: &usize| base.left_out.iter().all(|l| l.number != *i);
     let kept = (0..lengths.readings.len()).filter(is_kept);
-    for (i, reading) in kept.zip(&base.readings) {
-        effects_mm[i] = base.effect_mm(reading, &adjusted.solution, &adjusted.suspects);
+    for ((i, reading), wandered_mm) in kept.zip(&base.readings).zip(wandered_mm) {
+        let of_causes_mm = base.effect_mm(reading, &adjusted.solution, &adjusted.suspects);
+        effects_mm[i] = of_causes_mm + wandered_mm;
     }
     effects_mm
 }
@@ -307,7 +357,6 @@ fn causes(
     current: &Adjusted,
     gain: Option<Gain>,
 ) -> Vec<Cause> {
-    let only = found.len() == 1;
     found
         .into_iter()
         .map(|found| {
@@ -318,7 +367,7 @@ fn causes(
                 p_value: found.p_value,
                 delta_bic: found.bic,
                 explained_rms_um: rms_of_effect_um(base, current, &found.suspect),
-                heldout_gain: gain.filter(|_| only).map(|g| 1.0 - g.heldout_rms_ratio),
+                heldout_gain: gain.map(|g| 1.0 - g.heldout_rms_ratio),
                 parameters,
                 covariance,
                 rivals: found

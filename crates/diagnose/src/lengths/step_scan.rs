@@ -14,6 +14,9 @@ use std::ops::Range;
 
 use crate::selection::{Gram, Hypothesis, Projection, Scan};
 
+/// Visits on either side of an instant: fewer are no jump but repeatability, or gross errors.
+const LEAST_VISITS: usize = 3;
+
 /// The visits of a network in time order.
 #[derive(Debug, Clone)]
 pub(crate) struct VisitTimes {
@@ -66,8 +69,9 @@ impl StepScan {
                 sums.add(projection, i, row(i));
             }
             let before = concerned[number - 1];
+            let is_of_a_few = number < LEAST_VISITS || concerned.len() - number < LEAST_VISITS;
             // On a clock that does not tell two visits apart there is no instant between them.
-            if before.span_s[1] >= visit.span_s[0] {
+            if is_of_a_few || before.span_s[1] >= visit.span_s[0] {
                 continue;
             }
             let gram = sums.gram(projection);

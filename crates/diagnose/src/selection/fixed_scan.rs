@@ -64,26 +64,26 @@ fn concerned(columns: &[Vec<f64>]) -> Range<usize> {
             .map_or(first, |last| last + 1)
 }
 
-/// `Xᵀ M X` of whitened columns.
+/// `Xᵀ M X` of whitened columns in its eigenvectors.
 pub(crate) fn gram(projection: &Projection, columns: &[Vec<f64>]) -> Gram {
+    let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
+    Gram::new(&gram_matrix(projection, columns), &before)
+}
+
+/// `Xᵀ M X` of whitened columns, row after row, from what the base model takes of each.
+pub(crate) fn gram_matrix(projection: &Projection, columns: &[Vec<f64>]) -> Vec<f64> {
     let n = columns.len();
-    let projected: Vec<Vec<f64>> = columns
-        .iter()
-        .map(|column| {
-            let mut column = column.clone();
-            projection.project(&mut column);
-            column
-        })
-        .collect();
+    let taken: Vec<_> = columns.iter().map(|c| projection.taken_of(c)).collect();
     let mut matrix = vec![0.0; n * n];
     for i in 0..n {
+        let own = concerned(&columns[i..=i]);
         for j in 0..=i {
-            let value = dot(&columns[i], &projected[j]);
+            let all = dot(&columns[i][own.clone()], &columns[j][own.clone()]);
+            let value = all - taken[i].product(&taken[j]);
             (matrix[i * n + j], matrix[j * n + i]) = (value, value);
         }
     }
-    let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
-    Gram::new(&matrix, &before)
+    matrix
 }
 
 impl Scan for FixedScan {

@@ -63,6 +63,16 @@ impl Gram {
             })
     }
 
+    /// Eigenvalues, the coordinates of `s` in standard deviations, and eigenvectors.
+    pub(crate) fn directions<'a>(
+        &'a self,
+        s: &'a [f64],
+    ) -> impl Iterator<Item = (f64, f64, &'a [f64])> {
+        let vectors = self.vectors.chunks_exact(self.parameters.max(1));
+        let seen = self.standardised(s).zip(vectors);
+        seen.map(|((value, z), vector)| (value, z, vector))
+    }
+
     /// `T = sᵀ G⁺ s`.
     pub(crate) fn statistic(&self, s: &[f64]) -> f64 {
         self.standardised(s).map(|(_, z)| z * z).sum()
@@ -126,18 +136,35 @@ impl Gram {
         estimates
     }
 
+    /// With that prior and the variance of the noise as likely as can be (restricted maximum likelihood): `w²` and `2 ln` of the likelihood
+    /// ratio `max_w -ν ln(1 - Σ z² x/(1 + x)/S) - Σ ln(1 + x)`, `x = w² g`, where `S` are all squares with `ν` degrees of freedom.
+    pub(crate) fn restricted_likelihood(&self, s: &[f64], squares: f64, dof: f64) -> (f64, f64) {
+        self.best_width(s, |gained, ln_price| {
+            -dof * (1.0 - gained / squares).max(f64::MIN_POSITIVE).ln() - ln_price
+        })
+    }
+
     /// `w²` and `2 ln` of the marginal likelihood ratio there.
     fn most_likely_width(&self, s: &[f64]) -> (f64, f64) {
+        self.best_width(s, |gained, ln_price| gained - ln_price)
+    }
+
+    /// The variance of the prior where a likelihood of what it gains and what it costs is largest, and that.
+    fn best_width(&self, s: &[f64], likelihood: impl Fn(f64, f64) -> f64) -> (f64, f64) {
         let coordinates: Vec<(f64, f64)> = self.standardised(s).collect();
         let at = |variance: f64| -> f64 {
-            // One logarithm of the product: it is the dear part.
-            let (mut gained, mut price) = (0.0, 1.0);
+            let (mut gained, mut price, mut ln_price) = (0.0, 1.0, 0.0);
             for &(g, z) in &coordinates {
                 let x = variance * g;
                 gained += z * z * x / (1.0 + x);
                 price *= 1.0 + x;
+                // One logarithm of the product: it is the dear part.
+                if price > LARGE {
+                    ln_price += price.ln();
+                    price = 1.0;
+                }
             }
-            gained - price.ln()
+            likelihood(gained, ln_price + price.ln())
         };
         let Some(largest) = self.values.iter().copied().reduce(f64::max) else {
             return (0.0, 0.0);
@@ -156,6 +183,9 @@ impl Gram {
             )
     }
 }
+
+/// A product that is as far from the largest number as it needs to be.
+const LARGE: f64 = 1e100;
 
 /// Widths of the prior that are tried, in equal ratios; the maximum is flat.
 const WIDTHS: usize = 40;

@@ -107,7 +107,7 @@ fn best_shape(projection: &Projection, scan: &dyn Scan) -> Option<(f64, f64, usi
 
 /// Mean and standard deviation of the shape, and `2 ln` of the mean marginal likelihood over so many
 /// shapes; those that are not listed have none.
-fn marginal(evidences: &[(f64, f64)], shapes: usize) -> (f64, f64, f64) {
+pub(crate) fn marginal(evidences: &[(f64, f64)], shapes: usize) -> (f64, f64, f64) {
     let top = evidences
         .iter()
         .map(|e| e.1)

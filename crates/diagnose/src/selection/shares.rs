@@ -7,7 +7,10 @@
 //! share of cause k = max(0, φ_k - columns of k)/S₀      noise = ν/S₀      unexplained = the rest
 //! ```
 //!
-//! `ν` are the degrees of freedom that are left. Where no test finds anything left, the rest is noise.
+//! A disturbance enters with the prior of its coefficients, and counts as many columns as the data take of them
+//! (`Σ x/(1 + x)`). `ν` are the degrees of freedom that are left. Where no test finds anything left, the rest is noise.
+
+use rayon::prelude::*;
 
 use crate::selection::Projection;
 
@@ -16,23 +19,45 @@ use crate::selection::Projection;
 pub struct Shares {
     /// Of each cause, in the order of the causes.
     pub causes: Vec<f64>,
+    /// Of each disturbance, in their order.
+    pub disturbances: Vec<f64>,
     /// What no cause explains.
     pub unexplained: f64,
     /// What noise alone would leave.
     pub noise: f64,
 }
 
+/// What enters, as whitened columns.
+#[derive(Debug, Clone)]
+pub(crate) enum Part {
+    /// A cause: free coefficients.
+    Free(Vec<Vec<f64>>),
+    /// A disturbance: coefficients with the prior `N(0, 1)`.
+    Smooth(Vec<Vec<f64>>),
+}
+
 impl Shares {
     /// Of whitened columns of causes in a base model; `is_left` if a test finds something beside them.
     pub(crate) fn new(base: &Projection, causes: &[Vec<Vec<f64>>], is_left: bool) -> Self {
-        let subsets: Vec<(f64, f64)> = (0..1_usize << causes.len())
-            .map(|subset| {
-                let own = causes.iter().enumerate();
-                let own = own.filter(|(k, _)| subset >> k & 1 == 1);
-                let columns: Vec<Vec<f64>> = own.flat_map(|(_, c)| c.iter().cloned()).collect();
-                let model = base.extended(&columns);
-                (model.squares(), model.degrees_of_freedom)
-            })
+        let parts: Vec<Part> = causes.iter().cloned().map(Part::Free).collect();
+        Self::of_parts(base, &parts, is_left)
+    }
+
+    /// The same of causes, then disturbances.
+    pub(crate) fn of_parts(base: &Projection, parts: &[Part], is_left: bool) -> Self {
+        // Grown from the subset without its last part.
+        let mut models = vec![base.clone()];
+        for part in parts {
+            let with = |model: &Projection| match part {
+                Part::Free(columns) => model.extended(columns),
+                Part::Smooth(columns) => model.beside(columns).0,
+            };
+            let more: Vec<Projection> = models.par_iter().map(with).collect();
+            models.extend(more);
+        }
+        let subsets: Vec<(f64, f64)> = models
+            .iter()
+            .map(|model| (model.squares(), model.degrees_of_freedom - model.taken))
             .collect();
         let all = subsets[0].0.max(f64::MIN_POSITIVE);
         let after = subsets[subsets.len() - 1];
@@ -42,18 +67,19 @@ impl Shares {
             (without.0 - with.0) - (without.1 - with.1)
         };
         let share = |k: usize| {
-            let count = causes.len();
+            let count = parts.len();
             let without = (0..subsets.len()).filter(|subset| subset >> k & 1 == 0);
             let mean: f64 = without
                 .map(|subset| gained(subset, k) * order_weight(subset.count_ones(), count))
                 .sum();
             (mean / all).max(0.0)
         };
-        let mut causes: Vec<f64> = (0..causes.len()).map(share).collect();
+        let mut causes: Vec<f64> = (0..parts.len()).map(share).collect();
         let sum: f64 = causes.iter().sum();
         if sum > 1.0 {
             causes.iter_mut().for_each(|share| *share /= sum);
         }
+        let smooth = causes.split_off(parts.iter().filter(|p| matches!(p, Part::Free(_))).count());
         let rest = (1.0 - sum).max(0.0);
         let noise = if is_left {
             rest.min(after.1 / all)
@@ -62,6 +88,7 @@ impl Shares {
         };
         Self {
             causes,
+            disturbances: smooth,
             unexplained: rest - noise,
             noise,
         }

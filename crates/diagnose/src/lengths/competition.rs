@@ -1,0 +1,204 @@
+//! Causes and disturbances against each other.
+//!
+//! Two models are built. One finds causes first, then what wanders beside them, then causes again with that in the
+//! covariance; the other begins with what wanders. They, and what wanders alone, are compared in the same noise by
+//! their whole evidence. A form that can be anything is believed less than one of the catalogue, and every further
+//! name costs: a cause is charged [`DECISIVE`], odds of 20 to 1, and a disturbance twice that. So a drift is a drift
+//! though something that wanders might have done it, and three stacked causes do not beat one disturbance.
+//!
+//! A cause in time that leaves a tenth of what it explains to a disturbance of the same thing does not describe how
+//! that thing moves, and loses its name ([`is_of`]).
+
+use crate::Error;
+use crate::lengths::base::{Adjusted, Base, Suspect};
+use crate::lengths::causes::{Found, Search, find_causes, settle};
+use crate::lengths::culprit::is_of;
+use crate::lengths::hypotheses::{hypotheses, scan, visit_times};
+use crate::lengths::omnibus::Omnibus;
+use crate::lengths::wandering::{Judged, disturbances, least, of_wandering, wandering};
+use crate::selection::{DECISIVE, Hypothesis, Null, rank};
+
+/// Without causes and with omnibus tests above this nothing wanders that would be significant.
+const WORTH_A_LOOK: f64 = 0.05;
+
+/// Causes, and what wanders beside them.
+pub(crate) struct Model<'a> {
+    /// The lengths, what wanders in their covariance.
+    pub(crate) base: Base<'a>,
+    pub(crate) search: Search,
+    pub(crate) wandering: Vec<Judged>,
+}
+
+/// What is needed to look for causes.
+pub(crate) struct Candidates<'a> {
+    pub(crate) all: &'a [Hypothesis],
+    pub(crate) null: &'a Null,
+}
+
+/// The model with the most evidence. `search` are the causes that were found without disturbances, `before` the tests
+/// of what a model without any leaves.
+pub(crate) fn compete<'a>(
+    base: &Base<'a>,
+    before: &[Omnibus],
+    search: Search,
+    candidates: &Candidates<'_>,
+) -> Result<Model<'a>, Error> {
+    let is_quiet = before.iter().all(|t| t.test.p_value >= WORTH_A_LOOK);
+    let of_causes = |search| Model {
+        base: base.clone(),
+        search,
+        wandering: Vec::new(),
+    };
+    if search.found.is_empty() && is_quiet {
+        return Ok(of_causes(search));
+    }
+    let suspects = search.adjusted.suspects.clone();
+    let beside = wandering(base, &suspects)?;
+    let causes_first = match beside.is_empty() {
+        true => of_causes(search),
+        false => alternated(base, beside, candidates)?,
+    };
+    let alone = wandering(base, &[])?;
+    if alone.is_empty() {
+        return Ok(causes_first);
+    }
+    // Where causes explain all, what wanders must do it alone to be better.
+    let is_complete = causes_first.wandering.is_empty() && causes_first.search.left <= 0.0;
+    let only = without_causes(base, alone.clone())?;
+    let mut model = best(base, vec![causes_first, only])?;
+    if !is_complete || model.search.found.is_empty() {
+        model = best(base, vec![model, alternated(base, alone, candidates)?])?;
+    }
+    described(base, model, candidates)
+}
+
+/// A cause is no more than a part of what wanders if this part of what it explains is left to a disturbance of the
+/// same thing.
+const PART: f64 = 0.1;
+
+/// The model without causes that do not describe how the thing moves that they make responsible.
+fn described<'a>(
+    base: &Base<'a>,
+    mut model: Model<'a>,
+    candidates: &Candidates<'_>,
+) -> Result<Model<'a>, Error> {
+    loop {
+        let wanders_on = |found: &Found| {
+            model.wandering.iter().any(|judged| {
+                judged.evidence > PART * found.statistic
+                    && is_of(base, found, judged.disturbance.wanderer)
+            })
+        };
+        let Some(undescribed) = model.search.found.iter().position(wanders_on) else {
+            return Ok(model);
+        };
+        let mut suspects = model.search.adjusted.suspects;
+        suspects.remove(undescribed);
+        model = settled(base, suspects, candidates)?;
+    }
+}
+
+/// Causes as they settle beside what wanders beside them.
+fn settled<'a>(
+    base: &Base<'a>,
+    suspects: Vec<Suspect>,
+    candidates: &Candidates<'_>,
+) -> Result<Model<'a>, Error> {
+    let wandering = wandering(base, &suspects)?;
+    if suspects.is_empty() {
+        return without_causes(base, wandering);
+    }
+    let here = base.beside(disturbances(&wandering));
+    let (found, adjusted) = settle(&here, suspects, candidates.all, candidates.null)?;
+    if found.is_empty() {
+        return only_wandering(base);
+    }
+    Ok(Model {
+        base: here,
+        search: Search {
+            found,
+            adjusted,
+            left: 0.0,
+        },
+        wandering,
+    })
+}
+
+/// The model with the most evidence in the noise of the one with the least.
+fn best<'a>(base: &Base<'a>, models: Vec<Model<'a>>) -> Result<Model<'a>, Error> {
+    let noises = models.iter().map(|m| m.search.adjusted.network.noise);
+    let plain = base.adjust(Vec::new(), least(noises))?;
+    let evidences: Vec<f64> = models
+        .iter()
+        .map(|model| evidence(base, &plain, model))
+        .collect();
+    let first = evidences
+        .iter()
+        .fold(f64::NEG_INFINITY, |best, &e| best.max(e));
+    let mut models = models.into_iter().zip(evidences);
+    let found = models.find(|(_, evidence)| *evidence >= first);
+    Ok(found.expect("one has the most").0)
+}
+
+/// Twice the logarithm of the marginal likelihood ratio against the model without anything, less what names cost.
+fn evidence(base: &Base<'_>, plain: &Adjusted, model: &Model<'_>) -> f64 {
+    let (mut sum, projection) = of_wandering(base, plain, &model.wandering);
+    let visits = visit_times(base);
+    let mut adjusted = plain.with(projection);
+    for found in &model.search.found {
+        let hypothesis = found.suspect.hypothesis;
+        if let Some(scan) = scan(base, &adjusted, &visits, hypothesis) {
+            let score = rank(&adjusted.projection, std::slice::from_ref(&scan));
+            sum += score.first().map_or(0.0, |score| score.evidence);
+            let columns = base.columns(&adjusted, &hypothesis, found.suspect.shape);
+            adjusted = adjusted.with(adjusted.projection.extended(&columns));
+        }
+    }
+    let names = model.search.found.len() + 2 * model.wandering.len();
+    sum - DECISIVE * names.saturating_sub(1) as f64
+}
+
+/// Only what wanders.
+fn without_causes<'a>(base: &Base<'a>, wandering: Vec<Judged>) -> Result<Model<'a>, Error> {
+    let base = base.beside(disturbances(&wandering));
+    let adjusted = base.adjust(Vec::new(), None)?;
+    Ok(Model {
+        base,
+        search: Search {
+            found: Vec::new(),
+            adjusted,
+            left: 0.0,
+        },
+        wandering,
+    })
+}
+
+/// Only what wanders, found without any cause.
+pub(crate) fn only_wandering<'a>(base: &Base<'a>) -> Result<Model<'a>, Error> {
+    without_causes(base, wandering(base, &[])?)
+}
+
+/// Causes beside what wanders, what wanders beside those, and both as they settle.
+fn alternated<'a>(
+    base: &Base<'a>,
+    first: Vec<Judged>,
+    candidates: &Candidates<'_>,
+) -> Result<Model<'a>, Error> {
+    let here = base.beside(disturbances(&first));
+    let start = here.adjust(Vec::new(), None)?;
+    let scans = hypotheses(&here, &start, candidates.all).scans;
+    let search = find_causes(&here, start, candidates.all, &scans, candidates.null)?;
+    if search.found.is_empty() {
+        return Ok(Model {
+            base: here,
+            search,
+            wandering: first,
+        });
+    }
+    let (count, left) = (search.found.len(), search.left);
+    let mut model = settled(base, search.adjusted.suspects, candidates)?;
+    if model.search.found.len() == count {
+        model.search.left = left;
+    }
+    Ok(model)
+}

@@ -1,0 +1,205 @@
+//! What wanders beside causes.
+//!
+//! A [`Disturbance`] is judged as a cause is, by twice the logarithm of the marginal likelihood ratio: its standard
+//! deviation by restricted maximum likelihood, flat over correlation lengths and subjects. Its p-value is that of the
+//! restricted likelihood ratio at the border `w = 0`, `½ P(χ²₁ > LR)`, which is on the safe side (Crainiceanu and
+//! Ruppert 2004), all disturbances together (Bonferroni).
+
+use rayon::prelude::*;
+use trueaxis_leastsquares::chi_squared_upper_tail;
+use trueaxis_multilateration::Noise;
+
+use crate::Error;
+use crate::lengths::base::{Adjusted, Base, Suspect};
+use crate::lengths::disturbance::{Disturbance, Wanderer, wanderers};
+use crate::selection::{DECISIVE, Gram, Projection, dot, gram_matrix, marginal_of};
+
+/// Family-wise level of the disturbances.
+const LEVEL: f64 = 0.002;
+
+/// More that wander at once are not told apart.
+const MOST: usize = 3;
+
+/// A disturbance with its judgement beside the others.
+#[derive(Debug, Clone)]
+pub(crate) struct Judged {
+    pub(crate) disturbance: Disturbance,
+    pub(crate) evidence: f64,
+    pub(crate) p_value: f64,
+    /// What explains as much.
+    pub(crate) rivals: Vec<Wanderer>,
+}
+
+/// What wanders beside causes. Where it would be several single things, it may be one that they have in common: then
+/// that is tried first, too, and the better explanation taken.
+pub(super) fn wandering(base: &Base<'_>, suspects: &[Suspect]) -> Result<Vec<Judged>, Error> {
+    let (first, noise) = one_after_the_other(base, suspects, None)?;
+    let is_common = |wanderer: &Wanderer| wanderer.of_kind(base) == 1;
+    if first.len() < 2 || first.iter().any(|j| is_common(&j.disturbance.wanderer)) {
+        return Ok(first);
+    }
+    let mut all = vec![(first, noise)];
+    for common in wanderers(base).into_iter().filter(is_common) {
+        all.push(one_after_the_other(base, suspects, Some(common))?);
+    }
+    let plain = base.adjust(
+        suspects.to_vec(),
+        least(all.iter().map(|(_, noise)| *noise)),
+    )?;
+    let scored = all.into_iter().map(|(judged, _)| {
+        let price = 2.0 * DECISIVE * judged.len() as f64;
+        (of_wandering(base, &plain, &judged).0 - price, judged)
+    });
+    let best = scored.max_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(best.map(|best| best.1).unwrap_or_default())
+}
+
+/// What wanders beside causes, one after the other from `first`, each with the size that it has beside the others, and
+/// the noise beside all.
+fn one_after_the_other(
+    base: &Base<'_>,
+    suspects: &[Suspect],
+    first: Option<Wanderer>,
+) -> Result<(Vec<Judged>, Noise), Error> {
+    let all = wanderers(base);
+    let mut own: Vec<Judged> = Vec::new();
+    loop {
+        let here = base.beside(disturbances(&own));
+        let adjusted = here.adjust(suspects.to_vec(), None)?;
+        for k in 0..own.len() {
+            let mut others = disturbances(&own);
+            let wanderer = others.remove(k).wanderer;
+            let without = base
+                .beside(others)
+                .adjust(suspects.to_vec(), Some(adjusted.network.noise))?;
+            if let Some(again) = judge(base, &without, wanderer, all.len()) {
+                let rivals = std::mem::take(&mut own[k].rivals);
+                own[k] = Judged { rivals, ..again };
+            }
+        }
+        own.retain(|judged| judged.p_value < LEVEL);
+        if own.len() == MOST {
+            return Ok((own, adjusted.network.noise));
+        }
+        let is_next = |w: &Wanderer| match (first, own.is_empty()) {
+            (Some(first), true) => *w == first,
+            _ => own.iter().all(|o| o.disturbance.wanderer != *w),
+        };
+        let others: Vec<Wanderer> = all.iter().copied().filter(is_next).collect();
+        let here = base.beside(disturbances(&own));
+        let adjusted = match own.is_empty() {
+            true => adjusted,
+            false => here.adjust(suspects.to_vec(), None)?,
+        };
+        let judged = judge_all(base, &adjusted, &others, all.len());
+        let Some(next) = judged.first().filter(|next| next.p_value < LEVEL) else {
+            return Ok((own, adjusted.network.noise));
+        };
+        let is_rival = |other: &&Judged| next.evidence - other.evidence < DECISIVE;
+        let rivals = judged.iter().skip(1).filter(is_rival);
+        let rivals: Vec<Wanderer> = rivals.map(|j| j.disturbance.wanderer).collect();
+        let twin = next.disturbance.wanderer.twin(base);
+        own.push(Judged {
+            rivals: twin.into_iter().chain(rivals).collect(),
+            ..next.clone()
+        });
+    }
+}
+
+/// Disturbances of what an adjusted model leaves, the one with the most evidence first.
+fn judge_all(
+    base: &Base<'_>,
+    adjusted: &Adjusted,
+    wanderers: &[Wanderer],
+    family: usize,
+) -> Vec<Judged> {
+    let judged = wanderers.par_iter();
+    let mut judged: Vec<Judged> = judged
+        .filter_map(|&wanderer| judge(base, adjusted, wanderer, family))
+        .collect();
+    judged.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    judged
+}
+
+/// A disturbance of what an adjusted model leaves; none if the lengths do not show it.
+fn judge(
+    base: &Base<'_>,
+    adjusted: &Adjusted,
+    wanderer: Wanderer,
+    family: usize,
+) -> Option<Judged> {
+    let projection: &Projection = &adjusted.projection;
+    let mut columns = wanderer.columns_mm(base, &adjusted.solution);
+    columns
+        .iter_mut()
+        .for_each(|column| adjusted.whitened.whiten(column));
+    let n = columns.len();
+    let matrix = gram_matrix(projection, &columns);
+    let s: Vec<f64> = columns
+        .iter()
+        .map(|c| dot(c, &projection.residuals))
+        .collect();
+    let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
+    let (squares, dof) = (projection.squares(), projection.degrees_of_freedom);
+    let lengths = wanderer.lengths(base);
+    let fits = lengths.iter().map(|&length| {
+        let roots = wanderer.roots_of_spectrum(base, length);
+        let scaled: Vec<f64> = (0..n * n)
+            .map(|ij| matrix[ij] * roots[ij / n] * roots[ij % n])
+            .collect();
+        let before: Vec<f64> = before.iter().zip(&roots).map(|(b, r)| b * r * r).collect();
+        let s: Vec<f64> = s.iter().zip(&roots).map(|(s, r)| s * r).collect();
+        let gram = Gram::new(&scaled, &before);
+        let (variance, ratio) = gram.restricted_likelihood(&s, squares, dof);
+        (length, variance, ratio)
+    });
+    let fits: Vec<(f64, f64, f64)> = fits.collect();
+    let &(length, variance, ratio) = fits.iter().max_by(|a, b| a.2.total_cmp(&b.2))?;
+    if variance <= 0.0 {
+        return None;
+    }
+    let evidences: Vec<(f64, f64)> = fits.iter().map(|fit| (fit.0, fit.2)).collect();
+    let of_lengths = marginal_of(&evidences, fits.len()).2;
+    let tail = 0.5 * chi_squared_upper_tail(ratio, 1.0).max(f64::MIN_POSITIVE);
+    Some(Judged {
+        disturbance: Disturbance {
+            wanderer,
+            length,
+            width: variance.sqrt(),
+        },
+        evidence: of_lengths - 2.0 * (wanderer.of_kind(base) as f64).ln(),
+        p_value: (family as f64 * tail).min(1.0),
+        rivals: Vec::new(),
+    })
+}
+
+/// Twice the logarithm of the marginal likelihood ratio of what wanders against a model without it, and the
+/// projection with it.
+pub(super) fn of_wandering(
+    base: &Base<'_>,
+    plain: &Adjusted,
+    wandering: &[Judged],
+) -> (f64, Projection) {
+    let mut projection = plain.projection.clone();
+    let mut sum = 0.0;
+    for judged in wandering {
+        let own = &judged.disturbance;
+        let columns = base.whitened_columns(own, &plain.whitened, &plain.solution);
+        let (next, ln_price) = projection.beside(&columns);
+        let ratio = (next.squares() / projection.squares()).max(f64::MIN_POSITIVE);
+        let tried = own.wanderer.lengths(base).len() * own.wanderer.of_kind(base);
+        sum -= projection.degrees_of_freedom * ratio.ln() + ln_price + 2.0 * (tried as f64).ln();
+        projection = next;
+    }
+    (sum, projection)
+}
+
+/// The noise with the least variance.
+pub(super) fn least(noises: impl Iterator<Item = Noise>) -> Option<Noise> {
+    let variance = |noise: &Noise| noise.length_sigma_mm.powi(2) + noise.return_sigma_mm.powi(2);
+    noises.min_by(|a, b| variance(a).total_cmp(&variance(b)))
+}
+
+pub(super) fn disturbances(judged: &[Judged]) -> Vec<Disturbance> {
+    judged.iter().map(|judged| judged.disturbance).collect()
+}

@@ -1,0 +1,145 @@
+//! What wanders in a course that nobody knows: beside a cause it takes no name away, alone it gets none.
+//!
+//! The fast part of the studies of docs/diagnosis.md (`examples/blind.rs`).
+
+use rayon::prelude::*;
+use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose};
+use trueaxis_effects::Level;
+use trueaxis_tests::blind::{self, Hidden, Kind};
+
+fn both_sides() -> Kind {
+    Kind::three_axis().forward_and_backward()
+}
+
+fn diagnosed(kind: &Kind, hidden: &[Hidden], seed: u64) -> Diagnosis {
+    let settings = Settings {
+        explain_curves: false,
+        ..Settings::default()
+    };
+    diagnose(&blind::campaign(kind, hidden, seed), &settings).unwrap()
+}
+
+fn hide(kind: &Kind, name: &str, seed: u64, strength: f64) -> Hidden {
+    let drawn = blind::draw(kind, name, seed).unwrap();
+    blind::at_strength(kind, &drawn, seed, strength)
+}
+
+fn names(diagnosis: &Diagnosis) -> Vec<&'static str> {
+    let causes = diagnosis.causes.iter();
+    let of_lengths = causes.filter(|cause| cause.level == Level::Lengths);
+    of_lengths.map(|cause| cause.effect.effect.id).collect()
+}
+
+/// Lost motion of λ = 14 in a hall that breathes with λ = 20: the name stays, its value is inside three of its
+/// uncertainties (missed with a probability of 0.3 %), what breathes is told beside it, and all parts add up.
+#[test]
+fn lost_motion_keeps_its_name_in_a_hall_that_breathes() {
+    for seed in [300, 302] {
+        let kind = both_sides();
+        let lost_motion = hide(&kind, "backlash", seed, 14.0);
+        let hall = hide(&kind, "air_conditioning", seed, 20.0);
+        let diagnosis = diagnosed(&kind, &[lost_motion.clone(), hall], seed);
+        assert_eq!(diagnosis.verdict, Verdict::Named, "seed {seed}");
+        assert_eq!(names(&diagnosis), ["backlash"], "seed {seed}");
+        let cause = &diagnosis.causes[0];
+        assert_eq!(cause.effect.subject.axis, lost_motion.axis);
+        let truth = &lost_motion.parameters(&kind)[0];
+        let found = &cause.parameters[0];
+        assert!(
+            (found.value - truth.value).abs() < 3.0 * found.u,
+            "{found:?}, {truth:?}"
+        );
+        let own = diagnosis.disturbances.first().expect("the hall");
+        assert_eq!(own.whose.varies_with, ["time"]);
+        let shares = &diagnosis.levels[0].shares;
+        let parts = shares.causes.iter().chain(&shares.disturbances);
+        let sum = parts.sum::<f64>() + shares.unexplained + shares.noise;
+        assert!((sum - 1.0).abs() < 1e-9, "{shares:?}");
+    }
+}
+
+/// What the catalogue does not have gets no name but its subject, its size and its course; in the same noise without
+/// it all is clean (one of four alarms with a probability of 5 %).
+#[test]
+fn what_no_catalogue_has_is_told_by_what_wanders() {
+    let kind = Kind::three_axis();
+    let wrong: Vec<String> = ["air_conditioning", "tripod_sway", "cross_talk"]
+        .into_par_iter()
+        .filter_map(|name| {
+            let seed = 310;
+            let hidden = hide(&kind, name, seed, 20.0);
+            let diagnosis = diagnosed(&kind, std::slice::from_ref(&hidden), seed);
+            let own = diagnosis.disturbances.first();
+            let right = own.is_some_and(|own| {
+                let is_seen = own.curve.iter().any(|point| {
+                    let pairs = point.value_um.iter().zip(&point.u_um);
+                    pairs.into_iter().any(|(value, u)| value.abs() > 3.0 * u)
+                });
+                own.whose.subject.station == hidden.station && is_seen && own.curve.len() >= 33
+            });
+            let is_unknown = diagnosis.verdict == Verdict::Unknown && names(&diagnosis).is_empty();
+            (!is_unknown || !right).then(|| format!("{name}: {own:?}"))
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    let control = diagnosed(&kind, &[], 310);
+    assert_eq!(control.verdict, Verdict::Clean);
+    assert!(control.disturbances.is_empty());
+}
+
+/// A hall that breathes at a quarter to once the usual strength is never two or three stacked causes.
+#[test]
+fn a_hall_that_breathes_is_no_stack_of_causes() {
+    let kind = Kind::three_axis();
+    let cases: Vec<(u64, f64)> = (320..324)
+        .flat_map(|seed| [(seed, 5.0), (seed, 7.0)])
+        .collect();
+    let stacked: Vec<String> = cases
+        .into_par_iter()
+        .filter_map(|(seed, strength)| {
+            let hall = hide(&kind, "air_conditioning", seed, strength);
+            let names = names(&diagnosed(&kind, &[hall], seed));
+            (names.len() > 1).then(|| format!("seed {seed}, λ = {strength}: {names:?}"))
+        })
+        .collect();
+    assert!(stacked.is_empty(), "{stacked:#?}");
+}
+
+/// One length that is wrong by 8 µm to 5 mm is left out, with its line, and all else is clean as without it.
+#[test]
+fn one_wrong_length_is_left_out_and_names_nothing() {
+    let kind = Kind::three_axis();
+    let settings = Settings {
+        explain_curves: false,
+        ..Settings::default()
+    };
+    let wrong: Vec<String> = [
+        (330, 700, 0.0),
+        (330, 700, 0.008),
+        (331, 1500, -0.05),
+        (332, 40, 0.3),
+        (333, 2300, 5.0),
+    ]
+    .into_par_iter()
+    .filter_map(|(seed, number, by_mm)| {
+        let mut campaign = blind::campaign(&kind, &[], seed);
+        let reading = &mut campaign.lengths.as_mut().unwrap().readings[number];
+        reading.length_mm += by_mm;
+        let line = reading.line.to_string();
+        let diagnosis = diagnose(&campaign, &settings).unwrap();
+        let is_told = diagnosis
+            .notices
+            .iter()
+            .any(|text| text.ends_with(&format!("line(s) {line}")));
+        let right = diagnosis.verdict == Verdict::Clean && is_told == (by_mm != 0.0);
+        let verdict = diagnosis.verdict.name();
+        (!right).then(|| {
+            format!(
+                "{by_mm} mm: {verdict} {:?} {:?}",
+                diagnosis.notices, diagnosis.unexplained
+            )
+        })
+    })
+    .collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
