@@ -2,7 +2,7 @@
 //! compensation of the calibration of `campaigns/fxyz` switched on; of the rotary stage as it is.
 //!
 //! Lines of X, Y and Z through the paper's point T (175.6, 497.5, 312.1) mm, 21 positions, five runs a side, and a ball bar
-//! of 100 mm in the plane of X and Y, both ways. A reading has noise of the instrument and the machine's return; each
+//! of 100 mm in the plane of X and Y, both ways. A reading has noise of the instrument and the machine's repeatability; each
 //! line has a zero, the bar a set-up of its own. On the rotary stage balls at the paper's points A and B, and the centre of the
 //! bar above the middle of the stage (its Figs. 15 and 16): every 20°, three times each way.
 
@@ -23,9 +23,9 @@ use trueaxis_simulate::TrueMachine;
 /// The paper's point T.
 pub const T_MM: [f64; 3] = [175.6, 497.5, 312.1];
 
-/// Standard deviations, µm: what the instruments declare, and the machine's return.
+/// Standard deviations, µm: what the instruments declare, and the machine's repeatability.
 const INSTRUMENT_UM: f64 = 0.3;
-const RETURN_UM: f64 = 0.3;
+const REPEATABILITY_UM: f64 = 0.3;
 
 /// Declared: both.
 const U_UM: f64 = 0.43;
@@ -223,7 +223,7 @@ impl Readings<'_> {
         let mut readings = Vec::new();
         for (row, (cycle, direction, commanded)) in stands.iter().enumerate() {
             let exact_um = exact_um(self, set_up_mm, commanded)?;
-            let noise_um = INSTRUMENT_UM * self.deviate() + RETURN_UM * self.deviate();
+            let noise_um = INSTRUMENT_UM * self.deviate() + REPEATABILITY_UM * self.deviate();
             let value_um = exact_um + zero_um + noise_um;
             readings.push(VerificationReading {
                 time_s: None,

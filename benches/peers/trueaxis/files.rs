@@ -25,7 +25,10 @@ pub(crate) fn write_all(folder: &Path) -> Result<()> {
 fn write(problem: &Problem, folder: &Path) -> Result<()> {
     fs::create_dir_all(folder)?;
     let network = &problem.network;
-    let noise = vec![network.noise.length_sigma_mm, network.noise.return_sigma_mm];
+    let noise = vec![
+        network.noise.length_sigma_mm,
+        network.noise.repeatability_mm,
+    ];
     write_rows(&folder.join("noise.csv"), [noise])?;
     let stations = problem.stations.iter().map(|s| {
         let [x, y, z] = s.position_mm.into();

@@ -15,7 +15,7 @@ pub struct Settings {
     /// Whether the covariance of all results is wanted as one matrix ([`crate::OutputCovariance`]); in factors it
     /// is always there ([`crate::FactoredCovariance`]).
     pub covariance: bool,
-    /// Whether gross errors are removed and interrupted turns split; otherwise all lengths are
+    /// Whether gross errors are removed and interrupted occupations split; otherwise all lengths are
     /// adjusted as they are.
     pub robust: bool,
 }

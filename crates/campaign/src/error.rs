@@ -238,8 +238,8 @@ pub enum Problem {
     /// Rows in another order than that of measuring.
     #[error(
         "the rows are not in measuring order: the time goes back {}, here from {before_s} s to \
-         {time_s} s, and the rows would be {stops_by_time} stops in {turns_by_time} turns of stations in the \
-         order of time, not {stops} stops in {turns} turns; sort the table by time_s",
+         {time_s} s, and the rows would be {stops_by_time} stops in {occupations_by_time} occupations of stations in the \
+         order of time, not {stops} stops in {occupations} occupations; sort the table by time_s",
         how_often(*times)
     )]
     NotInMeasuringOrder {
@@ -252,11 +252,11 @@ pub enum Problem {
         /// Groups of consecutive rows of one visit of the machine.
         stops: usize,
         /// Groups of consecutive rows of one station.
-        turns: usize,
+        occupations: usize,
         /// The same, if the rows were sorted by time.
         stops_by_time: usize,
         /// The same, if the rows were sorted by time.
-        turns_by_time: usize,
+        occupations_by_time: usize,
     },
     /// The readings of one station under the name of another.
     #[error(

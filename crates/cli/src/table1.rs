@@ -40,7 +40,7 @@ const PRINTED: [(u32, Measurement, [f64; 3]); 4] = [
 
 const fn measured(three_sigma_um: f64, repeats: u32) -> Measurement {
     Measurement {
-        return_sigma_um: three_sigma_um / 3.0,
+        repeatability_um: three_sigma_um / 3.0,
         repeats,
     }
 }
@@ -70,7 +70,7 @@ struct ArrangementRows {
 #[derive(Debug, Serialize)]
 struct Row {
     case: u32,
-    return_sigma_um: f64,
+    repeatability_um: f64,
     repeats: u32,
     printed_um: [f64; 3],
     monte_carlo_um: [f64; 3],
@@ -160,7 +160,7 @@ impl Row {
         let found = figures.monte_carlo_um;
         Self {
             case,
-            return_sigma_um: measurement.return_sigma_um,
+            repeatability_um: measurement.repeatability_um,
             repeats: measurement.repeats,
             printed_um,
             monte_carlo_um: found,

@@ -4,7 +4,7 @@
 //! ([`trueaxis_multilateration::solve`]): six pose parameters for each step, common to all
 //! stations, repeats and directions; target shapes common to all steps; stations and dead paths. What
 //! the lengths contradict in it, no geometry of a rigid machine that comes back to its poses can
-//! explain. The noise is that of a length and that of the machine's return, common to a stop
+//! explain. The noise is that of a length and that of the machine's repeatability, common to a stop
 //! (restricted maximum likelihood from the residuals).
 //!
 //! - [`base`] adjusts the lengths, less what the causes found so far do to them, with the full nonlinear

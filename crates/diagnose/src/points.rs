@@ -8,7 +8,7 @@
 //! p = T_step h_target + noise      cov = σ² w² I + σ_m² 1 1ᵀ  (each coordinate of one stop)
 //! ```
 //!
-//! with σ the instrument's noise (w: what the table declares, relatively) and `σ_m` the machine's return, common to
+//! with σ the instrument's noise (w: what the table declares, relatively) and `σ_m` the machine's repeatability, common to
 //! a stop. Targets on the bed stand still. What contradicts it are distances between targets of one stage (three
 //! targets or more), repeats, and the two sides of approach. All is linear about one adjustment: poses are
 //! known to micrometres, effects are as small.

@@ -80,13 +80,12 @@ pub(crate) fn diagnose_runs(
 /// Degrees of freedom of the larger part of the noise that the lengths show.
 fn noise_dof(calibration: &Calibration) -> f64 {
     let noise = calibration.adjustment.noise;
-    let Some((length, machine_return)) = noise.map(|n| (n.length.used, n.machine_return.used))
-    else {
+    let Some((length, repeatability)) = noise.map(|n| (n.length.used, n.repeatability.used)) else {
         return f64::INFINITY;
     };
-    match length.sigma_mm > machine_return.sigma_mm {
+    match length.sigma_mm > repeatability.sigma_mm {
         true => length.degrees_of_freedom,
-        false => machine_return.degrees_of_freedom,
+        false => repeatability.degrees_of_freedom,
     }
 }
 

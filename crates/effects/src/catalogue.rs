@@ -8,7 +8,7 @@
 //! | u | unit vector from station to target |
 //! | l | distance from station to target |
 //! | t, t0 | time, instant; `[t > t0]` is 1 after it and 0 before |
-//! | τ, w | progress of time over the campaign, over the turn of the station, 0 to 1 |
+//! | τ, w | progress of time over the campaign, over the occupation of the station, 0 to 1 |
 //! | q | commanded position of the axis |
 //! | ϑ, ϑ0 | logged temperature, now and at the first reading |
 

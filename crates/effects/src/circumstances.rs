@@ -18,10 +18,10 @@ pub struct Circumstances<'a> {
     pub elapsed_s: f64,
     /// Progress of time over the campaign, 0 to 1.
     pub progress: f64,
-    /// Progress of time within the turn of the station, 0 to 1.
-    pub turn_progress: f64,
-    /// Time since the first reading of the turn of the station, s.
-    pub turn_elapsed_s: f64,
+    /// Progress of time within the occupation of the station, 0 to 1.
+    pub occupation_progress: f64,
+    /// Time since the first reading of the occupation of the station, s.
+    pub occupation_elapsed_s: f64,
     /// The station that reads; 0 without any.
     pub station: usize,
     /// The target that is read.
@@ -54,8 +54,8 @@ impl<'a> Circumstances<'a> {
             time_s: 0.0,
             elapsed_s: 0.0,
             progress: 0.0,
-            turn_progress: 0.0,
-            turn_elapsed_s: 0.0,
+            occupation_progress: 0.0,
+            occupation_elapsed_s: 0.0,
             station: 0,
             target: 0,
             carrier: Some(0),

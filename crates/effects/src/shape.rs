@@ -20,7 +20,7 @@ pub enum Shape {
     Instant,
     /// A time constant over the campaign, s.
     TimeConstant,
-    /// A time constant over the turn of a station, s.
+    /// A time constant over the occupation of a station, s.
     SettlingTime,
     /// The time constant with which a part follows a temperature, s; 0 if it does so at once.
     Lag,

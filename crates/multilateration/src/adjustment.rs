@@ -313,7 +313,7 @@ mod tests {
             .map(|(point, length_mm)| Reading { point, length_mm })
             .to_vec(),
             noise: Noise {
-                return_sigma_mm: 2e-3,
+                repeatability_mm: 2e-3,
                 ..Noise::default()
             },
             bodies: is_tied.then(|| Arc::new(bodies)),

@@ -44,7 +44,7 @@ pub(crate) struct BatchRows {
     memory: Memory,
     /// `L⁻¹` of each visit, all its elements row by row, one visit after the other.
     unit_errors: Vec<Lanes>,
-    /// Variance of the length of each slot without the machine's return, mm².
+    /// Variance of the length of each slot without the machine's repeatability, mm².
     pub(crate) variances: Vec<Lanes>,
     /// One where there is a reading, zero where there is none.
     pub(crate) there: Vec<Lanes>,

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! For the whole noise this is the covariance as the adjustment left it. The noise of a length is the laser's
-//! and the machine's return, `C = C_l + C_m`; for the laser's part alone the weights stay those of `C`, and
+//! and the machine's repeatability, `C = C_l + C_m`; for the laser's part alone the weights stay those of `C`, and
 //! with its whitened part `V = L⁻¹ C_l L⁻ᵀ` of each visit and the factors of [`crate::batch_influence`] the
 //! errors are
 //!
@@ -66,7 +66,7 @@ impl Solution {
         known
     }
 
-    /// The lengths' own noise alone, without the machine's return; `network` must be the one that was
+    /// The lengths' own noise alone, without the machine's repeatability; `network` must be the one that was
     /// solved.
     pub fn length_noise(&self, network: &Network) -> BlockNoise<'_> {
         let influence = BatchInfluence::new(network, self);

@@ -1,4 +1,4 @@
-//! Variance components: the noise of a length and of the machine's return, from the residuals.
+//! Variance components: the noise of a length and of the machine's repeatability, from the residuals.
 //!
 //! The covariance of the lengths is `C = Σ_k θ_k V_k` with two parts: the lengths' own noise (its
 //! ratio of constant and proportional part is kept) and the return of the machine. Restricted
@@ -48,12 +48,12 @@ pub(crate) fn components(influence: &BatchInfluence<'_>) -> Option<Components> {
     // Σ M for V_1, for the identity, and for V_1 V_1.
     let [through, through_all, through_twice] =
         [&sums.length, &sums.all, &sums.twice].map(|middle| &sigma * middle);
-    let through_return = &through_all - &through;
+    let through_repeatability = &through_all - &through;
     // Traces of products.
     let both = [
         through.tr_dot(&through),
-        through.tr_dot(&through_return),
-        through_return.tr_dot(&through_return),
+        through.tr_dot(&through_repeatability),
+        through_repeatability.tr_dot(&through_repeatability),
     ];
     let absorbed = pairs([&through_twice, &through, &through_all].map(|a| a.trace()));
     let [first, mixed, second] =

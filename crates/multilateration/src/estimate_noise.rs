@@ -20,8 +20,8 @@ pub struct NoiseEstimate {
     pub relative_covariance: Matrix2<f64>,
     /// The constant part of a length's standard deviation.
     pub length: PartEstimate,
-    /// The standard deviation of the machine's return.
-    pub machine_return: PartEstimate,
+    /// The standard deviation of the machine's repeatability.
+    pub repeatability: PartEstimate,
 }
 
 /// What the noise rests on.
@@ -56,7 +56,7 @@ const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
 /// Significance at which few degrees of freedom, too, give up the declared noise.
 const REJECTED: f64 = 1e-3;
 
-/// Below this part of the machine's return the noise of a length is not estimated.
+/// Below this part of the machine's repeatability the noise of a length is not estimated.
 const LEAST_LENGTH: f64 = 1e-3;
 
 /// No length is known better than this, mm: a nanometre.
@@ -155,7 +155,7 @@ fn estimate(adjusted: &mut Weighted<'_>, declared: bool) -> Result<NoiseEstimate
     // A start far from the residuals may end where nothing is told apart.
     let plausible = declared && above > REJECTED && above < 1.0 - REJECTED;
     let starts = [
-        Some(given).filter(|n| plausible && n.return_sigma_mm > 0.0),
+        Some(given).filter(|n| plausible && n.repeatability_mm > 0.0),
         Some(level(given)),
     ];
     for start in starts.into_iter().flatten() {
@@ -177,7 +177,7 @@ fn estimate(adjusted: &mut Weighted<'_>, declared: bool) -> Result<NoiseEstimate
 /// A noise of which both parts are equally large.
 pub(crate) fn level(given: Noise) -> Noise {
     Noise {
-        return_sigma_mm: given.length_sigma_mm,
+        repeatability_mm: given.length_sigma_mm,
         ..given
     }
 }
@@ -206,13 +206,13 @@ fn settle(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstim
         };
         let mut noise = scaled(adjusted.noise(), step(0), step(1));
         // No interferometer is without noise of its own: so few lengths do not tell it.
-        let least_mm = LEAST_LENGTH * noise.return_sigma_mm;
+        let least_mm = LEAST_LENGTH * noise.repeatability_mm;
         if noise.length_sigma_mm < least_mm {
             return Ok(None);
         }
-        let vanished = (noise.return_sigma_mm / start.return_sigma_mm).powi(2) < VANISHED;
+        let vanished = (noise.repeatability_mm / start.repeatability_mm).powi(2) < VANISHED;
         if vanished {
-            noise.return_sigma_mm = 0.0;
+            noise.repeatability_mm = 0.0;
         }
         adjusted.solve_with(noise)?;
         if vanished {
@@ -246,11 +246,11 @@ fn common_factor(adjusted: &mut Weighted<'_>, given: Noise) -> Result<NoiseEstim
     })
 }
 
-fn scaled(noise: Noise, length: f64, machine_return: f64) -> Noise {
+fn scaled(noise: Noise, length: f64, repeatability: f64) -> Noise {
     Noise {
         length_sigma_mm: noise.length_sigma_mm * length,
         length_sigma_relative: noise.length_sigma_relative * length,
-        return_sigma_mm: noise.return_sigma_mm * machine_return,
+        repeatability_mm: noise.repeatability_mm * repeatability,
     }
 }
 
@@ -266,7 +266,7 @@ fn kept(given: Noise) -> NoiseEstimate {
         basis: NoiseBasis::Given,
         relative_covariance: Matrix2::zeros(),
         length: part(given.length_sigma_mm),
-        machine_return: part(given.return_sigma_mm),
+        repeatability: part(given.repeatability_mm),
     }
 }
 
@@ -292,6 +292,6 @@ fn estimated(noise: Noise, given: Noise, relative_covariance: Matrix2<f64>) -> N
         basis: NoiseBasis::Components,
         relative_covariance,
         length: part(0, noise.length_sigma_mm, given.length_sigma_mm),
-        machine_return: part(1, noise.return_sigma_mm, given.return_sigma_mm),
+        repeatability: part(1, noise.repeatability_mm, given.repeatability_mm),
     }
 }

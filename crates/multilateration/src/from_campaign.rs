@@ -58,7 +58,7 @@ const MM_PER_UM: f64 = 1e-3;
 /// targets on the bed. The noise is the declared
 /// one; 1 µm for each length where none is declared.
 ///
-/// A stop that sees two groups becomes a visit of each; what the machine's return has in common for them is
+/// A stop that sees two groups becomes a visit of each; what the machine's repeatability has in common for them is
 /// not kept.
 pub fn network_from_campaign(
     campaign: &Campaign,
@@ -363,6 +363,6 @@ fn declared_noise(campaign: &Campaign) -> Noise {
         length_sigma_mm: length_sigma_um * MM_PER_UM,
         // µm per m and mm per mm differ by a million.
         length_sigma_relative: instrument.length_sigma_ppm.unwrap_or(0.0) * 1e-6,
-        return_sigma_mm: instrument.repeatability_um.unwrap_or(0.0) * MM_PER_UM,
+        repeatability_mm: instrument.repeatability_um.unwrap_or(0.0) * MM_PER_UM,
     }
 }

@@ -27,7 +27,7 @@ fn place(i: usize, size: f64) -> Point3<f64> {
 
 /// Groups of three points of a body (the last of two, which are free) with some readings missing, one of
 /// them of little weight, an interruption in the middle of a visit, and errors of micrometres.
-fn solved(groups: usize, return_sigma_mm: f64, is_tied: bool) -> (Network, Solution) {
+fn solved(groups: usize, repeatability_mm: f64, is_tied: bool) -> (Network, Solution) {
     let body = Body {
         home_mm: (0..3).map(|i| place(i, 150.0)).collect(),
     };
@@ -36,7 +36,7 @@ fn solved(groups: usize, return_sigma_mm: f64, is_tied: bool) -> (Network, Solut
         stations: (0..STATIONS).map(|j| Some(place(j + 20, 2000.0))).collect(),
         noise: Noise {
             length_sigma_relative: 5e-7,
-            return_sigma_mm,
+            repeatability_mm,
             ..Noise::default()
         },
         ..Network::default()
@@ -180,7 +180,7 @@ fn whitened_rows_project_onto_what_is_left() {
 
 #[test]
 fn what_is_kept_of_single_lengths_is_their_redundancy() {
-    // Without a common return the weights are single numbers.
+    // Without a common repeatability the weights are single numbers.
     for (groups, is_tied) in [(GROUPS, false), (GROUPS, true), (MANY_GROUPS, true)] {
         let (network, solution) = solved(groups, 0.0, is_tied);
         let tests = test_all(&BatchInfluence::new(&network, &solution));

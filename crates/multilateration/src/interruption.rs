@@ -1,8 +1,8 @@
 //! Whether a station's zero jumped, and nothing else.
 //!
-//! A beam interruption changes all later lengths of a station's turn by one constant. Other things
+//! A beam interruption changes all later lengths of a station's occupation by one constant. Other things
 //! raise the test of such a step, too: a drift (the zero or the tripod creeps), or a displacement of
-//! the station or the machine (the change depends on the direction of the beam). The turn is split
+//! the station or the machine (the change depends on the direction of the beam). The occupation is split
 //! only if the step explains the lengths better than these do.
 
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -20,7 +20,7 @@ const AHEAD: f64 = 10.0;
 /// this at most (chi-squared with two degrees of freedom, one in e⁵).
 const DISPLACEMENT_CHANCE: f64 = 10.0;
 
-/// Parts of a turn after which a zero or a tripod that settles has come to rest by 63 %.
+/// Parts of an occupation after which a zero or a tripod that settles has come to rest by 63 %.
 const SETTLED_AFTER: [f64; 4] = [0.03, 0.08, 0.2, 0.5];
 
 /// By how much the sum of squares falls, in variances of w, for what else may explain a step.
@@ -45,7 +45,7 @@ impl Rivals {
     ) -> Self {
         let zeros = network.zero_of_readings();
         let zero = zeros[step.first_reading];
-        let turn: Vec<usize> = (0..zeros.len()).filter(|&i| zeros[i] == zero).collect();
+        let occupation: Vec<usize> = (0..zeros.len()).filter(|&i| zeros[i] == zero).collect();
         let mut beams = vec![Vector3::zeros(); zeros.len()];
         for visit in network.visits.iter().filter(|v| v.station == step.station) {
             let station_mm = solution.stations[visit.station].position_mm;
@@ -54,11 +54,11 @@ impl Rivals {
                 beams[i] = (solution.points_mm[point] - station_mm).normalize();
             }
         }
-        // The zero, or the station, follows this course, from 0 to 1 in the turn.
+        // The zero, or the station, follows this course, from 0 to 1 in the occupation.
         let squares = |is_station: bool, course: &dyn Fn(usize, f64) -> f64| {
             let mut columns = vec![vec![0.0; zeros.len()]; if is_station { 3 } else { 1 }];
-            let length = turn.len().max(2) as f64 - 1.0;
-            for (k, &i) in turn.iter().enumerate() {
+            let length = occupation.len().max(2) as f64 - 1.0;
+            for (k, &i) in occupation.iter().enumerate() {
                 let size = course(i, k as f64 / length);
                 for (c, column) in columns.iter_mut().enumerate() {
                     column[i] = if is_station { beams[i][c] * size } else { size };

@@ -41,7 +41,7 @@ const PLANE_TOL: f64 = 1e-10;
 ///
 /// `lengths_mm[j]` is `|p - S_j| - L_j`. Three stations leave two mirror images; the iteration
 /// goes to the one on `near_mm`'s side. The lengths are taken as independent: all of them belong to
-/// the place where the target was, so the machine's return error has no part in the result.
+/// the place where the target was, so the repeatability error has no part in the result.
 ///
 /// # Errors
 /// [`Error::TooFewStations`] below three stations, [`Error::PointNotDetermined`] if the beams lie

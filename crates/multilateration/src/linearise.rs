@@ -186,24 +186,25 @@ fn append_factor_row(
     (first, i): (usize, usize),
     factor: &mut Vec<Lanes>,
 ) {
-    let return_sigma_mm = if batch.is_bed {
+    let repeatability_mm = if batch.is_bed {
         0.0
     } else {
-        noise.return_sigma_mm
+        noise.repeatability_mm
     };
-    let return_variance = Lanes::splat(return_sigma_mm * return_sigma_mm);
+    let repeatability_variance = Lanes::splat(repeatability_mm * repeatability_mm);
     let there = is_read(batch, first + i);
     let start = factor.len();
     for j in 0..i {
         let cosine = beams.cosine(first + i, first + j);
-        let mut c = return_variance * cosine * there * is_read(batch, first + j);
+        let mut c = repeatability_variance * cosine * there * is_read(batch, first + j);
         let above = factor_len(j);
         for k in 0..j {
             c = factor[start + k].mul_add(-factor[above + k], c);
         }
         factor.push(c / factor[above + j]);
     }
-    let own = own_variance(batch, noise, first + i, beams.distance_mm(first + i)) + return_variance;
+    let own = own_variance(batch, noise, first + i, beams.distance_mm(first + i))
+        + repeatability_variance;
     let mut c = own * there + (Lanes::splat(1.0) - there);
     for x in &factor[start..] {
         c = x.mul_add(-*x, c);
@@ -211,7 +212,7 @@ fn append_factor_row(
     factor.push(c.sqrt());
 }
 
-/// Variance of the length of a slot without the machine's return, mm².
+/// Variance of the length of a slot without the machine's repeatability, mm².
 #[inline(always)]
 pub(crate) fn own_variance(batch: &Batch, noise: &Noise, slot: usize, distance_mm: Lanes) -> Lanes {
     let constant = Lanes::splat(noise.length_sigma_mm * noise.length_sigma_mm);
@@ -443,7 +444,7 @@ mod tests {
         let noise = Noise {
             length_sigma_mm: 3e-4,
             length_sigma_relative: 5e-7,
-            return_sigma_mm: 1e-3,
+            repeatability_mm: 1e-3,
         };
         let factors = [1.0, 25.0, 1.0];
         let network = Network {

@@ -10,7 +10,7 @@ use crate::{Bodies, Error, Noise, Reflectors};
 /// Lengths between stations and points.
 ///
 /// Points come in *groups*: the targets at one step of the machine, which may be read in one visit
-/// and then share its return error. Lengths between points of different groups are independent.
+/// and then share its repeatability error. Lengths between points of different groups are independent.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Network {
     /// Rough positions of the stations where known, mm; only a choice between mirror images needs
@@ -39,7 +39,7 @@ pub struct Network {
     /// Which reflector stands at each point: their constants are then unknowns. Without them all are equal.
     pub reflectors: Option<Arc<Reflectors>>,
     /// The group of the targets on the bed, if there is one: the machine does not return to it, so that its lengths
-    /// have no return error.
+    /// have no repeatability error.
     pub bed: Option<usize>,
     /// Dead paths that are known, at most one for each station.
     pub dead_paths: Vec<KnownDeadPath>,

@@ -20,7 +20,7 @@ pub struct Noise {
     /// Part proportional to the distance, mm per mm (ppm × 1e-6).
     pub length_sigma_relative: f64,
     /// Standard deviation per coordinate of the position that the machine returns to, mm.
-    pub return_sigma_mm: f64,
+    pub repeatability_mm: f64,
 }
 
 impl Default for Noise {
@@ -29,7 +29,7 @@ impl Default for Noise {
         Self {
             length_sigma_mm: 1e-3,
             length_sigma_relative: 0.0,
-            return_sigma_mm: 0.0,
+            repeatability_mm: 0.0,
         }
     }
 }
@@ -39,7 +39,7 @@ impl Noise {
         let Self {
             length_sigma_mm: a,
             length_sigma_relative: b,
-            return_sigma_mm: m,
+            repeatability_mm: m,
         } = *self;
         let usable =
             a.is_finite() && b.is_finite() && m.is_finite() && a > 0.0 && b >= 0.0 && m >= 0.0;

@@ -37,7 +37,7 @@ const POWER: f64 = 0.8;
 impl Solution {
     /// Redundancy number of every reading: the part of an error in it that shows in its residual, from
     /// 0 (nothing checks it: the error goes wholly into the result) to 1. Lengths of a visit that
-    /// correlate through the machine's return may leave this range. Their sum is
+    /// correlate through the machine's repeatability may leave this range. Their sum is
     /// [`Solution::degrees_of_freedom`].
     ///
     /// `r = diag(I - J Q Jᵀ C⁻¹)` with the Jacobian `J` and the covariance `Q` of the unknowns.

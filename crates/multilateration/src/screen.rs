@@ -5,7 +5,7 @@
 //! 1. Lengths far from what the nominal positions let expect leave before the first adjustment.
 //! 2. Redescending weights let go of lengths that stand out from their neighbours in time. In what is
 //!    left, steps in the zero of a station are sought; a step that nothing else explains as well
-//!    splits the station's turn.
+//!    splits the station's occupation.
 //! 3. Redescending weights let go of all far lengths.
 //! 4. Data snooping (Baarda): the length whose test is largest leaves its group, the one that fits
 //!    again comes back, one in a group at a time, until nothing changes. The level is that of all

@@ -127,10 +127,10 @@ impl<'a> Screening<'a> {
     /// other one, which then counts.
     fn noise_is_known(&mut self, noise: &NoiseEstimate) {
         self.network.noise = noise.noise;
-        let (length, machine_return) = (noise.length, noise.machine_return);
+        let (length, repeatability) = (noise.length, noise.repeatability);
         let degrees = length
             .degrees_of_freedom
-            .max(machine_return.degrees_of_freedom);
+            .max(repeatability.degrees_of_freedom);
         self.noise_known = Some(degrees);
     }
 
@@ -452,7 +452,7 @@ impl<'a> Screening<'a> {
     }
 
     /// For each group the visit whose lengths are off together, if any: single lengths do not show it,
-    /// because the machine's return could be to blame.
+    /// because the machine's repeatability could be to blame.
     fn worst_visits(&self, tests: &[f64], limit: f64) -> Vec<Option<usize>> {
         let mut worst: Vec<Option<(f64, usize)>> = vec![None; self.network.groups.len()];
         let tests = tests.iter().map(|w| w.abs());
@@ -486,7 +486,7 @@ impl<'a> Screening<'a> {
     /// The clean adjustment of what is left of the original network. The work's own solution is gone
     /// then: both together are most of the memory that a large network takes.
     pub(crate) fn finished(&mut self, original: &Network) -> Result<Screened, Error> {
-        self.merge_empty_turns()?;
+        self.merge_empty_occupations()?;
         let removed = self.removed()?;
         guard::check(&self.network, &removed)?;
         let without: Vec<usize> = removed.iter().map(|r| r.reading).collect();

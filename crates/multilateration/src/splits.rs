@@ -1,4 +1,4 @@
-//! Where turns are split because the zero of a station jumped: found, placed, and taken back.
+//! Where occupations are split because the zero of a station jumped: found, placed, and taken back.
 
 use crate::baarda::ReadingTest;
 use crate::interruption::Rivals;
@@ -8,13 +8,13 @@ use crate::screening::Screening;
 use crate::step_tests::{StepTest, largest_steps};
 use crate::{Error, Interruption, Network, Solution};
 
-/// Probability that any of its turns is split.
+/// Probability that any of its occupations is split.
 const STEPS_LEVEL: f64 = 1e-3;
 
 /// A step with fewer readings before or behind it is not told from gross errors.
 const LEAST_STEP: usize = 4;
 
-/// Width of the weights, in scales, after a turn was split: most far readings have left by then.
+/// Width of the weights, in scales, after an occupation was split: most far readings have left by then.
 const WIDE_AGAIN: f64 = 4.0;
 
 /// Splits for each station on average; more of them are no interruptions.
@@ -117,7 +117,7 @@ impl Screening<'_> {
     }
 
     /// Takes back splits that separate nothing: all readings on one side of them have left.
-    pub(crate) fn merge_empty_turns(&mut self) -> Result<(), Error> {
+    pub(crate) fn merge_empty_occupations(&mut self) -> Result<(), Error> {
         loop {
             let mut is_used = vec![false; self.network.zeros()];
             let factors = &self.network.variance_factors;

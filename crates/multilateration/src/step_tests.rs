@@ -37,21 +37,25 @@ const STEPS: usize = 32;
 /// For every zero the instant at which a step of it is most significant.
 pub(crate) fn largest_steps(network: &Network, rows: &Whitened) -> Vec<StepTest> {
     let zeros = network.zero_of_readings();
-    let mut turns: Vec<Vec<(usize, usize)>> = vec![Vec::new(); network.zeros()];
+    let mut occupations: Vec<Vec<(usize, usize)>> = vec![Vec::new(); network.zeros()];
     for (number, visit) in network.visits.iter().enumerate() {
         for reading in visit.readings.clone() {
-            turns[zeros[reading]].push((reading, number));
+            occupations[zeros[reading]].push((reading, number));
         }
     }
-    let largest = turns
+    let largest = occupations
         .par_iter()
-        .map(|turn| largest_step(turn, network, rows));
+        .map(|occupation| largest_step(occupation, network, rows));
     largest.collect::<Vec<_>>().into_iter().flatten().collect()
 }
 
 /// Adds the readings of a zero (with their visits) one by one from the last to the first; after each
 /// of them the sum of their unit errors is the step that begins there.
-fn largest_step(turn: &[(usize, usize)], network: &Network, rows: &Whitened) -> Option<StepTest> {
+fn largest_step(
+    occupation: &[(usize, usize)],
+    network: &Network,
+    rows: &Whitened,
+) -> Option<StepTest> {
     let width = rows.shared_width;
     let mut largest: Option<StepTest> = None;
     let mut sums = Sums::new(rows);
@@ -59,7 +63,7 @@ fn largest_step(turn: &[(usize, usize)], network: &Network, rows: &Whitened) -> 
     // Symmetric: rows are columns.
     let sigma = DMatrixView::from_slice(&rows.reduced_inverse, width, width);
     let mut shared = Vec::with_capacity(STEPS * width);
-    for (place, &(reading, visit)) in turn.iter().enumerate().skip(1).rev() {
+    for (place, &(reading, visit)) in occupation.iter().enumerate().skip(1).rev() {
         sums.add(rows, reading, visit);
         steps.push((place, sums.step));
         shared.extend_from_slice(&sums.shared);
@@ -76,12 +80,12 @@ fn largest_step(turn: &[(usize, usize)], network: &Network, rows: &Whitened) -> 
             }
             let w = step.numerator / kept.sqrt();
             if largest.is_none_or(|best| w.abs() > best.w.abs()) {
-                let (first_reading, visit) = turn[place];
+                let (first_reading, visit) = occupation[place];
                 largest = Some(StepTest {
                     station: network.visits[visit].station,
                     first_reading,
                     before: place,
-                    after: turn.len() - place,
+                    after: occupation.len() - place,
                     w,
                 });
             }

@@ -23,7 +23,7 @@
 //!
 //! Coordinates that an instrument measured directly are brought into the datum and go by the equations.
 //!
-//! Before, lengths that contradict the others leave, interrupted turns are split, and the noise is estimated
+//! Before, lengths that contradict the others leave, interrupted occupations are split, and the noise is estimated
 //! from what is left ([`trueaxis_multilateration::screen`]); [`AdjustmentReport`] says what was done.
 //! [`PoseTrials`] measures again with other errors: Monte Carlo and reliability.
 //! [`EffectsOnLengths`] takes what known effects do (drift, jumps, lost motion) out of the lengths.
@@ -66,7 +66,7 @@ pub use lengths::{
 pub use measure::{MeasuredPoses, NoiseByEquations, measure};
 pub use poses::{PoseNoise, PoseObservation, Poses, TargetBody, ThroughSources, turned_about};
 pub use report::{
-    AdjustmentReport, InterruptedTurn, KnownMisfit, NoiseReport, PartReport, RejectedLength,
+    AdjustmentReport, InterruptedOccupation, KnownMisfit, NoiseReport, PartReport, RejectedLength,
     StepMisfit,
 };
 pub use settings::{Method, Settings};

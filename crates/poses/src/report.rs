@@ -33,8 +33,8 @@ pub struct AdjustmentReport {
     pub termination: String,
     /// Lengths that were removed as gross errors, in measuring order.
     pub rejected: Vec<RejectedLength>,
-    /// Turns that were split because the zero of the interferometer jumped, in measuring order.
-    pub interruptions: Vec<InterruptedTurn>,
+    /// Occupations that were split because the zero of the interferometer jumped, in measuring order.
+    pub interruptions: Vec<InterruptedOccupation>,
 }
 
 /// The noise that was used for weights and uncertainties.
@@ -46,8 +46,8 @@ pub struct NoiseReport {
     pub length: PartReport,
     /// Proportional part of it, µm per m; it keeps its declared ratio to the constant one.
     pub length_ppm: f64,
-    /// Standard deviation per coordinate of the machine's return.
-    pub machine_return: PartReport,
+    /// Standard deviation per coordinate of the machine's repeatability.
+    pub repeatability: PartReport,
 }
 
 /// One part of the noise.
@@ -75,9 +75,9 @@ pub struct RejectedLength {
     pub unchecked: bool,
 }
 
-/// A turn of a station in which all lengths change by a constant from an instant on.
+/// An occupation of a station in which all lengths change by a constant from an instant on.
 #[derive(Debug, Clone, PartialEq)]
-pub struct InterruptedTurn {
+pub struct InterruptedOccupation {
     /// Name of the station.
     pub station: String,
     /// The last line before the jump and the first one after it, of this station.
@@ -92,7 +92,7 @@ pub struct InterruptedTurn {
     pub tripod_may_have_moved: bool,
 }
 
-impl InterruptedTurn {
+impl InterruptedOccupation {
     /// What made the lengths jump, in words.
     pub fn cause(&self) -> &'static str {
         match self.tripod_may_have_moved {

@@ -9,7 +9,7 @@ pub struct Settings {
     pub method: Method,
     /// Whether the two sides of approach get poses of their own.
     pub by_direction: bool,
-    /// Whether gross errors are removed and interrupted turns split; otherwise all lengths are
+    /// Whether gross errors are removed and interrupted occupations split; otherwise all lengths are
     /// adjusted as they are.
     pub robust: bool,
 }

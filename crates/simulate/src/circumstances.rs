@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! τ = (t - t_first) / (t_last - t_first)        over all readings of the campaign
-//! w = (t - t_first) / (t_last - t_first)        over the readings of the station's turn
+//! w = (t - t_first) / (t_last - t_first)        over the readings of the station's occupation
 //! ```
 
 use std::ops::Range;
@@ -44,7 +44,7 @@ impl StopCircumstances<'_> {
             progress,
             temperatures,
         } = *self;
-        let turn_s = progress.turns_s.get(visit.station);
+        let turn_s = progress.occupations_s.get(visit.station);
         let readings = visit.targets.iter().zip(&visit.times_s).zip(points_mm);
         let displaced = readings.map(|((&target, &time_s), &point_mm)| {
             let carrier = plan.targets[target].carrier;
@@ -52,8 +52,8 @@ impl StopCircumstances<'_> {
                 time_s,
                 elapsed_s: time_s - progress.campaign_s.start,
                 progress: part(&progress.campaign_s, time_s),
-                turn_progress: turn_s.map_or(0.0, |turn_s| part(turn_s, time_s)),
-                turn_elapsed_s: turn_s.map_or(0.0, |turn_s| time_s - turn_s.start),
+                occupation_progress: turn_s.map_or(0.0, |turn_s| part(turn_s, time_s)),
+                occupation_elapsed_s: turn_s.map_or(0.0, |turn_s| time_s - turn_s.start),
                 station: visit.station,
                 target,
                 carrier,
@@ -93,21 +93,21 @@ impl StopCircumstances<'_> {
     }
 }
 
-/// First and last reading of the campaign and of each station's turn.
+/// First and last reading of the campaign and of each station's occupation.
 pub(crate) struct Progress {
     /// s.
     pub(crate) campaign_s: Range<f64>,
     /// By station, s.
-    turns_s: Vec<Range<f64>>,
+    occupations_s: Vec<Range<f64>>,
 }
 
 impl Progress {
     /// Of visits in the order of the stations.
     pub(crate) fn new(visits: &[Visit<'_>]) -> Self {
-        let turns = visits.chunk_by(|a, b| a.station == b.station);
+        let occupations = visits.chunk_by(|a, b| a.station == b.station);
         Self {
             campaign_s: span_s(visits),
-            turns_s: turns.map(span_s).collect(),
+            occupations_s: occupations.map(span_s).collect(),
         }
     }
 }

@@ -18,8 +18,8 @@ pub enum Course {
         /// Duration of the ramp, s.
         spread_s: f64,
     },
-    /// `w + bend w (1 - w)`, w the progress within the turn of the station.
-    Turn {
+    /// `w + bend w (1 - w)`, w the progress within the occupation of the station.
+    Occupation {
         /// Largest deviation from the straight line is a quarter of it.
         bend: f64,
     },
@@ -35,7 +35,7 @@ pub enum Course {
         /// 1 for a single time constant.
         exponent: f64,
     },
-    /// `exp(-(t/T)^exponent)`, t since the start of the turn of the station.
+    /// `exp(-(t/T)^exponent)`, t since the start of the occupation of the station.
     Settling {
         /// T, s.
         time_constant_s: f64,
@@ -67,10 +67,10 @@ pub(super) struct Instant {
     pub(super) time_s: f64,
     /// 0 at the first and 1 at the last reading.
     pub(super) progress: f64,
-    /// The same within the turn of the station.
-    pub(super) turn_progress: f64,
-    /// Since the first reading of the turn, s.
-    pub(super) turn_elapsed_s: f64,
+    /// The same within the occupation of the station.
+    pub(super) occupation_progress: f64,
+    /// Since the first reading of the occupation, s.
+    pub(super) occupation_elapsed_s: f64,
 }
 
 impl Course {
@@ -85,7 +85,7 @@ impl Course {
                 spread_s,
             } if spread_s > 0.0 => ((now.time_s - instant_s) / spread_s + 0.5).clamp(0.0, 1.0),
             Self::Jump { instant_s, .. } => f64::from(u8::from(now.time_s > instant_s)),
-            Self::Turn { bend } => bent(now.turn_progress, bend),
+            Self::Occupation { bend } => bent(now.occupation_progress, bend),
             Self::Campaign { bend } => bent(now.progress, bend),
             Self::WarmUp {
                 time_constant_s,
@@ -94,7 +94,7 @@ impl Course {
             Self::Settling {
                 time_constant_s,
                 exponent,
-            } => (-(now.turn_elapsed_s / time_constant_s).powf(exponent)).exp(),
+            } => (-(now.occupation_elapsed_s / time_constant_s).powf(exponent)).exp(),
             Self::OpposedWarmUps {
                 fast_s,
                 slow_s,
@@ -116,7 +116,7 @@ impl Course {
                 instant_s,
                 spread_s: 10.0 * part.abs(),
             },
-            Self::Turn { .. } => Self::Turn { bend: 0.15 * part },
+            Self::Occupation { .. } => Self::Occupation { bend: 0.15 * part },
             Self::Campaign { .. } => Self::Campaign { bend: 0.15 * part },
             Self::WarmUp {
                 time_constant_s, ..
@@ -143,8 +143,8 @@ mod tests {
         Instant {
             time_s,
             progress: time_s / 1000.0,
-            turn_progress: time_s / 500.0,
-            turn_elapsed_s: time_s,
+            occupation_progress: time_s / 500.0,
+            occupation_elapsed_s: time_s,
         }
     }
 

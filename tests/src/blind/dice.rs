@@ -10,7 +10,7 @@ use super::layout::Layout;
 use super::random::Random;
 use super::{Act, Course, Hidden};
 
-/// Where in a turn an instant may lie.
+/// Where in an occupation an instant may lie.
 const INSIDE_A_TURN: [f64; 2] = [0.1, 0.9];
 /// Time between the places of a tripod that sways, s.
 const SWAY_EVERY_S: f64 = 30.0;
@@ -18,13 +18,13 @@ const SWAY_EVERY_S: f64 = 30.0;
 /// What is drawn from.
 pub(super) struct Dice<'a> {
     pub(super) random: Random,
-    pub(super) turns_s: &'a [[f64; 2]],
+    pub(super) occupations_s: &'a [[f64; 2]],
     pub(super) layout: &'a Layout,
 }
 
 impl Dice<'_> {
     pub(super) fn station(&mut self) -> usize {
-        self.random.index(self.turns_s.len())
+        self.random.index(self.occupations_s.len())
     }
 
     /// A target that an axis carries; those of the bed are the last.
@@ -57,7 +57,7 @@ impl Dice<'_> {
 
     /// Zeros of one station or of all.
     pub(super) fn zeros(&mut self, station: Option<usize>) -> Act {
-        let all = (0..self.turns_s.len()).map(|i| {
+        let all = (0..self.occupations_s.len()).map(|i| {
             let size = self.size();
             if station.is_none_or(|own| own == i) {
                 size
@@ -68,9 +68,9 @@ impl Dice<'_> {
         Act::Zero(all.collect())
     }
 
-    /// A jump inside the turn of a station.
+    /// A jump inside the occupation of a station.
     pub(super) fn jump_at(&mut self, station: usize) -> Course {
-        let [from_s, to_s] = self.turns_s[station];
+        let [from_s, to_s] = self.occupations_s[station];
         let inside = self.random.between(INSIDE_A_TURN[0], INSIDE_A_TURN[1]);
         Course::Jump {
             instant_s: from_s + inside * (to_s - from_s),
@@ -119,10 +119,10 @@ impl Dice<'_> {
         on_all(act, course)
     }
 
-    /// One tripod takes a random step every half minute of its turn.
+    /// One tripod takes a random step every half minute of its occupation.
     pub(super) fn sway(&mut self) -> Hidden {
         let station = self.station();
-        let [start_s, end_s] = self.turns_s[station];
+        let [start_s, end_s] = self.occupations_s[station];
         let mut place = Vector3::zeros();
         let mut places_um = vec![place];
         let mut time_s = start_s;

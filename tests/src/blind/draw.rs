@@ -41,7 +41,7 @@ pub const UNCATALOGUED: [&str; 4] = [
     "cross_talk",
 ];
 
-/// Station drift that is the same in every turn, about as a machine that drifts in each of them.
+/// Station drift that is the same in every occupation, about as a machine that drifts in each of them.
 /// Drawn as a `station_drift` of no single station.
 pub const COMMON_STATION_DRIFT: &str = "common_station_drift";
 
@@ -55,17 +55,17 @@ pub fn draw(kind: &Kind, name: &str, seed: u64) -> Option<Hidden> {
     let (own_name, number) = known.find(|(known, _)| *known == name)?;
     let mut dice = Dice {
         random: Random::new(seed, Purpose::Hidden(number)),
-        turns_s: &schedule.turns_s,
+        occupations_s: &schedule.occupations_s,
         layout: &layout,
     };
-    let turn = Course::Turn { bend: 0.0 };
+    let occupation = Course::Occupation { bend: 0.0 };
     let campaign = Course::Campaign { bend: 0.0 };
     let drawn = match name {
         "dead_path_drift" => {
             let station = dice.station();
             // Every fourth time all stations, each by its own rate.
             let station = (!dice.random.happens(0.25)).then_some(station);
-            on_station(station, dice.zeros(station), turn)
+            on_station(station, dice.zeros(station), occupation)
         }
         "dead_path_jump" => {
             let station = dice.station();
@@ -79,9 +79,9 @@ pub fn draw(kind: &Kind, name: &str, seed: u64) -> Option<Hidden> {
         }
         "station_drift" => {
             let station = dice.station();
-            on_station(Some(station), Act::Tripod(dice.vector()), turn)
+            on_station(Some(station), Act::Tripod(dice.vector()), occupation)
         }
-        COMMON_STATION_DRIFT => on_all(Act::Tripod(dice.vector()), turn),
+        COMMON_STATION_DRIFT => on_all(Act::Tripod(dice.vector()), occupation),
         "station_jump" => {
             let station = dice.station();
             let jump = dice.jump_at(station);
@@ -93,7 +93,7 @@ pub fn draw(kind: &Kind, name: &str, seed: u64) -> Option<Hidden> {
         }
         "station_settling" => {
             let station = dice.station();
-            let [from_s, to_s] = schedule.turns_s[station];
+            let [from_s, to_s] = schedule.occupations_s[station];
             let course = Course::Settling {
                 time_constant_s: (to_s - from_s) * dice.random.between(0.03, 0.3),
                 exponent: 1.0,

@@ -142,8 +142,8 @@ impl Experiment {
             instant: Instant {
                 time_s,
                 progress: part(self.schedule.span_s(), time_s),
-                turn_progress: part(self.schedule.turns_s[visit.station], time_s),
-                turn_elapsed_s: time_s - self.schedule.turns_s[visit.station][0],
+                occupation_progress: part(self.schedule.occupations_s[visit.station], time_s),
+                occupation_elapsed_s: time_s - self.schedule.occupations_s[visit.station][0],
             },
             station: visit.station,
             target,

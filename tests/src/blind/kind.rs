@@ -14,7 +14,7 @@ pub struct Kind {
     /// Whether the axis moves on at constant feed while it is measured: a sweep for each target,
     /// one reading at each position.
     pub on_the_fly: bool,
-    /// How often three targets on the bed are read from each station: at the start of its turn, at its end, and
+    /// How often three targets on the bed are read from each station: at the start of its occupation, at its end, and
     /// between sweeps.
     pub bed_readings: usize,
     /// The noise that the campaign declares.

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! (T: the exact motion of the erroneous machine, q: commanded positions, h: the target at home, S, L:
-//! station and dead path, r: the machine's return error at the stop, e: noise of the length). A
+//! station and dead path, r: the repeatability error at the stop, e: noise of the length). A
 //! disturbance acts on s, a, d, m, v or z where it acts in reality. Nothing of the linear forms of the
 //! catalogue of effects is used, and [`misshapen`] disturbances have no shape of the catalogue.
 //!

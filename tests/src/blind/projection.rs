@@ -2,7 +2,7 @@
 //!
 //! The base model: rigid stages whose six pose parameters are free at every step (common to all
 //! stations, repeats and directions), targets, those on the bed too, stations, dead paths and constants of reflectors,
-//! with the covariance `σ² I + ρ² U Uᵀ` of the lengths of a stop (U: unit vectors, ρ: return error, none on the bed). With W its inverse
+//! with the covariance `σ² I + ρ² U Uᵀ` of the lengths of a stop (U: unit vectors, ρ: repeatability error, none on the bed). With W its inverse
 //! root, the strength of a change `Δl` of the lengths is
 //!
 //! ```text

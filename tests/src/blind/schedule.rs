@@ -1,6 +1,6 @@
 //! The order and the times of the readings.
 //!
-//! Stations one after another; within the turn of a station repeats, runs, sweeps, positions,
+//! Stations one after another; within the occupation of a station repeats, runs, sweeps, positions,
 //! targets.
 
 use trueaxis_campaign::Step;
@@ -22,7 +22,7 @@ pub(super) struct Schedule {
     pub(super) steps: Vec<Step>,
     pub(super) visits: Vec<Visit>,
     /// First and last reading of each station, s.
-    pub(super) turns_s: Vec<[f64; 2]>,
+    pub(super) occupations_s: Vec<[f64; 2]>,
 }
 
 /// One visit of the machine to a step.
@@ -45,7 +45,7 @@ impl Schedule {
         let mut schedule = Self {
             steps: steps(layout),
             visits: Vec::new(),
-            turns_s: Vec::new(),
+            occupations_s: Vec::new(),
         };
         let directions = if kind.both_directions {
             [1.0, -1.0].as_slice()
@@ -62,14 +62,14 @@ impl Schedule {
         };
         for station in 0..kind.stations {
             let first = schedule.visits.len();
-            let mut sweep_of_turn = 0;
+            let mut sweep_of_occupation = 0;
             for repeat in 1..=kind.repeats {
                 let mut first_step = 0;
                 for sweep in &layout.sweeps {
-                    if is_bed_read(sweep_of_turn) {
+                    if is_bed_read(sweep_of_occupation) {
                         schedule.bed(layout, (station, repeat), &mut now_s);
                     }
-                    sweep_of_turn += sweeps / (layout.sweeps.len() * kind.repeats as usize);
+                    sweep_of_occupation += sweeps / (layout.sweeps.len() * kind.repeats as usize);
                     let run = Run {
                         station,
                         repeat,
@@ -83,13 +83,13 @@ impl Schedule {
                     first_step += sweep.positions.len();
                 }
             }
-            if is_bed_read(sweep_of_turn) {
+            if is_bed_read(sweep_of_occupation) {
                 schedule.bed(layout, (station, kind.repeats), &mut now_s);
             }
             let times = schedule.visits[first..].iter().flat_map(|v| &v.readings);
             let (mut from_s, mut to_s) = (f64::INFINITY, f64::NEG_INFINITY);
             times.for_each(|&(_, t)| (from_s, to_s) = (from_s.min(t), to_s.max(t)));
-            schedule.turns_s.push([from_s, to_s]);
+            schedule.occupations_s.push([from_s, to_s]);
             now_s += PER_STATION_CHANGE_S;
         }
         schedule
@@ -98,8 +98,12 @@ impl Schedule {
     /// First and last reading of all, s.
     pub(super) fn span_s(&self) -> [f64; 2] {
         [
-            self.turns_s.first().map_or(0.0, |turn| turn[0]),
-            self.turns_s.last().map_or(0.0, |turn| turn[1]),
+            self.occupations_s
+                .first()
+                .map_or(0.0, |occupation| occupation[0]),
+            self.occupations_s
+                .last()
+                .map_or(0.0, |occupation| occupation[1]),
         ]
     }
 

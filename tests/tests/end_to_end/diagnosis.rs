@@ -198,7 +198,7 @@ fn exact_lengths_are_clean() {
     assert!(diagnosis.levels[0].before.rms_um < 1e-4);
 }
 
-/// The four lengths to the target between its slip and the end of the turn look like gross errors until
+/// The four lengths to the target between its slip and the end of the occupation look like gross errors until
 /// the slip is known; with them its instant is known to seconds.
 #[test]
 fn lengths_that_the_cause_explains_come_back() {

@@ -95,7 +95,7 @@ fn ten_per_cent_are_refused() {
     }
 }
 
-/// One interruption in the turn of every station, from 5 µm to 5 mm.
+/// One interruption in the occupation of every station, from 5 µm to 5 mm.
 #[test]
 fn an_interruption_of_every_station_does_no_harm() {
     let mut rng = ChaCha8Rng::seed_from_u64(33);
@@ -106,34 +106,37 @@ fn an_interruption_of_every_station_does_no_harm() {
             let stations = simulated.campaign.stations.len();
             let lengths = simulated.campaign.lengths.as_mut().unwrap();
             for station in 0..stations {
-                let turn: Vec<usize> = lengths
+                let occupation: Vec<usize> = lengths
                     .stops
                     .iter()
                     .filter(|stop| stop.station == station)
                     .flat_map(|stop| stop.readings.clone())
                     .collect();
-                let after = rng.random_range(turn.len() / 5..4 * turn.len() / 5);
-                for &i in &turn[after..] {
+                let after = rng.random_range(occupation.len() / 5..4 * occupation.len() / 5);
+                for &i in &occupation[after..] {
                     lengths.readings[i].length_mm += change_mm;
                 }
             }
             let calibration = calibrate(&simulated.campaign, &Settings::default()).unwrap();
             let found = &calibration.adjustment.interruptions;
-            let sizes: Vec<f64> = found.iter().map(|turn| turn.change_mm).collect();
+            let sizes: Vec<f64> = found
+                .iter()
+                .map(|occupation| occupation.change_mm)
+                .collect();
             println!(
                 "{name}: {change_mm} mm: {sizes:.4?}, {} removed",
                 calibration.adjustment.rejected.len()
             );
             assert_eq!(found.len(), stations, "{name}: {change_mm} mm");
-            for turn in found {
+            for occupation in found {
                 // A displacement changes the lengths by more or less in other directions.
                 assert!(
-                    !(turn.tripod_may_have_moved && change_mm > 0.1),
-                    "{name}: {turn:?}"
+                    !(occupation.tripod_may_have_moved && change_mm > 0.1),
+                    "{name}: {occupation:?}"
                 );
                 assert!(
-                    (turn.change_mm - change_mm).abs() < 5.0 * turn.u_mm,
-                    "{name}: {turn:?}"
+                    (occupation.change_mm - change_mm).abs() < 5.0 * occupation.u_mm,
+                    "{name}: {occupation:?}"
                 );
             }
             assert_harmless(name, &calibration, &simulated);

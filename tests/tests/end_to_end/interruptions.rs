@@ -3,7 +3,7 @@
 use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_tests::blind::{self, Kind};
 
-/// Campaigns in which a turn is split, of those that are not refused, and their number.
+/// Campaigns in which an occupation is split, of those that are not refused, and their number.
 fn cut(effect: &str, strength: f64, seeds: u64) -> [usize; 2] {
     let kind = Kind::three_axis();
     let mut counts = [0; 2];

@@ -89,7 +89,7 @@ fn constants_cost_little() {
     }
     let one = calibrate(&campaign, &settings(&scenario, Method::Joint)).unwrap();
     // The noise is estimated anew: relative to its size.
-    let size = |c: &Calibration| c.adjustment.noise.unwrap().machine_return.used.sigma_mm;
+    let size = |c: &Calibration| c.adjustment.noise.unwrap().repeatability.used.sigma_mm;
     let noise = size(&constants) / size(&one);
     let (mut curves, mut locations) = (0.0_f64, 0.0_f64);
     for (a, b) in constants.axes.iter().zip(&one.axes) {

@@ -10,7 +10,7 @@ fn explanations(cause: &Cause) -> Vec<(&'static str, Option<usize>)> {
     all.map(|e| (e.effect.id, e.subject.station)).collect()
 }
 
-/// At λ = 12 one of six is missed with a probability below 1e-5; time constants are 3 to 30 % of a turn.
+/// At λ = 12 one of six is missed with a probability below 1e-5; time constants are 3 to 30 % of an occupation.
 #[test]
 fn a_tripod_that_settles_is_no_machine_that_warms_up() {
     let kind = Kind::three_axis();
@@ -28,7 +28,7 @@ fn a_tripod_that_settles_is_no_machine_that_warms_up() {
         println!("{seed} {:?}: {all:?}", hidden.station);
         assert!(all.contains(&("station_settling", hidden.station)));
         let warms_up = all.contains(&("warm_up", None));
-        // What a machine does while it warms up within the first turn, the first tripod does as well.
+        // What a machine does while it warms up within the first occupation, the first tripod does as well.
         match hidden.station {
             Some(0) => first += usize::from(warms_up),
             _ => later += usize::from(warms_up),

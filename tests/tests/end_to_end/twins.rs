@@ -111,7 +111,7 @@ fn left_by(others: &[Hidden], own: &Hidden, seed: u64) -> f64 {
     (1.0 - taken / square(&[own])).max(0.0).sqrt()
 }
 
-/// A shift of the machine in the turn of a station, and what of it a jump of its tripod cannot take: nothing without
+/// A shift of the machine in the occupation of a station, and what of it a jump of its tripod cannot take: nothing without
 /// the bed, two thirds with it in the median.
 #[test]
 #[ignore = "study: the figure of the docs"]

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use trueaxis_files::{round, significant};
 use trueaxis_poses::{
-    AdjustmentReport, InterruptedTurn, NoiseBasis, NoiseReport, PartReport, RejectedLength,
+    AdjustmentReport, InterruptedOccupation, NoiseBasis, NoiseReport, PartReport, RejectedLength,
 };
 
 use crate::files::without_nulls;
@@ -25,7 +25,7 @@ pub(super) fn adjustment(adjustment: &AdjustmentReport) -> Value {
         "uncertainty_factor": round(adjustment.uncertainty_factor, 6),
         "rms_residual_um": um(adjustment.rms_residual_mm),
         "length_sigma_um": noise.map(|noise| um(noise.length.used.sigma_mm)),
-        "repeatability_um": noise.map(|noise| um(noise.machine_return.used.sigma_mm)),
+        "repeatability_um": noise.map(|noise| um(noise.repeatability.used.sigma_mm)),
         "noise": noise.map(noise_report),
         "iterations": adjustment.iterations,
         "termination": adjustment.termination,
@@ -52,7 +52,7 @@ fn noise_report(noise: &NoiseReport) -> Value {
         },
         "length_sigma": part(&noise.length),
         "length_sigma_ppm": (noise.length_ppm > 0.0).then(|| round(noise.length_ppm, 6)),
-        "repeatability": part(&noise.machine_return),
+        "repeatability": part(&noise.repeatability),
     }))
 }
 
@@ -69,13 +69,13 @@ fn rejected(rejected: &RejectedLength) -> Value {
     })
 }
 
-fn interruption(turn: &InterruptedTurn) -> Value {
+fn interruption(occupation: &InterruptedOccupation) -> Value {
     json!({
-        "station": turn.station,
-        "rows": turn.lines,
-        "times_s": turn.times_s,
-        "change_um": um(turn.change_mm),
-        "u_um": um(turn.u_mm),
-        "cause": turn.cause(),
+        "station": occupation.station,
+        "rows": occupation.lines,
+        "times_s": occupation.times_s,
+        "change_um": um(occupation.change_mm),
+        "u_um": um(occupation.u_mm),
+        "cause": occupation.cause(),
     })
 }

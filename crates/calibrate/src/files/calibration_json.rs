@@ -216,10 +216,10 @@ fn quantity(
         }
     }
     let shares = sums.map(|sum| round(sum / count, 4));
-    let [laser, machine_return, station_geometry, systematic, effects] = shares;
+    let [laser, repeatability, station_geometry, systematic, effects] = shares;
     let budget = without_nulls(json!({
         "laser": laser,
-        "machine_return": machine_return,
+        "machine_return": repeatability,
         "station_geometry": station_geometry,
         "systematic": (systematic > 0.0).then_some(systematic),
         "effects": (effects > 0.0).then_some(effects),

@@ -7,7 +7,7 @@ use crate::mistakes::mistake::Mistake;
 use crate::mistakes::scope::Scope;
 use crate::result::calibration::Calibration;
 
-/// Scatter about the mean that the machine's return and the noise may have, mm: more is no constant.
+/// Scatter about the mean that the machine's repeatability and the noise may have, mm: more is no constant.
 const SCATTER_MM: f64 = 20.0 * MICROMETRE;
 
 /// A constant is named if it is at least this many times its scatter.

@@ -1,10 +1,10 @@
 //! Where a variance comes from, and how well it is known.
 //!
 //! With `u²` of a result, `u_s²` what is left of it with the stations known, and `u_l²` the part of
-//! that which lengths without the machine's return would make:
+//! that which lengths without the machine's repeatability would make:
 //!
 //! ```text
-//! laser u_l²     machine's return u_s² - u_l²     station geometry u² - u_s²
+//! laser u_l²     repeatability u_s² - u_l²     station geometry u² - u_s²
 //! ```
 //!
 //! What is declared (the scale of the instrument, known lengths and dead paths, constants of
@@ -19,7 +19,7 @@
 //!
 //! # Degrees of freedom
 //!
-//! The noise has two variance factors, of the lengths and of the machine's return. If they are
+//! The noise has two variance factors, of the lengths and of the machine's repeatability. If they are
 //! estimated with the covariance `K` relative to their values, `u² = g_1 + g_2` (origin in the
 //! lengths, with what goes through the stations, and in the return), beside what is declared and counts as
 //! known, is known to `gᵀ K g`, and
@@ -39,8 +39,8 @@ pub struct Budget {
     /// The lengths' own noise with the stations known; for a points campaign the instrument's
     /// scatter.
     pub laser: f64,
-    /// The machine's return with the stations known.
-    pub machine_return: f64,
+    /// The repeatability with the stations known.
+    pub repeatability: f64,
     /// That the stations are estimated, whatever the noise behind it.
     pub station_geometry: f64,
     /// What is declared and common to many lengths: scale, known lengths, dead paths, reflectors, nests of
@@ -72,7 +72,7 @@ impl Budget {
         };
         Self {
             laser: not_negative(laser),
-            machine_return: not_negative(known - laser),
+            repeatability: not_negative(known - laser),
             station_geometry: not_negative(all - known - systematic),
             systematic,
             effects: 0.0,
@@ -84,7 +84,7 @@ impl Budget {
     pub(crate) fn times(&self, factor: f64) -> Self {
         Self {
             laser: factor * self.laser,
-            machine_return: factor * self.machine_return,
+            repeatability: factor * self.repeatability,
             station_geometry: factor * self.station_geometry,
             systematic: factor * self.systematic,
             effects: factor * self.effects,
@@ -94,7 +94,7 @@ impl Budget {
 
     /// u².
     pub fn variance(&self) -> f64 {
-        let of_noise = self.laser + self.machine_return + self.station_geometry;
+        let of_noise = self.laser + self.repeatability + self.station_geometry;
         of_noise + self.systematic + self.effects
     }
 
@@ -103,7 +103,7 @@ impl Budget {
         let variance = self.variance();
         let parts = [
             self.laser,
-            self.machine_return,
+            self.repeatability,
             self.station_geometry,
             self.systematic,
             self.effects,
@@ -114,8 +114,8 @@ impl Budget {
     /// `ν` for the relative covariance `K` of the variance factors; infinite if they are known.
     pub(crate) fn degrees_of_freedom(&self, relative_covariance: &Matrix2<f64>) -> f64 {
         let variance = self.variance();
-        let of_return = variance - self.laser_in_all - self.systematic - self.effects;
-        let g = Vector2::new(self.laser_in_all, of_return);
+        let of_repeatability = variance - self.laser_in_all - self.systematic - self.effects;
+        let g = Vector2::new(self.laser_in_all, of_repeatability);
         let of_variance = g.dot(&(relative_covariance * g));
         if of_variance > 0.0 {
             2.0 * variance * variance / of_variance
@@ -203,8 +203,8 @@ mod tests {
     #[test]
     fn only_rounding_is_taken_for_zero() {
         let rounded = Budget::new([1.0 + 1e-12, 1.0], [1.0, 1.0], 0.0);
-        assert!(rounded.machine_return.abs() < f64::MIN_POSITIVE);
+        assert!(rounded.repeatability.abs() < f64::MIN_POSITIVE);
         let wrong = Budget::new([1.1, 1.0], [1.0, 1.0], 0.0);
-        assert!(wrong.machine_return < -0.05);
+        assert!(wrong.repeatability < -0.05);
     }
 }

@@ -136,7 +136,7 @@ impl Response {
                 let unit = output.unit().size().powi(2);
                 let in_unit = Budget {
                     laser: budget.laser / unit,
-                    machine_return: budget.machine_return / unit,
+                    repeatability: budget.repeatability / unit,
                     station_geometry: budget.station_geometry / unit,
                     effects: budget.effects / unit,
                     systematic: budget.systematic / unit,
@@ -167,7 +167,7 @@ fn target_at(
 }
 
 /// `σ_m²`: variance per coordinate of the place that the machine returns to, mm².
-fn return_variance_mm2(campaign: &Campaign) -> f64 {
+fn repeatability_variance_mm2(campaign: &Campaign) -> f64 {
     (campaign.instrument.repeatability_um.unwrap() * MICROMETRE).powi(2)
 }
 

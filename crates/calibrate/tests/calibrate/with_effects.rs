@@ -10,7 +10,7 @@ use trueaxis_simulate::{Scenario, simulate};
 
 const SCENARIO: &str = include_str!("../../../../campaigns/rotary-stage/scenario.json");
 
-/// A target that slips in the second turn.
+/// A target that slips in the second occupation.
 const SLIP: &str = r#"{ "format": "trueaxis-effects", "version": 1, "campaign": "Rotary stage",
     "effects": [ { "effect": "target_slip", "subject": { "target": "Q" },
       "parameters": [ { "name": "slip_x", "value": 5, "unit": "um" },

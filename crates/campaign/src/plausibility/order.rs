@@ -1,9 +1,9 @@
 //! Rows that are not in measuring order, and times that are not seconds.
 //!
-//! A stop is a group of consecutive rows, and a station's turn a group of consecutive stops. A table that
+//! A stop is a group of consecutive rows, and a station's occupation a group of consecutive stops. A table that
 //! was sorted by point, target or station has the rows of these groups apart, and its times jump to and
 //! fro. It is told from a clock that was set back, which is only a notice, by what sorting by time would
-//! make of it: a sorted table then has fewer stops, or as many in fewer turns; with a clock that was
+//! make of it: a sorted table then has fewer stops, or as many in fewer occupations; with a clock that was
 //! reset the rows of different stations or runs would be mixed.
 
 use std::path::Path;
@@ -60,7 +60,7 @@ fn check_order<R: Reading>(file: &Path, stops: &[Stop], readings: &[R]) -> Resul
     let times = 1 + back.count();
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let by_time = Groups::of(&rows);
-    // A clock that was set back once or twice may join turns of a station, never single visits.
+    // A clock that was set back once or twice may join occupations of a station, never single visits.
     let is_sorted = by_time.stops < given.stops || times > MOST_RESETS;
     if by_time < given && is_sorted {
         return Err(Problem::NotInMeasuringOrder {
@@ -68,9 +68,9 @@ fn check_order<R: Reading>(file: &Path, stops: &[Stop], readings: &[R]) -> Resul
             before_s,
             time_s,
             stops: given.stops,
-            turns: given.turns,
+            occupations: given.occupations,
             stops_by_time: by_time.stops,
-            turns_by_time: by_time.turns,
+            occupations_by_time: by_time.occupations,
         }
         .at(Place::column(file, reading.line(), "time_s")));
     }
@@ -83,7 +83,7 @@ struct Groups {
     /// Of one visit of the machine.
     stops: usize,
     /// Of one station.
-    turns: usize,
+    occupations: usize,
 }
 
 impl Groups {
@@ -91,7 +91,7 @@ impl Groups {
         let visit = |stop: &Stop| (stop.station, stop.repeat, stop.step, stop.direction);
         Self {
             stops: rows.chunk_by(|a, b| visit(a.1) == visit(b.1)).count(),
-            turns: rows.chunk_by(|a, b| a.1.station == b.1.station).count(),
+            occupations: rows.chunk_by(|a, b| a.1.station == b.1.station).count(),
         }
     }
 }

@@ -179,7 +179,7 @@ fn rows_that_were_sorted() {
                 },
                 says: &[
                     "column time_s: the rows are not in measuring order: the time goes back",
-                    "would be 120 stops in 4 turns",
+                    "would be 120 stops in 4 occupations",
                     "sort the table by time_s",
                 ],
             },
@@ -193,8 +193,8 @@ fn rows_that_were_sorted() {
                     );
                 },
                 says: &[
-                    "would be 120 stops in 4 turns",
-                    "not 120 stops in 120 turns",
+                    "would be 120 stops in 4 occupations",
+                    "not 120 stops in 120 occupations",
                 ],
             },
             Case {
@@ -219,7 +219,7 @@ fn rows_that_were_sorted() {
             damage: |f| sort(f, "points.csv", &["target", "time_s"]),
             says: &[
                 "points.csv line 19, column time_s",
-                "would be 17 stops in 1 turns",
+                "would be 17 stops in 1 occupations",
             ],
         }],
     );

@@ -145,7 +145,7 @@ pub(crate) struct ModelArgs {
     #[arg(long, value_name = "POINT", default_value = "origin", value_parser = reference_point, allow_hyphen_values = true)]
     pub(crate) reference_point: ReferencePoint,
 
-    /// Adjust all lengths as they are: remove no gross errors, split no interrupted turns.
+    /// Adjust all lengths as they are: remove no gross errors, split no interrupted occupations.
     #[arg(long)]
     pub(crate) no_robust: bool,
 }

@@ -10,7 +10,7 @@ use trueaxis_simulate::{
 /// What the calibration and the causes found say about the campaign.
 pub(crate) fn truth(calibration: &Calibration, effects: &[GivenEffect]) -> anyhow::Result<Truth> {
     if !calibration.adjustment.interruptions.is_empty() {
-        anyhow::bail!("the calibration split turns of stations, which a scenario cannot");
+        anyhow::bail!("the calibration split occupations of stations, which a scenario cannot");
     }
     let Some(noise) = calibration.adjustment.noise else {
         anyhow::bail!("only lengths can be replayed");
@@ -37,7 +37,7 @@ pub(crate) fn truth(calibration: &Calibration, effects: &[GivenEffect]) -> anyho
         noise: Noise {
             length_sigma_um: noise.length.used.sigma_mm / MICROMETRE,
             length_sigma_ppm: noise.length_ppm,
-            repeatability_um: noise.machine_return.used.sigma_mm / MICROMETRE,
+            repeatability_um: noise.repeatability.used.sigma_mm / MICROMETRE,
         },
         scale_ppm: 0.0,
         reflectors: calibration

@@ -24,7 +24,7 @@ const UVW: [&str; 3] = ["U", "V", "W"];
 /// Stations of `lengths.csv`.
 const STATIONS: [&str; 4] = ["S1", "S2", "S3", "S4"];
 
-/// How often each station sees the whole path: two tell the machine's return from the laser.
+/// How often each station sees the whole path: two tell the machine's repeatability from the laser.
 const REPEATS: usize = 2;
 
 pub(super) const FXYZ: Plan = Plan {

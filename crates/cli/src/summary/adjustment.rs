@@ -33,18 +33,18 @@ pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
     lines.extend(reflectors(calibration));
     lines.extend(scale(calibration));
     lines.push(uncertainty(calibration));
-    for turn in &a.interruptions {
+    for occupation in &a.interruptions {
         lines.push(format!(
-            "{}: the lengths jump by {:+.2} ± {:.2} µm between lines {} and {} ({:.0} … {:.0} s): {}; its turn is \
+            "{}: the lengths jump by {:+.2} ± {:.2} µm between lines {} and {} ({:.0} … {:.0} s): {}; its occupation is \
              split there",
-            turn.station,
-            turn.change_mm / MICROMETRE,
-            COVERAGE * turn.u_mm / MICROMETRE,
-            turn.lines[0],
-            turn.lines[1],
-            turn.times_s[0],
-            turn.times_s[1],
-            turn.cause(),
+            occupation.station,
+            occupation.change_mm / MICROMETRE,
+            COVERAGE * occupation.u_mm / MICROMETRE,
+            occupation.lines[0],
+            occupation.lines[1],
+            occupation.times_s[0],
+            occupation.times_s[1],
+            occupation.cause(),
         ));
     }
     if !a.rejected.is_empty() {
@@ -161,8 +161,8 @@ fn noise(noise: &NoiseReport) -> String {
         false => String::new(),
     };
     format!(
-        "noise: length {}{proportional}, machine's return {}",
+        "noise: length {}{proportional}, repeatability {}",
         part(&noise.length),
-        part(&noise.machine_return)
+        part(&noise.repeatability)
     )
 }

@@ -82,7 +82,7 @@ pub(crate) fn optimised() -> Arrangement {
 }
 
 /// Exact lengths from all stations to all points. The paper's machine returns to each place anew for
-/// each station, so that the return errors of the three targets of a step are independent: each
+/// each station, so that the repeatability errors of the three targets of a step are independent: each
 /// length is a visit of its own.
 pub(crate) fn network(
     points_mm: &[Point3<f64>],

@@ -19,7 +19,7 @@ pub(crate) const LENGTH_SIGMA_UM: f64 = 0.269;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Measurement {
     /// Standard deviation per coordinate of the position that the machine returns to, µm.
-    pub(crate) return_sigma_um: f64,
+    pub(crate) repeatability_um: f64,
     /// Measurements that are averaged.
     pub(crate) repeats: u32,
 }
@@ -70,7 +70,7 @@ pub(crate) fn measure(
 ) -> anyhow::Result<(Solution, Propagation)> {
     let noise = Noise {
         length_sigma_mm: LENGTH_SIGMA_UM * 1e-3,
-        return_sigma_mm: measurement.return_sigma_um * 1e-3,
+        repeatability_mm: measurement.repeatability_um * 1e-3,
         ..Noise::default()
     };
     let network = network(points_mm, &arrangement.stations_mm, noise);

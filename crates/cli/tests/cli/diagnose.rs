@@ -11,7 +11,7 @@ const USAGE: i32 = 2;
 const INPUT: i32 = 3;
 const MISFIT: i32 = 6;
 
-/// The instant of the jump, s: in the second station's turn.
+/// The instant of the jump, s: in the second station's occupation.
 const JUMP_S: f64 = 4000.0;
 
 /// The FXYZ machine with a beam that was interrupted at station S2, 4 µm.

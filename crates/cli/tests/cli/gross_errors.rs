@@ -154,7 +154,7 @@ fn all_lengths_as_they_are_on_request() {
     }
 }
 
-/// A lost count in the second station's turn: said with its size and place, and harmless.
+/// A lost count in the second station's occupation: said with its size and place, and harmless.
 #[test]
 fn an_interrupted_beam_is_harmless() {
     let sound = CampaignFiles::shipped("fxyz");
@@ -174,14 +174,14 @@ fn an_interrupted_beam_is_harmless() {
         outcome.stderr
     );
     let found = found.unwrap();
-    let turns = found["adjustment"]["interruptions"].as_array().unwrap();
-    assert_eq!(turns.len(), 1);
+    let occupations = found["adjustment"]["interruptions"].as_array().unwrap();
+    assert_eq!(occupations.len(), 1);
     // The first shifted row is line 902 (the header is line 1); the instant is right to a visit.
-    let after = turns[0]["rows"][1].as_u64().unwrap();
+    let after = occupations[0]["rows"][1].as_u64().unwrap();
     assert!(after.abs_diff(902) <= 3, "{after}");
-    let change = turns[0]["change_um"].as_f64().unwrap();
+    let change = occupations[0]["change_um"].as_f64().unwrap();
     assert!(
-        (change - 32.1).abs() < 4.0 * turns[0]["u_um"].as_f64().unwrap(),
+        (change - 32.1).abs() < 4.0 * occupations[0]["u_um"].as_f64().unwrap(),
         "{change}"
     );
     assert!(largest_change_in_u(&right.unwrap(), &found) < 1.0);

@@ -10,13 +10,13 @@ use crate::selection::Hypothesis;
 /// What a cause, or a rival of it, makes responsible.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Culprit {
-    /// What happens at a station, or to the machine during its turn, at an instant or not.
+    /// What happens at a station, or to the machine during its occupation, at an instant or not.
     Station(usize, bool),
     Target(usize, bool),
     /// An axis in one way.
     Axis(usize, &'static str),
-    /// Something that goes on through every turn.
-    EveryTurn,
+    /// Something that goes on through every occupation.
+    EveryOccupation,
     /// The whole campaign in one way.
     Everything(&'static str),
 }
@@ -43,9 +43,9 @@ pub(crate) fn is_of(base: &Base<'_>, found: &Found, wanderer: Wanderer) -> bool 
     let culprits = rivals.chain([&found.suspect]);
     let mut culprits = culprits.map(|suspect| culprit(base, suspect));
     culprits.any(|culprit| match (culprit, wanderer.who, wanderer.with) {
-        (Culprit::Station(own, _), Who::Station(other), With::Turn)
+        (Culprit::Station(own, _), Who::Station(other), With::Occupation)
         | (Culprit::Target(own, _), Who::Target(other), With::Campaign) => own == other,
-        (Culprit::EveryTurn, Who::Machine | Who::Tripods, _) => true,
+        (Culprit::EveryOccupation, Who::Machine | Who::Tripods, _) => true,
         (Culprit::Everything(id), Who::Air, _) => id == "refraction_drift",
         _ => false,
     })
@@ -61,7 +61,7 @@ fn culprit(base: &Base<'_>, suspect: &Suspect) -> Culprit {
     };
     let at_an_instant = effect.shape == Shape::Instant;
     if subject.carrier.is_some() {
-        return Culprit::EveryTurn;
+        return Culprit::EveryOccupation;
     }
     if let Some(axis) = subject.axis {
         return Culprit::Axis(axis, effect.id);
@@ -74,7 +74,7 @@ fn culprit(base: &Base<'_>, suspect: &Suspect) -> Culprit {
         None if at_an_instant => Culprit::Station(during(), true),
         None => match effect.id {
             "dead_path_drift" | "station_drift" | "station_settling" | "machine_drift"
-            | "warm_up" => Culprit::EveryTurn,
+            | "warm_up" => Culprit::EveryOccupation,
             id => Culprit::Everything(id),
         },
     }

@@ -13,10 +13,10 @@
 //!
 //! | who | what moves | with | basis for each coordinate |
 //! | --- | --- | --- | --- |
-//! | machine | three translations | time, in each turn of a station | 13 |
-//! | all tripods | three translations each | time, in each turn | 13 |
-//! | air | the scale of the lengths | time, in each turn | 13 |
-//! | station | three translations and the dead path | time in its turn | 13 |
+//! | machine | three translations | time, in each occupation of a station | 13 |
+//! | all tripods | three translations each | time, in each occupation | 13 |
+//! | air | the scale of the lengths | time, in each occupation | 13 |
+//! | station | three translations and the dead path | time in its occupation | 13 |
 //! | station | the dead path | position of the axis that runs | 13 |
 //! | target | three translations | time | 17 |
 //! | target | three translations | position of the axis that runs | 7 |
@@ -55,8 +55,8 @@ pub(crate) enum Who {
 /// What it varies with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum With {
-    /// Time in the turn of a station, each turn for itself.
-    Turn,
+    /// Time in the occupation of a station, each occupation for itself.
+    Occupation,
     /// Time from the first to the last length.
     Campaign,
     /// Position of the axis that runs, each axis for itself.
@@ -84,13 +84,13 @@ const LEAST_STOPS: f64 = 3.0;
 /// Every disturbance that a campaign's lengths may show.
 pub(crate) fn wanderers(base: &Base<'_>) -> Vec<Wanderer> {
     let scene = &base.scene;
-    let mut all = vec![(Who::Machine, With::Turn)];
+    let mut all = vec![(Who::Machine, With::Occupation)];
     if scene.targets.iter().any(|target| target.carrier.is_none()) {
-        all.push((Who::Tripods, With::Turn));
+        all.push((Who::Tripods, With::Occupation));
     }
-    all.push((Who::Air, With::Turn));
+    all.push((Who::Air, With::Occupation));
     for station in 0..scene.stations.len() {
-        all.push((Who::Station(station), With::Turn));
+        all.push((Who::Station(station), With::Occupation));
         all.push((Who::Station(station), With::Position));
     }
     for target in 0..scene.targets.len() {
@@ -112,7 +112,7 @@ impl Wanderer {
         match self.who {
             Who::Machine | Who::Axis(_) => Layer::Machine,
             Who::Tripods | Who::Target(_) => Layer::Setup,
-            Who::Station(_) if self.with == With::Turn => Layer::Setup,
+            Who::Station(_) if self.with == With::Occupation => Layer::Setup,
             Who::Air | Who::Station(_) => Layer::Instrument,
         }
     }
@@ -172,16 +172,16 @@ impl Wanderer {
     fn waves(self) -> u32 {
         match (self.who, self.with) {
             (Who::Target(_), With::Position) => 6,
-            (_, With::Turn | With::Position) => 12,
+            (_, With::Occupation | With::Position) => 12,
             (_, With::Campaign) => 16,
             (_, With::Sides) => 8,
         }
     }
 
-    /// Which of several courses a reading belongs to (turn, axis), and its argument, 0 to 1.
+    /// Which of several courses a reading belongs to (occupation, axis), and its argument, 0 to 1.
     fn place(self, base: &Base<'_>, reading: &Reading) -> (usize, f64) {
         match self.with {
-            With::Turn => (reading.station, reading.turn_progress),
+            With::Occupation => (reading.station, reading.occupation_progress),
             With::Campaign => {
                 let (first, last) = (base.span_s[0], base.span_s[1]);
                 (

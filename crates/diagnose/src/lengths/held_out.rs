@@ -64,7 +64,7 @@ pub(crate) fn held_out_sweeps(
     if sweeps < 2 * FOLDS {
         return Ok(None);
     }
-    let fold = |r: &Reading| (r.sweep_of_turn + r.station) % FOLDS;
+    let fold = |r: &Reading| (r.sweep_of_occupation + r.station) % FOLDS;
     held_out(base, adjusted, FOLDS, fold, |out| base.without(out))
 }
 

@@ -7,7 +7,7 @@ use crate::lengths::base::{Adjusted, Base};
 use crate::lengths::step_scan::{StepScan, VisitTimes};
 use crate::selection::{FixedScan, Hypothesis, Scan};
 
-/// Time constants that are tried, from a hundredth of the campaign, or of the longest turn of a station, to
+/// Time constants that are tried, from a hundredth of the campaign, or of the longest occupation of a station, to
 /// twice its length in equal ratios.
 const TIME_CONSTANTS: i32 = 24;
 const SHORTEST: f64 = 0.01;
@@ -60,7 +60,7 @@ pub(crate) fn scan(
         }
         Shape::TimeConstant | Shape::SettlingTime => {
             let duration_s = match hypothesis.effect.shape {
-                Shape::SettlingTime => longest_turn_s(base),
+                Shape::SettlingTime => longest_occupation_s(base),
                 _ => duration_s(visits),
             };
             let shapes = time_constants(duration_s);
@@ -127,8 +127,8 @@ pub(crate) fn duration_s(visits: &[VisitTimes]) -> f64 {
     last - first
 }
 
-fn longest_turn_s(base: &Base<'_>) -> f64 {
-    let elapsed = base.readings.iter().map(|r| r.turn_elapsed_s);
+fn longest_occupation_s(base: &Base<'_>) -> f64 {
+    let elapsed = base.readings.iter().map(|r| r.occupation_elapsed_s);
     elapsed.fold(0.0, f64::max)
 }
 

@@ -1,6 +1,6 @@
 //! Lengths that were left out as gross errors, and whether the causes explain them after all.
 //!
-//! The few lengths between a slip and the end of a turn look like accidents until the slip is known.
+//! The few lengths between a slip and the end of an occupation look like accidents until the slip is known.
 //! Without them its instant is not known, either; so the search is made again with them. And several in a
 //! row to one target, or from one station, are no accidents at all.
 
@@ -67,7 +67,7 @@ impl LeftOut {
         let noise = &adjusted.network.noise;
         let sigma_mm = noise
             .length_sigma_at_mm(distance_mm)
-            .hypot(noise.return_sigma_mm);
+            .hypot(noise.repeatability_mm);
         let (station, point) = (self.reading.station, self.reading.point);
         let misfit_mm =
             self.measured_mm - solution.computed_length_mm(&adjusted.network, station, point);

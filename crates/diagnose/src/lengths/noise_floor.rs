@@ -41,7 +41,7 @@ pub(crate) fn noise_floor_um(base: &Base<'_>, adjusted: &Adjusted) -> f64 {
     mean_noise_um(base, adjusted)
 }
 
-/// Standard deviation of a length from its own noise and the machine's return, mean over the lengths,
+/// Standard deviation of a length from its own noise and the machine's repeatability, mean over the lengths,
 /// µm.
 pub(crate) fn mean_noise_um(base: &Base<'_>, adjusted: &Adjusted) -> f64 {
     let noise = &adjusted.network.noise;
@@ -49,7 +49,7 @@ pub(crate) fn mean_noise_um(base: &Base<'_>, adjusted: &Adjusted) -> f64 {
         let station = &adjusted.solution.stations[reading.station];
         let point = adjusted.solution.points_mm[reading.point];
         let distance_mm = (point - station.position_mm).norm();
-        noise.length_sigma_at_mm(distance_mm).powi(2) + noise.return_sigma_mm.powi(2)
+        noise.length_sigma_at_mm(distance_mm).powi(2) + noise.repeatability_mm.powi(2)
     });
     (variances.sum::<f64>() / base.readings.len() as f64).sqrt() * 1e3
 }

@@ -15,7 +15,7 @@ use crate::selection::{Projection, f_test};
 /// Family-wise level of the omnibus tests: with that of the causes, 1.2 % of clean campaigns alarm.
 pub(crate) const OMNIBUS_LEVEL: f64 = 0.002;
 
-/// Half waves of time in one turn of a station: 24, so twelve periods.
+/// Half waves of time in one occupation of a station: 24, so twelve periods.
 const OF_TIME: u32 = 24;
 /// Half waves of the position of an axis as one station sees it.
 const OF_POSITION: u32 = 12;
@@ -44,7 +44,7 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
     let mut tests = vec![
         columns(base, "time", stations * OF_TIME as usize, |r, set| {
             let first = r.station * OF_TIME as usize;
-            fill(set, first, half_waves(r.turn_progress, OF_TIME));
+            fill(set, first, half_waves(r.occupation_progress, OF_TIME));
         }),
         columns(
             base,

@@ -72,7 +72,7 @@ fn of_stations(base: &Base<'_>, current: &Adjusted) -> String {
     }
 }
 
-/// Periods that are tried in each turn, from as many to as many.
+/// Periods that are tried in each occupation, from as many to as many.
 const LEAST_PERIODS: u32 = 2;
 const MOST_PERIODS: u32 = 60;
 /// How near to a repeat, or half of one, a period is the plan's and not the disturbance's.
@@ -99,7 +99,7 @@ fn period_s(base: &Base<'_>, adjusted: &Adjusted) -> Option<f64> {
     if turn_s <= 0.0 {
         return None;
     }
-    // A trend has most of its power in the first periods of a turn, and what changes from repeat to repeat
+    // A trend has most of its power in the first periods of an occupation, and what changes from repeat to repeat
     // in those of the repeats: neither says that anything is periodic.
     let repeats = base.readings.iter().map(|r| r.repeat).max().unwrap_or(1);
     let of_the_plan = |k: u32| {

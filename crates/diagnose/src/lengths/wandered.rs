@@ -52,7 +52,7 @@ fn whose(wanderer: Wanderer, course: Option<usize>) -> Wandering {
             ..wanderer.subject()
         },
         varies_with: match wanderer.with {
-            With::Turn | With::Campaign => &["time"],
+            With::Occupation | With::Campaign => &["time"],
             With::Position => &["position"],
             With::Sides => &["position", "direction"],
         },
@@ -154,7 +154,7 @@ impl Posterior {
         largest.filter(|_| is_of_axes).map(|k| courses[k])
     }
 
-    /// Each coordinate with its standard uncertainty over time, turn after turn, or over the positions of `axis`.
+    /// Each coordinate with its standard uncertainty over time, occupation after occupation, or over the positions of `axis`.
     fn curve(&self, base: &Base<'_>, axis: Option<usize>) -> Vec<CurvePoint> {
         let courses = self.wanderer.courses(base);
         let shown: Vec<usize> = match axis {
@@ -169,7 +169,7 @@ impl Posterior {
         let mut curve = Vec::new();
         for course in shown {
             let ends = match self.wanderer.with {
-                With::Turn => turn_s(base, courses[course]),
+                With::Occupation => turn_s(base, courses[course]),
                 _ => range(base, self.wanderer, axis),
             };
             for point in 0..points {

@@ -196,7 +196,7 @@ pub(super) fn of_wandering(
 
 /// The noise with the least variance.
 pub(super) fn least(noises: impl Iterator<Item = Noise>) -> Option<Noise> {
-    let variance = |noise: &Noise| noise.length_sigma_mm.powi(2) + noise.return_sigma_mm.powi(2);
+    let variance = |noise: &Noise| noise.length_sigma_mm.powi(2) + noise.repeatability_mm.powi(2);
     noises.min_by(|a, b| variance(a).total_cmp(&variance(b)))
 }
 

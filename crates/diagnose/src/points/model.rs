@@ -175,7 +175,7 @@ fn eliminated(base: &Base<'_>, noise: Noise, weights: &[f64]) -> Projection {
 /// Orthonormal columns that span those of a matrix, without what is nothing to rounding.
 ///
 /// Columns are divided by their `lengths` first, those that they had before anything was projected out: whitening makes those of what a stop has in common small where the
-/// machine's return is much larger than the noise of the instrument.
+/// repeatability is much larger than the noise of the instrument.
 fn orthonormal(mut columns: DMatrix<f64>, lengths: &[f64]) -> DMatrix<f64> {
     for (mut column, &length) in columns.column_iter_mut().zip(lengths) {
         if length > 0.0 {

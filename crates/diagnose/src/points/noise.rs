@@ -12,7 +12,7 @@ use crate::points::readings::{Reading, Readings};
 pub(crate) struct Noise {
     /// Standard deviation where 1 µm is declared, or nothing.
     pub(crate) own_mm: [f64; 3],
-    /// Standard deviation of the machine's return.
+    /// Standard deviation of the machine's repeatability.
     pub(crate) return_mm: [f64; 3],
 }
 
@@ -57,8 +57,8 @@ impl Noise {
     pub(crate) fn mean_um(&self, readings: &Readings) -> f64 {
         let squares = |of: [f64; 3]| of.iter().map(|x| x * x).sum::<f64>() / 3.0;
         let variance = |r: &Reading| {
-            let of_return = r.pose.map_or(0.0, |_| squares(self.return_mm));
-            r.weight * r.weight * squares(self.own_mm) + of_return
+            let of_repeatability = r.pose.map_or(0.0, |_| squares(self.return_mm));
+            r.weight * r.weight * squares(self.own_mm) + of_repeatability
         };
         let sum: f64 = readings.all.iter().map(variance).sum();
         (sum / readings.all.len().max(1) as f64).sqrt() * 1e3

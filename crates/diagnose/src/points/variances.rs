@@ -1,4 +1,4 @@
-//! The variances of the points and of the machine's return, by restricted maximum likelihood.
+//! The variances of the points and of the machine's repeatability, by restricted maximum likelihood.
 //!
 //! With `V_k` the whitened part of each, by the fixed point of its equations (W. Förstner, *Zeitschrift für
 //! Vermessungswesen* 104, 446, 1979):
@@ -26,7 +26,7 @@ const NEARLY: f64 = 0.1;
 /// Redundancy of a variance below which the data say nothing of it.
 const LEAST_REDUNDANCY: f64 = 2.0;
 
-/// Below this part of the variance of a point the machine's return is taken for none.
+/// Below this part of the variance of a point the machine's repeatability is taken for none.
 const NONE: f64 = 1e-4;
 
 /// No direction is better than another by more: effects are known along their directions to some thousandths only.
@@ -133,9 +133,9 @@ impl Model {
         model
     }
 
-    /// The points and the machine's return.
+    /// The points and the machine's repeatability.
     fn parts(&self, base: &Base<'_>) -> [Part; 2] {
-        let (mut points, mut of_return) = (Part::default(), Part::default());
+        let (mut points, mut of_repeatability) = (Part::default(), Part::default());
         let e = &self.projection.residuals;
         for (row, e) in e.iter().enumerate() {
             let taken = [
@@ -162,12 +162,12 @@ impl Model {
                     along * along,
                     left_of(&self.projection, first, &[column])[0],
                 );
-                for (part, sign) in [(&mut of_return, 1.0), (&mut points, -1.0)] {
+                for (part, sign) in [(&mut of_repeatability, 1.0), (&mut points, -1.0)] {
                     let of = &mut part.0[direction];
                     *of = (of.0 + sign * squares, of.1 + sign * left);
                 }
             }
         }
-        [points, of_return]
+        [points, of_repeatability]
     }
 }

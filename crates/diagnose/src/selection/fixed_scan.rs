@@ -14,7 +14,7 @@ pub(crate) struct FixedScan {
 
 struct FixedShape {
     shape: f64,
-    /// The rows from the first to the last that it concerns: one turn of many for one station.
+    /// The rows from the first to the last that it concerns: one occupation of many for one station.
     concerned: Range<usize>,
     columns: Vec<Vec<f64>>,
     gram: Gram,

@@ -1,6 +1,6 @@
 //! The readings of a verification as arrivals of the machine.
 //!
-//! The machine's return scatter is new at every arrival and common to all readings taken before it
+//! The repeatability scatter is new at every arrival and common to all readings taken before it
 //! leaves again. Readings that follow each other at the same positions are therefore one arrival, with
 //! their mean; arrivals are independent. An arrival with several readings is a standstill.
 //!

@@ -38,7 +38,7 @@ pub(crate) struct Plan {
     pub(crate) bed: bool,
     /// Noise along each direction of the instrument, relatively.
     pub(crate) unlike: [f64; 3],
-    /// Standard deviation of a coordinate and of the machine's return, mm.
+    /// Standard deviation of a coordinate and of the machine's repeatability, mm.
     pub(crate) noise_mm: f64,
     pub(crate) return_mm: f64,
 }

@@ -1,6 +1,6 @@
-//! The zero of the interferometer drifts: `D_l = rate_j · w`, w the progress within the turn of station j.
+//! The zero of the interferometer drifts: `D_l = rate_j · w`, w the progress within the occupation of station j.
 //!
-//! Of one station, or of each with a rate of its own. `rate_S1` and so on in µm per turn; a positive one makes lengths longer.
+//! Of one station, or of each with a rate of its own. `rate_S1` and so on in µm per occupation; a positive one makes lengths longer.
 
 use trueaxis_kinematics::MICROMETRE;
 
@@ -21,12 +21,12 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Length(|of| {
         let station = of.subject.station.unwrap_or(of.parameter);
         let here = f64::from(u8::from(of.at.station == station));
-        here * of.at.turn_progress * MICROMETRE
+        here * of.at.occupation_progress * MICROMETRE
     }),
     explanation: Explanation {
         cause: "the zero of the tracker's interferometer drifts while it stands at the station",
-        consequence: "lengths of the station grow or shrink with time; errors of axes measured late in the turn are bent",
-        action: "let the tracker warm up, measure a fixed target on the bed at the start and the end of every turn, measure this station again",
-        separate_by: "read a fixed target on the bed through the whole turn: it sees the drift of the zero alone, and two of them at right angles tell it from the tripod",
+        consequence: "lengths of the station grow or shrink with time; errors of axes measured late in the occupation are bent",
+        action: "let the tracker warm up, measure a fixed target on the bed at the start and the end of every occupation, measure this station again",
+        separate_by: "read a fixed target on the bed through the whole occupation: it sees the drift of the zero alone, and two of them at right angles tell it from the tripod",
     },
 };

@@ -17,7 +17,7 @@ pub(super) const EFFECT: Effect = Effect {
     explanation: Explanation {
         cause: "the beam of this station was interrupted, or the interferometer lost counts: its zero jumped",
         consequence: "all lengths of the station after it are off by the same amount",
-        action: "give the station a new zero from this instant (calibrate does so on its own), or measure the rest of the turn again",
+        action: "give the station a new zero from this instant (calibrate does so on its own), or measure the rest of the occupation again",
         separate_by: "read a fixed target on the bed before and after: a jump of the zero shows there, too, whatever its direction",
     },
 };

@@ -18,6 +18,6 @@ pub(super) const EFFECT: Effect = Effect {
         cause: "the machine drifts: its structure or its foundation deforms slowly as a whole",
         consequence: "stations measured one after another see another machine; squareness and straightness are bent",
         action: "warm the machine up, keep doors and cooling as in use, shorten the campaign",
-        separate_by: "read three fixed targets on the bed at the start and the end of every turn: they stand still against the tracker when the machine drifts, and move with a tripod that creeps",
+        separate_by: "read three fixed targets on the bed at the start and the end of every occupation: they stand still against the tracker when the machine drifts, and move with a tripod that creeps",
     },
 };

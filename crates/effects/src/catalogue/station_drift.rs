@@ -1,10 +1,10 @@
-//! The tripod creeps: `D_S = v · w`, w the progress within the turn of the station; a length changes by `-u·v w`.
+//! The tripod creeps: `D_S = v · w`, w the progress within the occupation of the station; a length changes by `-u·v w`.
 //!
-//! One tripod, or all alike: the tracker warms up, or the floor gives way, in every turn. v is `creep_x`,
-//! `creep_y`, `creep_z` in µm per turn, in the reference frame.
+//! One tripod, or all alike: the tracker warms up, or the floor gives way, in every occupation. v is `creep_x`,
+//! `creep_y`, `creep_z` in µm per occupation, in the reference frame.
 //!
 //! Where coordinates are measured there are no stations: the frame of the instrument moves by these at the origin of the
-//! reference frame, and turns by `creep_a`, `creep_b`, `creep_c` in arcsec about the reference axes.
+//! reference frame, and occupations by `creep_a`, `creep_b`, `creep_c` in arcsec about the reference axes.
 
 use trueaxis_kinematics::MICROMETRE;
 
@@ -17,11 +17,11 @@ pub(super) const EFFECT: Effect = Effect {
     subjects: Subject::each_station_and_all,
     parameters: |scene, _| Parameter::of_station("creep", scene),
     shape: Shape::Fixed,
-    form: Form::Station(|of| MICROMETRE * of.at.turn_progress),
+    form: Form::Station(|of| MICROMETRE * of.at.occupation_progress),
     explanation: Explanation {
         cause: "the tripod or the floor under it gives way, or the tracker moves as it warms up",
-        consequence: "points measured late in the turn are off; squareness and straightness are bent",
+        consequence: "points measured late in the occupation are off; squareness and straightness are bent",
         action: "let the tripod settle, shade it, fix it to the floor, measure this station again",
-        separate_by: "read three fixed targets on the bed at the start and the end of the turn: they move against a tripod that creeps, not against a machine that drifts",
+        separate_by: "read three fixed targets on the bed at the start and the end of the occupation: they move against a tripod that creeps, not against a machine that drifts",
     },
 };

@@ -3,7 +3,7 @@
 //! d is `jump_x`, `jump_y`, `jump_z` in µm, in the reference frame.
 //!
 //! Where coordinates are measured there are no stations: the frame of the instrument moves by these at the origin of the
-//! reference frame, and turns by `jump_a`, `jump_b`, `jump_c` in arcsec about the reference axes.
+//! reference frame, and occupations by `jump_a`, `jump_b`, `jump_c` in arcsec about the reference axes.
 
 use trueaxis_kinematics::MICROMETRE;
 
@@ -19,8 +19,8 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Station(|_| MICROMETRE),
     explanation: Explanation {
         cause: "somebody or something bumped the tripod",
-        consequence: "the rest of the turn was measured from another place",
-        action: "measure this station again from the start of the turn, or treat the rest as a station of its own",
+        consequence: "the rest of the occupation was measured from another place",
+        action: "measure this station again from the start of the occupation, or treat the rest as a station of its own",
         separate_by: "read three fixed targets on the bed before and after: they move against a tripod that was bumped, not against a machine that shifted",
     },
 };

@@ -38,7 +38,7 @@ const STEPS: usize = 30;
 const NOISE: Noise = Noise {
     length_sigma_mm: 3e-4,
     length_sigma_relative: 5e-7,
-    return_sigma_mm: 1e-3,
+    repeatability_mm: 1e-3,
 };
 
 /// 30 groups of three or two points 20 µm off nominal. Every station visits the groups twice,
@@ -261,7 +261,7 @@ fn differences(noise: Noise, is_tied: bool, factor: f64) -> [f64; 3] {
 #[test]
 fn trials_are_the_full_solution() {
     let exact_return = Noise {
-        return_sigma_mm: 0.0,
+        repeatability_mm: 0.0,
         ..NOISE
     };
     for (noise, is_tied) in [(NOISE, false), (exact_return, false), (NOISE, true)] {

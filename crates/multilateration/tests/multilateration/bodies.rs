@@ -13,7 +13,7 @@ use crate::world::*;
 const NOISE: Noise = Noise {
     length_sigma_mm: 0.269e-3,
     length_sigma_relative: 0.0,
-    return_sigma_mm: 1e-3,
+    repeatability_mm: 1e-3,
 };
 
 /// Bodies that stand up to half a millimetre and milliradian off nominal and whose shape is off by 0.2 mm.
@@ -160,11 +160,11 @@ fn both_parts_of_the_noise_are_unbiased() {
         .map(|_| {
             let mut network = noisy(&truth, &truth.points, 1, &mut rng);
             network.noise.length_sigma_mm = 0.5e-3;
-            network.noise.return_sigma_mm = 0.7e-3;
+            network.noise.repeatability_mm = 0.7e-3;
             let settings = Settings::default();
             let mut solution = solve(&network, &settings).unwrap();
             let noise = estimate_noise(&mut network, &mut solution, true, &settings).unwrap();
-            let (l, m) = (noise.length, noise.machine_return);
+            let (l, m) = (noise.length, noise.repeatability);
             [l.sigma_mm, l.u_mm, m.sigma_mm, m.u_mm].map(|mm| mm * 1e3)
         })
         .collect();
@@ -221,7 +221,7 @@ fn clean_lengths_are_left_alone() {
     assert!(touched <= 3);
 }
 
-/// A lost count of 50 µm splits the station's turn where it happened.
+/// A lost count of 50 µm splits the station's occupation where it happened.
 #[test]
 fn an_interruption_is_found() {
     let truth = truth(50.0);

@@ -11,7 +11,7 @@ use crate::world::{Truth, add_noise, network, truth};
 const NOISE: Noise = Noise {
     length_sigma_mm: 0.269e-3,
     length_sigma_relative: 0.0,
-    return_sigma_mm: 1e-3,
+    repeatability_mm: 1e-3,
 };
 
 fn noisy(truth: &Truth, rng: &mut ChaCha8Rng) -> Network {
@@ -55,11 +55,9 @@ fn three_per_cent_of_gross_errors_are_found() {
         all += wrong.len();
         assert!(screened.jumps.is_empty());
         // The noise is that of the good lengths, within four of its standard uncertainties.
-        let (length, machine_return) = (screened.noise.length, screened.noise.machine_return);
+        let (length, repeatability) = (screened.noise.length, screened.noise.repeatability);
         assert!((length.sigma_mm - NOISE.length_sigma_mm).abs() < 4.0 * length.u_mm);
-        assert!(
-            (machine_return.sigma_mm - NOISE.return_sigma_mm).abs() < 4.0 * machine_return.u_mm
-        );
+        assert!((repeatability.sigma_mm - NOISE.repeatability_mm).abs() < 4.0 * repeatability.u_mm);
     }
     println!("{all} gross errors: {missed} missed, {false_alarms} good lengths removed");
     assert_eq!(missed, 0);
@@ -97,7 +95,7 @@ fn what_nothing_decides_is_refused() {
     assert_ne!(reading, other);
 }
 
-/// One interruption in each station's turn: the instant is right to a visit (the machine's return
+/// One interruption in each station's occupation: the instant is right to a visit (the machine's repeatability
 /// blurs a jump of five standard deviations), the change within four standard uncertainties.
 #[test]
 fn an_interruption_of_each_station_is_found() {
@@ -140,7 +138,7 @@ fn an_interruption_of_each_station_is_found() {
 }
 
 /// A creeping zero is no interruption, and neither is a machine that shifts across the beams:
-/// splitting the turn would name a wrong cause.
+/// splitting the occupation would name a wrong cause.
 #[test]
 fn drifts_and_displacements_are_no_interruptions() {
     let truth = truth(50.0);
@@ -169,7 +167,7 @@ fn drifts_and_displacements_are_no_interruptions() {
     }
 }
 
-/// Each campaign loses a good length with a probability of 1 %, and a turn is split in one of a
+/// Each campaign loses a good length with a probability of 1 %, and an occupation is split in one of a
 /// thousand: of 40 campaigns more than three are touched with a probability of 1e-3.
 #[test]
 fn clean_lengths_are_left_alone() {

@@ -19,7 +19,7 @@ fn estimates(campaigns: u64, truth_noise: Noise, given: Noise) -> Vec<[f64; 4]> 
             let mut solution = solve(&network, &settings).unwrap();
             let noise = estimate_noise(&mut network, &mut solution, true, &settings).unwrap();
             assert_eq!(noise.basis, NoiseBasis::Components);
-            let (l, m) = (noise.length, noise.machine_return);
+            let (l, m) = (noise.length, noise.repeatability);
             [l.sigma_mm, l.u_mm, m.sigma_mm, m.u_mm].map(|mm| mm * 1e3)
         })
         .collect()
@@ -32,11 +32,11 @@ fn assert_unbiased(campaigns: u64) {
     let noise = Noise {
         length_sigma_mm: 0.269e-3,
         length_sigma_relative: 0.0,
-        return_sigma_mm: 1e-3,
+        repeatability_mm: 1e-3,
     };
     let given = Noise {
         length_sigma_mm: 0.5e-3,
-        return_sigma_mm: 0.7e-3,
+        repeatability_mm: 0.7e-3,
         ..noise
     };
     let found = estimates(campaigns, noise, given);

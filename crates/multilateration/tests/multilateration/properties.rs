@@ -38,7 +38,7 @@ fn redundancy_numbers_add_up() {
     let truth = truth(100.0);
     let noise = Noise {
         length_sigma_mm: 3e-4,
-        return_sigma_mm: 1e-3,
+        repeatability_mm: 1e-3,
         ..Noise::default()
     };
     let network = network(&truth, truth.points.clone(), 2, noise);
@@ -61,7 +61,7 @@ fn stated_covariance_is_the_scatter() {
     let truth = truth(100.0);
     let noise = Noise {
         length_sigma_mm: 3e-4,
-        return_sigma_mm: 1e-3,
+        repeatability_mm: 1e-3,
         ..Noise::default()
     };
     let clean = network(&truth, truth.points.clone(), 2, noise);
@@ -146,7 +146,7 @@ fn table_1_single_measurement() {
     for (return_um, expected) in [(1.0, [1.28, 1.26, 1.32]), (5.0 / 3.0, [2.08, 2.06, 2.15])] {
         let noise = Noise {
             length_sigma_mm: 0.269e-3,
-            return_sigma_mm: return_um * 1e-3,
+            repeatability_mm: return_um * 1e-3,
             ..Noise::default()
         };
         let mut network = network(&truth, nominal.clone(), 1, noise);
@@ -260,7 +260,7 @@ fn small_noisy_network(seed: u64) -> (Network, Truth) {
     let truth = truth(100.0);
     let noise = Noise {
         length_sigma_mm: 3e-4,
-        return_sigma_mm: 1e-3,
+        repeatability_mm: 1e-3,
         ..Noise::default()
     };
     let mut network = network(&truth, truth.points.clone(), 1, noise);

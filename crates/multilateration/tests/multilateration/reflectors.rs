@@ -13,7 +13,7 @@ use crate::world::*;
 const NOISE: Noise = Noise {
     length_sigma_mm: 0.269e-3,
     length_sigma_relative: 0.0,
-    return_sigma_mm: 1e-3,
+    repeatability_mm: 1e-3,
 };
 
 /// Constants of sum zero, mm.

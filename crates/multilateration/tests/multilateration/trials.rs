@@ -11,7 +11,7 @@ use crate::world::{network, truth};
 const NOISE: Noise = Noise {
     length_sigma_mm: 0.269e-3,
     length_sigma_relative: 0.0,
-    return_sigma_mm: 1e-3,
+    repeatability_mm: 1e-3,
 };
 
 #[test]
@@ -122,7 +122,7 @@ fn drawn_errors_have_the_covariance_of_the_noise() {
     };
     let c = |i: usize, j: usize| {
         let own = noise.length_sigma_at_mm(beam(i).norm()).powi(2);
-        let common = noise.return_sigma_mm.powi(2) * beam(i).normalize().dot(&beam(j).normalize());
+        let common = noise.repeatability_mm.powi(2) * beam(i).normalize().dot(&beam(j).normalize());
         common + if i == j { own } else { 0.0 }
     };
     for (i, products) in products.iter().enumerate() {

@@ -87,7 +87,7 @@ pub(crate) fn add_noise(network: &mut Network, truth: &Truth, rng: &mut ChaCha8R
     let noise = network.noise;
     let mut normal = || -> f64 { rng.sample(StandardNormal) };
     for visit in &network.visits {
-        let shift = Vector3::new(normal(), normal(), normal()) * noise.return_sigma_mm;
+        let shift = Vector3::new(normal(), normal(), normal()) * noise.repeatability_mm;
         for reading in &mut network.readings[visit.readings.clone()] {
             let p = truth.points[3 * visit.group + reading.point];
             let (position, dead_path) = truth.stations[visit.station];

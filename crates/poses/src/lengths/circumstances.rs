@@ -27,10 +27,10 @@ pub struct LengthCircumstances {
     pub time_s: f64,
     elapsed_s: f64,
     progress: f64,
-    /// Progress of time within the turn of the station, 0 to 1.
-    pub turn_progress: f64,
-    /// Time since the first reading of the turn, s.
-    pub turn_elapsed_s: f64,
+    /// Progress of time within the occupation of the station, 0 to 1.
+    pub occupation_progress: f64,
+    /// Time since the first reading of the occupation, s.
+    pub occupation_elapsed_s: f64,
     /// The station.
     pub station: usize,
     /// The target.
@@ -48,8 +48,8 @@ pub struct LengthCircumstances {
     pub step: usize,
     /// Number of the sweep: one axis, one repeat, one direction, from one station, in time order.
     pub sweep: usize,
-    /// Its number within the turn of the station.
-    pub sweep_of_turn: usize,
+    /// Its number within the occupation of the station.
+    pub sweep_of_occupation: usize,
     /// Index among the points of the network.
     pub point: usize,
     group: usize,
@@ -121,11 +121,11 @@ pub fn length_circumstances(
     kept: &[usize],
 ) -> Vec<LengthCircumstances> {
     let campaign_span = Span::of(&lengths.readings);
-    let turn = |station: usize| {
+    let occupation = |station: usize| {
         let stops = lengths.stops.iter().filter(|stop| stop.station == station);
         Span::of(stops.flat_map(|stop| &lengths.readings[stop.readings.clone()]))
     };
-    let turns: Vec<Span> = (0..campaign.stations.len()).map(turn).collect();
+    let occupations: Vec<Span> = (0..campaign.stations.len()).map(occupation).collect();
     // Where each target is at each step (and side of approach): its group and the number of its point.
     let mut place_of = HashMap::new();
     for (g, (group, points)) in groups.iter().zip(&network.groups).enumerate() {
@@ -140,7 +140,7 @@ pub fn length_circumstances(
         (stop.station, stop.repeat, run, stop.direction)
     };
     let sweeps = lengths.stops.chunk_by(|a, b| key(a) == key(b));
-    let (mut before, mut sweep_of_turn) = (None, 0);
+    let (mut before, mut sweep_of_occupation) = (None, 0);
     let mut all = Vec::with_capacity(kept.len());
     for (sweep, stops) in sweeps.enumerate() {
         let (station, repeat, run, direction) = key(&stops[0]);
@@ -149,8 +149,12 @@ pub fn length_circumstances(
             Some(_) => speed_per_s(campaign, lengths, stops, axis),
             None => 0.0,
         };
-        let same_turn = before.replace(station) == Some(station);
-        sweep_of_turn = if same_turn { sweep_of_turn + 1 } else { 0 };
+        let same_occupation = before.replace(station) == Some(station);
+        sweep_of_occupation = if same_occupation {
+            sweep_of_occupation + 1
+        } else {
+            0
+        };
         let readings = stops.iter().flat_map(|stop| {
             let readings = stop.readings.clone();
             readings.map(|i| (stop.step, i, &lengths.readings[i]))
@@ -166,8 +170,8 @@ pub fn length_circumstances(
                 time_s: reading.time_s,
                 elapsed_s: reading.time_s - campaign_span.first_s,
                 progress: campaign_span.progress(reading.time_s),
-                turn_progress: turns[station].progress(reading.time_s),
-                turn_elapsed_s: reading.time_s - turns[station].first_s,
+                occupation_progress: occupations[station].progress(reading.time_s),
+                occupation_elapsed_s: reading.time_s - occupations[station].first_s,
                 station,
                 target: reading.target,
                 repeat,
@@ -177,7 +181,7 @@ pub fn length_circumstances(
                 speed_per_s,
                 step,
                 sweep,
-                sweep_of_turn,
+                sweep_of_occupation,
                 point,
                 group,
             });
@@ -280,8 +284,8 @@ impl LengthCircumstances {
                 time_s: self.time_s,
                 elapsed_s: self.elapsed_s,
                 progress: self.progress,
-                turn_progress: self.turn_progress,
-                turn_elapsed_s: self.turn_elapsed_s,
+                occupation_progress: self.occupation_progress,
+                occupation_elapsed_s: self.occupation_elapsed_s,
                 station: self.station,
                 target: self.target,
                 carrier: self.carrier,

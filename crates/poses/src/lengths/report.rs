@@ -6,7 +6,7 @@ use trueaxis_multilateration::{Jump, NoiseBasis, PartEstimate};
 
 use crate::lengths::LengthsAdjustment;
 use crate::report::{
-    AdjustmentReport, InterruptedTurn, NoiseReport, PartReport, RejectedLength,
+    AdjustmentReport, InterruptedOccupation, NoiseReport, PartReport, RejectedLength,
     approached_from_both_sides,
 };
 use crate::words::{length_in_words, stop_of};
@@ -65,10 +65,10 @@ impl LengthsAdjustment<'_> {
         if screened.noise.basis == NoiseBasis::CommonFactor {
             let declared = self.campaign.instrument.repeatability_um.is_some();
             notices.push(match declared {
-                true => "the lengths do not tell their own noise from the machine's return: the declared \
+                true => "the lengths do not tell their own noise from the machine's repeatability: the declared \
                          ratio of the two is kept"
                     .to_owned(),
-                false => "the lengths do not tell their own noise from the machine's return, and no \
+                false => "the lengths do not tell their own noise from the machine's repeatability, and no \
                           `repeatability_um` is declared: all noise is taken for that of single lengths"
                     .to_owned(),
             });
@@ -109,16 +109,16 @@ impl LengthsAdjustment<'_> {
             basis: noise.basis,
             length: part(instrument.length_sigma_um, noise.length),
             length_ppm: noise.noise.length_sigma_relative * 1e6,
-            machine_return: part(instrument.repeatability_um, noise.machine_return),
+            repeatability: part(instrument.repeatability_um, noise.repeatability),
         }
     }
 
-    fn interruption(&self, jump: &Jump) -> InterruptedTurn {
+    fn interruption(&self, jump: &Jump) -> InterruptedOccupation {
         let readings = &self.lengths.readings;
         let after = jump.first_reading;
         let of_station = |&i: &usize| stop_of(self.lengths, i).station == jump.station;
         let pair = [(0..after).rfind(of_station).unwrap_or(after), after];
-        InterruptedTurn {
+        InterruptedOccupation {
             station: self.campaign.stations[jump.station].name.clone(),
             lines: pair.map(|i| readings[i].line),
             times_s: pair.map(|i| readings[i].time_s),

@@ -30,24 +30,24 @@ impl Sample {
 
     /// Sum of squares of the scatter about the mean, in units of the declared variance, with its
     /// degrees of freedom.
-    fn scatter(&self, return_variance_mm2: f64) -> (f64, usize) {
+    fn scatter(&self, repeatability_variance_mm2: f64) -> (f64, usize) {
         let mean = self.mean();
         let square = |(_, weight, p): &(usize, f64, Vector3<f64>)| {
-            (p - mean).norm_squared() / (1.0 / weight + return_variance_mm2)
+            (p - mean).norm_squared() / (1.0 / weight + repeatability_variance_mm2)
         };
         let squares = self.readings.iter().map(square).sum();
         (squares, 3 * (self.readings.len() - 1))
     }
 }
 
-/// The averaged points in the datum. Readings of one visit share the machine's return error.
+/// The averaged points in the datum. Readings of one visit share the repeatability error.
 pub(crate) fn points_from_coordinates(
     campaign: &Campaign,
     points: &Points,
     by_direction: bool,
 ) -> MeasuredPoints {
-    let return_sigma_mm = campaign.instrument.repeatability_um.unwrap_or(0.0) * MICROMETRE;
-    let return_variance_mm2 = return_sigma_mm * return_sigma_mm;
+    let repeatability_mm = campaign.instrument.repeatability_um.unwrap_or(0.0) * MICROMETRE;
+    let repeatability_variance_mm2 = repeatability_mm * repeatability_mm;
     let mut nominal_mm: Vec<Point3<f64>> = Vec::new();
     let mut noise = PointNoise::default();
     let mut instrument = PointNoise::default();
@@ -62,11 +62,14 @@ pub(crate) fn points_from_coordinates(
                     .machine
                     .position(&Ideal, target.carrier, positions, target.home_mm);
             nominal_mm.push(position);
-            let (squares, degrees) = sample.scatter(return_variance_mm2);
+            let (squares, degrees) = sample.scatter(repeatability_variance_mm2);
             repeat_scatter = (repeat_scatter.0 + squares, repeat_scatter.1 + degrees);
         }
         let all: Vec<&Sample> = samples.values().collect();
-        for (noise, variance_mm2) in [(&mut noise, return_variance_mm2), (&mut instrument, 0.0)] {
+        for (noise, variance_mm2) in [
+            (&mut noise, repeatability_variance_mm2),
+            (&mut instrument, 0.0),
+        ] {
             // Equal in all directions, so that the datum's rotation does not change it.
             noise.own.push(covariance(&all, variance_mm2));
             noise.coupling.push(DMatrix::zeros(3 * samples.len(), 0));
@@ -135,8 +138,8 @@ fn samples_of_steps(points: &Points, by_direction: bool) -> Vec<StepSamples> {
     steps
 }
 
-/// Covariance of the means: each one's own noise, and the return errors of common visits.
-fn covariance(samples: &[&Sample], return_variance_mm2: f64) -> DMatrix<f64> {
+/// Covariance of the means: each one's own noise, and the repeatability errors of common visits.
+fn covariance(samples: &[&Sample], repeatability_variance_mm2: f64) -> DMatrix<f64> {
     let common = |a: &Sample, b: &Sample| {
         let mut sum = 0.0;
         for (visit, weight_a, _) in &a.readings {
@@ -149,11 +152,11 @@ fn covariance(samples: &[&Sample], return_variance_mm2: f64) -> DMatrix<f64> {
     DMatrix::from_fn(3 * samples.len(), 3 * samples.len(), |i, j| {
         let (a, b) = (samples[i / 3], samples[j / 3]);
         let own = if i == j { 1.0 / a.weight() } else { 0.0 };
-        let of_return = if i % 3 == j % 3 {
-            return_variance_mm2 * common(a, b)
+        let of_repeatability = if i % 3 == j % 3 {
+            repeatability_variance_mm2 * common(a, b)
         } else {
             0.0
         };
-        own + of_return
+        own + of_repeatability
     })
 }

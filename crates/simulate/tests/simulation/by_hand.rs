@@ -24,9 +24,9 @@ pub(crate) struct Reading<'a> {
     pub(crate) elapsed_s: f64,
     /// Over the campaign and over the turn, 0 to 1.
     pub(crate) progress: f64,
-    pub(crate) turn_progress: f64,
+    pub(crate) occupation_progress: f64,
     /// Since the first reading of the turn, s.
-    pub(crate) turn_elapsed_s: f64,
+    pub(crate) occupation_elapsed_s: f64,
     pub(crate) station: &'a str,
     pub(crate) target: &'a str,
     pub(crate) direction: f64,
@@ -173,8 +173,8 @@ pub(crate) fn assert_formula(effect: &Value, formula: &dyn Fn(&Reading<'_>) -> D
                 time_s: reading.time_s,
                 elapsed_s: reading.time_s - times_s[0],
                 progress: part(&times_s, reading.time_s),
-                turn_progress: part(&times_s[stop.station * turn..][..turn], reading.time_s),
-                turn_elapsed_s: reading.time_s - times_s[stop.station * turn],
+                occupation_progress: part(&times_s[stop.station * turn..][..turn], reading.time_s),
+                occupation_elapsed_s: reading.time_s - times_s[stop.station * turn],
                 station: station["name"].as_str().unwrap(),
                 target: json["targets"][reading.target]["name"].as_str().unwrap(),
                 direction: match stop.direction {

@@ -36,14 +36,14 @@ fn instrument() {
     let one = json!({ "station": "S2" });
     assert_formula(
         &effect("dead_path_drift", one.clone(), &[("rate_S2", 6.5, "um")]),
-        &|r| of_length(6.5 * UM * r.turn_progress * Reading::when(r.station == "S2")),
+        &|r| of_length(6.5 * UM * r.occupation_progress * Reading::when(r.station == "S2")),
     );
     let rates = [1.5, -2.0, 4.0, 3.0];
     let names = ["rate_S1", "rate_S2", "rate_S3", "rate_S4"];
     let all = [0, 1, 2, 3].map(|i| (names[i], rates[i], "um"));
     assert_formula(&effect("dead_path_drift", json!({}), &all), &|r| {
         let own = names.iter().position(|name| name.ends_with(r.station));
-        of_length(rates[own.unwrap()] * UM * r.turn_progress)
+        of_length(rates[own.unwrap()] * UM * r.occupation_progress)
     });
     assert_formula(
         &effect(
@@ -90,11 +90,11 @@ fn set_up() {
     let here = |r: &Reading<'_>| Reading::when(r.station == "S3");
     assert_formula(
         &vector_effect("station_drift", one.clone(), "creep", D_UM, None),
-        &|r| of_station(scale(d_mm(), r.turn_progress * here(r))),
+        &|r| of_station(scale(d_mm(), r.occupation_progress * here(r))),
     );
     assert_formula(
         &vector_effect("station_drift", json!({}), "creep", D_UM, None),
-        &|r| of_station(scale(d_mm(), r.turn_progress)),
+        &|r| of_station(scale(d_mm(), r.occupation_progress)),
     );
     for subject in [one.clone(), json!({})] {
         let one = subject != json!({});
@@ -106,7 +106,10 @@ fn set_up() {
             .push(constant);
         assert_formula(&settling, &|r| {
             let concerned = if one { here(r) } else { 1.0 };
-            of_station(scale(d_mm(), concerned * (-r.turn_elapsed_s / 250.0).exp()))
+            of_station(scale(
+                d_mm(),
+                concerned * (-r.occupation_elapsed_s / 250.0).exp(),
+            ))
         });
     }
     assert_formula(

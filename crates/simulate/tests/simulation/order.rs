@@ -75,7 +75,7 @@ fn stations_then_repeats_then_runs_then_directions_then_positions() {
     ];
     let expected: Vec<_> = ["A1", "A2", "B1", "B2"]
         .iter()
-        .flat_map(|turn| sweep.map(|visit| format!("{turn} {visit}")))
+        .flat_map(|occupation| sweep.map(|visit| format!("{occupation} {visit}")))
         .collect();
     assert_eq!(visits, expected);
 }

@@ -56,7 +56,7 @@ fn the_seed_draws_the_machine_and_the_noise() {
 fn undisturbed_campaigns_calibrate() {
     for kind in kinds() {
         if kind.on_the_fly {
-            // Three single targets in one step: the free points of a stop have no common return error.
+            // Three single targets in one step: the free points of a stop have no common repeatability error.
             continue;
         }
         let calibration = calibrate(&campaign(&kind, &[], 6), &Settings::default()).unwrap();

@@ -40,10 +40,10 @@ fn an_instant_lies_well_inside_a_turn() {
                     let part = (instant_s - from) / (to - from);
                     (0.1..=0.9).contains(&part)
                 };
-                let turn = schedule.turns_s.iter().position(inside);
-                assert!(turn.is_some(), "{name} at {instant_s} s");
+                let occupation = schedule.occupations_s.iter().position(inside);
+                assert!(occupation.is_some(), "{name} at {instant_s} s");
                 if hidden.station.is_some() {
-                    assert_eq!(hidden.station, turn, "{name} in its own turn");
+                    assert_eq!(hidden.station, occupation, "{name} in its own occupation");
                 }
             }
         }

@@ -4,7 +4,7 @@ use trueaxis_simulate::Scenario;
 
 use super::*;
 
-/// Covariances of the lengths, mm²: of their own noise, and with the machine's return, which moves
+/// Covariances of the lengths, mm²: of their own noise, and with the machine's repeatability, which moves
 /// all targets of a visit alike.
 pub(crate) fn covariances(campaign: &Campaign, calibration: &Calibration) -> [DMatrix<f64>; 2] {
     let lengths = campaign.lengths.as_ref().unwrap();
@@ -23,7 +23,7 @@ pub(crate) fn covariances(campaign: &Campaign, calibration: &Calibration) -> [DM
             own[(i, i)] = constant_mm.powi(2) + (relative * beam(i).norm()).powi(2);
             for j in stop.readings.clone() {
                 let cosine = beam(i).normalize().dot(&beam(j).normalize());
-                returns[(i, j)] = return_variance_mm2(campaign) * cosine;
+                returns[(i, j)] = repeatability_variance_mm2(campaign) * cosine;
             }
         }
     }
@@ -71,7 +71,7 @@ fn assert_propagates(what: &str, method: Method) {
     }
 }
 
-/// Without return noise all of it is the laser's.
+/// Without repeatability all of it is the laser's.
 #[test]
 fn a_machine_that_returns_exactly_has_no_part() {
     let mut campaign = with_one_reflector(&two_branches());
@@ -85,7 +85,7 @@ fn a_machine_that_returns_exactly_has_no_part() {
     let budgets = nodes.flat_map(|node| node.budget);
     for budget in budgets.chain(locations.map(|location| location.budget)) {
         let rounding = 1e-9 * budget.variance();
-        assert!(budget.machine_return.abs() <= rounding, "{budget:?}");
+        assert!(budget.repeatability.abs() <= rounding, "{budget:?}");
         assert!(
             (budget.laser_in_all - budget.variance()).abs() <= rounding,
             "{budget:?}"

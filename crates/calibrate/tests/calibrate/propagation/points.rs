@@ -54,7 +54,7 @@ pub(crate) fn response(campaign: &Campaign, method: Method) -> Response {
     })
 }
 
-/// Covariances of the coordinates, mm²: the instrument's own, and that of the machine's return.
+/// Covariances of the coordinates, mm²: the instrument's own, and that of the machine's repeatability.
 pub(crate) fn covariances(campaign: &Campaign) -> [DMatrix<f64>; 2] {
     let points = campaign.points.as_ref().unwrap();
     let count = 3 * points.readings.len();
@@ -66,7 +66,7 @@ pub(crate) fn covariances(campaign: &Campaign) -> [DMatrix<f64>; 2] {
             for c in 0..3 {
                 own[(3 * i + c, 3 * i + c)] = sigma_mm * sigma_mm;
                 for j in stop.readings.clone() {
-                    returns[(3 * i + c, 3 * j + c)] = return_variance_mm2(campaign);
+                    returns[(3 * i + c, 3 * j + c)] = repeatability_variance_mm2(campaign);
                 }
             }
         }
@@ -92,7 +92,7 @@ fn coordinates_propagate_to_everything() {
             (budget.laser - own[(i, i)]).abs() <= limit,
             "{i}: {budget:?}"
         );
-        let difference = budget.machine_return - returns[(i, i)];
+        let difference = budget.repeatability - returns[(i, i)];
         assert!(difference.abs() <= limit, "{i}: {budget:?}");
         assert!(budget.station_geometry.abs() < f64::MIN_POSITIVE);
     }

@@ -76,7 +76,7 @@ fn the_budget_is_that_of_known_stations() {
     for (i, (budget, _)) in stated.budgets().into_iter().enumerate() {
         let limit = COVARIANCE_TOL * budget.variance().max(ROUNDING * ROUNDING);
         assert!((budget.laser - laser[i]).abs() <= limit, "{i}: {budget:?}");
-        let difference = budget.machine_return - (known[i] - laser[i]);
+        let difference = budget.repeatability - (known[i] - laser[i]);
         assert!(difference.abs() <= limit, "{i}: {budget:?}");
         assert!(budget.station_geometry >= 0.0, "{i}: {budget:?}");
         geometry = geometry.max(budget.station_geometry / budget.variance().max(known[i]));
