@@ -34,28 +34,27 @@ fn names(diagnosis: &Diagnosis) -> Vec<&'static str> {
 /// uncertainties (missed with a probability of 0.3 %), what breathes is told beside it, and all parts add up.
 #[test]
 fn lost_motion_keeps_its_name_in_a_hall_that_breathes() {
-    for seed in [300, 302] {
-        let kind = both_sides();
-        let lost_motion = hide(&kind, "backlash", seed, 14.0);
-        let hall = hide(&kind, "air_conditioning", seed, 20.0);
-        let diagnosis = diagnosed(&kind, &[lost_motion.clone(), hall], seed);
-        assert_eq!(diagnosis.verdict, Verdict::Named, "seed {seed}");
-        assert_eq!(names(&diagnosis), ["backlash"], "seed {seed}");
-        let cause = &diagnosis.causes[0];
-        assert_eq!(cause.effect.subject.axis, lost_motion.axis);
-        let truth = &lost_motion.parameters(&kind)[0];
-        let found = &cause.parameters[0];
-        assert!(
-            (found.value - truth.value).abs() < 3.0 * found.u,
-            "{found:?}, {truth:?}"
-        );
-        let own = diagnosis.disturbances.first().expect("the hall");
-        assert_eq!(own.whose.varies_with, ["time"]);
-        let shares = &diagnosis.levels[0].shares;
-        let parts = shares.causes.iter().chain(&shares.disturbances);
-        let sum = parts.sum::<f64>() + shares.unexplained + shares.noise;
-        assert!((sum - 1.0).abs() < 1e-9, "{shares:?}");
-    }
+    let seed = 300;
+    let kind = both_sides();
+    let lost_motion = hide(&kind, "backlash", seed, 14.0);
+    let hall = hide(&kind, "air_conditioning", seed, 20.0);
+    let diagnosis = diagnosed(&kind, &[lost_motion.clone(), hall], seed);
+    assert_eq!(diagnosis.verdict, Verdict::Named, "seed {seed}");
+    assert_eq!(names(&diagnosis), ["backlash"], "seed {seed}");
+    let cause = &diagnosis.causes[0];
+    assert_eq!(cause.effect.subject.axis, lost_motion.axis);
+    let truth = &lost_motion.parameters(&kind)[0];
+    let found = &cause.parameters[0];
+    assert!(
+        (found.value - truth.value).abs() < 3.0 * found.u,
+        "{found:?}, {truth:?}"
+    );
+    let own = diagnosis.disturbances.first().expect("the hall");
+    assert_eq!(own.whose.varies_with, ["time"]);
+    let shares = &diagnosis.levels[0].shares;
+    let parts = shares.causes.iter().chain(&shares.disturbances);
+    let sum = parts.sum::<f64>() + shares.unexplained + shares.noise;
+    assert!((sum - 1.0).abs() < 1e-9, "{shares:?}");
 }
 
 /// What the catalogue does not have gets no name but its subject, its size and its course; in the same noise without
