@@ -388,9 +388,12 @@ fn disturbance(k: usize, of: &Disturbance) -> DisturbanceView {
     DisturbanceView { name, figure }
 }
 
+/// x, y, z, and the dead path of a station.
+const COORDINATES: usize = 4;
+
 /// The curve of a disturbance of one argument, each coordinate with its 95 % band.
 fn smooth(k: usize, curve: &[CurvePoint], with: &str) -> Option<Figure> {
-    let coordinates = curve.first()?.value_um.len().min(3);
+    let coordinates = curve.first()?.value_um.len().min(COORDINATES);
     if coordinates == 0 || curve.iter().any(|point| point.at.len() != 1) {
         return None;
     }
@@ -423,7 +426,8 @@ fn smooth(k: usize, curve: &[CurvePoint], with: &str) -> Option<Figure> {
         let at = |sign: f64| -> Vec<[f64; 2]> {
             curve.iter().map(|point| part(point, c, sign)).collect()
         };
-        plot.band(c.min(1), &at(-1.0), &at(1.0));
+        let colour = if c == 3 { 3 } else { c.min(1) };
+        plot.band(colour, &at(-1.0), &at(1.0));
         plot.line(&format!("l{c}"), &at(0.0));
     }
     Some(Figure::new(
