@@ -42,8 +42,9 @@ mod wandered;
 mod wandering;
 
 pub(crate) use harmonics::half_waves;
-pub(crate) use held_out::{HeldOut, Sums, interval};
+pub(crate) use held_out::{HeldOut, Sums};
 pub(crate) use not_observable::in_words;
+pub(crate) use omnibus::{OMNIBUS_LEVEL, Omnibus, family_wise};
 pub(crate) use search::{LengthsOutcome, diagnose_lengths};
 pub(crate) use step_scan::{StepScan, VisitTimes};
 pub(crate) use trueaxis_poses::scene_of as scene;

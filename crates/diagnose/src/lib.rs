@@ -48,6 +48,7 @@ mod diagnosis;
 mod error;
 mod json;
 mod lengths;
+mod parameters;
 mod points;
 mod runs;
 mod selection;

@@ -17,7 +17,8 @@ mod weak_stations;
 
 pub use adjustment::LengthsAdjustment;
 pub use circumstances::{
-    LengthCircumstances, Observation, length_circumstances, scene_of, temperature_histories,
+    LengthCircumstances, Observation, constant_feed_per_s, length_circumstances, scene_of,
+    temperature_histories,
 };
 pub use effects::EffectsOnLengths;
 pub use reflectors::ReflectorConstant;

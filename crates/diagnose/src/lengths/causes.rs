@@ -14,7 +14,8 @@ use crate::lengths::culprit::overlap;
 use crate::lengths::hypotheses::{hypotheses, neighbours};
 use crate::lengths::swapped::{add_swapped, swapped};
 use crate::selection::{
-    DECISIVE, Fit, Hypothesis, Null, Projection, Scan, Score, cosine, is_rival, rank,
+    DECISIVE, Fit, Hypothesis, Null, Projection, Scan, Score, cosine, golden_section, is_rival,
+    rank, weakest,
 };
 
 /// Family-wise level of the causes: false alarms in one of a hundred clean campaigns.
@@ -22,11 +23,6 @@ const CAUSE_LEVEL: f64 = 0.01;
 
 /// More causes at once are a pile of names, not a diagnosis.
 const MOST_CAUSES: usize = 6;
-
-/// A further cause that explains less than this part of what the others explain may be no more than
-/// their shape, which is never quite that of the catalogue; for the same reason it must be more certain.
-const SHAPE_ERROR: f64 = 0.05;
-const FURTHER_LEVEL: f64 = 0.001;
 
 /// Rivals that are worth a line.
 const MOST_RIVALS: usize = 8;
@@ -96,11 +92,8 @@ fn not_its_own(base: &Base<'_>, found: &[Found]) -> Option<f64> {
     }
     let pairs = || (1..found.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
     let stacked = pairs().any(|(i, j)| overlap(base, &found[i], &found[j]));
-    let all: f64 = found.iter().map(|f| f.statistic).sum();
-    let weakest = found.iter().map(|f| f.statistic).fold(all, f64::min);
-    let doubtful =
-        weakest < SHAPE_ERROR * (all - weakest) || found.iter().any(|f| f.p_value > FURTHER_LEVEL);
-    (stacked || doubtful).then_some(weakest)
+    let (weakest, is_doubtful) = weakest(found.iter().map(|f| (f.statistic, f.p_value)));
+    (stacked || is_doubtful).then_some(weakest)
 }
 
 /// A hypothesis that explains less than this part of what the leader explains is no rival of it in
@@ -272,24 +265,16 @@ fn refined(
     base: &Base<'_>,
     without: &Adjusted,
     suspect: Suspect,
-    [mut low, mut high]: [f64; 2],
+    ends: [f64; 2],
 ) -> (Suspect, Fit) {
     let at = |shape: f64| {
         let columns = base.columns(without, &suspect.hypothesis, shape);
         Fit::new(&without.projection, &columns)
     };
     let explained = |fit: &Fit| fit.explained.iter().map(|x| x * x).sum::<f64>();
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let enough = REFINED * high;
-    while high - low > enough {
-        let (a, b) = (high - golden * (high - low), low + golden * (high - low));
-        if explained(&at(a)) > explained(&at(b)) {
-            high = b;
-        } else {
-            low = a;
-        }
-    }
-    let shape = 0.5 * (low + high);
+    let enough = REFINED * ends[1];
+    let is_close = |low: f64, high: f64| high - low <= enough;
+    let shape = golden_section(ends, is_close, |shape| explained(&at(shape)));
     let fit = at(shape);
     let suspect = Suspect {
         shape,

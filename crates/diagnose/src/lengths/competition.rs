@@ -65,9 +65,9 @@ pub(crate) fn compete<'a>(
     // Where causes explain all, what wanders must do it alone to be better.
     let is_complete = causes_first.wandering.is_empty() && causes_first.search.left <= 0.0;
     let only = without_causes(base, alone.clone())?;
-    let mut model = best(base, vec![causes_first, only])?;
+    let mut model = better(base, causes_first, only)?;
     if !is_complete || model.search.found.is_empty() {
-        model = best(base, vec![model, alternated(base, alone, candidates)?])?;
+        model = better(base, model, alternated(base, alone, candidates)?)?;
     }
     described(base, model, candidates)
 }
@@ -124,20 +124,15 @@ fn settled<'a>(
     })
 }
 
-/// The model with the most evidence in the noise of the one with the least.
-fn best<'a>(base: &Base<'a>, models: Vec<Model<'a>>) -> Result<Model<'a>, Error> {
-    let noises = models.iter().map(|m| m.search.adjusted.network.noise);
-    let plain = base.adjust(Vec::new(), least(noises))?;
-    let evidences: Vec<f64> = models
-        .iter()
-        .map(|model| evidence(base, &plain, model))
-        .collect();
-    let first = evidences
-        .iter()
-        .fold(f64::NEG_INFINITY, |best, &e| best.max(e));
-    let mut models = models.into_iter().zip(evidences);
-    let found = models.find(|(_, evidence)| *evidence >= first);
-    Ok(found.expect("one has the most").0)
+/// The model with more evidence, in the noise of the one with less of it; the first if both have as much.
+fn better<'a>(base: &Base<'a>, first: Model<'a>, second: Model<'a>) -> Result<Model<'a>, Error> {
+    let noises = [&first, &second].map(|m| m.search.adjusted.network.noise);
+    let plain = base.adjust(Vec::new(), least(noises.into_iter()))?;
+    let evidences = [&first, &second].map(|model| evidence(base, &plain, model));
+    Ok(match evidences[1] > evidences[0] {
+        true => second,
+        false => first,
+    })
 }
 
 /// Twice the logarithm of the marginal likelihood ratio against the model without anything, less what names cost.

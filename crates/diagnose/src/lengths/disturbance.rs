@@ -203,7 +203,7 @@ impl Wanderer {
         }
     }
 
-    /// The courses that it has: turns or axes.
+    /// The courses that it has: occupations or axes.
     pub(crate) fn courses(self, base: &Base<'_>) -> Vec<usize> {
         let own = base.readings.iter().filter(|r| self.concerns(r));
         let mut courses: Vec<usize> = own.map(|r| self.place(base, r).0).collect();

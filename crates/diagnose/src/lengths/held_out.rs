@@ -35,6 +35,17 @@ pub(crate) struct HeldOut {
 }
 
 impl HeldOut {
+    /// Of the sums of sweeps.
+    pub(crate) fn of(sums: &[Sums]) -> Self {
+        let count: usize = sums.iter().map(|s| s.0).sum();
+        let rms = |squares: f64| (squares / count as f64).sqrt();
+        Self {
+            before: rms(sums.iter().map(|s| s.1).sum()),
+            after: rms(sums.iter().map(|s| s.2).sum()),
+            interval: interval(sums),
+        }
+    }
+
     pub(crate) fn ratio(self) -> HeldOutRatio {
         HeldOutRatio {
             ratio: self.after / self.before,
@@ -141,17 +152,11 @@ fn held_out<'a>(
             sum.2 += after * after;
         }
     }
-    let count: usize = sums.iter().map(|s| s.0).sum();
-    let rms = |squares: f64| (squares / count as f64).sqrt();
-    Ok(Some(HeldOut {
-        before: rms(sums.iter().map(|s| s.1).sum()),
-        after: rms(sums.iter().map(|s| s.2).sum()),
-        interval: interval(&sums),
-    }))
+    Ok(Some(HeldOut::of(&sums)))
 }
 
 /// 95 % interval of the ratio of the rms with and without the causes, by a bootstrap of sweeps.
-pub(crate) fn interval(sums: &[Sums]) -> [f64; 2] {
+fn interval(sums: &[Sums]) -> [f64; 2] {
     let mut generator = ChaCha8Rng::seed_from_u64(SEED);
     let mut resampled = || {
         let (mut before, mut after) = (0.0, 0.0);

@@ -10,7 +10,7 @@ use trueaxis_poses::LengthCircumstances as Reading;
 use crate::OmnibusTest;
 use crate::lengths::base::{Adjusted, Base};
 use crate::lengths::harmonics::half_waves;
-use crate::selection::{Projection, f_test};
+use crate::selection::{Projection, dot, f_test, gram_of};
 
 /// Family-wise level of the omnibus tests: with that of the causes, 1.2 % of clean campaigns alarm.
 pub(crate) const OMNIBUS_LEVEL: f64 = 0.002;
@@ -80,30 +80,46 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
             },
         ));
     }
+    let tests = tests.into_par_iter().map(|(varies_with, mut columns)| {
+        columns.retain(|column| column.iter().any(|&x| x != 0.0));
+        for column in &mut columns {
+            adjusted.whitened.whiten(column);
+        }
+        Omnibus::of(varies_with, &adjusted.projection, &columns)
+    });
+    family_wise(tests.collect())
+}
+
+impl Omnibus {
+    /// The test of whitened columns, alone.
+    pub(crate) fn of(
+        varies_with: &'static str,
+        projection: &Projection,
+        columns: &[Vec<f64>],
+    ) -> Self {
+        let gram = gram_of(projection, columns);
+        let along = columns.iter().map(|c| dot(c, &projection.residuals));
+        let (drop, rank) = (gram.statistic(&along.collect::<Vec<_>>()), gram.rank());
+        let (squares, freedom) = (projection.squares(), projection.degrees_of_freedom);
+        Self {
+            test: OmnibusTest {
+                varies_with,
+                detail: None,
+                columns: rank,
+                p_value: f_test(drop, squares, rank, freedom),
+            },
+            excess: (drop / (squares / freedom) - rank as f64).max(0.0),
+        }
+    }
+}
+
+/// The tests with the p-values of all of them together.
+pub(crate) fn family_wise(mut tests: Vec<Omnibus>) -> Vec<Omnibus> {
     let count = tests.len() as f64;
-    let projection = &adjusted.projection;
+    for omnibus in &mut tests {
+        omnibus.test.p_value = (count * omnibus.test.p_value).min(1.0);
+    }
     tests
-        .into_par_iter()
-        .map(|(varies_with, mut columns)| {
-            columns.retain(|column| column.iter().any(|&x| x != 0.0));
-            for column in &mut columns {
-                adjusted.whitened.whiten(column);
-            }
-            let (drop, rank) = explained(projection, columns);
-            let squares = projection.squares();
-            let p = f_test(drop, squares, rank, projection.degrees_of_freedom);
-            let variance = squares / projection.degrees_of_freedom;
-            Omnibus {
-                test: OmnibusTest {
-                    varies_with,
-                    detail: None,
-                    columns: rank,
-                    p_value: (count * p).min(1.0),
-                },
-                excess: (drop / variance - rank as f64).max(0.0),
-            }
-        })
-        .collect()
 }
 
 /// Where an axis stands in its travel, 0 to 1.
@@ -140,19 +156,4 @@ fn columns(
         }
     }
     (varies_with, columns)
-}
-
-/// Drop of the sum of squares and number of directions that the data see.
-fn explained(projection: &Projection, columns: Vec<Vec<f64>>) -> (f64, usize) {
-    let gram = crate::selection::gram_of(projection, &columns);
-    let s: Vec<f64> = columns
-        .iter()
-        .map(|c| {
-            c.iter()
-                .zip(&projection.residuals)
-                .map(|(a, b)| a * b)
-                .sum()
-        })
-        .collect();
-    (gram.statistic(&s), gram.rank())
 }

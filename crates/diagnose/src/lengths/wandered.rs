@@ -9,7 +9,7 @@ use crate::lengths::wandering::Judged;
 use crate::selection::{dot, gram_matrix};
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Wandering};
 
-/// Points of a curve, all turns together.
+/// Points of a curve, all occupations together.
 const POINTS: usize = 33;
 
 /// The disturbances of a model; `gain` if there is nothing else that gains.
@@ -64,7 +64,7 @@ fn axis_of(wanderer: Wanderer, course: Option<usize>) -> Option<usize> {
     course.or(wanderer.subject().axis)
 }
 
-/// Its range: s, mm or degrees. Of turns the longest.
+/// Its range: s, mm or degrees. Of occupations the longest.
 fn range(base: &Base<'_>, wanderer: Wanderer, course: Option<usize>) -> [f64; 2] {
     match axis_of(wanderer, course) {
         Some(axis) => {
@@ -76,8 +76,11 @@ fn range(base: &Base<'_>, wanderer: Wanderer, course: Option<usize>) -> [f64; 2]
         }
         None if wanderer.with == With::Campaign => base.span_s,
         None => {
-            let turns = wanderer.courses(base).into_iter().map(|s| turn_s(base, s));
-            let longest = turns.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
+            let occupations = wanderer
+                .courses(base)
+                .into_iter()
+                .map(|s| occupation_s(base, s));
+            let longest = occupations.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
             longest.unwrap_or_default()
         }
     }
@@ -93,7 +96,7 @@ fn unit(base: &Base<'_>, wanderer: Wanderer, course: Option<usize>) -> &'static 
 }
 
 /// First and last reading of a station, s.
-fn turn_s(base: &Base<'_>, station: usize) -> [f64; 2] {
+fn occupation_s(base: &Base<'_>, station: usize) -> [f64; 2] {
     let own = || base.readings.iter().filter(|r| r.station == station);
     let first = own().map(|r| r.time_s).fold(f64::INFINITY, f64::min);
     [first, own().map(|r| r.time_s).fold(first, f64::max)]
@@ -169,7 +172,7 @@ impl Posterior {
         let mut curve = Vec::new();
         for course in shown {
             let ends = match self.wanderer.with {
-                With::Occupation => turn_s(base, courses[course]),
+                With::Occupation => occupation_s(base, courses[course]),
                 _ => range(base, self.wanderer, axis),
             };
             for point in 0..points {

@@ -1,15 +1,13 @@
-//! The causes in words and units: parameters with their uncertainties.
-//!
-//! Of an instant the points say that it lies between two stops: it is uniform over that gap, whatever the likelihood
-//! says of its neighbours. A time constant joins the linear parameters by its derivative.
+//! The causes in words and units: parameters with their uncertainties ([`crate::parameters`]).
 
-use trueaxis_effects::{Level, ResolvedEffect, Shape, shape_parameter};
+use trueaxis_effects::{Level, ResolvedEffect, Shape};
 
+use crate::parameters::{beside_shape, by_shape, u_in_gap_s, with_uncertainties};
 use crate::points::base::Base;
 use crate::points::model::Model;
 use crate::points::search::{Found, Suspect, columns_mm};
 use crate::selection::{Fit, Hypothesis};
-use crate::{Cause, EstimatedParameter, Gain, Rival};
+use crate::{Cause, Gain, Rival};
 
 /// The causes with their parameters, and as effects with values.
 pub(crate) fn causes(
@@ -28,8 +26,7 @@ pub(crate) fn causes(
         let Hypothesis {
             effect, subject, ..
         } = cause.suspect.hypothesis;
-        let linear = effect.parameters(base.scene, &subject);
-        let own = first..first + linear.len();
+        let own = first..first + effect.parameters(base.scene, &subject).len();
         first = own.end;
         let values = fit.estimates[own.clone()].to_vec();
         let mut covariance: Vec<f64> = own
@@ -40,39 +37,24 @@ pub(crate) fn causes(
         let mut u_shape = cause.suspect.u_shape;
         match effect.shape {
             Shape::Instant => {
-                let gap_s = gap_s(base, cause.suspect.shape);
-                u_shape = u_shape.hypot(gap_s / 12_f64.sqrt());
+                let stops = base.readings.stops.iter();
+                let starts_s = stops.map(|stop| base.readings.span_s(stop)[0]);
+                u_shape = u_shape.hypot(u_in_gap_s(starts_s, cause.suspect.shape));
             }
             Shape::TimeConstant | Shape::SettlingTime => {
-                let (with_shape, u) =
+                (covariance, u_shape) =
                     with_time_constant(base, model, &suspects, &cause.suspect, &values);
-                covariance = with_shape;
-                u_shape = u;
             }
             Shape::Fixed | Shape::Lag | Shape::Period | Shape::Waves => {}
         }
         let count = values.len();
-        let mut parameters: Vec<EstimatedParameter> = Vec::new();
-        for (k, parameter) in linear.into_iter().enumerate() {
-            let is_seen = fit.seen[own.start + k];
-            parameters.push(EstimatedParameter {
-                name: parameter.name,
-                value: values[k],
-                u: match is_seen {
-                    true => covariance[k * count + k].max(0.0).sqrt(),
-                    false => f64::INFINITY,
-                },
-                unit: parameter.unit,
-            });
-        }
-        if let Some(shape) = shape_parameter(effect, base.scene, &subject) {
-            parameters.push(EstimatedParameter {
-                name: shape.name,
-                value: cause.suspect.shape,
-                u: u_shape,
-                unit: shape.unit,
-            });
-        }
+        let u = |k: usize| match fit.seen[own.start + k] {
+            true => covariance[k * count + k].max(0.0).sqrt(),
+            false => f64::INFINITY,
+        };
+        let hypothesis = &cause.suspect.hypothesis;
+        let shape = (cause.suspect.shape, u_shape);
+        let parameters = with_uncertainties(base.scene, hypothesis, &values, u, shape);
         let resolved = ResolvedEffect {
             effect,
             subject,
@@ -108,26 +90,6 @@ pub(crate) fn causes(
     (causes, effects)
 }
 
-/// From the start of the stop before an instant to the start of the one after it, s.
-fn gap_s(base: &Base<'_>, instant_s: f64) -> f64 {
-    let starts = || {
-        base.readings
-            .stops
-            .iter()
-            .map(|stop| base.readings.span_s(stop)[0])
-    };
-    let before = starts()
-        .filter(|&t| t <= instant_s)
-        .fold(f64::NEG_INFINITY, f64::max);
-    let after = starts()
-        .filter(|&t| t > instant_s)
-        .fold(f64::INFINITY, f64::min);
-    match before.is_finite() && after.is_finite() {
-        true => after - before,
-        false => 0.0,
-    }
-}
-
 /// Step of the logarithm of a time constant for its derivative.
 const STEP: f64 = 0.01;
 
@@ -142,24 +104,12 @@ fn with_time_constant(
     let at = |shape: f64| base.columns_mm(&suspect.hypothesis, shape);
     let mut columns = at(suspect.shape);
     let n = columns.len();
-    let (shorter, longer) = (suspect.shape * (1.0 - STEP), suspect.shape * (1.0 + STEP));
-    let mut derivative = vec![0.0; base.misfit_mm.len()];
-    for ((a, b), value) in at(shorter).iter().zip(&at(longer)).zip(values) {
-        for ((d, a), b) in derivative.iter_mut().zip(a).zip(b) {
-            *d += (b - a) * value / (longer - shorter);
-        }
-    }
-    columns.push(derivative);
+    let ends = [1.0 - STEP, 1.0 + STEP].map(|part| suspect.shape * part);
+    let ends = ends.map(|shape| (shape, at(shape)));
+    columns.push(by_shape(ends, values, base.misfit_mm.len()));
     let others = suspects
         .iter()
         .filter(|s| !s.hypothesis.is(&suspect.hypothesis));
     columns.extend(others.flat_map(|s| columns_mm(base, std::slice::from_ref(s))));
-    let fit = Fit::new(&model.bare, &model.whitened(base, &columns));
-    let width = columns.len();
-    let u = match fit.seen[n] {
-        true => fit.covariance[n * width + n].sqrt(),
-        false => f64::INFINITY,
-    };
-    let block = (0..n * n).map(|ik| fit.covariance[ik / n * width + ik % n]);
-    (block.collect(), u)
+    beside_shape(&Fit::new(&model.bare, &model.whitened(base, &columns)), n)
 }

@@ -6,7 +6,7 @@
 
 use std::collections::HashSet;
 
-use crate::lengths::{HeldOut, Sums, interval};
+use crate::lengths::{HeldOut, Sums};
 use crate::points::base::Base;
 use crate::points::hypotheses::scan;
 use crate::points::model::{Model, NO_WEIGHT};
@@ -60,11 +60,5 @@ pub(crate) fn held_out(base: &Base<'_>, model: &Model, causes: &[Suspect]) -> Op
         }
     }
     sums.retain(|sum| sum.0 > 0);
-    let count: usize = sums.iter().map(|s| s.0).sum();
-    let rms = |squares: f64| (squares / count as f64).sqrt();
-    (sums.len() >= LEAST_SWEEPS).then(|| HeldOut {
-        before: rms(sums.iter().map(|s| s.1).sum()),
-        after: rms(sums.iter().map(|s| s.2).sum()),
-        interval: interval(&sums),
-    })
+    (sums.len() >= LEAST_SWEEPS).then(|| HeldOut::of(&sums))
 }

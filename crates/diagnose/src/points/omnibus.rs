@@ -10,16 +10,11 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::OmnibusTest;
-use crate::lengths::half_waves;
+use crate::lengths::{OMNIBUS_LEVEL, Omnibus, family_wise, half_waves};
 use crate::points::base::Base;
 use crate::points::model::Model;
 use crate::points::readings::Reading;
 use crate::points::search::{Found, part_within, trace};
-use crate::selection::{f_test, gram_of};
-
-/// Family-wise level of the tests.
-pub(crate) const OMNIBUS_LEVEL: f64 = 0.002;
 
 const OF_TIME: u32 = 12;
 const OF_TARGET: u32 = 4;
@@ -33,14 +28,6 @@ const MOST_OF_FREEDOM: f64 = 1.0 / 3.0;
 pub(crate) struct Family {
     varies_with: &'static str,
     columns_mm: Vec<Vec<f64>>,
-}
-
-/// A test with what it found.
-#[derive(Debug, Clone)]
-pub(crate) struct Omnibus {
-    pub(crate) test: OmnibusTest,
-    /// Squares explained beyond what noise explains, in units of its variance.
-    pub(crate) excess: f64,
 }
 
 /// All families.
@@ -154,36 +141,14 @@ fn columns(
 
 /// The tests of what a model leaves; p-values family-wise over all of them.
 pub(crate) fn omnibus(base: &Base<'_>, families: &[Family], model: &Model) -> Vec<Omnibus> {
-    let projection = &model.projection;
-    let squares = projection.squares();
-    let freedom = projection.degrees_of_freedom;
+    let most = MOST_OF_FREEDOM * model.projection.degrees_of_freedom;
     let tested = families.par_iter().map(|family| {
         let columns = model.whitened(base, &family.columns_mm);
-        let gram = gram_of(projection, &columns);
-        let along = |column: &Vec<f64>| -> f64 {
-            let pairs = column.iter().zip(&projection.residuals);
-            pairs.map(|(x, e)| x * e).sum()
-        };
-        let s: Vec<f64> = columns.iter().map(along).collect();
-        let (drop, rank) = (gram.statistic(&s), gram.rank());
-        let is_said = rank > 0 && rank as f64 <= MOST_OF_FREEDOM * freedom;
-        is_said.then(|| Omnibus {
-            test: OmnibusTest {
-                varies_with: family.varies_with,
-                detail: None,
-                columns: rank,
-                p_value: f_test(drop, squares, rank, freedom),
-            },
-            excess: (drop * freedom / squares - rank as f64).max(0.0),
-        })
+        Omnibus::of(family.varies_with, &model.projection, &columns)
     });
-    let tested: Vec<Option<Omnibus>> = tested.collect();
-    let mut tests: Vec<Omnibus> = tested.into_iter().flatten().collect();
-    let count = tests.len() as f64;
-    for omnibus in &mut tests {
-        omnibus.test.p_value = (count * omnibus.test.p_value).min(1.0);
-    }
-    tests
+    let mut tested: Vec<Omnibus> = tested.collect();
+    tested.retain(|o| o.test.columns > 0 && o.test.columns as f64 <= most);
+    family_wise(tested)
 }
 
 /// What is left in columns, times the part of a cause's trace that lies in them, in squares of that trace, from which

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use nalgebra::Point3;
 use trueaxis_campaign::{Campaign, Direction, Points, Stop};
+use trueaxis_poses::constant_feed_per_s;
 
 /// A measured point.
 #[derive(Debug, Clone)]
@@ -169,9 +170,6 @@ fn on_several_carriers(campaign: &Campaign, points: &Points) -> Vec<bool> {
     carriers.iter().map(|own| own.len() > 1).collect()
 }
 
-/// A feed is constant if nine in ten speeds between neighbouring stops differ by less than this part.
-const CONSTANT_FEED: f64 = 0.02;
-
 /// Speed of an axis in a sweep with sign, if the machine may be moving there: all points of a stop at one time, and
 /// positions that grow in proportion to time. Otherwise 0.
 fn speed_per_s(campaign: &Campaign, points: &Points, sweep: &[Stop], axis: usize) -> f64 {
@@ -184,17 +182,6 @@ fn speed_per_s(campaign: &Campaign, points: &Points, sweep: &[Stop], axis: usize
         return 0.0;
     }
     let position = |stop: &Stop| campaign.steps[stop.step].positions[axis];
-    let between = sweep.windows(2).map(|pair| {
-        let [from, to] = [&pair[0], &pair[1]];
-        (position(to) - position(from)) / (time_s(to) - time_s(from))
-    });
-    let mut between: Vec<f64> = between.collect();
-    between.sort_by(f64::total_cmp);
-    let median = between[between.len() / 2];
-    let alike = |v: &&f64| (*v - median).abs() <= CONSTANT_FEED * median.abs();
-    let is_constant = 10 * between.iter().filter(alike).count() >= 9 * between.len();
-    match median.is_finite() && is_constant {
-        true => median,
-        false => 0.0,
-    }
+    let course: Vec<[f64; 2]> = sweep.iter().map(|s| [time_s(s), position(s)]).collect();
+    constant_feed_per_s(&course)
 }

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use trueaxis_campaign::{Campaign, Points};
 use trueaxis_effects::{Level, ResolvedEffect, Scene};
 
-use crate::lengths::HeldOut;
+use crate::lengths::{HeldOut, OMNIBUS_LEVEL, Omnibus};
 use crate::points::base::Base;
 use crate::points::causes::causes;
 use crate::points::gross_errors::{Gross, are_accidents, stand_out};
@@ -12,7 +12,7 @@ use crate::points::held_out::held_out;
 use crate::points::hypotheses::of_catalogue;
 use crate::points::model::Model;
 use crate::points::not_observable::not_observable;
-use crate::points::omnibus::{Family, OMNIBUS_LEVEL, Omnibus, families, is_imitation, omnibus};
+use crate::points::omnibus::{Family, families, is_imitation, omnibus};
 use crate::points::places::places;
 use crate::points::search::{Found, Search, Suspect, columns_mm, find_causes};
 use crate::{Cause, Gain, LevelReport, Misfit, NotObservable, Rejected, Shares, Unexplained};
@@ -49,7 +49,7 @@ pub(crate) fn diagnose_points(
         return not_judged(&screened.base, freedom);
     }
     if plain.noise.mean_um(&screened.base.readings) < RESOLUTION_UM {
-        return said(&screened, points, plain, Vec::new(), &[]);
+        return said(&screened, points, Believed::nothing(plain), &[]);
     }
     let all = of_catalogue(&screened.base);
     let mut search = find_causes(&screened.base, plain, &all);
@@ -63,8 +63,8 @@ pub(crate) fn diagnose_points(
         screened = again;
     }
     let families = families(&screened.base);
-    let Search { found, model } = believed(&screened.base, search, &families);
-    said(&screened, points, model, found, &families)
+    let believed = Believed::of(&screened.base, search, &families);
+    said(&screened, points, believed, &families)
 }
 
 fn suspects(found: &[Found]) -> Vec<Suspect> {
@@ -135,27 +135,55 @@ fn not_judged(base: &Base<'_>, freedom: f64) -> PointsOutcome {
     }
 }
 
-/// The causes of a search but those that predict unused points worse than nothing, or merely imitate what is left.
-fn believed(base: &Base<'_>, search: Search, families: &[Family]) -> Search {
-    let Search {
-        mut found,
-        mut model,
-    } = search;
-    loop {
-        let count = found.len();
-        let left = omnibus(base, families, &model);
-        let is_one = |cause: &Found| is_imitation(base, families, &model, &left, cause);
-        // What was found beside an imitation goes with it.
-        let first = found.iter().position(is_one);
-        found.truncate(first.unwrap_or(count));
-        if found.len() == count {
-            let heldout = held_out(base, &model, &suspects(&found));
-            if count == 0 || heldout.is_none_or(|h| h.interval[0] < 1.0) {
-                return Search { found, model };
-            }
-            found.clear();
+/// The causes that are believed, and what the model with them leaves and gains.
+struct Believed {
+    found: Vec<Found>,
+    model: Model,
+    after: Vec<Omnibus>,
+    heldout: Option<HeldOut>,
+}
+
+impl Believed {
+    /// No causes, and nothing tested.
+    fn nothing(model: Model) -> Self {
+        Self {
+            found: Vec::new(),
+            model,
+            after: Vec::new(),
+            heldout: None,
         }
-        model = Model::estimated(base, &columns_mm(base, &suspects(&found)));
+    }
+
+    /// The causes of a search but those that predict unused points worse than nothing, or merely imitate what is left.
+    fn of(base: &Base<'_>, search: Search, families: &[Family]) -> Self {
+        let Search {
+            mut found,
+            mut model,
+        } = search;
+        loop {
+            let count = found.len();
+            let after = omnibus(base, families, &model);
+            let is_one = |cause: &Found| is_imitation(base, families, &model, &after, cause);
+            // What was found beside an imitation goes with it.
+            let first = found.iter().position(is_one);
+            found.truncate(first.unwrap_or(count));
+            if found.len() == count {
+                let heldout = match found.is_empty() {
+                    true => None,
+                    false => held_out(base, &model, &suspects(&found)),
+                };
+                if heldout.is_none_or(|h| h.interval[0] < 1.0) {
+                    return Self {
+                        found,
+                        model,
+                        after,
+                        heldout,
+                    };
+                }
+                found.clear();
+            }
+            model = Model::estimated(base, &columns_mm(base, &suspects(&found)));
+        }
     }
 }
 
@@ -163,11 +191,16 @@ fn believed(base: &Base<'_>, search: Search, families: &[Family]) -> Search {
 fn said(
     screened: &Screened<'_>,
     points: &Points,
-    model: Model,
-    found: Vec<Found>,
+    believed: Believed,
     families: &[Family],
 ) -> PointsOutcome {
     let (base, gross) = (&screened.base, &screened.gross);
+    let Believed {
+        found,
+        model,
+        after,
+        heldout,
+    } = believed;
     let suspects = suspects(&found);
     // Both in the noise that is left at the end.
     let sharp = Model::with(base, &[], model.noise, None);
@@ -177,12 +210,7 @@ fn said(
         noise_um * Model::rms(&model.projection),
     );
     let before = omnibus(base, families, &sharp);
-    let after = omnibus(base, families, &model);
     let unexplained = unexplained(&model, &after, noise_um);
-    let heldout = match found.is_empty() {
-        true => None,
-        false => held_out(base, &model, &suspects),
-    };
     let excess = before_um.powi(2) - noise_um.powi(2);
     let removed = 1.0 - (after_um.powi(2) - noise_um.powi(2)).max(0.0) / excess;
     let gain = heldout.map(|h| Gain {

@@ -5,7 +5,9 @@ use trueaxis_effects::{ResolvedEffect, Shape};
 use crate::points::base::Base;
 use crate::points::hypotheses::scans;
 use crate::points::model::Model;
-use crate::selection::{Fit, Hypothesis, Null, Projection, Score, cosine, is_rival, rank};
+use crate::selection::{
+    Fit, Hypothesis, Null, Projection, Score, cosine, golden_section, is_rival, rank, weakest,
+};
 
 /// Family-wise level of the causes. With that of the omnibus tests, and since [`Null`] takes scans over instants for
 /// rarer than they are by a factor of about two, one of 150 clean campaigns alarms.
@@ -16,11 +18,6 @@ const MOST_CAUSES: usize = 4;
 
 /// Exchanges of causes for better ones before it is enough.
 const MOST_EXCHANGES: usize = 6;
-
-/// A further cause that explains less than this part of what the others explain may be no more than their shape,
-/// which is never quite that of the catalogue; for the same reason it must be more certain.
-const SHAPE_ERROR: f64 = 0.05;
-const FURTHER_LEVEL: f64 = 0.001;
 
 /// Explanations of a machine and of a frame that are more alike than this are twins.
 const ALIKE: f64 = 0.95;
@@ -94,10 +91,8 @@ fn are_their_own(found: &[Found]) -> bool {
     }
     let pairs = || (1..found.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
     let is_stacked = pairs().any(|(i, j)| overlap(&found[i], &found[j]));
-    let all: f64 = found.iter().map(|f| f.statistic).sum();
-    let weakest = found.iter().map(|f| f.statistic).fold(all, f64::min);
-    let is_doubtful = found.iter().any(|f| f.p_value > FURTHER_LEVEL);
-    !is_stacked && !is_doubtful && weakest >= SHAPE_ERROR * (all - weakest)
+    let (_, is_doubtful) = weakest(found.iter().map(|f| (f.statistic, f.p_value)));
+    !is_stacked && !is_doubtful
 }
 
 /// What a cause makes responsible.
@@ -281,32 +276,18 @@ fn is_possible(base: &Base<'_>, hypothesis: &Hypothesis, fit: impl Fn() -> Fit) 
     if parameters.iter().all(|p| p.plausible.is_none()) {
         return true;
     }
-    let (fit, count) = (fit(), parameters.len());
-    parameters.iter().enumerate().all(|(k, parameter)| {
-        let u = 3.0 * fit.covariance[k * count + k].max(0.0).sqrt();
-        let value = fit.estimates[k];
-        let within = |[low, high]: [f64; 2]| value - u <= high && value + u >= low;
-        parameter.plausible.is_none_or(within)
-    })
+    // Whitened with the noise: of unit variance.
+    fit().is_possible(&parameters, 1.0)
 }
 
 /// Ratio of neighbours in the list of time constants, at most, and the part to which one is refined.
 const RATIO: f64 = 1.5;
 const REFINED: f64 = 1e-3;
 
-/// Golden section between the neighbours in the list.
+/// A time constant between its neighbours in the list.
 fn refined(found: f64, explained: impl Fn(f64) -> f64) -> f64 {
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut low, mut high) = (found / RATIO, found * RATIO);
-    while high - low > REFINED * high {
-        let (a, b) = (high - golden * (high - low), low + golden * (high - low));
-        if explained(a) > explained(b) {
-            high = b;
-        } else {
-            low = a;
-        }
-    }
-    0.5 * (low + high)
+    let is_close = |low: f64, high: f64| high - low <= REFINED * high;
+    golden_section([found / RATIO, found * RATIO], is_close, explained)
 }
 
 /// What a suspect explains of what the base model leaves.

@@ -1,5 +1,7 @@
 //! Whether another hypothesis explains the data nearly as well.
 
+use trueaxis_effects::Parameter;
+
 use crate::selection::fixed_scan::gram;
 use crate::selection::projection::{add, dot};
 use crate::selection::{Projection, Score};
@@ -37,6 +39,18 @@ impl Fit {
             estimates,
             explained,
         }
+    }
+
+    /// Whether the data allow values in their plausible ranges, three standard uncertainties considered; `variance` is
+    /// that of the observations.
+    pub(crate) fn is_possible(&self, parameters: &[Parameter], variance: f64) -> bool {
+        let count = parameters.len();
+        parameters.iter().enumerate().all(|(k, parameter)| {
+            let u = 3.0 * (self.covariance[k * count + k].max(0.0) * variance).sqrt();
+            parameter.plausible.is_none_or(|[low, high]| {
+                self.estimates[k] - u <= high && self.estimates[k] + u >= low
+            })
+        })
     }
 }
 

@@ -31,15 +31,8 @@ impl Candidate {
         if self.parameters.iter().all(|p| p.plausible.is_none()) {
             return true;
         }
-        let fit = Fit::new(model, self.columns(shape));
         let variance = model.squares() / model.degrees_of_freedom.max(1.0);
-        let count = self.parameters.len();
-        self.parameters.iter().enumerate().all(|(k, parameter)| {
-            let u = 3.0 * (fit.covariance[k * count + k].max(0.0) * variance).sqrt();
-            parameter.plausible.is_none_or(|[low, high]| {
-                fit.estimates[k] - u <= high && fit.estimates[k] + u >= low
-            })
-        })
+        Fit::new(model, self.columns(shape)).is_possible(&self.parameters, variance)
     }
 
     /// The whitened columns at the nearest shape.

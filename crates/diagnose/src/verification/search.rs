@@ -7,7 +7,7 @@
 //! 3. Shapes of all causes are looked for again with the others in the model.
 //! 4. Causes that have become superfluous leave.
 
-use crate::selection::{Null, Projection, Scan, Score, ln_f_test, rank};
+use crate::selection::{Null, Projection, SHAPE_ERROR, Scan, Score, ln_f_test, rank};
 use crate::verification::problem::{Chosen, Problem};
 
 /// Causes named at most: more are no longer an explanation.
@@ -43,10 +43,7 @@ pub(crate) fn search(problem: &Problem<'_>, excluded: &[usize], level: f64) -> V
     causes
 }
 
-/// A further cause that explains less than this part of what the others do may be no more than their shape, which
-/// is never quite that of the catalogue.
-const SHAPE_ERROR: f64 = 0.05;
-
+/// Whether a further cause may be no more than the shape of the others.
 fn is_shape_of(problem: &Problem<'_>, causes: &[Chosen], next: &Chosen) -> bool {
     let model = problem.with(causes);
     let earlier = problem.base.squares() - model.squares();

@@ -228,14 +228,23 @@ fn speed_per_s(campaign: &Campaign, lengths: &Lengths, sweep: &[Stop], axis: usi
     }
     let time_s = |stop: &Stop| lengths.readings[stop.readings.start].time_s;
     let position = |stop: &Stop| campaign.steps[stop.step].positions[axis];
+    let course: Vec<[f64; 2]> = sweep.iter().map(|s| [time_s(s), position(s)]).collect();
+    constant_feed_per_s(&course)
+}
+
+/// Speed with sign of a motion from stop to stop, given as times and positions, if nine in ten speeds between neighbours
+/// differ by less than 2 %; else 0. Zero for less than two stops.
+pub fn constant_feed_per_s(course: &[[f64; 2]]) -> f64 {
     // Sweeps of one target each follow one another in one key: a jump back is no motion.
-    let between = sweep.windows(2).map(|pair| {
-        let [from, to] = [&pair[0], &pair[1]];
-        (position(to) - position(from)) / (time_s(to) - time_s(from))
+    let between = course.windows(2).map(|pair| {
+        let [from, to] = [pair[0], pair[1]];
+        (to[1] - from[1]) / (to[0] - from[0])
     });
     let mut between: Vec<f64> = between.collect();
     between.sort_by(f64::total_cmp);
-    let median = between[between.len() / 2];
+    let Some(&median) = between.get(between.len() / 2) else {
+        return 0.0;
+    };
     let alike = |v: &&f64| (*v - median).abs() <= CONSTANT_FEED * median.abs();
     let constant = 10 * between.iter().filter(alike).count() >= 9 * between.len();
     match median.is_finite() && constant {
