@@ -4,6 +4,8 @@
 //! (right-hand rule), of linear axes at the origin of the reference frame, of rotary ones at the centre in the file or on the
 //! nominal axis: as [`crate::export()`] writes them. They say neither by whom nor how well they were measured.
 
+use std::io::{self, Seek, Write};
+
 use nalgebra::Point3;
 use serde_json::{Value, json};
 use trueaxis_campaign::{InputFile, MachineSpec};
@@ -51,10 +53,20 @@ pub struct Imported {
     pub format: Format,
     /// Content of `calibration.json`.
     pub calibration: Value,
-    /// Bytes of `covariance.npz`; none without uncertainties.
-    pub covariance: Option<Vec<u8>>,
+    /// What `covariance.npz` holds; none without uncertainties.
+    pub covariance: Option<DeclaredCovariance>,
     /// What a user must know.
     pub notices: Vec<String>,
+}
+
+/// The covariance of results of which each has its own declared uncertainty.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeclaredCovariance {
+    /// Of all axes together.
+    steps: usize,
+    /// Whether each location error is an angle.
+    angular: Vec<bool>,
+    u: U,
 }
 
 /// Makes a calibration of a file in the format `ISG_CSV` or in the exchange format of Etalon, whichever it is.
@@ -116,7 +128,7 @@ pub fn import(import: &Import<'_>) -> Result<Imported, Error> {
     Ok(Imported {
         format,
         calibration,
-        covariance: u.map(|u| covariance_npz(steps, &angular, u)),
+        covariance: u.map(|u| DeclaredCovariance { steps, angular, u }),
         notices,
     })
 }
@@ -302,35 +314,45 @@ fn location_units(is_angular: bool, u: Option<U>) -> (f64, &'static str, Option<
     }
 }
 
-/// Each result by itself: blocks of the steps, and a column for each location error; in the units of `calibration.json`.
-fn covariance_npz(steps: usize, angular: &[bool], u: U) -> Vec<u8> {
-    let [(_, _, um), (_, _, arcsec)] = [false, true].map(|is_angular| units(is_angular, Some(u)));
-    let variances = [um, arcsec].map(|u| u.unwrap_or_default().powi(2));
-    let own = (0..36 * steps).map(|i| {
-        let (row, column) = (i % 36 / 6, i % 6);
-        if row == column {
-            variances[row / 3]
-        } else {
-            0.0
-        }
-    });
-    let (results, count) = (6 * steps + angular.len(), angular.len());
-    let sensitivities = (0..results * count).map(|i| {
-        let (row, column) = (i / count, i % count);
-        let own = row == 6 * steps + column;
-        let u = || {
-            location_units(angular[column], Some(u))
-                .2
-                .unwrap_or_default()
-        };
-        if own { u() } else { 0.0 }
-    });
-    let shared = (0..count * count).map(|i| if i % (count + 1) == 0 { 1.0 } else { 0.0 });
-    let mut npz = NpzWriter::new(std::io::Cursor::new(Vec::new()));
-    let written = npz
-        .array("own", &[steps, 6, 6], own)
-        .and_then(|()| npz.array("sensitivities", &[results, count], sensitivities))
-        .and_then(|()| npz.array("shared", &[count, count], shared))
-        .and_then(|()| npz.finish());
-    written.expect("memory takes all").into_inner()
+impl DeclaredCovariance {
+    /// Writes `covariance.npz`: blocks of the steps, and a column for each location error; in the units of
+    /// `calibration.json`.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write_npz(&self, out: impl Write + Seek) -> io::Result<()> {
+        let Self {
+            steps,
+            ref angular,
+            u,
+        } = *self;
+        let [(_, _, um), (_, _, arcsec)] =
+            [false, true].map(|is_angular| units(is_angular, Some(u)));
+        let variances = [um, arcsec].map(|u| u.unwrap_or_default().powi(2));
+        let own = (0..36 * steps).map(|i| {
+            let (row, column) = (i % 36 / 6, i % 6);
+            if row == column {
+                variances[row / 3]
+            } else {
+                0.0
+            }
+        });
+        let (results, count) = (6 * steps + angular.len(), angular.len());
+        let sensitivities = (0..results * count).map(|i| {
+            let (row, column) = (i / count, i % count);
+            let own = row == 6 * steps + column;
+            let u = || {
+                location_units(angular[column], Some(u))
+                    .2
+                    .unwrap_or_default()
+            };
+            if own { u() } else { 0.0 }
+        });
+        let shared = (0..count * count).map(|i| if i % (count + 1) == 0 { 1.0 } else { 0.0 });
+        let mut npz = NpzWriter::new(out);
+        npz.array("own", &[steps, 6, 6], own)?;
+        npz.array("sensitivities", &[results, count], sensitivities)?;
+        npz.array("shared", &[count, count], shared)?;
+        npz.finish().map(drop)
+    }
 }

@@ -37,7 +37,7 @@ pub use correct::{Corrected, axis_deviations, correct};
 pub use error::Error;
 pub use export::{Announcement, Export, ExportedFile, Format, LineFigures, Request, Sizes, export};
 pub use freedom::Moved;
-pub use import::{DeclaredUncertainty, Import, Imported, import};
+pub use import::{DeclaredCovariance, DeclaredUncertainty, Import, Imported, import};
 pub use remains::{Left, Remains, remains};
 pub use verify::iso_230_2::{Positioning, Side};
 pub use verify::iso_230_4::Circular;

@@ -85,8 +85,8 @@ pub(crate) fn run(args: &ImportCalibrationArgs) -> anyhow::Result<Exit> {
     imported.notices.iter().for_each(|text| notice(text));
     say(&format!("written: {}", path.display()));
     let path = folder.join(FactoredCovariance::FILE);
-    if let Some(bytes) = &imported.covariance {
-        output::write(&path, bytes)?;
+    if let Some(covariance) = &imported.covariance {
+        output::write_by(&path, |out| covariance.write_npz(out))?;
         say(&format!("written: {}", path.display()));
     } else if path.exists() {
         notice(&format!(

@@ -15,8 +15,8 @@ use trueaxis_kinematics::{AxisKind, Component};
 
 use crate::Error;
 use crate::export::components::Components;
-use crate::export::with_old::with_old;
-use crate::export::{ExportedFile, Request, Tables, one_file, round};
+use crate::export::with_old::onto;
+use crate::export::{ExportedFile, Request, Tables, round};
 
 const FORMAT: &str = "isg";
 
@@ -25,15 +25,7 @@ const DECIMALS: i32 = 10;
 
 pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let components = Components::new(request, FORMAT)?;
-    let axes = match request.onto {
-        [] => components.axes.clone(),
-        [old] => {
-            let machine = request.machine.machine();
-            let old = read::read(&old.name, &old.text)?.of_machine(machine)?;
-            with_old(machine, &components.axes, &old)
-        }
-        more => return Err(one_file(FORMAT, more.len())),
-    };
+    let axes = onto(request, &components, FORMAT, read::read)?;
     let mut notes = components.notes(request);
     let mut text = String::new();
     for note in &notes {

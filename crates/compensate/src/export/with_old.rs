@@ -5,19 +5,35 @@
 use nalgebra::{Point3, Vector6};
 use trueaxis_kinematics::{Axis, LocationError, Machine, MotionError};
 
-use crate::export::components::AxisComponents;
+use crate::Error;
+use crate::export::components::{AxisComponents, Components};
 use crate::export::line::interpolate;
-use crate::export::named_errors::AxisErrors;
+use crate::export::named_errors::{AxisErrors, NamedErrors};
+use crate::export::{Request, one_file};
 
 /// Positions this close are one, mm or rad.
 const SAME: f64 = 1e-9;
 
+/// The errors that files of named errors get: those of `request`, with the old ones if there are any.
+pub(crate) fn onto(
+    request: &Request<'_>,
+    components: &Components,
+    format: &'static str,
+    read: fn(&str, &str) -> Result<NamedErrors, Error>,
+) -> Result<Vec<AxisComponents>, Error> {
+    match request.onto {
+        [] => Ok(components.axes.clone()),
+        [old] => {
+            let machine = request.machine.machine();
+            let old = read(&old.name, &old.text)?.of_machine(machine)?;
+            Ok(with_old(machine, &components.axes, &old))
+        }
+        more => Err(one_file(format, more.len())),
+    }
+}
+
 /// The new errors of each axis with the old ones; axes that only the old tables have stay as they are.
-pub(crate) fn with_old(
-    machine: &Machine,
-    new: &[AxisComponents],
-    old: &[AxisErrors],
-) -> Vec<AxisComponents> {
+fn with_old(machine: &Machine, new: &[AxisComponents], old: &[AxisErrors]) -> Vec<AxisComponents> {
     let axes = 0..machine.axes().len();
     let of_axis = |axis: usize| {
         let new = new.iter().find(|new| new.axis == axis);

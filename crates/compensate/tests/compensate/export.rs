@@ -6,17 +6,7 @@ use trueaxis_compensate::{Error, Export, ExportedFile, Format, Request, export};
 use trueaxis_kinematics::{GeometricErrors, Ideal, MICROMETRE};
 
 use crate::controllers::{Control, control};
-use crate::{FIVE_AXES, TABLE, THREE_AXES, calibrated, scenario, tool};
-
-fn request(machine: &CalibratedMachine) -> Request<'_> {
-    Request {
-        machine,
-        at: tool(),
-        axis: None,
-        step: None,
-        onto: &[],
-    }
-}
+use crate::{FIVE_AXES, TABLE, THREE_AXES, calibrated, request, scenario, tool};
 
 /// Displacement of the tool against where it is commanded, less that at home, mm.
 fn error(

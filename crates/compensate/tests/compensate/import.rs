@@ -37,8 +37,9 @@ fn read(imported: &Imported) -> CalibratedMachine {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("calibration.json");
     std::fs::write(&path, imported.calibration.to_string()).unwrap();
-    if let Some(bytes) = &imported.covariance {
-        std::fs::write(folder.path().join("covariance.npz"), bytes).unwrap();
+    if let Some(covariance) = &imported.covariance {
+        let file = std::fs::File::create(folder.path().join("covariance.npz")).unwrap();
+        covariance.write_npz(file).unwrap();
     }
     CalibratedMachine::read(&path).unwrap()
 }

@@ -18,6 +18,7 @@ use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use trueaxis_calibrate::{CalibratedMachine, Settings, calibrate};
+use trueaxis_compensate::Request;
 use trueaxis_simulate::{Scenario, simulate};
 
 const THREE_AXES: &str = include_str!("../../../../campaigns/fxyz/scenario.json");
@@ -27,6 +28,17 @@ const TABLE: &str = include_str!("../../../../campaigns/rotary-stage/scenario.js
 /// The point of the paper's positioning lines.
 fn tool() -> Point3<f64> {
     Point3::new(175.6, 497.5, 312.1)
+}
+
+/// All tables of a machine for that point.
+fn request(machine: &CalibratedMachine) -> Request<'_> {
+    Request {
+        machine,
+        at: tool(),
+        axis: None,
+        step: None,
+        onto: &[],
+    }
 }
 
 fn scenario(text: &str) -> Scenario {

@@ -1,24 +1,14 @@
 //! Tables onto those that were active while the machine was measured: the models of the controls add what both add.
 
-use trueaxis_calibrate::{CalibratedMachine, Settings, calibrate};
+use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_compensate::{Error, Export, ExportedFile, Format, Request, export};
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_simulate::simulate;
 
 use crate::controllers::control;
-use crate::{FIVE_AXES, THREE_AXES, calibrated, poses, scenario, tool};
+use crate::{FIVE_AXES, THREE_AXES, calibrated, poses, request, scenario, tool};
 
 const FORMATS: [Format; 4] = [Format::Grid, Format::Isg, Format::Etalon, Format::Sinumerik];
-
-fn request(machine: &CalibratedMachine) -> Request<'_> {
-    Request {
-        machine,
-        at: tool(),
-        axis: None,
-        step: None,
-        onto: &[],
-    }
-}
 
 /// What an old calibration of the same machine, with other noise, made, at its own spacing.
 fn old(format: Format, text: &str) -> Export {
