@@ -11,7 +11,7 @@ use crate::args::CompareArgs;
 use crate::exit::Exit;
 use crate::output;
 use crate::predict::source;
-use crate::talk::say;
+use crate::talk::{notice, say};
 use crate::traceability::{of_calibration, traced};
 
 const FILE: &str = "comparison.json";
@@ -26,8 +26,7 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
     let differences = first.compare(&second)?;
     let mut inputs = of_calibration(&args.first, &first)?;
     inputs.extend(of_calibration(&args.second, &second)?);
-    let text = trueaxis_files::to_json(&to_json(&first, &second, &differences))?;
-    let text = traced(&text, &inputs, None)?;
+    let text = traced(to_json(&first, &second, &differences), &inputs, None)?;
     let folder = output::folder(args.out.as_deref(), &second.campaign)?;
     let path = folder.join(FILE);
     output::write(&path, text.as_bytes())?;
@@ -43,8 +42,8 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
             AxisKind::Linear => format!("{from:.0} … {to:.0} mm"),
             AxisKind::Rotary => format!("{:.0} … {:.0}°", from.to_degrees(), to.to_degrees()),
         };
-        say(&format!(
-            "notice: {axis} was measured over {} first, over {} then: average lines and axes are those of the travel, so \
+        notice(&format!(
+            "{axis} was measured over {} first, over {} then: average lines and axes are those of the travel, so \
              that differences of straightness and location errors contain what its curves make of that",
             travel(a),
             travel(b)
@@ -53,8 +52,8 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
     if measured_lengths(&args.first)
         .is_some_and(|hash| measured_lengths(&args.second) == Some(hash))
     {
-        say(
-            "notice: both follow from the same measurement, whose noise is common to them: U of the differences is too large",
+        notice(
+            "both follow from the same measurement, whose noise is common to them: U of the differences is too large",
         );
     }
     say(&format!("written: {}", path.display()));

@@ -40,7 +40,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
         }
     };
     let diagnosis = diagnosis.with_context(in_file)?;
-    let text = traced(&diagnosis.to_json(), &inputs, None)?;
+    let text = traced(serde_json::from_str(&diagnosis.to_json())?, &inputs, None)?;
     let mut notices: Vec<String> = campaign.notices.clone();
     notices.extend(diagnosis.notices.iter().cloned());
     let mut files = vec![("diagnosis.json", text.clone())];

@@ -62,8 +62,8 @@ pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
 
     let folder = output::folder(args.out.as_deref(), &campaign.name)?;
     let path = folder.join("montecarlo.json");
-    let text = montecarlo_file::text(&campaign.name, args.seed, &propagation, &compared);
-    let text = traced(&text, &checksums(&args.campaign)?, Some(args.seed))?;
+    let document = montecarlo_file::document(&campaign.name, args.seed, &propagation, &compared)?;
+    let text = traced(document, &checksums(&args.campaign)?, Some(args.seed))?;
     output::write(&path, text.as_bytes())?;
     let adjustment = summary::adjustment(&calibration);
     for line in adjustment.into_iter().chain(lines(&propagation, &compared)) {

@@ -4,6 +4,7 @@
 //! `calibration.json`.
 
 use serde::Serialize;
+use serde_json::Value;
 use trueaxis_calibrate::{NumberedResult, Output};
 use trueaxis_montecarlo::{FirstOrder, Outcome, Propagation, Summary, Validation};
 
@@ -42,14 +43,14 @@ struct Entry<'a> {
     first_order_interval: &'static str,
 }
 
-/// The text of the file.
-pub(crate) fn text(
+/// The file.
+pub(crate) fn document(
     campaign: &str,
     seed: u64,
     propagation: &Propagation,
     compared: &[Compared<'_>],
-) -> String {
-    let file = File {
+) -> serde_json::Result<Value> {
+    serde_json::to_value(File {
         format: "trueaxis-montecarlo",
         version: 1,
         campaign,
@@ -58,9 +59,7 @@ pub(crate) fn text(
         coverage: propagation.coverage,
         stabilised: propagation.stability.as_ref().map(|s| s.stabilised),
         results: compared.iter().map(entry).collect(),
-    };
-    // Serialising plain structs of numbers and strings has no way to fail.
-    trueaxis_files::to_json(&file).expect("numbers and strings serialise")
+    })
 }
 
 fn entry<'a>(one: &Compared<'a>) -> Entry<'a> {

@@ -9,11 +9,10 @@ use trueaxis_campaign::InputFile;
 
 /// The text of a result with its `traceability`.
 pub(crate) fn traced(
-    text: &str,
+    mut document: Value,
     inputs: &[InputFile],
     seed: Option<u64>,
-) -> anyhow::Result<String> {
-    let mut document: Value = serde_json::from_str(text)?;
+) -> serde_json::Result<String> {
     let mut traceability = json!({
         "program": concat!("trueaxis ", env!("CARGO_PKG_VERSION")),
         "inputs": inputs,
@@ -22,7 +21,7 @@ pub(crate) fn traced(
         traceability["seed"] = json!(seed);
     }
     document["traceability"] = traceability;
-    Ok(trueaxis_files::to_json(&document)?)
+    trueaxis_files::to_json(&document)
 }
 
 /// A calibration and, if it has uncertainties, the covariance beside it.

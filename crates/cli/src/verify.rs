@@ -32,7 +32,7 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     );
     let mut inputs = of_calibration(&args.calibration, &machine)?;
     inputs.extend(checksums(&args.campaign)?);
-    let text = traced(&trueaxis_files::to_json(&document)?, &inputs, None)?;
+    let text = traced(document, &inputs, None)?;
     let folder = output::folder(args.out.as_deref(), &campaign.name)?;
     let path = folder.join(FILE);
     output::write(&path, text.as_bytes())?;

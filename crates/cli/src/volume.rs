@@ -27,9 +27,8 @@ pub(crate) fn run(args: &VolumeArgs) -> anyhow::Result<Exit> {
         seed: args.seed,
     });
     let after = remains(&machine, &volume.places)?;
-    let text = with_after(&volume.to_json(&machine), &after)?;
     let text = traced(
-        &text,
+        with_after(&volume.to_json(&machine), &after)?,
         &of_calibration(&args.calibration, &machine)?,
         Some(args.seed),
     )?;
@@ -142,7 +141,7 @@ fn figure(figure: &Figure, unit: f64) -> String {
 const DECIMALS: i32 = 4;
 
 /// The document with what the best compensation leaves.
-fn with_after(text: &str, after: &Remains) -> anyhow::Result<String> {
+fn with_after(text: &str, after: &Remains) -> serde_json::Result<Value> {
     let um = |mm: f64| round(mm / MICROMETRE, DECIMALS);
     let arcsec = |rad: f64| round(rad / ARCSEC, DECIMALS);
     let left = |left: &Left| {
@@ -161,7 +160,7 @@ fn with_after(text: &str, after: &Remains) -> anyhow::Result<String> {
         "u_rms_um": um(after.u_rms_mm),
         "u_max_um": um(after.u_max_mm),
     });
-    Ok(trueaxis_files::to_json(&document)?)
+    Ok(document)
 }
 
 fn after_lines(after: &Remains) -> Vec<String> {
