@@ -6,6 +6,7 @@
 
 mod adjust;
 mod curvature;
+mod decompositions;
 mod linearised;
 mod model;
 mod residual;
@@ -16,6 +17,7 @@ mod trust_region;
 use faer::{Mat, MatRef};
 
 pub use adjust::{Adjusted, Settings, adjust};
+pub use decompositions::{SymmetricEigen, inverse, relative_singular_value, symmetric_eigen};
 pub use model::Model;
 pub use termination::Termination;
 

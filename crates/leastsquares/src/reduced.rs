@@ -16,9 +16,10 @@
 //! [`SHARED_RANK_TOL`]. Eigenvalues cost more than all the rest, so they are looked at only if the
 //! inverse does not rule it out ([`Reduced::rules_out_free`]).
 
-use faer::{Mat, Side};
+use faer::Mat;
 
 use crate::Error;
+use crate::dense::{SymmetricEigen, symmetric_eigen};
 use crate::dot::dot;
 use crate::inverse::invert;
 
@@ -225,12 +226,7 @@ impl Reduced {
         let scaled = Mat::from_fn(self.shared, self.shared, |i, j| {
             scale[i] * self.at(i, j) * scale[j]
         });
-        let eigen = scaled
-            .self_adjoint_eigen(Side::Lower)
-            .map_err(|_| Error::Decomposition {
-                what: "eigenvalue decomposition",
-            })?;
-        let values = eigen.S().column_vector();
+        let SymmetricEigen { values, vectors } = symmetric_eigen(scaled.as_ref())?;
         let largest = (0..self.shared).fold(0.0_f64, |max, i| max.max(values[i]));
         let limit = SHARED_RANK_TOL;
         let free: Vec<usize> = (0..self.shared)
@@ -242,7 +238,7 @@ impl Reduced {
         // Shares of the unknowns in what is free beyond the motions.
         let mut shares = vec![0.0; self.shared];
         for &i in &free {
-            let mut vector: Vec<f64> = (0..self.shared).map(|k| eigen.U()[(k, i)]).collect();
+            let mut vector: Vec<f64> = (0..self.shared).map(|k| vectors[(k, i)]).collect();
             for motion in motions {
                 remove(&mut vector, motion);
             }

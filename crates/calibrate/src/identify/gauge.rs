@@ -22,12 +22,12 @@
 //! linear: `x = Σ Γ_i e_i`, `E_k = mean e - Λ x`, and `Γ` serves the uncertainties as well.
 
 use faer::Mat;
-use faer::linalg::solvers::DenseSolveCore;
 use nalgebra::{
     DMatrix, DVector, Matrix3, Matrix6, Matrix6xX, MatrixXx6, RowVector6, UnitQuaternion, Vector3,
     Vector6,
 };
 use trueaxis_kinematics::{Axis, AxisKind};
+use trueaxis_leastsquares::dense::{inverse, relative_singular_value};
 
 use crate::identify::axis_data::{AxisData, Node};
 use crate::identify::basis::Basis;
@@ -164,10 +164,10 @@ fn bordered_inverse(
             (false, false) => 0.0,
         }
     });
-    let singular_value = relative_singular_value(&bordered);
+    let singular_value = relative_singular_value(bordered.as_ref());
     if singular_value < RANK_TOL {
         // The constraints alone must be independent: with one run only positions are at fault.
-        let of_positions = relative_singular_value(&scaled_constraint);
+        let of_positions = relative_singular_value(scaled_constraint.as_ref());
         return Err(if of_positions < RANK_TOL {
             GaugeDefect::Positions {
                 singular_value: of_positions,
@@ -176,7 +176,7 @@ fn bordered_inverse(
             GaugeDefect::Disjoint
         });
     }
-    let inverse = bordered.partial_piv_lu().inverse();
+    let inverse = inverse(bordered.as_ref());
     Ok(DMatrix::from_fn(width, width + count, |i, j| {
         let right = if j < width {
             weight / columns[j]
@@ -185,18 +185,6 @@ fn bordered_inverse(
         };
         inverse[(i, j)] / columns[i] * right
     }))
-}
-
-/// Smallest singular value over the largest; zero where that has no meaning.
-fn relative_singular_value(matrix: &Mat<f64>) -> f64 {
-    let values = matrix.singular_values().unwrap_or_default();
-    let largest = values.iter().copied().fold(0.0, f64::max);
-    let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
-    if largest > 0.0 {
-        smallest / largest
-    } else {
-        0.0
-    }
 }
 
 /// What the axis' own parameters do to a pose error.

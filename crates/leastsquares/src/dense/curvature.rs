@@ -10,8 +10,9 @@
 //! Nonlinear regression analysis and its applications (1988), section 7.1. At a minimum it is
 //! positive; `-K B⁻¹ Uᵀ r` is Newton's step. Gauss–Newton takes `B` for the unit matrix.
 
-use faer::{Mat, Side};
+use faer::Mat;
 
+use super::decompositions::{SymmetricEigen, symmetric_eigen};
 use super::linearised::{Linearised, norm};
 use super::model::Model;
 use crate::Error;
@@ -49,12 +50,7 @@ impl Newton {
                 step: Vec::new(),
             });
         }
-        let eigen = hessian
-            .self_adjoint_eigen(Side::Lower)
-            .map_err(|_| Error::Decomposition {
-                what: "eigenvalue decomposition",
-            })?;
-        let (values, q) = (eigen.S().column_vector(), eigen.U());
+        let SymmetricEigen { values, vectors: q } = symmetric_eigen(hessian.as_ref())?;
         let along = |k: usize| -> f64 {
             let sum: f64 = (0..unknowns).map(|i| q[(i, k)] * here.components[i]).sum();
             -sum / values[k]

@@ -1,9 +1,10 @@
 //! Errors of the calibration drawn from its covariance.
 
-use faer::{Mat, Side};
+use faer::Mat;
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
+use trueaxis_leastsquares::dense::{SymmetricEigen, symmetric_eigen};
 use trueaxis_montecarlo::ChaCha8Rng;
 
 use crate::machine::calibrated_machine::CalibratedMachine;
@@ -31,12 +32,10 @@ impl Root {
                 0.0
             }
         });
-        let eigen = correlation.self_adjoint_eigen(Side::Lower).ok()?;
-        let (values, vectors) = (eigen.S(), eigen.U());
+        let SymmetricEigen { values, vectors } = symmetric_eigen(correlation.as_ref()).ok()?;
         let root = |i: usize, j: usize| {
             // Negative ones are rounding.
-            let value: f64 = values[j];
-            u[i] * vectors[(i, j)] * value.max(0.0).sqrt()
+            u[i] * vectors[(i, j)] * values[j].max(0.0).sqrt()
         };
         Some(Self(DMatrix::from_fn(count, count, root)))
     }
