@@ -34,6 +34,11 @@ struct LevelView {
 
 #[derive(Serialize)]
 struct CauseView {
+    /// Place among the causes of the file.
+    index: usize,
+    effect: String,
+    /// Whether it is the form of an error curve, which contradicts nothing.
+    is_of_curve: bool,
     name: String,
     value: String,
     rivals: Vec<String>,
@@ -62,7 +67,7 @@ impl DiagnosisSection {
             levels: levels
                 .map(|(k, level)| level_view(k, level, diagnosis))
                 .collect(),
-            causes: causes.map(|(k, of)| cause(k + 1, of)).collect(),
+            causes: causes.map(|(k, of)| cause(k, of)).collect(),
             disturbances: disturbances
                 .map(|(k, of)| DisturbanceView::new(k, of))
                 .collect(),
@@ -270,7 +275,7 @@ fn tick(name: &str, most: usize) -> String {
     }
 }
 
-fn cause(rank: usize, cause: &Cause) -> CauseView {
+fn cause(index: usize, cause: &Cause) -> CauseView {
     let rivals = cause.cannot_tell_apart_from.iter().map(|rival| {
         let name = words::effect(&rival.effect, &rival.subject);
         match rival.delta_bic {
@@ -279,6 +284,9 @@ fn cause(rank: usize, cause: &Cause) -> CauseView {
         }
     });
     CauseView {
+        index,
+        effect: cause.effect.clone(),
+        is_of_curve: cause.is_of_curve(),
         name: words::effect(&cause.effect, &cause.subject),
         value: parameters(cause),
         rivals: rivals.collect(),
@@ -287,7 +295,7 @@ fn cause(rank: usize, cause: &Cause) -> CauseView {
         figure: cause
             .fitted
             .as_ref()
-            .and_then(|of| fitted_figure(rank, &cause.level, of)),
+            .and_then(|of| fitted_figure(index + 1, cause.is_of_curve(), of)),
         has_sides: cause.fitted.as_ref().is_some_and(Fitted::has_sides),
     }
 }

@@ -36,6 +36,13 @@ pub(crate) struct Cause {
     pub(crate) fitted: Option<Fitted>,
 }
 
+impl Cause {
+    /// Whether it is the form of an error curve, which contradicts nothing.
+    pub(crate) fn is_of_curve(&self) -> bool {
+        self.level == "components"
+    }
+}
+
 /// The misfit without a cause and what it explains of it, reading by reading.
 #[derive(Debug, Deserialize)]
 pub(crate) struct Fitted {

@@ -7,11 +7,8 @@ use crate::svg::plot::{Frame, Plot};
 use crate::svg::ticks::{Scale, range};
 use crate::words;
 
-/// The level of the error curves.
-const COMPONENTS: &str = "components";
-
-/// Misfit as dots, the fitted cause as a line, of the cause of a rank and its level.
-pub(crate) fn fitted_figure(rank: usize, level: &str, fitted: &Fitted) -> Option<Figure> {
+/// Misfit as dots, the fitted cause as a line, of the cause of a rank.
+pub(crate) fn fitted_figure(rank: usize, is_of_curve: bool, fitted: &Fitted) -> Option<Figure> {
     let (unit, glued) = match fitted.fitted_arcsec {
         Some(_) => ("arcsec", "″"),
         None => ("µm", " µm"),
@@ -35,9 +32,9 @@ pub(crate) fn fitted_figure(rank: usize, level: &str, fitted: &Fitted) -> Option
             "order" => "number of the reading".to_owned(),
             against => format!("{against} in {place_unit}"),
         },
-        y_label: &match level {
-            COMPONENTS => format!("error in {unit}"),
-            _ => format!("misfit in {unit}"),
+        y_label: &match is_of_curve {
+            true => format!("error in {unit}"),
+            false => format!("misfit in {unit}"),
         },
         size: [430.0, 220.0],
     };

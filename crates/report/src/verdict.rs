@@ -109,10 +109,7 @@ fn contradictions(calibration: &Calibration) -> Vec<String> {
 
 /// The diagnosis in a sentence.
 fn said(diagnosis: &Diagnosis) -> String {
-    let of_data = diagnosis
-        .causes
-        .iter()
-        .filter(|cause| cause.level != "components");
+    let of_data = diagnosis.causes.iter().filter(|cause| !cause.is_of_curve());
     let names: Vec<String> = of_data
         .map(|cause| {
             let name = words::effect(&cause.effect, &cause.subject);
