@@ -30,6 +30,9 @@
     const hits = [...figure.querySelectorAll(".hit")];
     if (!hits.length) continue;
     figure.setAttribute("tabindex", "0");
+    // Lets the arrow keys through a screen reader.
+    figure.setAttribute("role", "application");
+    figure.setAttribute("aria-roledescription", "figure");
     figure.setAttribute("aria-label", figure.getAttribute("aria-label") + ". The arrow keys read its values.");
     figure.addEventListener("keydown", (event) => {
       const last = hits.length - 1, now = hits.indexOf(at);
