@@ -73,6 +73,9 @@ fn place<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<&'e Place> 
             _ => None,
         };
     }
+    if let Some(trueaxis_effects::Error::Document(error)) = cause.downcast_ref() {
+        return Some(&error.place);
+    }
     let campaign = cause
         .downcast_ref::<trueaxis_campaign::Error>()
         .map(|error| &*error.place);
