@@ -7,8 +7,10 @@ mod init;
 
 use std::path::PathBuf;
 
-use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args as ClapArgs, Parser, Subcommand};
 use nalgebra::Point3;
+use trueaxis_compensate::Format;
 
 pub(crate) use about::{ExplainArgs, SchemaArgs, SchemaName};
 pub(crate) use campaign::{CalibrateArgs, CheckArgs, DiagnoseArgs, MontecarloArgs};
@@ -70,6 +72,31 @@ pub(crate) enum Verb {
     Table1(Table1Args),
 }
 
+impl Verb {
+    /// Whether data are asked for on standard output.
+    pub(crate) fn is_json(&self) -> bool {
+        match self {
+            Self::Check(args) => args.json,
+            Self::Calibrate(args) => args.json,
+            Self::Predict(args) => args.json,
+            Self::Volume(args) => args.json,
+            Self::Verify(args) => args.json,
+            Self::Compare(args) => args.json,
+            Self::Diagnose(args) => args.json,
+            Self::Montecarlo(args) => args.json,
+            Self::Table1(args) => args.json,
+            Self::Import(args) => args.is_json(),
+            Self::Init(_)
+            | Self::Export(_)
+            | Self::Report(_)
+            | Self::Simulate(_)
+            | Self::Schema(_)
+            | Self::Explain(_)
+            | Self::Completions(_) => false,
+        }
+    }
+}
+
 #[derive(Debug, ClapArgs)]
 pub(crate) struct PredictArgs {
     /// The calibration, with covariance.npz beside it.
@@ -127,8 +154,8 @@ pub(crate) struct VolumeArgs {
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ExportArgs {
     /// Control, or the way in which it is told.
-    #[arg(value_name = "FORMAT", value_enum)]
-    pub(crate) format: FormatArg,
+    #[arg(value_name = "FORMAT", value_parser = format_parser())]
+    pub(crate) format: Format,
 
     /// The calibration, with covariance.npz beside it.
     #[arg(value_name = "CALIBRATION.json")]
@@ -210,22 +237,15 @@ pub(crate) struct VerifyArgs {
     pub(crate) fail_on_misfit: bool,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(crate) enum FormatArg {
-    /// Neutral CSV of error vectors and corrections over the linear axes.
-    Grid,
-    /// `LinuxCNC`: a `COMP_FILE` for each axis (type 0), and the matrix of matrixkins.
-    Linuxcnc,
-    /// ISG kernel, Beckhoff TF5280 (`ISG_CSV`): all component and location errors (experimental).
-    Isg,
-    /// Etalon exchange format: all component and location errors (experimental).
-    Etalon,
-    /// Siemens SINUMERIK: `$AA_ENC_COMP` and `$AN_CEC` (experimental).
-    Sinumerik,
-    /// Marlin: skew factors, M852.
-    Marlin,
-    /// Klipper: `SET_SKEW`.
-    Klipper,
+/// The formats by their names, with what they are.
+fn format_parser() -> impl TypedValueParser<Value = Format> {
+    let named = |format: Format| PossibleValue::new(format.name()).help(format.description());
+    let named = PossibleValuesParser::new(Format::ALL.map(named));
+    named.try_map(|name| {
+        let mut all = Format::ALL.into_iter();
+        all.find(|format| format.name() == name)
+            .ok_or("there is no such format")
+    })
 }
 
 #[derive(Debug, ClapArgs)]

@@ -45,7 +45,7 @@ pub(crate) fn of(error: &anyhow::Error) -> Option<&'static str> {
             .or_else(|| cause.downcast_ref().map(of_report))
             .or_else(|| cause.downcast_ref().map(OutputError::code))
             .or_else(|| cause.downcast_ref().map(of_old_tables))
-            .or_else(|| cause.is::<TemplateUnreadable>().then_some("E003"))
+            .or_else(|| cause.downcast_ref().map(TemplateUnreadable::code))
             .or_else(|| cause.is::<EffectsInputError>().then_some("E116"))
     })
 }
@@ -126,7 +126,7 @@ fn of_scenario(problem: &SimulateProblem, place: &Place) -> &'static str {
         SimulateProblem::Document(problem) => of_document(problem, place),
         SimulateProblem::Campaign(problem) => of_campaign(problem, place),
         SimulateProblem::Effect(error) => of_effects(error),
-        SimulateProblem::Read(_) => "E003",
+        SimulateProblem::Read(source) => of_reading(source),
         SimulateProblem::Write(_) => "E004",
         SimulateProblem::Value { .. } | SimulateProblem::Expected { .. } => "E103",
         SimulateProblem::OutsideTravel { .. } => "E209",
@@ -203,11 +203,7 @@ fn of_diagnose(error: &Diagnose) -> &'static str {
 
 fn of_calibration(error: &ReadError) -> &'static str {
     match error {
-        ReadError::Unreadable { source, .. } => match source.kind() {
-            std::io::ErrorKind::NotFound => "E001",
-            std::io::ErrorKind::IsADirectory => "E002",
-            _ => "E003",
-        },
+        ReadError::Unreadable { source, .. } => of_reading(source),
         ReadError::Document(error) => of_document(&error.problem, &error.place),
         ReadError::Machine(error) => of_campaign(&error.problem, &error.place),
         ReadError::NoMachine { .. } => "E501",
@@ -215,9 +211,18 @@ fn of_calibration(error: &ReadError) -> &'static str {
     }
 }
 
+/// The code of a file that cannot be read.
+pub(crate) fn of_reading(error: &std::io::Error) -> &'static str {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => "E001",
+        std::io::ErrorKind::IsADirectory => "E002",
+        _ => "E003",
+    }
+}
+
 fn of_report(error: &Report) -> &'static str {
     match error {
-        Report::Unreadable { .. } => "E003",
+        Report::Unreadable { source, .. } => of_reading(source),
         Report::NothingToReport { .. } => "E504",
         Report::NotAResult { .. } => "E505",
         Report::OtherFormat { .. } => "E506",
@@ -243,7 +248,7 @@ fn of_compensate(error: &Compensate) -> &'static str {
 
 fn of_old_tables(error: &OldTablesError) -> &'static str {
     match error {
-        OldTablesError::Unreadable { .. } => "E003",
+        OldTablesError::Unreadable { source, .. } => of_reading(source),
         OldTablesError::Nothing { .. } => "E609",
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use trueaxis_calibrate::ReadError;
 use trueaxis_files::{DocumentError, DocumentProblem, Part, Place, field_span};
@@ -12,23 +13,55 @@ const WIDTH: usize = 100;
 /// Files beyond this size are not read again for a drawing, bytes.
 const LARGEST: u64 = 200 << 20;
 
-/// The lines of the drawing, if the error is in a line of a file.
-pub(crate) fn of(error: &anyhow::Error) -> Option<Vec<String>> {
-    let place = error.chain().find_map(place)?;
-    let file = place.file.as_ref()?;
-    if fs::metadata(file).ok()?.len() > LARGEST {
-        return None;
+/// Where an error is, in a line of a file that can be read.
+pub(crate) struct Spot {
+    file: PathBuf,
+    /// The line, from 1.
+    number: usize,
+    line: String,
+    /// The bytes of the line that are meant.
+    mark: Range<usize>,
+}
+
+impl Spot {
+    /// `None` if the error is in no line of a file.
+    pub(crate) fn of(error: &anyhow::Error) -> Option<Self> {
+        let place = error.chain().find_map(place)?;
+        let file = place.file.as_ref()?;
+        if fs::metadata(file).ok()?.len() > LARGEST {
+            return None;
+        }
+        let text = fs::read_to_string(file).ok()?;
+        let text = text.trim_start_matches('\u{feff}');
+        let (number, mark) = mark(text, place)?;
+        let line = text.lines().nth(number - 1)?;
+        let word = error
+            .chain()
+            .find_map(word)
+            .and_then(|word| single(line, word));
+        Some(Self {
+            file: file.clone(),
+            number,
+            mark: word.unwrap_or(mark),
+            line: line.to_owned(),
+        })
     }
-    let text = fs::read_to_string(file).ok()?;
-    let text = text.trim_start_matches('\u{feff}');
-    let (number, mark) = mark(text, place)?;
-    let line = text.lines().nth(number - 1)?;
-    let word = error
-        .chain()
-        .find_map(word)
-        .and_then(|word| single(line, word));
-    let mark = word.unwrap_or(mark);
-    Some(draw(&file.display().to_string(), number, line, mark))
+
+    /// The line, from 1, and the character in it, from 1.
+    pub(crate) fn line_and_column(&self) -> (usize, usize) {
+        (self.number, 1 + characters(&self.line, self.mark.start))
+    }
+
+    /// The lines of the drawing.
+    pub(crate) fn drawn(&self) -> Vec<String> {
+        let file = self.file.display().to_string();
+        draw(&file, self.number, &self.line, self.mark.clone())
+    }
+}
+
+/// The file that an error is in.
+pub(crate) fn file(error: &anyhow::Error) -> Option<&Path> {
+    error.chain().find_map(place)?.file.as_deref()
 }
 
 fn place<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<&'e Place> {
@@ -39,6 +72,9 @@ fn place<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<&'e Place> 
             ReadError::NoMachine { place } => Some(place),
             _ => None,
         };
+    }
+    if let Some(trueaxis_effects::Error::Document(error)) = cause.downcast_ref() {
+        return Some(&error.place);
     }
     let campaign = cause
         .downcast_ref::<trueaxis_campaign::Error>()
@@ -142,12 +178,14 @@ fn cell(table: &str, line: &str, name: &str) -> Option<Range<usize>> {
     None
 }
 
+/// The characters of so many bytes of a line.
+fn characters(line: &str, bytes: usize) -> usize {
+    line.get(..bytes).map_or(0, |text| text.chars().count())
+}
+
 fn draw(file: &str, number: usize, line: &str, mark: Range<usize>) -> Vec<String> {
-    let columns = |bytes: usize| line.get(..bytes).map_or(0, |text| text.chars().count());
-    let (start, end) = (
-        columns(mark.start),
-        columns(mark.end).max(columns(mark.start) + 1),
-    );
+    let start = characters(line, mark.start);
+    let end = characters(line, mark.end).max(start + 1);
     // The mark with what stands around it.
     let length = line.chars().count();
     let first = if length <= WIDTH {

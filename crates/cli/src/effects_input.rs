@@ -53,22 +53,30 @@ pub(crate) fn read(path: &Path, scene: &Scene, campaign: &str) -> anyhow::Result
     let in_file = || path.display().to_string();
     let wrong = |text: String| EffectsInputError(text);
     let text = std::fs::read_to_string(path)
-        .map_err(|error| wrong(error.to_string()))
+        .map_err(|error| {
+            wrong(format!(
+                "it cannot be read ({error}); --with-effects wants an effects.json or a diagnosis.json"
+            ))
+        })
         .with_context(in_file)?;
     let header: Header = serde_json::from_str(&text)
-        .map_err(|error| wrong(format!("no effects of a campaign: {error}")))
+        .map_err(|error| {
+            wrong(format!(
+                "this is neither an effects.json nor a diagnosis.json: {error}"
+            ))
+        })
         .with_context(in_file)?;
     let mut file = if header.format == DIAGNOSIS {
         of_diagnosis(&header, &text).with_context(in_file)?
     } else {
-        EffectsFile::from_json(&text).with_context(in_file)?
+        EffectsFile::from_json(&text).map_err(|error| placed(error, path))?
     };
     if file.effects.is_empty() {
         let text = "it has no effects of lengths to take out; calibrate without it";
         return Err(wrong(text.to_owned())).with_context(in_file);
     }
     let exact = file.covariance.is_none() && !with_uncertainties(&mut file, scene);
-    let resolved = file.resolve(scene).with_context(in_file)?;
+    let resolved = file.resolve(scene).map_err(|error| placed(error, path))?;
     let mut notices = Vec::new();
     if file.campaign != campaign {
         notices.push(format!(
@@ -84,6 +92,19 @@ pub(crate) fn read(path: &Path, scene: &Scene, campaign: &str) -> anyhow::Result
         ));
     }
     Ok(Effects { resolved, notices })
+}
+
+/// The error with its file, where it is in a line.
+fn placed(mut error: trueaxis_effects::Error, path: &Path) -> anyhow::Error {
+    match &mut error {
+        trueaxis_effects::Error::Document(document) => {
+            document.place.file = Some(path.to_path_buf());
+            error.into()
+        }
+        trueaxis_effects::Error::Field { .. } => {
+            anyhow::Error::new(error).context(path.display().to_string())
+        }
+    }
 }
 
 /// Effects in the scene of a campaign.

@@ -33,19 +33,24 @@ pub(crate) enum Exit {
 
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> Self {
-        Self::from(match exit {
-            Exit::Good => 0,
-            Exit::Usage => 2,
-            Exit::Input => 3,
-            Exit::NotConverged => 4,
-            Exit::NotIdentifiable => 5,
-            Exit::Misfit => 6,
-            Exit::Internal => 70,
-        })
+        Self::from(exit.code())
     }
 }
 
 impl Exit {
+    /// What the shell sees.
+    pub(crate) fn code(self) -> u8 {
+        match self {
+            Self::Good => 0,
+            Self::Usage => 2,
+            Self::Input => 3,
+            Self::NotConverged => 4,
+            Self::NotIdentifiable => 5,
+            Self::Misfit => 6,
+            Self::Internal => 70,
+        }
+    }
+
     /// The code for an error, by its innermost known kind.
     pub(crate) fn of(error: &anyhow::Error) -> Self {
         use trueaxis_campaign::{Error as Campaign, Problem};

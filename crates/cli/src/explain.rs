@@ -27,6 +27,12 @@ pub(crate) fn entries() -> impl Iterator<Item = Entry> {
     })
 }
 
+/// What is told of a code.
+pub(crate) fn help(code: &str) -> Option<&'static str> {
+    let entry = entries().find(|entry| entry.code == code);
+    entry.map(|entry| entry.text)
+}
+
 pub(crate) fn run(args: &ExplainArgs) -> anyhow::Result<Exit> {
     let Some(code) = &args.code else {
         let list = entries().map(|entry| format!("{}  {}\n", entry.code, entry.title));

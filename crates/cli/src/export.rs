@@ -6,7 +6,7 @@ use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_compensate::{Announcement, Error, ExportedFile, Format, Request, export};
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 
-use crate::args::{ExportArgs, FormatArg};
+use crate::args::ExportArgs;
 use crate::exit::Exit;
 use crate::output;
 use crate::predict::source;
@@ -14,15 +14,7 @@ use crate::talk::{notice, say};
 
 pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
     let machine = CalibratedMachine::read(&args.calibration)?;
-    let format = match args.format {
-        FormatArg::Grid => Format::Grid,
-        FormatArg::Linuxcnc => Format::LinuxCnc,
-        FormatArg::Isg => Format::Isg,
-        FormatArg::Etalon => Format::Etalon,
-        FormatArg::Sinumerik => Format::Sinumerik,
-        FormatArg::Marlin => Format::Marlin,
-        FormatArg::Klipper => Format::Klipper,
-    };
+    let format = args.format;
     let axis = args.axis.as_deref().map(|name| index(&machine, name));
     let at = args.at.unwrap_or(machine.reference_point_mm());
     let old = match &args.onto {

@@ -12,6 +12,7 @@ mod completions;
 mod diagnose;
 mod drawing;
 mod effects_input;
+mod error_json;
 mod exit;
 mod explain;
 mod export;
@@ -69,14 +70,21 @@ fn main() -> ExitCode {
     let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
     let exit = match outcome {
         Ok(Ok(exit)) => exit,
-        Ok(Err(error)) => {
-            talk::error(&error);
-            Exit::of(&error)
-        }
+        Ok(Err(error)) => failed(&args.verb, &error, Exit::of(&error)),
         Err(_) => {
-            talk::say_always("internal error: please report it with the campaign that causes it");
-            Exit::Internal
+            let text = "internal error: please report it with the campaign that causes it";
+            failed(&args.verb, &anyhow::Error::msg(text), Exit::Internal)
         }
     };
     exit.into()
+}
+
+/// Says why there is no result, to programs as well where they asked for data.
+fn failed(verb: &Verb, error: &anyhow::Error, exit: Exit) -> Exit {
+    talk::error(error);
+    if verb.is_json() {
+        // That standard output cannot be written does not change why there is no result.
+        let _ = output::print(&error_json::text(error, exit));
+    }
+    exit
 }

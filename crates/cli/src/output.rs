@@ -16,6 +16,13 @@ pub(crate) struct OutputError {
 impl std::fmt::Display for OutputError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match (&self.path, &self.source) {
+            (Some(path), Some(source)) if is_file_in_the_way(source) => {
+                let path = path.display();
+                write!(
+                    f,
+                    "{path} cannot be written: a file is in the way of a folder; choose another place, as with --out"
+                )
+            }
             (Some(path), Some(_)) => {
                 let path = path.display();
                 write!(
@@ -49,6 +56,11 @@ impl std::error::Error for OutputError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         self.source.as_ref().map(|source| source as _)
     }
+}
+
+fn is_file_in_the_way(error: &io::Error) -> bool {
+    use io::ErrorKind::{AlreadyExists, NotADirectory};
+    matches!(error.kind(), AlreadyExists | NotADirectory)
 }
 
 /// The folder for results: as given, or one in the current directory named after the campaign.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use trueaxis_report::{Report, Settings, report};
 
 use crate::args::ReportArgs;
+use crate::codes::of_reading;
 use crate::exit::Exit;
 use crate::output;
 use crate::talk::{notice, say};
@@ -37,9 +38,20 @@ pub(crate) struct TemplateUnreadable {
     source: std::io::Error,
 }
 
+impl TemplateUnreadable {
+    /// The code of the error.
+    pub(crate) fn code(&self) -> &'static str {
+        of_reading(&self.source)
+    }
+}
+
 impl std::fmt::Display for TemplateUnreadable {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "the template {} cannot be read", self.file.display())
+        let file = self.file.display();
+        write!(
+            f,
+            "the template {file} cannot be read; give its path to --template"
+        )
     }
 }
 

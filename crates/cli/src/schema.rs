@@ -27,6 +27,10 @@ fn text(name: SchemaName) -> serde_json::Result<String> {
         SchemaName::Verification => traced(include_str!("schema/verification.json")),
         SchemaName::Volume => traced(include_str!("schema/volume.json")),
         SchemaName::Comparison => traced(include_str!("schema/comparison.json")),
+        SchemaName::Montecarlo => traced(include_str!("schema/montecarlo.json")),
+        SchemaName::Check => Ok(include_str!("schema/check.json").to_owned()),
+        SchemaName::Truth => Ok(include_str!("schema/truth.json").to_owned()),
+        SchemaName::Error => Ok(include_str!("schema/error.json").to_owned()),
     }
 }
 

@@ -3,7 +3,8 @@
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::{codes, drawing};
+use crate::codes;
+use crate::drawing::Spot;
 
 static QUIET: AtomicBool = AtomicBool::new(false);
 
@@ -39,7 +40,7 @@ pub(crate) fn error(error: &anyhow::Error) {
     for cause in causes {
         say_always(&format!("  because: {cause}"));
     }
-    for line in drawing::of(error).into_iter().flatten() {
+    for line in Spot::of(error).iter().flat_map(Spot::drawn) {
         say_always(&line);
     }
     if let Some(code) = code {

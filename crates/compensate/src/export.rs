@@ -64,6 +64,25 @@ impl Format {
             Self::Klipper => "klipper",
         }
     }
+
+    /// What it is, in a line.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Grid => "Neutral CSV of error vectors and corrections over the linear axes",
+            Self::LinuxCnc => {
+                "LinuxCNC: a COMP_FILE for each axis (type 0), and the matrix of matrixkins"
+            }
+            Self::Isg => {
+                "ISG kernel, Beckhoff TF5280 (ISG_CSV): all component and location errors (experimental)"
+            }
+            Self::Etalon => {
+                "Etalon exchange format: all component and location errors (experimental)"
+            }
+            Self::Sinumerik => "Siemens SINUMERIK: $AA_ENC_COMP and $AN_CEC (experimental)",
+            Self::Marlin => "Marlin: skew factors, M852",
+            Self::Klipper => "Klipper: SET_SKEW",
+        }
+    }
 }
 
 impl Format {

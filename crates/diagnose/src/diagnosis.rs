@@ -3,7 +3,7 @@
 use trueaxis_calibrate::Calibration;
 use trueaxis_effects::{Layer, Level, ResolvedEffect, Scene, Subject};
 
-use crate::Shares;
+use crate::{Fitted, Shares};
 
 /// A diagnosis of a campaign.
 #[derive(Debug, Clone)]
@@ -211,6 +211,8 @@ pub struct Cause {
     pub changes: Vec<Change>,
     /// For a cause of an error curve: its share of the curve's squares.
     pub share_of_curve: Option<f64>,
+    /// The misfit without it beside what it explains of it; none where single readings do not show it.
+    pub fitted: Option<Fitted>,
 }
 
 /// A value with standard uncertainty.

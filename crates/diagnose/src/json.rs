@@ -6,6 +6,7 @@
 
 mod cause;
 mod disturbance;
+mod fitted;
 
 use schemars::JsonSchema;
 use serde::Serialize;

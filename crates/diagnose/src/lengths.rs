@@ -26,6 +26,7 @@ mod competition;
 mod culprit;
 mod disturbance;
 mod estimated;
+mod fitted;
 mod harmonics;
 mod held_out;
 mod hypotheses;

@@ -46,6 +46,7 @@ mod components;
 mod diagnose;
 mod diagnosis;
 mod error;
+mod fitted;
 mod json;
 mod lengths;
 mod parameters;
@@ -62,5 +63,6 @@ pub use diagnosis::{
     Rival, Unexplained, Verdict, Wandering,
 };
 pub use error::Error;
+pub use fitted::{Against, Fitted, FittedPoint};
 pub use selection::Shares;
 pub use settings::Settings;

@@ -314,6 +314,7 @@ fn cause(
         changes: Vec::new(),
         share: None,
         share_of_curve: None,
+        fitted: None,
         effect,
     }
 }

@@ -1,9 +1,10 @@
 //! The diagnosis: how the misfit splits, and each cause with where it acts.
 
 use serde::Serialize;
-use serde_json::Value;
 
-use crate::diagnosis::{Cause, CurvePoint, Diagnosis, Disturbance, Level, MisfitAt, Shares};
+use crate::diagnosis::{Cause, Diagnosis, Fitted, Level, MisfitAt, Parameter, Shares};
+use crate::disturbances::DisturbanceView;
+use crate::fitted_figure::fitted_figure;
 use crate::numbers::{decimals, fixed, rough, signed};
 use crate::page::Figure;
 use crate::svg::Drawing;
@@ -27,22 +28,25 @@ struct LevelView {
     /// Parts of the bar with their share in per cent and their class.
     legend: Vec<(String, String, String)>,
     places: Option<Figure>,
+    /// Whether causes or disturbances take anything of the misfit away.
+    is_explained: bool,
 }
 
 #[derive(Serialize)]
 struct CauseView {
+    /// Place among the causes of the file.
+    index: usize,
+    effect: String,
+    /// Whether it is the form of an error curve, which contradicts nothing.
+    is_of_curve: bool,
     name: String,
     value: String,
     rivals: Vec<String>,
     changes: String,
     explained: Option<String>,
     figure: Option<Figure>,
-}
-
-#[derive(Serialize)]
-struct DisturbanceView {
-    name: String,
-    figure: Option<Figure>,
+    /// Whether its figure has both sides of approach.
+    has_sides: bool,
 }
 
 const BAR: [f64; 2] = [900.0, 34.0];
@@ -50,8 +54,9 @@ const BAR: [f64; 2] = [900.0, 34.0];
 /// Results that are listed as changed.
 const MOST_CHANGES: usize = 4;
 
-/// Places that fit in a figure.
+/// Places that fit in a figure, and the letters under its axis.
 const MOST_PLACES: usize = 40;
+const MOST_LETTERS: usize = 105;
 
 impl DiagnosisSection {
     pub(crate) fn new(diagnosis: &Diagnosis) -> Self {
@@ -62,8 +67,10 @@ impl DiagnosisSection {
             levels: levels
                 .map(|(k, level)| level_view(k, level, diagnosis))
                 .collect(),
-            causes: causes.map(|(k, of)| cause(k + 1, of, diagnosis)).collect(),
-            disturbances: disturbances.map(|(k, of)| disturbance(k, of)).collect(),
+            causes: causes.map(|(k, of)| cause(k, of)).collect(),
+            disturbances: disturbances
+                .map(|(k, of)| DisturbanceView::new(k, of))
+                .collect(),
         }
     }
 
@@ -73,7 +80,7 @@ impl DiagnosisSection {
             .iter()
             .flat_map(|level| level.bar.iter().chain(&level.places));
         let levels = levels.chain(self.causes.iter().flat_map(|cause| &cause.figure));
-        levels.chain(self.disturbances.iter().flat_map(|of| &of.figure))
+        levels.chain(self.disturbances.iter().flat_map(DisturbanceView::figures))
     }
 }
 
@@ -94,6 +101,7 @@ fn level_view(k: usize, level: &Level, diagnosis: &Diagnosis) -> LevelView {
         legend: legend.collect(),
         bar: bar(&format!("shares-{}", k + 1), &parts),
         places: places(&format!("places-{}", k + 1), level),
+        is_explained: level.is_explained(),
     }
 }
 
@@ -187,72 +195,36 @@ fn places(name: &str, level: &Level) -> Option<Figure> {
         .places
         .iter()
         .filter(|place| place.by != "position" && place.by != "time");
+    let kinds = [
+        ("station", "station"),
+        ("target", "target"),
+        ("axis", "axis"),
+        ("direction", "side of approach (+1, \u{2212}1)"),
+        ("repeat", "repeat (#)"),
+        ("cycle", "cycle (#)"),
+    ];
+    let is_there = |by: &str| level.places.iter().any(|place| place.by == by);
+    let kinds = kinds.iter().filter(|(by, _)| is_there(by));
+    let kinds: Vec<&str> = kinds.map(|(_, words)| *words).collect();
     let frame = Frame {
         title: "",
-        x_label: "station, target, axis, side of approach (+1, \u{2212}1), repeat (#)",
+        x_label: &kinds.join(", "),
         y_label: "misfit (rms) in µm",
         size: [900.0, 260.0],
     };
     let named = coarse
         .take(MOST_PLACES)
         .map(|place| match place.by.as_str() {
-            "repeat" => (place, format!("#{}", place.name)),
+            "repeat" | "cycle" => (place, format!("#{}", place.name)),
             _ => (place, place.name.replace('-', "\u{2212}")),
         });
-    misfits(name, &frame, 105, level, &named.collect::<Vec<_>>())
+    misfits(name, &frame, level, &named.collect::<Vec<_>>())
 }
 
-/// The misfit where a cause acts: along its axis, else at its stations or targets, else in time.
-fn where_it_acts(rank: usize, cause: &Cause, diagnosis: &Diagnosis) -> Option<Figure> {
-    let level = diagnosis
-        .levels
-        .iter()
-        .find(|level| level.level == cause.level)?;
-    let subject = |field: &str| cause.subject.get(field).and_then(Value::as_str);
-    let (x_label, by, axis) = match (subject("axis"), subject("station"), subject("target")) {
-        (Some(axis), _, _) => (
-            format!("quarter of the travel of {axis}"),
-            "position",
-            Some(axis),
-        ),
-        (_, Some(_), _) => ("station".to_owned(), "station", None),
-        (_, _, Some(_)) => ("target".to_owned(), "target", None),
-        _ => ("quarter of the readings in time".to_owned(), "time", None),
-    };
-    let of_subject = |place: &&MisfitAt| {
-        let prefix = axis.map(|axis| format!("{axis}, "));
-        place.by == by && prefix.is_none_or(|prefix| place.name.starts_with(&prefix))
-    };
-    let places = level
-        .places
-        .iter()
-        .filter(of_subject)
-        .take(MOST_PLACES)
-        .enumerate();
-    let named = places.map(|(k, place)| match by {
-        "station" | "target" => (place, place.name.clone()),
-        _ => (place, (k + 1).to_string()),
-    });
-    let frame = Frame {
-        title: "",
-        x_label: &x_label,
-        y_label: "misfit (rms) in µm",
-        size: [340.0, 190.0],
-    };
-    misfits(
-        &format!("cause-{rank}"),
-        &frame,
-        40,
-        level,
-        &named.collect::<Vec<_>>(),
-    )
-}
-
-/// Misfits at places, with their names under the axis, which has room for so many letters.
+/// Misfits at places, with their names under the axis.
 fn misfits(
     name: &str,
     frame: &Frame<'_>,
-    letters: usize,
     level: &Level,
     places: &[(&MisfitAt, String)],
 ) -> Option<Figure> {
@@ -262,10 +234,10 @@ fn misfits(
     let values = places
         .iter()
         .flat_map(|(place, _)| [place.before_um, place.after_um]);
-    let [low, high] = range(values.chain(level.noise_floor_um));
+    let [low, high] = range(values.chain(level.noise_floor_um).chain([0.0]));
     let end = places.len() as f64 - 0.4;
     let mut x = Scale::new(-0.6, end, 5);
-    let letters = letters / places.len();
+    let letters = MOST_LETTERS / places.len();
     let ticks = places
         .iter()
         .enumerate()
@@ -277,19 +249,17 @@ fn misfits(
     }
     for (k, (place, _)) in places.iter().enumerate() {
         let k = k as f64;
-        let text = format!(
-            "{} {}: {} µm without, {} µm with the causes",
-            place.by,
-            place.name,
-            rough(place.before_um),
-            rough(place.after_um)
-        );
-        for (class, point) in [
-            ("m1", [k - 0.12, place.before_um]),
-            ("m0", [k + 0.12, place.after_um]),
-        ] {
+        let (before, after) = (rough(place.before_um), rough(place.after_um));
+        let mut place_it = |class: &str, point: [f64; 2], what: &str| {
             plot.dots(class, std::iter::once(point));
-            plot.hover(point, &text);
+            plot.hover(point, &format!("{} {}: {what}", place.by, place.name));
+        };
+        if level.is_explained() {
+            let what = format!("{before} µm without, {after} µm with the causes");
+            place_it("m1", [k - 0.12, place.before_um], &what);
+            place_it("m0", [k + 0.12, place.after_um], &what);
+        } else {
+            place_it("m1", [k, place.before_um], &format!("{before} µm"));
         }
     }
     Some(Figure::new(name, plot.finish()))
@@ -305,7 +275,7 @@ fn tick(name: &str, most: usize) -> String {
     }
 }
 
-fn cause(rank: usize, cause: &Cause, diagnosis: &Diagnosis) -> CauseView {
+fn cause(index: usize, cause: &Cause) -> CauseView {
     let rivals = cause.cannot_tell_apart_from.iter().map(|rival| {
         let name = words::effect(&rival.effect, &rival.subject);
         match rival.delta_bic {
@@ -314,21 +284,32 @@ fn cause(rank: usize, cause: &Cause, diagnosis: &Diagnosis) -> CauseView {
         }
     });
     CauseView {
+        index,
+        effect: cause.effect.clone(),
+        is_of_curve: cause.is_of_curve(),
         name: words::effect(&cause.effect, &cause.subject),
         value: parameters(cause),
         rivals: rivals.collect(),
         changes: changes(cause),
         explained: cause.explained_rms_um.map(rough),
-        figure: where_it_acts(rank, cause, diagnosis),
+        figure: cause
+            .fitted
+            .as_ref()
+            .and_then(|of| fitted_figure(index + 1, cause.is_of_curve(), of)),
+        has_sides: cause.fitted.as_ref().is_some_and(Fitted::has_sides),
     }
 }
 
 fn parameters(cause: &Cause) -> String {
-    let parts = cause.parameters.iter().map(|parameter| {
+    // Amplitude and phase say the same as the two linear parameters, and better.
+    let is_wave = cause.parameters.iter().any(|p| p.name == "amplitude");
+    let is_shown =
+        |p: &&Parameter| !is_wave || !(p.name.starts_with("sine") || p.name.starts_with("cosine"));
+    let parts = cause.parameters.iter().filter(is_shown).map(|parameter| {
         let name = parameter.name.replace('_', " ");
         let unit = match words::unit(&parameter.unit) {
             glued @ ("″" | "°" | "") => glued.to_owned(),
-            apart => format!(" {apart}"),
+            apart => format!("\u{a0}{apart}"),
         };
         // Instants and durations have no side.
         let with_sign = match parameter.name.as_str() {
@@ -357,81 +338,24 @@ fn parameters(cause: &Cause) -> String {
         .join("; ")
 }
 
+/// Angles at an arm of half a metre, to compare them with displacements: µm per arcsec.
+const ARM_UM_PER_ARCSEC: f64 = 2.4;
+
 /// The results that change most when all causes are taken out.
 fn changes(cause: &Cause) -> String {
-    let mut all: Vec<(&String, f64, &'static str)> = Vec::new();
+    let mut all: Vec<(f64, String)> = Vec::new();
     for (name, change) in &cause.component_change {
-        let number = |field: &str| change.get(field).and_then(Value::as_f64);
-        let found = number("max_um")
-            .map(|um| (um, " µm"))
-            .or_else(|| number("max_mm").map(|mm| (1e3 * mm, " µm")))
-            .or_else(|| number("max_arcsec").map(|arcsec| (arcsec, "″")));
-        all.extend(found.map(|(value, unit)| (name, value, unit)));
+        let units = [
+            ("max_um", "\u{a0}µm", 1.0, 1.0),
+            ("max_mm", "\u{a0}µm", 1e3, 1.0),
+            ("max_arcsec", "″", 1.0, ARM_UM_PER_ARCSEC),
+        ];
+        all.extend(units.iter().filter_map(|(field, unit, factor, weight)| {
+            let value = factor * change.get(field)?.as_f64()?;
+            Some((weight * value, format!("{name} {}{unit}", rough(value))))
+        }));
     }
-    all.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let largest = all.iter().take(MOST_CHANGES);
-    let largest = largest.map(|(name, value, unit)| format!("{name} {}{unit}", rough(*value)));
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let largest = all.into_iter().take(MOST_CHANGES).map(|(_, text)| text);
     largest.collect::<Vec<_>>().join(", ")
-}
-
-fn disturbance(k: usize, of: &Disturbance) -> DisturbanceView {
-    let with = of.varies_with.join(" and ");
-    let name = words::effect("disturbance", &of.subject);
-    let name = match with.is_empty() {
-        true => name,
-        false => format!("{name}, with {with}"),
-    };
-    let figure = of
-        .curve
-        .as_deref()
-        .and_then(|curve| smooth(k, curve, &with));
-    DisturbanceView { name, figure }
-}
-
-/// x, y, z, and the dead path of a station.
-const COORDINATES: usize = 4;
-
-/// The curve of a disturbance of one argument, each coordinate with its 95 % band.
-fn smooth(k: usize, curve: &[CurvePoint], with: &str) -> Option<Figure> {
-    let coordinates = curve.first()?.value_um.len().min(COORDINATES);
-    if coordinates == 0 || curve.iter().any(|point| point.at.len() != 1) {
-        return None;
-    }
-    let part = |point: &CurvePoint, c: usize, sign: f64| {
-        let value = point.value_um.get(c).copied().unwrap_or(f64::NAN);
-        let u = point.u_um.get(c).copied().unwrap_or(0.0);
-        [point.at[0], value + 2.0 * sign * u]
-    };
-    let all = || {
-        (0..coordinates).flat_map(|c| {
-            curve
-                .iter()
-                .flat_map(move |p| [part(p, c, -1.0)[1], part(p, c, 1.0)[1]])
-        })
-    };
-    let [from, to] = range(curve.iter().map(|point| point.at[0]));
-    let [low, high] = range(all());
-    let unit = match with {
-        "time" => "time in s".to_owned(),
-        other => format!("{other} in mm or °"),
-    };
-    let frame = Frame {
-        title: "",
-        x_label: &unit,
-        y_label: "disturbance in µm",
-        size: [900.0, 250.0],
-    };
-    let mut plot = Plot::new(&frame, Scale::new(from, to, 8), Scale::new(low, high, 5));
-    for c in 0..coordinates {
-        let at = |sign: f64| -> Vec<[f64; 2]> {
-            curve.iter().map(|point| part(point, c, sign)).collect()
-        };
-        let colour = if c == 3 { 3 } else { c.min(1) };
-        plot.band(colour, &at(-1.0), &at(1.0));
-        plot.line(&format!("l{c}"), &at(0.0));
-    }
-    Some(Figure::new(
-        &format!("disturbance-{}", k + 1),
-        plot.finish(),
-    ))
 }

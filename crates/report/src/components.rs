@@ -128,7 +128,10 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
     let frame = Frame {
         title: &format!("{name}  {described}"),
         x_label: &format!("{} in {}", axis.name, position_unit.trim()),
-        y_label: &format!("{name} in {unit}"),
+        y_label: &match curve.is_angular() {
+            true => format!("{name} in arcsec"),
+            false => format!("{name} in µm"),
+        },
         size: SIZE,
     };
     let mut plot = Plot::new(&frame, x, Scale::new(low, high, 5));

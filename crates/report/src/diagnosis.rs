@@ -3,6 +3,8 @@
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
+use crate::words;
+
 #[derive(Debug, Deserialize)]
 pub(crate) struct Diagnosis {
     #[serde(default)]
@@ -31,6 +33,46 @@ pub(crate) struct Cause {
     pub(crate) explained_rms_um: Option<f64>,
     #[serde(default)]
     pub(crate) component_change: Map<String, Value>,
+    pub(crate) fitted: Option<Fitted>,
+}
+
+impl Cause {
+    /// Whether it is the form of an error curve, which contradicts nothing.
+    pub(crate) fn is_of_curve(&self) -> bool {
+        self.level == "components"
+    }
+}
+
+/// The misfit without a cause and what it explains of it, reading by reading.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Fitted {
+    #[serde(default)]
+    pub(crate) of: String,
+    #[serde(default)]
+    pub(crate) against: String,
+    #[serde(default)]
+    pub(crate) unit: String,
+    #[serde(default)]
+    pub(crate) at: Vec<f64>,
+    #[serde(default)]
+    pub(crate) direction: Vec<i8>,
+    pub(crate) misfit_um: Option<Vec<f64>>,
+    pub(crate) fitted_um: Option<Vec<f64>>,
+    pub(crate) misfit_arcsec: Option<Vec<f64>>,
+    pub(crate) fitted_arcsec: Option<Vec<f64>>,
+}
+
+impl Fitted {
+    /// Whether the course is over time, else over the position of an axis.
+    pub(crate) fn is_over_time(&self) -> bool {
+        ["time", "order"].contains(&self.against.as_str())
+    }
+
+    /// Whether it is over a position that was approached from both sides.
+    pub(crate) fn has_sides(&self) -> bool {
+        let mut sides = self.direction.iter();
+        !self.is_over_time() && sides.any(|side| Some(side) != self.direction.first())
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -59,6 +101,17 @@ pub(crate) struct Disturbance {
     pub(crate) varies_with: Vec<String>,
     #[serde(default)]
     pub(crate) curve: Option<Vec<CurvePoint>>,
+}
+
+impl Disturbance {
+    /// `disturbance of station S2, with time`.
+    pub(crate) fn name(&self) -> String {
+        let name = words::effect("disturbance", &self.subject);
+        match self.varies_with.is_empty() {
+            true => name,
+            false => format!("{name}, with {}", self.varies_with.join(" and ")),
+        }
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -92,6 +145,14 @@ pub(crate) struct Level {
 #[derive(Debug, Default, Deserialize)]
 pub(crate) struct Misfit {
     pub(crate) rms_um: Option<f64>,
+}
+
+impl Level {
+    /// Whether something is in the model that takes misfit away.
+    pub(crate) fn is_explained(&self) -> bool {
+        let differs = |place: &MisfitAt| place.before_um.total_cmp(&place.after_um).is_ne();
+        self.places.iter().any(differs)
+    }
 }
 
 /// Parts of the sum of squares; they add up to 1.

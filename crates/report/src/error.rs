@@ -54,11 +54,11 @@ pub enum Error {
         source: csv::Error,
     },
     /// The template is wrong, or asks for what a report does not have.
-    #[error("the template fails: {detail}")]
+    #[error(
+        "the template fails; compare it with the program's own (crates/report/src/report.html)"
+    )]
     Template {
         /// Where and why.
-        detail: String,
-        /// The cause.
         source: minijinja::Error,
     },
 }

@@ -201,9 +201,10 @@ fn plain(value: &Value) -> String {
 
 /// The text of a file, if there is one.
 pub(crate) fn read_text(file: &Path) -> Result<Option<String>, Error> {
+    use std::io::ErrorKind::{NotADirectory, NotFound};
     match std::fs::read_to_string(file) {
         Ok(text) => Ok(Some(text)),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) if matches!(error.kind(), NotFound | NotADirectory) => Ok(None),
         Err(source) => Err(Error::Unreadable {
             file: file.to_path_buf(),
             source,

@@ -17,11 +17,17 @@
 //!
 //! It does not calculate: every number is in the files, but for rms and quantiles of residuals.
 //!
-//! ```no_run
-//! use trueaxis_report::{Settings, report};
+//! ```
+//! use trueaxis_report::{Report, Settings, report};
 //!
-//! let report = report("fxyz-machine".as_ref(), &Settings::default())?;
-//! std::fs::write("fxyz-machine/report.html", report.html)?;
+//! let folder = tempfile::tempdir()?;
+//! // What `trueaxis diagnose` writes of a campaign in which nothing is wrong.
+//! let diagnosis = r#"{ "format": "trueaxis-diagnosis", "version": 1, "campaign": "FXYZ machine", "verdict": "clean" }"#;
+//! std::fs::write(folder.path().join("diagnosis.json"), diagnosis)?;
+//!
+//! let report = report(folder.path(), &Settings::default())?;
+//! assert!(report.html.contains("nothing in the data contradicts the rigid machine model"));
+//! std::fs::write(folder.path().join(Report::FILE), report.html)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -29,8 +35,10 @@ mod calibration;
 mod causes;
 mod components;
 mod diagnosis;
+mod disturbances;
 mod error;
 mod evidence;
+mod fitted_figure;
 mod input;
 mod largest;
 mod locations;

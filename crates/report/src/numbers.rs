@@ -46,12 +46,12 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// The same with a plus for what is not negative.
+/// The same with a plus for what is positive.
 pub(crate) fn signed(value: f64, decimals: usize) -> String {
     let text = fixed(value, decimals);
-    match text.starts_with('\u{2212}') {
-        true => text,
-        false => format!("+{text}"),
+    match text.chars().any(|c| matches!(c, '1'..='9')) && value > 0.0 {
+        true => format!("+{text}"),
+        false => text,
     }
 }
 
@@ -67,11 +67,37 @@ pub(crate) fn rough(value: f64) -> String {
     }
 }
 
-/// A probability: `0.42`, `3e-12`, `below 1e-300`.
+/// A probability: `0.42`, `3·10⁻¹²`, `below 10⁻³⁰⁰`.
 pub(crate) fn probability(p: f64) -> String {
     match p {
-        p if p < f64::MIN_POSITIVE => "below 1e-300".to_owned(),
-        p if p < 1e-3 => format!("{p:.0e}"),
+        p if p < f64::MIN_POSITIVE => "below 10⁻³⁰⁰".to_owned(),
+        p if p < 1e-3 => {
+            let text = format!("{p:.0e}");
+            let (digit, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+            let raised = exponent.chars().map(|c| match c.to_digit(10) {
+                Some(digit) => SUPERSCRIPTS[digit as usize],
+                None => '⁻',
+            });
+            format!("{digit}·10{}", raised.collect::<String>())
+        }
         p => fixed(p, 3),
+    }
+}
+
+const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_as_people_write_them() {
+        assert_eq!(probability(0.4168), "0.417");
+        assert_eq!(probability(3.4e-12), "3·10⁻¹²");
+        assert_eq!(probability(0.0), "below 10⁻³⁰⁰");
+        assert_eq!(
+            [signed(0.0, 1), signed(-0.01, 1), signed(0.26, 1)],
+            ["0.0", "0.0", "+0.3"]
+        );
     }
 }

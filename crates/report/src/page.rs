@@ -59,6 +59,8 @@ pub(crate) struct Page<'a> {
     calibration: Option<&'a Value>,
     diagnosis: Option<&'a Value>,
     volume: Option<&'a Value>,
+    /// Parts of the budgets that there are, by their field, with what they are called.
+    budget_parts: Vec<[&'static str; 2]>,
     figure_style: &'static str,
 }
 
@@ -68,6 +70,26 @@ pub(crate) fn scene(input: &Input) -> Option<Scene> {
         .calibration
         .as_ref()
         .and_then(|document| Scene::new(&document.parts))
+}
+
+/// Parts of the uncertainty budgets that any result has.
+fn budget_parts(calibration: &Value) -> Vec<[&'static str; 2]> {
+    let fields = |value: &'_ Value| -> Vec<Value> {
+        let fields = value.as_object().into_iter().flatten();
+        fields.map(|(_, result)| result["budget"].clone()).collect()
+    };
+    let axes = calibration["axes"].as_array().into_iter().flatten();
+    let mut budgets: Vec<Value> = axes.flat_map(|axis| fields(&axis["components"])).collect();
+    budgets.extend(fields(&calibration["location_errors"]));
+    let all = [
+        ["laser", "laser"],
+        ["machine_return", "repeatability"],
+        ["station_geometry", "stations"],
+        ["systematic", "systematic"],
+        ["effects", "effects"],
+    ];
+    let is_there = |[part, _]: &[&str; 2]| budgets.iter().any(|budget| budget[*part].is_number());
+    all.into_iter().filter(is_there).collect()
 }
 
 impl<'a> Page<'a> {
@@ -102,6 +124,10 @@ impl<'a> Page<'a> {
             calibration: input.calibration.as_ref().map(|document| &document.raw),
             diagnosis: input.diagnosis.as_ref().map(|document| &document.raw),
             volume: input.volume.as_ref(),
+            budget_parts: match &input.calibration {
+                Some(document) => budget_parts(&document.raw),
+                None => Vec::new(),
+            },
             figure_style: include_str!("figure.css"),
         }
     }

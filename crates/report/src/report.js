@@ -1,8 +1,8 @@
 "use strict";
 // The values that hovering, touching or the keyboard shows.
 (() => {
-  const tip = document.getElementById("tip");
-  if (!tip) return;
+  const tip = document.getElementById("tip"), said = document.getElementById("said");
+  if (!tip || !said) return;
   const show = (hit, x, y) => {
     tip.textContent = hit.dataset.says;
     const { width, height } = tip.getBoundingClientRect();
@@ -14,12 +14,50 @@
     title.parentNode.dataset.says = title.textContent;
     title.remove();
   }
+  // The value that the keyboard is at.
+  let at = null;
+  const leave = () => {
+    if (at) at.classList.remove("on");
+    at = null;
+    tip.style.visibility = "hidden";
+  };
+  const beside = () => {
+    const { left, top, width, height } = at.getBoundingClientRect();
+    show(at, left + width / 2, top + height / 2);
+  };
+  document.documentElement.classList.add("reads");
+  for (const figure of document.querySelectorAll("svg.figure")) {
+    const hits = [...figure.querySelectorAll(".hit")];
+    if (!hits.length) continue;
+    figure.setAttribute("tabindex", "0");
+    // Lets the arrow keys through a screen reader.
+    figure.setAttribute("role", "application");
+    figure.setAttribute("aria-roledescription", "figure");
+    figure.setAttribute("aria-label", figure.getAttribute("aria-label") + ". The arrow keys read its values.");
+    figure.addEventListener("keydown", (event) => {
+      const last = hits.length - 1, now = hits.indexOf(at);
+      const to = {
+        ArrowRight: Math.min(now + 1, last), ArrowLeft: Math.max(now - 1, 0), Home: 0, End: last,
+      }[event.key];
+      if (event.key === "Escape") leave();
+      if (to === undefined) return;
+      event.preventDefault();
+      leave();
+      at = hits[to];
+      at.classList.add("on");
+      at.scrollIntoView({ block: "nearest", inline: "nearest" });
+      beside();
+      said.textContent = at.dataset.says;
+    });
+    figure.addEventListener("blur", leave);
+  }
   addEventListener("pointerover", (event) => {
     const hit = event.target.closest ? event.target.closest(".hit") : null;
     if (hit) show(hit, event.clientX, event.clientY);
+    else if (at) beside();
     else tip.style.visibility = "hidden";
   });
-  addEventListener("scroll", () => { tip.style.visibility = "hidden"; }, { passive: true });
+  addEventListener("scroll", () => { at ? beside() : leave(); }, { passive: true, capture: true });
 })();
 
 // The view that turns.

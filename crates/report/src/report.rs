@@ -54,10 +54,7 @@ pub fn report(folder: &Path, settings: &Settings) -> Result<Report, Error> {
     let figures = figures.map(|figure| (format!("{}.svg", figure.name), figure.alone.clone()));
     let figures = figures.collect();
     Ok(Report {
-        html: render(template, &page).map_err(|source| Error::Template {
-            detail: format!("{source:#}"),
-            source,
-        })?,
+        html: render(template, &page).map_err(|source| Error::Template { source })?,
         figures,
     })
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::calibration::Calibration;
-use crate::diagnosis::Diagnosis;
+use crate::diagnosis::{Diagnosis, Disturbance};
 use crate::numbers::{fixed, probability};
 use crate::verification::Verification;
 use crate::words;
@@ -109,20 +109,28 @@ fn contradictions(calibration: &Calibration) -> Vec<String> {
 
 /// The diagnosis in a sentence.
 fn said(diagnosis: &Diagnosis) -> String {
-    let of_data = diagnosis
-        .causes
-        .iter()
-        .filter(|cause| cause.level != "components");
+    let of_data = diagnosis.causes.iter().filter(|cause| !cause.is_of_curve());
     let names: Vec<String> = of_data
-        .map(|cause| words::effect(&cause.effect, &cause.subject))
+        .map(|cause| {
+            let name = words::effect(&cause.effect, &cause.subject);
+            match cause.cannot_tell_apart_from.is_empty() {
+                true => name,
+                false => format!("{name}, or what cannot be told apart from it"),
+            }
+        })
         .collect();
     match diagnosis.verdict.as_str() {
         "clean" => "Diagnosis: clean, nothing but noise beside the rigid model.".to_owned(),
         "named" => format!("Diagnosis: {}.", names.join("; ")),
-        "ambiguous" => format!(
-            "Diagnosis: several causes explain the data alike, first {}.",
-            names.join("; ")
-        ),
+        "ambiguous" => format!("Diagnosis: {}.", names.join("; ")),
+        "unknown" if !diagnosis.disturbances.is_empty() => {
+            let names = diagnosis.disturbances.iter().map(Disturbance::name);
+            let names: Vec<String> = names.collect();
+            format!(
+                "Diagnosis: {}; no known effect explains it.",
+                names.join("; ")
+            )
+        }
         "unknown" => {
             "Diagnosis: something is in the data that no known effect explains.".to_owned()
         }

@@ -115,7 +115,7 @@ impl VerificationSection {
                 figure: figure(k, entry, machine),
                 agreement: entry.e_n.as_ref().map(|e_n| {
                     format!(
-                        "{} of {} normalised errors E_n are above 1, {} expected",
+                        "{} of {} normalised errors Eₙ are above 1, {} expected",
                         e_n.above_one,
                         e_n.count,
                         fixed(verification.expected_above_one * e_n.count as f64, 1)
@@ -231,7 +231,7 @@ fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> 
             signed(point.compensated_um, digits),
             point
                 .e_n
-                .map(|e_n| format!(", E_n {}", fixed(e_n, 2)))
+                .map(|e_n| format!(", Eₙ {}", fixed(e_n, 2)))
                 .unwrap_or_default()
         );
         plot.hover([x, point.reading_um], &text);

@@ -28,7 +28,9 @@ fn calibration() -> Value {
 
 fn diagnosis(verdict: &str) -> Value {
     let cause = json!({ "effect": "backlash", "level": "lengths", "subject": { "axis": "X" }, "layer": "machine",
-        "p_value": 1e-9, "parameters": [ { "name": "lost_motion", "value": 3.743, "u": 0.257, "unit": "um" } ] });
+        "p_value": 1e-9, "parameters": [ { "name": "lost_motion", "value": 3.743, "u": 0.257, "unit": "um" } ],
+        "fitted": { "of": "lengths from S1 to P", "against": "X", "unit": "mm", "at": [0.0, 200.0, 0.0, 200.0],
+            "direction": [1, 1, -1, -1], "misfit_um": [2.0, 1.7, -1.6, -1.9], "fitted_um": [1.8, 1.8, -1.8, -1.8] } });
     let causes = if verdict == "named" {
         vec![cause]
     } else {
@@ -107,7 +109,9 @@ fn the_verdict_follows_residuals_and_diagnosis() {
         &[
             "verdict bad",
             "backlash of axis X",
-            "lost motion +3.74 ± 0.51 µm",
+            "lost motion +3.74 ± 0.51\u{a0}µm",
+            "X = 200.0 mm: −1.90, cause −1.80 µm",
+            "orange dashed: backward",
         ],
     );
     has(

@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 use trueaxis_calibrate::{Calibration, Settings, VolumeSettings, calibrate};
-use trueaxis_diagnose::diagnose;
+use trueaxis_diagnose::{Against, Cause, Fitted, FittedPoint, diagnose};
 use trueaxis_report::{Report, report};
 use trueaxis_simulate::{Scenario, simulate};
 
@@ -24,6 +24,7 @@ fn results(folder: &Path) -> Calibration {
     campaign.name = "<script>document.title = 'taken'</script>".to_owned();
     let calibration = calibrate(&campaign, &Settings::default()).unwrap();
     let diagnosis = diagnose(&campaign, &trueaxis_diagnose::Settings::default()).unwrap();
+    shows_its_effect(&diagnosis.causes[0]);
     let machine = calibration.calibrated_machine();
     let volume = machine.volume(&VolumeSettings {
         points: 3,
@@ -43,6 +44,22 @@ fn results(folder: &Path) -> Calibration {
         std::fs::write(folder.join(name), text).unwrap();
     }
     calibration
+}
+
+/// The misfit without a cause follows what the fitted cause explains of it: its slope is 1 ± 0.15.
+fn shows_its_effect(cause: &Cause) {
+    let Fitted {
+        against, points, ..
+    } = cause.fitted.as_ref().unwrap();
+    assert_eq!(*against, Against::Position("C".to_owned(), "deg"));
+    assert!(
+        [1, -1]
+            .iter()
+            .all(|side| points.iter().any(|p| p.direction == *side))
+    );
+    let sum = |f: fn(&FittedPoint) -> f64| points.iter().map(f).sum::<f64>();
+    let slope = sum(|p| p.misfit * p.fitted) / sum(|p| p.fitted * p.fitted);
+    assert!((slope - 1.0).abs() < 0.5, "{slope}");
 }
 
 /// Chromium, by `TRUEAXIS_CHROMIUM` or one of its usual names.
@@ -159,6 +176,12 @@ fn a_page_in_a_browser() {
             hovered.contains("EXX = ") && hovered.contains('±'),
             "{hovered}"
         );
+        assert_eq!(page["focused"], true, "a figure takes the keyboard");
+        let pressed = page["pressed"].as_array().unwrap();
+        let says_value = |said: &Value| said.as_str().unwrap().contains("EXX = ");
+        assert!(pressed[..4].iter().all(says_value), "{pressed:?}");
+        assert_eq!(pressed[2], pressed[0], "there and back");
+        assert!(pressed[1] != pressed[0] && pressed[3] != pressed[1] && pressed[4] == "");
         assert!(
             !page["title"].as_str().unwrap().starts_with("taken"),
             "a name ran as script"

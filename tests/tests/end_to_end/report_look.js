@@ -48,6 +48,14 @@ addEventListener("load", () => {
       hit.dispatchEvent(new view.PointerEvent("pointerover", { bubbles: true, clientX: 50, clientY: 50 }));
       const tip = page.getElementById("tip");
       found.hovered = view.getComputedStyle(tip).visibility === "visible" ? tip.textContent : "";
+      const figure = hit.closest("svg");
+      const press = (key) => {
+        figure.dispatchEvent(new view.KeyboardEvent("keydown", { key, cancelable: true }));
+        return view.getComputedStyle(tip).visibility === "visible" ? page.getElementById("said").textContent : "";
+      };
+      figure.focus();
+      found.focused = page.activeElement === figure;
+      found.pressed = ["ArrowRight", "ArrowRight", "ArrowLeft", "End", "Escape"].map(press);
     }
     return found;
   };

@@ -27,6 +27,14 @@ pub(crate) enum SchemaName {
     Volume,
     /// comparison.json, written by `compare`.
     Comparison,
+    /// montecarlo.json, written by `montecarlo`.
+    Montecarlo,
+    /// What `check --json` prints.
+    Check,
+    /// truth.json, written by `simulate`.
+    Truth,
+    /// What a verb with --json prints if there is no result.
+    Error,
 }
 
 #[derive(Debug, ClapArgs)]

@@ -26,7 +26,8 @@ pub(crate) struct CalibrateArgs {
     #[arg(value_name = "CAMPAIGN.json")]
     pub(crate) campaign: PathBuf,
 
-    /// Folder for calibration.json [default: one in the current directory, named after the campaign].
+    /// Folder for calibration.json, covariance.npz, residuals.csv and report.html [default: one in the
+    /// current directory, named after the campaign].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 

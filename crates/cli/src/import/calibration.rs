@@ -45,7 +45,7 @@ pub(crate) struct ImportCalibrationArgs {
 
     /// Also print calibration.json on standard output.
     #[arg(long)]
-    json: bool,
+    pub(crate) json: bool,
 }
 
 pub(crate) fn run(args: &ImportCalibrationArgs) -> anyhow::Result<Exit> {

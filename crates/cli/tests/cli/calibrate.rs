@@ -92,7 +92,12 @@ fn folder_that_cannot_be_made() {
         calibrate(folder.path(), "rotary-stage", options).assert_failed(
             "a file in the way",
             USAGE,
-            &["rotary-stage", "cannot be written", "--out"],
+            &[
+                "rotary-stage",
+                "cannot be written",
+                "a file is in the way",
+                "--out",
+            ],
         );
         assert_eq!(contents(folder.path()), before);
     }

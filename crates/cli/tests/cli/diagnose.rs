@@ -183,11 +183,15 @@ fn wrong_files() {
     let campaign = shipped("fxyz").join("campaign.json").display().to_string();
     for (name, text, says) in [
         ("nothing", None, "No such file"),
-        ("no JSON", Some("{"), "no effects"),
+        (
+            "no JSON",
+            Some("{"),
+            "neither an effects.json nor a diagnosis.json",
+        ),
         (
             "a scenario",
             Some(r#"{ "format": "trueaxis-scenario" }"#),
-            "not an effects file",
+            "not an effects file; give the path of the effects.json",
         ),
         (
             "an unknown station",

@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use serde_json::Value;
+
 use crate::program::{run, shipped};
 
 #[test]
@@ -29,6 +31,43 @@ fn codes_are_listed_and_explained() {
     run(folder.path(), &["explain", "E999"]).assert_failed("unknown", 2, &["no code E999"]);
 }
 
+/// With `--json` an error is one document on standard output beside the words on standard error.
+#[test]
+fn errors_are_told_to_programs() {
+    let folder = tempfile::tempdir().unwrap();
+    let campaign = fs::read_to_string(shipped("rotary-stage").join("campaign.json")).unwrap();
+    let damaged = campaign.replacen("carried_by", "caried_by", 1);
+    fs::write(folder.path().join("campaign.json"), &damaged).unwrap();
+    let line = 1 + damaged.lines().position(|l| l.contains("caried")).unwrap();
+    let told = |args: &[&str]| -> (Option<i32>, Value) {
+        let outcome = run(folder.path(), args);
+        assert!(outcome.stderr.contains("error["), "{}", outcome.stderr);
+        (outcome.code, serde_json::from_str(&outcome.stdout).unwrap())
+    };
+    for verb in ["check", "calibrate", "diagnose", "montecarlo"] {
+        let (code, error) = told(&[verb, "campaign.json", "--json"]);
+        assert_eq!(code, Some(3));
+        assert_eq!(error["format"], "trueaxis-error");
+        assert_eq!(error["code"], "E101");
+        assert_eq!(error["exit_code"], 3);
+        assert_eq!(error["file"], "campaign.json");
+        assert_eq!(
+            (&error["line"], &error["column"]),
+            (&line.into(), &5.into())
+        );
+        let message = error["message"].as_str().unwrap();
+        assert!(message.contains("field targets[0].caried_by"), "{message}");
+        let help = error["help"].as_str().unwrap();
+        assert!(help.contains("Mend it: "), "{help}");
+    }
+    // An error that is in no line.
+    let (code, error) = told(&["check", "no.json", "--json"]);
+    assert_eq!((code, &error["code"]), (Some(3), &"E001".into()));
+    assert!(error["line"].is_null() && error["column"].is_null());
+    let words = run(folder.path(), &["check", "campaign.json"]);
+    assert_eq!(words.stdout, "", "data only where they are asked for");
+}
+
 #[test]
 fn errors_are_drawn_on_their_line() {
     let folder = tempfile::tempdir().unwrap();
@@ -45,8 +84,8 @@ fn errors_are_drawn_on_their_line() {
         "field",
         3,
         &[
-            "error[E101]: campaign.json line 28, field targets[0].caried_by: unknown field",
-            "\n  --> campaign.json:28:5\n   |\n28 |     \"caried_by\": \"C\"\n   |     ^^^^^^^^^^^^^^^^\n",
+            "error[E101]: campaign.json line 29, field targets[0].caried_by: unknown field",
+            "\n  --> campaign.json:29:5\n   |\n29 |     \"caried_by\": \"C\"\n   |     ^^^^^^^^^^^^^^^^\n",
             "\nmore: trueaxis explain E101\n",
         ],
     );
@@ -59,8 +98,8 @@ fn errors_are_drawn_on_their_line() {
         3,
         &[
             "error[E008]",
-            "--> campaign.json:7:5\n",
-            "7 |     \"kinematics\": {\n  |     ^\n",
+            "--> campaign.json:8:5\n",
+            "8 |     \"kinematics\": {\n  |     ^\n",
         ],
     );
 

@@ -93,6 +93,9 @@ fn without_a_result_there_is_no_report() {
         3,
         &["calibration.json", "diagnosis.json"],
     );
+    fs::write(folder.path().join("a-file"), "").unwrap();
+    let says = ["error[E504]: a-file holds neither", "give the folder"];
+    run(folder.path(), &["report", "a-file"]).assert_failed("a file", 3, &says);
     let campaign = shipped("rotary-stage").join("campaign.json");
     let campaign = campaign.display().to_string();
     run(folder.path(), &["calibrate", &campaign, "--no-report"]).assert_good();

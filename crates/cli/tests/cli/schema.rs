@@ -40,8 +40,35 @@ fn assert_fit<const N: usize>(folder: &Path, names: [&str; N]) -> [usize; N] {
 #[test]
 fn shipped_documents_fit() {
     let all = shipped("fxyz").join("..");
-    let counts = assert_fit(&all, ["campaign", "scenario"]);
-    assert_eq!(counts, [6, 3]);
+    let counts = assert_fit(&all, ["campaign", "scenario", "truth"]);
+    assert_eq!(counts, [6, 3, 3]);
+}
+
+/// Campaigns and scenarios that are shipped name the schemas beside them, which are those of the program.
+#[test]
+fn shipped_schemas_are_those_of_the_program() {
+    let all = shipped("fxyz").join("..");
+    for name in ["campaign", "scenario"] {
+        let file = format!("{name}.schema.json");
+        let shipped = fs::read_to_string(all.join(&file)).unwrap();
+        let outcome = run(Path::new("."), &["schema", name]);
+        assert!(
+            outcome.stdout == shipped,
+            "make it again: trueaxis schema {name} > campaigns/{file}"
+        );
+        let named = contents(&all).into_iter().filter(|(path, _)| {
+            path.file_name().unwrap().to_str() == Some(&format!("{name}.json"))
+        });
+        for (path, bytes) in named {
+            let document: Value = serde_json::from_slice(&bytes).unwrap();
+            assert_eq!(
+                document["$schema"],
+                format!("../{file}"),
+                "{}",
+                path.display()
+            );
+        }
+    }
 }
 
 /// Results of all methods, of campaigns with causes, gross errors, contradictions and readings.
@@ -115,6 +142,11 @@ fn results_fit() {
         "0",
     ]);
     good(&["diagnose", &lines, "--out", "l", "--no-report"]);
+    good(&["montecarlo", &rotary, "--trials", "100", "--out", "c"]);
+    let checked = run(current, &["check", &five, "--json"]).stdout;
+    fs::write(current.join("check.json"), checked).unwrap();
+    let refused = run(current, &["check", "no.json", "--json"]).stdout;
+    fs::write(current.join("error.json"), refused).unwrap();
 
     let text = fs::read(shipped("fxyz").join("scenario.json")).unwrap();
     let mut scenario: Value = serde_json::from_slice(&text).unwrap();
@@ -150,9 +182,13 @@ fn results_fit() {
         "verification",
         "volume",
         "comparison",
+        "montecarlo",
+        "check",
+        "error",
+        "truth",
     ];
     let counts = assert_fit(current, names);
-    assert_eq!(counts, [1, 2, 1, 6, 2, 1, 2, 1]);
+    assert_eq!(counts, [1, 2, 1, 6, 2, 1, 2, 1, 1, 1, 1, 1]);
 
     // What was changed by hand does not fit.
     let text = fs::read(current.join("a/calibration.json")).unwrap();

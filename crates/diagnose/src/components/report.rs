@@ -7,6 +7,7 @@ use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 use crate::components::curve_set::CurveSet;
 use crate::components::search::Found;
 use crate::diagnosis::{Cause, EstimatedParameter};
+use crate::fitted::{Fitted, Row};
 use crate::selection::Projection;
 
 /// Lever at which angles count in an rms of displacements, mm: the size of a workpiece.
@@ -57,6 +58,7 @@ pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
         changes: Vec::new(),
         share: None,
         share_of_curve: Some(share),
+        fitted: fitted(set, &estimate.curve, scene),
     }
 }
 
@@ -137,6 +139,33 @@ fn shape(set: &CurveSet, found: &Found) -> Option<EstimatedParameter> {
             None
         }
     }
+}
+
+/// The curve of the set in which the effect is largest, both after what the gauge takes.
+fn fitted(set: &CurveSet, effect: &[f64], scene: &Scene) -> Option<Fitted> {
+    let after_gauge = |curve: &[f64]| Projection::dense(curve.to_vec(), &set.base).residuals;
+    let values = after_gauge(&set.values)
+        .into_iter()
+        .zip(after_gauge(effect));
+    let row = |(i, (misfit, fitted))| {
+        let (position, direction) = set.nodes[i % set.nodes.len()];
+        Row {
+            group: i / set.nodes.len(),
+            time_s: 0.0,
+            moving: vec![(set.axis, position)],
+            direction,
+            misfit,
+            fitted,
+        }
+    };
+    let rows: Vec<Row> = values.enumerate().map(row).collect();
+    let name = |k: usize| set.components[k].name(set.content.name());
+    let fitted = Fitted::new(&rows, name, scene)?;
+    let is_angular = set.components[0].is_angular();
+    Some(Fitted {
+        is_angular,
+        ..fitted
+    })
 }
 
 /// By what part the squares of the curves fall without the effect, and the rms of the effect, both after

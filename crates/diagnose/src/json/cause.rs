@@ -8,6 +8,7 @@ use serde::ser::{SerializeMap, Serializer};
 use trueaxis_effects::{GivenEffect, GivenParameter, GivenSubject, Scene};
 use trueaxis_files::{Ordered, round, significant};
 
+use crate::json::fitted::FittedFile;
 use crate::json::um;
 use crate::{Cause, Change, EstimatedParameter};
 
@@ -37,6 +38,8 @@ pub(super) struct CauseFile<'a> {
     follows: Option<FollowsFile>,
     #[serde(skip_serializing_if = "Option::is_none")]
     share_of_curve: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fitted: Option<FittedFile<'a>>,
 }
 
 /// The logged temperature that a cause goes with.
@@ -124,6 +127,7 @@ impl<'a> CauseFile<'a> {
                 unit: follows.unit,
             }),
             share_of_curve: cause.share_of_curve.map(|share| round(share, 4)),
+            fitted: cause.fitted.as_ref().map(FittedFile::new),
         }
     }
 }

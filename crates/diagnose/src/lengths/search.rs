@@ -9,6 +9,7 @@ use crate::lengths::base::{Adjusted, Base, Suspect};
 use crate::lengths::causes::{Found, find_causes};
 use crate::lengths::competition::{Candidates, Model, compete, only_wandering};
 use crate::lengths::estimated::estimated;
+use crate::lengths::fitted::fitted;
 use crate::lengths::held_out::{HeldOut, held_out_stations, held_out_sweeps};
 use crate::lengths::hypotheses::{hypotheses, of_catalogue};
 use crate::lengths::left_out::{are_in_a_row, still_left_out};
@@ -152,7 +153,7 @@ pub(crate) fn diagnose_lengths(
     let notices = notices(&base);
     let only = found.len() + wandering.len() == 1;
     let disturbances = wandered(&base, &current, wandering, gain.filter(|_| only));
-    let causes = causes(&base, found, &current, gain.filter(|_| only));
+    let causes = causes(&base, found, &current, &rest, gain.filter(|_| only));
     Ok(LengthsOutcome {
         report,
         causes,
@@ -350,11 +351,12 @@ fn rms_of_effect_um(base: &Base<'_>, current: &Adjusted, suspect: &Suspect) -> f
     (squares / base.readings.len() as f64).sqrt() * 1e3
 }
 
-/// The causes in words and units.
+/// The causes in words and units; `rest` is what they and what wanders leave.
 fn causes(
     base: &Base<'_>,
     found: Vec<Found>,
     current: &Adjusted,
+    rest: &Adjusted,
     gain: Option<Gain>,
 ) -> Vec<Cause> {
     found
@@ -381,6 +383,7 @@ fn causes(
                 changes: Vec::new(),
                 share: None,
                 share_of_curve: None,
+                fitted: fitted(base, rest, current, &found.suspect),
                 effect: Base::resolved(&found.suspect),
             }
         })

@@ -2,6 +2,7 @@
 
 use trueaxis_effects::{Level, ResolvedEffect, Shape};
 
+use crate::fitted::{Fitted, Row};
 use crate::parameters::{beside_shape, by_shape, u_in_gap_s, with_uncertainties};
 use crate::points::base::Base;
 use crate::points::model::Model;
@@ -85,9 +86,44 @@ pub(crate) fn causes(
             rivals: cause.rivals.into_iter().map(rival).collect(),
             changes: Vec::new(),
             share_of_curve: None,
+            fitted: fitted(base, model, &suspects, &cause.suspect),
         });
     }
     (causes, effects)
+}
+
+/// The misfit without a cause and what it explains, of one coordinate of one target, weighted with the noise.
+fn fitted(base: &Base<'_>, model: &Model, all: &[Suspect], suspect: &Suspect) -> Option<Fitted> {
+    let others = all.iter().filter(|s| !s.hypothesis.is(&suspect.hypothesis));
+    let others: Vec<Suspect> = others.copied().collect();
+    let without = Model::with(base, &columns_mm(base, &others), model.noise, None);
+    let noise_um = model.noise.mean_um(&base.readings);
+    let residuals = without.projection.residuals.iter();
+    let residuals = residuals.zip(&model.projection.residuals).enumerate();
+    let row = |(i, (misfit, left)): (usize, (&f64, &f64))| {
+        let reading = &base.readings.all[i / 3];
+        let positions = &base.campaign.steps[reading.step].positions;
+        Row {
+            group: 3 * reading.target + i % 3,
+            time_s: reading.time_s,
+            moving: reading
+                .axis
+                .map(|axis| (axis, positions[axis]))
+                .into_iter()
+                .collect(),
+            direction: reading.side,
+            misfit: noise_um * misfit,
+            fitted: noise_um * (misfit - left),
+        }
+    };
+    let rows: Vec<Row> = residuals.map(row).collect();
+    let name = |group: usize| {
+        format!(
+            "a coordinate of target {}",
+            base.scene.targets[group / 3].name
+        )
+    };
+    Fitted::new(&rows, name, base.scene)
 }
 
 /// Step of the logarithm of a time constant for its derivative.

@@ -4,7 +4,9 @@ use nalgebra::DMatrix;
 use trueaxis_effects::{Level, Parameter, ResolvedEffect, Scene, Shape, Subject};
 use trueaxis_kinematics::AxisKind;
 
+use crate::fitted::{Against, Fitted, Row};
 use crate::selection::{Fit, Projection, cosine, is_rival};
+use crate::verification::arrivals::Arrival;
 use crate::verification::held_out::gain_of;
 use crate::verification::problem::{Chosen, Problem};
 use crate::verification::search::{Judged, contains, judge, ln_more};
@@ -86,9 +88,35 @@ pub(crate) fn causes(
             changes: Vec::new(),
             share: None,
             share_of_curve: None,
+            fitted: fitted(problem, scene, &judged.model.residuals, &fit),
         });
     }
     causes
+}
+
+/// The misfit without a cause, which leaves `misfit`, and what its fit explains.
+fn fitted(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fit: &Fit) -> Option<Fitted> {
+    let arrivals = problem.comparison.arrivals.iter().enumerate();
+    let row = |(i, arrival): (usize, &Arrival)| {
+        let moving = problem.comparison.moving.iter();
+        Row {
+            group: 0,
+            time_s: arrival.time_s,
+            moving: moving
+                .map(|&axis| (axis, arrival.positions[axis]))
+                .collect(),
+            direction: arrival.direction,
+            misfit: problem.sigma_um * misfit[i],
+            fitted: problem.sigma_um * fit.explained[i],
+        }
+    };
+    let rows: Vec<Row> = arrivals.map(row).collect();
+    let fitted = Fitted::new(&rows, |_| String::new(), scene)?;
+    let against = match fitted.against {
+        Against::Time if !problem.comparison.timed => Against::Order,
+        against => against,
+    };
+    Some(Fitted { against, ..fitted })
 }
 
 /// Probability of noise giving what a larger form has more, above which that is taken for absent.

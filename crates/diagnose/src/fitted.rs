@@ -1,0 +1,255 @@
+//! The misfit without a cause beside what the fitted cause explains of it: the readings in which it shows most.
+//!
+//! Both are residuals of the adjustment: what stations, poses and other unknowns take of a cause is in neither. The
+//! difference of the two is what is left with the cause in the model.
+
+use trueaxis_effects::Scene;
+use trueaxis_kinematics::AxisKind;
+
+/// What to draw of a cause.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fitted {
+    /// The readings, as `station S2, target P`.
+    pub of: String,
+    /// What they are drawn against.
+    pub against: Against,
+    /// Whether misfit and effect are in arcsec, else in µm.
+    pub is_angular: bool,
+    /// The readings in the order of what they are drawn against, the forward side first where that is a position.
+    pub points: Vec<FittedPoint>,
+}
+
+/// What misfit and effect are drawn against.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Against {
+    /// Time, s.
+    Time,
+    /// The number of the reading, where a table has no clock.
+    Order,
+    /// Position of an axis, by its name, and its unit, `mm` or `deg`.
+    Position(String, &'static str),
+}
+
+/// A reading, or the mean of several that follow each other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedPoint {
+    /// Time or position.
+    pub at: f64,
+    /// Side of approach, +1 or -1.
+    pub direction: i8,
+    /// Residual of the model without the cause.
+    pub misfit: f64,
+    /// What of it the fitted cause explains.
+    pub fitted: f64,
+}
+
+/// A reading with the residual of the model without a cause and what the fitted cause explains of it.
+pub(crate) struct Row {
+    /// Readings of one group are drawn together.
+    pub(crate) group: usize,
+    pub(crate) time_s: f64,
+    /// The axes that move, and where they are, mm or rad.
+    pub(crate) moving: Vec<(usize, f64)>,
+    /// Side of approach, +1 or -1.
+    pub(crate) direction: f64,
+    pub(crate) misfit: f64,
+    pub(crate) fitted: f64,
+}
+
+/// More points cannot be told apart in a figure: means of neighbours stand for them.
+const MOST_POINTS: usize = 240;
+
+/// Readings that are drawn show at least so much of the squares of an effect.
+const ENOUGH: f64 = 0.5;
+
+impl Fitted {
+    /// Of the group in which the effect is largest, against what it is the smoothest function of; none where the
+    /// readings show nothing of it.
+    pub(crate) fn new(rows: &[Row], name: impl Fn(usize) -> String, scene: &Scene) -> Option<Self> {
+        let groups = rows.iter().map(|row| row.group).max()?;
+        let mut of_group = vec![0.0; groups + 1];
+        for row in rows {
+            of_group[row.group] += row.fitted * row.fitted;
+        }
+        let group = (0..=groups).rev();
+        let group = group.max_by(|&a, &b| of_group[a].total_cmp(&of_group[b]))?;
+        let all = of_group[group];
+        if !(all > 0.0 && all.is_finite()) {
+            return None;
+        }
+        let own: Vec<&Row> = rows.iter().filter(|row| row.group == group).collect();
+        let mut axes: Vec<usize> = own
+            .iter()
+            .flat_map(|row| &row.moving)
+            .map(|m| m.0)
+            .collect();
+        axes.sort_unstable();
+        axes.dedup();
+        let in_time = own.iter().map(|row| (point(row, row.time_s), 0));
+        let over_axis = axes.iter().map(|&axis| {
+            let at = |row: &&Row| row.moving.iter().find(|m| m.0 == axis).map(|m| m.1);
+            let on_axis = own.iter().filter_map(|row| Some((row, at(row)?)));
+            let sides = on_axis.map(|(row, q)| (point(row, q), i8::from(row.direction < 0.0)));
+            (Some(axis), sorted(sides.collect()))
+        });
+        let drawn = std::iter::once((None, sorted(in_time.collect()))).chain(over_axis);
+        let drawn = drawn.filter(|(_, points)| varies(points) && squares(points) >= ENOUGH * all);
+        let smoothest = drawn.min_by(|a, b| roughness(&a.1).total_cmp(&roughness(&b.1)));
+        let (against, points) = match smoothest? {
+            (None, points) => (Against::Time, points),
+            (Some(axis), points) => {
+                let axis = &scene.machine.axes()[axis];
+                let (unit, size) = match axis.kind() {
+                    AxisKind::Linear => ("mm", 1.0),
+                    AxisKind::Rotary => ("deg", 1_f64.to_radians()),
+                };
+                let in_unit = |(point, side): (FittedPoint, i8)| {
+                    let at = point.at / size;
+                    (FittedPoint { at, ..point }, side)
+                };
+                let points = points.into_iter().map(in_unit).collect();
+                (Against::Position(axis.name().to_owned(), unit), points)
+            }
+        };
+        Some(Self {
+            of: name(group),
+            against,
+            is_angular: false,
+            points: thinned(&points),
+        })
+    }
+}
+
+fn point(row: &Row, at: f64) -> FittedPoint {
+    FittedPoint {
+        at,
+        direction: if row.direction < 0.0 { -1 } else { 1 },
+        misfit: row.misfit,
+        fitted: row.fitted,
+    }
+}
+
+/// Points by their side, and in its order.
+fn sorted(mut points: Vec<(FittedPoint, i8)>) -> Vec<(FittedPoint, i8)> {
+    points.sort_by(|(a, of_a), (b, of_b)| of_a.cmp(of_b).then(a.at.total_cmp(&b.at)));
+    points
+}
+
+fn varies(points: &[(FittedPoint, i8)]) -> bool {
+    points
+        .windows(2)
+        .any(|pair| pair[0].0.at.total_cmp(&pair[1].0.at).is_ne())
+}
+
+fn squares(points: &[(FittedPoint, i8)]) -> f64 {
+    points.iter().map(|(point, _)| point.fitted.powi(2)).sum()
+}
+
+/// Squared steps from point to point of a side relative to the squares (J. von Neumann, 1941).
+fn roughness(points: &[(FittedPoint, i8)]) -> f64 {
+    let same_side = points.windows(2).filter(|pair| pair[0].1 == pair[1].1);
+    let steps = same_side.map(|pair| (pair[1].0.fitted - pair[0].0.fitted).powi(2));
+    steps.sum::<f64>() / squares(points)
+}
+
+/// Means of neighbours of a side where there are more points than are drawn.
+fn thinned(points: &[(FittedPoint, i8)]) -> Vec<FittedPoint> {
+    let every = points.len().div_ceil(MOST_POINTS).max(1);
+    let sides = points.chunk_by(|a, b| a.1 == b.1);
+    let parts = sides.flat_map(|side| side.chunks(every));
+    let mean = |part: &[(FittedPoint, i8)]| {
+        let mean_of = |f: fn(&FittedPoint) -> f64| {
+            part.iter().map(|(point, _)| f(point)).sum::<f64>() / part.len() as f64
+        };
+        FittedPoint {
+            at: mean_of(|point| point.at),
+            direction: part[0].0.direction,
+            misfit: mean_of(|point| point.misfit),
+            fitted: mean_of(|point| point.fitted),
+        }
+    };
+    parts.map(mean).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+    use trueaxis_kinematics::{Axis, Machine};
+
+    use super::*;
+
+    fn scene() -> Scene {
+        let axis = |name, direction| Axis::linear(name, direction, [0.0, 400.0]).unwrap();
+        let axes = vec![axis("X", Vector3::x()), axis("Y", Vector3::y())];
+        Scene {
+            machine: Machine::new(axes, vec![0, 1], vec![]).unwrap(),
+            stations: Vec::new(),
+            targets: Vec::new(),
+            temperatures: Vec::new(),
+            moving: vec![0, 1],
+        }
+    }
+
+    /// A sweep there and back along X, at each stop as `effect(time, q, direction)` says; group 0 sees a tenth of it.
+    fn sweep(effect: impl Fn(f64, f64, f64) -> f64) -> Vec<Row> {
+        let stop = |k: u32| {
+            let time_s = f64::from(k);
+            let (q, direction) = match k < 20 {
+                true => (20.0 * time_s, 1.0),
+                false => (20.0 * (39.0 - time_s), -1.0),
+            };
+            let row = move |group: usize, fitted: f64| Row {
+                group,
+                time_s,
+                moving: vec![(0, q)],
+                direction,
+                misfit: fitted + 0.1,
+                fitted,
+            };
+            let whole = effect(time_s, q, direction);
+            [row(0, 0.1 * whole), row(1, whole)]
+        };
+        (0..40).flat_map(stop).collect()
+    }
+
+    fn drawn(effect: impl Fn(f64, f64, f64) -> f64) -> Fitted {
+        Fitted::new(&sweep(effect), |group| format!("group {group}"), &scene()).unwrap()
+    }
+
+    #[test]
+    fn an_effect_is_drawn_over_what_it_follows() {
+        let lost_motion = drawn(|_, _, direction| 2.0 * direction);
+        assert_eq!(lost_motion.against, Against::Position("X".to_owned(), "mm"));
+        assert_eq!(lost_motion.of, "group 1");
+        let sides: Vec<i8> = lost_motion.points.iter().map(|p| p.direction).collect();
+        assert_eq!(sides, [[1; 20], [-1; 20]].concat());
+
+        let jump = drawn(|time_s, _, _| if time_s < 27.5 { -1.0 } else { 1.0 });
+        assert_eq!(jump.against, Against::Time);
+        assert!(jump.points.is_sorted_by(|a, b| a.at < b.at));
+        assert!(
+            jump.points
+                .iter()
+                .all(|p| (p.misfit - p.fitted - 0.1).abs() < 1e-12)
+        );
+
+        let nothing = sweep(|_, _, _| 0.0);
+        assert_eq!(Fitted::new(&nothing, |_| String::new(), &scene()), None);
+    }
+
+    #[test]
+    fn neighbours_of_a_side_are_averaged() {
+        let rows = (0..10_000_u32).map(|k| Row {
+            group: 0,
+            time_s: f64::from(k),
+            moving: Vec::new(),
+            direction: 1.0,
+            misfit: f64::from(k),
+            fitted: 1.0,
+        });
+        let rows: Vec<Row> = rows.collect();
+        let fitted = Fitted::new(&rows, |_| String::new(), &scene()).unwrap();
+        assert!(fitted.points.len() <= MOST_POINTS);
+        assert!(fitted.points.iter().all(|p| (p.at - p.misfit).abs() < 1e-9));
+    }
+}

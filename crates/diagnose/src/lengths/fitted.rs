@@ -1,0 +1,53 @@
+//! The misfit of the lengths without a cause, and what the cause explains of it.
+
+use trueaxis_campaign::Direction;
+use trueaxis_poses::LengthCircumstances;
+
+use crate::fitted::{Fitted, Row};
+use crate::lengths::base::{Adjusted, Base, Suspect};
+
+/// Of one station and target: `rest` is what all causes and what wanders leave, `current` the model with all causes. The
+/// other causes stay as they were fitted with this one.
+pub(crate) fn fitted(
+    base: &Base<'_>,
+    rest: &Adjusted,
+    current: &Adjusted,
+    suspect: &Suspect,
+) -> Option<Fitted> {
+    let suspects = current.suspects.iter();
+    let others = suspects.filter(|s| !s.hypothesis.is(&suspect.hypothesis));
+    let others: Vec<Suspect> = others.cloned().collect();
+    let without = base.adjust_given(others, current.network.noise).ok()?;
+    let targets = base.scene.targets.len();
+    let row = |(i, reading): (usize, &LengthCircumstances)| {
+        let LengthCircumstances {
+            time_s,
+            station,
+            target,
+            axis,
+            direction,
+            step,
+            ..
+        } = reading;
+        let explained_mm = without.solution.residuals_mm[i] - current.solution.residuals_mm[i];
+        let fitted = 1e3 * explained_mm;
+        Row {
+            group: station * targets + target,
+            time_s: *time_s,
+            moving: vec![(*axis, base.campaign.steps[*step].positions[*axis])],
+            direction: match direction {
+                Direction::Forward => 1.0,
+                Direction::Backward => -1.0,
+            },
+            misfit: 1e3 * rest.solution.residuals_mm[i] + fitted,
+            fitted,
+        }
+    };
+    let rows: Vec<Row> = base.readings.iter().enumerate().map(row).collect();
+    let name = |group: usize| {
+        let [station, target] = [group / targets, group % targets];
+        let target = &base.scene.targets[target].name;
+        format!("lengths from {} to {target}", base.scene.stations[station])
+    };
+    Fitted::new(&rows, name, &base.scene)
+}

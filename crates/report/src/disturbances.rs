@@ -1,0 +1,82 @@
+//! Smooth processes of unknown form, each with its course.
+
+use serde::Serialize;
+
+use crate::diagnosis::{CurvePoint, Disturbance};
+use crate::numbers::{decimals, fixed, signed};
+use crate::page::Figure;
+use crate::svg::plot::{Frame, Plot};
+use crate::svg::ticks::{Scale, range};
+
+#[derive(Serialize)]
+pub(crate) struct DisturbanceView {
+    name: String,
+    /// One for each coordinate.
+    figures: Vec<Figure>,
+}
+
+impl DisturbanceView {
+    pub(crate) fn new(k: usize, of: &Disturbance) -> Self {
+        let curve = of.curve.as_deref().unwrap_or_default();
+        Self {
+            name: of.name(),
+            figures: smooth(k, curve, &of.varies_with.join(" and ")),
+        }
+    }
+
+    pub(crate) fn figures(&self) -> impl Iterator<Item = &Figure> {
+        self.figures.iter()
+    }
+}
+
+/// What wanders of a station or the machine; lost motion and the scale of the air have one coordinate.
+const COORDINATES: [&str; 4] = ["x", "y", "z", "dead path"];
+
+/// The course of a disturbance of one argument, a figure with its 95 % band for each coordinate, all to one scale.
+fn smooth(k: usize, curve: &[CurvePoint], with: &str) -> Vec<Figure> {
+    let count = curve.first().map_or(0, |point| point.value_um.len());
+    if curve.iter().any(|point| point.at.len() != 1) {
+        return Vec::new();
+    }
+    let part = |point: &CurvePoint, c: usize, sign: f64| {
+        let value = point.value_um.get(c).copied().unwrap_or(f64::NAN);
+        let u = point.u_um.get(c).copied().unwrap_or(0.0);
+        [point.at[0], value + 2.0 * sign * u]
+    };
+    let of = |c: usize, sign: f64| -> Vec<[f64; 2]> {
+        curve.iter().map(|point| part(point, c, sign)).collect()
+    };
+    let bounds = (0..count).flat_map(|c| of(c, -1.0).into_iter().chain(of(c, 1.0)));
+    let [low, high] = range(bounds.map(|[_, value]| value));
+    let [from, to] = range(curve.iter().map(|point| point.at[0]));
+    let x_label = match with {
+        "time" => "time in s".to_owned(),
+        other => format!("{other} in mm or °"),
+    };
+    let named = COORDINATES.iter().take(count).enumerate();
+    let figure = |(c, name): (usize, &&str)| {
+        let frame = Frame {
+            title: if count == 1 { "" } else { name },
+            x_label: &x_label,
+            y_label: "disturbance in µm",
+            size: [340.0, 200.0],
+        };
+        let mut plot = Plot::new(&frame, Scale::new(from, to, 4), Scale::new(low, high, 5));
+        plot.band(0, &of(c, -1.0), &of(c, 1.0));
+        plot.line("l0", &of(c, 0.0));
+        for point in curve {
+            let [at, value] = part(point, c, 0.0);
+            let expanded = part(point, c, 1.0)[1] - value;
+            let digits = decimals(expanded);
+            let text = format!(
+                "{x_label}: {}; {} ± {} µm",
+                fixed(at, 1),
+                signed(value, digits),
+                fixed(expanded, digits)
+            );
+            plot.hover([at, value], &text);
+        }
+        Figure::new(&format!("disturbance-{}-{}", k + 1, c + 1), plot.finish())
+    };
+    named.map(figure).collect()
+}
