@@ -12,7 +12,7 @@ pub struct Effect {
     pub levels: &'static [Level],
     pub(crate) subjects: fn(&Scene) -> Vec<Subject>,
     pub(crate) parameters: fn(&Scene, &Subject) -> Vec<Parameter>,
-    /// What else than its linear parameters has to be found.
+    /// What has to be found beside its linear parameters.
     pub shape: Shape,
     pub(crate) form: Form,
     /// What to tell a calibration engineer.
@@ -31,7 +31,7 @@ impl Effect {
     }
 }
 
-/// By name: what else it is stands in the catalogue.
+/// By name: the rest stands in the catalogue.
 impl std::fmt::Debug for Effect {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_tuple("Effect").field(&self.id).finish()
@@ -92,7 +92,7 @@ pub struct Parameter {
     pub name: String,
     /// Unit, as `um`.
     pub unit: &'static str,
-    /// From where to where a value is plausible, for a coefficient of which this is known.
+    /// The range in which a value is plausible, where it is known.
     pub plausible: Option<[f64; 2]>,
 }
 
@@ -139,7 +139,7 @@ impl Parameter {
     }
 }
 
-/// Five millimetres, or five in a metre: who bumps an instrument by more sets it up again.
+/// Five millimetres, or five in a metre: whoever bumps an instrument by more sets it up again.
 const FRAME_UM: [f64; 2] = [-5e3, 5e3];
 const FRAME_ARCSEC: [f64; 2] = [-1e3, 1e3];
 

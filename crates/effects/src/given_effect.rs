@@ -133,7 +133,7 @@ impl GivenEffect {
             .collect()
     }
 
-    /// Refuses values that are not finite and uncertainties that are none.
+    /// Refuses values that are not finite and uncertainties that are negative or not finite.
     pub(crate) fn check_numbers(&self) -> Result<(), Error> {
         for (i, &GivenParameter { value, u, .. }) in self.parameters.iter().enumerate() {
             if !value.is_finite() {
