@@ -133,7 +133,7 @@ pub(crate) struct TargetEntry {
     pub(crate) name: String,
     /// Nominal position at home in the reference frame, mm.
     pub(crate) position_mm: [f64; 3],
-    /// The outermost axis that moves it; null on the bed, which must not be taken for a field left out.
+    /// The outermost axis that moves it; null on the bed, which is not the same as a field left out.
     #[serde(deserialize_with = "Option::deserialize")]
     #[schemars(schema_with = "trueaxis_files::nullable_text")]
     pub(crate) carried_by: Option<String>,

@@ -46,7 +46,7 @@ pub struct Campaign {
     pub points: Option<Points>,
     /// Measurements of other instruments, to compare with.
     pub verification: Vec<Verification>,
-    /// What is unusual but no error, in words for the user.
+    /// What is unusual but not an error, in words for the user.
     pub notices: Vec<String>,
 }
 
@@ -166,7 +166,7 @@ pub struct Station {
     pub dead_path: Option<KnownDeadPath>,
 }
 
-/// A dead path L that is known beforehand (absolute distance meter): `|p - S| = l + L`.
+/// A dead path L that is known (absolute distance meter): `|p - S| = l + L`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownDeadPath {
     /// L, mm.
@@ -187,7 +187,7 @@ pub struct Run {
 /// A commanded position of a run. Its points are common to all stops there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// Its run; none where targets on the bed were read: that is no pose of an axis.
+    /// Its run; none where targets on the bed were read, which is not a pose of an axis.
     pub run: Option<usize>,
     /// Commanded positions of all axes, mm or rad, in the order of the machine's axes.
     pub positions: Vec<f64>,

@@ -104,8 +104,8 @@ pub struct TargetSpec {
     /// Name of its reflector, as the campaign declares it; targets that name the same share its constant.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reflector: Option<String>,
-    /// How well its nest is set, as the campaign declares it, mm per coordinate: the nest is off by as
-    /// much, drawn, beside `mounting_error_mm`.
+    /// Standard deviation of its nest as the campaign declares it, mm per coordinate: the nest has a
+    /// random error of this size in addition to `mounting_error_mm`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_sigma_mm: Option<f64>,
 }
@@ -114,8 +114,8 @@ pub struct TargetSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: targets on the bed")]
 pub struct BedSpec {
-    /// How often all of them are read: once at the start of the occupation, once at its end, and the other times
-    /// between sweeps, evenly.
+    /// How often all of them are read: once at the start of the occupation, once at its end, and otherwise
+    /// evenly between sweeps.
     pub readings: u32,
 }
 
@@ -133,8 +133,8 @@ pub struct StationSpec {
     /// paces it off.
     #[serde(default)]
     pub declare_approx: bool,
-    /// Whether the campaign file gives the dead path, with this standard uncertainty, mm: off by as
-    /// much, drawn.
+    /// If given, the campaign file gives the dead path with this standard uncertainty, mm, and a random
+    /// error of this size.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dead_path_sigma_mm: Option<f64>,
 }
