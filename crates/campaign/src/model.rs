@@ -143,7 +143,7 @@ pub struct KnownLength {
 /// A target on a stage, or on the bed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Target {
-    /// Name, as `P`.
+    /// Name, such as `P`.
     pub name: String,
     /// Nominal position at home in the reference frame, mm.
     pub home_mm: Point3<f64>,
@@ -158,7 +158,7 @@ pub struct Target {
 /// A station of the tracker, on the bed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Station {
-    /// Name, as `S1`.
+    /// Name, such as `S1`.
     pub name: String,
     /// Rough position in the reference frame, mm; not needed to solve.
     pub approx_mm: Option<Point3<f64>>,
@@ -178,7 +178,7 @@ pub struct KnownDeadPath {
 /// One sweep of an axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// Name, as `x`.
+    /// Name, such as `x`.
     pub name: String,
     /// The axis under test.
     pub axis: usize,
@@ -236,7 +236,7 @@ impl Campaign {
 }
 
 impl Lengths {
-    /// The logged column of that name, as `machine_temp_spindle_c`.
+    /// The logged column of that name, such as `machine_temp_spindle_c`.
     pub fn logged_column(&self, name: &str) -> Option<&LoggedColumn> {
         self.logged.iter().find(|column| column.name == name)
     }
@@ -282,7 +282,7 @@ pub struct PointReading {
 /// Measurements of another instrument.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verification {
-    /// Name, as `LI along X`.
+    /// Name, such as `LI along X`.
     pub name: String,
     /// What was measured.
     pub kind: VerificationKind,

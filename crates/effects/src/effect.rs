@@ -4,7 +4,7 @@ use crate::{Form, Scene, Shape, Subject};
 
 /// A physical effect: a hypothesis about what disturbs the readings.
 pub struct Effect {
-    /// Its fixed name, as `machine_shift`.
+    /// Its fixed name, such as `machine_shift`.
     pub id: &'static str,
     /// Where it comes from; instrument and set-up are ruled out before the machine is blamed.
     pub layer: Layer,
@@ -88,9 +88,9 @@ impl Level {
 /// A linear parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// Name, as `shift_x`.
+    /// Name, such as `shift_x`.
     pub name: String,
-    /// Unit, as `um`.
+    /// Unit, such as `um`.
     pub unit: &'static str,
     /// The range in which a value is plausible, where it is known.
     pub plausible: Option<[f64; 2]>,
@@ -114,7 +114,7 @@ impl Parameter {
         }
     }
 
-    /// The three components of a vector, as `shift_x shift_y shift_z`.
+    /// The three components of a vector, such as `shift_x shift_y shift_z`.
     pub(crate) fn vector(name: &str, unit: &'static str) -> Vec<Self> {
         let along = |axis| Self::new(format!("{name}_{axis}"), unit);
         ["x", "y", "z"].map(along).into()

@@ -10,7 +10,7 @@ use crate::Noise;
 
 /// A scenario that cannot be read or simulated, or a truth that cannot be written.
 ///
-/// Its message says where: the path of the field, as `runs[1].axis`, and the line if the scenario was
+/// Its message says where: the path of the field, such as `runs[1].axis`, and the line if the scenario was
 /// read from text.
 #[derive(Debug)]
 pub struct Error {

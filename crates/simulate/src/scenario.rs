@@ -90,7 +90,7 @@ impl Scenario {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a target")]
 pub struct TargetSpec {
-    /// Name, as `P`.
+    /// Name, such as `P`.
     pub name: String,
     /// Nominal position at home in the reference frame, mm.
     pub position_mm: [f64; 3],
@@ -123,7 +123,7 @@ pub struct BedSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a station")]
 pub struct StationSpec {
-    /// Name, as `S1`.
+    /// Name, such as `S1`.
     pub name: String,
     /// True position in the reference frame, mm.
     pub position_mm: [f64; 3],
@@ -143,10 +143,10 @@ pub struct StationSpec {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: the errors of an axis")]
 pub struct AxisErrors {
-    /// Curves by ISO 230-1 name, as `EXX`: the sum of the terms, µm or arcsec.
+    /// Curves by ISO 230-1 name, such as `EXX`: the sum of the terms, µm or arcsec.
     #[serde(default, deserialize_with = "unique_keys")]
     pub components: BTreeMap<String, Vec<Term>>,
-    /// Location errors by ISO 230-1 name, as `C0Y`.
+    /// Location errors by ISO 230-1 name, such as `C0Y`.
     #[serde(default, deserialize_with = "unique_keys")]
     pub location_errors: BTreeMap<String, LocationValue>,
     /// Lost motion b of a linear axis, µm: the stage stands at `-b/2` along the axis direction
@@ -189,7 +189,7 @@ pub enum Gauge {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a run")]
 pub struct RunSpec {
-    /// Name, as `x`.
+    /// Name, such as `x`.
     pub name: String,
     /// The axis that moves.
     pub axis: String,

@@ -24,7 +24,7 @@ const TEMPERATURES_PER_K: f64 = 1e3;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a logged temperature")]
 pub struct TemperatureSpec {
-    /// Column of `lengths.csv`, as `machine_temp_spindle_c`.
+    /// Column of `lengths.csv`, such as `machine_temp_spindle_c`.
     pub column: String,
     /// The true temperature: the sum of the terms, °C.
     pub course: Vec<TemperatureTerm>,
