@@ -1,4 +1,4 @@
-//! One cell of a CSV file: numbers, and in words why it is none.
+//! One cell of a CSV file: a number, or in words why it is not one.
 
 /// A finite number.
 pub(crate) fn number(cell: &[u8]) -> Option<f64> {
@@ -25,17 +25,17 @@ pub(crate) fn number_problem(cell: &[u8]) -> (String, String) {
     } else if finite(&point) {
         (
             format!("\"{text}\" is not a number"),
-            format!("a decimal point, as {point}"),
+            format!("a decimal point, such as {point}"),
         )
     } else if finite(&ascii_minus) {
         (
             format!("\"{text}\" is not a number"),
-            format!("the minus sign of the keyboard, as {ascii_minus}"),
+            format!("the minus sign of the keyboard, as in {ascii_minus}"),
         )
     } else {
         (
             format!("\"{text}\" is not a number"),
-            "a number with a decimal point and without unit, as 12.5".to_owned(),
+            "a number with a decimal point and without unit, such as 12.5".to_owned(),
         )
     }
 }
@@ -106,10 +106,10 @@ mod tests {
     #[test]
     fn problems_say_how_to_mend() {
         let expected = |cell: &str| number_problem(cell.as_bytes()).1;
-        assert_eq!(expected("12,5"), "a decimal point, as 12.5");
+        assert_eq!(expected("12,5"), "a decimal point, such as 12.5");
         assert_eq!(
             expected("\u{2212}3"),
-            "the minus sign of the keyboard, as -3"
+            "the minus sign of the keyboard, as in -3"
         );
         assert!(expected("").contains("remove the row"));
         assert!(expected("NaN").contains("remove the row"));

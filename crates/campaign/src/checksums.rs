@@ -1,4 +1,4 @@
-//! Which files a result rests on.
+//! Which files a result is based on.
 
 use std::path::Path;
 

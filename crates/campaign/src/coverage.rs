@@ -21,11 +21,11 @@ pub struct Coverage {
 pub struct Seen {
     /// Readings.
     pub readings: usize,
-    /// Steps with a reading at least.
+    /// Steps with at least one reading.
     pub steps: usize,
 }
 
-/// What lacks from a station, the greatest lack first.
+/// What is missing from a station, the greatest gap first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Hole {
     /// No reading at all.
@@ -37,7 +37,7 @@ pub enum Hole {
 }
 
 impl Coverage {
-    /// What lacks from that station; nothing for one that does not exist.
+    /// What is missing from that station; nothing for one that does not exist.
     pub fn hole(&self, station: usize) -> Option<Hole> {
         let seen = self.seen.get(station)?;
         let most = self.seen.iter().map(|seen| seen.readings).max();

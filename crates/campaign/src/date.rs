@@ -7,7 +7,8 @@ pub(crate) fn check(date: Option<&str>) -> Result<(), DocumentError> {
     match date {
         Some(date) if !is_day(date) => {
             let found = format!("found \"{date}\"");
-            let problem = DocumentProblem::value(found, "a day as year-month-day, as 2026-03-31");
+            let problem =
+                DocumentProblem::value(found, "a day as year-month-day, such as 2026-03-31");
             Err(problem.in_field("date"))
         }
         _ => Ok(()),

@@ -28,7 +28,7 @@ pub(crate) struct Document {
     pub(crate) version: u32,
     /// Name of the campaign.
     pub(crate) name: String,
-    /// Day of the measurement, as `2026-03-31`.
+    /// Day of the measurement, such as `2026-03-31`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) date: Option<String>,
     /// Who measured.
@@ -93,7 +93,7 @@ pub struct KinematicsSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: an axis")]
 pub struct AxisSpec {
-    /// Name, as `X`.
+    /// Name, such as `X`.
     pub name: String,
     /// Linear or rotary.
     pub kind: AxisKindSpec,
@@ -129,11 +129,11 @@ pub enum AxisKindSpec {
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a target")]
 pub(crate) struct TargetEntry {
-    /// Name, as `P`.
+    /// Name, such as `P`.
     pub(crate) name: String,
     /// Nominal position at home in the reference frame, mm.
     pub(crate) position_mm: [f64; 3],
-    /// The outermost axis that moves it; null on the bed, which must not be taken for a field left out.
+    /// The outermost axis that moves it; null on the bed, which is not the same as a field left out.
     #[serde(deserialize_with = "Option::deserialize")]
     #[schemars(schema_with = "trueaxis_files::nullable_text")]
     pub(crate) carried_by: Option<String>,
@@ -149,7 +149,7 @@ pub(crate) struct TargetEntry {
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a station")]
 pub(crate) struct StationEntry {
-    /// Name, as `S1`.
+    /// Name, such as `S1`.
     pub(crate) name: String,
     /// Rough position, mm; decides between mirror images.
     #[serde(default, skip_serializing_if = "Option::is_none")]

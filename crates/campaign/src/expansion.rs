@@ -55,13 +55,13 @@ fn expansion(axis: usize, spec: &AxisSpec) -> Result<Option<AxisExpansion>, Docu
     };
     if spec.kind == AxisKindSpec::Rotary {
         let found = format!("axis {} is rotary and has an expansion", spec.name);
-        let expected = "one of linear axes only; remove it";
+        let expected = "an expansion of linear axes only; remove it";
         return refused("expansion_ppm_per_k", found, expected);
     }
     let size = ppm_per_k.abs();
     if size > LARGEST_PPM_PER_K || (size > 0.0 && size < LEAST_PPM_PER_K) {
         let found = format!("an expansion of {ppm_per_k} ppm/K");
-        let expected = "a coefficient in um per m and K, as 11.5 for steel";
+        let expected = "a coefficient in um per m and K, such as 11.5 for steel";
         return refused("expansion_ppm_per_k", found, expected);
     }
     if let Some(sigma_k) = spec.temperature_sigma_k.filter(|&sigma_k| sigma_k <= 0.0) {

@@ -36,7 +36,7 @@ pub enum ColumnFault {
     Unknown {
         /// Its name.
         column: String,
-        /// The column that could be meant; if it is missing, that is no other fault.
+        /// The column that could be meant; if that one is missing, it is not reported as another fault.
         nearest: Option<String>,
     },
     /// It stands there a second time.

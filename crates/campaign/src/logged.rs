@@ -3,7 +3,7 @@
 /// A column of `lengths.csv` with the state of air or machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoggedColumn {
-    /// Its name in the file, as `air_temp_c` or `machine_temp_spindle_c`.
+    /// Its name in the file, such as `air_temp_c` or `machine_temp_spindle_c`.
     pub name: String,
     /// One value for each reading, in their order and in the unit of the name; none where the cell
     /// is empty.

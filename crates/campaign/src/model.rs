@@ -46,7 +46,7 @@ pub struct Campaign {
     pub points: Option<Points>,
     /// Measurements of other instruments, to compare with.
     pub verification: Vec<Verification>,
-    /// What is unusual but no error, in words for the user.
+    /// What is unusual but not an error, in words for the user.
     pub notices: Vec<String>,
 }
 
@@ -143,7 +143,7 @@ pub struct KnownLength {
 /// A target on a stage, or on the bed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Target {
-    /// Name, as `P`.
+    /// Name, such as `P`.
     pub name: String,
     /// Nominal position at home in the reference frame, mm.
     pub home_mm: Point3<f64>,
@@ -158,7 +158,7 @@ pub struct Target {
 /// A station of the tracker, on the bed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Station {
-    /// Name, as `S1`.
+    /// Name, such as `S1`.
     pub name: String,
     /// Rough position in the reference frame, mm; not needed to solve.
     pub approx_mm: Option<Point3<f64>>,
@@ -166,7 +166,7 @@ pub struct Station {
     pub dead_path: Option<KnownDeadPath>,
 }
 
-/// A dead path L that is known beforehand (absolute distance meter): `|p - S| = l + L`.
+/// A dead path L that is known (absolute distance meter): `|p - S| = l + L`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownDeadPath {
     /// L, mm.
@@ -178,7 +178,7 @@ pub struct KnownDeadPath {
 /// One sweep of an axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// Name, as `x`.
+    /// Name, such as `x`.
     pub name: String,
     /// The axis under test.
     pub axis: usize,
@@ -187,7 +187,7 @@ pub struct Run {
 /// A commanded position of a run. Its points are common to all stops there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// Its run; none where targets on the bed were read: that is no pose of an axis.
+    /// Its run; none where targets on the bed were read, which is not a pose of an axis.
     pub run: Option<usize>,
     /// Commanded positions of all axes, mm or rad, in the order of the machine's axes.
     pub positions: Vec<f64>,
@@ -236,7 +236,7 @@ impl Campaign {
 }
 
 impl Lengths {
-    /// The logged column of that name, as `machine_temp_spindle_c`.
+    /// The logged column of that name, such as `machine_temp_spindle_c`.
     pub fn logged_column(&self, name: &str) -> Option<&LoggedColumn> {
         self.logged.iter().find(|column| column.name == name)
     }
@@ -282,7 +282,7 @@ pub struct PointReading {
 /// Measurements of another instrument.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verification {
-    /// Name, as `LI along X`.
+    /// Name, such as `LI along X`.
     pub name: String,
     /// What was measured.
     pub kind: VerificationKind,

@@ -13,7 +13,7 @@ pub(crate) struct Names<'a> {
 }
 
 impl<'a> Names<'a> {
-    /// `what` is the kind in the singular, as `target`.
+    /// `what` is the kind in the singular, such as `target`.
     pub(crate) fn new(what: &'static str, names: impl IntoIterator<Item = &'a str>) -> Self {
         Self {
             what,

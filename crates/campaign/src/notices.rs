@@ -1,4 +1,4 @@
-//! What is unusual in a campaign but no error, in words.
+//! What is unusual in a campaign but not an error, in words.
 
 use crate::reading::Reading;
 use crate::{Campaign, Stop, Target};
@@ -22,7 +22,7 @@ pub(crate) fn clock_going_back(
     None
 }
 
-/// Reflectors whose names differ in case, blanks and signs only: perhaps one, written in two ways.
+/// Reflectors whose names differ only in case, blanks and punctuation: perhaps one, written in two ways.
 pub(crate) fn similar_reflectors(targets: &[Target]) -> Vec<String> {
     let letters = |name: &str| -> String {
         let letters = name.chars().filter(|c| c.is_alphanumeric());

@@ -134,7 +134,7 @@ impl<'a> Visits<'a> {
         if self.station.is_none() {
             let found = format!("target `{name}`, which stands on the bed (`carried_by` null)");
             let expected =
-                "a target that an axis carries: points of the bed say nothing of the machine";
+                "a target that an axis carries: points on the bed say nothing about the machine";
             return Err(Problem::value(found, expected).at(row.place(self.target.0)));
         }
         for (column, what) in [(self.run.0, "run"), (self.direction, "direction")] {

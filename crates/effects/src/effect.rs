@@ -4,7 +4,7 @@ use crate::{Form, Scene, Shape, Subject};
 
 /// A physical effect: a hypothesis about what disturbs the readings.
 pub struct Effect {
-    /// Its fixed name, as `machine_shift`.
+    /// Its fixed name, such as `machine_shift`.
     pub id: &'static str,
     /// Where it comes from; instrument and set-up are ruled out before the machine is blamed.
     pub layer: Layer,
@@ -12,7 +12,7 @@ pub struct Effect {
     pub levels: &'static [Level],
     pub(crate) subjects: fn(&Scene) -> Vec<Subject>,
     pub(crate) parameters: fn(&Scene, &Subject) -> Vec<Parameter>,
-    /// What else than its linear parameters has to be found.
+    /// What has to be found beside its linear parameters.
     pub shape: Shape,
     pub(crate) form: Form,
     /// What to tell a calibration engineer.
@@ -31,7 +31,7 @@ impl Effect {
     }
 }
 
-/// By name: what else it is stands in the catalogue.
+/// By name: the rest stands in the catalogue.
 impl std::fmt::Debug for Effect {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_tuple("Effect").field(&self.id).finish()
@@ -88,11 +88,11 @@ impl Level {
 /// A linear parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// Name, as `shift_x`.
+    /// Name, such as `shift_x`.
     pub name: String,
-    /// Unit, as `um`.
+    /// Unit, such as `um`.
     pub unit: &'static str,
-    /// From where to where a value is plausible, for a coefficient of which this is known.
+    /// The range in which a value is plausible, where it is known.
     pub plausible: Option<[f64; 2]>,
 }
 
@@ -114,7 +114,7 @@ impl Parameter {
         }
     }
 
-    /// The three components of a vector, as `shift_x shift_y shift_z`.
+    /// The three components of a vector, such as `shift_x shift_y shift_z`.
     pub(crate) fn vector(name: &str, unit: &'static str) -> Vec<Self> {
         let along = |axis| Self::new(format!("{name}_{axis}"), unit);
         ["x", "y", "z"].map(along).into()
@@ -139,7 +139,7 @@ impl Parameter {
     }
 }
 
-/// Five millimetres, or five in a metre: who bumps an instrument by more sets it up again.
+/// Five millimetres, or five in a metre: whoever bumps an instrument by more sets it up again.
 const FRAME_UM: [f64; 2] = [-5e3, 5e3];
 const FRAME_ARCSEC: [f64; 2] = [-1e3, 1e3];
 

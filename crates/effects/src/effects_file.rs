@@ -23,7 +23,7 @@ pub struct EffectsFile {
     /// The effects.
     pub effects: Vec<GivenEffect>,
     /// Covariance of all linear parameters of all effects, in the order in which they stand in
-    /// `effects` and in the products of their units; shapes (as `time`) have no part in it.
+    /// `effects` and in the products of their units; shapes (such as `time`) have no part in it.
     pub covariance: Option<Vec<Vec<f64>>>,
 }
 

@@ -11,7 +11,7 @@ pub enum Error {
     /// A field that is wrong.
     #[error("{field}: {problem}")]
     Field {
-        /// Its path, as `effects[1].parameters[0].unit`; that of an effect that stands alone begins with
+        /// Its path, such as `effects[1].parameters[0].unit`; that of an effect that stands alone begins with
         /// its own fields.
         field: String,
         /// What is wrong.

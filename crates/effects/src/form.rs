@@ -81,7 +81,7 @@ impl AtReading<'_> {
         history.map_or(0.0, |h| h.warmer_k(self.at.time_s, self.shape))
     }
 
-    /// What `mm` of the parameter of a station, or of the frame of an instrument, is where the target is.
+    /// The displacement at the target for `mm` of the parameter of a station, or of the frame of an instrument.
     fn frame_motion(&self, mm: f64) -> Vector3<f64> {
         match self.parameter.checked_sub(3) {
             None => Vector3::ith(self.parameter, mm),
@@ -153,7 +153,7 @@ impl Effect {
     }
 
     /// What one unit of parameter `parameter` adds to the component errors of its axis, mm and rad,
-    /// before the least-squares gauge; nothing for an effect that is no part of an error curve.
+    /// before the least-squares gauge; nothing for an effect that is not part of an error curve.
     pub fn motion(
         &self,
         subject: &Subject,

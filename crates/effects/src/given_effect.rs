@@ -24,7 +24,7 @@ use crate::{Effect, Error, GivenSubject, Parameter, ResolvedEffect, Scene, catal
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: an effect")]
 pub struct GivenEffect {
-    /// Its name in the catalogue, as `station_jump`.
+    /// Its name in the catalogue, such as `station_jump`.
     pub effect: String,
     /// What it happens to.
     #[serde(default)]
@@ -37,14 +37,14 @@ pub struct GivenEffect {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a parameter")]
 pub struct GivenParameter {
-    /// Its name, as `jump_x`.
+    /// Its name, such as `jump_x`.
     pub name: String,
     /// Its value.
     pub value: f64,
     /// Standard uncertainty of the value, where it was estimated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub u: Option<f64>,
-    /// Its unit, as `um`.
+    /// Its unit, such as `um`.
     pub unit: String,
 }
 
@@ -133,7 +133,7 @@ impl GivenEffect {
             .collect()
     }
 
-    /// Refuses values that are not finite and uncertainties that are none.
+    /// Refuses values that are not finite and uncertainties that are negative or not finite.
     pub(crate) fn check_numbers(&self) -> Result<(), Error> {
         for (i, &GivenParameter { value, u, .. }) in self.parameters.iter().enumerate() {
             if !value.is_finite() {

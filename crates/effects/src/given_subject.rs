@@ -19,20 +19,20 @@ const LISTED_AT_MOST: usize = 12;
     expecting = "an object: what the effect happens to"
 )]
 pub struct GivenSubject {
-    /// The station, as `S2`.
+    /// The station, such as `S2`.
     pub station: Option<String>,
-    /// The target, as `P`.
+    /// The target, such as `P`.
     pub target: Option<String>,
-    /// The axis, as `X`.
+    /// The axis, such as `X`.
     pub axis: Option<String>,
     /// The axis on whose position the error of the first one depends.
     pub other_axis: Option<String>,
-    /// The component error of the axis by its ISO 230-1 name, as `EXX`.
+    /// The component error of the axis by its ISO 230-1 name, such as `EXX`.
     pub component: Option<String>,
-    /// The axis that carries the targets concerned, as `Z`.
+    /// The axis that carries the targets concerned, such as `Z`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub carrier: Option<String>,
-    /// The column of the temperature that it goes with, as `machine_temp_spindle_c`.
+    /// The column of the temperature that it goes with, such as `machine_temp_spindle_c`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub column: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! The catalogue of physical effects that a rigid, quasi-static model of a machine does not hold.
+//! The catalogue of physical effects that a rigid, quasi-static model of a machine does not contain.
 //!
 //! Every effect is a hypothesis with a form of its own: how it displaces the target, how the station,
 //! and how it lengthens what the instrument shows,
@@ -13,8 +13,8 @@
 //! ([`Displaced::along`]).
 //!
 //! Noun in: the [`Circumstances`] of a reading; noun out: what each effect of the [`catalogue()`] does
-//! to it. Effects are siblings of one shape, one file each ([`Effect`]); adding one is one new file
-//! and one line in the catalogue. The crate estimates nothing.
+//! to it. Effects are siblings of one form, one file each ([`Effect`]); adding one takes one new file
+//! and two lines in the catalogue. The crate estimates nothing.
 //!
 //! In files an effect with its values is a [`GivenEffect`], by names; in a [`Scene`] it becomes a
 //! [`ResolvedEffect`], by indices, and goes back. Several with their covariance are an [`EffectsFile`].

@@ -11,7 +11,7 @@
 /// A logged temperature that effects may go with.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneTemperature {
-    /// Its column, as `machine_temp_spindle_c`.
+    /// Its column, such as `machine_temp_spindle_c`.
     pub column: String,
     /// Of what.
     pub medium: Medium,

@@ -43,7 +43,7 @@ pub(crate) fn waves_across_axis(components: [Component; 3], of: &OnCurve<'_>) ->
     wave_of(component, of, of.shape * of.at.position)
 }
 
-/// The parameters of [`waves_across_axis`], as `sine_x cosine_x sine_y cosine_y`.
+/// The parameters of [`waves_across_axis`], such as `sine_x cosine_x sine_y cosine_y`.
 pub(crate) fn parameters_across(
     scene: &Scene,
     subject: &Subject,

@@ -13,11 +13,11 @@ use crate::{DocumentError, DocumentProblem, Part, Place, field_line};
 /// A format of this project.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Format {
-    /// What the field `format` must say, as `trueaxis-campaign`.
+    /// What the field `format` must say, such as `trueaxis-campaign`.
     pub name: &'static str,
     /// What the field `version` must say.
     pub version: u32,
-    /// A document of this format in words, as `a campaign`.
+    /// A document of this format in words, such as `a campaign`.
     pub noun: &'static str,
 }
 

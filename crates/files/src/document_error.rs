@@ -30,7 +30,7 @@ pub enum DocumentProblem {
         expected.kind()
     )]
     OtherDocument {
-        /// Which one, as `calibration`.
+        /// Which one, such as `calibration`.
         kind: String,
         /// The one wanted.
         expected: Format,
@@ -78,7 +78,7 @@ pub enum DocumentProblem {
     /// A name that nothing has.
     #[error("unknown {what} `{name}`; {alternatives}")]
     UnknownName {
-        /// What it should name, as `axis`.
+        /// What it should name, such as `axis`.
         what: &'static str,
         /// The name found.
         name: String,
@@ -88,7 +88,7 @@ pub enum DocumentProblem {
     /// Two things of one kind share a name.
     #[error("{what} `{name}` has this name already in {first}; give each its own")]
     DuplicateName {
-        /// What they are, as `target`.
+        /// What they are, such as `target`.
         what: &'static str,
         /// The name.
         name: String,

@@ -13,7 +13,7 @@ const INDENT: usize = 2;
 /// several), a newline at the end.
 ///
 /// # Errors
-/// If `value` cannot be serialised, as a map whose keys are no strings.
+/// If `value` cannot be serialised, such as a map whose keys are not strings.
 pub fn to_json(value: &impl Serialize) -> serde_json::Result<String> {
     let mut bytes = Vec::new();
     let formatter = FieldPerLine {

@@ -18,8 +18,8 @@ const SMALL: usize = u32::MAX as usize - (1 << 16);
 /// A `.npz` file that cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum NpzError {
-    /// It is no ZIP archive, or one that was cut off.
-    #[error("the file is no whole NumPy archive (.npz)")]
+    /// It is not a ZIP archive, or one that was cut off.
+    #[error("the file is not a complete NumPy archive (.npz)")]
     Archive(#[source] ZipError),
     /// An array in it cannot be read.
     #[error("array `{name}`: {problem}")]
@@ -31,7 +31,7 @@ pub enum NpzError {
     },
 }
 
-/// Writes a `.npz` file array by array: always the same bytes for the same arrays, without the time of the day.
+/// Writes a `.npz` file array by array: always the same bytes for the same arrays, without the time of day.
 pub struct NpzWriter<W: Write + Seek>(ZipWriter<W>);
 
 impl<W: Write + Seek> NpzWriter<W> {

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// A place in a file, as `lengths.csv line 17, column length_mm`.
+/// A place in a file, such as `lengths.csv line 17, column length_mm`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Place {
     /// The file; none for text that came from none.
@@ -17,9 +17,9 @@ pub struct Place {
 /// What a [`Place`] points at within its file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Part {
-    /// A field of a JSON document by its path, as `targets[2].carried_by`.
+    /// A field of a JSON document by its path, such as `targets[2].carried_by`.
     Field(String),
-    /// A column of a CSV file by its name, as `length_mm`.
+    /// A column of a CSV file by its name, such as `length_mm`.
     Column(String),
     /// A character of the line, from 1; 0 after the last line.
     Character(usize),

@@ -1,4 +1,4 @@
-//! Numbers of result files: without the digits that say nothing.
+//! Numbers of result files, without meaningless digits.
 
 /// Rounded to decimals; no negative zero.
 pub fn round(value: f64, decimals: i32) -> f64 {

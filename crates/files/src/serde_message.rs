@@ -1,4 +1,4 @@
-//! What serde says, in words of the user.
+//! What serde says, in the user's words.
 
 use crate::{Alternatives, DocumentProblem};
 
@@ -41,7 +41,7 @@ impl DocumentProblem {
     }
 }
 
-/// Names of Rust types in words of the user.
+/// Names of Rust types in the user's words.
 fn in_words(expected: &str) -> &str {
     match expected {
         "f64" => "a number with a decimal point",

@@ -1,4 +1,4 @@
-//! Maps of a JSON file in which every key may stand once.
+//! Maps of a JSON file in which every key may occur only once.
 
 use std::collections::BTreeMap;
 use std::fmt;

@@ -23,7 +23,7 @@ use crate::cloud::{Cloud, mean};
 const AXIS_UNKNOWNS: usize = 4;
 
 /// Steps fall to the rounding within ten or so. A target within its own noise of the axis needs a
-/// hundred, and an arc without a bend runs away to a straight line for as long as it may.
+/// hundred, and an arc without a bend runs away towards a straight line until it is stopped.
 const MAX_ITERATIONS: usize = 500;
 
 /// Circles about one axis with the least sum of squares. Lengths in units of the cloud.

@@ -1,4 +1,4 @@
-//! One axis of rotation through the circles of several targets.
+//! One axis of rotation through the circles of several targets (paper 4.2.3).
 
 use nalgebra::{Point3, Unit};
 use trueaxis_leastsquares::dense::Termination;

@@ -10,8 +10,8 @@
 //! Noun in: measured points; noun out: a [`Line`], a [`Circle`] or a [`CommonAxis`] with its
 //! covariance and residuals ([`fit_line`], [`fit_circle`], [`fit_circle_two_step`] after NIST,
 //! [`fit_common_axis`]). Average lines then give [`squareness`](squareness()) (paper 4.2.2),
-//! average axes the location errors of a rotary axis ([`axis_location`], 4.2.3). A calibration starts from these and goes on by its own adjustment of
-//! all steps. Lengths are mm, angles rad; signs follow the right-hand rule. The paper's own angles
+//! average axes the location errors of a rotary axis ([`axis_location`], 4.2.3). A calibration starts from
+//! these and continues with its own adjustment of all steps. Lengths are mm, angles rad; signs follow the right-hand rule. The paper's own angles
 //! (Eq. 23), of which three have the opposite sign, are [`paper_squareness`] and
 //! [`paper_c_axis_tilt`].
 //!

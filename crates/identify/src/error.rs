@@ -33,7 +33,7 @@ pub enum Error {
         /// Largest distance of a target from the line through those two, mm.
         off_line_mm: f64,
     },
-    /// The covariance has not three rows and three columns for each target.
+    /// The covariance does not have three rows and three columns for each target.
     #[error("the covariance of the points is {rows} x {columns}, expected {expected} x {expected}")]
     CovarianceShape {
         /// Number of rows.
@@ -108,7 +108,7 @@ pub enum Error {
         /// The cube of the longest distance between two targets, mm³.
         scale_mm3: f64,
     },
-    /// The coupling of the points has not three rows for each target.
+    /// The coupling of the points does not have three rows for each target.
     #[error("the coupling of the points has {rows} rows, expected {expected}")]
     CouplingShape {
         /// Number of rows.
@@ -127,7 +127,7 @@ pub enum Error {
         /// The largest displacement of a target by the last step, mm.
         step_mm: f64,
     },
-    /// Nominal and measured targets are not equally many.
+    /// The numbers of nominal and measured targets differ.
     #[error("{nominal} nominal and {measured} measured targets cannot be compared")]
     TargetCount {
         /// Number of nominal targets.

@@ -40,7 +40,7 @@ pub struct RigidMisfit {
 /// [`Error::Covariance`] if `Bᵀ C B` is not positive definite.
 ///
 /// # Panics
-/// If `delta` has not one vector for each target.
+/// If `delta` does not have one vector for each target.
 pub fn rigid_misfit(
     operator: &Operator,
     delta: &[Vector3<f64>],

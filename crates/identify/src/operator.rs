@@ -37,7 +37,7 @@ impl Operator {
     /// What is not finite in it is not finite in the result. Nothing is allocated.
     ///
     /// # Panics
-    /// If `delta` has not one vector for each target.
+    /// If `delta` does not have one vector for each target.
     pub fn apply(&self, delta: &[Vector3<f64>]) -> MotionError {
         assert_eq!(
             delta.len(),
@@ -55,7 +55,7 @@ impl Operator {
     /// `v_j = Δ_j - δ - ε × r_j`, mm.
     ///
     /// # Panics
-    /// If `delta` has not one vector for each target.
+    /// If `delta` does not have one vector for each target.
     pub fn residual_mm(&self, delta: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let error = self.apply(delta);
         let left = |(delta, r): (&Vector3<f64>, &Vector3<f64>)| delta - error.displacement_mm(*r);

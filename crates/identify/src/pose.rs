@@ -73,7 +73,7 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 const MAX_ITERATIONS: usize = 50;
 
 /// The pose in which the targets of a stage are where they were measured, by the paper's equations
-/// ([`crate::equations`], Eq. 21).
+/// ([`crate::equations`], Eq. 21), with the volumetric errors of Eqs. 5 to 7 and 12 to 14 as right-hand side.
 ///
 /// `nominal` (points' frame from stage at home) is where Newton's method starts: six coordinates
 /// alone are the same in more than one pose, of which the one near it is found. `pivot_mm` is the

@@ -85,7 +85,8 @@ impl SixRows {
             .or(coordinate.map(UnseenMotion::DisplacementAlong))
     }
 
-    /// Solves the six equations exactly; the other three coordinates have no influence.
+    /// Solves the six equations exactly (the paper's Eqs. 10 and 17 for [`SixRows::PAPER`]); the other three
+    /// coordinates have no influence.
     ///
     /// `r` holds the generalised coordinates of P, Q, K relative to the reference point of δ, mm.
     ///

@@ -105,7 +105,7 @@ impl Axis {
         self
     }
 
-    /// Name, as `X` or `C`.
+    /// Name, such as `X` or `C`.
     pub fn name(&self) -> &str {
         &self.name
     }

@@ -39,7 +39,7 @@ impl Component {
         ['X', 'Y', 'Z', 'A', 'B', 'C'][self.index()]
     }
 
-    /// ISO 230-1 name for the axis `axis`, as `EXC`.
+    /// ISO 230-1 name for the axis `axis`, such as `EXC`.
     pub fn name(self, axis: &str) -> String {
         format!("E{}{axis}", self.letter())
     }

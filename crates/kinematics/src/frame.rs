@@ -1,5 +1,5 @@
-//! The reference frame: which axes and targets fix it, and the small motion of the whole that this
-//! takes out of what was measured.
+//! The reference frame (paper 4.2.1, here for axes of any kind): which axes and targets fix it, and the
+//! small motion of the whole that it takes out of what was measured.
 //!
 //! - **Lines.** With two linear axes of different direction (in the order X, Y, Z of their nearest
 //!   directions) the average line of the first has its nominal direction, and that of the second
@@ -84,7 +84,7 @@ impl FrameRule {
     /// run's axis and the index of a target.
     ///
     /// # Panics
-    /// If an index of an axis or a target points nowhere.
+    /// If an index of an axis or a target is out of range.
     pub fn new(
         machine: &Machine,
         targets: &[NominalTarget],
@@ -141,15 +141,15 @@ impl FrameRule {
         self.anchors.iter().map(|anchor| anchor.target)
     }
 
-    /// Whether a rotary axis has a place along itself. It is where its targets are in the mean; if
-    /// these are the anchors of the frame, that is their nominal place by definition.
+    /// Whether a rotary axis has a position along itself. It is the mean position of its targets; if
+    /// these are the anchors of the frame, that is nominal by definition.
     pub fn places_along_itself(&self, axis: usize) -> bool {
         !self.lines.is_empty() && !self.anchored.contains(&axis)
     }
 
     /// Whether that location error is zero by definition of the frame.
     ///
-    /// Of the second line only the tilt about the normal of the plane is left: more than one part if
+    /// Of the second line only the tilt about the normal of the plane is left: more than one component if
     /// the plane is oblique.
     ///
     /// # Panics

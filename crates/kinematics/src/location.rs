@@ -26,7 +26,7 @@ pub enum LocationComponent {
 }
 
 impl LocationComponent {
-    /// ISO 230-1 name for the axis `axis`, as `C0Y` or `X0C`.
+    /// ISO 230-1 name for the axis `axis`, such as `C0Y` or `X0C`.
     pub fn name(self, axis: &str) -> String {
         let letter = match self {
             Self::Offset(i) => ['X', 'Y', 'Z'][i],

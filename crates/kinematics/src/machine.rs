@@ -103,7 +103,7 @@ impl Machine {
         }
     }
 
-    /// The axes between the bed and the stage of axis `carrier`, it included, from the bed outwards; none to what
+    /// The axes from the bed up to and including axis `carrier`, from the bed outwards; none for what
     /// stands on the bed, which no axis carries.
     ///
     /// # Panics

@@ -23,7 +23,7 @@ impl MotionError {
         }
     }
 
-    /// Linear form `Δ = δ + ε × r` (paper Eqs. 2 and 20), mm.
+    /// Linear form `Δ = δ + ε × r` (paper Eqs. 1 to 4 and 20), mm.
     ///
     /// `r` is the position of the point relative to the reference point of δ; for a rotary axis
     /// it is turned by the commanded angle already ([`crate::generalised_coordinates`]).
@@ -31,7 +31,8 @@ impl MotionError {
         self.translation_mm + self.rotation_rad.cross(&r)
     }
 
-    /// The exact rigid motion `r -> δ + exp(ε) r`; `exp` turns by `|ε|` about `ε`.
+    /// The exact rigid motion `r -> δ + exp(ε) r`, of which Eqs. 1 and 3 of the paper are the linear part; `exp` turns by
+    /// `|ε|` about `ε`.
     ///
     /// It differs from [`MotionError::displacement_mm`] by at most `|ε|² |r| / 2`.
     pub fn isometry(&self) -> Isometry3<f64> {

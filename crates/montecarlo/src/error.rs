@@ -56,7 +56,7 @@ pub enum Error {
         /// Trials that stay within the limit.
         fitting_trials: u128,
     },
-    /// The system has not the memory that the settings allow.
+    /// The system does not have the memory that the settings allow.
     #[error("no memory for {trials} trials of {outputs} outputs")]
     Allocation {
         /// Outputs of the model.

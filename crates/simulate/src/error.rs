@@ -10,7 +10,7 @@ use crate::Noise;
 
 /// A scenario that cannot be read or simulated, or a truth that cannot be written.
 ///
-/// Its message says where: the path of the field, as `runs[1].axis`, and the line if the scenario was
+/// Its message says where: the path of the field, such as `runs[1].axis`, and the line if the scenario was
 /// read from text.
 #[derive(Debug)]
 pub struct Error {
@@ -188,7 +188,7 @@ pub enum Problem {
     /// Mounting errors that move the origin of the reference frame.
     #[error(
         "the mounting errors of {targets} have the mean [{x:.6}, {y:.6}, {z:.6}] mm, but the \
-         reference frame has its origin where that mean is zero; mended: {mended}",
+         reference frame has its origin where that mean is zero; these would pass: {mended}",
         x = mean_mm[0], y = mean_mm[1], z = mean_mm[2]
     )]
     MountingMean {
@@ -203,7 +203,7 @@ pub enum Problem {
     #[error(
         "the mounting errors of {targets} hold the rotation [{x:.3e}, {y:.3e}, {z:.3e}] rad \
          about their centroid, but without two linear runs the reference frame is the one in which \
-         that rotation is zero; mended: {mended}",
+         that rotation is zero; these would pass: {mended}",
         x = rotation_rad[0], y = rotation_rad[1], z = rotation_rad[2]
     )]
     MountingRotation {

@@ -1,8 +1,8 @@
 //! From a campaign and what is believed of it to a scenario: the inverse of [`simulate`](crate::simulate).
 //!
 //! Error curves are tables of the believed values, which are in the least-squares gauge already, so that
-//! the scenario has the gauge `none`; between the steps they are straight. What a scenario cannot say is
-//! told, and one that would measure something else is not made.
+//! the scenario has the gauge `none`; between the steps they are straight. What a scenario cannot express
+//! is reported, and one that would measure something else is not made.
 
 mod clock;
 mod order;

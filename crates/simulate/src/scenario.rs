@@ -90,7 +90,7 @@ impl Scenario {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a target")]
 pub struct TargetSpec {
-    /// Name, as `P`.
+    /// Name, such as `P`.
     pub name: String,
     /// Nominal position at home in the reference frame, mm.
     pub position_mm: [f64; 3],
@@ -104,8 +104,8 @@ pub struct TargetSpec {
     /// Name of its reflector, as the campaign declares it; targets that name the same share its constant.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reflector: Option<String>,
-    /// How well its nest is set, as the campaign declares it, mm per coordinate: the nest is off by as
-    /// much, drawn, beside `mounting_error_mm`.
+    /// Standard deviation of its nest as the campaign declares it, mm per coordinate: the nest has a
+    /// random error of this size in addition to `mounting_error_mm`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_sigma_mm: Option<f64>,
 }
@@ -114,8 +114,8 @@ pub struct TargetSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: targets on the bed")]
 pub struct BedSpec {
-    /// How often all of them are read: once at the start of the occupation, once at its end, and the other times
-    /// between sweeps, evenly.
+    /// How often all of them are read: once at the start of the occupation, once at its end, and otherwise
+    /// evenly between sweeps.
     pub readings: u32,
 }
 
@@ -123,7 +123,7 @@ pub struct BedSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a station")]
 pub struct StationSpec {
-    /// Name, as `S1`.
+    /// Name, such as `S1`.
     pub name: String,
     /// True position in the reference frame, mm.
     pub position_mm: [f64; 3],
@@ -133,8 +133,8 @@ pub struct StationSpec {
     /// paces it off.
     #[serde(default)]
     pub declare_approx: bool,
-    /// Whether the campaign file gives the dead path, with this standard uncertainty, mm: off by as
-    /// much, drawn.
+    /// If given, the campaign file gives the dead path with this standard uncertainty, mm, and a random
+    /// error of this size.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dead_path_sigma_mm: Option<f64>,
 }
@@ -143,10 +143,10 @@ pub struct StationSpec {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: the errors of an axis")]
 pub struct AxisErrors {
-    /// Curves by ISO 230-1 name, as `EXX`: the sum of the terms, µm or arcsec.
+    /// Curves by ISO 230-1 name, such as `EXX`: the sum of the terms, µm or arcsec.
     #[serde(default, deserialize_with = "unique_keys")]
     pub components: BTreeMap<String, Vec<Term>>,
-    /// Location errors by ISO 230-1 name, as `C0Y`.
+    /// Location errors by ISO 230-1 name, such as `C0Y`.
     #[serde(default, deserialize_with = "unique_keys")]
     pub location_errors: BTreeMap<String, LocationValue>,
     /// Lost motion b of a linear axis, µm: the stage stands at `-b/2` along the axis direction
@@ -189,7 +189,7 @@ pub enum Gauge {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a run")]
 pub struct RunSpec {
-    /// Name, as `x`.
+    /// Name, such as `x`.
     pub name: String,
     /// The axis that moves.
     pub axis: String,

@@ -206,7 +206,7 @@ impl Plan {
         }
     }
 
-    /// The known lengths that the campaign declares, each off by its uncertainty.
+    /// The known lengths that the campaign declares, each with a random error of its uncertainty.
     pub(crate) fn known_lengths(&self, seed: u64) -> Vec<KnownLength> {
         let mut deviates = Deviates::of_part(seed, Part::KnownLengths);
         let known = self.systematic.known_lengths.iter();
@@ -223,7 +223,7 @@ impl Plan {
     }
 }
 
-/// The dead paths that the campaign declares, each off by its uncertainty.
+/// The dead paths that the campaign declares, each with a random error of its uncertainty.
 pub(crate) fn known_dead_paths(scenario: &Scenario, seed: u64) -> Vec<Option<KnownDeadPath>> {
     let mut deviates = Deviates::of_part(seed, Part::DeadPaths);
     let known = scenario.stations.iter().map(|station| {

@@ -24,7 +24,7 @@ const TEMPERATURES_PER_K: f64 = 1e3;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a logged temperature")]
 pub struct TemperatureSpec {
-    /// Column of `lengths.csv`, as `machine_temp_spindle_c`.
+    /// Column of `lengths.csv`, such as `machine_temp_spindle_c`.
     pub column: String,
     /// The true temperature: the sum of the terms, °C.
     pub course: Vec<TemperatureTerm>,
@@ -138,11 +138,11 @@ impl TemperatureSpec {
     }
 }
 
-/// Refuses columns that hold no temperature, or that there are twice.
+/// Refuses columns that hold no temperature, or occur twice.
 pub(crate) fn check_temperatures(scenario: &Scenario) -> Result<(), Error> {
     let columns: Vec<&str> = columns(scenario);
     check_names("temperatures", "column", &columns).map_err(|mut error| {
-        // Columns are no names, but they have to be as different.
+        // Columns are not names, but must differ just as names do.
         if let Some(path) = error.place.field_path() {
             error.place = trueaxis_files::Place::in_field(path.replace(".name", ".column"));
         }
@@ -249,7 +249,7 @@ pub(crate) fn check_expansions(
 }
 
 impl<'a> Expansions<'a> {
-    /// Each axis' temperature is off by the declared uncertainty, drawn once.
+    /// The temperature of each axis has an error of the declared uncertainty, drawn once.
     pub(crate) fn draw(scenario: &'a Scenario, declared: &[AxisExpansion], seed: u64) -> Self {
         let mut deviates = Deviates::of_part(seed, Part::AxisTemperatures);
         let axes = declared.iter().filter_map(|expansion| {

@@ -98,7 +98,7 @@ pub struct TrueComponents {
 /// One location error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrueLocation {
-    /// Name, as `C0Y`.
+    /// Name, such as `C0Y`.
     pub name: String,
     /// Which it is.
     pub component: LocationComponent,

@@ -49,7 +49,7 @@ impl Serialize for Truth {
         file.serialize_field("campaign", &self.campaign)?;
         file.serialize_field("seed", &self.seed)?;
         file.serialize_field("noise", &self.noise)?;
-        // A campaign with an ideal scale and ideal reflectors says nothing of them.
+        // A campaign with an ideal scale and ideal reflectors says nothing about them.
         if self.scale_ppm.abs() > 0.0 {
             file.serialize_field("scale_ppm", &round(self.scale_ppm, DECIMALS))?;
         }

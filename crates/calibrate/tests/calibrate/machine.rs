@@ -214,7 +214,10 @@ fn files_that_do_not_belong_together_are_refused() {
             npz(&calibrated(ReferencePoint::Centroid)),
             "standard uncertainty of",
         ),
-        (npz(&calibration)[..1000].to_vec(), "no whole NumPy archive"),
+        (
+            npz(&calibration)[..1000].to_vec(),
+            "not a complete NumPy archive",
+        ),
     ] {
         std::fs::write(&covariance, bytes).unwrap();
         let error = read(folder.path()).unwrap_err();

@@ -10,7 +10,7 @@ use crate::{Campaign, position_unit};
 /// A column in another unit than the format's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnitMistake {
-    /// The column or columns, as `X` or `length_mm of station S2`.
+    /// The column or columns, such as `X` or `length_mm of station S2`.
     pub columns: String,
     /// The unit that the values seem to have.
     pub looks_like: &'static str,

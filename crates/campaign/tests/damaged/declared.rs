@@ -295,7 +295,7 @@ fn expansions_that_cannot_be() {
                 damage: |f| f.json("11.5,", "11.5e-6,"),
                 says: &[
                     "field machine.axes[0].expansion_ppm_per_k: an expansion of 0.0000115 ppm/K",
-                    "expected a coefficient in um per m and K, as 11.5 for steel",
+                    "expected a coefficient in um per m and K, such as 11.5 for steel",
                 ],
             },
             Case {

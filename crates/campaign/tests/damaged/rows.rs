@@ -159,7 +159,7 @@ fn cells() {
                 name: "decimal comma in quotes",
                 damage: |f| f.cell("lengths.csv", 17, "length_mm", "\"12,5\""),
                 says: &[
-                    "lengths.csv line 17, column length_mm: \"12,5\" is not a number; expected a decimal point, as 12.5",
+                    "lengths.csv line 17, column length_mm: \"12,5\" is not a number; expected a decimal point, such as 12.5",
                 ],
             },
             Case {

@@ -17,7 +17,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Axis(|of| PPM * of.at.progress * of.position()),
     explanation: Explanation {
         cause: "the screw or the scale of the axis warms up and grows: steel 11 ppm per K",
-        consequence: "the positioning error of the axis is that of no single instant",
+        consequence: "the positioning error of the axis is a mixture of different instants",
         action: "warm the axis up before measuring, log the temperature of its scale, compensate thermally",
         separate_by: "measure the axis at the start and at the end of the campaign, with the temperature of its scale",
     },

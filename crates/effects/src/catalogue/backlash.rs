@@ -1,5 +1,5 @@
-//! Lost motion on reversal: after arrival in positive direction the axis stands `b/2` short, in negative
-//! direction `b/2` far.
+//! Lost motion on reversal: after arrival in the positive direction the axis stands at `-b/2`, in the
+//! negative direction at `+b/2`: short in both.
 //!
 //! b is `lost_motion` in µm, of a rotary axis in arcsec.
 
@@ -22,7 +22,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Axis(|of| half_lost_motion(of, 1.0)),
     explanation: Explanation {
         cause: "lost motion of the axis: play or wind-up between motor and stage",
-        consequence: "the two sides of approach are two machines; their mean is neither",
+        consequence: "the two sides of approach differ; their mean is right for neither",
         action: "adjust the drive or the backlash compensation of the control; calibrate --by-direction keeps the sides apart",
         separate_by: "measure the axis from both sides at two feeds: lost motion stays, a time offset of the readings grows with the feed",
     },
@@ -35,8 +35,8 @@ const MOST_ARCSEC: [f64; 2] = [-1.8e4, 1.8e4];
 /// Lost motion below zero: the axis goes further than it should after it has turned round.
 pub(crate) const OVER_COMPENSATED: Explanation = Explanation {
     cause: "the axis goes too far after a reversal: the backlash compensation of the control is too large, or the control stops at the near edge of its window",
-    consequence: "the two sides of approach are two machines; their mean is neither",
-    action: "lower the backlash compensation by this amount and measure again; look for the in-position window of the control; no part is worn",
+    consequence: "the two sides of approach differ; their mean is right for neither",
+    action: "lower the backlash compensation by this amount and measure again; check the in-position window of the control; no part is worn",
     separate_by: "measure both sides with the backlash compensation switched off: what a compensation makes goes away, what the control's window makes stays",
 };
 

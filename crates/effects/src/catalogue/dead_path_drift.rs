@@ -25,7 +25,7 @@ pub(super) const EFFECT: Effect = Effect {
     }),
     explanation: Explanation {
         cause: "the zero of the tracker's interferometer drifts while it stands at the station",
-        consequence: "lengths of the station grow or shrink with time; errors of axes measured late in the occupation are bent",
+        consequence: "lengths of the station grow or shrink with time; errors of axes measured late in the occupation are distorted",
         action: "let the tracker warm up, measure a fixed target on the bed at the start and the end of every occupation, measure this station again",
         separate_by: "read a fixed target on the bed through the whole occupation: it sees the drift of the zero alone, and two of them at right angles tell it from the tripod",
     },

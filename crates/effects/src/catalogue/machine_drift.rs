@@ -16,7 +16,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Target(|of| MICROMETRE * of.at.progress),
     explanation: Explanation {
         cause: "the machine drifts: its structure or its foundation deforms slowly as a whole",
-        consequence: "stations measured one after another see another machine; squareness and straightness are bent",
+        consequence: "each station sees a different machine; squareness and straightness are distorted",
         action: "warm the machine up, keep doors and cooling as in use, shorten the campaign",
         separate_by: "read three fixed targets on the bed at the start and the end of every occupation: they stand still against the tracker when the machine drifts, and move with a tripod that creeps",
     },

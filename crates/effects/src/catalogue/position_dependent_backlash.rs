@@ -32,7 +32,7 @@ pub(super) const EFFECT: Effect = Effect {
     }),
     explanation: Explanation {
         cause: "the drive is worn where it is used most: play that is not the same along the axis",
-        consequence: "the two sides of approach are two machines that differ by another amount at each position; one value in the backlash compensation is right at one place only",
+        consequence: "the two sides of approach differ by another amount at each position; one value in the backlash compensation is right at one position only",
         action: "replace or re-preload the screw, or give the control a table of backlash over position",
         separate_by: "measure the axis from both sides with a finer step where it is used most: play that follows wear is largest there",
     },

@@ -26,7 +26,7 @@ pub(super) const EFFECT: Effect = Effect {
         cause: "the average lines of the two axes are not at the angle that the model has: levelling, foundation, a collision, or a calibration that is out of date",
         consequence: "every plane that the two axes span is sheared; the squareness of the calibration is off by this amount",
         action: "level the machine and measure again; else correct the squareness in the control",
-        separate_by: "run the ball bar in both senses of rotation and at another place: squareness stays, a servo mismatch turns its sign, bending under load grows from the corner",
+        separate_by: "run the ball bar in both senses of rotation and at another place: squareness stays, a servo mismatch changes sign, bending under load grows from the corner",
     },
 };
 

@@ -4,7 +4,7 @@
 //! `creep_y`, `creep_z` in µm per occupation, in the reference frame.
 //!
 //! Where coordinates are measured there are no stations: the frame of the instrument moves by these at the origin of the
-//! reference frame, and occupations by `creep_a`, `creep_b`, `creep_c` in arcsec about the reference axes.
+//! reference frame, and turns by `creep_a`, `creep_b`, `creep_c` in arcsec about the reference axes.
 
 use trueaxis_kinematics::MICROMETRE;
 
@@ -20,7 +20,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Station(|of| MICROMETRE * of.at.occupation_progress),
     explanation: Explanation {
         cause: "the tripod or the floor under it gives way, or the tracker moves as it warms up",
-        consequence: "points measured late in the occupation are off; squareness and straightness are bent",
+        consequence: "points measured late in the occupation are off; squareness and straightness are distorted",
         action: "let the tripod settle, shade it, fix it to the floor, measure this station again",
         separate_by: "read three fixed targets on the bed at the start and the end of the occupation: they move against a tripod that creeps, not against a machine that drifts",
     },

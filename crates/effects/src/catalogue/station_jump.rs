@@ -3,7 +3,7 @@
 //! d is `jump_x`, `jump_y`, `jump_z` in µm, in the reference frame.
 //!
 //! Where coordinates are measured there are no stations: the frame of the instrument moves by these at the origin of the
-//! reference frame, and occupations by `jump_a`, `jump_b`, `jump_c` in arcsec about the reference axes.
+//! reference frame, and turns by `jump_a`, `jump_b`, `jump_c` in arcsec about the reference axes.
 
 use trueaxis_kinematics::MICROMETRE;
 

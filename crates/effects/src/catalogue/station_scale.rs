@@ -1,4 +1,4 @@
-//! The index of air is wrong at one station: `D_l = s · l`, this station.
+//! The refractive index of air is wrong at one station: `D_l = s · l`, this station.
 //!
 //! s is `scale` in ppm; a positive one makes lengths longer. What all stations have in common is
 //! `length_scale`, which no length shows.
@@ -15,7 +15,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Length(|of| PPM * of.at.distance_mm),
     explanation: Explanation {
         cause: "the refractive index of the air was wrong at this station: another weather station or sensor, old values, a draught or the sun between tracker and machine; 1 ppm is 1 K, 4 hPa",
-        consequence: "the station shows all distances too long or too short: squareness and straightness are bent towards it",
+        consequence: "the station shows all distances too long or too short: squareness and straightness are distorted towards it",
         action: "check what temperature, pressure and humidity the tracker used there, and measure this station again",
         separate_by: "measure this station again with the weather station beside the beam, or a calibrated bar between two nests from every station",
     },

@@ -2,11 +2,11 @@
 //! the station; a length changes by `-u·v exp(-t/T)`.
 //!
 //! One tripod, or all alike with one time constant: the tracker warms up, or the feet sink in, at the
-//! start of every occupation. v is `settling_x`, `settling_y`, `settling_z` in µm, how far from its last place the
+//! start of every occupation. v is `settling_x`, `settling_y`, `settling_z` in µm, how far from its final position the
 //! station stands at first, in the reference frame; T is `time_constant` in s.
 //!
 //! Where coordinates are measured there are no stations: the frame of the instrument moves by these at the origin of the
-//! reference frame, and occupations by `settling_a`, `settling_b`, `settling_c` in arcsec about the reference axes.
+//! reference frame, and turns by `settling_a`, `settling_b`, `settling_c` in arcsec about the reference axes.
 
 use trueaxis_kinematics::MICROMETRE;
 

@@ -16,7 +16,7 @@ pub(super) const EFFECT: Effect = Effect {
     shape: Shape::Waves,
     form: Form::Curve(|of| waves_about_axis(of.shape, of)),
     explanation: Explanation {
-        cause: "the worm or pinion of the drive runs out, or its teeth differ: the error repeats with every revolution of the worm",
+        cause: "the worm or pinion of the drive has run-out, or its teeth differ: the error repeats with every revolution of the worm",
         consequence: "between two measured angles the error is not on the straight line that a compensation table draws",
         action: "compare the number of waves with the ratio of the gear; check the worm's run-out and bearing; compensate with at least eight points per wave",
         separate_by: "measure one or two waves with a step of an eighth of a wave: more waves than the step can show appear as fewer",

@@ -22,7 +22,7 @@ enum Step {
     NextStation,
 }
 
-/// Clocks that differ by more than this are worth a word, s.
+/// Clocks that differ by more than this get a notice, s.
 const WORTH_A_WORD_S: f64 = 1.0;
 
 /// Time of a reading in a file, s.
@@ -99,13 +99,13 @@ impl Clock {
         }
     }
 
-    /// What is to say if the clocks differ.
+    /// The notice if the clocks differ.
     pub(super) fn notice(&self) -> Option<String> {
         let difference_s = self.largest_difference_s();
         (difference_s > WORTH_A_WORD_S).then(|| {
             format!(
-                "the clock of replay.json runs evenly: up to {difference_s:.0} s beside that of the \
-                 campaign; instants are between the same lengths as there"
+                "the clock of replay.json runs evenly and differs by up to {difference_s:.0} s from that of the \
+                 campaign; instants stay between the same lengths"
             )
         })
     }
@@ -178,7 +178,7 @@ mod tests {
             clock
                 .notice()
                 .unwrap()
-                .contains("beside that of the campaign")
+                .contains("from that of the campaign")
         );
     }
 }

@@ -10,7 +10,7 @@ use trueaxis_kinematics::{FrameRule, NominalTarget};
 use super::ReplayError;
 use crate::{TargetSpec, Truth};
 
-/// Rests of mean (mm) and rotation (rad) that an iterated frame may leave; more is not of this frame.
+/// Remainders of mean (mm) and rotation (rad) that an iterated frame may leave; more is another frame.
 const FRAME_REST: f64 = 1e-6;
 
 pub(super) fn targets(campaign: &Campaign, truth: &Truth) -> Result<Vec<TargetSpec>, ReplayError> {

@@ -22,10 +22,10 @@ pub(crate) struct Reading<'a> {
     pub(crate) time_s: f64,
     /// Since the first reading, s.
     pub(crate) elapsed_s: f64,
-    /// Over the campaign and over the turn, 0 to 1.
+    /// Over the campaign and over the occupation, 0 to 1.
     pub(crate) progress: f64,
     pub(crate) occupation_progress: f64,
-    /// Since the first reading of the turn, s.
+    /// Since the first reading of the occupation, s.
     pub(crate) occupation_elapsed_s: f64,
     pub(crate) station: &'a str,
     pub(crate) target: &'a str,
@@ -140,8 +140,8 @@ pub(crate) fn assert_formula(effect: &Value, formula: &dyn Fn(&Reading<'_>) -> D
         let (first, last) = (times_s[0], times_s[times_s.len() - 1]);
         (time_s - first) / (last - first)
     };
-    // Every turn has as many readings.
-    let turn = times_s.len() / 4;
+    // Every occupation has as many readings.
+    let occupation = times_s.len() / 4;
 
     let mut largest = 0.0_f64;
     for stop in &lengths.stops {
@@ -173,8 +173,11 @@ pub(crate) fn assert_formula(effect: &Value, formula: &dyn Fn(&Reading<'_>) -> D
                 time_s: reading.time_s,
                 elapsed_s: reading.time_s - times_s[0],
                 progress: part(&times_s, reading.time_s),
-                occupation_progress: part(&times_s[stop.station * turn..][..turn], reading.time_s),
-                occupation_elapsed_s: reading.time_s - times_s[stop.station * turn],
+                occupation_progress: part(
+                    &times_s[stop.station * occupation..][..occupation],
+                    reading.time_s,
+                ),
+                occupation_elapsed_s: reading.time_s - times_s[stop.station * occupation],
                 station: station["name"].as_str().unwrap(),
                 target: json["targets"][reading.target]["name"].as_str().unwrap(),
                 direction: match stop.direction {

@@ -306,7 +306,7 @@ fn offered_mounting_errors_pass() {
 
 /// The scenario with the mounting errors that the message offers.
 fn mended(name: &str, message: &str) -> Value {
-    let (_, offer) = message.split_once("mended: ").unwrap();
+    let (_, offer) = message.split_once("these would pass: ").unwrap();
     let values = offer.split(['[', ']']).skip(1).step_by(2);
     let mut json = shipped::json(name);
     for (i, value) in values.enumerate() {
