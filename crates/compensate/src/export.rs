@@ -52,60 +52,64 @@ impl Format {
         Self::Klipper,
     ];
 
+    fn description_of(self) -> &'static Description {
+        match self {
+            Self::Grid => &grid::FORMAT,
+            Self::LinuxCnc => &linuxcnc::FORMAT,
+            Self::Isg => &isg::FORMAT,
+            Self::Etalon => &etalon::FORMAT,
+            Self::Sinumerik => &sinumerik::FORMAT,
+            Self::Marlin => &marlin::FORMAT,
+            Self::Klipper => &klipper::FORMAT,
+        }
+    }
+
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Grid => "grid",
-            Self::LinuxCnc => "linuxcnc",
-            Self::Isg => "isg",
-            Self::Etalon => "etalon",
-            Self::Sinumerik => "sinumerik",
-            Self::Marlin => "marlin",
-            Self::Klipper => "klipper",
-        }
+        self.description_of().name
     }
 
     /// What it is, in a line.
     pub fn description(self) -> &'static str {
-        match self {
-            Self::Grid => "Neutral CSV of error vectors and corrections over the linear axes",
-            Self::LinuxCnc => {
-                "LinuxCNC: a COMP_FILE for each axis (type 0), and the matrix of matrixkins"
-            }
-            Self::Isg => {
-                "ISG kernel, Beckhoff TF5280 (ISG_CSV): all component and location errors (experimental)"
-            }
-            Self::Etalon => {
-                "Etalon exchange format: all component and location errors (experimental)"
-            }
-            Self::Sinumerik => "Siemens SINUMERIK: $AA_ENC_COMP and $AN_CEC (experimental)",
-            Self::Marlin => "Marlin: skew factors, M852",
-            Self::Klipper => "Klipper: SET_SKEW",
-        }
+        self.description_of().text
     }
-}
 
-impl Format {
     /// Names of the files of old tables that [`Request::onto`] takes, for the axes of a machine.
     ///
     /// # Errors
     /// [`Error::Unsuitable`] for a format without tables.
     pub fn old_files<'a>(self, axes: impl Iterator<Item = &'a str>) -> Result<Vec<String>, Error> {
-        Ok(match self {
-            Self::Grid => vec!["grid.csv".to_owned()],
-            Self::LinuxCnc => axes.map(|axis| format!("{axis}.comp")).collect(),
-            Self::Isg => vec!["volcomp.csv".to_owned()],
-            Self::Etalon => vec!["etalon.txt".to_owned()],
-            Self::Sinumerik => vec!["AX_EEC.INI".to_owned(), "NC_CEC.INI".to_owned()],
-            Self::Marlin | Self::Klipper => {
-                return Err(Error::Unsuitable {
-                    format: self.name(),
-                    takes: "no old tables",
-                    lacks: "switch its skew correction off before you measure".to_owned(),
-                });
+        match self.description_of().old_files {
+            OldFiles::Named(names) => Ok(names.iter().map(|&name| name.to_owned()).collect()),
+            OldFiles::OfEachAxis(ending) => {
+                Ok(axes.map(|axis| format!("{axis}{ending}")).collect())
             }
-        })
+            OldFiles::None => Err(Error::Unsuitable {
+                format: self.name(),
+                takes: "no old tables",
+                lacks: "switch its skew correction off before you measure".to_owned(),
+            }),
+        }
     }
+}
+
+/// What the file of a format says of it.
+struct Description {
+    /// On the command line.
+    name: &'static str,
+    /// A line for its help.
+    text: &'static str,
+    old_files: OldFiles,
+    tables: fn(&Request<'_>) -> Result<Tables, Error>,
+}
+
+/// The files of tables that are in force, as the format names them.
+enum OldFiles {
+    /// It has no tables.
+    None,
+    Named(&'static [&'static str]),
+    /// Its name and this ending.
+    OfEachAxis(&'static str),
 }
 
 /// The error for a format of one file that got more.
@@ -178,15 +182,7 @@ pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
     if !request.onto.is_empty() {
         format.old_files(std::iter::empty())?;
     }
-    let tables = match format {
-        Format::Grid => grid::tables(request),
-        Format::LinuxCnc => linuxcnc::tables(request),
-        Format::Isg => isg::tables(request),
-        Format::Etalon => etalon::tables(request),
-        Format::Sinumerik => sinumerik::tables(request),
-        Format::Marlin => marlin::tables(request),
-        Format::Klipper => klipper::tables(request),
-    }?;
+    let tables = (format.description_of().tables)(request)?;
     Ok(Export {
         announcement: Announcement::new(request, tables.rule.as_ref())?,
         files: tables.files,

@@ -14,16 +14,21 @@ use trueaxis_kinematics::Component;
 use crate::Error;
 use crate::export::components::Components;
 use crate::export::with_old::onto;
-use crate::export::{ExportedFile, Request, Tables, round};
+use crate::export::{Description, ExportedFile, OldFiles, Request, Tables, round};
 
-const FORMAT: &str = "etalon";
+pub(super) const FORMAT: Description = Description {
+    name: "etalon",
+    text: "Etalon exchange format: all component and location errors (experimental)",
+    old_files: OldFiles::Named(&["etalon.txt"]),
+    tables,
+};
 
 /// Decimals of mm and rad.
 const DECIMALS: usize = 12;
 
-pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
-    let components = Components::new(request, FORMAT)?;
-    let axes = onto(request, &components, FORMAT, read::read)?;
+fn tables(request: &Request<'_>) -> Result<Tables, Error> {
+    let components = Components::new(request, FORMAT.name)?;
+    let axes = onto(request, &components, FORMAT.name, read::read)?;
     let notes = components.notes(request);
     let mut text = String::new();
     // Writing to a String cannot fail.

@@ -10,10 +10,15 @@ use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 
 use crate::export::line::positions;
 use crate::export::named_errors::wrong;
-use crate::export::{ExportedFile, Request, Rule, Tables, one_file, round};
+use crate::export::{Description, ExportedFile, OldFiles, Request, Rule, Tables, one_file, round};
 use crate::{Error, Moved, correct};
 
-const FORMAT: &str = "grid";
+pub(super) const FORMAT: Description = Description {
+    name: "grid",
+    text: "Neutral CSV of error vectors and corrections over the linear axes",
+    old_files: OldFiles::Named(&["grid.csv"]),
+    tables,
+};
 
 /// Positions this close are one, mm.
 const SAME: f64 = 1e-6;
@@ -21,11 +26,11 @@ const SAME: f64 = 1e-6;
 /// Rows beyond this are no table.
 const MOST_ROWS: usize = 1_000_000;
 
-pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
+fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let axes = request.linear_axes()?;
     if axes.is_empty() {
         return Err(Error::Unsuitable {
-            format: FORMAT,
+            format: FORMAT.name,
             takes: "errors over linear axes",
             lacks: "none of those asked for is linear and was measured".to_owned(),
         });
@@ -68,7 +73,7 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let written = match request.onto {
         [] => None,
         [old] => Some(own.with(&read_old(old, request, &axes)?)?),
-        more => return Err(one_file(FORMAT, more.len())),
+        more => return Err(one_file(FORMAT.name, more.len())),
     };
     let Grid { nodes, values, .. } = written.as_ref().unwrap_or(&own);
 
@@ -112,7 +117,7 @@ fn check_rows(rows: usize) -> Result<(), Error> {
     }
     Err(Error::TooManyPoints {
         what: "the grid".to_owned(),
-        format: FORMAT,
+        format: FORMAT.name,
         points: rows,
         most: MOST_ROWS,
     })

@@ -16,16 +16,21 @@ use trueaxis_kinematics::{AxisKind, Component};
 use crate::Error;
 use crate::export::components::Components;
 use crate::export::with_old::onto;
-use crate::export::{ExportedFile, Request, Tables, round};
+use crate::export::{Description, ExportedFile, OldFiles, Request, Tables, round};
 
-const FORMAT: &str = "isg";
+pub(super) const FORMAT: Description = Description {
+    name: "isg",
+    text: "ISG kernel, Beckhoff TF5280 (ISG_CSV): all component and location errors (experimental)",
+    old_files: OldFiles::Named(&["volcomp.csv"]),
+    tables,
+};
 
 /// Decimals of mm and rad: 1e-6 µm, 2e-5″.
 const DECIMALS: i32 = 10;
 
-pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
-    let components = Components::new(request, FORMAT)?;
-    let axes = onto(request, &components, FORMAT, read::read)?;
+fn tables(request: &Request<'_>) -> Result<Tables, Error> {
+    let components = Components::new(request, FORMAT.name)?;
+    let axes = onto(request, &components, FORMAT.name, read::read)?;
     let mut notes = components.notes(request);
     let mut text = String::new();
     for note in &notes {

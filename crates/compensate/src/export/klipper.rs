@@ -12,15 +12,20 @@
 use crate::Error;
 use crate::export::marlin::Factors;
 use crate::export::skew::Skew;
-use crate::export::{ExportedFile, Request, Tables};
+use crate::export::{Description, ExportedFile, OldFiles, Request, Tables};
 
-const FORMAT: &str = "klipper";
+pub(super) const FORMAT: Description = Description {
+    name: "klipper",
+    text: "Klipper: SET_SKEW",
+    old_files: OldFiles::None,
+    tables,
+};
 
 /// Side of the rhombus, mm.
 const SIDE_MM: f64 = 100.0;
 
-pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
-    let skew = Skew::new(request, FORMAT)?;
+fn tables(request: &Request<'_>) -> Result<Tables, Error> {
+    let skew = Skew::new(request, FORMAT.name)?;
     let factors = skew.factors();
     let lengths = factors.map(|factor| {
         let cosine = factor.atan().sin();

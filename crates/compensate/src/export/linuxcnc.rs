@@ -20,16 +20,21 @@ use crate::Error;
 use crate::export::line::{Line, interpolate};
 use crate::export::named_errors::wrong;
 use crate::export::skew::Skew;
-use crate::export::{ExportedFile, Request, Rule, Tables, round};
+use crate::export::{Description, ExportedFile, OldFiles, Request, Rule, Tables, round};
 
-const FORMAT: &str = "linuxcnc";
+pub(super) const FORMAT: Description = Description {
+    name: "linuxcnc",
+    text: "LinuxCNC: a COMP_FILE for each axis (type 0), and the matrix of matrixkins",
+    old_files: OldFiles::OfEachAxis(".comp"),
+    tables,
+};
 
 const MOST_LINES: usize = 256;
 
 /// Positions this close are one, mm or degrees.
 const SAME: f64 = 1e-6;
 
-pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
+fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let mut files = Vec::new();
     let mut notes = vec![
         "X.comp: nominal, actual forward, actual reverse; [JOINT_n] COMP_FILE = X.comp, COMP_FILE_TYPE = 0; remove BACKLASH"
@@ -38,7 +43,7 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     ];
     let mut lines = Vec::new();
     for axis in request.axes()? {
-        let line = Line::new(request, axis, FORMAT)?;
+        let line = Line::new(request, axis, FORMAT.name)?;
         let name = format!("{}.comp", request.name(axis));
         let old = request.onto.iter().find(|old| old.name == name);
         let old = old.map_or_else(|| Ok(Vec::new()), triplets)?;
@@ -46,7 +51,7 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         if triplets.len() > MOST_LINES {
             return Err(Error::TooManyPoints {
                 what: format!("axis {}", request.name(axis)),
-                format: FORMAT,
+                format: FORMAT.name,
                 points: triplets.len(),
                 most: MOST_LINES,
             });
@@ -64,7 +69,7 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let skew = request
         .axis
         .is_none()
-        .then(|| Skew::new(request, FORMAT).ok())
+        .then(|| Skew::new(request, FORMAT.name).ok())
         .flatten();
     if let Some(skew) = &skew {
         files.push(ExportedFile {

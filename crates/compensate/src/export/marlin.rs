@@ -8,12 +8,17 @@
 
 use crate::Error;
 use crate::export::skew::Skew;
-use crate::export::{ExportedFile, Request, Rule, Tables, round};
+use crate::export::{Description, ExportedFile, OldFiles, Request, Rule, Tables, round};
 
-const FORMAT: &str = "marlin";
+pub(super) const FORMAT: Description = Description {
+    name: "marlin",
+    text: "Marlin: skew factors, M852",
+    old_files: OldFiles::None,
+    tables,
+};
 
-pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
-    let skew = Skew::new(request, FORMAT)?;
+fn tables(request: &Request<'_>) -> Result<Tables, Error> {
+    let skew = Skew::new(request, FORMAT.name)?;
     let factors = skew.factors().map(|factor| round(factor, 9));
     let [i, j, k] = factors.map(|factor| format!("{factor:.9}"));
     let text = format!("; {}\nM852 I{i} J{j} K{k}\n", request.origin());

@@ -24,14 +24,19 @@ use trueaxis_kinematics::AxisKind;
 use crate::Error;
 use crate::export::line::Line;
 use crate::export::sinumerik::table::Table;
-use crate::export::{ExportedFile, Request, Rule, Tables, round};
+use crate::export::{Description, ExportedFile, OldFiles, Request, Rule, Tables, round};
 
-const FORMAT: &str = "sinumerik";
+pub(super) const FORMAT: Description = Description {
+    name: "sinumerik",
+    text: "Siemens SINUMERIK: $AA_ENC_COMP and $AN_CEC (experimental)",
+    old_files: OldFiles::Named(&["AX_EEC.INI", "NC_CEC.INI"]),
+    tables,
+};
 
 /// Decimals of mm and degrees.
 const DECIMALS: i32 = 7;
 
-pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
+fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let axes = request.machine.machine().axes();
     let mut notes = vec![
         "values are actual minus commanded; a positive one moves the axis in the negative direction".to_owned(),
@@ -42,8 +47,8 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let mut lines = Vec::new();
     let mut tables = Vec::new();
     for axis in request.axes()? {
-        let line = Line::new(request, axis, FORMAT)?;
-        let step = line.spacing(request, FORMAT)?;
+        let line = Line::new(request, axis, FORMAT.name)?;
+        let step = line.spacing(request, FORMAT.name)?;
         let others = (0..axes.len()).filter(|&other| {
             // Straightness of rotary axes is no function of a position alone.
             other != axis
@@ -68,7 +73,7 @@ pub(crate) fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     for file in request.onto {
         for old in read::read(file, request.machine.machine())? {
             match tables.iter_mut().find(|new| new.is_like(&old)) {
-                Some(new) => *new = new.with(&old, request.name(old.input), FORMAT)?,
+                Some(new) => *new = new.with(&old, request.name(old.input), FORMAT.name)?,
                 None => tables.push(old),
             }
         }
