@@ -17,7 +17,7 @@ use crate::batches::Batch;
 use crate::bodies::Deformations;
 use crate::datum::Datum;
 use crate::known::{Columns, KnownRow};
-use crate::linearise::{Tie, by_visit, fill, fill_weights};
+use crate::linearise::{by_visit, fill, fill_weights};
 use crate::memory::{Gauge, Memories, Memory};
 use crate::pieces::{pieces, split_mut};
 use crate::state::{PER_STATION, State, zero_column};
@@ -142,31 +142,20 @@ impl<'a> GroupAdjustment<'a> {
             ..
         } = memory;
         beams.fill(batch, state.common(), batch.own(&state.points));
-        let is_tied = self.fill_tie((state, b), &beams.points, tie);
+        let tie = match batch.body.zip(self.network.bodies.as_deref()) {
+            Some((body, bodies)) => {
+                let Deformations {
+                    of_bodies, first, ..
+                } = &self.deformations;
+                let deformations = (first[body], &of_bodies[body][..]);
+                tie.fill(batch, (state, &beams.points), bodies, deformations);
+                Some(&*tie)
+            }
+            None => None,
+        };
         let datum = (gauge == Gauge::Datum).then_some((&self.datum, &self.network.nominal_mm[..]));
         let sizes = (self.network.stations.len(), self.shared());
-        let tie = is_tied.then_some(&*tie);
         fill(batch, tie, datum, beams, sizes, equations);
-    }
-
-    /// Takes what ties the points of batch `b`; false if they are free.
-    #[inline(always)]
-    pub(crate) fn fill_tie(
-        &self,
-        (state, b): (&State, usize),
-        points: &[Lanes],
-        tie: &mut Tie,
-    ) -> bool {
-        let batch = &self.batches[b];
-        let Some((body, bodies)) = batch.body.zip(self.network.bodies.as_deref()) else {
-            return false;
-        };
-        let Deformations {
-            of_bodies, first, ..
-        } = &self.deformations;
-        let deformations = (first[body], &of_bodies[body][..]);
-        tie.fill(batch, (state, points), bodies, deformations);
-        true
     }
 
     /// Adds what is known of shared unknowns.

@@ -135,22 +135,17 @@ impl<'a> Screening<'a> {
     }
 
     pub(crate) fn solve(&mut self) -> Result<(), Error> {
-        match self.solution.take() {
-            Some(near) => self.solve_near(&near),
-            None => {
-                let solution = self.solved_from_start();
-                self.take(Arc::new(solution.map_err(|error| self.driven_away(error))?));
-                Ok(())
-            }
+        if let Some(near) = self.solution.take() {
+            return self.solve_near(&near);
         }
-    }
-
-    fn solved_from_start(&mut self) -> Result<Solution, Error> {
-        let Some(start) = self.start.take() else {
-            return solve(&self.network, self.settings);
+        let network = &self.network;
+        let solution = match self.start.take() {
+            Some(start) => batches_of(network)
+                .and_then(|batches| solve_from_start((network, &batches), start, self.settings)),
+            None => solve(network, self.settings),
         };
-        let batches = batches_of(&self.network)?;
-        solve_from_start((&self.network, &batches), start, self.settings)
+        self.take(Arc::new(solution.map_err(|error| self.driven_away(error))?));
+        Ok(())
     }
 
     /// Solves again from the solution of a similar network.

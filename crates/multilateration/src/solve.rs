@@ -11,7 +11,7 @@ use crate::batches::{Batch, batches, check_seen};
 use crate::pieces::within_pool;
 use crate::reflectors::constants_mm;
 use crate::start::{Image, Start, start};
-use crate::state::{DATUM, PER_STATION, POSE, State};
+use crate::state::{DATUM, PER_STATION, POSE, State, with_interruptions};
 use crate::{Error, Network, Solution, Station, StationUnknown};
 
 /// How to adjust.
@@ -74,22 +74,16 @@ pub fn solve_from(
 ) -> Result<Solution, Error> {
     network.check()?;
     let batches = batches_of(network)?;
-    let stations = network.stations.len();
     let (found, need) = (
         (near.stations.len(), near.points_mm.len()),
-        (stations, network.nominal_mm.len()),
+        (network.stations.len(), network.nominal_mm.len()),
     );
     if found != need {
         let what = format!("a solution of other stations and points: {found:?}, needed {need:?}");
         return Err(Error::Malformed { what });
     }
     let mut state = near.state();
-    // Lengths are linear in dead paths: where those after interruptions start does not matter.
-    state.dead_paths_mm.truncate(stations);
-    for interruption in &network.interruptions {
-        let before = state.dead_paths_mm[interruption.station];
-        state.dead_paths_mm.push(before);
-    }
+    state.dead_paths_mm = with_interruptions(network, state.dead_paths_mm);
     let sizes = network.bodies.iter().flat_map(|bodies| &bodies.bodies);
     let sizes = sizes.map(|body| body.home_mm.len());
     let poses = network.bodies.as_ref().map_or(0, |_| network.groups.len());

@@ -100,7 +100,7 @@ impl TrialGroups {
         for visit in rows.visits(batch) {
             let (count, errors) = (visit.slots.len(), visit.unit_errors);
             let first = weights.len();
-            zeros_at(&mut weights, count * count);
+            weights.resize(first + count * count, Lanes::ZERO);
             add_product(&mut weights[first..], errors.transposed(), errors);
         }
         // Lanes without a group would count twice.
@@ -385,8 +385,4 @@ fn product<T>(a: &[Lanes], b: &[T], in_lanes: impl Fn(&T) -> Lanes) -> Lanes {
         sums[0] = a.mul_add(in_lanes(b), sums[0]);
     }
     (sums[0] + sums[1]) + (sums[2] + sums[3])
-}
-
-fn zeros_at(all: &mut Vec<Lanes>, more: usize) {
-    all.resize(all.len() + more, Lanes::ZERO);
 }
