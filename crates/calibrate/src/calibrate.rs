@@ -130,7 +130,7 @@ pub(crate) fn calibrate_as_given<'a>(
     let stations = station_results(campaign, stations, &stations_in_ref, &propagation);
     let relative_locations = relative_locations(&propagation);
     // Both are large, and the instrument's part is done with.
-    let noise = propagation.into_whole();
+    let noise = propagation.whole;
     drop(instrument);
     let factors = FactoredCovariance::new(&noise, &axes, &stations);
     let covariance = settings

@@ -162,15 +162,10 @@ pub(crate) fn calibrated_axes(
 impl CalibratedAxis {
     /// The component errors of a sample of the curve.
     pub(crate) fn error(&self, sample: &Sample) -> MotionError {
-        weighted(&self.errors, sample)
+        let weights = sample.weights.iter();
+        let sum = weights.map(|&(node, weight)| self.errors[node].to_vector() * weight);
+        MotionError::from_vector(&sum.sum())
     }
-}
-
-/// The component errors of a sample of a curve with these errors at its nodes.
-fn weighted(errors: &[MotionError], sample: &Sample) -> MotionError {
-    let weights = sample.weights.iter();
-    let sum = weights.map(|&(node, weight)| errors[node].to_vector() * weight);
-    MotionError::from_vector(&sum.sum())
 }
 
 impl CalibratedMachine {
@@ -202,27 +197,5 @@ impl GeometricErrors for CalibratedMachine {
         self.axis(axis).map_or_else(MotionError::default, |axis| {
             axis.error(&axis.curve.at(position))
         })
-    }
-}
-
-impl AxisResult {
-    /// Component errors at any position, as the calibrated machine has them: local cubic interpolation between the
-    /// measured ones; the mean of the sides of approach that reach the position; the nearest one if none does.
-    pub fn error_at(&self, position: f64) -> MotionError {
-        let errors: Vec<MotionError> = self.nodes.iter().map(|node| node.error).collect();
-        weighted(&errors, &Curve::new(self.kind, &self.nodes).at(position))
-    }
-}
-
-/// As [`CalibratedMachine`].
-impl GeometricErrors for Calibration {
-    fn location(&self, axis: usize) -> LocationError {
-        let result = self.axes.iter().find(|result| result.axis == axis);
-        result.map_or_else(LocationError::default, |result| result.location)
-    }
-
-    fn motion(&self, axis: usize, position: f64) -> MotionError {
-        let result = self.axes.iter().find(|result| result.axis == axis);
-        result.map_or_else(MotionError::default, |result| result.error_at(position))
     }
 }

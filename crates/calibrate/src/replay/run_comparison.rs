@@ -10,7 +10,7 @@
 //! Here all of it is whitened by the Cholesky factor of `V`: the observations, and the columns of `E` and `g`,
 //! which the runs may have in common or of their own whatever happens.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix6};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use trueaxis_poses::PoseNoise;
 
 use crate::identify::state::State;
@@ -165,19 +165,12 @@ fn comparison(
     let mut of_shared = DMatrix::zeros(rows, noise.width());
     let mut covariance = DMatrix::zeros(rows, rows);
     for (place, &i) in records.iter().enumerate() {
-        let pose = data.records[i].pose;
-        let map = identified.sensitivities[k].poses[i];
-        let own: Matrix6<f64> = map * noise.own[pose] * map.transpose();
         covariance
             .fixed_view_mut::<6, 6>(6 * place, 6 * place)
-            .copy_from(&own);
-        let response = dependence.response_to_base(k, i);
-        let coupling = map * &noise.coupling[pose];
-        let through = DMatrix::from_column_slice(6, coupling.ncols(), coupling.as_slice());
-        of_shared
-            .rows_mut(6 * place, 6)
-            .copy_from(&-(&through + &response * &sources.shared));
-        of_bases.rows_mut(6 * place, 6).copy_from(&-response);
+            .copy_from(&whole.own_of_record(k, i));
+        let [through_bases, through_shared] = whole.sources_of_record(k, i);
+        of_bases.rows_mut(6 * place, 6).copy_from(&through_bases);
+        of_shared.rows_mut(6 * place, 6).copy_from(&through_shared);
     }
     covariance += &of_bases * &sources.own * of_bases.transpose();
     covariance += &of_shared * &noise.shared * of_shared.transpose();
