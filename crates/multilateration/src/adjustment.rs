@@ -17,10 +17,11 @@ use crate::batches::Batch;
 use crate::bodies::Deformations;
 use crate::datum::Datum;
 use crate::known::{Columns, KnownRow};
-use crate::linearise::{by_visit, fill, fill_weights};
+use crate::linearise::fill;
 use crate::memory::{Gauge, Memories, Memory};
 use crate::pieces::{pieces, split_mut};
 use crate::state::{PER_STATION, State, zero_column};
+use crate::visit_weights::{by_visit, fill_weights};
 
 /// Places in [`GroupAdjustment::starts`].
 pub(crate) const WEIGHTS: usize = 0;
