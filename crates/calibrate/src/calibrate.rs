@@ -28,12 +28,8 @@ use crate::result::numbered::results;
 use crate::result::output::OutputCovariance;
 use crate::settings::{ReferencePoint, Settings};
 
-/// Finds all component and location errors of the axes that a campaign measured.
-///
-/// The reference frame: x-like along the average line of the first linear axis, the second linear
-/// axis in the plane of the nominal directions, origin where the targets of these axes are at home
-/// in the mean at their nominal positions. With one linear axis the rotation about it, with none
-/// the whole frame is the best fit of the targets at home to their nominal positions.
+/// Finds all component and location errors of the axes that a campaign measured, in the [reference
+/// frame](crate#the-reference-frame).
 ///
 /// # Errors
 /// See [`Error`]; nothing is returned that is not converged or not determined.

@@ -1,6 +1,5 @@
 //! The noun: a machine with its errors.
 
-use trueaxis_campaign::Direction;
 use trueaxis_kinematics::{
     GeometricErrors, LocationComponent, LocationError, Machine, MotionError,
 };
@@ -9,7 +8,7 @@ use crate::machine::curve::{Curve, Sample};
 use crate::machine::remainder::Remainder;
 use crate::result::calibration::{AxisResult, Calibration};
 use crate::result::factored_covariance::FactoredCovariance;
-use crate::result::interpolation::Place;
+use crate::result::interpolation::Node;
 
 /// A machine with its geometric errors as calibrated, and how well they are known.
 ///
@@ -41,18 +40,12 @@ pub struct CalibratedMachine {
 pub(crate) struct MeasuredAxis {
     /// Index among the machine's axes.
     pub(crate) axis: usize,
-    pub(crate) nodes: Vec<MeasuredNode>,
+    pub(crate) nodes: Vec<Node>,
+    /// Component errors at each of them.
+    pub(crate) errors: Vec<MotionError>,
     pub(crate) location: LocationError,
     /// The location errors that the frame does not define away.
     pub(crate) reported: Vec<LocationComponent>,
-}
-
-/// Component errors at a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct MeasuredNode {
-    pub(crate) position: f64,
-    pub(crate) direction: Option<Direction>,
-    pub(crate) error: MotionError,
 }
 
 /// An axis that predicts.
@@ -69,16 +62,6 @@ pub(crate) struct CalibratedAxis {
     /// Places of its first component and location error among the results.
     pub(crate) first: usize,
     pub(crate) first_location: usize,
-}
-
-impl Place for MeasuredNode {
-    fn position(&self) -> f64 {
-        self.position
-    }
-
-    fn direction(&self) -> Option<Direction> {
-        self.direction
-    }
 }
 
 impl Calibration {
@@ -114,15 +97,15 @@ impl Calibration {
 }
 
 fn measured_axis(axis: &AxisResult) -> MeasuredAxis {
-    let nodes = axis.nodes.iter().map(|node| MeasuredNode {
+    let nodes = axis.nodes.iter().map(|node| Node {
         position: node.position,
         direction: node.direction,
-        error: node.error,
     });
     let reported = axis.location_errors.iter();
     MeasuredAxis {
         axis: axis.axis,
         nodes: nodes.collect(),
+        errors: axis.nodes.iter().map(|node| node.error).collect(),
         location: axis.location,
         reported: reported.map(|location| location.component).collect(),
     }
@@ -139,17 +122,16 @@ pub(crate) fn calibrated_axes(
     let of_axis = |axis: MeasuredAxis| {
         let kind = machine.axes()[axis.axis].kind();
         let curve = Curve::new(kind, &axis.nodes);
-        let errors: Vec<MotionError> = axis.nodes.iter().map(|node| node.error).collect();
-        let at = |node: Option<&MeasuredNode>| node.map_or(0.0, |node| node.position);
+        let at = |node: Option<&Node>| node.map_or(0.0, |node| node.position);
         let calibrated = CalibratedAxis {
             axis: axis.axis,
             location: axis.location,
             range: [at(axis.nodes.first()), at(axis.nodes.last())],
-            remainder: Remainder::new(&curve, &errors, factors, first),
+            remainder: Remainder::new(&curve, &axis.errors, factors, first),
             curve,
             first,
             first_location,
-            errors,
+            errors: axis.errors,
             reported: axis.reported,
         };
         first += 6 * calibrated.errors.len();

@@ -144,15 +144,15 @@ fn comparison(
 ) -> Option<RunComparison> {
     let (context, identified) = (dependence.context, dependence.identified);
     let data = &context.data[k];
-    let shared = data.nodes.iter().enumerate();
-    let shared = shared.filter(|(_, node)| node.records.len() > 1);
+    let shared = data.records_of.iter().enumerate();
+    let shared = shared.filter(|(_, records)| records.len() > 1);
     let nodes: Vec<usize> = shared.map(|(number, _)| number).collect();
-    let all: usize = nodes.iter().map(|&n| data.nodes[n].records.len()).sum();
+    let all: usize = nodes.iter().map(|&n| data.records_of[n].len()).sum();
     let nodes: Vec<usize> = nodes
         .into_iter()
         .step_by(all.div_ceil(MOST_RECORDS).max(1))
         .collect();
-    let records = nodes.iter().flat_map(|&n| data.nodes[n].records.clone());
+    let records = nodes.iter().flat_map(|&n| data.records_of[n].clone());
     let records: Vec<usize> = records.collect();
     if data.runs.len() < 2 || records.is_empty() || noise.own.is_empty() {
         return None;

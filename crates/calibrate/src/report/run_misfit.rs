@@ -146,13 +146,13 @@ fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> 
 
     // Where the records of a position differ most, by the noise of a record.
     let mut largest = (0.0, 0, Component::ALL[0], 0.0);
-    for (n, node) in data.nodes.iter().enumerate() {
+    for (n, records) in data.records_of.iter().enumerate() {
         for component in Component::ALL {
-            let values = node.records.iter().map(|&i| errors[i][component.index()]);
+            let values = records.iter().map(|&i| errors[i][component.index()]);
             let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
                 (low.min(x), high.max(x))
             });
-            let first = node.records[0];
+            let first = records[0];
             let own = propagation.whole.own_of_record(k, first);
             let significance = (high - low) / own[(component.index(), component.index())].sqrt();
             if significance > largest.0 {
@@ -224,8 +224,8 @@ fn products(
         Some((whitening, row))
     };
     let mut products = DMatrix::zeros(width, width);
-    for node in &data.nodes {
-        let records: Option<Vec<_>> = node.records.iter().map(|&i| of_record(i)).collect();
+    for records in &data.records_of {
+        let records: Option<Vec<_>> = records.iter().map(|&i| of_record(i)).collect();
         let records = records?;
         // What all records of the position have in common is its component errors.
         let mut normal = Matrix6::zeros();
