@@ -62,8 +62,7 @@ pub(crate) struct Moved<'a> {
 impl<'a> GroupAdjustment<'a> {
     /// The model of a network with these groups.
     pub(crate) fn new(network: &'a Network, batches: &Arc<Vec<Batch>>) -> Self {
-        let behind = PER_STATION * network.stations.len() + network.interruptions.len();
-        let deformations = Deformations::new(network.bodies.as_deref(), behind);
+        let deformations = deformations(network);
         let mut starts = vec![[0; 2]];
         for batch in &**batches {
             let [weights, eliminated] = starts[starts.len() - 1];
@@ -237,6 +236,12 @@ impl<'a> GroupAdjustment<'a> {
             }
         }
     }
+}
+
+/// The deformations of the bodies of a network: behind stations and dead paths.
+pub(crate) fn deformations(network: &Network) -> Deformations {
+    let behind = PER_STATION * network.stations.len() + network.interruptions.len();
+    Deformations::new(network.bodies.as_deref(), behind)
 }
 
 /// A pose moved by a shift and a turn about the centroid of its points.

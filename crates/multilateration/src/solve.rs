@@ -6,8 +6,9 @@ use trueaxis_leastsquares::{
     Adjusted, Adjustment, BLOCK_RANK_TOL, Error as LeastSquaresError, adjust,
 };
 
-use crate::adjustment::{GroupAdjustment, Linearised};
+use crate::adjustment::{GroupAdjustment, Linearised, deformations};
 use crate::batches::{Batch, batches, check_seen};
+use crate::bodies::Deformations;
 use crate::pieces::within_pool;
 use crate::reflectors::constants_mm;
 use crate::start::{Image, Start, start};
@@ -327,13 +328,14 @@ fn named(network: &Network, error: LeastSquaresError) -> Error {
             let behind_zeros = behind_stations + network.interruptions.len();
             // The largest share says what is free.
             if let Some(&(k, _)) = free.first().filter(|&&(k, _)| k >= behind_zeros) {
-                return match body_of_deformation(network, k - behind_zeros) {
-                    Some(body) => Error::ShapeNotDetermined {
-                        body,
+                let Deformations { first, shared, .. } = deformations(network);
+                return match k < shared {
+                    true => Error::ShapeNotDetermined {
+                        body: first.partition_point(|first| *first <= k) - 1,
                         eigenvalue,
                         limit,
                     },
-                    None => Error::ReflectorsNotDetermined { eigenvalue, limit },
+                    false => Error::ReflectorsNotDetermined { eigenvalue, limit },
                 };
             }
             let unknown = |&(k, _): &(usize, f64)| match k.checked_sub(behind_stations) {
@@ -362,18 +364,6 @@ fn named(network: &Network, error: LeastSquaresError) -> Error {
 fn lengths_of(network: &Network, group: usize) -> usize {
     let visits = network.visits.iter().filter(|visit| visit.group == group);
     visits.map(|visit| visit.readings.len()).sum()
-}
-
-/// The body of a deformation, by its number among those of all bodies; none for what is behind them.
-fn body_of_deformation(network: &Network, mut number: usize) -> Option<usize> {
-    let bodies = network.bodies.iter().flat_map(|bodies| &bodies.bodies);
-    for (b, body) in bodies.enumerate() {
-        match number.checked_sub((3 * body.home_mm.len()).saturating_sub(POSE)) {
-            Some(left) => number = left,
-            None => return Some(b),
-        }
-    }
-    None
 }
 
 pub(crate) fn solution(
