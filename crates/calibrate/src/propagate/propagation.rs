@@ -163,11 +163,7 @@ impl<'a> Noise<'a> {
 
     /// `A D Aᵀ`: covariance of the pose error of a record of axis `k` with all sources known.
     pub(crate) fn own_of_record(&self, k: usize, record: usize) -> Matrix6<f64> {
-        let Dependence {
-            context,
-            identified,
-            ..
-        } = self.dependence;
+        let (context, identified) = (self.dependence.context, self.dependence.identified);
         let map = identified.sensitivities[k].poses[record];
         let pose = context.data[k].records[record].pose;
         map * self.noise.own[pose] * map.transpose()
@@ -175,11 +171,7 @@ impl<'a> Noise<'a> {
 
     /// `C`: what the same pose error owes to the sources of the bases, and to those that all poses share.
     pub(crate) fn sources_of_record(&self, k: usize, record: usize) -> [DMatrix<f64>; 2] {
-        let Dependence {
-            context,
-            identified,
-            ..
-        } = self.dependence;
+        let (context, identified) = (self.dependence.context, self.dependence.identified);
         let pose = context.data[k].records[record].pose;
         let coupling = identified.sensitivities[k].poses[record] * &self.noise.coupling[pose];
         let coupling = DMatrix::from_column_slice(6, coupling.ncols(), coupling.as_slice());

@@ -13,6 +13,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use trueaxis_poses::PoseNoise;
 
+use crate::calibrate::found;
 use crate::identify::state::State;
 use crate::propagate::dependence::Dependence;
 use crate::propagate::propagation::Noise;
@@ -47,23 +48,9 @@ impl Replay<'_> {
     /// Each axis with several runs that share positions.
     pub fn run_comparisons(&self) -> Vec<RunComparison> {
         let poses = &self.trials.measured.poses;
-        let measured: Vec<_> = poses
-            .observations
-            .iter()
-            .map(|p| p.datum_from_home)
-            .collect();
-        let context = crate::identify::context::Context {
-            campaign: self.campaign,
-            machine: &self.machine,
-            poses,
-            measured: &measured,
-            data: &self.data,
-        };
+        let measured = found(poses);
+        let context = self.context(&measured);
         let stations = self.trials.measured.stations();
-        let in_ref = |station: &trueaxis_poses::Station| {
-            self.identified.state.ref_from_datum * station.position_mm
-        };
-        let stations: Vec<_> = stations.iter().map(in_ref).collect();
         let dependence = Dependence::new(&context, &self.identified, &stations);
         let noise = Noise::new(&dependence, &poses.noise);
         let axes = 0..self.data.len();
@@ -105,7 +92,7 @@ impl Responses<'_> {
         known.fill(0.0);
         let replay = self.replay;
         let trial = replay.trials.solve(&mut self.workspace);
-        let context = replay.context(&trial);
+        let context = replay.context(&trial.poses);
         let state: State = replay.identified.replayed(&context)?;
         let of = |comparison: &RunComparison| {
             let errors = context.pose_errors(&state, comparison.data);

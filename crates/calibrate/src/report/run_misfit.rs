@@ -23,7 +23,6 @@ use trueaxis_kinematics::Component;
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
 use crate::identify::gauge::PER_RUN;
-use crate::propagate::dependence::Dependence;
 use crate::propagate::propagation::Propagation;
 use crate::result::calibration::{AxisResult, RunMisfit, widening_of_components};
 
@@ -56,11 +55,10 @@ pub(crate) fn run_misfits(propagation: &Propagation<'_, '_>) -> Vec<Option<RunMi
 /// S = (R - 1)/(R + 1) · 1/R Σ t_r t_rᵀ
 /// ```
 pub(crate) fn scatter_of_runs(propagation: &Propagation<'_, '_>, k: usize) -> DMatrix<f64> {
-    let Dependence {
-        context,
-        identified,
-        ..
-    } = propagation.dependence;
+    let (context, identified) = (
+        propagation.dependence.context,
+        propagation.dependence.identified,
+    );
     let (data, gauge) = (&context.data[k], &identified.gauges[k]);
     let errors = context.pose_errors(&identified.state, k);
     let (own, runs) = (gauge.location_parameters, data.runs.len());
@@ -105,11 +103,10 @@ fn solved(products: &DMatrix<f64>) -> Option<DVector<f64>> {
 
 /// How the runs of axis `k` fit together; `None` if they share no position or their noise is not known.
 fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> {
-    let Dependence {
-        context,
-        identified,
-        ..
-    } = propagation.dependence;
+    let (context, identified) = (
+        propagation.dependence.context,
+        propagation.dependence.identified,
+    );
     let data = &context.data[k];
     let errors = context.pose_errors(&identified.state, k);
     let (products, covariance) = products(propagation, k, &errors)?;
@@ -188,11 +185,10 @@ fn products(
     k: usize,
     errors: &[Vector6<f64>],
 ) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
-    let Dependence {
-        context,
-        identified,
-        ..
-    } = propagation.dependence;
+    let (context, identified) = (
+        propagation.dependence.context,
+        propagation.dependence.identified,
+    );
     let (data, noise) = (&context.data[k], &context.poses.noise);
     if noise.own.is_empty() {
         return None;
