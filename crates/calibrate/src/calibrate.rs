@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::Machine;
-use trueaxis_poses::{LengthsAdjustment, MeasuredPoses, Station, measure};
+use trueaxis_poses::{LengthsAdjustment, MeasuredPoses, Poses, measure};
 
 use crate::Error;
 use crate::identify::axis_data::{AxisData, by_axis};
@@ -28,12 +28,8 @@ use crate::result::numbered::results;
 use crate::result::output::OutputCovariance;
 use crate::settings::{ReferencePoint, Settings};
 
-/// Finds all component and location errors of the axes that a campaign measured.
-///
-/// The reference frame: x-like along the average line of the first linear axis, the second linear
-/// axis in the plane of the nominal directions, origin where the targets of these axes are at home
-/// in the mean at their nominal positions. With one linear axis the rotation about it, with none
-/// the whole frame is the best fit of the targets at home to their nominal positions.
+/// Finds all component and location errors of the axes that a campaign measured, in the [reference
+/// frame](crate#the-reference-frame).
 ///
 /// # Errors
 /// See [`Error`]; nothing is returned that is not converged or not determined.
@@ -98,11 +94,7 @@ pub(crate) fn calibrate_as_given<'a>(
     }
 
     // Identify: component errors, location errors and the reference frame.
-    let found: Vec<Isometry3<f64>> = poses
-        .observations
-        .iter()
-        .map(|p| p.datum_from_home)
-        .collect();
+    let found = found(poses);
     let context = Context {
         campaign,
         machine: &machine,
@@ -115,9 +107,7 @@ pub(crate) fn calibrate_as_given<'a>(
     check_noise(&measured.adjustment)?;
 
     // Propagate: how all results depend on the poses, and these on the noise.
-    let in_ref = |station: &Station| identified.state.ref_from_datum * station.position_mm;
-    let stations_in_ref: Vec<Point3<f64>> = stations.iter().map(in_ref).collect();
-    let dependence = Dependence::new(&context, &identified, &stations_in_ref);
+    let dependence = Dependence::new(&context, &identified, stations);
     let mut propagation = Propagation::new(&dependence, poses, &instrument);
     let runs = run_misfits(&propagation);
     for k in (0..runs.len()).filter(|&k| runs[k].is_some()) {
@@ -127,10 +117,10 @@ pub(crate) fn calibrate_as_given<'a>(
 
     // Report.
     let axes = axis_results(&measured, &propagation, runs);
-    let stations = station_results(campaign, stations, &stations_in_ref, &propagation);
+    let stations = station_results(campaign, stations, &propagation);
     let relative_locations = relative_locations(&propagation);
     // Both are large, and the instrument's part is done with.
-    let noise = propagation.into_whole();
+    let noise = propagation.whole;
     drop(instrument);
     let factors = FactoredCovariance::new(&noise, &axes, &stations);
     let covariance = settings
@@ -185,6 +175,12 @@ pub(crate) fn calibrate_as_given<'a>(
         identified,
     };
     Ok((calibration, parts))
+}
+
+/// The measured poses (datum from home).
+pub(crate) fn found(poses: &Poses) -> Vec<Isometry3<f64>> {
+    let observations = poses.observations.iter();
+    observations.map(|pose| pose.datum_from_home).collect()
 }
 
 /// The machine with the reference points of δ that the settings ask for.

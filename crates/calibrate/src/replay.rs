@@ -8,10 +8,11 @@ pub(crate) mod reliability;
 pub(crate) mod run_comparison;
 pub(crate) mod with_effects;
 
+use nalgebra::Isometry3;
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::Machine;
 use trueaxis_montecarlo::{ChaCha8Rng, Model};
-use trueaxis_poses::{PoseTrials, Station, Trial, TrialWorkspace};
+use trueaxis_poses::{PoseTrials, Station, TrialWorkspace};
 
 use crate::Error;
 use crate::calibrate::{Parts, calibrate_in_parts};
@@ -87,7 +88,7 @@ impl Replay<'_> {
 
     fn solve(&self, workspace: &mut TrialWorkspace, results: &mut [f64]) {
         let trial = self.trials.solve(workspace);
-        let context = self.context(&trial);
+        let context = self.context(&trial.poses);
         let Some(state) = self.identified.replayed(&context) else {
             results.fill(f64::NAN);
             return;
@@ -99,12 +100,13 @@ impl Replay<'_> {
         }
     }
 
-    fn context<'b>(&'b self, trial: &'b Trial) -> Context<'b> {
+    /// What identification works on, with these poses (datum from home).
+    fn context<'b>(&'b self, measured: &'b [Isometry3<f64>]) -> Context<'b> {
         Context {
             campaign: self.campaign,
             machine: &self.machine,
             poses: &self.trials.measured.poses,
-            measured: &trial.poses,
+            measured,
             data: &self.data,
         }
     }
@@ -208,7 +210,7 @@ mod tests {
                 let mut rng = ChaCha8Rng::seed_from_u64(trial);
                 replay.trial(&mut rng, &mut workspace, &mut found);
                 let trial = replay.trials.solve(&mut workspace);
-                let whole = identify_axes(&replay.context(&trial)).unwrap();
+                let whole = identify_axes(&replay.context(&trial.poses)).unwrap();
                 let all = replay.collect(&whole.state, &[]);
                 for ((found, &place), result) in
                     found.iter().zip(&replay.places).zip(replay.results())

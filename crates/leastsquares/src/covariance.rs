@@ -30,11 +30,6 @@ impl Covariance {
         }
     }
 
-    /// Number of blocks.
-    pub fn blocks(&self) -> usize {
-        self.factors.blocks()
-    }
-
     /// `Σ`: symmetric matrix of the shared unknowns and, behind them, the datum multipliers. Its
     /// leading part is the covariance of the shared unknowns; the whole of it is indefinite and
     /// makes sense only between couplings.
@@ -80,59 +75,16 @@ impl Covariance {
         self.factors.coupling(i)
     }
 
-    /// Covariance of block `i` with all shared unknowns held: `D = R⁻¹R⁻ᵀ`.
-    pub fn block_given_shared(&self, i: usize) -> Mat<f64> {
-        let factor = self.inverse_factor(i);
-        factor * factor.transpose()
-    }
-
     /// Covariance of block `i`.
     pub fn block(&self, i: usize) -> Mat<f64> {
-        self.block_given_shared(i) + self.between(i, i)
-    }
-
-    /// Covariance between block `i` (rows) and the shared unknowns (columns).
-    pub fn block_shared(&self, i: usize) -> Mat<f64> {
-        let shared_columns = self
-            .reduced_inverse()
-            .submatrix(0, 0, self.width(), self.shared);
-        -(self.coupling(i) * shared_columns)
+        let factor = self.inverse_factor(i);
+        factor * factor.transpose() + self.between(i, i)
     }
 
     /// The part of the covariance between blocks `i` and `k` that comes through the shared
     /// unknowns; for `i ≠ k` it is the whole.
     pub fn between(&self, i: usize, k: usize) -> Mat<f64> {
         self.coupling(i) * self.reduced_inverse() * self.coupling(k).transpose()
-    }
-
-    /// Covariance of everything: the unknowns of all blocks in order, then the shared ones. Its size
-    /// is the square of the number of unknowns.
-    pub fn full(&self) -> Mat<f64> {
-        let own = self.factors.unknowns();
-        let mut full = Mat::zeros(own + self.shared, own + self.shared);
-        for i in 0..self.blocks() {
-            let (first, n) = (self.factors.range(i).start, self.size(i));
-            for k in 0..=i {
-                let block = if i == k {
-                    self.block(i)
-                } else {
-                    self.between(i, k)
-                };
-                let other = self.factors.range(k).start;
-                full.submatrix_mut(first, other, n, block.ncols())
-                    .copy_from(&block);
-                full.submatrix_mut(other, first, block.ncols(), n)
-                    .copy_from(block.transpose());
-            }
-            let with_shared = self.block_shared(i);
-            full.submatrix_mut(first, own, n, self.shared)
-                .copy_from(&with_shared);
-            full.submatrix_mut(own, first, self.shared, n)
-                .copy_from(with_shared.transpose());
-        }
-        full.submatrix_mut(own, own, self.shared, self.shared)
-            .copy_from(self.shared());
-        full
     }
 
     fn size(&self, i: usize) -> usize {

@@ -78,15 +78,6 @@ impl Factors {
         parts
     }
 
-    pub(crate) fn blocks(&self) -> usize {
-        self.starts.len().saturating_sub(1)
-    }
-
-    /// Number of unknowns of all blocks.
-    pub(crate) fn unknowns(&self) -> usize {
-        self.starts.last().copied().unwrap_or(0)
-    }
-
     /// Where the unknowns of block `i` are among those of all blocks.
     pub(crate) fn range(&self, i: usize) -> Range<usize> {
         self.starts[i]..self.starts[i + 1]

@@ -12,9 +12,8 @@
 
 use crate::block_batch::{BlockBatch, Shape};
 use crate::covariance::Covariance;
-use crate::covariance_lanes::CovarianceLanes;
 use crate::lane_products::{LaneMatrix, add_product, subtract_product};
-use crate::lanes::{Lanes, zeros};
+use crate::lanes::{LANES, Lanes, side_by_side, zeros};
 
 /// `O`, `T` and the residuals of eight blocks, and memory to make them.
 #[derive(Debug, Clone, Default)]
@@ -27,7 +26,9 @@ pub struct HatRows {
     residual: Vec<Lanes>,
     /// `A`, rows contiguous.
     rows: Vec<Lanes>,
-    factors: CovarianceLanes,
+    /// `R⁻¹`, columns contiguous, and `Z`, rows contiguous.
+    inverse_factor: Vec<Lanes>,
+    coupling: Vec<Lanes>,
 }
 
 impl HatRows {
@@ -43,7 +44,7 @@ impl HatRows {
     ) {
         let Shape { rows, unknowns, .. } = batch.shape();
         (self.unknowns, self.width) = (unknowns, covariance.width());
-        self.factors.fill(covariance, (first, used));
+        self.take_factors(covariance, (first, used));
         let mask = Lanes::from_fn(|lane| f64::from(u8::from(lane < used)));
         self.rows.clear();
         self.residual.clear();
@@ -54,12 +55,29 @@ impl HatRows {
         }
         let a = LaneMatrix::by_rows(&self.rows, [rows, unknowns]);
         zeros(&mut self.own, rows * unknowns);
-        add_product(&mut self.own, a, self.factors.inverse_factor());
+        let inverse_factor = LaneMatrix::by_columns(&self.inverse_factor, [unknowns; 2]);
+        add_product(&mut self.own, a, inverse_factor);
         zeros(&mut self.shared, rows * self.width);
         for (i, row) in self.shared.chunks_exact_mut(self.width.max(1)).enumerate() {
             batch.copy_shared_row(i, row);
         }
-        subtract_product(&mut self.shared, a, self.factors.coupling());
+        let coupling = LaneMatrix::by_rows(&self.coupling, [unknowns, self.width]);
+        subtract_product(&mut self.shared, a, coupling);
+    }
+
+    /// Takes the covariance factors of `used` blocks from `first` on; lanes behind them repeat the last one.
+    #[inline(always)]
+    fn take_factors(&mut self, covariance: &Covariance, (first, used): (usize, usize)) {
+        let block = |lane: usize| first + lane.min(used - 1);
+        let (mut columns, mut rows): ([&[f64]; LANES], [&[f64]; LANES]) =
+            ([&[]; LANES], [&[]; LANES]);
+        for lane in 0..LANES {
+            columns[lane] = covariance.inverse_factor_columns(block(lane));
+            rows[lane] = covariance.coupling_rows(block(lane));
+        }
+        let n = self.unknowns;
+        side_by_side(columns, n * n, &mut self.inverse_factor);
+        side_by_side(rows, n * self.width, &mut self.coupling);
     }
 
     /// `O`: one column for each unknown of the blocks.
@@ -74,10 +92,16 @@ impl HatRows {
         LaneMatrix::by_rows(&self.shared, [self.residual.len(), self.width])
     }
 
-    /// The covariance factors of the blocks; lanes without one repeat the last.
+    /// `R⁻¹` of the blocks ([`Covariance`]): upper triangular; lanes without a block repeat the last.
     #[inline(always)]
-    pub fn factors(&self) -> &CovarianceLanes {
-        &self.factors
+    pub fn inverse_factor(&self) -> LaneMatrix<'_> {
+        LaneMatrix::by_columns(&self.inverse_factor, [self.unknowns; 2])
+    }
+
+    /// `Z` of the blocks: one column for each shared unknown and datum multiplier.
+    #[inline(always)]
+    pub fn coupling(&self) -> LaneMatrix<'_> {
+        LaneMatrix::by_rows(&self.coupling, [self.unknowns, self.width])
     }
 
     /// The whitened residuals, observed minus computed.

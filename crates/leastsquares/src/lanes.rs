@@ -56,18 +56,6 @@ impl Lanes {
         Self::from_fn(|i| self.0[i].sqrt())
     }
 
-    /// Absolute values.
-    #[inline(always)]
-    pub fn abs(self) -> Self {
-        Self::from_fn(|i| self.0[i].abs())
-    }
-
-    /// The sizes of these with the signs of others.
-    #[inline(always)]
-    pub fn copysign(self, sign: Self) -> Self {
-        Self::from_fn(|i| self.0[i].copysign(sign.0[i]))
-    }
-
     /// Sum over the lanes, always in the same order.
     #[inline(always)]
     pub fn sum(self) -> f64 {

@@ -54,7 +54,6 @@
 mod block_batch;
 mod chi_squared;
 mod covariance;
-mod covariance_lanes;
 mod definite;
 pub mod dense;
 mod dot;
@@ -74,7 +73,6 @@ mod widest_registers;
 pub use block_batch::{BLOCK_RANK_TOL, BlockBatch, RUN, RowMut, Shape};
 pub use chi_squared::{chi_squared_quantile, chi_squared_upper_tail};
 pub use covariance::Covariance;
-pub use covariance_lanes::CovarianceLanes;
 pub use dot::dot;
 pub use error::Error;
 pub use factors::{Factors, FactorsMut};

@@ -17,10 +17,11 @@ use crate::batches::Batch;
 use crate::bodies::Deformations;
 use crate::datum::Datum;
 use crate::known::{Columns, KnownRow};
-use crate::linearise::{Tie, by_visit, fill, fill_weights};
+use crate::linearise::fill;
 use crate::memory::{Gauge, Memories, Memory};
 use crate::pieces::{pieces, split_mut};
 use crate::state::{PER_STATION, State, zero_column};
+use crate::visit_weights::{by_visit, fill_weights};
 
 /// Places in [`GroupAdjustment::starts`].
 pub(crate) const WEIGHTS: usize = 0;
@@ -61,8 +62,7 @@ pub(crate) struct Moved<'a> {
 impl<'a> GroupAdjustment<'a> {
     /// The model of a network with these groups.
     pub(crate) fn new(network: &'a Network, batches: &Arc<Vec<Batch>>) -> Self {
-        let behind = PER_STATION * network.stations.len() + network.interruptions.len();
-        let deformations = Deformations::new(network.bodies.as_deref(), behind);
+        let deformations = deformations(network);
         let mut starts = vec![[0; 2]];
         for batch in &**batches {
             let [weights, eliminated] = starts[starts.len() - 1];
@@ -142,31 +142,20 @@ impl<'a> GroupAdjustment<'a> {
             ..
         } = memory;
         beams.fill(batch, state.common(), batch.own(&state.points));
-        let is_tied = self.fill_tie((state, b), &beams.points, tie);
+        let tie = match batch.body.zip(self.network.bodies.as_deref()) {
+            Some((body, bodies)) => {
+                let Deformations {
+                    of_bodies, first, ..
+                } = &self.deformations;
+                let deformations = (first[body], &of_bodies[body][..]);
+                tie.fill(batch, (state, &beams.points), bodies, deformations);
+                Some(&*tie)
+            }
+            None => None,
+        };
         let datum = (gauge == Gauge::Datum).then_some((&self.datum, &self.network.nominal_mm[..]));
         let sizes = (self.network.stations.len(), self.shared());
-        let tie = is_tied.then_some(&*tie);
         fill(batch, tie, datum, beams, sizes, equations);
-    }
-
-    /// Takes what ties the points of batch `b`; false if they are free.
-    #[inline(always)]
-    pub(crate) fn fill_tie(
-        &self,
-        (state, b): (&State, usize),
-        points: &[Lanes],
-        tie: &mut Tie,
-    ) -> bool {
-        let batch = &self.batches[b];
-        let Some((body, bodies)) = batch.body.zip(self.network.bodies.as_deref()) else {
-            return false;
-        };
-        let Deformations {
-            of_bodies, first, ..
-        } = &self.deformations;
-        let deformations = (first[body], &of_bodies[body][..]);
-        tie.fill(batch, (state, points), bodies, deformations);
-        true
     }
 
     /// Adds what is known of shared unknowns.
@@ -247,6 +236,12 @@ impl<'a> GroupAdjustment<'a> {
             }
         }
     }
+}
+
+/// The deformations of the bodies of a network: behind stations and dead paths.
+pub(crate) fn deformations(network: &Network) -> Deformations {
+    let behind = PER_STATION * network.stations.len() + network.interruptions.len();
+    Deformations::new(network.bodies.as_deref(), behind)
 }
 
 /// A pose moved by a shift and a turn about the centroid of its points.

@@ -33,7 +33,7 @@ pub(crate) struct ReadingTest {
     pub(crate) sigma_mm: f64,
     /// Part of an error in it that the residuals keep, from 0 to 1.
     pub(crate) kept: f64,
-    /// Redundancy number ([`crate::Solution::redundancy_numbers`]).
+    /// Redundancy number ([`crate::Reliability::redundancy`]).
     pub(crate) redundancy: f64,
 }
 
@@ -185,11 +185,7 @@ impl BatchTests {
         tests: &mut Tests,
     ) {
         for (lane, group) in batch.groups.clone().enumerate() {
-            let mut places = slots.places(lane);
-            for &visit in by_group.of(group) {
-                let count = network.visits[visit].readings.len();
-                let (own, rest) = places.split_at(count);
-                places = rest;
+            for (_, own) in slots.visits((lane, group), network, by_group) {
                 let of_slot = |&(slot, reading): &(usize, usize)| {
                     let factor = network.variance_factor(reading);
                     let inflation = rows.variances[slot].0[lane] * (1.0 - 1.0 / factor);
@@ -200,7 +196,7 @@ impl BatchTests {
                     let visit = batch.layout.visit_of(slot);
                     self.visits[visit].w(lane)
                 };
-                let w = own.first().filter(|_| count > 1).map_or(0.0, of_visit);
+                let w = own.first().filter(|_| own.len() > 1).map_or(0.0, of_visit);
                 tests.visits.push(w);
             }
         }

@@ -18,11 +18,12 @@ use trueaxis_leastsquares::{Covariance, HatRows, Lanes, in_widest_registers, lan
 use crate::adjustment::GroupAdjustment;
 use crate::batches::{Batch, batches};
 use crate::datum::Datum;
-use crate::linearise::{Tie, is_read, own_variance};
 use crate::memory::{Gauge, Memory};
 use crate::noise::factor_len;
 use crate::slots::SlotVisit;
 use crate::state::State;
+use crate::tie::Tie;
+use crate::visit_weights::{is_read, own_variance};
 use crate::{Network, Solution};
 
 /// Batches that one thread takes at a time, and that one partial sum is made of.
@@ -143,7 +144,7 @@ impl<'a> BatchInfluence<'a> {
         variances.clear();
         there.clear();
         for slot in 0..batch.slots() {
-            let distance_mm = memory.beams.distance_mm(slot);
+            let distance_mm = memory.beams.of_slots[slot].distance_mm;
             variances.push(own_variance(batch, &self.network.noise, slot, distance_mm));
             there.push(is_read(batch, slot) * mask);
         }

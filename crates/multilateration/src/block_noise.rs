@@ -162,11 +162,7 @@ fn append_blocks(
     let (count, unknowns, width) = (batch.slots(), own.columns(), shared.columns());
     // O R⁻ᵀ.
     let mut errors = vec![Lanes::ZERO; count * unknowns];
-    add_product(
-        &mut errors,
-        own,
-        rows.hat.factors().inverse_factor().transposed(),
-    );
+    add_product(&mut errors, own, rows.hat.inverse_factor().transposed());
     let errors = LaneMatrix::by_rows(&errors, [count, unknowns]);
     let part = memory.part_of(errors, batch, rows).transposed();
     let mut of_group = vec![Lanes::ZERO; unknowns * unknowns];

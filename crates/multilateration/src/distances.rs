@@ -8,7 +8,7 @@
 
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
-use crate::state::{PER_STATION, POSE};
+use crate::adjustment::deformations;
 use crate::{Corrections, Network, Solution};
 
 /// Two points whose distance does not change.
@@ -132,17 +132,12 @@ fn deformed(
     [a, b]: [usize; 2],
     beam_mm: Vector3<f64>,
 ) -> Vec<(usize, f64)> {
-    let bodies = network.bodies.iter().flat_map(|bodies| &bodies.bodies);
-    let behind = PER_STATION * network.stations.len() + network.interruptions.len();
-    let before = bodies.clone().take(body);
-    let before = before.map(|body| (3 * body.home_mm.len()).saturating_sub(POSE));
-    let first = behind + before.sum::<usize>();
+    let all = deformations(network);
     let unit = beam_mm.normalize();
-    let own = bodies.skip(body).take(1);
-    let deformations = own.flat_map(|body| body.deformations());
     let place = |deformation: &DVector<f64>, p: usize| -> Vector3<f64> {
         deformation.fixed_rows::<3>(3 * p).into_owned()
     };
-    let along = deformations.map(|d| unit.dot(&(place(&d, a) - place(&d, b))));
-    along.enumerate().map(|(k, g)| (first + k, g)).collect()
+    let own = all.of_bodies[body].iter();
+    let along = own.map(|d| unit.dot(&(place(d, a) - place(d, b))));
+    (all.first[body]..).zip(along).collect()
 }

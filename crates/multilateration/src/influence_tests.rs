@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3, Vector3};
-use trueaxis_leastsquares::lane_products::LaneMatrix;
+use trueaxis_leastsquares::dot;
 
 use crate::baarda::test_all;
-use crate::batch_influence::{BatchInfluence, BatchRows};
+use crate::batch_influence::BatchInfluence;
 use crate::bodies::{Bodies, Body, Placed};
 use crate::step_tests::largest_steps;
 use crate::whitened::Whitened;
@@ -92,42 +92,6 @@ fn solved(groups: usize, repeatability_mm: f64, is_tied: bool) -> (Network, Solu
     (network, solution)
 }
 
-#[test]
-fn rows_have_the_trace_of_the_unknowns() {
-    for is_tied in [false, true] {
-        let (network, solution) = solved(GROUPS, 1e-3, is_tied);
-        let influence = BatchInfluence::new(&network, &solution);
-        let mut rows = BatchRows::default();
-        let mut squares = 0.0;
-        let mut trace = 0.0;
-        for b in 0..influence.batches().len() {
-            influence.fill(b, &mut rows);
-            let (own, shared) = (rows.hat.own(), rows.hat.shared());
-            let at = |m: LaneMatrix<'_>, lane: usize, i: usize, j: usize| m.at(i, j).0[lane];
-            for lane in 0..8 {
-                for i in 0..own.rows() {
-                    squares += rows.hat.residual()[i].0[lane].powi(2);
-                    trace += (0..own.columns())
-                        .map(|k| at(own, lane, i, k).powi(2))
-                        .sum::<f64>();
-                    for k in 0..influence.width() {
-                        for l in 0..influence.width() {
-                            let sigma = influence.sigma()[k * influence.width() + l];
-                            trace += at(shared, lane, i, k) * sigma * at(shared, lane, i, l);
-                        }
-                    }
-                }
-            }
-        }
-        let redundant = network.readings.len() as f64 - trace;
-        assert!(
-            (redundant - solution.degrees_of_freedom() as f64).abs() < 1e-7,
-            "{redundant}"
-        );
-        assert!((squares / solution.squares - 1.0).abs() < 1e-9);
-    }
-}
-
 /// At the minimum the residuals are what the adjustment leaves of them, and lengths that follow a station
 /// are absorbed.
 #[test]
@@ -135,25 +99,11 @@ fn whitened_rows_project_onto_what_is_left() {
     for is_tied in [false, true] {
         let (network, solution) = solved(GROUPS, 1e-3, is_tied);
         let rows = Whitened::new(&network, &solution);
-        let along = |x: &[f64]| {
-            let mut own = vec![0.0; rows.groups * rows.own_width];
-            let mut shared = vec![0.0; rows.shared_width];
-            for (row, x) in x.iter().enumerate() {
-                let first = rows.group_of_row[row] * rows.own_width;
-                for (sum, o) in own[first..].iter_mut().zip(rows.own_row(row)) {
-                    *sum += o * x;
-                }
-                for (sum, t) in shared.iter_mut().zip(rows.shared_row(row)) {
-                    *sum += t * x;
-                }
-            }
-            (own, shared)
-        };
-        let (own, shared) = along(&rows.residuals);
-        assert!(
-            own.iter().chain(&shared).all(|x| x.abs() < 1e-3),
-            "not at the minimum"
-        );
+        let mut kept = rows.residuals.clone();
+        rows.project(&mut kept);
+        for (kept, residual) in kept.iter().zip(&rows.residuals) {
+            assert!((kept - residual).abs() < 1e-3, "not at the minimum");
+        }
         let squares: f64 = rows.residuals.iter().map(|r| r * r).sum();
         assert!((squares / solution.squares - 1.0).abs() < 1e-9);
         // The second station one unit of x away.
@@ -166,15 +116,10 @@ fn whitened_rows_project_onto_what_is_left() {
             }
         }
         rows.whiten(&mut column);
-        let size = column.iter().map(|x| x * x).sum::<f64>();
-        let (own, shared) = along(&column);
-        let mut left = size - own.iter().map(|x| x * x).sum::<f64>();
-        for (k, a) in shared.iter().enumerate() {
-            for (l, b) in shared.iter().enumerate() {
-                left -= a * rows.reduced_inverse[k * rows.shared_width + l] * b;
-            }
-        }
-        assert!(left.abs() < 1e-9 * size, "{left} of {size}");
+        let size = dot(&column, &column);
+        rows.project(&mut column);
+        let left = dot(&column, &column);
+        assert!(left < 1e-9 * size, "{left} of {size}");
     }
 }
 
@@ -197,38 +142,13 @@ fn what_is_kept_of_single_lengths_is_their_redundancy() {
 fn redundancy_numbers_add_up() {
     for is_tied in [false, true] {
         let (network, solution) = solved(GROUPS, 1e-3, is_tied);
-        let sum: f64 = solution.redundancy_numbers(&network).iter().sum();
+        let readings = solution.reliability(&network).into_iter();
+        let sum: f64 = readings.map(|reading| reading.redundancy).sum();
         assert!(
             (sum - solution.degrees_of_freedom() as f64).abs() < 1e-7,
             "{sum}"
         );
     }
-}
-
-/// `w` of a whitened error, one element for each row.
-fn dense_w(rows: &Whitened, error: &[f64]) -> f64 {
-    let width = rows.shared_width;
-    let (mut numerator, mut kept) = (0.0, 0.0);
-    let mut through = vec![0.0; width];
-    let mut own = vec![0.0; rows.groups * rows.own_width];
-    for (row, e) in error.iter().enumerate() {
-        numerator += e * rows.residuals[row];
-        kept += e * e;
-        for (sum, t) in through.iter_mut().zip(rows.shared_row(row)) {
-            *sum += e * t;
-        }
-        let first = rows.group_of_row[row] * rows.own_width;
-        for (sum, o) in own[first..].iter_mut().zip(rows.own_row(row)) {
-            *sum += e * o;
-        }
-    }
-    kept -= own.iter().map(|x| x * x).sum::<f64>();
-    for k in 0..width {
-        for l in 0..width {
-            kept -= through[k] * rows.reduced_inverse[k * width + l] * through[l];
-        }
-    }
-    numerator / kept.sqrt()
 }
 
 #[test]
@@ -248,7 +168,9 @@ fn the_largest_step_is_that_of_all_steps() {
                 let error = (0..zero_of.len()).map(|i| f64::from(u8::from(in_step(i))));
                 let mut error: Vec<f64> = error.collect();
                 rows.whiten(&mut error);
-                let w = dense_w(&rows, &error);
+                let mut kept = error.clone();
+                rows.project(&mut kept);
+                let w = dot(&error, &rows.residuals) / dot(&error, &kept).sqrt();
                 if w.abs() > largest.0.abs() {
                     largest = (w, first);
                 }

@@ -55,6 +55,7 @@ mod adjustment;
 mod baarda;
 mod batch_influence;
 mod batches;
+mod beams;
 mod block_noise;
 mod bodies;
 mod components;
@@ -91,7 +92,9 @@ mod splits;
 mod start;
 mod state;
 mod step_tests;
+mod tie;
 mod trials;
+mod visit_weights;
 mod whitened;
 
 pub use block_noise::BlockNoise;

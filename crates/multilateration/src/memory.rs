@@ -4,8 +4,9 @@ use std::sync::{Mutex, PoisonError};
 
 use trueaxis_leastsquares::{BlockBatch, Lanes};
 
-use crate::linearise::{Beams, Tie};
+use crate::beams::Beams;
 use crate::state::DATUM;
+use crate::tie::Tie;
 
 /// What decides among results that differ by a motion of the whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -13,7 +13,7 @@ use trueaxis_leastsquares::{
 use crate::adjustment::{ELIMINATED, GroupAdjustment, Linearised, Moved, WEIGHTS};
 use crate::batches::groups_of;
 use crate::memory::{Gauge, Memory};
-use crate::pieces::{in_parallel, pieces, split_mut, try_in_parallel};
+use crate::pieces::{in_parallel, pieces, split_mut};
 use crate::state::{Common, DATUM, State};
 
 impl Adjustment for GroupAdjustment<'_> {
@@ -167,7 +167,7 @@ fn reduced<P: Send>(
     take: impl Fn(usize, &mut Memory, &mut P) + Sync + Send,
 ) -> Result<Reduced, LeastSquaresError> {
     let pieces = pieces(model.batches.len()).into_iter();
-    let sums = try_in_parallel(
+    let sums = in_parallel(
         pieces.zip(parts).collect(),
         #[inline(always)]
         |(piece, mut part): (Range<usize>, P)| {
@@ -188,10 +188,14 @@ fn reduced<P: Send>(
             )?;
             Ok(sums.into_reduced())
         },
-    )?;
-    let sum = sums.into_iter().reduce(|mut sum, piece| {
-        sum.merge(&piece);
-        sum
-    });
-    Ok(sum.unwrap_or_else(|| Reduced::new(model.shared(), gauge.constraints())))
+    );
+    // Of several errors the first.
+    let mut whole: Option<Reduced> = None;
+    for sum in sums {
+        match &mut whole {
+            Some(whole) => whole.merge(&sum?),
+            None => whole = Some(sum?),
+        }
+    }
+    Ok(whole.unwrap_or_else(|| Reduced::new(model.shared(), gauge.constraints())))
 }

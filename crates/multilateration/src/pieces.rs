@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
-use trueaxis_leastsquares::{Error as LeastSquaresError, in_widest_registers};
+use trueaxis_leastsquares::in_widest_registers;
 
 /// Batches of a piece: enough work, some 50 µs, to be worth handing out.
 const LEAST_BATCHES: usize = 16;
@@ -44,14 +44,6 @@ pub(crate) fn in_parallel<I: Send, T: Send>(
         return items.into_iter().map(work).collect();
     }
     items.into_par_iter().map(work).collect()
-}
-
-/// The same for work that may fail; of several errors the first.
-pub(crate) fn try_in_parallel<I: Send, T: Send>(
-    items: Vec<I>,
-    work: impl Fn(I) -> Result<T, LeastSquaresError> + Sync + Send,
-) -> Result<Vec<T>, LeastSquaresError> {
-    in_parallel(items, work).into_iter().collect()
 }
 
 /// Splits a slice into parts of these lengths.

@@ -1,7 +1,6 @@
 //! A network solved from where everything is known to be nearly.
 
 use nalgebra::Point3;
-use trueaxis_leastsquares::Termination;
 
 use crate::solve::{Attempt, adjust_from, batches_of, solution};
 use crate::state::State;
@@ -31,7 +30,7 @@ pub fn refine<'a>(
     network.check()?;
     let batches = batches_of(network)?;
     let stations_mm: Vec<_> = stations.iter().map(|s| s.position_mm).collect();
-    let mut dead_paths_mm: Vec<_> = stations.iter().map(|s| s.dead_path_mm).collect();
+    let dead_paths_mm: Vec<_> = stations.iter().map(|s| s.dead_path_mm).collect();
     let (found, need) = (
         (stations.len(), points_mm.len()),
         (network.stations.len(), network.nominal_mm.len()),
@@ -46,38 +45,12 @@ pub fn refine<'a>(
         );
         return Err(Error::Malformed { what });
     }
-    for interruption in &network.interruptions {
-        let before = dead_paths_mm[interruption.station];
-        dead_paths_mm.push(before);
-    }
     let state = State::new(network, stations_mm, dead_paths_mm, points_mm.to_vec());
     let attempt = adjust_from(network, &batches, state, settings)?;
     Ok(Refined { network, attempt })
 }
 
 impl Refined<'_> {
-    /// Adjusted points in the order of the network, mm.
-    pub fn points_mm(&self) -> &[Point3<f64>] {
-        &self.attempt.adjusted.state.points
-    }
-
-    /// Adjusted stations with their (first) dead paths.
-    pub fn stations(&self) -> Vec<Station> {
-        let state = &self.attempt.adjusted.state;
-        let stations = state.stations.iter().zip(&state.dead_paths_mm);
-        stations
-            .map(|(&position_mm, &dead_path_mm)| Station {
-                position_mm,
-                dead_path_mm,
-            })
-            .collect()
-    }
-
-    /// Why the iteration stopped. Look at it: a result that is not converged is returned, not hidden.
-    pub fn termination(&self) -> Termination {
-        self.attempt.adjusted.termination
-    }
-
     /// The whole solution with the covariance of everything.
     ///
     /// # Errors

@@ -21,7 +21,11 @@ use crate::{Network, Solution};
 /// How well the others check one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reliability {
-    /// Redundancy number ([`Solution::redundancy_numbers`]).
+    /// Redundancy number: the part of an error in the reading that shows in its residual, from 0 (nothing checks it:
+    /// the error goes wholly into the result) to 1. Lengths of a visit that correlate through the machine's
+    /// repeatability may leave this range. Their sum is [`Solution::degrees_of_freedom`].
+    ///
+    /// `r = diag(I - J Q Jᵀ C⁻¹)` with the Jacobian `J` and the covariance `Q` of the unknowns.
     pub redundancy: f64,
     /// Baarda's w, the residual in units of its standard deviation: standard normal if nothing is wrong; zero
     /// where nothing checks the reading.
@@ -35,18 +39,6 @@ pub struct Reliability {
 const POWER: f64 = 0.8;
 
 impl Solution {
-    /// Redundancy number of every reading: the part of an error in it that shows in its residual, from
-    /// 0 (nothing checks it: the error goes wholly into the result) to 1. Lengths of a visit that
-    /// correlate through the machine's repeatability may leave this range. Their sum is
-    /// [`Solution::degrees_of_freedom`].
-    ///
-    /// `r = diag(I - J Q Jᵀ C⁻¹)` with the Jacobian `J` and the covariance `Q` of the unknowns.
-    /// `network` must be the one that was solved.
-    pub fn redundancy_numbers(&self, network: &Network) -> Vec<f64> {
-        let tests = test_all(&BatchInfluence::new(network, self)).readings;
-        tests.iter().map(|test| test.redundancy).collect()
-    }
-
     /// Reliability of every reading; `network` must be the one that was solved.
     pub fn reliability(&self, network: &Network) -> Vec<Reliability> {
         // z_p is the root of the chi-squared quantile of 2p - 1 with one degree of freedom.

@@ -1,5 +1,7 @@
 //! The work of [`crate::screen`]: weights, tests and removals.
 
+mod snooping;
+
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -30,6 +32,8 @@ const MOST_FAR: f64 = 0.05;
 
 /// Solutions at the final width.
 const WELSCH_ITERATIONS: usize = 3;
+
+/// Rounds of weights, or of snooping, after which a search that has not ended does not.
 const MAX_ROUNDS: usize = 60;
 
 /// Solutions in a row that do not reach the minimum before the search ends: their tests mean nothing.
@@ -135,22 +139,17 @@ impl<'a> Screening<'a> {
     }
 
     pub(crate) fn solve(&mut self) -> Result<(), Error> {
-        match self.solution.take() {
-            Some(near) => self.solve_near(&near),
-            None => {
-                let solution = self.solved_from_start();
-                self.take(Arc::new(solution.map_err(|error| self.driven_away(error))?));
-                Ok(())
-            }
+        if let Some(near) = self.solution.take() {
+            return self.solve_near(&near);
         }
-    }
-
-    fn solved_from_start(&mut self) -> Result<Solution, Error> {
-        let Some(start) = self.start.take() else {
-            return solve(&self.network, self.settings);
+        let network = &self.network;
+        let solution = match self.start.take() {
+            Some(start) => batches_of(network)
+                .and_then(|batches| solve_from_start((network, &batches), start, self.settings)),
+            None => solve(network, self.settings),
         };
-        let batches = batches_of(&self.network)?;
-        solve_from_start((&self.network, &batches), start, self.settings)
+        self.take(Arc::new(solution.map_err(|error| self.driven_away(error))?));
+        Ok(())
     }
 
     /// Solves again from the solution of a similar network.
@@ -379,93 +378,6 @@ impl<'a> Screening<'a> {
         let factor = |test: &ReadingTest| if test.w.abs() > limit { REMOVED } else { 1.0 };
         self.network.variance_factors = tests.readings.iter().map(factor).collect();
         self.solve()
-    }
-
-    fn snoop(&mut self) -> Result<(), Error> {
-        // A reading that keeps leaving and coming back stays out.
-        let mut returns = vec![0_u8; self.network.readings.len()];
-        for _ in 0..MAX_ROUNDS {
-            if self.is_lost() {
-                break;
-            }
-            let (tests, scale) = self.tests()?;
-            if let Some(step) = self.step(&tests.readings, scale) {
-                self.split(step.station, step.first_reading);
-                self.solve()?;
-                continue;
-            }
-            let mut changes = self.changes(&tests, scale);
-            changes.retain(|&(reading, factor)| factor >= REMOVED || returns[reading] < 2);
-            if changes.is_empty() {
-                return Ok(());
-            }
-            for (reading, factor) in changes {
-                returns[reading] += u8::from(factor < REMOVED);
-                self.network.variance_factors[reading] = factor;
-            }
-            self.solve()?;
-        }
-        self.settled = false;
-        Ok(())
-    }
-
-    /// For each group the reading that should leave first, or else the visit that should leave as a
-    /// whole, or else the reading that should come back first; with their new variance factors.
-    fn changes(&self, tests: &Tests, scale: f64) -> Vec<(usize, f64)> {
-        let limit = self.limit(READINGS_LEVEL) * scale;
-        let groups = self.network.groups.len();
-        let mut worst: Vec<Option<(f64, usize)>> = vec![None; groups];
-        let mut best: Vec<Option<(f64, usize)>> = vec![None; groups];
-        for visit in &self.network.visits {
-            for i in visit.readings.clone() {
-                let w = tests.readings[i].w.abs();
-                if self.unchecked[i] {
-                    continue;
-                }
-                if self.network.variance_factors[i] >= REMOVED {
-                    let best = &mut best[visit.group];
-                    if w <= limit && best.is_none_or(|(least, _)| w < least) {
-                        *best = Some((w, i));
-                    }
-                } else {
-                    let worst = &mut worst[visit.group];
-                    if w > limit && worst.is_none_or(|(most, _)| w > most) {
-                        *worst = Some((w, i));
-                    }
-                }
-            }
-        }
-        let visits = self.worst_visits(&tests.visits, limit);
-        let mut changes = Vec::new();
-        for ((worst, visit), best) in worst.into_iter().zip(visits).zip(best) {
-            match (worst, visit, best) {
-                (Some((_, i)), _, _) => changes.push((i, REMOVED)),
-                (None, Some(visit), _) => {
-                    let readings = self.network.visits[visit].readings.clone();
-                    changes.extend(readings.map(|i| (i, REMOVED)));
-                }
-                (None, None, Some((_, i))) => changes.push((i, 1.0)),
-                (None, None, None) => {}
-            }
-        }
-        changes
-    }
-
-    /// For each group the visit whose lengths are off together, if any: single lengths do not show it,
-    /// because the machine's repeatability could be to blame.
-    fn worst_visits(&self, tests: &[f64], limit: f64) -> Vec<Option<usize>> {
-        let mut worst: Vec<Option<(f64, usize)>> = vec![None; self.network.groups.len()];
-        let tests = tests.iter().map(|w| w.abs());
-        for ((visit, content), w) in self.network.visits.iter().enumerate().zip(tests) {
-            let mut readings = content.readings.clone();
-            let all = readings.all(|i| self.network.variance_factors[i] < REMOVED);
-            let worst = &mut worst[content.group];
-            if all && w > limit && worst.is_none_or(|(most, _)| w > most) {
-                *worst = Some((w, visit));
-            }
-        }
-        let visits = worst.into_iter().map(|worst| worst.map(|(_, visit)| visit));
-        visits.collect()
     }
 
     /// The removed readings with their errors.

@@ -22,6 +22,17 @@ impl Layout {
     pub(crate) fn visit_of(&self, slot: usize) -> usize {
         self.visits.partition_point(|visit| visit.slots.end <= slot)
     }
+
+    /// The readings of a visit in the order of their slots, and that visit; none without readings.
+    pub(crate) fn in_order(
+        &self,
+        places: &[(usize, usize)],
+    ) -> Option<(usize, Vec<(usize, usize)>)> {
+        let mut places = places.to_vec();
+        places.sort_unstable();
+        let &(first, _) = places.first()?;
+        Some((self.visit_of(first), places))
+    }
 }
 
 /// The slots of a visit.
@@ -90,6 +101,21 @@ impl Slots {
     pub(crate) fn places(&self, k: usize) -> &[(usize, usize)] {
         let first = k.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.places[first..self.ends[k]]
+    }
+
+    /// The visits of the `k`th group, `group` in the network, each with slot and index of its readings.
+    pub(crate) fn visits<'a>(
+        &'a self,
+        (k, group): (usize, usize),
+        network: &'a Network,
+        by_group: &'a VisitsByGroup,
+    ) -> impl Iterator<Item = (usize, &'a [(usize, usize)])> {
+        let mut places = self.places(k);
+        by_group.of(group).iter().map(move |&visit| {
+            let own;
+            (own, places) = places.split_at(network.visits[visit].readings.len());
+            (visit, own)
+        })
     }
 
     /// Number of readings of all groups.

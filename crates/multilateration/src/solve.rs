@@ -6,12 +6,13 @@ use trueaxis_leastsquares::{
     Adjusted, Adjustment, BLOCK_RANK_TOL, Error as LeastSquaresError, adjust,
 };
 
-use crate::adjustment::{GroupAdjustment, Linearised};
+use crate::adjustment::{GroupAdjustment, Linearised, deformations};
 use crate::batches::{Batch, batches, check_seen};
+use crate::bodies::Deformations;
 use crate::pieces::within_pool;
 use crate::reflectors::constants_mm;
 use crate::start::{Image, Start, start};
-use crate::state::{DATUM, PER_STATION, POSE, State};
+use crate::state::{DATUM, PER_STATION, POSE, State, with_interruptions};
 use crate::{Error, Network, Solution, Station, StationUnknown};
 
 /// How to adjust.
@@ -74,22 +75,16 @@ pub fn solve_from(
 ) -> Result<Solution, Error> {
     network.check()?;
     let batches = batches_of(network)?;
-    let stations = network.stations.len();
     let (found, need) = (
         (near.stations.len(), near.points_mm.len()),
-        (stations, network.nominal_mm.len()),
+        (network.stations.len(), network.nominal_mm.len()),
     );
     if found != need {
         let what = format!("a solution of other stations and points: {found:?}, needed {need:?}");
         return Err(Error::Malformed { what });
     }
     let mut state = near.state();
-    // Lengths are linear in dead paths: where those after interruptions start does not matter.
-    state.dead_paths_mm.truncate(stations);
-    for interruption in &network.interruptions {
-        let before = state.dead_paths_mm[interruption.station];
-        state.dead_paths_mm.push(before);
-    }
+    state.dead_paths_mm = with_interruptions(network, state.dead_paths_mm);
     let sizes = network.bodies.iter().flat_map(|bodies| &bodies.bodies);
     let sizes = sizes.map(|body| body.home_mm.len());
     let poses = network.bodies.as_ref().map_or(0, |_| network.groups.len());
@@ -333,13 +328,14 @@ fn named(network: &Network, error: LeastSquaresError) -> Error {
             let behind_zeros = behind_stations + network.interruptions.len();
             // The largest share says what is free.
             if let Some(&(k, _)) = free.first().filter(|&&(k, _)| k >= behind_zeros) {
-                return match body_of_deformation(network, k - behind_zeros) {
-                    Some(body) => Error::ShapeNotDetermined {
-                        body,
+                let Deformations { first, shared, .. } = deformations(network);
+                return match k < shared {
+                    true => Error::ShapeNotDetermined {
+                        body: first.partition_point(|first| *first <= k) - 1,
                         eigenvalue,
                         limit,
                     },
-                    None => Error::ReflectorsNotDetermined { eigenvalue, limit },
+                    false => Error::ReflectorsNotDetermined { eigenvalue, limit },
                 };
             }
             let unknown = |&(k, _): &(usize, f64)| match k.checked_sub(behind_stations) {
@@ -368,18 +364,6 @@ fn named(network: &Network, error: LeastSquaresError) -> Error {
 fn lengths_of(network: &Network, group: usize) -> usize {
     let visits = network.visits.iter().filter(|visit| visit.group == group);
     visits.map(|visit| visit.readings.len()).sum()
-}
-
-/// The body of a deformation, by its number among those of all bodies; none for what is behind them.
-fn body_of_deformation(network: &Network, mut number: usize) -> Option<usize> {
-    let bodies = network.bodies.iter().flat_map(|bodies| &bodies.bodies);
-    for (b, body) in bodies.enumerate() {
-        match number.checked_sub((3 * body.home_mm.len()).saturating_sub(POSE)) {
-            Some(left) => number = left,
-            None => return Some(b),
-        }
-    }
-    None
 }
 
 pub(crate) fn solution(

@@ -86,10 +86,6 @@ pub(crate) fn start(network: &Network) -> Result<Start, Error> {
                 }),
         );
     }
-    for interruption in &network.interruptions {
-        let before = dead_paths_mm[interruption.station];
-        dead_paths_mm.push(before);
-    }
     let points = network.nominal_mm.clone();
     Ok(Start {
         state: State::new(network, stations, dead_paths_mm, points),

@@ -53,7 +53,7 @@ pub(crate) struct Common<'a> {
 }
 
 impl State {
-    /// Stations and points as given, and bodies where they fit the points best.
+    /// Stations, their first dead paths and points as given, and bodies where they fit the points best.
     pub(crate) fn new(
         network: &Network,
         stations: Vec<Point3<f64>>,
@@ -62,7 +62,7 @@ impl State {
     ) -> Self {
         let mut state = Self {
             stations,
-            dead_paths_mm,
+            dead_paths_mm: with_interruptions(network, dead_paths_mm),
             points,
             poses: Vec::new(),
             shapes_mm: Vec::new(),
@@ -135,6 +135,16 @@ impl State {
         }
         residuals
     }
+}
+
+/// The first dead paths of the stations, and behind them those after the interruptions of a network: lengths are
+/// linear in them, so that they may start like their station's.
+pub(crate) fn with_interruptions(network: &Network, mut dead_paths_mm: Vec<f64>) -> Vec<f64> {
+    dead_paths_mm.truncate(network.stations.len());
+    for interruption in &network.interruptions {
+        dead_paths_mm.push(dead_paths_mm[interruption.station]);
+    }
+    dead_paths_mm
 }
 
 impl Placed {

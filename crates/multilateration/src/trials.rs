@@ -78,18 +78,22 @@ pub struct Corrections {
 #[derive(Debug, Clone)]
 pub struct Workspace {
     corrections: Corrections,
-    /// The errors of all slots, batch after batch, and those of what is known beside the lengths, in standard
-    /// deviations.
-    errors_mm: Vec<Lanes>,
+    batches: Vec<OfBatch>,
+    /// The errors of what is known beside the lengths, in standard deviations.
     of_known: Vec<f64>,
-    /// Corrections and gradients of the unknowns of all groups, batch after batch.
-    of_groups: Vec<Lanes>,
-    gradients: Vec<Lanes>,
     /// The gradient of the shared unknowns and the right side of the datum.
     shared: Vec<Lanes>,
     /// `(s, λ)`.
     step: Vec<f64>,
     of_batch: groups::Scratch,
+}
+
+/// The errors of the slots of a batch, and corrections and gradients of the unknowns of its groups.
+#[derive(Debug, Clone)]
+struct OfBatch {
+    errors_mm: Vec<Lanes>,
+    corrections: Vec<Lanes>,
+    gradient: Vec<Lanes>,
 }
 
 /// Most that the corrections left out may move any unknown, in standard uncertainties. It is
@@ -145,8 +149,11 @@ impl Trials {
 
     /// Storage for trials, one for each thread. It carries nothing from one trial to the next.
     pub fn workspace(&self) -> Workspace {
-        let unknowns = self.groups.iter().map(TrialGroups::unknowns).sum();
-        let slots = self.groups.iter().map(TrialGroups::slots).sum();
+        let of_batch = |groups: &TrialGroups| OfBatch {
+            errors_mm: vec![Lanes::ZERO; groups.slots()],
+            corrections: vec![Lanes::ZERO; groups.unknowns()],
+            gradient: vec![Lanes::ZERO; groups.unknowns()],
+        };
         let width = self.reduced_inverse.len().isqrt();
         Workspace {
             corrections: Corrections {
@@ -157,10 +164,8 @@ impl Trials {
                 stations: self.stations,
                 mean_constant: self.mean_constant,
             },
-            errors_mm: vec![Lanes::ZERO; slots],
+            batches: self.groups.iter().map(of_batch).collect(),
             of_known: vec![0.0; self.known.len()],
-            of_groups: vec![Lanes::ZERO; unknowns],
-            gradients: vec![Lanes::ZERO; unknowns],
             shared: vec![Lanes::ZERO; width],
             step: vec![0.0; width],
             of_batch: Default::default(),
@@ -239,14 +244,11 @@ impl Trials {
     #[inline(always)]
     fn start(&self, errors: &[f64], workspace: &mut Workspace) {
         let (errors_mm, known) = errors.split_at(self.noise.readings());
-        let mut rest = workspace.errors_mm.as_mut_slice();
-        for groups in &self.groups {
-            let (own, others) = rest.split_at_mut(groups.slots());
-            rest = others;
-            groups.take_errors(errors_mm, own);
+        for (groups, own) in self.groups.iter().zip(&mut workspace.batches) {
+            groups.take_errors(errors_mm, &mut own.errors_mm);
+            own.corrections.fill(Lanes::ZERO);
         }
         workspace.of_known.copy_from_slice(known);
-        workspace.of_groups.fill(Lanes::ZERO);
         workspace.corrections.shared.fill(0.0);
     }
 
@@ -256,10 +258,8 @@ impl Trials {
     fn correct(&self, workspace: &mut Workspace) -> f64 {
         let Workspace {
             corrections,
-            errors_mm,
+            batches,
             of_known,
-            of_groups,
-            gradients,
             shared,
             step,
             of_batch,
@@ -267,27 +267,17 @@ impl Trials {
         let width = step.len();
         zeros(shared, width);
         let mut squares = 0.0;
-        let mut first = 0;
         let mut closure = [Lanes::ZERO; DATUM];
         let mut gradient = vec![Lanes::ZERO; self.shared];
-        let mut errors = errors_mm.as_slice();
-        for groups in &self.groups {
-            let own = first..first + groups.unknowns();
-            first = own.end;
+        for (groups, own) in self.groups.iter().zip(&mut *batches) {
             let at = At {
-                own: &of_groups[own.clone()],
+                own: &own.corrections,
                 shared: &corrections.shared,
             };
-            let (own_errors, rest) = errors.split_at(groups.slots());
-            errors = rest;
-            groups.gradient(
-                own_errors,
-                &at,
-                (&mut gradients[own.clone()], &mut gradient),
-                of_batch,
-            );
+            let gradients = (&mut own.gradient[..], &mut gradient[..]);
+            groups.gradient(&own.errors_mm, &at, gradients, of_batch);
             groups.add_to_closure(&mut closure, of_batch);
-            groups.reduce(&gradients[own], shared);
+            groups.reduce(&own.gradient, shared);
         }
         for (known, error) in self.known.iter().zip(&*of_known) {
             let left = error - known.of(&corrections.shared);
@@ -313,12 +303,9 @@ impl Trials {
             *value += step;
             squares += step * gradient.sum();
         }
-        let mut first = 0;
         let mut along = Lanes::ZERO;
-        for groups in &self.groups {
-            let own = first..first + groups.unknowns();
-            first = own.end;
-            along += groups.correct(step, &gradients[own.clone()], &mut of_groups[own]);
+        for (groups, own) in self.groups.iter().zip(batches) {
+            along += groups.correct(step, &own.gradient, &mut own.corrections);
         }
         (squares + along.sum()).abs().sqrt()
     }
@@ -328,16 +315,13 @@ impl Trials {
     fn hand_out(&self, workspace: &mut Workspace) {
         let Workspace {
             corrections,
-            of_groups,
+            batches,
             of_batch,
             ..
         } = workspace;
-        let mut first = 0;
-        for groups in &self.groups {
-            let own = first..first + groups.unknowns();
-            first = own.end;
+        for (groups, own) in self.groups.iter().zip(batches) {
             let at = At {
-                own: &of_groups[own],
+                own: &own.corrections,
                 shared: &corrections.shared,
             };
             groups.hand_out(

@@ -83,10 +83,7 @@ impl Whitened {
             influence.fill(b, &mut hat);
             slots.take(network, &by_group, batch.groups.clone());
             for (lane, group) in batch.groups.clone().enumerate() {
-                let mut places = slots.places(lane);
-                for &visit in by_group.of(group) {
-                    let (own, rest) = places.split_at(network.visits[visit].readings.len());
-                    places = rest;
+                for (visit, own) in slots.visits((lane, group), network, &by_group) {
                     whitened.put((group, visit, own), (batch, &hat, lane));
                 }
             }
@@ -100,14 +97,13 @@ impl Whitened {
         (group, visit, places): (usize, usize, &[(usize, usize)]),
         (batch, hat, lane): (&Batch, &BatchRows, usize),
     ) {
-        let mut places = places.to_vec();
-        places.sort_unstable();
-        let Some(&(first, _)) = places.first() else {
+        let Some((of_slots, places)) = batch.layout.in_order(places) else {
             return;
         };
-        let of_slots = batch.layout.visit_of(first);
-        let start = batch.layout.visits[of_slots].slots.start;
-        let part = hat.visits(batch).nth(of_slots);
+        let Some(part) = hat.visits(batch).nth(of_slots) else {
+            return;
+        };
+        let start = part.slots.start;
         let mut weights = self.weights[self.weight_starts[visit]..].iter_mut();
         for (row, (k, &(slot, reading))) in
             self.visits[visit].clone().zip(places.iter().enumerate())
@@ -129,9 +125,7 @@ impl Whitened {
             }
             // The places first: a zip asks its left side once more than its right.
             for (&(other, _), weight) in places[..=k].iter().zip(&mut weights) {
-                let of_visit = part.as_ref().map(|part| &part.unit_errors);
-                let at = of_visit.map(|errors| errors.at(slot - start, other - start).0[lane]);
-                *weight = at.unwrap_or_default();
+                *weight = part.unit_errors.at(slot - start, other - start).0[lane];
             }
         }
     }

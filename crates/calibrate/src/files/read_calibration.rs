@@ -14,10 +14,9 @@ use trueaxis_kinematics::{
 };
 
 use crate::files::read_error::{CovarianceProblem, ReadError};
-use crate::machine::calibrated_machine::{
-    CalibratedMachine, MeasuredAxis, MeasuredNode, calibrated_axes,
-};
+use crate::machine::calibrated_machine::{CalibratedMachine, MeasuredAxis, calibrated_axes};
 use crate::result::factored_covariance::FactoredCovariance;
+use crate::result::interpolation::Node;
 use crate::result::output::Unit;
 
 const FORMAT: Format = Format {
@@ -162,10 +161,11 @@ impl Measured {
                 true => axis.with_reference(reference_mm),
                 false => axis,
             });
-            let nodes = measured.nodes(entry, machine.axes()[index].kind(), &field)?;
+            let (nodes, errors) = measured.nodes(entry, machine.axes()[index].kind(), &field)?;
             measured.axes.push(MeasuredAxis {
                 axis: index,
                 nodes,
+                errors,
                 location: LocationError::default(),
                 reported: Vec::new(),
             });
@@ -180,7 +180,7 @@ impl Measured {
         entry: &AxisEntry,
         kind: AxisKind,
         field: &str,
-    ) -> Result<Vec<MeasuredNode>, DocumentError> {
+    ) -> Result<(Vec<Node>, Vec<MotionError>), DocumentError> {
         let steps = entry.positions.len();
         let require = |name: &str, found: usize| match found == steps {
             true => Ok(()),
@@ -217,7 +217,7 @@ impl Measured {
                 .iter()
                 .map(|(_, unit, curve, _)| curve.value_um[k] * unit.size());
             let position = entry.positions[k];
-            MeasuredNode {
+            let node = Node {
                 position: match kind {
                     AxisKind::Linear => position,
                     AxisKind::Rotary => position.to_radians(),
@@ -226,10 +226,13 @@ impl Measured {
                     true => Direction::Forward,
                     false => Direction::Backward,
                 }),
-                error: MotionError::from_vector(&Vector6::from_iterator(values)),
-            }
+            };
+            (
+                node,
+                MotionError::from_vector(&Vector6::from_iterator(values)),
+            )
         };
-        let nodes = (0..steps).map(of_step).collect();
+        let nodes = (0..steps).map(of_step).unzip();
         for k in 0..steps {
             for (name, unit, _, u) in &curves {
                 let name = format!("{name} at {}", entry.positions[k]);

@@ -1,12 +1,12 @@
 //! What was measured of one axis: its runs, records and nodes.
 
 use nalgebra::Point3;
-use trueaxis_campaign::{Campaign, Direction};
+use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{AxisKind, Machine};
 use trueaxis_poses::{PoseObservation, Poses, step_in_words};
 
 use crate::Error;
-use crate::result::interpolation::{Place, sides_of, weights_at};
+use crate::result::interpolation::{Node, weights_at};
 
 /// All measurements of one axis.
 #[derive(Default)]
@@ -18,8 +18,8 @@ pub(crate) struct AxisData {
     pub(crate) records: Vec<Record>,
     /// The different positions, ascending, backward before forward.
     pub(crate) nodes: Vec<Node>,
-    /// The sides of approach that the nodes have.
-    pub(crate) sides: Vec<Option<Direction>>,
+    /// The records of each node, in the order of measuring.
+    pub(crate) records_of: Vec<Vec<usize>>,
 }
 
 pub(crate) struct RunData {
@@ -48,16 +48,6 @@ pub(crate) struct Record {
     /// Its weight in the mean of its node: by the variance of where the targets are in the mean, so that those of a
     /// node add up to one.
     pub(crate) weight: f64,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Node {
-    /// mm or rad.
-    pub(crate) position: f64,
-    /// Side of approach, where kept apart.
-    pub(crate) direction: Option<Direction>,
-    /// Its records, in the order of measuring.
-    pub(crate) records: Vec<usize>,
 }
 
 /// A rotary axis this close to home is at home, rad.
@@ -147,7 +137,6 @@ fn number_nodes(data: &mut AxisData, campaign: &Campaign, poses: &Poses) {
         Node {
             position: campaign.steps[observation.step].positions[data.axis],
             direction: observation.direction,
-            records: Vec::new(),
         }
     };
     let order = |a: &Node, b: &Node| {
@@ -158,11 +147,11 @@ fn number_nodes(data: &mut AxisData, campaign: &Campaign, poses: &Poses) {
     let mut nodes = own.clone();
     nodes.sort_by(order);
     nodes.dedup_by(|a, b| order(a, b).is_eq());
+    data.records_of = vec![Vec::new(); nodes.len()];
     for (i, (record, own)) in data.records.iter_mut().zip(&own).enumerate() {
         record.node = nodes.partition_point(|node| order(node, own).is_lt());
-        nodes[record.node].records.push(i);
+        data.records_of[record.node].push(i);
     }
-    data.sides = sides_of(&nodes);
     data.nodes = nodes;
 }
 
@@ -177,32 +166,22 @@ fn weigh_records(data: &mut AxisData, poses: &Poses) {
         .iter()
         .map(|r| variance_mm2(r).recip())
         .collect();
-    for node in &data.nodes {
-        let sum: f64 = node.records.iter().map(|&i| precisions[i]).sum();
-        for &i in node.records.iter().filter(|_| sum.is_finite()) {
+    for records in &data.records_of {
+        let sum: f64 = records.iter().map(|&i| precisions[i]).sum();
+        for &i in records.iter().filter(|_| sum.is_finite()) {
             data.records[i].weight = precisions[i] / sum;
         }
-        let alike = 1.0 / node.records.len() as f64;
-        for &i in node.records.iter().filter(|_| !sum.is_finite()) {
+        let alike = 1.0 / records.len() as f64;
+        for &i in records.iter().filter(|_| !sum.is_finite()) {
             data.records[i].weight = alike;
         }
-    }
-}
-
-impl Place for Node {
-    fn position(&self) -> f64 {
-        self.position
-    }
-
-    fn direction(&self) -> Option<Direction> {
-        self.direction
     }
 }
 
 impl AxisData {
     /// Weights of the nodes whose sum is the curve at `position` ([`weights_at`]).
     pub(crate) fn weights_at(&self, position: f64) -> Vec<(usize, f64)> {
-        weights_at(&self.nodes, &self.sides, position)
+        weights_at(&self.nodes, position)
     }
 }
 

@@ -29,10 +29,11 @@ use nalgebra::{
 use trueaxis_kinematics::{Axis, AxisKind};
 use trueaxis_leastsquares::dense::{inverse, relative_singular_value};
 
-use crate::identify::axis_data::{AxisData, Node};
+use crate::identify::axis_data::AxisData;
 use crate::identify::basis::Basis;
 use crate::identify::twist_map::twist_map;
 use crate::in_order;
+use crate::result::interpolation::Node;
 
 /// The gauge of one axis.
 pub(crate) struct Gauge {

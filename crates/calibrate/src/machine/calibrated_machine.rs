@@ -1,6 +1,5 @@
 //! The noun: a machine with its errors.
 
-use trueaxis_campaign::Direction;
 use trueaxis_kinematics::{
     GeometricErrors, LocationComponent, LocationError, Machine, MotionError,
 };
@@ -9,7 +8,7 @@ use crate::machine::curve::{Curve, Sample};
 use crate::machine::remainder::Remainder;
 use crate::result::calibration::{AxisResult, Calibration};
 use crate::result::factored_covariance::FactoredCovariance;
-use crate::result::interpolation::Place;
+use crate::result::interpolation::Node;
 
 /// A machine with its geometric errors as calibrated, and how well they are known.
 ///
@@ -41,18 +40,12 @@ pub struct CalibratedMachine {
 pub(crate) struct MeasuredAxis {
     /// Index among the machine's axes.
     pub(crate) axis: usize,
-    pub(crate) nodes: Vec<MeasuredNode>,
+    pub(crate) nodes: Vec<Node>,
+    /// Component errors at each of them.
+    pub(crate) errors: Vec<MotionError>,
     pub(crate) location: LocationError,
     /// The location errors that the frame does not define away.
     pub(crate) reported: Vec<LocationComponent>,
-}
-
-/// Component errors at a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct MeasuredNode {
-    pub(crate) position: f64,
-    pub(crate) direction: Option<Direction>,
-    pub(crate) error: MotionError,
 }
 
 /// An axis that predicts.
@@ -69,16 +62,6 @@ pub(crate) struct CalibratedAxis {
     /// Places of its first component and location error among the results.
     pub(crate) first: usize,
     pub(crate) first_location: usize,
-}
-
-impl Place for MeasuredNode {
-    fn position(&self) -> f64 {
-        self.position
-    }
-
-    fn direction(&self) -> Option<Direction> {
-        self.direction
-    }
 }
 
 impl Calibration {
@@ -114,15 +97,15 @@ impl Calibration {
 }
 
 fn measured_axis(axis: &AxisResult) -> MeasuredAxis {
-    let nodes = axis.nodes.iter().map(|node| MeasuredNode {
+    let nodes = axis.nodes.iter().map(|node| Node {
         position: node.position,
         direction: node.direction,
-        error: node.error,
     });
     let reported = axis.location_errors.iter();
     MeasuredAxis {
         axis: axis.axis,
         nodes: nodes.collect(),
+        errors: axis.nodes.iter().map(|node| node.error).collect(),
         location: axis.location,
         reported: reported.map(|location| location.component).collect(),
     }
@@ -139,17 +122,16 @@ pub(crate) fn calibrated_axes(
     let of_axis = |axis: MeasuredAxis| {
         let kind = machine.axes()[axis.axis].kind();
         let curve = Curve::new(kind, &axis.nodes);
-        let errors: Vec<MotionError> = axis.nodes.iter().map(|node| node.error).collect();
-        let at = |node: Option<&MeasuredNode>| node.map_or(0.0, |node| node.position);
+        let at = |node: Option<&Node>| node.map_or(0.0, |node| node.position);
         let calibrated = CalibratedAxis {
             axis: axis.axis,
             location: axis.location,
             range: [at(axis.nodes.first()), at(axis.nodes.last())],
-            remainder: Remainder::new(&curve, &errors, factors, first),
+            remainder: Remainder::new(&curve, &axis.errors, factors, first),
             curve,
             first,
             first_location,
-            errors,
+            errors: axis.errors,
             reported: axis.reported,
         };
         first += 6 * calibrated.errors.len();
@@ -162,15 +144,10 @@ pub(crate) fn calibrated_axes(
 impl CalibratedAxis {
     /// The component errors of a sample of the curve.
     pub(crate) fn error(&self, sample: &Sample) -> MotionError {
-        weighted(&self.errors, sample)
+        let weights = sample.weights.iter();
+        let sum = weights.map(|&(node, weight)| self.errors[node].to_vector() * weight);
+        MotionError::from_vector(&sum.sum())
     }
-}
-
-/// The component errors of a sample of a curve with these errors at its nodes.
-fn weighted(errors: &[MotionError], sample: &Sample) -> MotionError {
-    let weights = sample.weights.iter();
-    let sum = weights.map(|&(node, weight)| errors[node].to_vector() * weight);
-    MotionError::from_vector(&sum.sum())
 }
 
 impl CalibratedMachine {
@@ -202,27 +179,5 @@ impl GeometricErrors for CalibratedMachine {
         self.axis(axis).map_or_else(MotionError::default, |axis| {
             axis.error(&axis.curve.at(position))
         })
-    }
-}
-
-impl AxisResult {
-    /// Component errors at any position, as the calibrated machine has them: local cubic interpolation between the
-    /// measured ones; the mean of the sides of approach that reach the position; the nearest one if none does.
-    pub fn error_at(&self, position: f64) -> MotionError {
-        let errors: Vec<MotionError> = self.nodes.iter().map(|node| node.error).collect();
-        weighted(&errors, &Curve::new(self.kind, &self.nodes).at(position))
-    }
-}
-
-/// As [`CalibratedMachine`].
-impl GeometricErrors for Calibration {
-    fn location(&self, axis: usize) -> LocationError {
-        let result = self.axes.iter().find(|result| result.axis == axis);
-        result.map_or_else(LocationError::default, |result| result.location)
-    }
-
-    fn motion(&self, axis: usize, position: f64) -> MotionError {
-        let result = self.axes.iter().find(|result| result.axis == axis);
-        result.map_or_else(MotionError::default, |result| result.error_at(position))
     }
 }

@@ -18,7 +18,7 @@ use std::ops::RangeInclusive;
 use trueaxis_campaign::Direction;
 use trueaxis_kinematics::AxisKind;
 
-use crate::result::interpolation::{Place, sides_of};
+use crate::result::interpolation::{Node, sides_of};
 
 /// Steps that take part in the polynomial.
 const MOST_STEPS: usize = 4;
@@ -67,13 +67,13 @@ struct Knot {
 
 impl Curve {
     /// Of nodes in order of position.
-    pub(crate) fn new(kind: AxisKind, nodes: &[impl Place]) -> Self {
+    pub(crate) fn new(kind: AxisKind, nodes: &[Node]) -> Self {
         let of_side = |side| {
             let numbered = nodes.iter().enumerate();
-            let own = numbered.filter(|(_, place)| place.direction() == side);
-            let knots = own.map(|(node, place)| Knot {
-                position: place.position(),
-                node,
+            let own = numbered.filter(|(_, node)| node.direction == side);
+            let knots = own.map(|(number, node)| Knot {
+                position: node.position,
+                node: number,
             });
             Side::new(kind, side, knots.collect())
         };
@@ -261,10 +261,10 @@ mod tests {
     use trueaxis_campaign::Direction::{Backward, Forward};
 
     use super::*;
-    use crate::result::interpolation::tests::At;
+    use crate::result::interpolation::tests::at;
 
-    fn places(positions: impl IntoIterator<Item = f64>) -> Vec<At> {
-        positions.into_iter().map(|q| At(q, None)).collect()
+    fn places(positions: impl IntoIterator<Item = f64>) -> Vec<Node> {
+        positions.into_iter().map(|q| at(q, None)).collect()
     }
 
     /// Steps at 0 and at 360° have noise of their own: the curve goes on at both without a jump.
@@ -289,11 +289,11 @@ mod tests {
         assert!((at(TAU + 2.0) - at(2.0)).abs() < 1e-12);
     }
 
-    fn value(curve: &Curve, nodes: &[At], f: impl Fn(f64) -> f64, q: f64) -> f64 {
+    fn value(curve: &Curve, nodes: &[Node], f: impl Fn(f64) -> f64, q: f64) -> f64 {
         let weights = curve.at(q).weights;
         weights
             .iter()
-            .map(|&(n, weight)| weight * f(nodes[n].0))
+            .map(|&(n, weight)| weight * f(nodes[n].position))
             .sum()
     }
 
@@ -306,7 +306,7 @@ mod tests {
         for difference in curve.divided_differences(false) {
             let found: f64 = difference
                 .iter()
-                .map(|&(n, w)| w * quartic(nodes[n].0))
+                .map(|&(n, w)| w * quartic(nodes[n].position))
                 .sum();
             assert!((found - 7e-6).abs() < 1e-15, "{found}");
         }
@@ -359,11 +359,11 @@ mod tests {
     #[test]
     fn sides_that_reach_a_position_share_it() {
         let nodes = [
-            At(0.0, Some(Forward)),
-            At(10.0, Some(Backward)),
-            At(10.0, Some(Forward)),
-            At(20.0, Some(Backward)),
-            At(20.0, Some(Forward)),
+            at(0.0, Some(Forward)),
+            at(10.0, Some(Backward)),
+            at(10.0, Some(Forward)),
+            at(20.0, Some(Backward)),
+            at(20.0, Some(Forward)),
         ];
         let curve = Curve::new(AxisKind::Linear, &nodes);
         assert_eq!(curve.at(5.0).weights, [(0, 0.5), (2, 0.5)]);

@@ -17,6 +17,7 @@ use crate::in_order;
 use crate::machine::calibrated_machine::{CalibratedAxis, CalibratedMachine};
 use crate::machine::curve::Sample;
 use crate::propagate::axis_twist::{ROTATION, SHIFT, TILT, TRANSLATION, axis_twist};
+use crate::propagate::twist::Twist;
 
 /// The error of the tool against the workpiece.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,21 +110,35 @@ impl CalibratedMachine {
         let from_bed = from_bed.inverse().to_rotation_matrix().into_inner();
         let mut all = Vec::new();
         for (chain, sign) in [(tool, 1.0), (workpiece, -1.0)] {
-            let mut base = Isometry3::identity();
-            for &index in chain {
-                let (geometry, position) = (&machine.axes()[index], positions[index]);
-                let (location, error) = (self.location(index), self.motion(index, position));
-                if let Some(axis) = self.axis(index) {
-                    let twist = axis_twist(geometry, position, &location, &error).seen_from(&base);
-                    let mut effect = Matrix6xX::zeros(twist.rotation.ncols());
-                    let displacement = from_bed * twist.at(tool_point) * sign;
-                    effect.fixed_rows_mut::<3>(0).copy_from(&displacement);
-                    let rotation = from_bed * &twist.rotation * sign;
-                    effect.fixed_rows_mut::<3>(3).copy_from(&rotation);
-                    all.push((axis, effect));
-                }
-                base *= geometry.motion(position, &location, &error);
+            for (axis, twist) in self.twists(chain, positions) {
+                let mut effect = Matrix6xX::zeros(twist.rotation.ncols());
+                let displacement = from_bed * twist.at(tool_point) * sign;
+                effect.fixed_rows_mut::<3>(0).copy_from(&displacement);
+                let rotation = from_bed * &twist.rotation * sign;
+                effect.fixed_rows_mut::<3>(3).copy_from(&rotation);
+                all.push((axis, effect));
             }
+        }
+        all
+    }
+
+    /// For each measured axis of a chain the motion that its errors make of all outside it, seen from the bed: a
+    /// column for each of [`axis_twist`].
+    pub(crate) fn twists(
+        &self,
+        chain: &[usize],
+        positions: &[f64],
+    ) -> Vec<(&CalibratedAxis, Twist)> {
+        let mut all = Vec::new();
+        let mut base = Isometry3::identity();
+        for &index in chain {
+            let (geometry, position) = (&self.machine.axes()[index], positions[index]);
+            let (location, error) = (self.location(index), self.motion(index, position));
+            if let Some(axis) = self.axis(index) {
+                let twist = axis_twist(geometry, position, &location, &error);
+                all.push((axis, twist.seen_from(&base)));
+            }
+            base *= geometry.motion(position, &location, &error);
         }
         all
     }

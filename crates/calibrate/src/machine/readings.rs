@@ -8,13 +8,13 @@
 //!
 //! Displacements are from home: where an instrument has its zero, and where the centre of a bar is, is not the machine's.
 
-use nalgebra::{DMatrix, Isometry3, Matrix6xX, Point3, RowVector3, Vector3, Vector6};
+use nalgebra::{DMatrix, Matrix6xX, Point3, RowVector3, Vector3, Vector6};
 use trueaxis_campaign::VerificationKind;
 use trueaxis_kinematics::{AxisKind, Branch, GeometricErrors, Ideal, MICROMETRE, Machine};
 
 use crate::machine::calibrated_machine::CalibratedMachine;
 use crate::machine::predict::influences;
-use crate::propagate::axis_twist::{TRANSLATION, axis_twist};
+use crate::propagate::axis_twist::TRANSLATION;
 
 /// Positions of an axis this close are one, mm or rad.
 const SAME: f64 = 1e-9;
@@ -175,27 +175,21 @@ impl CalibratedMachine {
         let last = carrier(&self.machine, kind);
         let home_mm = measured_home_mm(kind);
         let point = self.machine.position(self, last, commanded, home_mm);
-        let mut base = Isometry3::identity();
         let mut row = Row::default();
-        for &index in self.machine.chain(last) {
-            let (geometry, position) = (&self.machine.axes()[index], commanded[index]);
-            let (location, error) = (self.location(index), self.motion(index, position));
-            if let Some(axis) = self.axis(index) {
-                let twist = axis_twist(geometry, position, &location, &error).seen_from(&base);
-                let counts = along * twist.at(point);
-                let mut effect = Matrix6xX::zeros(counts.ncols());
-                effect.set_row(0, &counts);
-                let sample = axis.curve.at(position);
-                let places = influences(&self.machine, axis, &sample, &effect);
-                row.results
-                    .extend(places.into_iter().map(|(place, c)| (place, c[0])));
-                let u = axis.remainder.u(&sample);
-                let of_components = effect.row(0).columns(TRANSLATION, 6).transpose();
-                let of_components = Vector6::from_iterator(of_components.iter().copied());
-                row.interpolated
-                    .push((index, position, of_components.component_mul(&u)));
-            }
-            base *= geometry.motion(position, &location, &error);
+        for (axis, twist) in self.twists(self.machine.chain(last), commanded) {
+            let position = commanded[axis.axis];
+            let counts = along * twist.at(point);
+            let mut effect = Matrix6xX::zeros(counts.ncols());
+            effect.set_row(0, &counts);
+            let sample = axis.curve.at(position);
+            let places = influences(&self.machine, axis, &sample, &effect);
+            row.results
+                .extend(places.into_iter().map(|(place, c)| (place, c[0])));
+            let of_components = counts.columns(TRANSLATION, 6);
+            let of_components = Vector6::from_iterator(of_components.iter().copied());
+            let u = axis.remainder.u(&sample);
+            row.interpolated
+                .push((axis.axis, position, of_components.component_mul(&u)));
         }
         row
     }

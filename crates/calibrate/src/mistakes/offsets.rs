@@ -36,6 +36,7 @@ pub(crate) fn offset(
         .find(|r| r.name == *content.reflector.as_ref().unwrap_or(&content.name))
         .map_or(0.0, |reflector| reflector.constant_mm);
     let chain = campaign.machine.chain(content.carrier);
+    let errors = calibration.calibrated_machine();
     let mut differences_mm = Vec::new();
     for stop in lengths
         .stops
@@ -43,7 +44,7 @@ pub(crate) fn offset(
         .filter(|stop| scope.holds(campaign, stop))
     {
         let positions = &campaign.steps[stop.step].positions;
-        let motion = campaign.machine.chain_motion(calibration, chain, positions);
+        let motion = campaign.machine.chain_motion(&errors, chain, positions);
         let station = &calibration.stations[stop.station];
         let distance_mm = (motion * home.position_mm - station.position_mm).norm();
         let predicted_mm = distance_mm - station.dead_path_mm + constant_mm;

@@ -124,7 +124,7 @@ impl<'a> AxisNoise<'a> {
             cross: Matrix6xX::zeros(self.gauge.parameters()),
             shared: Matrix6xX::zeros(self.noise.width()),
         };
-        let records = &self.axis.nodes[node].records;
+        let records = &self.axis.records_of[node];
         for &i in records {
             let pose = self.axis.records[i].pose;
             let from_pose = self.sensitivity.poses[i] * self.axis.records[i].weight;

@@ -62,7 +62,7 @@ impl<'a> BaseResponse<'a> {
         let axis = &self.context.data[self.k];
         let mut response = &form.parameters * self.parameters.fixed_columns::<6>(6 * run);
         for part in &form.poses {
-            let records = &axis.nodes[part.node].records;
+            let records = &axis.records_of[part.node];
             for &i in records.iter().filter(|&&i| axis.records[i].run == run) {
                 let mut rows = response.fixed_rows_mut::<6>(part.row);
                 rows += self.of_record(i) * (part.weight * axis.records[i].weight);

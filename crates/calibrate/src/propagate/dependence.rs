@@ -4,6 +4,8 @@
 
 use nalgebra::{DMatrix, Matrix6xX, Point3, RowDVector};
 
+use trueaxis_poses::Station;
+
 use crate::identify::context::Context;
 use crate::identify::identify_axes::Identified;
 use crate::propagate::axis_noise::AxisForm;
@@ -21,6 +23,8 @@ pub(crate) struct Dependence<'a> {
     pub(crate) sources: Sources,
     /// For each axis, in the order of the data: shift (mm) and tilt (rad), three rows each.
     pub(crate) locations: Vec<DMatrix<f64>>,
+    /// Where the stations are in the reference frame, mm.
+    pub(crate) stations_in_ref: Vec<Point3<f64>>,
     /// For each station x y z and dead path, mm.
     pub(crate) stations: Vec<DMatrix<f64>>,
     /// For each axis how it answers to motions of its base, and for each run that motion.
@@ -31,8 +35,11 @@ impl<'a> Dependence<'a> {
     pub(crate) fn new(
         context: &'a Context<'a>,
         identified: &'a Identified,
-        stations_in_ref: &[Point3<f64>],
+        stations: &[Station],
     ) -> Self {
+        let ref_from_datum = identified.state.ref_from_datum;
+        let stations = stations.iter().map(|s| ref_from_datum * s.position_mm);
+        let stations_in_ref: Vec<Point3<f64>> = stations.collect();
         let sources = Sources::new(context, identified, stations_in_ref.len());
         let mut map = FrameMap::new(context, identified, &sources);
         let frame = map.settle();
@@ -51,6 +58,7 @@ impl<'a> Dependence<'a> {
             identified,
             sources,
             locations,
+            stations_in_ref,
             stations,
             bases,
         }

@@ -7,7 +7,7 @@
 //! Component errors do not depend on the reference frame: the gauge removes a rigid motion of the
 //! whole. Location errors and stations do ([`crate::propagate::dependence`]).
 
-use nalgebra::{DMatrix, Matrix2, Matrix6xX, Vector6};
+use nalgebra::{DMatrix, Matrix2, Matrix6, Matrix6xX, Vector6};
 use trueaxis_kinematics::LocationComponent;
 use trueaxis_poses::{PoseNoise, Poses, ThroughSources};
 
@@ -74,11 +74,6 @@ impl<'a: 'i, 'i> Propagation<'a, 'i> {
         let own = &mut self.whole.sources.own;
         let mut block = own.view_mut((first, first), covariance.shape());
         block += covariance;
-    }
-
-    /// The whole noise, when uncertainties are no longer asked for.
-    pub(crate) fn into_whole(self) -> Noise<'a> {
-        self.whole
     }
 
     /// Of the component errors of axis `k`: for each node δ and ε.
@@ -164,6 +159,25 @@ impl<'a> Noise<'a> {
     /// `Σ`.
     pub(crate) fn shared(&self) -> &DMatrix<f64> {
         &self.noise.shared
+    }
+
+    /// `A D Aᵀ`: covariance of the pose error of a record of axis `k` with all sources known.
+    pub(crate) fn own_of_record(&self, k: usize, record: usize) -> Matrix6<f64> {
+        let (context, identified) = (self.dependence.context, self.dependence.identified);
+        let map = identified.sensitivities[k].poses[record];
+        let pose = context.data[k].records[record].pose;
+        map * self.noise.own[pose] * map.transpose()
+    }
+
+    /// `C`: what the same pose error owes to the sources of the bases, and to those that all poses share.
+    pub(crate) fn sources_of_record(&self, k: usize, record: usize) -> [DMatrix<f64>; 2] {
+        let (context, identified) = (self.dependence.context, self.dependence.identified);
+        let pose = context.data[k].records[record].pose;
+        let coupling = identified.sensitivities[k].poses[record] * &self.noise.coupling[pose];
+        let coupling = DMatrix::from_column_slice(6, coupling.ncols(), coupling.as_slice());
+        let response = self.dependence.response_to_base(k, record);
+        let through = -(coupling + &response * &self.sources.shared);
+        [-response, through]
     }
 
     /// Variances of the component errors of axis `k`, for each node.

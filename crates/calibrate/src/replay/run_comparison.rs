@@ -10,9 +10,10 @@
 //! Here all of it is whitened by the Cholesky factor of `V`: the observations, and the columns of `E` and `g`,
 //! which the runs may have in common or of their own whatever happens.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix6};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use trueaxis_poses::PoseNoise;
 
+use crate::calibrate::found;
 use crate::identify::state::State;
 use crate::propagate::dependence::Dependence;
 use crate::propagate::propagation::Noise;
@@ -47,23 +48,9 @@ impl Replay<'_> {
     /// Each axis with several runs that share positions.
     pub fn run_comparisons(&self) -> Vec<RunComparison> {
         let poses = &self.trials.measured.poses;
-        let measured: Vec<_> = poses
-            .observations
-            .iter()
-            .map(|p| p.datum_from_home)
-            .collect();
-        let context = crate::identify::context::Context {
-            campaign: self.campaign,
-            machine: &self.machine,
-            poses,
-            measured: &measured,
-            data: &self.data,
-        };
+        let measured = found(poses);
+        let context = self.context(&measured);
         let stations = self.trials.measured.stations();
-        let in_ref = |station: &trueaxis_poses::Station| {
-            self.identified.state.ref_from_datum * station.position_mm
-        };
-        let stations: Vec<_> = stations.iter().map(in_ref).collect();
         let dependence = Dependence::new(&context, &self.identified, &stations);
         let noise = Noise::new(&dependence, &poses.noise);
         let axes = 0..self.data.len();
@@ -105,7 +92,7 @@ impl Responses<'_> {
         known.fill(0.0);
         let replay = self.replay;
         let trial = replay.trials.solve(&mut self.workspace);
-        let context = replay.context(&trial);
+        let context = replay.context(&trial.poses);
         let state: State = replay.identified.replayed(&context)?;
         let of = |comparison: &RunComparison| {
             let errors = context.pose_errors(&state, comparison.data);
@@ -144,15 +131,15 @@ fn comparison(
 ) -> Option<RunComparison> {
     let (context, identified) = (dependence.context, dependence.identified);
     let data = &context.data[k];
-    let shared = data.nodes.iter().enumerate();
-    let shared = shared.filter(|(_, node)| node.records.len() > 1);
+    let shared = data.records_of.iter().enumerate();
+    let shared = shared.filter(|(_, records)| records.len() > 1);
     let nodes: Vec<usize> = shared.map(|(number, _)| number).collect();
-    let all: usize = nodes.iter().map(|&n| data.nodes[n].records.len()).sum();
+    let all: usize = nodes.iter().map(|&n| data.records_of[n].len()).sum();
     let nodes: Vec<usize> = nodes
         .into_iter()
         .step_by(all.div_ceil(MOST_RECORDS).max(1))
         .collect();
-    let records = nodes.iter().flat_map(|&n| data.nodes[n].records.clone());
+    let records = nodes.iter().flat_map(|&n| data.records_of[n].clone());
     let records: Vec<usize> = records.collect();
     if data.runs.len() < 2 || records.is_empty() || noise.own.is_empty() {
         return None;
@@ -165,19 +152,12 @@ fn comparison(
     let mut of_shared = DMatrix::zeros(rows, noise.width());
     let mut covariance = DMatrix::zeros(rows, rows);
     for (place, &i) in records.iter().enumerate() {
-        let pose = data.records[i].pose;
-        let map = identified.sensitivities[k].poses[i];
-        let own: Matrix6<f64> = map * noise.own[pose] * map.transpose();
         covariance
             .fixed_view_mut::<6, 6>(6 * place, 6 * place)
-            .copy_from(&own);
-        let response = dependence.response_to_base(k, i);
-        let coupling = map * &noise.coupling[pose];
-        let through = DMatrix::from_column_slice(6, coupling.ncols(), coupling.as_slice());
-        of_shared
-            .rows_mut(6 * place, 6)
-            .copy_from(&-(&through + &response * &sources.shared));
-        of_bases.rows_mut(6 * place, 6).copy_from(&-response);
+            .copy_from(&whole.own_of_record(k, i));
+        let [through_bases, through_shared] = whole.sources_of_record(k, i);
+        of_bases.rows_mut(6 * place, 6).copy_from(&through_bases);
+        of_shared.rows_mut(6 * place, 6).copy_from(&through_shared);
     }
     covariance += &of_bases * &sources.own * of_bases.transpose();
     covariance += &of_shared * &noise.shared * of_shared.transpose();

@@ -1,6 +1,5 @@
 //! The results of axes and stations with their uncertainties.
 
-use nalgebra::Point3;
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::GeometricErrors;
 use trueaxis_poses::{MeasuredPoses, SideDifference, Station};
@@ -64,11 +63,10 @@ fn axis_result(
     propagation: &Propagation<'_, '_>,
     k: usize,
 ) -> AxisResult {
-    let Dependence {
-        context,
-        identified,
-        ..
-    } = propagation.dependence;
+    let (context, identified) = (
+        propagation.dependence.context,
+        propagation.dependence.identified,
+    );
     let (own, axis) = (&context.data[k], context.axis(k));
     let values = &identified.state.axes[k];
     let nodes = own.nodes.iter().zip(&values.curve);
@@ -110,19 +108,15 @@ fn axis_result(
     }
 }
 
-/// Stations at `in_ref` in the reference frame, with their dead paths.
+/// Stations in the reference frame, with their dead paths.
 pub(crate) fn station_results(
     campaign: &Campaign,
     adjusted: &[Station],
-    in_ref: &[Point3<f64>],
     propagation: &Propagation<'_, '_>,
 ) -> Vec<StationResult> {
-    let stations = campaign
-        .stations
-        .iter()
-        .zip(adjusted)
-        .zip(in_ref)
-        .enumerate();
+    let in_ref = &propagation.dependence.stations_in_ref;
+    let stations = campaign.stations.iter().zip(adjusted);
+    let stations = stations.zip(in_ref).enumerate();
     stations
         .map(|(j, ((station, adjusted), &position_mm))| {
             let [x, y, z, dead_path] = propagation.station(j);

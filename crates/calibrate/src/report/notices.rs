@@ -50,10 +50,7 @@ fn differing_sides(campaign: &Campaign, axis: &AxisResult) -> Option<String> {
     let most = Component::ALL
         .into_iter()
         .max_by(|a, b| significance(a).total_cmp(&significance(b)))?;
-    let (size, unit) = match most.is_angular() {
-        true => (ARCSEC, "″"),
-        false => (MICROMETRE, " µm"),
-    };
+    let (size, unit) = unit_of(most);
     let [value, u] = [sides.value, sides.u].map(|of| of[most.index()] / size);
     let direction = campaign.machine.axes()[axis.axis].direction();
     let along = direction[most.index() % 3];
@@ -73,14 +70,8 @@ fn differing_sides(campaign: &Campaign, axis: &AxisResult) -> Option<String> {
 /// Whether the curves of an axis are the mean of runs that contradict each other.
 fn contradicting_runs(axis: &AxisResult) -> Option<String> {
     let runs = axis.runs.as_ref()?;
-    let (size, unit) = match runs.component.is_angular() {
-        true => (ARCSEC, "″"),
-        false => (MICROMETRE, " µm"),
-    };
-    let at = match axis.kind {
-        AxisKind::Linear => format!("{} mm", runs.position),
-        AxisKind::Rotary => format!("{:.4}°", runs.position.to_degrees()),
-    };
+    let (size, unit) = unit_of(runs.component);
+    let at = place(axis, runs.position);
     Some(format!(
         "axis {}: runs {} contradict each other, {} at {at} by {:.2}{unit} (p = {:.0e}): its curves are their \
          weighted mean with {:.1} times the U that the noise makes, and U of all location errors contains how the \
@@ -93,6 +84,22 @@ fn contradicting_runs(axis: &AxisResult) -> Option<String> {
         runs.p_value,
         runs.birge_ratio()
     ))
+}
+
+/// Size and name of the unit in which a component error is said.
+fn unit_of(component: Component) -> (f64, &'static str) {
+    match component.is_angular() {
+        true => (ARCSEC, "″"),
+        false => (MICROMETRE, " µm"),
+    }
+}
+
+/// A position of an axis (mm or rad) in words.
+fn place(axis: &AxisResult, position: f64) -> String {
+    match axis.kind {
+        AxisKind::Linear => format!("{position} mm"),
+        AxisKind::Rotary => format!("{:.4}°", position.to_degrees()),
+    }
 }
 
 fn unmeasured_axes(campaign: &Campaign, measured: &[AxisResult]) -> Option<String> {
@@ -115,10 +122,6 @@ pub(crate) fn is_absurd(axis: &AxisResult) -> bool {
 
 /// Errors that are more likely mistakes in the campaign.
 fn absurd_errors(axis: &AxisResult) -> Vec<String> {
-    let position = |node: &NodeResult| match axis.kind {
-        AxisKind::Linear => format!("{} mm", node.position),
-        AxisKind::Rotary => format!("{:.4}°", node.position.to_degrees()),
-    };
     let worst = |component: Component| {
         let (limit, unit, scale) = match component.is_angular() {
             true => (ABSURD_RAD, "°", 1_f64.to_degrees()),
@@ -134,7 +137,7 @@ fn absurd_errors(axis: &AxisResult) -> Vec<String> {
                 axis.name,
                 component.name(&axis.name),
                 size(node) * scale,
-                position(node)
+                place(axis, node.position)
             )
         })
     };

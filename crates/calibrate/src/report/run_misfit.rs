@@ -23,7 +23,6 @@ use trueaxis_kinematics::Component;
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
 use crate::identify::gauge::PER_RUN;
-use crate::propagate::dependence::Dependence;
 use crate::propagate::propagation::Propagation;
 use crate::result::calibration::{AxisResult, RunMisfit, widening_of_components};
 
@@ -56,11 +55,10 @@ pub(crate) fn run_misfits(propagation: &Propagation<'_, '_>) -> Vec<Option<RunMi
 /// S = (R - 1)/(R + 1) · 1/R Σ t_r t_rᵀ
 /// ```
 pub(crate) fn scatter_of_runs(propagation: &Propagation<'_, '_>, k: usize) -> DMatrix<f64> {
-    let Dependence {
-        context,
-        identified,
-        ..
-    } = propagation.dependence;
+    let (context, identified) = (
+        propagation.dependence.context,
+        propagation.dependence.identified,
+    );
     let (data, gauge) = (&context.data[k], &identified.gauges[k]);
     let errors = context.pose_errors(&identified.state, k);
     let (own, runs) = (gauge.location_parameters, data.runs.len());
@@ -105,11 +103,10 @@ fn solved(products: &DMatrix<f64>) -> Option<DVector<f64>> {
 
 /// How the runs of axis `k` fit together; `None` if they share no position or their noise is not known.
 fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> {
-    let Dependence {
-        context,
-        identified,
-        ..
-    } = propagation.dependence;
+    let (context, identified) = (
+        propagation.dependence.context,
+        propagation.dependence.identified,
+    );
     let data = &context.data[k];
     let errors = context.pose_errors(&identified.state, k);
     let (products, covariance) = products(propagation, k, &errors)?;
@@ -146,14 +143,14 @@ fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> 
 
     // Where the records of a position differ most, by the noise of a record.
     let mut largest = (0.0, 0, Component::ALL[0], 0.0);
-    for (n, node) in data.nodes.iter().enumerate() {
+    for (n, records) in data.records_of.iter().enumerate() {
         for component in Component::ALL {
-            let values = node.records.iter().map(|&i| errors[i][component.index()]);
+            let values = records.iter().map(|&i| errors[i][component.index()]);
             let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
                 (low.min(x), high.max(x))
             });
-            let first = node.records[0];
-            let own = own_covariance(propagation, k, first);
+            let first = records[0];
+            let own = propagation.whole.own_of_record(k, first);
             let significance = (high - low) / own[(component.index(), component.index())].sqrt();
             if significance > largest.0 {
                 largest = (significance, n, component, high - low);
@@ -181,18 +178,6 @@ fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> 
     })
 }
 
-/// `A D Aᵀ` of a record.
-fn own_covariance(propagation: &Propagation<'_, '_>, k: usize, record: usize) -> Matrix6<f64> {
-    let Dependence {
-        context,
-        identified,
-        ..
-    } = propagation.dependence;
-    let map = identified.sensitivities[k].poses[record];
-    let pose = context.data[k].records[record].pose;
-    map * context.poses.noise.own[pose] * map.transpose()
-}
-
 /// The products of the columns of `g`, of `C`, and of `e`, whitened and freed of what is common to a position; and
 /// the covariance `S` of the sources.
 fn products(
@@ -200,34 +185,26 @@ fn products(
     k: usize,
     errors: &[Vector6<f64>],
 ) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
-    let dependence = propagation.dependence;
-    let Dependence {
-        context,
-        identified,
-        ..
-    } = dependence;
+    let (context, identified) = (
+        propagation.dependence.context,
+        propagation.dependence.identified,
+    );
     let (data, noise) = (&context.data[k], &context.poses.noise);
     if noise.own.is_empty() {
         return None;
     }
-    let sources = &propagation.whole.sources;
-    let (of_bases, shared) = (sources.own.nrows(), noise.width());
-    let mut covariance = DMatrix::zeros(of_bases + shared, of_bases + shared);
-    let size = (of_bases, of_bases);
-    covariance.view_mut((0, 0), size).copy_from(&sources.own);
-    let behind = (of_bases, of_bases);
-    covariance
-        .view_mut(behind, (shared, shared))
-        .copy_from(&noise.shared);
+    let whole = &propagation.whole;
+    let of_bases = whole.sources.own.nrows();
+    let sources = of_bases + noise.width();
+    let mut covariance = whole.sources.own.clone().resize(sources, sources, 0.0);
+    let mut of_shared = covariance.view_range_mut(of_bases.., of_bases..);
+    of_shared.copy_from(&noise.shared);
 
     let gauge = &identified.gauges[k];
-    let width = gauge.parameters() + of_bases + shared + 1;
+    let width = gauge.parameters() + sources + 1;
     let of_record = |i: usize| -> Option<(Matrix6<f64>, DMatrix<f64>)> {
         let record = &data.records[i];
-        let whitening = own_covariance(propagation, k, i)
-            .cholesky()?
-            .l()
-            .try_inverse()?;
+        let whitening = whole.own_of_record(k, i).cholesky()?.l().try_inverse()?;
         let mut row = DMatrix::zeros(6, width);
         let mut put = |first: usize, block: &DMatrix<f64>| {
             row.columns_mut(first, block.ncols())
@@ -235,18 +212,16 @@ fn products(
         };
         let dynamic = |block: &[f64]| DMatrix::from_column_slice(6, block.len() / 6, block);
         put(0, &dynamic(gauge.effects[i].as_slice()));
-        let response = dependence.response_to_base(k, i);
-        put(gauge.parameters(), &-&response);
-        let coupling = identified.sensitivities[k].poses[i] * &noise.coupling[record.pose];
-        let through = -dynamic(coupling.as_slice()) - response * &sources.shared;
-        put(gauge.parameters() + of_bases, &through);
+        let [through_bases, through_shared] = whole.sources_of_record(k, i);
+        put(gauge.parameters(), &through_bases);
+        put(gauge.parameters() + of_bases, &through_shared);
         let mean = identified.state.axes[k].curve[record.node].to_vector();
         put(width - 1, &dynamic((errors[i] - mean).as_slice()));
         Some((whitening, row))
     };
     let mut products = DMatrix::zeros(width, width);
-    for node in &data.nodes {
-        let records: Option<Vec<_>> = node.records.iter().map(|&i| of_record(i)).collect();
+    for records in &data.records_of {
+        let records: Option<Vec<_>> = records.iter().map(|&i| of_record(i)).collect();
         let records = records?;
         // What all records of the position have in common is its component errors.
         let mut normal = Matrix6::zeros();

@@ -13,7 +13,6 @@ use trueaxis_poses::{
 
 use crate::result::budget::Budget;
 use crate::result::factored_covariance::FactoredCovariance;
-use crate::result::interpolation::Place;
 use crate::result::output::OutputCovariance;
 
 /// All geometric errors of a machine in its reference frame, with standard uncertainties (k = 1).
@@ -306,15 +305,5 @@ impl AxisResult {
         self.location_errors
             .iter()
             .find(|l| l.component.name(&self.name) == name)
-    }
-}
-
-impl Place for NodeResult {
-    fn position(&self) -> f64 {
-        self.position
-    }
-
-    fn direction(&self) -> Option<Direction> {
-        self.direction
     }
 }

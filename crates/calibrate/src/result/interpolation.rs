@@ -3,51 +3,45 @@
 use trueaxis_campaign::Direction;
 
 /// A measured position.
-pub(crate) trait Place {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Node {
     /// mm or rad.
-    fn position(&self) -> f64;
-
+    pub(crate) position: f64,
     /// Side of approach, where kept apart.
-    fn direction(&self) -> Option<Direction>;
+    pub(crate) direction: Option<Direction>,
 }
 
-/// The sides of approach that places have, backward before forward; either all keep them apart or
+/// The sides of approach that nodes have, backward before forward; either all keep them apart or
 /// none does.
-pub(crate) fn sides_of(places: &[impl Place]) -> Vec<Option<Direction>> {
-    match places.first().map(Place::direction) {
+pub(crate) fn sides_of(nodes: &[Node]) -> Vec<Option<Direction>> {
+    match nodes.first().map(|node| node.direction) {
         None => Vec::new(),
         Some(None) => vec![None],
         Some(Some(_)) => [Some(Direction::Backward), Some(Direction::Forward)]
             .into_iter()
-            .filter(|side| places.iter().any(|place| place.direction() == *side))
+            .filter(|side| nodes.iter().any(|node| node.direction == *side))
             .collect(),
     }
 }
 
-/// Weights of the places whose sum is the curve at `position`: linear interpolation; the mean of
-/// the sides of approach that reach the position; the nearest place if none does.
-///
-/// `places` are in order of position; `sides` are theirs ([`sides_of`]).
-pub(crate) fn weights_at(
-    places: &[impl Place],
-    sides: &[Option<Direction>],
-    position: f64,
-) -> Vec<(usize, f64)> {
-    let above = places.partition_point(|place| place.position() < position);
-    let (low, high) = places.split_at(above);
+/// Weights of the nodes, which are in order of position, whose sum is the curve at `position`: linear interpolation;
+/// the mean of the sides of approach that reach the position; the nearest node if none does.
+pub(crate) fn weights_at(nodes: &[Node], position: f64) -> Vec<(usize, f64)> {
+    let above = nodes.partition_point(|node| node.position < position);
+    let (low, high) = nodes.split_at(above);
     let mut inside = Vec::new();
     let mut outside: Vec<(usize, f64)> = Vec::new();
-    // Places are in order of position, so the neighbours of each side are found at once.
-    for &side in sides {
-        let below = low.iter().rposition(|place| place.direction() == side);
+    // In order of position the neighbours of each side are found at once.
+    for side in sides_of(nodes) {
+        let below = low.iter().rposition(|node| node.direction == side);
         let above = high
             .iter()
-            .position(|place| place.direction() == side)
+            .position(|node| node.direction == side)
             .map(|k| above + k);
         match (below, above) {
-            (_, Some(at)) if places[at].position() <= position => inside.push((at, 1.0)),
+            (_, Some(at)) if nodes[at].position <= position => inside.push((at, 1.0)),
             (Some(below), Some(above)) => {
-                let (a, b) = (places[below].position(), places[above].position());
+                let (a, b) = (nodes[below].position, nodes[above].position);
                 let weight = (position - a) / (b - a);
                 inside.extend([(below, 1.0 - weight), (above, weight)]);
             }
@@ -58,7 +52,7 @@ pub(crate) fn weights_at(
     // A side that does not reach the position says nothing about it while another one does.
     let mut weights = inside;
     if weights.is_empty() {
-        let distance = |k: usize| (places[k].position() - position).abs();
+        let distance = |k: usize| (nodes[k].position - position).abs();
         let nearest = outside
             .iter()
             .map(|&(k, _)| distance(k))
@@ -77,46 +71,36 @@ pub(crate) mod tests {
     use super::*;
     use Direction::{Backward, Forward};
 
-    /// A place for tests.
-    pub(crate) struct At(pub(crate) f64, pub(crate) Option<Direction>);
-
-    impl Place for At {
-        fn position(&self) -> f64 {
-            self.0
+    pub(crate) fn at(position: f64, direction: Option<Direction>) -> Node {
+        Node {
+            position,
+            direction,
         }
-
-        fn direction(&self) -> Option<Direction> {
-            self.1
-        }
-    }
-
-    fn weights(places: &[At], position: f64) -> Vec<(usize, f64)> {
-        weights_at(places, &sides_of(places), position)
     }
 
     #[test]
     fn sides_that_reach_a_position_share_it() {
-        let places = [
-            At(0.0, Some(Forward)),
-            At(10.0, Some(Backward)),
-            At(10.0, Some(Forward)),
-            At(20.0, Some(Backward)),
-            At(20.0, Some(Forward)),
+        let nodes = [
+            at(0.0, Some(Forward)),
+            at(10.0, Some(Backward)),
+            at(10.0, Some(Forward)),
+            at(20.0, Some(Backward)),
+            at(20.0, Some(Forward)),
         ];
         // Only forward reaches 5; both reach 15.
-        assert_eq!(weights(&places, 5.0), [(0, 0.5), (2, 0.5)]);
+        assert_eq!(weights_at(&nodes, 5.0), [(0, 0.5), (2, 0.5)]);
         assert_eq!(
-            weights(&places, 15.0),
+            weights_at(&nodes, 15.0),
             [(1, 0.25), (3, 0.25), (2, 0.25), (4, 0.25)]
         );
-        assert_eq!(weights(&places, 10.0), [(1, 0.5), (2, 0.5)]);
+        assert_eq!(weights_at(&nodes, 10.0), [(1, 0.5), (2, 0.5)]);
     }
 
     #[test]
-    fn outside_the_range_the_nearest_place_serves() {
-        let places = [At(0.0, None), At(10.0, None)];
-        assert_eq!(weights(&places, -3.0), [(0, 1.0)]);
-        assert_eq!(weights(&places, 10.5), [(1, 1.0)]);
-        assert!(weights(&[], 1.0).is_empty());
+    fn outside_the_range_the_nearest_node_serves() {
+        let nodes = [at(0.0, None), at(10.0, None)];
+        assert_eq!(weights_at(&nodes, -3.0), [(0, 1.0)]);
+        assert_eq!(weights_at(&nodes, 10.5), [(1, 1.0)]);
+        assert!(weights_at(&[], 1.0).is_empty());
     }
 }

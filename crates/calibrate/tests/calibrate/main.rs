@@ -8,6 +8,7 @@ mod compare;
 mod covariance_files;
 mod machine;
 mod propagation;
+mod residuals_csv;
 mod volume;
 mod with_effects;
 

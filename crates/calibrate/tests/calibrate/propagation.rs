@@ -10,7 +10,7 @@ mod points;
 mod stations_known;
 
 use nalgebra::{DMatrix, DVector, Isometry3, Point3, Vector3};
-use trueaxis_calibrate::{Budget, Calibration, Method, Settings, calibrate};
+use trueaxis_calibrate::{Budget, CalibratedMachine, Calibration, Method, Settings, calibrate};
 use trueaxis_campaign::{Campaign, Stop};
 use trueaxis_kinematics::MICROMETRE;
 
@@ -151,7 +151,7 @@ impl Response {
 /// Where a target is at a step in the reference frame, as calibrated.
 fn target_at(
     campaign: &Campaign,
-    calibration: &Calibration,
+    (calibration, errors): (&Calibration, &CalibratedMachine),
     stop: &Stop,
     target: usize,
 ) -> Point3<f64> {
@@ -163,7 +163,7 @@ fn target_at(
         .position_mm;
     let positions = &campaign.steps[stop.step].positions;
     let machine = &campaign.machine;
-    machine.position(calibration, content.carrier, positions, home_mm)
+    machine.position(errors, content.carrier, positions, home_mm)
 }
 
 /// `σ_m²`: variance per coordinate of the place that the machine returns to, mm².

@@ -52,20 +52,14 @@ impl ErrorNoise {
         let visits: Vec<_> = rows.visits(batch).collect();
         let mut row = Vec::new();
         for (lane, group) in batch.groups.clone().enumerate() {
-            let mut places = slots.places(lane);
-            for &v in by_group.of(group) {
-                let readings = network.visits[v].readings.clone();
-                let (own, rest) = places.split_at(readings.len());
-                places = rest;
-                let mut own = own.to_vec();
-                own.sort_unstable();
-                let Some(&(first, _)) = own.first() else {
+            for (v, places) in slots.visits((lane, group), network, by_group) {
+                let Some((visit, own)) = batch.layout.in_order(places) else {
                     continue;
                 };
-                let visit = &visits[batch.layout.visit_of(first)];
+                let (visit, first) = (&visits[visit], network.visits[v].readings.start);
                 let mut factor = self.factors[self.starts[v]..].iter_mut();
                 for (k, &(slot, reading)) in own.iter().enumerate() {
-                    self.order[readings.start + k] = reading;
+                    self.order[first + k] = reading;
                     visit.fill_factor_row(slot - visit.slots.start, &mut row);
                     for (&(other, _), l) in own[..=k].iter().zip(&mut factor) {
                         *l = row[other - visit.slots.start].0[lane];

@@ -8,10 +8,11 @@ use trueaxis_leastsquares::lane_products::add_product;
 use trueaxis_leastsquares::{LANES, Lanes, add_times, lanes_only, zeros};
 
 use crate::batch_influence::{BatchInfluence, BatchRows};
+use crate::beams::take_points;
 use crate::lane_vectors::{LaneVector, add, at, cross, dot, minus, plus, splat, times};
-use crate::linearise::{Tie, take_points};
 use crate::slots::{Layout, Slots};
 use crate::state::{DATUM, PER_STATION, zero_column};
+use crate::tie::Tie;
 
 /// Eight groups at the solution.
 #[derive(Debug, Clone)]
@@ -100,7 +101,7 @@ impl TrialGroups {
         for visit in rows.visits(batch) {
             let (count, errors) = (visit.slots.len(), visit.unit_errors);
             let first = weights.len();
-            zeros_at(&mut weights, count * count);
+            weights.resize(first + count * count, Lanes::ZERO);
             add_product(&mut weights[first..], errors.transposed(), errors);
         }
         // Lanes without a group would count twice.
@@ -118,7 +119,7 @@ impl TrialGroups {
             .for_each(|weight| *weight = *weight * used);
         let stations = state.stations.len();
         let columns = |zeros: &[usize; LANES]| zeros.map(|zero| zero_column(zero, stations));
-        let factors = rows.hat.factors();
+        let factors = &rows.hat;
         let unknowns = factors.coupling().rows();
         let mut own = vec![Lanes::ZERO; unknowns * unknowns];
         let factor = factors.inverse_factor();
@@ -385,8 +386,4 @@ fn product<T>(a: &[Lanes], b: &[T], in_lanes: impl Fn(&T) -> Lanes) -> Lanes {
         sums[0] = a.mul_add(in_lanes(b), sums[0]);
     }
     (sums[0] + sums[1]) + (sums[2] + sums[3])
-}
-
-fn zeros_at(all: &mut Vec<Lanes>, more: usize) {
-    all.resize(all.len() + more, Lanes::ZERO);
 }

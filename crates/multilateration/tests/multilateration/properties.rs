@@ -43,13 +43,18 @@ fn redundancy_numbers_add_up() {
     };
     let network = network(&truth, truth.points.clone(), 2, noise);
     let solution = solve(&network, &Settings::default()).unwrap();
-    let numbers = solution.redundancy_numbers(&network);
-    let sum: f64 = numbers.iter().sum();
+    let numbers = solution.reliability(&network);
+    let numbers = numbers.iter().map(|reading| reading.redundancy);
+    let sum: f64 = numbers.clone().sum();
     assert!(
         (sum - solution.degrees_of_freedom() as f64).abs() < 1e-6,
         "{sum}"
     );
-    assert!(numbers.iter().all(|r| (-1e-9..=1.0 + 1e-9).contains(r)));
+    assert!(
+        numbers
+            .into_iter()
+            .all(|r| (-1e-9..=1.0 + 1e-9).contains(&r))
+    );
 }
 
 /// 400 noisy campaigns: the scatter of every coordinate equals its stated standard deviation.

@@ -13,11 +13,12 @@ pub(crate) fn covariances(campaign: &Campaign, calibration: &Calibration) -> [DM
     let mut returns = DMatrix::zeros(count, count);
     let constant_mm = campaign.instrument.length_sigma_um.unwrap() * MICROMETRE;
     let relative = campaign.instrument.length_sigma_ppm.unwrap() * 1e-6;
+    let errors = calibration.calibrated_machine();
     for stop in &lengths.stops {
         let station = calibration.stations[stop.station].position_mm;
         let beam = |i: usize| {
             let target = lengths.readings[i].target;
-            target_at(campaign, calibration, stop, target) - station
+            target_at(campaign, (calibration, &errors), stop, target) - station
         };
         for i in stop.readings.clone() {
             own[(i, i)] = constant_mm.powi(2) + (relative * beam(i).norm()).powi(2);

@@ -15,13 +15,14 @@ pub(crate) fn points_campaign(
     instrument_from_ref: &Isometry3<f64>,
 ) -> Campaign {
     let calibration = calibrate(&campaign, &settings(Method::Nine)).unwrap();
+    let errors = calibration.calibrated_machine();
     let lengths = campaign.lengths.take().unwrap();
     let mut points = Points::default();
     for repeat in 1..=repeats {
         for stop in lengths.stops.iter().filter(|stop| stop.station == 0) {
             let first = points.readings.len();
             for reading in &lengths.readings[stop.readings.clone()] {
-                let place = target_at(&campaign, &calibration, stop, reading.target);
+                let place = target_at(&campaign, (&calibration, &errors), stop, reading.target);
                 let number = points.readings.len();
                 points.readings.push(PointReading {
                     time_s: number as f64,

@@ -21,6 +21,7 @@ fn with_known_stations(
     let lengths = campaign.lengths.as_ref().unwrap();
     let points = of_points.points.as_ref().unwrap();
     let [own, whole] = covariances(campaign, calibration);
+    let errors = calibration.calibrated_machine();
     let count = 3 * points.readings.len();
     let mut all = [DMatrix::zeros(count, count), DMatrix::zeros(count, count)];
     for step in &points.stops {
@@ -33,7 +34,7 @@ fn with_known_stations(
                 let target = lengths.readings[i].target;
                 let mut readings = points.readings[step.readings.clone()].iter();
                 let place = readings.position(|r| r.target == target).unwrap();
-                let beam = target_at(campaign, calibration, stop, target) - station;
+                let beam = target_at(campaign, (calibration, &errors), stop, target) - station;
                 beams.push((i, place, beam.normalize()));
             }
         }

@@ -1,0 +1,95 @@
+//! Data snooping: which readings leave, and which come back.
+
+use super::{MAX_ROUNDS, READINGS_LEVEL, Screening};
+use crate::Error;
+use crate::baarda::Tests;
+use crate::robust_weights::REMOVED;
+
+impl Screening<'_> {
+    pub(super) fn snoop(&mut self) -> Result<(), Error> {
+        // A reading that keeps leaving and coming back stays out.
+        let mut returns = vec![0_u8; self.network.readings.len()];
+        for _ in 0..MAX_ROUNDS {
+            if self.is_lost() {
+                break;
+            }
+            let (tests, scale) = self.tests()?;
+            if let Some(step) = self.step(&tests.readings, scale) {
+                self.split(step.station, step.first_reading);
+                self.solve()?;
+                continue;
+            }
+            let mut changes = self.changes(&tests, scale);
+            changes.retain(|&(reading, factor)| factor >= REMOVED || returns[reading] < 2);
+            if changes.is_empty() {
+                return Ok(());
+            }
+            for (reading, factor) in changes {
+                returns[reading] += u8::from(factor < REMOVED);
+                self.network.variance_factors[reading] = factor;
+            }
+            self.solve()?;
+        }
+        self.settled = false;
+        Ok(())
+    }
+
+    /// For each group the reading that should leave first, or else the visit that should leave as a
+    /// whole, or else the reading that should come back first; with their new variance factors.
+    pub(super) fn changes(&self, tests: &Tests, scale: f64) -> Vec<(usize, f64)> {
+        let limit = self.limit(READINGS_LEVEL) * scale;
+        let groups = self.network.groups.len();
+        let mut worst: Vec<Option<(f64, usize)>> = vec![None; groups];
+        let mut best: Vec<Option<(f64, usize)>> = vec![None; groups];
+        for visit in &self.network.visits {
+            for i in visit.readings.clone() {
+                let w = tests.readings[i].w.abs();
+                if self.unchecked[i] {
+                    continue;
+                }
+                if self.network.variance_factors[i] >= REMOVED {
+                    let best = &mut best[visit.group];
+                    if w <= limit && best.is_none_or(|(least, _)| w < least) {
+                        *best = Some((w, i));
+                    }
+                } else {
+                    let worst = &mut worst[visit.group];
+                    if w > limit && worst.is_none_or(|(most, _)| w > most) {
+                        *worst = Some((w, i));
+                    }
+                }
+            }
+        }
+        let visits = self.worst_visits(&tests.visits, limit);
+        let mut changes = Vec::new();
+        for ((worst, visit), best) in worst.into_iter().zip(visits).zip(best) {
+            match (worst, visit, best) {
+                (Some((_, i)), _, _) => changes.push((i, REMOVED)),
+                (None, Some(visit), _) => {
+                    let readings = self.network.visits[visit].readings.clone();
+                    changes.extend(readings.map(|i| (i, REMOVED)));
+                }
+                (None, None, Some((_, i))) => changes.push((i, 1.0)),
+                (None, None, None) => {}
+            }
+        }
+        changes
+    }
+
+    /// For each group the visit whose lengths are off together, if any: single lengths do not show it,
+    /// because the machine's repeatability could be to blame.
+    fn worst_visits(&self, tests: &[f64], limit: f64) -> Vec<Option<usize>> {
+        let mut worst: Vec<Option<(f64, usize)>> = vec![None; self.network.groups.len()];
+        let tests = tests.iter().map(|w| w.abs());
+        for ((visit, content), w) in self.network.visits.iter().enumerate().zip(tests) {
+            let mut readings = content.readings.clone();
+            let all = readings.all(|i| self.network.variance_factors[i] < REMOVED);
+            let worst = &mut worst[content.group];
+            if all && w > limit && worst.is_none_or(|(most, _)| w > most) {
+                *worst = Some((w, visit));
+            }
+        }
+        let visits = worst.into_iter().map(|worst| worst.map(|(_, visit)| visit));
+        visits.collect()
+    }
+}
