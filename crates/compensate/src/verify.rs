@@ -134,6 +134,7 @@ fn verified(
         let MeasuredPoint { point_mm, along } = MeasuredPoint::new(nominal, kind, at);
         let home_mm = measured_home_mm(kind);
         let actual = nominal.position(machine, carrier(nominal, kind), at, home_mm);
+        // Eq. 24.
         point.first_order_um = along.dot(&(actual - point_mm)) / MICROMETRE;
         let corrected = correct(nominal, machine, at, home_mm, Moved::All)?.positions;
         point.compensated_um = predicted_reading_um(nominal, kind, machine, at, &corrected);

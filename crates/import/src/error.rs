@@ -77,7 +77,7 @@ pub enum Problem {
         source: io::Error,
     },
     /// The file holds a NUL, as programs and spreadsheets in their own format do.
-    #[error("this is no text; export the points as ASCII or CSV")]
+    #[error("this is not text; export the points as ASCII or CSV")]
     NoText,
     /// The map is not TOML.
     #[error("not valid TOML: {problem}; text stands in quotes, as separator = \";\"")]

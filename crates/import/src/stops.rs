@@ -193,7 +193,7 @@ fn positions(row: &Row, columns: &Columns, planned: Option<&PlannedStop>) -> Vec
     .collect()
 }
 
-/// The direction of each stop by the motion of the axis that moves most in the turn of its station in its run.
+/// The direction of each stop by the motion of the axis that moves most in the occupation of its station in its run.
 fn inferred_directions(
     rows: &[Row],
     stops: &[Range<usize>],

@@ -294,7 +294,7 @@ fn mistakes_are_explained() {
             "T,pos,X,Y,Z\n",
             "no row is left: 1 lines were read, 1 skipped",
         ),
-        (good.clone(), "PK\u{3}\0\0", "this is no text"),
+        (good.clone(), "PK\u{3}\0\0", "this is not text"),
         (
             format!("{good}[stops]\ntargets = [\"Q\"]"),
             text,

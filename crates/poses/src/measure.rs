@@ -53,7 +53,8 @@ pub struct NoiseByEquations {
 /// time and say the same.
 const MOST_STEPS: usize = 10_000;
 
-/// The poses of all stages under test, in the datum: the best fit of the targets to their nominal positions.
+/// The poses of all stages under test, in the datum: the best fit of the targets to their nominal positions. In one
+/// adjustment, or as in the paper: its section 3 (points) and then 4.1 (equations).
 ///
 /// # Errors
 /// See [`Error`]; nothing is returned that is not converged or not determined.

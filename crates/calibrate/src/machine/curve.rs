@@ -151,7 +151,7 @@ impl Side {
             && steps > MOST_STEPS
             && closing_gap <= CLOSING_GAP * largest_gap;
         if is_closed {
-            knots = with_other_occupations(&knots, range);
+            knots = with_other_turns(&knots, range);
         }
         Self {
             direction,
@@ -213,7 +213,7 @@ impl Side {
 
 /// As many steps of the turns before and after as a polynomial at the ends takes; steps of both ends that are at
 /// the same angle are there once.
-fn with_other_occupations(knots: &[Knot], [first, last]: [f64; 2]) -> Vec<Knot> {
+fn with_other_turns(knots: &[Knot], [first, last]: [f64; 2]) -> Vec<Knot> {
     let turned = |by: f64| {
         knots.iter().map(move |knot| Knot {
             position: knot.position + by,

@@ -111,7 +111,8 @@ impl Budget {
         (variance > 0.0).then(|| parts.map(|part| part / variance))
     }
 
-    /// `ν` for the relative covariance `K` of the variance factors; infinite if they are known.
+    /// `ν = 2 u⁴ / gᵀ K g` (Welch–Satterthwaite, of correlated factors) for the relative covariance `K` of the variance
+    /// factors; infinite if they are known.
     pub(crate) fn degrees_of_freedom(&self, relative_covariance: &Matrix2<f64>) -> f64 {
         let variance = self.variance();
         let of_repeatability = variance - self.laser_in_all - self.systematic - self.effects;

@@ -176,7 +176,7 @@ pub struct RunMisfit {
 }
 
 impl RunMisfit {
-    /// By how much the runs differ in units of their noise, `√(χ²/ν)`; not below one.
+    /// By how much the runs differ in units of their noise, `√(χ²/ν)` (R. T. Birge, Phys. Rev. 40, 207, 1932); not below one.
     pub fn birge_ratio(&self) -> f64 {
         let ratio = (self.chi_squared / self.degrees_of_freedom as f64).sqrt();
         ratio.max(1.0)
