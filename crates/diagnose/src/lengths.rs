@@ -27,7 +27,6 @@ mod culprit;
 mod disturbance;
 mod estimated;
 mod fitted;
-mod harmonics;
 mod held_out;
 mod hypotheses;
 mod left_out;
@@ -42,7 +41,6 @@ mod unexplained;
 mod wandered;
 mod wandering;
 
-pub(crate) use harmonics::half_waves;
 pub(crate) use held_out::{HeldOut, Sums};
 pub(crate) use not_observable::in_words;
 pub(crate) use omnibus::{OMNIBUS_LEVEL, Omnibus, family_wise};

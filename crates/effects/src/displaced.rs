@@ -40,6 +40,7 @@ impl Displaced {
 
     /// Change of a length measured along the unit vector `beam` from station to target, to first
     /// order: `u·D_p - u·D_S + D_l`, mm.
+    #[inline]
     pub fn along(&self, beam: &Vector3<f64>) -> f64 {
         beam.dot(&(self.point_mm - self.station_mm)) + self.length_mm
     }

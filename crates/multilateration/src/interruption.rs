@@ -4,9 +4,13 @@
 //! raise the test of such a step, too: a drift (the zero or the tripod creeps), or a displacement of
 //! the station or the machine (the change depends on the direction of the beam). The occupation is split
 //! only if the step explains the lengths better than these do.
+//!
+//! A zero or a tripod that wanders in a course that nobody knows, as a swing, raises it as well. Its course is a process
+//! with Matérn's covariance in half waves ([`trueaxis_leastsquares::matern_roots`]), its size by restricted maximum
+//! likelihood; the step must be needed beside it.
 
 use nalgebra::{DMatrix, DVector, Vector3};
-use trueaxis_leastsquares::dot;
+use trueaxis_leastsquares::{dot, half_waves, matern_roots};
 
 use crate::step_tests::StepTest;
 use crate::whitened::Whitened;
@@ -33,7 +37,15 @@ pub(crate) struct Rivals {
     settling: f64,
     /// A station that is displaced at the instant of the step.
     displacement: f64,
+    /// What the step explains beside a zero or a station that wanders.
+    beside_wander: f64,
+    /// Rms of the zero if it wanders, mm.
+    pub(crate) wander_mm: f64,
 }
+
+/// Correlation lengths of what wanders, as parts of the occupation, and its half waves.
+const WANDER_LENGTHS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
+const WAVES: u32 = 12;
 
 impl Rivals {
     /// The rivals of a step; `scale` is the standard deviation of w.
@@ -55,7 +67,7 @@ impl Rivals {
             }
         }
         // The zero, or the station, follows this course, from 0 to 1 in the occupation.
-        let squares = |is_station: bool, course: &dyn Fn(usize, f64) -> f64| {
+        let following = |is_station: bool, course: &dyn Fn(usize, f64) -> f64| {
             let mut columns = vec![vec![0.0; zeros.len()]; if is_station { 3 } else { 1 }];
             let length = occupation.len().max(2) as f64 - 1.0;
             for (k, &i) in occupation.iter().enumerate() {
@@ -64,7 +76,11 @@ impl Rivals {
                     column[i] = if is_station { beams[i][c] * size } else { size };
                 }
             }
-            explained(rows, columns) / (scale * scale)
+            columns.iter_mut().for_each(|column| rows.whiten(column));
+            columns
+        };
+        let squares = |is_station: bool, course: &dyn Fn(usize, f64) -> f64| {
+            explained(rows, &following(is_station, course)) / (scale * scale)
         };
         let settles = |is_station: bool| {
             let after = SETTLED_AFTER.iter();
@@ -73,7 +89,21 @@ impl Rivals {
                 .fold(0.0, f64::max)
         };
         let jumps = |i, _| f64::from(u8::from(i >= step.first_reading));
+        let jump = following(false, &jumps);
+        let wanders = [false, true].map(|is_station| {
+            let of_wave = |k: usize| {
+                let wave = |_, s| half_waves(s, WAVES).nth(k).unwrap_or_default();
+                following(is_station, &wave)
+            };
+            let waves: Vec<Vec<Vec<f64>>> = (0..WAVES as usize).map(of_wave).collect();
+            let alone = wander(rows, &waves, None, scale);
+            let beside = wander(rows, &waves, jump.first(), scale);
+            (beside.ratio - alone.ratio, alone.rms_mm)
+        });
+        let [of_zero, of_station] = wanders;
         Self {
+            beside_wander: of_zero.0.min(of_station.0) + (step.w / scale).powi(2),
+            wander_mm: of_zero.1,
             step: (step.w / scale).powi(2),
             drift: squares(false, &|_, s| s).max(settles(false)),
             settling: settles(true),
@@ -82,9 +112,16 @@ impl Rivals {
     }
 
     /// Whether the step is that of an interrupted beam, or of what cannot be told from it.
-    pub(crate) fn is_interruption(&self) -> bool {
+    /// `cuts_what_wanders`: whether what wanders counts as one, too.
+    pub(crate) fn is_interruption(&self, cuts_what_wanders: bool) -> bool {
         self.step > self.drift + AHEAD
             && self.step > self.displacement.max(self.settling) - DISPLACEMENT_CHANCE
+            && (cuts_what_wanders || !self.is_wander())
+    }
+
+    /// Whether the step is not needed beside a zero or a station that wanders.
+    pub(crate) fn is_wander(&self) -> bool {
+        self.beside_wander <= AHEAD
     }
 
     /// Whether a displacement at that instant explains clearly less.
@@ -98,14 +135,66 @@ const ABSORBED: f64 = 1e-9;
 
 /// By how much the sum of squares falls if errors of the form of these columns, one element for each
 /// reading, are allowed for: `bᵀ A⁺ b` with `A = XᵀMX` and `b = Xᵀv` of the whitened columns.
-fn explained(rows: &Whitened, mut columns: Vec<Vec<f64>>) -> f64 {
-    columns.iter_mut().for_each(|column| rows.whiten(column));
-    let mut kept = columns.clone();
-    kept.iter_mut().for_each(|column| rows.project(column));
-    let n = columns.len();
-    let left = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &kept[j]));
-    let right = DVector::from_fn(n, |k, _| dot(&columns[k], &rows.residuals));
+fn explained(rows: &Whitened, columns: &[Vec<f64>]) -> f64 {
+    let (left, right) = normal_equations(rows, columns);
     let limit = ABSORBED * left.amax();
     let found = left.svd(true, true).solve(&right, limit);
     found.map_or(0.0, |estimates| right.dot(&estimates))
 }
+
+/// `A = XᵀMX` and `b = Xᵀv` of whitened columns.
+fn normal_equations(rows: &Whitened, columns: &[Vec<f64>]) -> (DMatrix<f64>, DVector<f64>) {
+    let mut kept = columns.to_vec();
+    kept.iter_mut().for_each(|column| rows.project(column));
+    let n = columns.len();
+    let left = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &kept[j]));
+    let right = DVector::from_fn(n, |k, _| dot(&columns[k], &rows.residuals));
+    (left, right)
+}
+
+/// What wanders.
+#[derive(Clone, Copy, Default)]
+struct Wander {
+    /// Twice the logarithm of the likelihood ratio against nothing that wanders.
+    ratio: f64,
+    /// Rms of its course, mm.
+    rms_mm: f64,
+}
+
+/// The most likely process in half waves, each with columns for its coordinates; beside a free column `step`, if any.
+fn wander(rows: &Whitened, waves: &[Vec<Vec<f64>>], step: Option<&Vec<f64>>, scale: f64) -> Wander {
+    let coordinates = waves.first().map_or(0, Vec::len);
+    let columns: Vec<Vec<f64>> = waves.iter().flatten().chain(step).cloned().collect();
+    let (mut left, mut right) = normal_equations(rows, &columns);
+    let n = waves.len() * coordinates;
+    if step.is_some() {
+        // What the step explains of the columns is free.
+        let (own, of_step) = (left.column(n).rows(0, n) / left[(n, n)], right[n]);
+        left = left.view((0, 0), (n, n)) - &own * left.view((n, 0), (1, n));
+        right = right.rows(0, n) - own * of_step;
+    }
+    let mut best = Wander::default();
+    for length in WANDER_LENGTHS {
+        let roots = &matern_roots(length, WAVES)[1..];
+        let root = DVector::from_fn(n, |k, _| roots[k / coordinates] / scale);
+        let scaled = DMatrix::from_fn(n, n, |i, j| root[i] * left[(i, j)] * root[j]);
+        let along = right.component_mul(&root) / scale;
+        for exponent in SIZES {
+            let variance = n as f64 / scaled.trace() * 10_f64.powf(f64::from(exponent) / 4.0);
+            let Some(factor) = (DMatrix::identity(n, n) + variance * &scaled).cholesky() else {
+                continue;
+            };
+            let mean = variance * factor.solve(&along);
+            let ratio = along.dot(&mean) - factor.ln_determinant();
+            if ratio > best.ratio {
+                let squares = mean.component_mul(&root).norm_squared() * scale * scale;
+                let rms_mm = (0.5 * squares).sqrt();
+                best = Wander { ratio, rms_mm };
+            }
+        }
+    }
+    best
+}
+
+/// Sizes that are tried, quarters of powers of ten of the variance that the lengths can just see.
+const SIZES: std::ops::Range<i32> = -8..41;

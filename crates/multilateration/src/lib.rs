@@ -112,7 +112,7 @@ pub use reflector_set::{USUAL_DIFFERENCE_MM, adjust_as_a_set, solve_as_a_set};
 pub use reflectors::{Reflectors, contrast};
 pub use reliability::Reliability;
 pub use screen::screen;
-pub use screened::{Jump, Removed, Screened};
+pub use screened::{Jump, Removed, Screened, WanderingZero};
 pub use solution::{Solution, Station};
 pub use solve::{Settings, solve, solve_from};
 pub use trials::{Corrections, Trials, Workspace};

@@ -32,7 +32,21 @@ const MAX_NOISE_UPDATES: usize = 5;
 /// Those of [`crate::solve`]; [`Error::TooManyGrossErrors`], [`Error::PartLost`] and
 /// [`Error::Undecidable`] if too much would have to be removed or nothing tells what.
 pub fn screen(network: &Network, declared: bool, settings: &Settings) -> Result<Screened, Error> {
-    let mut work = Screening::new(network, declared, settings)?;
+    let work = || Screening::new(network, declared, settings);
+    match screen_by(network, work()?) {
+        // A zero that wanders far looks like many gross errors; cut in pieces it may be bearable.
+        Err(
+            Error::TooManyGrossErrors { .. } | Error::PartLost { .. } | Error::Undecidable { .. },
+        ) => {
+            let mut work = work()?;
+            work.cuts_what_wanders = true;
+            screen_by(network, work)
+        }
+        done => done,
+    }
+}
+
+fn screen_by(network: &Network, mut work: Screening<'_>) -> Result<Screened, Error> {
     for _ in 0..MAX_NOISE_UPDATES {
         work.clean()?;
         let mut screened = work.finished(network)?;

@@ -24,6 +24,8 @@ pub struct Screened {
     pub removed: Vec<Removed>,
     /// The jumps found in the zeros of stations, in measuring order.
     pub jumps: Vec<Jump>,
+    /// The zeros that wander in a course that is no jump.
+    pub wandering: Vec<WanderingZero>,
     /// Whether the search came to an end. If not, tests still ask for changes.
     pub settled: bool,
 }
@@ -55,6 +57,17 @@ pub struct Jump {
     pub u_mm: f64,
     /// A displacement of the station explains it as well as a jump of its zero.
     pub tripod_may_have_moved: bool,
+    /// A zero or a tripod that wanders was not told from it: without a cut too many lengths would have to be removed.
+    pub may_wander: bool,
+}
+
+/// A station's zero that wanders smoothly. A tripod that sways does nearly the same to the lengths.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WanderingZero {
+    /// The station.
+    pub station: usize,
+    /// Rms of its course over the occupation, mm.
+    pub rms_mm: f64,
 }
 
 impl Screened {
@@ -75,6 +88,7 @@ impl Screened {
             given_squares,
             removed: Vec::new(),
             jumps: Vec::new(),
+            wandering: Vec::new(),
             settled: true,
         })
     }

@@ -70,6 +70,8 @@ pub(crate) struct Screening<'a> {
     unchecked: Vec<bool>,
     /// So many steps were found that they are none: something else changes with time.
     pub(crate) never_split: bool,
+    /// Whether occupations are split where a zero or a tripod wanders, too.
+    pub(crate) cuts_what_wanders: bool,
     /// Interruptions that no displacement of the station explains.
     pub(crate) moved_tripods_excluded: Vec<Interruption>,
     /// Whether the snooping came to an end.
@@ -120,6 +122,7 @@ impl<'a> Screening<'a> {
             far,
             unchecked: vec![false; readings],
             never_split: false,
+            cuts_what_wanders: false,
             moved_tripods_excluded: Vec::new(),
             settled: true,
             lost: 0,
@@ -399,6 +402,7 @@ impl<'a> Screening<'a> {
     /// then: both together are most of the memory that a large network takes.
     pub(crate) fn finished(&mut self, original: &Network) -> Result<Screened, Error> {
         self.merge_empty_occupations()?;
+        let wandering = self.wandering_zeros()?;
         let removed = self.removed()?;
         guard::check(&self.network, &removed)?;
         let without: Vec<usize> = removed.iter().map(|r| r.reading).collect();
@@ -423,6 +427,7 @@ impl<'a> Screening<'a> {
         Ok(Screened {
             given_squares,
             jumps: self.found_jumps(&network, &solution),
+            wandering,
             settled: self.settled,
             network,
             solution: Arc::new(solution),

@@ -3,9 +3,10 @@
 use crate::baarda::ReadingTest;
 use crate::interruption::Rivals;
 use crate::robust_weights::{REMOVED, distances_from_neighbours};
-use crate::screened::Jump;
+use crate::screened::{Jump, WanderingZero};
 use crate::screening::Screening;
 use crate::step_tests::{StepTest, largest_steps};
+use crate::whitened::Whitened;
 use crate::{Error, Interruption, Network, Solution};
 
 /// Probability that any of its occupations is split.
@@ -47,20 +48,50 @@ impl Screening<'_> {
         if self.never_split {
             return None;
         }
+        let (rows, solution) = (self.hat_rows()?, self.solution.as_deref()?);
+        let mut steps = self.significant_steps(tests, scale, &rows).into_iter();
+        steps.find(|step| {
+            Rivals::of(step, (&self.network, solution), &rows, scale)
+                .is_interruption(self.cuts_what_wanders)
+        })
+    }
+
+    /// The stations whose zeros wander: a step of them would be significant, but is not needed.
+    pub(crate) fn wandering_zeros(&mut self) -> Result<Vec<WanderingZero>, Error> {
+        let (tests, scale) = self.tests()?;
+        let (Some(rows), Some(solution)) = (self.hat_rows(), self.solution.as_deref()) else {
+            return Ok(Vec::new());
+        };
+        if self.never_split || self.cuts_what_wanders {
+            return Ok(Vec::new());
+        }
+        let steps = self.significant_steps(&tests.readings, scale, &rows);
+        let wandering = steps.into_iter().filter_map(|step| {
+            let rivals = Rivals::of(&step, (&self.network, solution), &rows, scale);
+            rivals.is_wander().then_some(WanderingZero {
+                station: step.station,
+                rms_mm: rivals.wander_mm,
+            })
+        });
+        Ok(wandering.collect())
+    }
+
+    /// For each zero the largest step if it is significant, the most significant one first.
+    fn significant_steps(
+        &self,
+        tests: &[ReadingTest],
+        scale: f64,
+        rows: &Whitened,
+    ) -> Vec<StepTest> {
         let taking_part = tests.iter().zip(&self.network.variance_factors);
         let largest_reading = taking_part
             .filter(|&(_, &factor)| factor <= 1.0)
             .fold(0.0_f64, |largest, (test, _)| largest.max(test.w.abs()));
         let limit = (self.limit(STEPS_LEVEL) * scale).max(largest_reading);
-        let rows = self.hat_rows()?;
-        let mut steps = largest_steps(&self.network, &rows);
+        let mut steps = largest_steps(&self.network, rows);
         steps.retain(|step| step.w.abs() > limit && step.before.min(step.after) >= LEAST_STEP);
         steps.sort_by(|a, b| b.w.abs().total_cmp(&a.w.abs()));
-        let solution = self.solution.as_deref()?;
-        let mut steps = steps.into_iter();
-        steps.find(|step| {
-            Rivals::of(step, (&self.network, solution), &rows, scale).is_interruption()
-        })
+        steps
     }
 
     pub(crate) fn split(&mut self, station: usize, first_reading: usize) {
@@ -148,6 +179,7 @@ impl Screening<'_> {
             .map(|(jump, interruption)| Jump {
                 first_reading: interruption.first_reading,
                 tripod_may_have_moved: !self.moved_tripods_excluded.contains(interruption),
+                may_wander: self.cuts_what_wanders,
                 ..jump
             })
             .collect()
@@ -171,6 +203,7 @@ fn jumps(network: &Network, solution: &Solution) -> Vec<Jump> {
                 change_mm,
                 u_mm,
                 tripod_may_have_moved: true,
+                may_wander: false,
             }
         })
         .collect()

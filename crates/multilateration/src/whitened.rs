@@ -136,6 +136,9 @@ impl Whitened {
         for (visit, rows) in self.visits.iter().enumerate() {
             by_row.clear();
             by_row.extend(rows.clone().map(|row| column[self.reading_of_row[row]]));
+            if by_row.iter().all(|x| *x == 0.0) {
+                continue;
+            }
             for (i, x) in column[rows.clone()].iter_mut().enumerate() {
                 *x = dot(self.weight_row(visit, i), &by_row[..=i]);
             }

@@ -90,12 +90,17 @@ pub struct InterruptedOccupation {
     pub u_mm: f64,
     /// Not only an interrupted beam explains it, but a tripod that moved as well.
     pub tripod_may_have_moved: bool,
+    /// Nor was it told from a zero or a tripod that wanders, which is cut where too many lengths would have to be removed.
+    pub may_wander: bool,
 }
 
 impl InterruptedOccupation {
     /// What made the lengths jump, in words.
     pub fn cause(&self) -> &'static str {
         match self.tripod_may_have_moved {
+            _ if self.may_wander => {
+                "the zero or the tripod wanders or moved, or the beam was interrupted"
+            }
             true => "the beam was interrupted, or the tripod moved",
             false => "the beam was interrupted",
         }

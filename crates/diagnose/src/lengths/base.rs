@@ -1,5 +1,7 @@
 //! The joint adjustment with rigid stages, with and without causes.
 
+use std::sync::Arc;
+
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{ResolvedEffect, Scene, TemperatureHistory};
 use trueaxis_multilateration::{
@@ -14,7 +16,7 @@ use trueaxis_poses::{
 use crate::Error;
 use crate::lengths::disturbance::Disturbance;
 use crate::lengths::left_out::LeftOut;
-use crate::selection::{Fit, Hypothesis, Projection};
+use crate::selection::{Fit, Hypothesis, Projection, dot};
 
 /// The lengths of a campaign, ready to be adjusted.
 #[derive(Clone)]
@@ -60,6 +62,8 @@ pub(crate) struct Adjusted {
     pub(crate) whitened: Whitened,
     /// What neither the rigid model nor the causes absorb.
     pub(crate) projection: Projection,
+    /// What the rigid model does not absorb, beside what wanders; the causes are left out of it.
+    pub(crate) before_causes: Arc<Projection>,
     /// The causes with their parameters.
     pub(crate) suspects: Vec<Suspect>,
 }
@@ -76,6 +80,9 @@ const NO_WEIGHT: f64 = 1e6;
 const RESTS: f64 = 1e-3;
 
 const MAX_ITERATIONS: usize = 8;
+
+/// What is left of residuals after a projection that has made them differs from them by less than this part.
+const PROJECTED: f64 = 1e-6;
 
 /// Rounds of noise and disturbances: the first takes one for the other.
 const ROUNDS: usize = 3;
@@ -149,11 +156,31 @@ impl<'a> Base<'a> {
     /// `noise` it is estimated.
     pub(crate) fn adjust(
         &self,
+        suspects: Vec<Suspect>,
+        noise: Option<Noise>,
+    ) -> Result<Adjusted, Error> {
+        self.adjust_from(None, suspects, noise)
+    }
+
+    /// The same in the noise of a model with other causes. What its rigid model and what wanders absorb serves again:
+    /// causes of some µm over a metre change that by a millionth.
+    pub(crate) fn adjust_near(
+        &self,
+        near: &Adjusted,
+        suspects: Vec<Suspect>,
+    ) -> Result<Adjusted, Error> {
+        let near_if_projected = Some(near).filter(|near| near.is_projected());
+        self.adjust_from(near_if_projected, suspects, Some(near.network.noise))
+    }
+
+    fn adjust_from(
+        &self,
+        near: Option<&Adjusted>,
         mut suspects: Vec<Suspect>,
         noise: Option<Noise>,
     ) -> Result<Adjusted, Error> {
         let settings = Settings::default();
-        let mut solution = self.start.clone();
+        let mut solution = near.map_or(&self.start, |near| &near.solution).clone();
         let mut network = self.network.clone();
         let mut wandered_mm = vec![0.0; self.readings.len()];
         for round in 1..=MAX_ITERATIONS {
@@ -177,9 +204,23 @@ impl<'a> Base<'a> {
                     solution = solve_from(&network, &solution, &settings)?;
                 }
             }
-            let whitened = Whitened::new(&network, &solution);
+            let (whitened, before_causes) = match near {
+                Some(near) => {
+                    let mut whitened = near.whitened.clone();
+                    whitened.residuals.clone_from(&solution.residuals_mm);
+                    near.whitened.whiten(&mut whitened.residuals);
+                    let of_these = near.before_causes.with_residuals(&whitened.residuals);
+                    (whitened, of_these)
+                }
+                None => {
+                    let whitened = Whitened::new(&network, &solution);
+                    let before_causes = self.before_causes(&whitened, &solution);
+                    (whitened, before_causes)
+                }
+            };
             let mut adjusted = Adjusted {
-                projection: self.before_causes(&whitened, &solution),
+                projection: before_causes.clone(),
+                before_causes: Arc::new(before_causes),
                 network,
                 solution,
                 whitened,
@@ -233,8 +274,10 @@ impl<'a> Base<'a> {
         self.correct(&mut network, &self.start, &suspects);
         let solution = solve_from(&network, &self.start, &Settings::default())?;
         let whitened = Whitened::new(&network, &solution);
+        let before_causes = self.before_causes(&whitened, &solution);
         Ok(Adjusted {
-            projection: self.before_causes(&whitened, &solution),
+            projection: before_causes.clone(),
+            before_causes: Arc::new(before_causes),
             network,
             solution,
             whitened,
@@ -286,10 +329,28 @@ impl<'a> Base<'a> {
         observation.lengthening_mm(&suspects.iter().map(of_suspect).sum())
     }
 
+    /// All readings at the places of a solution.
+    pub(crate) fn observations<'b>(&'b self, solution: &Solution) -> Vec<Observation<'b>> {
+        let readings = self.readings.iter();
+        readings.map(|r| self.observation(r, solution)).collect()
+    }
+
     /// Whitened columns of a hypothesis: what a unit of each parameter does to the lengths.
     pub(crate) fn columns(
         &self,
         adjusted: &Adjusted,
+        hypothesis: &Hypothesis,
+        shape: f64,
+    ) -> Vec<Vec<f64>> {
+        let observations = self.observations(&adjusted.solution);
+        self.columns_at(&observations, &adjusted.whitened, hypothesis, shape)
+    }
+
+    /// The same at readings whose places are known.
+    pub(crate) fn columns_at(
+        &self,
+        observations: &[Observation<'_>],
+        whitened: &Whitened,
         hypothesis: &Hypothesis,
         shape: f64,
     ) -> Vec<Vec<f64>> {
@@ -298,15 +359,14 @@ impl<'a> Base<'a> {
         } = hypothesis;
         let count = effect.parameters(&self.scene, subject).len();
         let mut columns = vec![vec![0.0; self.readings.len()]; count];
-        for (i, reading) in self.readings.iter().enumerate() {
-            let observation = self.observation(reading, &adjusted.solution);
+        for (i, observation) in observations.iter().enumerate() {
             for (k, column) in columns.iter_mut().enumerate() {
                 let moved = effect.form(subject, k, shape, &observation.at);
                 column[i] = moved.along(&observation.beam);
             }
         }
         for column in &mut columns {
-            adjusted.whitened.whiten(column);
+            whitened.whiten(column);
         }
         columns
     }
@@ -373,6 +433,16 @@ impl<'a> Base<'a> {
 }
 
 impl Adjusted {
+    /// Whether the rigid model takes nothing more of its residuals. It does where something is known beforehand, as a
+    /// dead path.
+    fn is_projected(&self) -> bool {
+        let residuals = &self.whitened.residuals;
+        let mut again = residuals.clone();
+        self.whitened.project(&mut again);
+        let taken = again.iter().zip(residuals).map(|(a, b)| (a - b).powi(2));
+        taken.sum::<f64>() <= PROJECTED.powi(2) * dot(residuals, residuals)
+    }
+
     /// The same with another projection and no causes.
     pub(crate) fn with(&self, projection: Projection) -> Self {
         Self {
@@ -380,6 +450,7 @@ impl Adjusted {
             solution: self.solution.clone(),
             whitened: self.whitened.clone(),
             projection,
+            before_causes: Arc::clone(&self.before_causes),
             suspects: Vec::new(),
         }
     }

@@ -162,7 +162,7 @@ pub(super) fn settle(
             let mut others = suspects.clone();
             let own = others.remove(k);
             // With the noise that is left: a large disturbance blurs its own rivals.
-            let without = base.adjust(others, Some(adjusted.network.noise))?;
+            let without = base.adjust_near(&adjusted, others)?;
             let Some(judged) = judged(base, &without, &own, candidates, null) else {
                 suspects.remove(k);
                 changed = true;
@@ -182,7 +182,7 @@ pub(super) fn settle(
         let others = swapped(base, &adjusted.suspects).filter(|_| !changed);
         if let Some(others) = others {
             // As many parameters, so that the squares decide.
-            let other = base.adjust(others, Some(adjusted.network.noise))?;
+            let other = base.adjust_near(&adjusted, others)?;
             let more = other.projection.squares() - adjusted.projection.squares();
             if more < -EQUAL && exchanges < MOST_EXCHANGES {
                 exchanges += 1;

@@ -53,21 +53,42 @@ pub(crate) fn compete<'a>(
         return Ok(of_causes(search));
     }
     let suspects = search.adjusted.suspects.clone();
-    let beside = wandering(base, &suspects)?;
-    let causes_first = match beside.is_empty() {
-        true => of_causes(search),
-        false => alternated(base, beside, candidates)?,
-    };
-    let alone = wandering(base, &[])?;
+    let (alone, beside) = rayon::join(
+        || wandering(base, &[]),
+        || match suspects.is_empty() {
+            true => Ok(Vec::new()),
+            false => wandering(base, &suspects),
+        },
+    );
+    let (alone, beside) = (alone?, beside?);
+    if alone.is_empty() && beside.is_empty() {
+        return Ok(of_causes(search));
+    }
+    let wandering_first = || alternated(base, alone.clone(), candidates);
+    if suspects.is_empty() {
+        let only = without_causes(base, alone.clone())?;
+        let model = better(base, wandering_first()?, only)?;
+        return described(base, model, candidates);
+    }
+    // Where causes explain all, what wanders must do it alone to be better.
+    let is_complete = beside.is_empty() && search.left <= 0.0;
+    let (causes_first, ahead) = rayon::join(
+        || match beside.is_empty() {
+            true => Ok(of_causes(search)),
+            false => alternated(base, beside, candidates),
+        },
+        || (!is_complete && !alone.is_empty()).then(wandering_first),
+    );
+    let causes_first = causes_first?;
     if alone.is_empty() {
         return Ok(causes_first);
     }
-    // Where causes explain all, what wanders must do it alone to be better.
     let is_complete = causes_first.wandering.is_empty() && causes_first.search.left <= 0.0;
     let only = without_causes(base, alone.clone())?;
     let mut model = better(base, causes_first, only)?;
     if !is_complete || model.search.found.is_empty() {
-        model = better(base, model, alternated(base, alone, candidates)?)?;
+        let wandering_first = ahead.unwrap_or_else(wandering_first)?;
+        model = better(base, model, wandering_first)?;
     }
     described(base, model, candidates)
 }

@@ -27,11 +27,11 @@
 
 use trueaxis_campaign::Direction;
 use trueaxis_effects::{Effect, Layer, Subject, effect};
+use trueaxis_leastsquares::{half_waves, matern_roots};
 use trueaxis_multilateration::Solution;
 use trueaxis_poses::LengthCircumstances as Reading;
 
 use crate::lengths::base::Base;
-use crate::lengths::harmonics::half_waves;
 use crate::lengths::omnibus::travelled;
 
 /// What wanders, and with what.
@@ -225,15 +225,8 @@ impl Wanderer {
 
     /// `S_k^½` for each column.
     pub(crate) fn roots_of_spectrum(self, base: &Base<'_>, length: f64) -> Vec<f64> {
-        let at = |k: u32| {
-            let wave = f64::from(k) * std::f64::consts::PI;
-            (3.0 / (length * length) + wave * wave).powi(-2)
-        };
-        let of_one: Vec<f64> = (0..=self.waves()).map(at).collect();
-        let variance = of_one[0] + 0.5 * of_one[1..].iter().sum::<f64>();
-        let of_one = of_one.iter().map(|s| (s / variance).sqrt());
         let times = self.courses(base).len() * self.coordinates().len();
-        let of_one: Vec<f64> = of_one.collect();
+        let of_one = matern_roots(length, self.waves());
         of_one
             .iter()
             .copied()
@@ -255,6 +248,7 @@ impl Wanderer {
         let width = self.waves() as usize + 1;
         let count = courses.len() * coordinates.len() * width;
         let mut columns = vec![vec![0.0; base.readings.len()]; count];
+        let mut waves = Vec::with_capacity(width);
         for (i, reading) in base.readings.iter().enumerate() {
             if !self.concerns(reading) {
                 continue;
@@ -264,11 +258,13 @@ impl Wanderer {
                 continue;
             };
             let observation = base.observation(reading, solution);
+            waves.clear();
+            waves.extend(self.basis(x));
             for (c, (effect, k)) in coordinates.iter().enumerate() {
                 let moved = effect.form(&subject, *k, f64::NEG_INFINITY, &observation.at);
                 let along = moved.along(&observation.beam);
                 let first = (course * coordinates.len() + c) * width;
-                for (column, wave) in columns[first..].iter_mut().zip(self.basis(x)) {
+                for (column, wave) in columns[first..].iter_mut().zip(&waves) {
                     column[i] = wave * along;
                 }
             }

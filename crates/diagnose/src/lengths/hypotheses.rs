@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use trueaxis_effects::{Effect, Level, Shape, Subject, catalogue};
+use trueaxis_poses::Observation;
 
 use crate::lengths::base::{Adjusted, Base};
 use crate::lengths::step_scan::{StepScan, VisitTimes};
@@ -26,8 +27,10 @@ pub(crate) struct Hypotheses {
 /// Makes hypotheses ready for what an adjusted model leaves, in their order.
 pub(crate) fn hypotheses(base: &Base<'_>, adjusted: &Adjusted, all: &[Hypothesis]) -> Hypotheses {
     let visits = visit_times(base);
-    let ready =
-        |hypothesis: &Hypothesis| scan(base, adjusted, &visits, *hypothesis).ok_or(*hypothesis);
+    let observations = base.observations(&adjusted.solution);
+    let ready = |hypothesis: &Hypothesis| {
+        scan_at(base, &observations, adjusted, &visits, *hypothesis).ok_or(*hypothesis)
+    };
     let ready: Vec<_> = all.par_iter().map(ready).collect();
     let mut hypotheses = Hypotheses {
         scans: Vec::new(),
@@ -49,9 +52,21 @@ pub(crate) fn scan(
     visits: &[VisitTimes],
     hypothesis: Hypothesis,
 ) -> Option<Box<dyn Scan>> {
+    let observations = base.observations(&adjusted.solution);
+    scan_at(base, &observations, adjusted, visits, hypothesis)
+}
+
+fn scan_at(
+    base: &Base<'_>,
+    observations: &[Observation<'_>],
+    adjusted: &Adjusted,
+    visits: &[VisitTimes],
+    hypothesis: Hypothesis,
+) -> Option<Box<dyn Scan>> {
     let projection = &adjusted.projection;
     let boxed = |scan: FixedScan| Box::new(scan) as Box<dyn Scan>;
-    let columns = |shape: f64| base.columns(adjusted, &hypothesis, shape);
+    let columns =
+        |shape: f64| base.columns_at(observations, &adjusted.whitened, &hypothesis, shape);
     match hypothesis.effect.shape {
         Shape::Instant => {
             let columns = columns(f64::NEG_INFINITY);

@@ -5,11 +5,11 @@
 //! noise. Several tests share their level (Bonferroni).
 
 use rayon::prelude::*;
+use trueaxis_leastsquares::half_waves;
 use trueaxis_poses::LengthCircumstances as Reading;
 
 use crate::OmnibusTest;
 use crate::lengths::base::{Adjusted, Base};
-use crate::lengths::harmonics::half_waves;
 use crate::selection::{Projection, dot, f_test, gram_of};
 
 /// Family-wise level of the omnibus tests: with that of the causes, 1.2 % of clean campaigns alarm.

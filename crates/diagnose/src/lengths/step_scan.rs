@@ -201,15 +201,16 @@ impl Sums {
             .collect();
         let mut through = vec![0.0; n];
         for (k, own) in self.shared.chunks_exact(n).enumerate() {
-            through.fill(0.0);
-            for (sigma, other) in projection
-                .sigma_row(k)
-                .iter()
-                .zip(self.shared.chunks_exact(n))
-            {
-                for (t, x) in through.iter_mut().zip(other) {
-                    *t += sigma * x;
+            if k < projection.sigma_width() {
+                through.fill(0.0);
+                let others = self.shared.chunks_exact(n);
+                for (sigma, other) in projection.sigma_row(k).iter().zip(others) {
+                    for (t, x) in through.iter_mut().zip(other) {
+                        *t += sigma * x;
+                    }
                 }
+            } else {
+                through.copy_from_slice(own);
             }
             for (i, a) in own.iter().enumerate() {
                 for (g, t) in gram[i * n..(i + 1) * n].iter_mut().zip(&through) {

@@ -9,8 +9,9 @@
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use trueaxis_leastsquares::half_waves;
 
-use crate::lengths::{OMNIBUS_LEVEL, Omnibus, family_wise, half_waves};
+use crate::lengths::{OMNIBUS_LEVEL, Omnibus, family_wise};
 use crate::points::base::Base;
 use crate::points::model::Model;
 use crate::points::readings::Reading;

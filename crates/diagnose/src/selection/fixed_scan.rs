@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-use crate::selection::projection::dot;
+use trueaxis_leastsquares::dot;
+
+use crate::selection::projection::Taken;
 use crate::selection::{Gram, Hypothesis, Projection, Scan};
 
 /// Columns for every shape.
@@ -29,9 +31,14 @@ impl FixedScan {
         columns: impl Fn(f64) -> Vec<Vec<f64>>,
     ) -> Option<Self> {
         let mut seen = Vec::new();
-        for &shape in shapes {
-            let columns = columns(shape);
-            let gram = gram(projection, &columns);
+        let all: Vec<Vec<Vec<f64>>> = shapes.iter().map(|&shape| columns(shape)).collect();
+        let all_taken = projection.taken_of_all(all.iter().flatten());
+        let mut first = 0;
+        for (columns, &shape) in all.into_iter().zip(shapes) {
+            let taken = &all_taken[first..first + columns.len()];
+            first += columns.len();
+            let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
+            let gram = Gram::new(&gram_matrix_of(&columns, taken), &before);
             if gram.rank() > 0 {
                 let concerned = concerned(&columns);
                 let cut = |column: &Vec<f64>| column[concerned.clone()].to_vec();
@@ -52,16 +59,16 @@ impl FixedScan {
 }
 
 /// From the first to the last row with anything but zeros.
-fn concerned(columns: &[Vec<f64>]) -> Range<usize> {
-    let first = |column: &Vec<f64>| column.iter().position(|&x| x != 0.0);
-    let last = |column: &Vec<f64>| column.iter().rposition(|&x| x != 0.0);
-    let first = columns.iter().filter_map(first).min().unwrap_or(0);
-    first
+pub(crate) fn concerned(columns: &[impl AsRef<[f64]>]) -> Range<usize> {
+    let columns = columns.iter().map(AsRef::as_ref);
+    let first = |column: &[f64]| column.iter().position(|&x| x != 0.0);
+    let last = |column: &[f64]| column.iter().rposition(|&x| x != 0.0);
+    let start = columns.clone().filter_map(first).min().unwrap_or(0);
+    start
         ..columns
-            .iter()
             .filter_map(last)
             .max()
-            .map_or(first, |last| last + 1)
+            .map_or(start, |last| last + 1)
 }
 
 /// `Xᵀ M X` of whitened columns in its eigenvectors.
@@ -70,15 +77,21 @@ pub(crate) fn gram(projection: &Projection, columns: &[Vec<f64>]) -> Gram {
     Gram::new(&gram_matrix(projection, columns), &before)
 }
 
-/// `Xᵀ M X` of whitened columns, row after row, from what the base model takes of each.
+/// `Xᵀ M X` of whitened columns, row after row.
 pub(crate) fn gram_matrix(projection: &Projection, columns: &[Vec<f64>]) -> Vec<f64> {
+    gram_matrix_of(columns, &projection.taken_of_all(columns))
+}
+
+/// The same from what the base model takes of each column.
+pub(crate) fn gram_matrix_of(columns: &[Vec<f64>], taken: &[Taken]) -> Vec<f64> {
     let n = columns.len();
-    let taken: Vec<_> = columns.iter().map(|c| projection.taken_of(c)).collect();
     let mut matrix = vec![0.0; n * n];
+    let rows: Vec<Range<usize>> = columns.iter().map(|c| concerned(&[c])).collect();
     for i in 0..n {
-        let own = concerned(&columns[i..=i]);
         for j in 0..=i {
-            let all = dot(&columns[i][own.clone()], &columns[j][own.clone()]);
+            let first = rows[i].start.max(rows[j].start);
+            let both = first..rows[i].end.min(rows[j].end).max(first);
+            let all = dot(&columns[i][both.clone()], &columns[j][both]);
             let value = all - taken[i].product(&taken[j]);
             (matrix[i * n + j], matrix[j * n + i]) = (value, value);
         }

@@ -1,6 +1,8 @@
 //! `G = Xᵀ M X` of a hypothesis in its eigenvectors.
 
+use faer::Mat;
 use nalgebra::{DMatrix, SymmetricEigen};
+use trueaxis_leastsquares::dense::symmetric_eigen;
 
 /// The directions of the parameters that the data can see.
 #[derive(Debug, Clone)]
@@ -16,6 +18,9 @@ pub(crate) struct Gram {
 /// effect to one part in ten thousand: no data of this kind show it.
 pub(crate) const VISIBLE: f64 = 1e-8;
 
+/// From so many parameters on the eigenvectors are those of faer, which is faster there.
+const LARGE_MATRIX: usize = 16;
+
 /// Share of a parameter in what the data do not see that is more than rounding.
 const UNSEEN: f64 = 1e-6;
 
@@ -23,24 +28,39 @@ impl Gram {
     /// From `G` (square, rows one after the other) and the squares `|X_k|²` before the projection.
     pub(crate) fn new(gram: &[f64], before: &[f64]) -> Self {
         let n = before.len();
-        let matrix = DMatrix::from_fn(n, n, |i, j| 0.5 * (gram[i * n + j] + gram[j * n + i]));
         let limit = VISIBLE * before.iter().fold(0.0_f64, |max, &b| max.max(b));
         let mut new = Self {
             values: Vec::new(),
             vectors: Vec::new(),
             parameters: n,
         };
-        if !matrix.iter().all(|x| x.is_finite()) || limit <= 0.0 {
+        if !gram.iter().all(|x| x.is_finite()) || limit <= 0.0 {
             return new;
         }
-        let eigen = SymmetricEigen::new(matrix);
-        for (k, &value) in eigen.eigenvalues.iter().enumerate() {
-            if value > limit {
-                new.values.push(value);
-                new.vectors.extend(eigen.eigenvectors.column(k).iter());
+        let at = |i: usize, j: usize| 0.5 * (gram[i * n + j] + gram[j * n + i]);
+        if n < LARGE_MATRIX {
+            let eigen = SymmetricEigen::new(DMatrix::from_fn(n, n, at));
+            for (&value, vector) in eigen
+                .eigenvalues
+                .iter()
+                .zip(eigen.eigenvectors.column_iter())
+            {
+                new.take(value, limit, vector.iter().copied());
+            }
+        } else if let Ok(eigen) = symmetric_eigen(Mat::from_fn(n, n, at).as_ref()) {
+            for (k, &value) in eigen.values.iter().enumerate() {
+                new.take(value, limit, eigen.vectors.col(k).iter().copied());
             }
         }
         new
+    }
+
+    /// Takes a direction that the data see.
+    fn take(&mut self, value: f64, limit: f64, vector: impl Iterator<Item = f64>) {
+        if value > limit {
+            self.values.push(value);
+            self.vectors.extend(vector);
+        }
     }
 
     /// Number of directions that the data see.

@@ -9,8 +9,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
+use trueaxis_leastsquares::dot;
 
-use crate::selection::projection::dot;
 use crate::selection::{Projection, Scan, ln_f_test};
 
 /// The null distribution of the smallest p-value.

@@ -12,9 +12,13 @@
 //!
 //! (A: the base model), which has the same form with more columns `T`, but is no projection any more.
 
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatMut, MatRef, Par};
+use trueaxis_leastsquares::{dot, in_widest_registers};
 use trueaxis_multilateration::Whitened;
 
-use crate::selection::fixed_scan::gram;
+use crate::selection::Gram;
+use crate::selection::fixed_scan::gram_matrix_of;
 
 /// Whitened residuals and the projection that made them.
 #[derive(Debug, Clone)]
@@ -37,8 +41,9 @@ pub(crate) struct Projection {
     /// `T`, row after row.
     shared: Vec<f64>,
     shared_width: usize,
-    /// `Σ`, row after row.
+    /// `Σ` of the first columns of `T`, row after row; of the others it is the identity.
     sigma: Vec<f64>,
+    sigma_width: usize,
 }
 
 /// The parts of a projection whose shared columns are orthonormal, and orthogonal to those of all groups.
@@ -60,6 +65,9 @@ pub(crate) struct Arrowhead {
 /// What must be left of a column, relative to its length, for it to count as something new.
 const NEW_TOL: f64 = 1e-6;
 
+/// Columns that are taken of together: rows of `O` and `T` are read once for all of them.
+const TOGETHER: usize = 8;
+
 /// A direction that the data know so much less than its prior does is left out of the covariance.
 const NOTHING: f64 = 0.02;
 
@@ -79,6 +87,7 @@ impl Projection {
             shared: whitened.shared.clone(),
             shared_width: whitened.shared_width,
             sigma: whitened.reduced_inverse.clone(),
+            sigma_width: whitened.shared_width,
         }
     }
 
@@ -98,15 +107,13 @@ impl Projection {
             shared: Vec::new(),
             shared_width: 0,
             sigma: Vec::new(),
+            sigma_width: 0,
         };
         bare.extended(base)
     }
 
     /// That of an eliminated system: `Σ = I`.
     pub(crate) fn arrowhead(parts: Arrowhead) -> Self {
-        let width = parts.shared_width;
-        let mut sigma = vec![0.0; width * width];
-        (0..width).for_each(|k| sigma[k * width + k] = 1.0);
         Self {
             squares: dot(&parts.residuals, &parts.residuals),
             is_soft: false,
@@ -118,8 +125,20 @@ impl Projection {
             own: parts.own,
             own_width: parts.own_width,
             shared: parts.shared,
-            shared_width: width,
-            sigma,
+            shared_width: parts.shared_width,
+            sigma: Vec::new(),
+            sigma_width: 0,
+        }
+    }
+
+    /// The same of other whitened residuals.
+    pub(crate) fn with_residuals(&self, y: &[f64]) -> Self {
+        let mut residuals = y.to_vec();
+        self.project(&mut residuals);
+        Self {
+            squares: dot(y, &residuals),
+            residuals,
+            ..self.clone()
         }
     }
 
@@ -143,23 +162,56 @@ impl Projection {
     }
 
     /// What the base model takes of a whitened column.
-    pub(crate) fn taken_of(&self, x: &[f64]) -> Taken {
-        let (own_width, width) = (self.own_width, self.shared_width);
-        let mut taken = Taken {
-            own: vec![0.0; self.groups * own_width],
-            shared: vec![0.0; width],
-            through: Vec::new(),
-        };
-        for (i, &value) in x.iter().enumerate() {
-            if value != 0.0 {
-                let group = &mut taken.own[self.group_of_row[i] * own_width..][..own_width];
-                add(group, self.own_row(i), value);
-                add(&mut taken.shared, self.shared_row(i), value);
-            }
-        }
-        let through = (0..width).map(|k| dot(self.sigma_row(k), &taken.shared));
-        taken.through = through.collect();
+    fn taken_of(&self, x: &[f64]) -> Taken {
+        let mut taken = self.nothing_taken();
+        self.add_taken(&mut [(x, &mut taken)]);
         taken
+    }
+
+    /// What the base model takes of each of some whitened columns.
+    pub(crate) fn taken_of_all<'c>(
+        &self,
+        columns: impl IntoIterator<Item = &'c Vec<f64>>,
+    ) -> Vec<Taken> {
+        let columns: Vec<&[f64]> = columns.into_iter().map(Vec::as_slice).collect();
+        let mut all: Vec<Taken> = columns.iter().map(|_| self.nothing_taken()).collect();
+        let mut pairs: Vec<(&[f64], &mut Taken)> = columns.into_iter().zip(&mut all).collect();
+        pairs
+            .chunks_mut(TOGETHER)
+            .for_each(|some| self.add_taken(some));
+        all
+    }
+
+    fn nothing_taken(&self) -> Taken {
+        Taken {
+            own: vec![0.0; self.groups * self.own_width],
+            shared: vec![0.0; self.shared_width],
+            through: Vec::new(),
+        }
+    }
+
+    /// Takes of some columns, row after row of `O` and `T`.
+    fn add_taken(&self, columns: &mut [(&[f64], &mut Taken)]) {
+        in_widest_registers(
+            #[inline(always)]
+            || {
+                for i in 0..self.rows() {
+                    for (x, taken) in &mut *columns {
+                        if x[i] != 0.0 {
+                            let first = self.group_of_row[i] * self.own_width;
+                            let group = &mut taken.own[first..][..self.own_width];
+                            add(group, self.own_row(i), x[i]);
+                            add(&mut taken.shared, self.shared_row(i), x[i]);
+                        }
+                    }
+                }
+            },
+        );
+        for (_, taken) in columns {
+            let (dense, rest) = taken.shared.split_at(self.sigma_width);
+            let through = (0..self.sigma_width).map(|k| dot(self.sigma_row(k), dense));
+            taken.through = through.chain(rest.iter().copied()).collect();
+        }
     }
 
     /// The projection after columns have joined the base model.
@@ -191,67 +243,122 @@ impl Projection {
                 basis.push(left);
             }
         }
+        let more = basis.len();
+        let by_rows = (0..self.rows()).flat_map(|i| basis.iter().map(move |unit| unit[i]));
+        let by_rows: Vec<f64> = by_rows.collect();
         Self {
-            degrees_of_freedom: self.degrees_of_freedom - basis.len() as f64,
-            ..self.with(&basis, residuals, squares)
+            degrees_of_freedom: self.degrees_of_freedom - more as f64,
+            ..self.with(&by_rows, more, residuals, squares)
         }
     }
 
     /// The same with columns whose coefficients have the prior `N(0, I)`, and the logarithm of `|I + Xᵀ M X|`.
     pub(crate) fn beside(&self, columns: &[Vec<f64>]) -> (Self, f64) {
-        let gram = gram(self, columns);
+        let taken_of = self.taken_of_all(columns);
+        let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
+        let gram = Gram::new(&gram_matrix_of(columns, &taken_of), &before);
         let s: Vec<f64> = columns.iter().map(|c| dot(c, &self.residuals)).collect();
-        let mut basis: Vec<Vec<f64>> = Vec::new();
-        let (mut residuals, mut squares) = (self.residuals.clone(), self.squares);
+        // Scaled eigenvectors, an element for each direction that is kept; row after row of X.
+        let kept = || {
+            let all = gram.directions(&s);
+            let parts = all.map(|(value, z, vector)| (value, value / (1.0 + value), z, vector));
+            parts.filter(|(_, part, _, _)| *part >= NOTHING)
+        };
+        let width = kept().count();
+        let mut scaled = vec![0.0; columns.len() * width];
         let (mut taken, mut ln_price) = (self.taken, 0.0);
-        for (value, z, vector) in gram.directions(&s) {
-            let part = value / (1.0 + value);
-            if part < NOTHING {
-                continue;
-            }
+        let (mut residuals, mut squares) = (self.residuals.clone(), self.squares);
+        let mut along = Vec::with_capacity(width);
+        for (m, (value, part, z, vector)) in kept().enumerate() {
             taken += part;
             ln_price += value.ln_1p();
-            let mut left = vec![0.0; self.rows()];
-            for (column, v) in columns.iter().zip(vector) {
-                add(&mut left, column, v * (part / value).sqrt());
+            for (k, v) in vector.iter().enumerate() {
+                scaled[k * width + m] = v * (part / value).sqrt();
             }
-            self.project(&mut left);
-            let along = z * part.sqrt();
-            add(&mut residuals, &left, -along);
-            squares -= along * along;
-            basis.push(left);
+            along.push(z * part.sqrt());
+            squares -= z * z * part;
+        }
+        let basis = self.projected(columns, &taken_of, &scaled, width);
+        for (residual, row) in residuals.iter_mut().zip(basis.chunks_exact(width.max(1))) {
+            *residual -= dot(row, &along);
         }
         let beside = Self {
             is_soft: true,
             taken,
-            ..self.with(&basis, residuals, squares)
+            ..self.with(&basis, width, residuals, squares)
         };
         (beside, ln_price)
     }
 
-    /// The same with more columns `T`.
-    fn with(&self, basis: &[Vec<f64>], residuals: Vec<f64>, squares: f64) -> Self {
-        let (old, width) = (self.shared_width, self.shared_width + basis.len());
+    /// `M X V`, row after row, of columns `X`, what is taken of them, and `V` (`width` columns), row after row.
+    fn projected(
+        &self,
+        columns: &[Vec<f64>],
+        taken_of: &[Taken],
+        v: &[f64],
+        width: usize,
+    ) -> Vec<f64> {
+        let (rows, count) = (self.rows(), columns.len());
+        let mut basis = vec![0.0; rows * width];
+        let times_v = |rows: usize, of_column: &dyn Fn(usize, usize) -> f64| {
+            let mut product = vec![0.0; rows * width];
+            let factor = Mat::from_fn(rows, count, of_column);
+            add_product(&mut product, factor.as_ref(), v, 1.0);
+            product
+        };
+        let own = times_v(self.groups * self.own_width, &|r, k| taken_of[k].own[r]);
+        let through = times_v(self.shared_width, &|r, k| taken_of[k].through[r]);
+        let shared = MatRef::from_row_major_slice(&self.shared, rows, self.shared_width);
+        add_product(&mut basis, shared, &through, -1.0);
+        // The columns with anything in a row: those of one course of a disturbance. Rows of one course follow each other.
+        let concerned = |i: usize| {
+            let is_there = |column: &Vec<f64>| column[i] != 0.0;
+            let first = columns.iter().position(is_there).unwrap_or(0);
+            (
+                first,
+                columns.iter().rposition(is_there).map_or(first, |k| k + 1),
+            )
+        };
+        let concerned: Vec<(usize, usize)> = (0..rows).map(concerned).collect();
+        let mut start = 0;
+        for alike in concerned.chunk_by(|a, b| a == b) {
+            let (first, end) = alike[0];
+            let own = Mat::from_fn(alike.len(), end - first, |i, k| {
+                columns[first + k][start + i]
+            });
+            let of_these = &mut basis[start * width..(start + alike.len()) * width];
+            add_product(of_these, own.as_ref(), &v[first * width..end * width], 1.0);
+            start += alike.len();
+        }
+        in_widest_registers(
+            #[inline(always)]
+            || {
+                for (i, row) in basis.chunks_exact_mut(width.max(1)).enumerate() {
+                    let group = &own[self.group_of_row[i] * self.own_width * width..];
+                    for (part, o) in group.chunks_exact(width).zip(self.own_row(i)) {
+                        add(row, part, -o);
+                    }
+                }
+            },
+        );
+        basis
+    }
+
+    /// The same with so many more columns `T`, row after row.
+    fn with(&self, basis: &[f64], more: usize, residuals: Vec<f64>, squares: f64) -> Self {
+        let width = self.shared_width + more;
         let mut shared = Vec::with_capacity(self.rows() * width);
         for i in 0..self.rows() {
             shared.extend_from_slice(self.shared_row(i));
-            shared.extend(basis.iter().map(|unit| unit[i]));
-        }
-        let mut sigma = vec![0.0; width * width];
-        for k in 0..width {
-            if k < old {
-                sigma[k * width..k * width + old]
-                    .copy_from_slice(&self.sigma[k * old..(k + 1) * old]);
-            } else {
-                sigma[k * width + k] = 1.0;
-            }
+            shared.extend_from_slice(&basis[i * more..(i + 1) * more]);
         }
         Self {
             residuals,
             squares,
             shared,
             shared_width: width,
-            sigma,
+            sigma: self.sigma.clone(),
+            sigma_width: self.sigma_width,
             is_soft: self.is_soft,
             taken: self.taken,
             degrees_of_freedom: self.degrees_of_freedom,
@@ -280,9 +387,14 @@ impl Projection {
         &self.shared[row * self.shared_width..(row + 1) * self.shared_width]
     }
 
-    /// Row of `Σ`.
+    /// Row of `Σ` up to where it is the identity, of the first columns of `T`.
     pub(crate) fn sigma_row(&self, row: usize) -> &[f64] {
-        &self.sigma[row * self.shared_width..(row + 1) * self.shared_width]
+        &self.sigma[row * self.sigma_width..(row + 1) * self.sigma_width]
+    }
+
+    /// Number of columns of `T` from which on `Σ` is the identity.
+    pub(crate) fn sigma_width(&self) -> usize {
+        self.sigma_width
     }
 
     /// Columns of `O` and `T`.
@@ -305,14 +417,22 @@ impl Taken {
     }
 }
 
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 /// `sum += factor · x`.
+#[inline(always)]
 pub(crate) fn add(sum: &mut [f64], x: &[f64], factor: f64) {
     for (s, x) in sum.iter_mut().zip(x) {
         *s += factor * x;
+    }
+}
+
+/// `sum += factor · A B`; `sum` and `B` row after row.
+fn add_product(sum: &mut [f64], a: MatRef<'_, f64>, b: &[f64], factor: f64) {
+    let (rows, inner) = (a.nrows(), a.ncols());
+    if rows * inner * sum.len() > 0 {
+        let width = sum.len() / rows;
+        let sum = MatMut::from_row_major_slice_mut(sum, rows, width);
+        let b = MatRef::from_row_major_slice(b, inner, width);
+        matmul(sum, Accum::Add, a, b, factor, Par::Seq);
     }
 }
 

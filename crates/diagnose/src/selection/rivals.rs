@@ -1,9 +1,10 @@
 //! Whether another hypothesis explains the data nearly as well.
 
 use trueaxis_effects::Parameter;
+use trueaxis_leastsquares::dot;
 
 use crate::selection::fixed_scan::gram;
-use crate::selection::projection::{add, dot};
+use crate::selection::projection::add;
 use crate::selection::{Projection, Score};
 
 /// A hypothesis fitted at one shape.

@@ -80,6 +80,14 @@ impl LengthsAdjustment<'_> {
                     .to_owned(),
             );
         }
+        notices.extend(screened.wandering.iter().map(|zero| {
+            format!(
+                "station {}: its zero wanders smoothly by {:.1} µm rms, or its tripod does: this is no \
+                 interruption, and nothing was cut; `trueaxis diagnose` says what wanders and calibrates without it",
+                self.campaign.stations[zero.station].name,
+                zero.rms_mm / MICROMETRE
+            )
+        }));
         let changed = !screened.removed.is_empty() || !screened.jumps.is_empty();
         if both_sides && changed && !report.is_contradicted() {
             notices.push(
@@ -125,6 +133,7 @@ impl LengthsAdjustment<'_> {
             change_mm: jump.change_mm,
             u_mm: jump.u_mm,
             tripod_may_have_moved: jump.tripod_may_have_moved,
+            may_wander: jump.may_wander,
         }
     }
 
