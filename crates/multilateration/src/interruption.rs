@@ -47,6 +47,9 @@ pub(crate) struct Rivals {
 const WANDER_LENGTHS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 const WAVES: u32 = 12;
 
+/// Sizes that are tried, quarters of powers of ten of the variance that the lengths can just see.
+const SIZES: std::ops::Range<i32> = -8..41;
+
 impl Rivals {
     /// The rivals of a step; `scale` is the standard deviation of w.
     pub(crate) fn of(
@@ -89,15 +92,21 @@ impl Rivals {
                 .fold(0.0, f64::max)
         };
         let jumps = |i, _| f64::from(u8::from(i >= step.first_reading));
-        let jump = following(false, &jumps);
         let wanders = [false, true].map(|is_station| {
             let of_wave = |k: usize| {
                 let wave = |_, s| half_waves(s, WAVES).nth(k).unwrap_or_default();
                 following(is_station, &wave)
             };
-            let waves: Vec<Vec<Vec<f64>>> = (0..WAVES as usize).map(of_wave).collect();
-            let alone = wander(rows, &waves, None, scale);
-            let beside = wander(rows, &waves, jump.first(), scale);
+            let mut columns: Vec<Vec<f64>> = (0..WAVES as usize).flat_map(of_wave).collect();
+            let n = columns.len();
+            columns.extend(following(false, &jumps));
+            let (left, right) = normal_equations(rows, &columns);
+            let (of_waves, along) = (left.view((0, 0), (n, n)), right.rows(0, n));
+            let alone = wander(&of_waves.into_owned(), &along.into_owned(), scale);
+            // What the step explains of the waves is free.
+            let (own, of_step) = (left.column(n).rows(0, n) / left[(n, n)], right[n]);
+            let of_waves = of_waves - &own * left.view((n, 0), (1, n));
+            let beside = wander(&of_waves, &(along - own * of_step), scale);
             (beside.ratio - alone.ratio, alone.rms_mm)
         });
         let [of_zero, of_station] = wanders;
@@ -161,18 +170,11 @@ struct Wander {
     rms_mm: f64,
 }
 
-/// The most likely process in half waves, each with columns for its coordinates; beside a free column `step`, if any.
-fn wander(rows: &Whitened, waves: &[Vec<Vec<f64>>], step: Option<&Vec<f64>>, scale: f64) -> Wander {
-    let coordinates = waves.first().map_or(0, Vec::len);
-    let columns: Vec<Vec<f64>> = waves.iter().flatten().chain(step).cloned().collect();
-    let (mut left, mut right) = normal_equations(rows, &columns);
-    let n = waves.len() * coordinates;
-    if step.is_some() {
-        // What the step explains of the columns is free.
-        let (own, of_step) = (left.column(n).rows(0, n) / left[(n, n)], right[n]);
-        left = left.view((0, 0), (n, n)) - &own * left.view((n, 0), (1, n));
-        right = right.rows(0, n) - own * of_step;
-    }
+/// The most likely process in half waves, of the normal equations of its columns: wave after wave, each with one for each
+/// coordinate.
+fn wander(left: &DMatrix<f64>, right: &DVector<f64>, scale: f64) -> Wander {
+    let n = right.len();
+    let coordinates = n / WAVES as usize;
     let mut best = Wander::default();
     for length in WANDER_LENGTHS {
         let roots = &matern_roots(length, WAVES)[1..];
@@ -195,6 +197,3 @@ fn wander(rows: &Whitened, waves: &[Vec<Vec<f64>>], step: Option<&Vec<f64>>, sca
     }
     best
 }
-
-/// Sizes that are tried, quarters of powers of ten of the variance that the lengths can just see.
-const SIZES: std::ops::Range<i32> = -8..41;
