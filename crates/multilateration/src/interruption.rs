@@ -41,6 +41,8 @@ pub(crate) struct Rivals {
     beside_wander: f64,
     /// Rms of the zero if it wanders, mm.
     pub(crate) wander_mm: f64,
+    /// Visits of the occupation: instants at which the step was sought.
+    instants: usize,
 }
 
 /// Correlation lengths of what wanders, as parts of the occupation, and its half waves.
@@ -110,7 +112,11 @@ impl Rivals {
             (beside.ratio - alone.ratio, alone.rms_mm)
         });
         let [of_zero, of_station] = wanders;
+        let visits = network.visits.iter();
         Self {
+            instants: visits
+                .filter(|v| zeros.get(v.readings.start) == Some(&zero))
+                .count(),
             beside_wander: of_zero.0.min(of_station.0) + (step.w / scale).powi(2),
             wander_mm: of_zero.1,
             step: (step.w / scale).powi(2),
@@ -131,6 +137,12 @@ impl Rivals {
     /// Whether the step is not needed beside a zero or a station that wanders.
     pub(crate) fn is_wander(&self) -> bool {
         self.beside_wander <= AHEAD
+    }
+
+    /// Whether the step is needed beside what wanders, even after it was sought at all instants: the largest of n squares
+    /// exceeds a single one by 2 ln n.
+    pub(crate) fn exclude_wander(&self) -> bool {
+        self.beside_wander > AHEAD + 2.0 * (self.instants.max(1) as f64).ln()
     }
 
     /// Whether a displacement at that instant explains clearly less.

@@ -57,7 +57,7 @@ pub struct Jump {
     pub u_mm: f64,
     /// A displacement of the station explains it as well as a jump of its zero.
     pub tripod_may_have_moved: bool,
-    /// A zero or a tripod that wanders was not told from it: without a cut too many lengths would have to be removed.
+    /// A zero or a tripod that wanders in a smooth course explains it nearly as well.
     pub may_wander: bool,
 }
 

@@ -74,6 +74,8 @@ pub(crate) struct Screening<'a> {
     pub(crate) cuts_what_wanders: bool,
     /// Interruptions that no displacement of the station explains.
     pub(crate) moved_tripods_excluded: Vec<Interruption>,
+    /// Interruptions that no zero or tripod that wanders explains.
+    pub(crate) wanders_excluded: Vec<Interruption>,
     /// Whether the snooping came to an end.
     settled: bool,
     /// Solutions in a row that did not reach the minimum.
@@ -124,6 +126,7 @@ impl<'a> Screening<'a> {
             never_split: false,
             cuts_what_wanders: false,
             moved_tripods_excluded: Vec::new(),
+            wanders_excluded: Vec::new(),
             settled: true,
             lost: 0,
             noise_known: None,

@@ -110,6 +110,7 @@ impl Screening<'_> {
     /// Seeks the instant of each interruption again, now that all good readings have full weight.
     pub(crate) fn place_interruptions(&mut self) -> Result<(), Error> {
         self.moved_tripods_excluded.clear();
+        self.wanders_excluded.clear();
         let (_, scale) = self.tests()?;
         for interruption in self.network.interruptions.clone() {
             self.network.interruptions.retain(|i| *i != interruption);
@@ -126,11 +127,15 @@ impl Screening<'_> {
             let rivals =
                 best.map(|step| Rivals::of(&step, (&self.network, solution), &rows, scale));
             self.split(interruption.station, first_reading);
-            if rivals.is_some_and(|rivals| rivals.exclude_displacement()) {
-                self.moved_tripods_excluded.push(Interruption {
-                    first_reading,
-                    ..interruption
-                });
+            let placed = Interruption {
+                first_reading,
+                ..interruption
+            };
+            if rivals.as_ref().is_some_and(Rivals::exclude_displacement) {
+                self.moved_tripods_excluded.push(placed);
+            }
+            if rivals.as_ref().is_some_and(Rivals::exclude_wander) {
+                self.wanders_excluded.push(placed);
             }
             self.solve()?;
         }
@@ -179,7 +184,7 @@ impl Screening<'_> {
             .map(|(jump, interruption)| Jump {
                 first_reading: interruption.first_reading,
                 tripod_may_have_moved: !self.moved_tripods_excluded.contains(interruption),
-                may_wander: self.cuts_what_wanders,
+                may_wander: self.cuts_what_wanders || !self.wanders_excluded.contains(interruption),
                 ..jump
             })
             .collect()

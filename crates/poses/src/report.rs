@@ -90,7 +90,7 @@ pub struct InterruptedOccupation {
     pub u_mm: f64,
     /// Not only an interrupted beam explains it, but a tripod that moved as well.
     pub tripod_may_have_moved: bool,
-    /// Nor was it told from a zero or a tripod that wanders, which is cut where too many lengths would have to be removed.
+    /// A zero or a tripod that wanders in a smooth course explains it nearly as well.
     pub may_wander: bool,
 }
 
@@ -99,7 +99,7 @@ impl InterruptedOccupation {
     pub fn cause(&self) -> &'static str {
         match self.tripod_may_have_moved {
             _ if self.may_wander => {
-                "the zero or the tripod wanders or moved, or the beam was interrupted"
+                "the beam was interrupted, or the tripod moved, or the zero wanders"
             }
             true => "the beam was interrupted, or the tripod moved",
             false => "the beam was interrupted",

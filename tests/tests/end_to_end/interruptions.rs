@@ -102,10 +102,89 @@ fn a_zero_that_swings_is_not_cut() {
     assert_eq!((told, refused), (8, 0));
 }
 
-/// A swing of which a station's place takes most, as a period of the whole campaign, may not show.
+/// A swing that is mistaken for an interruption must look like one beside any smooth course, by a likelihood ratio of e⁵
+/// after all instants were tried: less than one in a hundred.
 #[test]
 #[ignore = "study: 96 calibrations"]
 fn zeros_that_swing_are_not_cut() {
     let (interrupted, _, _) = swings(10..18, &[2.0, 4.0, 8.0]);
-    assert!(interrupted.len() <= 4);
+    assert!(interrupted.len() <= 1);
+}
+
+/// What is said of a station whose lengths jump by so many µm at one of its stops.
+#[derive(Debug, Default)]
+struct Said {
+    refused: usize,
+    nothing: usize,
+    wanders: usize,
+    jumps_or_wanders: usize,
+    jumps: usize,
+    jumps_elsewhere: usize,
+}
+
+/// Counts it over campaigns that are clean otherwise.
+fn jumps(um: f64, seeds: std::ops::Range<u64>) -> Said {
+    let found: Vec<_> = seeds
+        .into_par_iter()
+        .map(|seed| {
+            let mut campaign = blind::campaign(&Kind::three_axis(), &[], seed);
+            let lengths = campaign.lengths.as_mut().unwrap();
+            let station = usize::try_from(seed % 4).unwrap();
+            let stops: Vec<_> = lengths
+                .stops
+                .iter()
+                .filter(|stop| stop.station == station)
+                .map(|stop| stop.readings.clone())
+                .collect();
+            let first = 10 + usize::try_from(seed * 7919).unwrap() % (stops.len() - 20);
+            for stop in &stops[first..] {
+                for reading in &mut lengths.readings[stop.clone()] {
+                    reading.length_mm += 1e-3 * um;
+                }
+            }
+            (
+                calibrate(&campaign, &Settings::default()).ok(),
+                stops[first].start,
+            )
+        })
+        .collect();
+    let mut said = Said::default();
+    for (found, first) in found {
+        let Some(found) = found else {
+            said.refused += 1;
+            continue;
+        };
+        let wanders = found
+            .notices
+            .iter()
+            .any(|text| text.contains("its zero wanders"));
+        match &found.adjustment.interruptions[..] {
+            [] if wanders => said.wanders += 1,
+            [] => said.nothing += 1,
+            // Four stops to either side: a small jump is not placed to the stop.
+            [jump, ..] if jump.lines[1].abs_diff(first + 2) > 12 => said.jumps_elsewhere += 1,
+            [jump, ..] if jump.may_wander => said.jumps_or_wanders += 1,
+            _ => said.jumps += 1,
+        }
+    }
+    println!("{um} µm: {said:?}");
+    said
+}
+
+/// The uncertainty of such a jump is 0.15 to 0.2 µm. Large ones are seen and called so; small ones, in which a smooth
+/// course is as likely, may be called either, and hardly ever a course alone.
+#[test]
+#[ignore = "study: 320 calibrations"]
+fn jumps_are_called_what_they_are() {
+    let mut wanders = 0;
+    for um in [0.8, 1.0, 1.25, 1.5, 2.0] {
+        wanders += jumps(um, 100..140).wanders;
+    }
+    for um in [3.0, 5.0, 10.0] {
+        let said = jumps(um, 100..140);
+        assert!(said.jumps + said.jumps_or_wanders >= 39);
+        wanders += said.wanders;
+    }
+    // A likelihood ratio of e⁵ against them: 2 in 320 are expected, and more than 8 once in a thousand.
+    assert!(wanders <= 8);
 }
