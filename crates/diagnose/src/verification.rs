@@ -29,6 +29,7 @@ mod omnibus;
 mod prediction_error;
 mod problem;
 mod report;
+mod resolution;
 mod search;
 
 use trueaxis_calibrate::CalibratedMachine;
@@ -45,6 +46,7 @@ use crate::verification::gross_errors::gross_errors;
 use crate::verification::noise_floor::noise_floor_um;
 use crate::verification::prediction_error::prediction_directions;
 use crate::verification::problem::Problem;
+use crate::verification::resolution::resolution_um;
 use crate::{
     Cause, LevelReport, Misfit, NotObservable, OmnibusTest, Rejected, Shares, Unexplained,
 };
@@ -178,7 +180,14 @@ fn diagnose_entry(
             &directions.unwrap_or_default(),
         )
     };
-    let floor_um = noise_floor_um(&comparison);
+    let Some(resolution_um) = resolution_um(&comparison) else {
+        outcome.notices.push(format!(
+            "{}: all readings are equal; nothing can be said",
+            verification.name
+        ));
+        return;
+    };
+    let floor_um = noise_floor_um(&comparison).map(|floor| floor.max(resolution_um));
     let curve = match calibration {
         None if explain_curves => {
             diagnose_line_curve(&comparison, floor_um, machine, &verification.name)
@@ -190,9 +199,7 @@ fn diagnose_entry(
     // Without repeats the base model's misfit stands for the noise at first.
     let mut problem = posed(floor_um.unwrap_or(1.0));
     let name = &verification.name;
-    if problem.base.degrees_of_freedom < LEAST_DEGREES_OF_FREEDOM
-        || problem.rms_um(&problem.base) <= 0.0
-    {
+    if problem.base.degrees_of_freedom < LEAST_DEGREES_OF_FREEDOM {
         outcome.notices.push(format!(
             "{name}: {} arrivals leave {:.0} degrees of freedom beside the base model; nothing can be said (at least {LEAST_DEGREES_OF_FREEDOM:.0} are needed: repeat the cycle)",
             problem.readings(),
@@ -204,10 +211,10 @@ fn diagnose_entry(
     if floor_um.is_none() {
         // Then what is left with the causes in the model.
         for _ in 0..2 {
-            problem = posed(found.report.after.rms_um);
+            problem = posed(found.report.after.rms_um.max(resolution_um));
             found = judge_entry(&problem, scene, name, level);
         }
-        found.report.noise_floor_um = found.report.after.rms_um;
+        found.report.noise_floor_um = found.report.after.rms_um.max(resolution_um);
     }
     let unseen = not_observable::not_observable(&problem, scene, name, calibration.is_some());
     // What the mean curve absorbs was looked for in the curve itself.

@@ -325,6 +325,7 @@ fn parameters(cause: &Cause) -> String {
                     fixed(2.0 * u, digits)
                 )
             }
+            None if parameter.u.is_none() && parameter.value == 0.0 => format!("{name} –"),
             None if parameter.u.is_none() => format!(
                 "{name} {}{unit} (seen in part only)",
                 rough(parameter.value)

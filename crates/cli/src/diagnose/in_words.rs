@@ -88,11 +88,14 @@ fn vector_at(parameters: &[EstimatedParameter]) -> usize {
 /// Value with sign and U, to the decimals that U shows.
 fn number(parameter: &EstimatedParameter) -> String {
     let expanded = COVERAGE * parameter.u;
-    if !expanded.is_finite() {
-        return format!("{:+.1} (seen in part only)", parameter.value);
+    if expanded.is_finite() {
+        let decimals = decimals(expanded);
+        return format!("{:+.decimals$} ± {expanded:.decimals$}", parameter.value);
     }
-    let decimals = decimals(expanded);
-    format!("{:+.decimals$} ± {expanded:.decimals$}", parameter.value)
+    match parameter.value == 0.0 {
+        true => "–".to_owned(),
+        false => format!("{:+.1} (seen in part only)", parameter.value),
+    }
 }
 
 fn plain(parameter: &EstimatedParameter) -> String {

@@ -149,7 +149,7 @@ impl Projection {
 
     /// `yᵀ M y`.
     pub(crate) fn squares(&self) -> f64 {
-        self.squares
+        self.squares.max(0.0)
     }
 
     /// `x <- M x`.

@@ -17,6 +17,7 @@ use crate::Rejected;
 use crate::selection::Projection;
 use crate::verification::comparison::Comparison;
 use crate::verification::noise_floor::scatter;
+use crate::verification::resolution::resolution_um;
 
 /// Probability of leaving out anything of readings that are in order, for each file.
 const LEVEL: f64 = 1e-4;
@@ -40,7 +41,8 @@ pub(crate) fn gross_errors(
     )]
     let most = ((MOST * count as f64) as usize).max(1);
     let mut found: Vec<(usize, f64, f64)> = Vec::new();
-    while let Some((arrival, error, u)) = largest(&left, count) {
+    let resolution_um = resolution_um(comparison).unwrap_or_default();
+    while let Some((arrival, error, u)) = largest(&left, count, resolution_um) {
         found.push((arrival, error, u));
         if found.len() > most {
             return Vec::new();
@@ -82,7 +84,7 @@ pub(crate) fn gross_errors(
 }
 
 /// The arrival that stands out most, if noise has none like it: error and its standard uncertainty, µm.
-fn largest(left: &Projection, count: usize) -> Option<(usize, f64, f64)> {
+fn largest(left: &Projection, count: usize, resolution_um: f64) -> Option<(usize, f64, f64)> {
     let (squares, freedom) = (left.squares(), left.degrees_of_freedom - 1.0);
     if freedom < LEAST_DEGREES_OF_FREEDOM {
         return None;
@@ -95,8 +97,8 @@ fn largest(left: &Projection, count: usize) -> Option<(usize, f64, f64)> {
             return None;
         }
         let e = left.residuals[row];
-        let rest = (squares - e * e / redundancy).max(squares * f64::EPSILON);
-        let u = (rest / freedom / redundancy).sqrt();
+        let rest = (squares - e * e / redundancy).max(0.0);
+        let u = ((rest / freedom).sqrt().max(resolution_um)) / redundancy.sqrt();
         Some((row, e / redundancy, u))
     });
     let mut tested: Vec<(usize, f64, f64)> = tested.collect();

@@ -50,7 +50,11 @@ pub(crate) fn causes(
             .map(|(i, parameter)| EstimatedParameter {
                 name: parameter.name.clone(),
                 value: values[i],
-                u: own[(i, i)].max(0.0).sqrt(),
+                // What these lines do not show has no uncertainty.
+                u: match own[(i, i)] > 0.0 {
+                    true => own[(i, i)].sqrt(),
+                    false => f64::INFINITY,
+                },
                 unit: parameter.unit,
             })
             .collect();

@@ -287,3 +287,30 @@ fn groups_of_stops_show_no_wave() {
         assert!(found(once).causes.is_empty());
     }
 }
+
+/// A counter of steps repeats to its last digit: no noise is left, and nothing may be divided by it.
+#[test]
+fn readings_that_repeat_to_the_last_digit_are_judged_by_that_digit() {
+    let said = |value_um: &dyn Fn(usize, bool) -> f64| {
+        let digits = |row: usize, below: bool, stop: usize| {
+            // The line has a slope of 10 µm/m of its own.
+            let true_um = 0.01 * STOPS_MM[stop] + value_um(row, below);
+            (100.0 * true_um).round() / 100.0 - 0.01 * STOPS_MM[stop]
+        };
+        found(line(true, 0.0, 0, digits))
+    };
+    let same = said(&|_, _| 0.7);
+    assert_eq!(same.verdict, Verdict::Clean);
+    // One reading is off by its last digit: that is no slip of the pen.
+    let digit = said(&|row, _| if row == 7 { 0.71 } else { 0.7 });
+    assert_eq!(digit.verdict, Verdict::Clean);
+    assert!(digit.rejected.is_empty());
+    let apart = said(&|_, below| lost(0.1, below));
+    assert!(apart.causes.iter().any(is_lost_motion));
+}
+
+#[test]
+fn equal_readings_are_not_judged() {
+    let equal = found(line(true, 0.0, 0, |_, _, stop| 0.7 - 0.01 * STOPS_MM[stop]));
+    assert_eq!(equal.verdict, Verdict::NotJudged);
+}
