@@ -1,7 +1,9 @@
 //! The outcome: what is wrong, why, what the better model looks like, what was gained.
 
 use trueaxis_calibrate::Calibration;
-use trueaxis_effects::{Layer, Level, ResolvedEffect, Scene, Subject};
+use trueaxis_effects::{
+    Explanation, LOST_MOTION_OF_BOTH_SIGNS, Layer, Level, ResolvedEffect, Scene, Subject,
+};
 
 use crate::{Fitted, Shares};
 
@@ -209,6 +211,8 @@ pub struct Cause {
     /// By how much the calibration changes: name of the component or location error, largest amount and
     /// unit.
     pub changes: Vec<Change>,
+    /// Its size as a function of the position, where that has a free form; else empty.
+    pub curve: Vec<CurvePoint>,
     /// For a cause of an error curve: its share of the curve's squares.
     pub share_of_curve: Option<f64>,
     /// The misfit without it beside what it explains of it; none where single readings do not show it.
@@ -283,10 +287,10 @@ pub struct CorrelationLength {
     pub unit: &'static str,
 }
 
-/// A point of a course.
+/// A point of a course, or of a free form.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurvePoint {
-    /// Time or position, in the unit of the correlation length.
+    /// Time or position, in the unit of the correlation length; mm of a free form.
     pub at: f64,
     /// Each coordinate (x, y, z; of a station its dead path, too), µm: from its mean over a turn, or over the range.
     pub value_um: Vec<f64>,
@@ -395,6 +399,21 @@ pub struct Follows<'a> {
 }
 
 impl Cause {
+    /// What to tell a calibration engineer about it.
+    pub fn explanation(&self) -> Explanation {
+        let beyond_doubt = |sign: f64| {
+            let points = self.curve.iter();
+            let clear = |(value, u): (&f64, &f64)| sign * value > 3.0 * u;
+            points
+                .flat_map(|p| p.value_um.iter().zip(&p.u_um))
+                .any(clear)
+        };
+        match beyond_doubt(1.0) && beyond_doubt(-1.0) {
+            true => LOST_MOTION_OF_BOTH_SIGNS,
+            false => self.effect.explanation(),
+        }
+    }
+
     /// The logged temperature that it goes with; none if it goes with time or position.
     pub fn follows<'a>(&self, scene: &'a Scene) -> Option<Follows<'a>> {
         let subject = &self.effect.subject;

@@ -313,6 +313,7 @@ fn cause(
         rivals: rivals.collect(),
         changes: Vec::new(),
         share: None,
+        curve: Vec::new(),
         share_of_curve: None,
         fitted: None,
         effect,

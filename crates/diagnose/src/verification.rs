@@ -23,6 +23,7 @@ pub(crate) mod comparison;
 mod gross_errors;
 mod held_out;
 mod hypotheses;
+mod lost_motion;
 mod noise_floor;
 mod not_observable;
 mod omnibus;
@@ -45,7 +46,7 @@ use crate::verification::comparison::Comparison;
 use crate::verification::gross_errors::gross_errors;
 use crate::verification::noise_floor::noise_floor_um;
 use crate::verification::prediction_error::prediction_directions;
-use crate::verification::problem::Problem;
+use crate::verification::problem::{Chosen, Problem};
 use crate::verification::resolution::resolution_um;
 use crate::{
     Cause, LevelReport, Misfit, NotObservable, OmnibusTest, Rejected, Shares, Unexplained,
@@ -170,22 +171,22 @@ fn diagnose_entry(
         comparison.parked_elsewhere = parked_elsewhere(campaign, &kept);
     }
     let base = base_columns(&comparison, calibration.is_some());
-    let posed = |sigma_um: f64| {
-        let directions = calibration.map(|c| prediction_directions(&comparison, c, sigma_um));
-        Problem::new(
-            &comparison,
-            scene,
-            sigma_um,
-            &base,
-            &directions.unwrap_or_default(),
-        )
-    };
     let Some(resolution_um) = resolution_um(&comparison) else {
         outcome.notices.push(format!(
             "{}: all readings are equal; nothing can be said",
             verification.name
         ));
         return;
+    };
+    let posed = |sigma_um: f64| {
+        let directions = calibration.map(|c| prediction_directions(&comparison, c, sigma_um));
+        Problem::new(
+            &comparison,
+            scene,
+            (sigma_um, resolution_um),
+            &base,
+            &directions.unwrap_or_default(),
+        )
     };
     let floor_um = noise_floor_um(&comparison).map(|floor| floor.max(resolution_um));
     let curve = match calibration {
@@ -284,6 +285,13 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
         excluded.extend(first);
     }
 
+    // The one without which most is left comes first.
+    let left_without = |k: usize| problem.with(&search::without(&chosen, k)).squares();
+    let mut ranked: Vec<(f64, Chosen)> = (0..chosen.len())
+        .map(|k| (left_without(k), chosen[k]))
+        .collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let chosen: Vec<Chosen> = ranked.into_iter().map(|(_, cause)| cause).collect();
     let after = problem.with(&chosen);
     let tests_after = omnibus::omnibus(problem, &families, &after);
     let causes = report::causes(problem, scene, &chosen, &after, &folds);

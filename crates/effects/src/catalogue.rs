@@ -50,6 +50,7 @@ mod worm_gear;
 use crate::Effect;
 
 pub(crate) use backlash::OVER_COMPENSATED;
+pub use position_dependent_backlash::LOST_MOTION_OF_BOTH_SIGNS;
 
 /// Every effect, layer after layer: instrument, set-up, machine.
 pub fn catalogue() -> &'static [&'static Effect] {

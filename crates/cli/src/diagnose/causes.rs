@@ -22,7 +22,7 @@ pub(crate) fn of_misfit(
     with_changes: bool,
     scene: &Scene,
 ) -> Vec<String> {
-    let explanation = cause.effect.explanation();
+    let explanation = cause.explanation();
     let several = rank.is_some();
     let rank = rank.map(|rank| format!(" {rank}")).unwrap_or_default();
     let name = in_words::effect(&cause.effect, scene);
@@ -39,6 +39,12 @@ pub(crate) fn of_misfit(
         size += &format!("; {} of the misfit, in squares", in_words::percent(share));
     }
     lines.extend(labelled("size", &size));
+    lines.extend(
+        in_words::curve(&cause.curve)
+            .map(|curve| labelled("along it", &curve))
+            .into_iter()
+            .flatten(),
+    );
     if let Some(follows) = cause.follows(scene) {
         let where_it_is = if follows.is_plausible {
             "in"
@@ -88,7 +94,7 @@ fn rivals(cause: &Cause, scene: &Scene) -> String {
 
 /// The largest changes, and the consequence of leaving the cause in.
 fn changes(cause: &Cause, with_changes: bool, several: bool) -> String {
-    let consequence = cause.effect.explanation().consequence;
+    let consequence = cause.explanation().consequence;
     let mut changes: Vec<&Change> = cause.changes.iter().collect();
     if with_changes && !changes.is_empty() && changes.iter().all(|c| size_um(c) < WORTH_A_WORD_UM) {
         return format!(

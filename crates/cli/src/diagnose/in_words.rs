@@ -1,6 +1,6 @@
 //! Numbers and names of a diagnosis in the words of the terminal.
 
-use trueaxis_diagnose::EstimatedParameter;
+use trueaxis_diagnose::{CurvePoint, EstimatedParameter};
 use trueaxis_effects::{GivenSubject, ResolvedEffect, Scene};
 
 /// Coverage factor of the uncertainties that people read.
@@ -69,6 +69,23 @@ pub(crate) fn parameters(parameters: &[EstimatedParameter]) -> String {
         });
     }
     parts.join("; ")
+}
+
+/// The ends of a free form: `+104.7 ± 5.2 µm at 0 mm, +12.0 ± 5.2 µm at -4 mm`; none without one.
+pub(crate) fn curve(curve: &[CurvePoint]) -> Option<String> {
+    let value = |point: &CurvePoint| point.value_um[0];
+    let point = |point: &CurvePoint| {
+        let expanded = COVERAGE * point.u_um[0];
+        let decimals = decimals(expanded);
+        format!(
+            "{:+.decimals$} ± {expanded:.decimals$} µm at {:.1} mm",
+            value(point),
+            point.at
+        )
+    };
+    let most = curve.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?;
+    let least = curve.iter().min_by(|a, b| value(a).total_cmp(&value(b)))?;
+    Some(format!("from {} to {}", point(least), point(most)))
 }
 
 /// 3 if the parameters begin with the three parts of a vector, else 1.

@@ -57,6 +57,7 @@ pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
         rivals: found.rivals.clone(),
         changes: Vec::new(),
         share: None,
+        curve: Vec::new(),
         share_of_curve: Some(share),
         fitted: fitted(set, &estimate.curve, scene),
     }

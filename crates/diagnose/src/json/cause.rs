@@ -8,6 +8,7 @@ use serde::ser::{SerializeMap, Serializer};
 use trueaxis_effects::{GivenEffect, GivenParameter, GivenSubject, Scene};
 use trueaxis_files::{Ordered, round, significant};
 
+use crate::json::disturbance::{CurvePointFile, point};
 use crate::json::fitted::FittedFile;
 use crate::json::um;
 use crate::{Cause, Change, EstimatedParameter};
@@ -26,6 +27,8 @@ pub(super) struct CauseFile<'a> {
     share: Option<f64>,
     heldout_gain: Option<f64>,
     parameters: Vec<GivenParameter>,
+    /// Its size as a function of the position, where that has a free form.
+    curve: Option<Vec<CurvePointFile>>,
     /// Of the linear parameters, rows in their order.
     covariance: Vec<Vec<f64>>,
     cannot_tell_apart_from: Vec<RivalFile>,
@@ -89,7 +92,7 @@ impl JsonSchema for ChangeFile<'_> {
 
 impl<'a> CauseFile<'a> {
     pub(super) fn new(rank: usize, cause: &'a Cause, scene: &Scene) -> Self {
-        let explanation = cause.effect.explanation();
+        let explanation = cause.explanation();
         let rivals = cause.rivals.iter().map(|rival| {
             let given = rival.effect.to_given(scene);
             RivalFile {
@@ -113,6 +116,7 @@ impl<'a> CauseFile<'a> {
             share: cause.share.map(|share| round(share, 4)),
             heldout_gain: cause.heldout_gain.map(|gain| round(gain, 4)),
             parameters: cause.parameters.iter().map(estimated).collect(),
+            curve: (!cause.curve.is_empty()).then(|| cause.curve.iter().map(point).collect()),
             covariance: rows(&cause.covariance, cause.effect.parameters.len()),
             cannot_tell_apart_from: rivals.collect(),
             separate_by: explanation.separate_by,

@@ -32,7 +32,7 @@ struct CorrelationLengthFile {
 }
 
 #[derive(Serialize, JsonSchema)]
-struct CurvePointFile {
+pub(super) struct CurvePointFile {
     at: [f64; 1],
     value_um: Vec<f64>,
     u_um: Vec<f64>,
@@ -78,7 +78,7 @@ impl<'a> DisturbanceFile<'a> {
     }
 }
 
-fn point(point: &CurvePoint) -> CurvePointFile {
+pub(super) fn point(point: &CurvePoint) -> CurvePointFile {
     let rounded = |values: &[f64]| values.iter().map(|v| round(*v, 4)).collect();
     CurvePointFile {
         at: [round(point.at, 3)],

@@ -382,6 +382,7 @@ fn causes(
                     .collect(),
                 changes: Vec::new(),
                 share: None,
+                curve: Vec::new(),
                 share_of_curve: None,
                 fitted: fitted(base, rest, current, &found.suspect),
                 effect: Base::resolved(&found.suspect),

@@ -85,6 +85,7 @@ pub(crate) fn causes(
             covariance,
             rivals: cause.rivals.into_iter().map(rival).collect(),
             changes: Vec::new(),
+            curve: Vec::new(),
             share_of_curve: None,
             fitted: fitted(base, model, &suspects, &cause.suspect),
         });

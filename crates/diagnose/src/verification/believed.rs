@@ -31,8 +31,8 @@ pub(crate) fn with_gain(problem: &Problem<'_>, causes: &mut Vec<Chosen>, folds: 
 const TOO_MUCH_LEFT: f64 = 0.25;
 
 /// The same of one course in time: what wanders looks like a jump or a drift in most of its squares, so that these
-/// are named only if they take 95 %.
-const TOO_MUCH_OF_TIME: f64 = 1.0 / 19.0;
+/// are named only if they take 95 %. And of a free function of the position, which fits many things.
+const TOO_MUCH_OF_ANY_FORM: f64 = 1.0 / 19.0;
 
 /// Drops causes whose trace lies where structure is left: a wrong name takes a part of an unknown
 /// disturbance and leaves the rest in the same columns.
@@ -57,8 +57,9 @@ pub(crate) fn without_imitations(
         })
         .collect();
     causes.retain(|cause| {
-        let too_much = match problem.candidates[cause.candidate].is_of_time() {
-            true => TOO_MUCH_OF_TIME,
+        let candidate = &problem.candidates[cause.candidate];
+        let too_much = match candidate.is_of_time() || candidate.is_free {
+            true => TOO_MUCH_OF_ANY_FORM,
             false => TOO_MUCH_LEFT,
         };
         let columns = problem.columns(std::slice::from_ref(cause));

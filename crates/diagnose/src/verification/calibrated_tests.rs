@@ -253,7 +253,7 @@ fn beyond_the_prediction(calibration: &CalibratedMachine, trace: &Verification) 
     let comparison = Comparison::new(machine, trace, &trueaxis_kinematics::Ideal);
     let directions = prediction_directions(&comparison, calibration, SIGMA_UM);
     let base = base_columns(&comparison, true);
-    Problem::new(&comparison, &scene(), SIGMA_UM, &base, &directions)
+    Problem::new(&comparison, &scene(), (SIGMA_UM, 0.0), &base, &directions)
         .base
         .residuals
 }

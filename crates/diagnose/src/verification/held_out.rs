@@ -75,7 +75,12 @@ pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen], folds: &[usize]
     // The causes as they are, and with each other value of one of the shapes.
     let mut variants = vec![causes.to_vec()];
     for (k, cause) in causes.iter().enumerate() {
-        let shapes = &problem.candidates[cause.candidate].shapes;
+        let candidate = &problem.candidates[cause.candidate];
+        // More waves of a free form always fit the rest better.
+        if !candidate.hypothesis.has_shape() {
+            continue;
+        }
+        let shapes = &candidate.shapes;
         for &shape in shapes.iter().filter(|shape| !is_same(**shape, cause.shape)) {
             let mut variant = causes.to_vec();
             variant[k].shape = shape;

@@ -8,6 +8,7 @@ use trueaxis_kinematics::{AxisKind, Component};
 
 use crate::selection::{Fit, Hypothesis, Projection};
 use crate::verification::comparison::Comparison;
+use crate::verification::lost_motion;
 
 /// An effect on a subject with the columns of all its shapes.
 pub(crate) struct Candidate {
@@ -17,6 +18,8 @@ pub(crate) struct Candidate {
     pub(crate) shapes: Vec<f64>,
     columns: Vec<Vec<Vec<f64>>>,
     parameters: Vec<Parameter>,
+    /// Whether its size is a free function of the position.
+    pub(crate) is_free: bool,
 }
 
 impl Candidate {
@@ -35,6 +38,21 @@ impl Candidate {
         Fit::new(model, self.columns(shape)).is_possible(&self.parameters, variance)
     }
 
+    /// Logarithm of the probability that noise has at most for what this form explains beyond a smaller one, if `level` is that of
+    /// forms with parameters alone. Of a free form the best of several numbers of waves was taken; and it is named only where
+    /// a simpler one is beyond doubt too simple.
+    pub(crate) fn ln_level_of_more(&self, level: f64) -> f64 {
+        match self.is_free {
+            true => (level * FREE_FORM / self.shapes.len() as f64).ln(),
+            false => level.ln(),
+        }
+    }
+
+    /// The parameters of the effect; what columns there are beside theirs are a function of the position.
+    pub(crate) fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
     /// The whitened columns at the nearest shape.
     pub(crate) fn columns(&self, shape: f64) -> &[Vec<f64>] {
         let distance = |k: &usize| (self.shapes[*k] - shape).abs();
@@ -50,6 +68,9 @@ const OF_TIME: [&str; 5] = [
     "machine_shift",
     "warm_up",
 ];
+
+/// Part of the level at which a free form is preferred to its mean and slope.
+const FREE_FORM: f64 = 0.1;
 
 /// Time constants that are tried, in equal ratios.
 const TIME_CONSTANTS: i32 = 16;
@@ -99,20 +120,41 @@ pub(crate) fn candidates(
             let linear = effect.parameters(&scene, &subject);
             let parameters = linear.len();
             let shapes = shapes(comparison, effect.shape, &subject);
-            let columns = |&shape: &f64| {
-                let column = |k| whiten(comparison.column(effect, &subject, k, shape));
-                (0..parameters).map(column).collect()
+            let column = |k, shape| comparison.column(effect, &subject, k, shape);
+            let columns = |&shape: &f64| -> Vec<Vec<f64>> {
+                (0..parameters).map(|k| whiten(column(k, shape))).collect()
+            };
+            let hypothesis = Hypothesis {
+                effect,
+                subject,
+                subjects: subjects.len(),
             };
             all.push(Candidate {
-                hypothesis: Hypothesis {
-                    effect,
-                    subject,
-                    subjects: subjects.len(),
-                },
+                hypothesis,
                 columns: shapes.iter().map(columns).collect(),
                 shapes,
-                parameters: linear,
+                parameters: linear.clone(),
+                is_free: false,
             });
+            if effect.id != lost_motion::EFFECT || subject.axis != Some(comparison.axis()) {
+                continue;
+            }
+            let straight = [column(0, 0.0), column(1, 0.0)];
+            let waves = 1..=lost_motion::most_waves(comparison);
+            let more = lost_motion::waves(comparison, &straight, waves.clone().count());
+            let columns: Vec<Vec<f64>> = straight.into_iter().chain(more).map(&whiten).collect();
+            if !waves.is_empty() {
+                all.push(Candidate {
+                    hypothesis,
+                    columns: waves
+                        .clone()
+                        .map(|k| columns[..parameters + k].to_vec())
+                        .collect(),
+                    shapes: waves.map(|k| k as f64).collect(),
+                    parameters: linear,
+                    is_free: true,
+                });
+            }
         }
     }
     all

@@ -20,6 +20,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) comparison: &'a Comparison<'a>,
     /// Standard deviation of an arrival that the rows are divided by, µm.
     pub(crate) sigma_um: f64,
+    /// The part of its variance that the last digit of the readings has.
+    pub(crate) least_variance: f64,
     /// The base model's projection.
     pub(crate) base: Projection,
     /// That of the base model with the prediction taken as it is, for readings that are held out: a
@@ -46,7 +48,7 @@ impl<'a> Problem<'a> {
     pub(crate) fn new(
         comparison: &'a Comparison<'a>,
         scene: &Scene,
-        sigma_um: f64,
+        (sigma_um, resolution_um): (f64, f64),
         base: &[Vec<f64>],
         prediction: &[Vec<f64>],
     ) -> Self {
@@ -65,6 +67,7 @@ impl<'a> Problem<'a> {
             as_predicted,
             comparison,
             sigma_um,
+            least_variance: (resolution_um / sigma_um).powi(2),
             base,
             candidates: candidates(comparison, scene, |column| whiten(&column)),
             pseudo,

@@ -8,6 +8,7 @@ use crate::fitted::{Against, Fitted, Row};
 use crate::selection::{Fit, Projection, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
 use crate::verification::held_out::gain_of;
+use crate::verification::lost_motion::curve;
 use crate::verification::problem::{Chosen, Problem};
 use crate::verification::search::{Judged, contains, judge, ln_more};
 use crate::{Cause, EstimatedParameter, Place, Rival};
@@ -28,7 +29,8 @@ pub(crate) fn causes(
     folds: &[usize],
 ) -> Vec<Cause> {
     let joint = Fit::new(&problem.base, &problem.columns(chosen));
-    let variance = after.squares() / after.degrees_of_freedom.max(1.0);
+    let variance =
+        (after.squares() / after.degrees_of_freedom.max(1.0)).max(problem.least_variance);
     let total = joint.estimates.len();
     let covariance = DMatrix::from_row_slice(total, total, &joint.covariance) * variance;
     let mut first = 0;
@@ -37,13 +39,17 @@ pub(crate) fn causes(
         let candidate = &problem.candidates[cause.candidate];
         let (effect, subject) = (candidate.hypothesis.effect, candidate.hypothesis.subject);
         let linear = effect.parameters(scene, &subject);
-        let range = first..first + linear.len();
+        let columns = problem.columns(std::slice::from_ref(cause));
+        let range = first..first + columns.len();
         first = range.end;
         let Some(judged) = judge(problem, chosen, k) else {
             continue;
         };
         let values = &joint.estimates[range.clone()];
-        let own = covariance.view((range.start, range.start), (linear.len(), linear.len()));
+        let seen = &joint.seen[range.clone()];
+        let of_columns =
+            covariance.view((range.start, range.start), (columns.len(), columns.len()));
+        let own = of_columns.view((0, 0), (linear.len(), linear.len()));
         let mut parameters: Vec<EstimatedParameter> = linear
             .iter()
             .enumerate()
@@ -51,8 +57,8 @@ pub(crate) fn causes(
                 name: parameter.name.clone(),
                 value: values[i],
                 // What these lines do not show has no uncertainty.
-                u: match own[(i, i)] > 0.0 {
-                    true => own[(i, i)].sqrt(),
+                u: match seen[i] {
+                    true => own[(i, i)].max(0.0).sqrt(),
                     false => f64::INFINITY,
                 },
                 unit: parameter.unit,
@@ -70,13 +76,21 @@ pub(crate) fn causes(
                 unit: parameter.unit,
             });
         }
-        let own_columns = problem.columns(std::slice::from_ref(cause));
-        let fit = Fit::new(&judged.model, &own_columns);
+        let fit = Fit::new(&judged.model, &columns);
+        let curve = match columns.len() > linear.len() {
+            true => curve(
+                problem.comparison,
+                &columns,
+                values,
+                &of_columns.into_owned(),
+            ),
+            false => Vec::new(),
+        };
         causes.push(Cause {
             effect: ResolvedEffect {
                 effect,
                 subject,
-                parameters: values.to_vec(),
+                parameters: values[..linear.len()].to_vec(),
                 shape: cause.shape,
             },
             level: Level::Verification,
@@ -92,6 +106,7 @@ pub(crate) fn causes(
             changes: Vec::new(),
             share: None,
             share_of_curve: None,
+            curve,
             fitted: fitted(problem, scene, &judged.model.residuals, &fit),
         });
     }
@@ -141,7 +156,11 @@ fn rivals(
     for score in &judged.scores {
         let number = judged.numbers[score.scan];
         let candidate = &problem.candidates[number];
-        if number == chosen[k].candidate {
+        // The same effect in another form is no rival.
+        if candidate
+            .hypothesis
+            .is(&problem.candidates[chosen[k].candidate].hypothesis)
+        {
             continue;
         }
         let columns = candidate.columns(score.shape);
@@ -154,7 +173,7 @@ fn rivals(
             // The larger form was taken because it is decided that there is more.
             ln_more(model, score, &judged.score) > UNDECIDED.ln()
         } else if holds_cause {
-            ln_more(model, &judged.score, score) < UNDECIDED.ln()
+            ln_more(model, &judged.score, score) < candidate.ln_level_of_more(UNDECIDED)
         } else {
             is_rival(&judged.score, score, cosine(fit, &other))
         };
@@ -163,7 +182,7 @@ fn rivals(
                 effect: ResolvedEffect {
                     effect: candidate.hypothesis.effect,
                     subject: candidate.hypothesis.subject,
-                    parameters: other.estimates,
+                    parameters: other.estimates[..candidate.parameters().len()].to_vec(),
                     shape: score.shape,
                 },
                 delta_bic: score.bic,

@@ -126,24 +126,27 @@ fn best(
             && !excluded.contains(&numbers[score.scan])
             && candidate.is_possible(&model, score.shape)
     });
-    let leader = simplest(&model, &scans, &possible, level)?;
+    let ln_level =
+        |leader: &Score| problem.candidates[numbers[leader.scan]].ln_level_of_more(level);
+    let leader = simplest(&model, &scans, &possible, ln_level)?;
     let null = Null::simulated(&model, &scans);
     (null.family_wise(leader.ln_p) < level).then(|| chosen(&numbers, leader))
 }
 
-/// The leader, or the smaller form that it contains if it has nothing significant beyond it.
+/// The leader, or the smaller form that it contains if it has nothing significant beyond it, at the level that is told.
 fn simplest<'s>(
     model: &Projection,
     scans: &[Box<dyn Scan>],
     scores: &'s [Score],
-    level: f64,
+    ln_level: impl Fn(&Score) -> f64,
 ) -> Option<&'s Score> {
     let leader = scores.first()?;
+    let ln_level = ln_level(leader);
     let with = model.extended(&scans[leader.scan].columns(leader.shape));
     let smaller = scores[1..].iter().filter(|other| {
         other.rank < leader.rank
             && contains(model, &with, &scans[other.scan].columns(other.shape))
-            && ln_more(model, other, leader) > level.ln()
+            && ln_more(model, other, leader) > ln_level
     });
     smaller
         .max_by(|a, b| a.evidence.total_cmp(&b.evidence))

@@ -13,9 +13,9 @@ use crate::{found, generator, length, report};
 const SIGMA_UM: f64 = 0.5;
 const LAMBDA: f64 = 20.0;
 
-/// Air conditioning, play that is curved along the axis, and a wandering zero.
+/// Air conditioning, a scale that breathes with it, and a wandering zero.
 fn assert_unknown(seeds: u64) {
-    for what in ["air conditioning", "curved play", "wandering zero"] {
+    for what in ["air conditioning", "breathing scale", "wandering zero"] {
         let (mut unknown, mut odd) = (0, Vec::new());
         for seed in 0..seeds {
             let mut generator = generator(seed, 6);
@@ -26,10 +26,7 @@ fn assert_unknown(seeds: u64) {
                 zero += step;
                 match what {
                     "air conditioning" => (TAU * p.time_s / 431.0 + seed as f64).sin(),
-                    "curved play" => {
-                        let side = if p.forward { 1.0 } else { -1.0 };
-                        side * (TAU * p.x_mm / 300.0 + seed as f64).sin()
-                    }
+                    "breathing scale" => p.x_mm * (TAU * p.time_s / 431.0 + seed as f64).sin(),
                     _ => zero,
                 }
             };

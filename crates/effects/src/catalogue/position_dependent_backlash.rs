@@ -38,6 +38,14 @@ pub(super) const EFFECT: Effect = Effect {
     },
 };
 
+/// Lost motion that changes its sign along the axis, as no play does.
+pub const LOST_MOTION_OF_BOTH_SIGNS: Explanation = Explanation {
+    cause: "the two sides of approach differ by an amount that changes its sign along the axis: friction, wind-up or the way the control stops; play alone has one sign",
+    consequence: "the two sides of approach differ by another amount at each position; one value in the backlash compensation is right at one position only",
+    action: "look at guideways, preload and servo settings before the compensation; a table for each direction takes away what repeats",
+    separate_by: "measure the axis from both sides at two feeds and with a finer step: what the control makes changes with the feed",
+};
+
 /// Distance from the middle of travel, m or rad.
 fn from_middle(of: &AtReading<'_>) -> f64 {
     let Some(axis) = of.axis() else {

@@ -1,0 +1,107 @@
+//! Lost motion as a free function of the position: a worn screw, a belt or a control's window follow no straight line.
+//!
+//! ```text
+//! b(q) = mean + slope (q - q_mid) + Σ c_k r_k(q)
+//! ```
+//!
+//! `r_k` is the half wave `cos kπx`, `k = 2, 3, …`, over the range of the positions, less its regression on the first two: mean and
+//! slope keep their meaning. How many waves there are is the shape of the hypothesis; they cost it their rank.
+
+use nalgebra::{DMatrix, DVector};
+use trueaxis_campaign::VerificationKind;
+use trueaxis_kinematics::AxisKind;
+
+use crate::CurvePoint;
+use crate::verification::base::places;
+use crate::verification::comparison::Comparison;
+use crate::verification::hypotheses::cosines;
+
+/// The effect whose size is such a function.
+pub(crate) const EFFECT: &str = "position_dependent_backlash";
+
+/// Half waves beside mean and slope, at most.
+const MOST_WAVES: usize = 6;
+
+/// How many waves the positions that were reached from both sides determine, beside mean and slope.
+pub(crate) fn most_waves(comparison: &Comparison<'_>) -> usize {
+    let is_linear = comparison.machine.axes()[comparison.axis()].kind() == AxisKind::Linear;
+    match comparison.kind {
+        VerificationKind::Positioning { .. } if is_linear => {
+            let both = reached_from_both_sides(comparison).len();
+            both.saturating_sub(2).min(MOST_WAVES)
+        }
+        _ => 0,
+    }
+}
+
+/// An arrival at each position that was reached from both sides, in the order of the positions.
+fn reached_from_both_sides(comparison: &Comparison<'_>) -> Vec<usize> {
+    let numbers = places(comparison);
+    let count = numbers.iter().max().map_or(0, |most| most + 1);
+    let of = |place: usize, forward: bool| {
+        let mut arrivals = comparison.arrivals.iter().zip(&numbers);
+        arrivals.position(|(a, number)| *number == place && (a.direction > 0.0) == forward)
+    };
+    (0..count)
+        .filter_map(|place| of(place, true).and(of(place, false)))
+        .collect()
+}
+
+/// The columns of so many waves: what a unit of lost motion does to each reading times `r_k` there. `straight` are those of a unit
+/// of its mean and of its slope.
+pub(crate) fn waves(
+    comparison: &Comparison<'_>,
+    [of_unit, of_slope]: &[Vec<f64>; 2],
+    count: usize,
+) -> Vec<Vec<f64>> {
+    let axis = comparison.axis();
+    let at: Vec<f64> = comparison
+        .arrivals
+        .iter()
+        .map(|a| a.positions[axis])
+        .collect();
+    let low = at.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = at.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let range = (high - low).max(f64::MIN_POSITIVE);
+    let along: Vec<f64> = at.iter().map(|q| (q - low) / range).collect();
+    let straight = DMatrix::from_fn(at.len(), 2, |i, k| [of_unit[i], of_slope[i]][k]);
+    let svd = straight.clone().svd(true, true);
+    let waves = cosines(&along, count + 1).into_iter().skip(1);
+    waves
+        .map(|wave| {
+            let column = DVector::from_fn(at.len(), |i, _| of_unit[i] * wave[i]);
+            let held = svd.solve(&column, f64::EPSILON).unwrap_or_default();
+            let rest = if held.is_empty() {
+                column
+            } else {
+                column - &straight * held
+            };
+            rest.as_slice().to_vec()
+        })
+        .collect()
+}
+
+/// The function at the positions reached from both sides: `columns` are those of the cause, with estimates and their
+/// covariance.
+pub(crate) fn curve(
+    comparison: &Comparison<'_>,
+    columns: &[Vec<f64>],
+    estimates: &[f64],
+    covariance: &DMatrix<f64>,
+) -> Vec<CurvePoint> {
+    let axis = comparison.axis();
+    let estimates = DVector::from_column_slice(estimates);
+    let point = |arrival: usize| {
+        let unit = columns.first().map_or(1.0, |column| column[arrival]);
+        let there = DVector::from_fn(columns.len(), |k, _| columns[k][arrival] / unit);
+        CurvePoint {
+            at: comparison.arrivals[arrival].positions[axis],
+            value_um: vec![there.dot(&estimates)],
+            u_um: vec![(covariance * &there).dot(&there).max(0.0).sqrt()],
+        }
+    };
+    reached_from_both_sides(comparison)
+        .into_iter()
+        .map(point)
+        .collect()
+}
