@@ -21,7 +21,7 @@ use crate::{
 /// [`Campaign::notices`].
 ///
 /// # Errors
-/// The first thing wrong: where it is, what was found, what is expected and how to mend it
+/// The first thing wrong: where it is, what was found, what is expected and how to correct it
 /// ([`Error`]). `campaign.json` is checked first, then each row of the data, then rows against
 /// each other, then the data against the motion of the  then the verifications.
 pub fn read(path: &Path) -> Result<Campaign, Error> {

@@ -82,7 +82,7 @@ impl Fields<'_> {
             return Ok(());
         }
         let found = format!("`{name}` belongs to the kind `{kind}`");
-        let expected = "only fields of the kind given; remove it, or mend `kind`";
+        let expected = "only fields of the kind given; remove it, or correct `kind`";
         let place = Place::in_field(format!("{}.{name}", self.path));
         Err(Problem::value(found, expected).at(place))
     }

@@ -64,7 +64,7 @@ pub(crate) enum Verb {
     Simulate(SimulateArgs),
     /// Prints the JSON Schema of a document, for editors and other programs.
     Schema(SchemaArgs),
-    /// Says what the code of an error means, and how to mend it.
+    /// Says what the code of an error means, and how to correct it.
     Explain(ExplainArgs),
     /// Prints what a shell needs to complete the words of a command line.
     Completions(CompletionsArgs),

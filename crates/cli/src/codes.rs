@@ -234,6 +234,7 @@ fn of_report(error: &Report) -> &'static str {
 
 fn of_compensate(error: &Compensate) -> &'static str {
     match error {
+        Compensate::NothingRead => "E404",
         Compensate::OtherMachine(_) => "E503",
         Compensate::NotContracting { .. } => "E601",
         Compensate::NoSuchAxis { .. } => "E602",

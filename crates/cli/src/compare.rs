@@ -139,8 +139,9 @@ fn summary(differences: &[Difference]) -> String {
             curves.len()
         ),
         n => format!(
-            "{n} of the {} have changed by more than the noise",
-            curves.len()
+            "{n} of the {} {} changed by more than the noise",
+            curves.len(),
+            if n == 1 { "has" } else { "have" }
         ),
     }
 }

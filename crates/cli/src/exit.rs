@@ -87,6 +87,7 @@ impl Exit {
             if let Some(error) = cause.downcast_ref::<trueaxis_compensate::Error>() {
                 return match error {
                     trueaxis_compensate::Error::NotContracting { .. } => Self::NotConverged,
+                    trueaxis_compensate::Error::NothingRead => Self::NotIdentifiable,
                     trueaxis_compensate::Error::OtherMachine(_)
                     | trueaxis_compensate::Error::Table { .. } => Self::Input,
                     _ => Self::Usage,

@@ -43,7 +43,7 @@ use crate::exit::Exit;
 fn main() -> ExitCode {
     // One thread, one order of additions: the same bytes on every machine.
     faer::set_global_parallelism(faer::Par::Seq);
-    let args = Args::parse();
+    let args = Args::try_parse().unwrap_or_else(|error| misused(&error));
     if args.quiet {
         talk::be_quiet();
     }
@@ -77,6 +77,18 @@ fn main() -> ExitCode {
         }
     };
     exit.into()
+}
+
+/// Ends the program with clap's words for a wrong command line, or with the help asked for.
+fn misused(error: &clap::Error) -> ! {
+    if error.use_stderr() && std::env::args_os().any(|arg| arg == "--json") {
+        let text = error.render().to_string();
+        let what = text.split("\n\n").next().unwrap_or_default();
+        let what = what.trim_start_matches("error: ").to_owned();
+        // That standard output cannot be written does not change why there is no result.
+        let _ = output::print(&error_json::text(&anyhow::Error::msg(what), Exit::Usage));
+    }
+    error.exit()
 }
 
 /// Says why there is no result, to programs as well where they asked for data.

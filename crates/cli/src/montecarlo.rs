@@ -3,6 +3,7 @@
 use anyhow::Context;
 use trueaxis_calibrate::{NumberedResult, Output, Unit, calibrate_for_replay};
 use trueaxis_campaign::{Campaign, checksums, read};
+use trueaxis_files::counted;
 use trueaxis_montecarlo::{
     FirstOrder, Outcome, Propagation, Settings, Trials, Validation, propagate, validate,
 };
@@ -151,9 +152,9 @@ fn in_words_of_results(
 
 fn lines(propagation: &Propagation, compared: &[Compared<'_>]) -> Vec<String> {
     let mut lines = vec![format!(
-        "{} trials of this noise, {} results",
-        propagation.trials,
-        compared.len()
+        "{} of this noise, {}",
+        counted(propagation.trials, "trial"),
+        counted(compared.len(), "result")
     )];
     if let Some(stability) = &propagation.stability {
         let open = stability
@@ -163,6 +164,7 @@ fn lines(propagation: &Propagation, compared: &[Compared<'_>]) -> Vec<String> {
             .count();
         lines.push(match open {
             0 => "all results have settled to the digits asked for".to_owned(),
+            1 => "1 result has not settled to the digits asked for: allow more --trials".to_owned(),
             _ => format!(
                 "{open} results have not settled to the digits asked for: allow more --trials"
             ),

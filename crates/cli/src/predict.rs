@@ -3,6 +3,7 @@
 use serde_json::json;
 use trueaxis_calibrate::{CalibratedMachine, Prediction, coverage_factor, to_csv};
 use trueaxis_campaign::read_positions;
+use trueaxis_files::counted;
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 
 use crate::args::PredictArgs;
@@ -119,9 +120,10 @@ fn summary(
         })
     };
     let outside = predictions.iter().filter(|p| p.extrapolated).count();
+    let positions = counted(predictions.len(), "position");
     let mut all = vec![match machine.has_uncertainties {
-        true => format!("{} positions; ± is U for k = {k:.2}", predictions.len()),
-        false => format!("{} positions", predictions.len()),
+        true => format!("{positions}; ± is U for k = {k:.2}"),
+        false => positions,
     }];
     all.extend(largest("displacement", 0, MICROMETRE, "µm"));
     all.extend(largest("rotation", 3, ARCSEC, "″"));

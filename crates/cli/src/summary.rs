@@ -8,7 +8,7 @@ use trueaxis_calibrate::{
     RelativeLocation, coverage_factor,
 };
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_files::round;
+use trueaxis_files::{counted, round};
 use trueaxis_fitting::{paper_c_axis_tilt, paper_squareness};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 
@@ -319,11 +319,11 @@ fn misfits(calibration: &Calibration) -> Vec<String> {
         lines.push("points that do not move as a rigid triangle:".to_owned());
         for misfit in calibration.misfits.iter().take(MOST_LISTED) {
             lines.push(format!(
-                "  {}: rms {:.2} µm, chi-squared {:.1} with {} degrees of freedom (p = {})",
+                "  {}: rms {:.2} µm, chi-squared {:.1} with {} of freedom (p = {})",
                 misfit.step,
                 misfit.rms_um,
                 misfit.chi_squared,
-                misfit.degrees_of_freedom,
+                counted(misfit.degrees_of_freedom, "degree"),
                 probability(misfit.p_value)
             ));
         }

@@ -1,11 +1,13 @@
 //! `trueaxis verify`.
 
+use anyhow::Context;
 use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{VerificationKind, checksums};
 use trueaxis_compensate::{
     Circular, EXPECTED_ABOVE_ONE, ParallelLines, Point, Positioning, Verified, is_misfit,
     parallel_lines, verification_json, verify,
 };
+use trueaxis_files::counted;
 use trueaxis_kinematics::ARCSEC;
 
 use crate::args::VerifyArgs;
@@ -13,7 +15,7 @@ use crate::exit::Exit;
 use crate::output;
 use crate::predict::source;
 use crate::report;
-use crate::talk::{notice, say};
+use crate::talk::say;
 use crate::traceability::{of_calibration, traced};
 
 const FILE: &str = "verification.json";
@@ -21,7 +23,8 @@ const FILE: &str = "verification.json";
 pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     let machine = CalibratedMachine::read(&args.calibration)?;
     let campaign = trueaxis_campaign::read(&args.campaign)?;
-    let verified = verify(&machine, &campaign, args.compensated)?;
+    let in_file = || args.campaign.display().to_string();
+    let verified = verify(&machine, &campaign, args.compensated).with_context(in_file)?;
     let parallel = parallel_lines(&machine, &verified, args.compensated);
     let document = verification_json(
         &machine,
@@ -48,9 +51,6 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     for found in &parallel {
         angles(&machine, found).iter().for_each(|line| say(line));
     }
-    if verified.is_empty() {
-        notice("the campaign has no verification: add readings to `verification` of campaign.json");
-    }
     say(&format!("written: {}", path.display()));
     if !args.no_report
         && let Some(page) = report::of_results(&folder)?
@@ -72,15 +72,12 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
         VerificationKind::Positioning { .. } => "positioning",
         VerificationKind::Ballbar { .. } => "ball bar",
     };
+    let readings = entry.points.iter().map(|point| point.readings).sum();
     let mut lines = vec![format!(
-        "{}: {kind}, {} readings at {} positions and sides; zero or set-up fitted out",
+        "{}: {kind}, {} at {} and sides; zero or set-up fitted out",
         entry.name,
-        entry
-            .points
-            .iter()
-            .map(|point| point.readings)
-            .sum::<usize>(),
-        entry.points.len()
+        counted(readings, "reading"),
+        counted(entry.points.len(), "position")
     )];
     let range = |of: fn(&Point) -> f64| {
         let all = entry.points.iter().map(of);
@@ -134,10 +131,10 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
 fn angles(machine: &CalibratedMachine, found: &ParallelLines) -> Vec<String> {
     let name = machine.machine().axes()[found.axis].name();
     let mut lines = vec![format!(
-        "angles of {name} from {} parallel lines ({}), at {} positions; mean taken out, as each line has a zero of its own",
+        "angles of {name} from {} parallel lines ({}), at {}; mean taken out, as each line has a zero of its own",
         found.lines.len(),
         found.lines.join(", "),
-        found.positions.len()
+        counted(found.positions.len(), "position")
     )];
     for curve in &found.angles {
         let range = |values: &[f64]| {
@@ -163,8 +160,8 @@ fn iso_230_2(found: &Positioning) -> Vec<String> {
     let value = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.2}"));
     let short = match found.is_short {
         true => format!(
-            " (only {} runs a side, the standard wants five)",
-            found.runs
+            " (only {} a side, the standard wants five)",
+            counted(found.runs, "run")
         ),
         false => String::new(),
     };

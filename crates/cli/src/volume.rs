@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use trueaxis_calibrate::{CalibratedMachine, Figure, Volume, VolumeSettings};
 use trueaxis_compensate::{Left, Remains, remains};
-use trueaxis_files::round;
+use trueaxis_files::{counted, round};
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 use trueaxis_report::Report;
 
@@ -71,8 +71,8 @@ fn lines(machine: &CalibratedMachine, volume: &Volume) -> Vec<String> {
     let [x, y, z]: [f64; 3] = volume.places.tool_home_mm.coords.into();
     let mut lines = vec![
         format!(
-            "{} places; tool point ({x}, {y}, {z}) mm at home{}",
-            volume.places.count(),
+            "{}; tool point ({x}, {y}, {z}) mm at home{}",
+            counted(volume.places.count(), "place"),
             match volume.figures.zeroed_at_home.rms.drawn {
                 Some(_) => "; in brackets 95 % intervals",
                 None => "",

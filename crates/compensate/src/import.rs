@@ -159,7 +159,7 @@ fn check_travel(errors: &NamedErrors, machine: &Machine, axis: &AxisErrors) -> R
     let unit = unit(geometry.kind());
     let found = format!("{} at {position} {unit}", geometry.name());
     let expected = format!(
-        "positions within its travel, {low} to {high} {unit}; mend `travel` of the machine, or give that of this file"
+        "positions within its travel, {low} to {high} {unit}; correct `travel` of the machine, or give that of this file"
     );
     Err(errors.wrong_at(geometry.name(), &found, expected))
 }

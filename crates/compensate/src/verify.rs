@@ -108,14 +108,17 @@ pub fn is_misfit((above, all): (usize, usize)) -> bool {
 /// taken with the compensation switched on.
 ///
 /// # Errors
-/// [`Error::OtherMachine`] if the calibration is that of another machine, [`Error::NotContracting`] if its errors have
-/// no inverse.
+/// [`Error::OtherMachine`] if the calibration is that of another machine, [`Error::NothingRead`] without readings,
+/// [`Error::NotContracting`] if its errors have no inverse.
 pub fn verify(
     machine: &CalibratedMachine,
     campaign: &Campaign,
     is_compensated: bool,
 ) -> Result<Vec<Verified>, Error> {
     check_same_machine(machine.machine(), &campaign.machine)?;
+    if campaign.verification.is_empty() {
+        return Err(Error::NothingRead);
+    }
     let all = campaign.verification.iter();
     all.map(|verification| verified(machine, verification, is_compensated))
         .collect()

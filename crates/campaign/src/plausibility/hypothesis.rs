@@ -21,7 +21,7 @@ pub struct UnitMistake {
 }
 
 impl UnitMistake {
-    /// How to mend data with which something is wrong.
+    /// How to correct data with which something is wrong.
     pub(crate) fn advice(mistake: Option<&Self>) -> String {
         mistake.map_or_else(
             || {
