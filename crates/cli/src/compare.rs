@@ -9,12 +9,9 @@ use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 
 use crate::args::CompareArgs;
 use crate::exit::Exit;
-use crate::output;
 use crate::predict::source;
 use crate::talk::{notice, say};
 use crate::traceability::{of_calibration, traced};
-
-const FILE: &str = "comparison.json";
 
 /// Decimals of µm, ″ and `E_n`.
 const DECIMALS: i32 = 4;
@@ -27,9 +24,8 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
     let mut inputs = of_calibration(&args.first, &first)?;
     inputs.extend(of_calibration(&args.second, &second)?);
     let text = traced(to_json(&first, &second, &differences), &inputs, None)?;
-    let folder = output::folder(args.out.as_deref(), &second.campaign)?;
-    let path = folder.join(FILE);
-    output::write(&path, text.as_bytes())?;
+    let mut results = args.result.folder(&second.campaign)?;
+    results.write("comparison.json", text.as_bytes())?;
     for (name, machine) in [("first", &first), ("second", &second)] {
         for line in source(machine) {
             say(&format!("{name}: {line}"));
@@ -56,10 +52,7 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
             "both follow from the same measurement, whose noise is common to them: U of the differences is too large",
         );
     }
-    say(&format!("written: {}", path.display()));
-    if args.json {
-        output::print(&text)?;
-    }
+    results.end(args.result.json.then_some(&text))?;
     Ok(Exit::Good)
 }
 

@@ -14,7 +14,7 @@ use crate::montecarlo_file::{self, Compared};
 use crate::summary::in_words;
 use crate::talk::{notice, say};
 use crate::traceability::traced;
-use crate::{output, progress, summary};
+use crate::{progress, summary};
 
 /// Trials without `--trials`: fixed, and most with `--digits` (or what the memory takes).
 const TRIALS: usize = 10_000;
@@ -61,11 +61,10 @@ pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
         args.digits.unwrap_or(DIGITS),
     )?;
 
-    let folder = output::folder(args.out.as_deref(), &campaign.name)?;
-    let path = folder.join("montecarlo.json");
     let document = montecarlo_file::document(&campaign.name, args.seed, &propagation, &compared)?;
     let text = traced(document, &checksums(&args.campaign)?, Some(args.seed))?;
-    output::write(&path, text.as_bytes())?;
+    let mut results = args.result.folder(&campaign.name)?;
+    results.write("montecarlo.json", text.as_bytes())?;
     let adjustment = summary::adjustment(&calibration);
     for line in adjustment.into_iter().chain(lines(&propagation, &compared)) {
         say(&line);
@@ -79,10 +78,7 @@ pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
              both sides of the comparison",
         );
     }
-    say(&format!("written: {}", path.display()));
-    if args.json {
-        output::print(&text)?;
-    }
+    results.end(args.result.json.then_some(&text))?;
     Ok(Exit::Good)
 }
 

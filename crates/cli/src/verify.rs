@@ -12,13 +12,9 @@ use trueaxis_kinematics::ARCSEC;
 
 use crate::args::VerifyArgs;
 use crate::exit::Exit;
-use crate::output;
 use crate::predict::source;
-use crate::report;
 use crate::talk::say;
 use crate::traceability::{of_calibration, traced};
-
-const FILE: &str = "verification.json";
 
 pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     let machine = CalibratedMachine::read(&args.calibration)?;
@@ -36,9 +32,11 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     let mut inputs = of_calibration(&args.calibration, &machine)?;
     inputs.extend(checksums(&args.campaign)?);
     let text = traced(document, &inputs, None)?;
-    let folder = output::folder(args.out.as_deref(), &campaign.name)?;
-    let path = folder.join(FILE);
-    output::write(&path, text.as_bytes())?;
+    let mut results = args.result.folder(&campaign.name)?;
+    results.write("verification.json", text.as_bytes())?;
+    if !args.no_report {
+        results.report()?;
+    }
 
     for line in source(&machine) {
         say(&line);
@@ -51,15 +49,7 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     for found in &parallel {
         angles(&machine, found).iter().for_each(|line| say(line));
     }
-    say(&format!("written: {}", path.display()));
-    if !args.no_report
-        && let Some(page) = report::of_results(&folder)?
-    {
-        say(&format!("written: {}", page.display()));
-    }
-    if args.json {
-        output::print(&text)?;
-    }
+    results.end(args.result.json.then_some(&text))?;
     let is_refused = verified.iter().any(|entry| is_misfit(entry.above_one()));
     Ok(match is_refused && args.fail_on_misfit {
         true => Exit::Misfit,

@@ -9,9 +9,7 @@ use trueaxis_report::Report;
 
 use crate::args::VolumeArgs;
 use crate::exit::Exit;
-use crate::output;
 use crate::predict::source;
-use crate::report;
 use crate::talk::{notice, say};
 use crate::traceability::{of_calibration, traced};
 
@@ -40,16 +38,13 @@ pub(crate) fn run(args: &VolumeArgs) -> anyhow::Result<Exit> {
         files.push(("volumetric.vti", volume.map_vti(&map)));
     }
 
-    let folder = output::folder(args.out.as_deref(), &machine.campaign)?;
-    let mut written = Vec::new();
+    let mut results = args.result.folder(&machine.campaign)?;
     for (name, text) in &files {
-        let path = folder.join(name);
-        output::write(&path, text.as_bytes())?;
-        written.push(path);
+        results.write(name, text.as_bytes())?;
     }
     // A page of the results that is there shows it from now on.
-    if folder.join(Report::FILE).exists() {
-        written.extend(report::of_results(&folder)?);
+    if results.folder.join(Report::FILE).exists() {
+        results.report()?;
     }
     for line in source(&machine).into_iter().chain(lines(&machine, &volume)) {
         say(&line);
@@ -58,12 +53,7 @@ pub(crate) fn run(args: &VolumeArgs) -> anyhow::Result<Exit> {
     if !has_map {
         notice("no map was written: no linear axis was measured");
     }
-    for path in &written {
-        say(&format!("written: {}", path.display()));
-    }
-    if args.json {
-        output::print(&text)?;
-    }
+    results.end(args.result.json.then_some(&text))?;
     Ok(Exit::Good)
 }
 
