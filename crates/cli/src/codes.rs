@@ -211,7 +211,6 @@ fn of_calibration(error: &ReadError) -> &'static str {
         ReadError::Unreadable { source, .. } => of_reading(source),
         ReadError::Document(error) => of_document(&error.problem, &error.place),
         ReadError::Machine(error) => of_campaign(&error.problem, &error.place),
-        ReadError::NoMachine { .. } => "E501",
         ReadError::Covariance { .. } => "E502",
     }
 }

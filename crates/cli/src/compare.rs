@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use trueaxis_calibrate::{CalibratedMachine, Difference, check_same_machine};
+use trueaxis_calibrate::{CalibratedMachine, Difference, check_same_machine, position_in_file};
 use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 
@@ -89,14 +89,8 @@ fn to_json(
             format!("difference_{suffix}"): column(&Difference::value),
             format!("u_{suffix}"): column(&|d| d.u),
         });
-        let positions = curve.iter().filter_map(|d| {
-            let kind = axes[d.axis].kind();
-            let in_file = |q: f64| match kind {
-                AxisKind::Linear => round(q, 9),
-                AxisKind::Rotary => round(q.to_degrees(), 9),
-            };
-            d.position.map(in_file)
-        });
+        let in_file = |d: &Difference, q| position_in_file(axes[d.axis].kind(), q);
+        let positions = curve.iter().filter_map(|d| Some(in_file(d, d.position?)));
         let positions: Vec<f64> = positions.collect();
         if !positions.is_empty() {
             value["positions"] = json!(positions);

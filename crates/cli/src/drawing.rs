@@ -69,7 +69,6 @@ fn place<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<&'e Place> 
         return match error {
             ReadError::Document(error) => Some(&error.place),
             ReadError::Machine(error) => Some(&error.place),
-            ReadError::NoMachine { place } => Some(place),
             _ => None,
         };
     }
