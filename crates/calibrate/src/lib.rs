@@ -114,7 +114,7 @@ pub use result::calibration::{
 };
 pub use result::factored_covariance::FactoredCovariance;
 pub use result::numbered::NumberedResult;
-pub use result::output::{Output, OutputCovariance, Unit};
+pub use result::output::{Output, OutputCovariance, Unit, position_in_file};
 pub use result::sensitivities::Sensitivities;
 pub use settings::{ReferencePoint, Settings};
 pub use trueaxis_poses::Method;

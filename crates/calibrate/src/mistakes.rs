@@ -1,7 +1,7 @@
 //! What people do wrong: for data that contradict each other, the mistakes that would explain it.
 //!
-//! Each [`mistake`] is undone in a copy of the campaign and that copy is calibrated ([`suspects`] has all that are
-//! tried; long runs are [`thinned`]). One after which the lengths fit, nothing but single lengths is removed, and the
+//! Each [`mistake`] is undone in a copy of the campaign and that copy is calibrated ([`suspects()`] has all that are
+//! tried; long runs are [`thinned()`]). One after which the lengths fit, nothing but single lengths is removed, and the
 //! axes move as commanded, is named in the error with where it was made and what to change. Mistakes that fit
 //! alike are all named. A prism constant is of any size: the lengths to one target are left out, and it is their
 //! mean difference from what the others predict ([`offsets`]).

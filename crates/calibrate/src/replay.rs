@@ -42,7 +42,7 @@ pub struct Replay<'a> {
 /// Calibrates a campaign and keeps what other errors of its measurement need.
 ///
 /// # Errors
-/// Those of [`crate::calibrate`].
+/// Those of [`crate::calibrate()`].
 pub fn calibrate_for_replay<'a>(
     campaign: &'a Campaign,
     settings: &Settings,

@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 use trueaxis_poses::Method;
 
-/// Settings of [`crate::calibrate`].
+/// Settings of [`crate::calibrate()`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// How six component errors follow from the measurement.

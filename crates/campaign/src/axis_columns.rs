@@ -88,7 +88,7 @@ impl<'a> AxisColumns<'a> {
                     mend: if micrometres {
                         "it looks like um: divide the column by 1000"
                     } else {
-                        "mend the position, or the travel in campaign.json"
+                        "correct the position, or the travel in campaign.json"
                     },
                 }
                 .at(row.place(column)));

@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn problems_say_how_to_mend() {
+    fn problems_say_how_to_correct_them() {
         let expected = |cell: &str| number_problem(cell.as_bytes()).1;
         assert_eq!(expected("12,5"), "a decimal point, such as 12.5");
         assert_eq!(

@@ -4,13 +4,13 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
-use trueaxis_files::{DocumentError, DocumentProblem};
+use trueaxis_files::{DocumentError, DocumentProblem, counted};
 
 use crate::{Alternatives, ColumnFault, Place, UnitMistake};
 
 /// A campaign that cannot be read or written.
 ///
-/// Its message says where, what was found, what is expected and how to mend it.
+/// Its message says where, what was found, what is expected and how to correct it.
 #[derive(Debug)]
 pub struct Error {
     /// Where.
@@ -238,9 +238,9 @@ pub enum Problem {
     /// Rows in another order than that of measuring.
     #[error(
         "the rows are not in measuring order: the time goes back {}, here from {before_s} s to \
-         {time_s} s, and the rows would be {stops_by_time} stops in {occupations_by_time} occupations of stations in the \
-         order of time, not {stops} stops in {occupations} occupations; sort the table by time_s",
-        how_often(*times)
+         {time_s} s, and the rows would be {} in {} of stations in the order of time, not {} in {}; sort the table by time_s",
+        how_often(*times), counted(*stops_by_time, "stop"), counted(*occupations_by_time, "occupation"),
+        counted(*stops, "stop"), counted(*occupations, "occupation")
     )]
     NotInMeasuringOrder {
         /// How often the time goes back.
@@ -278,7 +278,7 @@ pub enum Problem {
     },
     /// A run in which only other axes move.
     #[error(
-        "run `{run}` is of axis {axis}, but {axis} never moves in it, only {}; mend the \
+        "run `{run}` is of axis {axis}, but {axis} never moves in it, only {}; correct the \
          axis of the run or the columns",
         moving.join(", ")
     )]

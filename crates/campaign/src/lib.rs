@@ -11,7 +11,7 @@
 //! and any other 3D instrument reads coordinates of `p` in a rigid frame of its own. Laser
 //! interferometers and ball bars may have verified single axes.
 //!
-//! Noun in: the path of a `campaign.json` ([`read`]); noun out: a [`Campaign`], in which every index
+//! Noun in: the path of a `campaign.json` ([`read()`]); noun out: a [`Campaign`], in which every index
 //! is valid and every number finite. Files hold mm, degrees, s and µm; inside, angles and rotary
 //! positions are rad. Rows are grouped:
 //!
@@ -20,7 +20,7 @@
 //! - a [`Step`] is a run with positions of all axes, shared by all stops there, numbered as steps
 //!   first appear.
 //!
-//! What is wrong is an [`Error`] that says where, what was found, what is expected and how to mend
+//! What is wrong is an [`Error`] that says where, what was found, what is expected and how to correct
 //! it. That includes data which the nominal machine cannot have caused, such as lengths in metres,
 //! degrees that are radians, or two stations under each other's names; nothing is converted
 //! silently. What is only unusual is a text in [`Campaign::notices`].

@@ -9,9 +9,8 @@ use crate::document::{Document, FORMAT, VerificationEntry};
 use crate::reading::Reading;
 use crate::steps::Steps;
 use crate::{
-    Campaign, Error, Lengths, Place, Points, Problem, Stop, date, duplicates, expansion,
-    known_lengths, lengths, notices, plausibility, points, run_axes, setup, text_file,
-    verification,
+    Campaign, Error, Place, Problem, Stop, date, duplicates, expansion, known_lengths, lengths,
+    notices, plausibility, points, run_axes, setup, text_file, verification,
 };
 
 /// Reads the campaign at `path` (its `campaign.json`) with every file that it names, and checks
@@ -21,9 +20,9 @@ use crate::{
 /// [`Campaign::notices`].
 ///
 /// # Errors
-/// The first thing wrong: where it is, what was found, what is expected and how to mend it
+/// The first thing wrong: where it is, what was found, what is expected and how to correct it
 /// ([`Error`]). `campaign.json` is checked first, then each row of the data, then rows against
-/// each other, then the data against the motion of the  then the verifications.
+/// each other, then the data against the motion of the machine, then the verifications.
 pub fn read(path: &Path) -> Result<Campaign, Error> {
     read_from(path, &|file, mend| {
         text_file::read(file, mend).map(Cow::Owned)
@@ -99,18 +98,9 @@ impl<'t> Folder<'_, 't> {
         let (lengths, steps) = lengths::read(&file, &text, campaign)?;
         expansion::check_columns(name, &campaign.expansions, &lengths)
             .map_err(|error| Error::from(error).in_file(self.path))?;
-        check_rows(
-            &file,
-            name,
-            campaign,
-            &lengths.stops,
-            &lengths.readings,
-            steps,
-        )?;
+        let (stops, readings) = (&lengths.stops, &lengths.readings);
+        check_rows(&file, name, campaign, stops, readings, steps)?;
         let notices = plausibility::check_lengths(&file, name, campaign, &lengths)?;
-        let Lengths {
-            stops, readings, ..
-        } = &lengths;
         let copies = plausibility::check_copies(&file, name, campaign, stops, readings)?;
         campaign.notices.extend(notices.into_iter().chain(copies));
         campaign.lengths = Some(lengths);
@@ -122,16 +112,9 @@ impl<'t> Folder<'_, 't> {
         self.check_list("runs", campaign.runs.is_empty(), "points")?;
         let (file, text) = self.text(name, "points")?;
         let (points, steps) = points::read(&file, &text, campaign)?;
-        check_rows(
-            &file,
-            name,
-            campaign,
-            &points.stops,
-            &points.readings,
-            steps,
-        )?;
+        let (stops, readings) = (&points.stops, &points.readings);
+        check_rows(&file, name, campaign, stops, readings, steps)?;
         let notices = plausibility::check_points(&file, name, campaign, &points)?;
-        let Points { stops, readings } = &points;
         let copies = plausibility::check_copies(&file, name, campaign, stops, readings)?;
         campaign.notices.extend(notices.into_iter().chain(copies));
         campaign.points = Some(points);
@@ -148,11 +131,10 @@ impl<'t> Folder<'_, 't> {
         check_names("verification", "verification", &names).map_err(|e| in_file(e.into()))?;
         for (index, entry) in entries.into_iter().enumerate() {
             let machine = &campaign.machine;
-            let kind = verification::kind(index, &entry, machine).map_err(in_file)?;
-            let declared = verification::Declared::of(index, &entry).map_err(in_file)?;
+            let declared = verification::declared(index, &entry, machine).map_err(in_file)?;
             let field = format!("verification[{index}].readings");
             let (file, text) = self.text(&entry.readings, &field)?;
-            let verification = verification::read(&file, &text, declared, kind, machine)?;
+            let verification = verification::read(&file, &text, declared, machine)?;
             let readings = verification.readings.iter();
             let rows = readings.filter_map(|r| Some((r.time_s?, r.line)));
             let notice = notices::clock_going_back(&entry.readings, rows);

@@ -12,35 +12,17 @@ use crate::{Instrument, KnownDeadPath, Run, Station, Target};
 /// # Errors
 /// A standard deviation that is none, by its field in `campaign.json`.
 pub fn check_instrument(instrument: &Instrument) -> Result<(), DocumentError> {
+    let of = instrument;
+    let (zero, more) = ("zero or more", "more than zero");
     let sigmas = [
-        (
-            "length_sigma_um",
-            instrument.length_sigma_um,
-            "more than zero",
-        ),
-        (
-            "length_sigma_ppm",
-            instrument.length_sigma_ppm,
-            "zero or more",
-        ),
-        (
-            "repeatability_um",
-            instrument.repeatability_um,
-            "zero or more",
-        ),
-        (
-            "reflector_sigma_um",
-            instrument.reflector_sigma_um,
-            "more than zero",
-        ),
-        (
-            "scale_sigma_ppm",
-            instrument.scale_sigma_ppm,
-            "more than zero",
-        ),
+        ("length_sigma_um", of.length_sigma_um, more),
+        ("length_sigma_ppm", of.length_sigma_ppm, zero),
+        ("repeatability_um", of.repeatability_um, zero),
+        ("reflector_sigma_um", of.reflector_sigma_um, more),
+        ("scale_sigma_ppm", of.scale_sigma_ppm, more),
     ];
     for (field, sigma, least) in sigmas {
-        let zero_too = least == "zero or more";
+        let zero_too = least == zero;
         if let Some(sigma) = sigma.filter(|&sigma| sigma < 0.0 || (sigma == 0.0 && !zero_too)) {
             let found = format!("a standard deviation of {sigma}");
             let expected = format!("{least}; leave it out if it is not known");

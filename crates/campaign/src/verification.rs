@@ -21,7 +21,7 @@ const FIRST_COLUMNS: [&str; 2] = ["cycle", "direction"];
 const TIME_COLUMN: &str = "time_s";
 
 /// Entry number `index` as what was measured.
-pub(crate) fn kind(
+fn kind(
     index: usize,
     entry: &VerificationEntry,
     machine: &Machine,
@@ -82,51 +82,48 @@ impl Fields<'_> {
             return Ok(());
         }
         let found = format!("`{name}` belongs to the kind `{kind}`");
-        let expected = "only fields of the kind given; remove it, or mend `kind`";
+        let expected = "only fields of the kind given; remove it, or correct `kind`";
         let place = Place::in_field(format!("{}.{name}", self.path));
         Err(Problem::value(found, expected).at(place))
     }
 }
 
-/// What an entry declares beside its kind.
-pub(crate) struct Declared {
-    name: String,
-    u_um: Option<f64>,
-    u_ppm: Option<f64>,
-}
-
-impl Declared {
-    /// Entry number `index`. A standard uncertainty is more than zero; its proportional part may be zero.
-    pub(crate) fn of(index: usize, entry: &VerificationEntry) -> Result<Self, Error> {
-        let refused = |field: &str, u: f64, expected: &str| {
-            let found = format!("a standard uncertainty of {u}");
-            let place = Place::in_field(format!("verification[{index}].{field}"));
-            Err(Problem::value(found, expected).at(place))
-        };
-        let &VerificationEntry { u_um, u_ppm, .. } = entry;
-        if let Some(u) = u_um.filter(|&u| u <= 0.0) {
-            return refused("u_um", u, "more than zero; leave it out if it is not known");
-        }
-        if let Some(u) = u_ppm.filter(|&u| u < 0.0) {
-            return refused("u_ppm", u, "zero or more; leave it out if it is not known");
-        }
-        Ok(Self {
-            name: entry.name.clone(),
-            u_um,
-            u_ppm,
-        })
+/// Entry number `index` without its readings. A standard uncertainty is more than zero; its proportional part may be zero.
+pub(crate) fn declared(
+    index: usize,
+    entry: &VerificationEntry,
+    machine: &Machine,
+) -> Result<Verification, Error> {
+    let kind = kind(index, entry, machine)?;
+    let refused = |field: &str, u: f64, expected: &str| {
+        let found = format!("a standard uncertainty of {u}");
+        let place = Place::in_field(format!("verification[{index}].{field}"));
+        Err(Problem::value(found, expected).at(place))
+    };
+    let &VerificationEntry { u_um, u_ppm, .. } = entry;
+    if let Some(u) = u_um.filter(|&u| u <= 0.0) {
+        return refused("u_um", u, "more than zero; leave it out if it is not known");
     }
+    if let Some(u) = u_ppm.filter(|&u| u < 0.0) {
+        return refused("u_ppm", u, "zero or more; leave it out if it is not known");
+    }
+    Ok(Verification {
+        name: entry.name.clone(),
+        kind,
+        u_um,
+        u_ppm,
+        readings: Vec::new(),
+    })
 }
 
 /// Reads the readings file of a verification.
 pub(crate) fn read(
     file: &Path,
     text: &str,
-    declared: Declared,
-    kind: VerificationKind,
+    declared: Verification,
     machine: &Machine,
 ) -> Result<Verification, Error> {
-    let value_column = value_column(&kind);
+    let value_column = value_column(&declared.kind);
     let required = required_columns(&FIRST_COLUMNS, machine, &[value_column]);
     let mut table = Table::open(file, text, &required, &[TIME_COLUMN])?;
     let time = table.optional_column(TIME_COLUMN);
@@ -153,11 +150,8 @@ pub(crate) fn read(
         return Err(table.no_rows());
     }
     Ok(Verification {
-        name: declared.name,
-        kind,
-        u_um: declared.u_um,
-        u_ppm: declared.u_ppm,
         readings,
+        ..declared
     })
 }
 

@@ -1,4 +1,4 @@
-//! Writing: from a [`Campaign`] to the files that [`crate::read`] reads.
+//! Writing: from a [`Campaign`] to the files that [`crate::read()`] reads.
 
 use std::borrow::Cow;
 use std::fs;
@@ -18,7 +18,7 @@ const POINTS_FILE: &str = "points.csv";
 /// Writes `campaign` into `folder`, which is made if it is not there, and returns the path of its
 /// `campaign.json`.
 ///
-/// Only what [`crate::read`] accepts is written: the texts are read back before a file is touched.
+/// Only what [`crate::read()`] accepts is written: the texts are read back before a file is touched.
 /// Each file is whole or not there: it is written under a temporary name and renamed, the tables
 /// first and `campaign.json` last.
 ///

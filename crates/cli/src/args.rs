@@ -12,6 +12,8 @@ use clap::{Args as ClapArgs, Parser, Subcommand};
 use nalgebra::Point3;
 use trueaxis_compensate::Format;
 
+use crate::output::{OutputError, Results};
+
 pub(crate) use about::{ExplainArgs, SchemaArgs, SchemaName};
 pub(crate) use campaign::{CalibrateArgs, CheckArgs, DiagnoseArgs, MontecarloArgs};
 pub(crate) use import::{ImportArgs, ImportTableArgs, ImportWhat};
@@ -42,10 +44,14 @@ pub(crate) enum Verb {
     /// Reads a campaign, checks it, and says what is in it.
     Check(CheckArgs),
     /// Finds all component and location errors; writes calibration.json.
+    ///
+    /// Beside it: covariance.npz, residuals.csv (of lengths), report.html.
     Calibrate(CalibrateArgs),
     /// Predicts the error of the tool at any positions from a calibration; writes predicted.csv.
     Predict(PredictArgs),
     /// Looks at the volumetric error over the working volume of a calibration; writes volume.json.
+    ///
+    /// Beside it: volumetric.csv and volumetric.vti.
     Volume(VolumeArgs),
     /// Writes compensation tables for a control from a calibration, and says what they can take away.
     Export(ExportArgs),
@@ -55,6 +61,8 @@ pub(crate) enum Verb {
     /// Says by what two calibrations of one machine differ; writes comparison.json.
     Compare(CompareArgs),
     /// Says what the calibrated model gets wrong and why; writes diagnosis.json.
+    ///
+    /// Beside it: report.html, and effects.json and replay.json if the lengths show causes.
     Diagnose(DiagnoseArgs),
     /// Shows the results in a folder as one page; writes report.html and its figures.
     Report(ReportArgs),
@@ -64,7 +72,7 @@ pub(crate) enum Verb {
     Simulate(SimulateArgs),
     /// Prints the JSON Schema of a document, for editors and other programs.
     Schema(SchemaArgs),
-    /// Says what the code of an error means, and how to mend it.
+    /// Says what the code of an error means, and how to correct it.
     Explain(ExplainArgs),
     /// Prints what a shell needs to complete the words of a command line.
     Completions(CompletionsArgs),
@@ -72,28 +80,22 @@ pub(crate) enum Verb {
     Table1(Table1Args),
 }
 
-impl Verb {
-    /// Whether data are asked for on standard output.
-    pub(crate) fn is_json(&self) -> bool {
-        match self {
-            Self::Check(args) => args.json,
-            Self::Calibrate(args) => args.json,
-            Self::Predict(args) => args.json,
-            Self::Volume(args) => args.json,
-            Self::Verify(args) => args.json,
-            Self::Compare(args) => args.json,
-            Self::Diagnose(args) => args.json,
-            Self::Montecarlo(args) => args.json,
-            Self::Table1(args) => args.json,
-            Self::Import(args) => args.is_json(),
-            Self::Init(_)
-            | Self::Export(_)
-            | Self::Report(_)
-            | Self::Simulate(_)
-            | Self::Schema(_)
-            | Self::Explain(_)
-            | Self::Completions(_) => false,
-        }
+/// Where the result of a verb goes.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct ResultArgs {
+    /// Folder for the results [default: one in the current directory, named after the campaign].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Also print the result as JSON on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+impl ResultArgs {
+    /// The folder for the results of this campaign.
+    pub(crate) fn folder(&self, campaign: &str) -> Result<Results, OutputError> {
+        Results::new(self.out.as_deref(), campaign)
     }
 }
 
@@ -108,13 +110,8 @@ pub(crate) struct PredictArgs {
     #[arg(value_name = "POSITIONS.csv")]
     pub(crate) positions: PathBuf,
 
-    /// Folder for predicted.csv [default: one in the current directory, named after the campaign].
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-
-    /// Also print the predictions as JSON on standard output.
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) result: ResultArgs,
 }
 
 #[derive(Debug, ClapArgs)]
@@ -122,11 +119,6 @@ pub(crate) struct VolumeArgs {
     /// The calibration, with covariance.npz beside it.
     #[arg(value_name = "CALIBRATION.json")]
     pub(crate) calibration: PathBuf,
-
-    /// Folder for volume.json, volumetric.csv and volumetric.vti [default: one in the current
-    /// directory, named after the campaign].
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
 
     /// Nodes of the grid along each linear axis, from its first to its last step; all other axes
     /// are spread over theirs.
@@ -146,9 +138,8 @@ pub(crate) struct VolumeArgs {
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
 
-    /// Also print volume.json on standard output.
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) result: ResultArgs,
 }
 
 #[derive(Debug, ClapArgs)]
@@ -195,13 +186,8 @@ pub(crate) struct CompareArgs {
     #[arg(value_name = "B.json")]
     pub(crate) second: PathBuf,
 
-    /// Folder for comparison.json [default: one in the current directory, named after the campaign of B].
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-
-    /// Also print comparison.json on standard output.
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) result: ResultArgs,
 }
 
 #[derive(Debug, ClapArgs)]
@@ -214,10 +200,6 @@ pub(crate) struct VerifyArgs {
     #[arg(value_name = "CAMPAIGN.json")]
     pub(crate) campaign: PathBuf,
 
-    /// Folder for verification.json [default: one in the current directory, named after the campaign].
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-
     /// The readings were taken with the compensation switched on: compare them with the prediction
     /// for corrected commands.
     #[arg(long)]
@@ -227,9 +209,8 @@ pub(crate) struct VerifyArgs {
     #[arg(long)]
     pub(crate) no_report: bool,
 
-    /// Also print verification.json on standard output.
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) result: ResultArgs,
 
     /// End with exit code 6 if more readings than chance explains differ from the prediction by more
     /// than U (k = 2).

@@ -11,7 +11,7 @@ use trueaxis_poses::scene_of;
 use crate::args::CalibrateArgs;
 use crate::exit::Exit;
 use crate::talk::{notice, say};
-use crate::{effects_input, output, report, summary};
+use crate::{effects_input, summary};
 
 /// Significance at which `--fail-on-misfit` rejects the model.
 const MISFIT_LEVEL: f64 = 1e-3;
@@ -58,22 +58,15 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
         extra.push((Calibration::RESIDUALS_FILE, residuals.into_bytes()));
     }
     calibration.traceability.inputs = checksums(&args.campaign)?;
-    let folder = output::folder(args.out.as_deref(), &campaign.name)?;
+    let mut results = args.result.folder(&campaign.name)?;
     let text = calibration.to_json();
-    let mut written = Vec::new();
-    let mut write = |name: &str, bytes: &[u8]| {
-        let path = folder.join(name);
-        output::write(&path, bytes)?;
-        written.push(path);
-        anyhow::Ok(())
-    };
-    write("calibration.json", text.as_bytes())?;
+    results.write("calibration.json", text.as_bytes())?;
     for (name, bytes) in extra {
-        write(name, &bytes)?;
+        results.write(name, &bytes)?;
     }
-    let path = folder.join(FactoredCovariance::FILE);
-    output::write_by(&path, |out| calibration.write_covariance_npz(out))?;
-    written.push(path);
+    results.write_by(FactoredCovariance::FILE, |out| {
+        calibration.write_covariance_npz(out)
+    })?;
     let lines = summary::lines(&campaign, &calibration, args.paper_signs);
     let is_rejected = rejects_the_model(&calibration);
     let notices = [&campaign.notices, &calibration.notices, &of_effects].map(Vec::as_slice);
@@ -81,7 +74,7 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     // The report reads the files: of a million lengths not everything need be in memory twice.
     drop((campaign, calibration));
     if !args.no_report {
-        written.extend(report::of_results(&folder)?);
+        results.report()?;
     }
 
     for line in lines.iter().chain(&checked) {
@@ -90,17 +83,8 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     for text in &notices {
         notice(text);
     }
-    for path in &written {
-        say(&format!("written: {}", path.display()));
-    }
-    if args.json {
-        output::print(&text)?;
-    }
-    if args.fail_on_misfit && is_rejected {
-        say("the data reject the model (--fail-on-misfit)");
-        return Ok(Exit::Misfit);
-    }
-    Ok(Exit::Good)
+    results.end(args.result.json.then_some(&text))?;
+    Ok(Exit::of_misfit(args.fail_on_misfit && is_rejected))
 }
 
 fn rejects_the_model(calibration: &Calibration) -> bool {

@@ -1,6 +1,7 @@
 //! `trueaxis check`.
 
 use trueaxis_campaign::{Campaign, read};
+use trueaxis_files::counted;
 use trueaxis_kinematics::{AxisKind, Branch};
 
 use crate::args::CheckArgs;
@@ -65,16 +66,16 @@ fn describe(campaign: &Campaign) {
             list(campaign.stations.iter().map(|s| s.name.clone()))
         ));
         say(&format!(
-            "  lengths   {} in {} stops",
+            "  lengths   {} in {}",
             lengths.readings.len(),
-            lengths.stops.len()
+            counted(lengths.stops.len(), "stop")
         ));
     }
     if let Some(points) = &campaign.points {
         say(&format!(
-            "  points    {} in {} stops",
+            "  points    {} in {}",
             points.readings.len(),
-            points.stops.len()
+            counted(points.stops.len(), "stop")
         ));
     }
     for (number, run) in campaign.runs.iter().enumerate() {
@@ -85,19 +86,17 @@ fn describe(campaign: &Campaign) {
             .count();
         let axis = machine.axes()[run.axis].name();
         say(&format!(
-            "  run       {}: axis {axis}, {steps} steps",
-            run.name
+            "  run       {}: axis {axis}, {}",
+            run.name,
+            counted(steps, "step")
         ));
     }
     for line in coverage::lines(campaign) {
         say(&line);
     }
     for verification in &campaign.verification {
-        let count = verification.readings.len();
-        say(&format!(
-            "  verify    {}: {count} readings",
-            verification.name
-        ));
+        let readings = counted(verification.readings.len(), "reading");
+        say(&format!("  verify    {}: {readings}", verification.name));
     }
 }
 

@@ -3,18 +3,15 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use trueaxis_calibrate::{CalibratedMachine, Difference, check_same_machine};
+use trueaxis_calibrate::{CalibratedMachine, Difference, check_same_machine, position_in_file};
 use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 
 use crate::args::CompareArgs;
 use crate::exit::Exit;
-use crate::output;
 use crate::predict::source;
 use crate::talk::{notice, say};
 use crate::traceability::{of_calibration, traced};
-
-const FILE: &str = "comparison.json";
 
 /// Decimals of µm, ″ and `E_n`.
 const DECIMALS: i32 = 4;
@@ -27,9 +24,8 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
     let mut inputs = of_calibration(&args.first, &first)?;
     inputs.extend(of_calibration(&args.second, &second)?);
     let text = traced(to_json(&first, &second, &differences), &inputs, None)?;
-    let folder = output::folder(args.out.as_deref(), &second.campaign)?;
-    let path = folder.join(FILE);
-    output::write(&path, text.as_bytes())?;
+    let mut results = args.result.folder(&second.campaign)?;
+    results.write("comparison.json", text.as_bytes())?;
     for (name, machine) in [("first", &first), ("second", &second)] {
         for line in source(machine) {
             say(&format!("{name}: {line}"));
@@ -56,10 +52,7 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
             "both follow from the same measurement, whose noise is common to them: U of the differences is too large",
         );
     }
-    say(&format!("written: {}", path.display()));
-    if args.json {
-        output::print(&text)?;
-    }
+    results.end(args.result.json.then_some(&text))?;
     Ok(Exit::Good)
 }
 
@@ -96,14 +89,8 @@ fn to_json(
             format!("difference_{suffix}"): column(&Difference::value),
             format!("u_{suffix}"): column(&|d| d.u),
         });
-        let positions = curve.iter().filter_map(|d| {
-            let kind = axes[d.axis].kind();
-            let in_file = |q: f64| match kind {
-                AxisKind::Linear => round(q, 9),
-                AxisKind::Rotary => round(q.to_degrees(), 9),
-            };
-            d.position.map(in_file)
-        });
+        let in_file = |d: &Difference, q| position_in_file(axes[d.axis].kind(), q);
+        let positions = curve.iter().filter_map(|d| Some(in_file(d, d.position?)));
         let positions: Vec<f64> = positions.collect();
         if !positions.is_empty() {
             value["positions"] = json!(positions);
@@ -139,8 +126,9 @@ fn summary(differences: &[Difference]) -> String {
             curves.len()
         ),
         n => format!(
-            "{n} of the {} have changed by more than the noise",
-            curves.len()
+            "{n} of the {} {} changed by more than the noise",
+            curves.len(),
+            if n == 1 { "has" } else { "have" }
         ),
     }
 }

@@ -6,8 +6,6 @@ mod in_words;
 mod layout;
 mod story;
 
-use std::path::{Path, PathBuf};
-
 use anyhow::Context;
 use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{Campaign, checksums, read};
@@ -16,8 +14,6 @@ use trueaxis_simulate::replay;
 
 use crate::args::DiagnoseArgs;
 use crate::exit::Exit;
-use crate::output;
-use crate::report;
 use crate::talk::{notice, say};
 use crate::traceability::{of_calibration, traced};
 
@@ -46,17 +42,17 @@ pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
     let mut files = vec![("diagnosis.json", text.clone())];
     files.extend(extended_model(&campaign, &diagnosis, &mut notices)?);
 
-    let folder = output::folder(args.out.as_deref(), &campaign.name)?;
-    let mut written = Vec::new();
+    let mut results = args.result.folder(&campaign.name)?;
     for (name, text) in &files {
-        let path = folder.join(name);
-        output::write(&path, text.as_bytes())?;
-        written.push(path);
+        results.write(name, text.as_bytes())?;
     }
     if !args.no_report {
-        written.extend(report::of_results(&folder)?);
+        results.report()?;
     }
-    notices.extend(of_an_earlier_run(&folder, &written));
+    // They would be taken for this diagnosis' own.
+    let earlier = [EFFECTS, REPLAY].map(|name| results.of_an_earlier_run(name));
+    let earlier = earlier.iter().flatten();
+    notices.extend(earlier.map(|path| format!("{} is of an earlier diagnosis", path.display())));
 
     for line in story::lines(&diagnosis) {
         say(&line);
@@ -64,17 +60,10 @@ pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
     for text in &notices {
         notice(text);
     }
-    for path in &written {
-        say(&format!("written: {}", path.display()));
-    }
-    if args.json {
-        output::print(&text)?;
-    }
-    if args.fail_on_misfit && diagnosis.verdict.is_misfit() {
-        say("the data reject the model (--fail-on-misfit)");
-        return Ok(Exit::Misfit);
-    }
-    Ok(Exit::Good)
+    results.end(args.result.json.then_some(&text))?;
+    Ok(Exit::of_misfit(
+        args.fail_on_misfit && diagnosis.verdict.is_misfit(),
+    ))
 }
 
 /// The files of the extended model, if the lengths show causes.
@@ -101,14 +90,4 @@ fn extended_model(
         Err(reason) => notices.push(format!("no {REPLAY} was written: {reason:#}")),
     }
     Ok(files)
-}
-
-/// Files of another diagnosis that would be taken for this one's.
-fn of_an_earlier_run(folder: &Path, written: &[PathBuf]) -> Vec<String> {
-    [EFFECTS, REPLAY]
-        .iter()
-        .map(|name| folder.join(name))
-        .filter(|path| !written.contains(path) && path.exists())
-        .map(|path| format!("{} is of an earlier diagnosis", path.display()))
-        .collect()
 }

@@ -69,32 +69,30 @@ fn place<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<&'e Place> 
         return match error {
             ReadError::Document(error) => Some(&error.place),
             ReadError::Machine(error) => Some(&error.place),
-            ReadError::NoMachine { place } => Some(place),
             _ => None,
         };
     }
     if let Some(trueaxis_effects::Error::Document(error)) = cause.downcast_ref() {
         return Some(&error.place);
     }
-    let campaign = cause
-        .downcast_ref::<trueaxis_campaign::Error>()
-        .map(|error| &*error.place);
-    campaign
-        .or_else(|| {
-            cause
-                .downcast_ref::<DocumentError>()
-                .map(|error| &*error.place)
-        })
-        .or_else(|| {
-            cause
-                .downcast_ref::<trueaxis_simulate::Error>()
-                .map(|error| &*error.place)
-        })
-        .or_else(|| {
-            cause
-                .downcast_ref::<trueaxis_import::Error>()
-                .map(|error| &*error.place)
-        })
+    let of_campaign = || {
+        cause
+            .downcast_ref()
+            .map(|e: &trueaxis_campaign::Error| &*e.place)
+    };
+    let of_document = || cause.downcast_ref().map(|e: &DocumentError| &*e.place);
+    let of_scenario = || {
+        cause
+            .downcast_ref()
+            .map(|e: &trueaxis_simulate::Error| &*e.place)
+    };
+    let of_import = || {
+        cause
+            .downcast_ref()
+            .map(|e: &trueaxis_import::Error| &*e.place)
+    };
+    let found = of_campaign().or_else(of_document);
+    found.or_else(of_scenario).or_else(of_import)
 }
 
 /// What was found, where the separators of the file are not known.

@@ -8,17 +8,12 @@ use trueaxis_effects::{
     EffectsFile, GivenEffect, GivenParameter, GivenSubject, ResolvedEffects, Scene,
 };
 
+use crate::given_file::read_text;
+
 /// A file of effects that cannot be used.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
 pub(crate) struct EffectsInputError(String);
-
-impl std::fmt::Display for EffectsInputError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for EffectsInputError {}
 
 /// What of `diagnosis.json` says which effects the lengths show; the rest is passed over.
 #[derive(Deserialize)]
@@ -38,11 +33,10 @@ struct CauseFile {
     covariance: Vec<Vec<f64>>,
 }
 
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
+#[serde(default)]
 struct Header {
-    #[serde(default)]
     format: String,
-    #[serde(default)]
     version: u32,
 }
 
@@ -52,13 +46,8 @@ const DIAGNOSIS: &str = "trueaxis-diagnosis";
 pub(crate) fn read(path: &Path, scene: &Scene, campaign: &str) -> anyhow::Result<Effects> {
     let in_file = || path.display().to_string();
     let wrong = |text: String| EffectsInputError(text);
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| {
-            wrong(format!(
-                "it cannot be read ({error}); --with-effects wants an effects.json or a diagnosis.json"
-            ))
-        })
-        .with_context(in_file)?;
+    let wanted = "--with-effects wants an effects.json or a diagnosis.json";
+    let text = read_text(path, wanted)?;
     let header: Header = serde_json::from_str(&text)
         .map_err(|error| {
             wrong(format!(

@@ -2,15 +2,8 @@
 
 use std::process::ExitCode;
 
-use trueaxis_calibrate::{Error as Calibrate, ReadError};
-use trueaxis_diagnose::Error as Diagnose;
-use trueaxis_poses::Error as Poses;
-
-use crate::effects_input::EffectsInputError;
-use crate::export::OldTablesError;
-use crate::import::calibration::ImportError;
-use crate::output::OutputError;
-use crate::report::TemplateUnreadable;
+use crate::codes;
+use crate::talk::say;
 
 /// How the program ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,99 +44,28 @@ impl Exit {
         }
     }
 
-    /// The code for an error, by its innermost known kind.
+    /// How a verb ends with `--fail-on-misfit` if the data reject the model.
+    pub(crate) fn of_misfit(is_rejected: bool) -> Self {
+        if !is_rejected {
+            return Self::Good;
+        }
+        say("the data reject the model (--fail-on-misfit)");
+        Self::Misfit
+    }
+
+    /// How an error ends the program, by its code: that of what nobody foresaw is a bug.
     pub(crate) fn of(error: &anyhow::Error) -> Self {
-        use trueaxis_campaign::{Error as Campaign, Problem};
-        for cause in error.chain() {
-            if let Some(error) = cause.downcast_ref::<Campaign>() {
-                return match error.problem {
-                    Problem::Unwritable { .. } => Self::Usage,
-                    _ => Self::Input,
-                };
-            }
-            if let Some(error) = cause.downcast_ref::<trueaxis_simulate::Error>() {
-                return match *error.problem {
-                    trueaxis_simulate::Problem::Write(_) => Self::Usage,
-                    _ => Self::Input,
-                };
-            }
-            if let Some(error) = cause.downcast_ref::<trueaxis_montecarlo::Error>() {
-                return match error {
-                    trueaxis_montecarlo::Error::NotFinite { .. } => Self::NotConverged,
-                    _ => Self::Usage,
-                };
-            }
-            if cause.is::<OutputError>() || cause.is::<TemplateUnreadable>() {
-                return Self::Usage;
-            }
-            if cause.is::<ReadError>()
-                || cause.is::<trueaxis_calibrate::OtherMachine>()
-                || cause.is::<ImportError>()
-                || cause.is::<trueaxis_files::DocumentError>()
-                || cause.is::<trueaxis_import::Error>()
-            {
-                return Self::Input;
-            }
-            if let Some(error) = cause.downcast_ref::<trueaxis_compensate::Error>() {
-                return match error {
-                    trueaxis_compensate::Error::NotContracting { .. } => Self::NotConverged,
-                    trueaxis_compensate::Error::OtherMachine(_)
-                    | trueaxis_compensate::Error::Table { .. } => Self::Input,
-                    _ => Self::Usage,
-                };
-            }
-            if let Some(error) = cause.downcast_ref::<trueaxis_report::Error>() {
-                return match error {
-                    trueaxis_report::Error::Template { .. } => Self::Usage,
-                    _ => Self::Input,
-                };
-            }
-            if cause.is::<OldTablesError>() {
-                return Self::Input;
-            }
-            if cause.is::<EffectsInputError>() || cause.is::<trueaxis_effects::Error>() {
-                return Self::Input;
-            }
-            if let Some(error) = cause.downcast_ref::<Diagnose>() {
-                return match error {
-                    Diagnose::Calibrate(error) => Self::of_calibration(error),
-                    Diagnose::Adjustment(_) => Self::NotConverged,
-                    Diagnose::NothingMeasured | Diagnose::NothingRead => Self::NotIdentifiable,
-                    Diagnose::OtherMachine(_) => Self::Input,
-                };
-            }
-            if let Some(error) = cause.downcast_ref::<Calibrate>() {
-                return Self::of_calibration(error);
-            }
-        }
-        Self::Internal
-    }
-
-    fn of_calibration(error: &Calibrate) -> Self {
-        match error {
-            Calibrate::Poses(error) => Self::of_poses(error),
-            Calibrate::Mistaken { error, .. } => Self::of_calibration(error),
-            Calibrate::NotIdentifiable { .. } => Self::NotIdentifiable,
-            Calibrate::NotThatMotion { .. }
-            | Calibrate::SeveralAxesMove { .. }
-            | Calibrate::OtherReferencePoint { .. } => Self::Input,
-            Calibrate::NotSettled { .. } => Self::NotConverged,
-            Calibrate::CovarianceTooLarge { .. } | Calibrate::ReliabilityTooLarge { .. } => {
-                Self::Usage
-            }
-        }
-    }
-
-    fn of_poses(error: &Poses) -> Self {
-        match error {
-            Poses::NothingMeasured | Poses::NotIdentifiable { .. } => Self::NotIdentifiable,
-            Poses::EffectsWithoutLengths => Self::Input,
-            Poses::NotConverged { .. }
-            | Poses::NotTrustworthy { .. }
-            | Poses::Contradictory { .. }
-            | Poses::RanAway { .. }
-            | Poses::StationUnexplained { .. } => Self::NotConverged,
-            Poses::Numerical { .. } => Self::Internal,
+        let Some(code) = codes::of(error) else {
+            return Self::Internal;
+        };
+        match (code, &code[..2]) {
+            ("E306", _) => Self::Internal,
+            ("E601", _) | (_, "E3") => Self::NotConverged,
+            ("E401" | "E404", _) => Self::NotIdentifiable,
+            // Tables that --onto names.
+            ("E604" | "E609", _) => Self::Input,
+            ("E004" | "E005", _) | (_, "E6") => Self::Usage,
+            _ => Self::Input,
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::exit::Exit;
 use crate::output;
 use crate::talk::say_always;
 
-/// A section for each code: `## E001 title`, what it means, an example, how to mend it.
+/// A section for each code: `## E001 title`, what it means, an example, what to do.
 const TEXT: &str = include_str!("explain/codes.md");
 
 /// What is told of a code.

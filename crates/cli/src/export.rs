@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use trueaxis_calibrate::CalibratedMachine;
-use trueaxis_compensate::{Announcement, Error, ExportedFile, Format, Request, export};
+use trueaxis_compensate::{Announcement, Error, ExportedFile, Format, Request, Sizes, export};
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 
 use crate::args::ExportArgs;
 use crate::exit::Exit;
-use crate::output;
+use crate::given_file::Unreadable;
+use crate::output::Results;
 use crate::predict::source;
 use crate::talk::{notice, say};
 
@@ -58,28 +59,23 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
             "a control that compensated while it was measured must keep doing so: add these tables to the old ones (--onto)",
         );
     }
-    let folder = output::folder(args.out.as_deref(), &machine.campaign)?;
+    let mut results = Results::new(args.out.as_deref(), &machine.campaign)?;
     for file in &tables.files {
-        let path = folder.join(&file.name);
-        output::write(&path, file.text.as_bytes())?;
-        say(&format!("written: {}", path.display()));
+        results.write(&file.name, file.text.as_bytes())?;
     }
+    results.end(None)?;
     Ok(Exit::Good)
 }
 
-/// Old tables that cannot be read.
+/// A folder without old tables.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum OldTablesError {
-    /// The operating system refuses.
-    #[error("{} cannot be read", path.display())]
-    Unreadable {
-        path: PathBuf,
-        source: std::io::Error,
-    },
-    /// No table is in it.
-    #[error("{} has none of {names}; --onto wants the folder of the old tables, or a file", folder.display())]
-    Nothing { folder: PathBuf, names: String },
+#[error("{} has none of {names}; {ONTO}", folder.display())]
+pub(crate) struct NoOldTables {
+    folder: PathBuf,
+    names: String,
 }
+
+const ONTO: &str = "--onto wants the folder of the old tables, or a file";
 
 /// A file, or those in a folder that have the names of the format.
 fn old_tables(
@@ -103,11 +99,11 @@ fn old_tables(
         match std::fs::read_to_string(&path) {
             Ok(text) => old.push(ExportedFile { name, text }),
             Err(source) if source.kind() == std::io::ErrorKind::NotFound => {}
-            Err(source) => return Err(OldTablesError::Unreadable { path, source }.into()),
+            Err(source) => return Err(Unreadable::at(&path, ONTO)(source).into()),
         }
     }
     match old.is_empty() {
-        true => Err(OldTablesError::Nothing {
+        true => Err(NoOldTables {
             folder: path.to_owned(),
             names: names.join(", "),
         }
@@ -145,34 +141,17 @@ fn announced(machine: &CalibratedMachine, announcement: &Announcement) -> Vec<St
         ));
     }
     let (before, after) = (&announcement.before, &announcement.after);
-    for (what, before, after, unit, symbol) in [
-        (
-            "volumetric error, rms",
-            before.rms_mm,
-            after.rms_mm,
-            MICROMETRE,
-            "µm",
-        ),
-        (
-            "volumetric error, largest",
-            before.max_mm,
-            after.max_mm,
-            MICROMETRE,
-            "µm",
-        ),
-        (
-            "rotation of the tool, largest",
-            before.rotation_rad,
-            after.rotation_rad,
-            ARCSEC,
-            "″",
-        ),
-    ] {
-        lines.push(format!(
-            "  {what:36} {:.2} -> {:.2} {symbol}",
-            before / unit,
-            after / unit
-        ));
-    }
+    let mut line = |what: &str, of: fn(&Sizes) -> f64, unit: f64, symbol: &str| {
+        let (before, after) = (of(before) / unit, of(after) / unit);
+        lines.push(format!("  {what:36} {before:.2} -> {after:.2} {symbol}"));
+    };
+    line("volumetric error, rms", |s| s.rms_mm, MICROMETRE, "µm");
+    line("volumetric error, largest", |s| s.max_mm, MICROMETRE, "µm");
+    line(
+        "rotation of the tool, largest",
+        |s| s.rotation_rad,
+        ARCSEC,
+        "″",
+    );
     lines
 }

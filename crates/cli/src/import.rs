@@ -4,6 +4,7 @@ pub(crate) mod calibration;
 
 use std::path::PathBuf;
 
+use trueaxis_files::counted;
 use trueaxis_import::{Imported, Kind, Map, Skipped};
 
 use crate::args::{ImportArgs, ImportTableArgs, ImportWhat};
@@ -28,10 +29,10 @@ fn table(args: &ImportTableArgs, kind: Kind, default: &str) -> anyhow::Result<Ex
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(default));
     output::write_all_new(&[(&out, imported.text())])?;
     say(&format!(
-        "{}: {} rows in {} stops; the first ones",
+        "{}: {} in {}; the first ones",
         args.file.display(),
-        imported.rows.len(),
-        imported.stops
+        counted(imported.rows.len(), "row"),
+        counted(imported.stops, "stop")
     ));
     for line in preview(&imported) {
         say(&line);

@@ -16,6 +16,7 @@ mod error_json;
 mod exit;
 mod explain;
 mod export;
+mod given_file;
 mod import;
 mod init;
 mod montecarlo;
@@ -43,7 +44,7 @@ use crate::exit::Exit;
 fn main() -> ExitCode {
     // One thread, one order of additions: the same bytes on every machine.
     faer::set_global_parallelism(faer::Par::Seq);
-    let args = Args::parse();
+    let args = Args::try_parse().unwrap_or_else(|error| misused(&error));
     if args.quiet {
         talk::be_quiet();
     }
@@ -70,21 +71,37 @@ fn main() -> ExitCode {
     let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
     let exit = match outcome {
         Ok(Ok(exit)) => exit,
-        Ok(Err(error)) => failed(&args.verb, &error, Exit::of(&error)),
+        Ok(Err(error)) => failed(&error, Exit::of(&error)),
         Err(_) => {
             let text = "internal error: please report it with the campaign that causes it";
-            failed(&args.verb, &anyhow::Error::msg(text), Exit::Internal)
+            failed(&anyhow::Error::msg(text), Exit::Internal)
         }
     };
     exit.into()
 }
 
-/// Says why there is no result, to programs as well where they asked for data.
-fn failed(verb: &Verb, error: &anyhow::Error, exit: Exit) -> Exit {
+/// Ends the program with clap's words for a wrong command line, or with the help asked for.
+fn misused(error: &clap::Error) -> ! {
+    if error.use_stderr() {
+        let text = error.render().to_string();
+        let what = text.split("\n\n").next().unwrap_or_default();
+        let what = what.trim_start_matches("error: ").to_owned();
+        tell_programs(&anyhow::Error::msg(what), Exit::Usage);
+    }
+    error.exit()
+}
+
+/// Says why there is no result.
+fn failed(error: &anyhow::Error, exit: Exit) -> Exit {
     talk::error(error);
-    if verb.is_json() {
+    tell_programs(error, exit);
+    exit
+}
+
+/// The same for programs, where they asked for data.
+fn tell_programs(error: &anyhow::Error, exit: Exit) {
+    if std::env::args_os().any(|arg| arg == "--json") {
         // That standard output cannot be written does not change why there is no result.
         let _ = output::print(&error_json::text(error, exit));
     }
-    exit
 }

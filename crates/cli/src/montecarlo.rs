@@ -3,6 +3,7 @@
 use anyhow::Context;
 use trueaxis_calibrate::{NumberedResult, Output, Unit, calibrate_for_replay};
 use trueaxis_campaign::{Campaign, checksums, read};
+use trueaxis_files::counted;
 use trueaxis_montecarlo::{
     FirstOrder, Outcome, Propagation, Settings, Trials, Validation, propagate, validate,
 };
@@ -13,7 +14,7 @@ use crate::montecarlo_file::{self, Compared};
 use crate::summary::in_words;
 use crate::talk::{notice, say};
 use crate::traceability::traced;
-use crate::{output, progress, summary};
+use crate::{progress, summary};
 
 /// Trials without `--trials`: fixed, and most with `--digits` (or what the memory takes).
 const TRIALS: usize = 10_000;
@@ -60,11 +61,10 @@ pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
         args.digits.unwrap_or(DIGITS),
     )?;
 
-    let folder = output::folder(args.out.as_deref(), &campaign.name)?;
-    let path = folder.join("montecarlo.json");
     let document = montecarlo_file::document(&campaign.name, args.seed, &propagation, &compared)?;
     let text = traced(document, &checksums(&args.campaign)?, Some(args.seed))?;
-    output::write(&path, text.as_bytes())?;
+    let mut results = args.result.folder(&campaign.name)?;
+    results.write("montecarlo.json", text.as_bytes())?;
     let adjustment = summary::adjustment(&calibration);
     for line in adjustment.into_iter().chain(lines(&propagation, &compared)) {
         say(&line);
@@ -78,10 +78,7 @@ pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
              both sides of the comparison",
         );
     }
-    say(&format!("written: {}", path.display()));
-    if args.json {
-        output::print(&text)?;
-    }
+    results.end(args.result.json.then_some(&text))?;
     Ok(Exit::Good)
 }
 
@@ -151,9 +148,9 @@ fn in_words_of_results(
 
 fn lines(propagation: &Propagation, compared: &[Compared<'_>]) -> Vec<String> {
     let mut lines = vec![format!(
-        "{} trials of this noise, {} results",
-        propagation.trials,
-        compared.len()
+        "{} of this noise, {}",
+        counted(propagation.trials, "trial"),
+        counted(compared.len(), "result")
     )];
     if let Some(stability) = &propagation.stability {
         let open = stability
@@ -163,6 +160,7 @@ fn lines(propagation: &Propagation, compared: &[Compared<'_>]) -> Vec<String> {
             .count();
         lines.push(match open {
             0 => "all results have settled to the digits asked for".to_owned(),
+            1 => "1 result has not settled to the digits asked for: allow more --trials".to_owned(),
             _ => format!(
                 "{open} results have not settled to the digits asked for: allow more --trials"
             ),

@@ -3,9 +3,9 @@
 //! One entry for each result that neither gauge nor frame defines, in the units of
 //! `calibration.json`.
 
-use serde::Serialize;
-use serde_json::Value;
-use trueaxis_calibrate::{NumberedResult, Output};
+use serde_json::{Value, json};
+use trueaxis_calibrate::NumberedResult;
+use trueaxis_files::round;
 use trueaxis_montecarlo::{FirstOrder, Outcome, Propagation, Summary, Validation};
 
 /// One result by first order and by Monte Carlo, in the unit of its output.
@@ -16,33 +16,6 @@ pub(crate) struct Compared<'a> {
     pub(crate) validation: Validation,
 }
 
-#[derive(Serialize)]
-struct File<'a> {
-    format: &'static str,
-    version: u32,
-    campaign: &'a str,
-    trials: usize,
-    seed: u64,
-    coverage: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    stabilised: Option<bool>,
-    results: Vec<Entry<'a>>,
-}
-
-#[derive(Serialize)]
-struct Entry<'a> {
-    #[serde(flatten)]
-    output: &'a Output,
-    value: f64,
-    u_first_order: f64,
-    mean: f64,
-    u: f64,
-    u_standard_error: f64,
-    symmetric: [f64; 2],
-    shortest: [f64; 2],
-    first_order_interval: &'static str,
-}
-
 /// The file.
 pub(crate) fn document(
     campaign: &str,
@@ -50,34 +23,46 @@ pub(crate) fn document(
     propagation: &Propagation,
     compared: &[Compared<'_>],
 ) -> serde_json::Result<Value> {
-    serde_json::to_value(File {
-        format: "trueaxis-montecarlo",
-        version: 1,
-        campaign,
-        trials: propagation.trials,
-        seed,
-        coverage: propagation.coverage,
-        stabilised: propagation.stability.as_ref().map(|s| s.stabilised),
-        results: compared.iter().map(entry).collect(),
-    })
+    let mut document = json!({
+        "format": "trueaxis-montecarlo",
+        "version": 1,
+        "campaign": campaign,
+        "trials": propagation.trials,
+        "seed": seed,
+        "coverage": propagation.coverage,
+    });
+    if let Some(stability) = &propagation.stability {
+        document["stabilised"] = json!(stability.stabilised);
+    }
+    document["results"] = compared.iter().map(entry).collect::<Result<_, _>>()?;
+    Ok(document)
 }
 
-fn entry<'a>(one: &Compared<'a>) -> Entry<'a> {
+fn entry(one: &Compared<'_>) -> serde_json::Result<Value> {
     let found = &one.monte_carlo;
-    let rounded = |x: f64| (x * 1e9).round() / 1e9 + 0.0;
-    Entry {
-        output: &one.result.output,
-        value: rounded(one.first_order.value),
-        u_first_order: rounded(one.first_order.u),
-        mean: rounded(found.mean),
-        u: rounded(found.u),
-        u_standard_error: rounded(found.scatter.u),
-        symmetric: [found.symmetric.low, found.symmetric.high].map(rounded),
-        shortest: [found.shortest.low, found.shortest.high].map(rounded),
-        first_order_interval: match one.validation.outcome {
-            Outcome::Validated => "validated",
-            Outcome::NotValidated => "not validated",
-            Outcome::Undecided => "not decided by so few trials",
-        },
+    let rounded = |x: f64| round(x, 9);
+    let mut entry = serde_json::to_value(&one.result.output)?;
+    for (field, value) in [
+        ("value", json!(rounded(one.first_order.value))),
+        ("u_first_order", json!(rounded(one.first_order.u))),
+        ("mean", json!(rounded(found.mean))),
+        ("u", json!(rounded(found.u))),
+        ("u_standard_error", json!(rounded(found.scatter.u))),
+        (
+            "symmetric",
+            json!([found.symmetric.low, found.symmetric.high].map(rounded)),
+        ),
+        (
+            "shortest",
+            json!([found.shortest.low, found.shortest.high].map(rounded)),
+        ),
+    ] {
+        entry[field] = value;
     }
+    entry["first_order_interval"] = json!(match one.validation.outcome {
+        Outcome::Validated => "validated",
+        Outcome::NotValidated => "not validated",
+        Outcome::Undecided => "not decided by so few trials",
+    });
+    Ok(entry)
 }

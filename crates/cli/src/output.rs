@@ -4,126 +4,129 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// A result that cannot be written.
-#[derive(Debug)]
-pub(crate) struct OutputError {
-    /// `None` for standard output.
-    path: Option<PathBuf>,
-    /// `None` if the file is there and is not to be overwritten.
-    source: Option<io::Error>,
-}
+use crate::report;
+use crate::talk::say;
 
-impl std::fmt::Display for OutputError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match (&self.path, &self.source) {
-            (Some(path), Some(source)) if is_file_in_the_way(source) => {
-                let path = path.display();
-                write!(
-                    f,
-                    "{path} cannot be written: a file is in the way of a folder; choose another place, as with --out"
-                )
-            }
-            (Some(path), Some(_)) => {
-                let path = path.display();
-                write!(
-                    f,
-                    "{path} cannot be written; choose another place, as with --out"
-                )
-            }
-            (Some(path), None) => {
-                let path = path.display();
-                write!(
-                    f,
-                    "{path} is there already and is not overwritten; move it away, or choose another place"
-                )
-            }
-            (None, _) => write!(f, "standard output cannot be written"),
-        }
-    }
+/// A result that cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum OutputError {
+    #[error(
+        "{} cannot be written{}; choose another place, as with --out",
+        path.display(),
+        in_the_way(source)
+    )]
+    File { path: PathBuf, source: io::Error },
+    #[error(
+        "{} is there already and is not overwritten; move it away, or choose another place",
+        path.display()
+    )]
+    Exists { path: PathBuf },
+    #[error("standard output cannot be written")]
+    StandardOutput(#[source] io::Error),
 }
 
 impl OutputError {
-    /// The code of the error.
-    pub(crate) fn code(&self) -> &'static str {
-        match self.source {
-            Some(_) => "E004",
-            None => "E005",
-        }
+    fn at(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_owned();
+        |source| Self::File { path, source }
     }
 }
 
-impl std::error::Error for OutputError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        self.source.as_ref().map(|source| source as _)
-    }
-}
-
-fn is_file_in_the_way(error: &io::Error) -> bool {
+fn in_the_way(error: &io::Error) -> &'static str {
     use io::ErrorKind::{AlreadyExists, NotADirectory};
-    matches!(error.kind(), AlreadyExists | NotADirectory)
+    match error.kind() {
+        AlreadyExists | NotADirectory => ": a file is in the way of a folder",
+        _ => "",
+    }
+}
+
+/// The results of a verb in their folder.
+pub(crate) struct Results {
+    pub(crate) folder: PathBuf,
+    written: Vec<PathBuf>,
+}
+
+impl Results {
+    /// In the folder that is given, or one in the current directory named after the campaign.
+    pub(crate) fn new(given: Option<&Path>, campaign: &str) -> Result<Self, OutputError> {
+        Ok(Self {
+            folder: folder(given, campaign)?,
+            written: Vec::new(),
+        })
+    }
+
+    /// Writes a result whole or not at all.
+    pub(crate) fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
+        self.write_by(name, |out| out.write_all(bytes))
+    }
+
+    /// Writes a result that is not held in memory, whole or not at all.
+    pub(crate) fn write_by(
+        &mut self,
+        name: &str,
+        write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+    ) -> Result<(), OutputError> {
+        let path = self.folder.join(name);
+        trueaxis_files::write_whole_by(&path, write).map_err(OutputError::at(&path))?;
+        self.written.push(path);
+        Ok(())
+    }
+
+    /// Writes the page of all results in the folder.
+    pub(crate) fn report(&mut self) -> anyhow::Result<()> {
+        self.written.extend(report::of_results(&self.folder)?);
+        Ok(())
+    }
+
+    /// The path of a file that is there, but from an earlier run.
+    pub(crate) fn of_an_earlier_run(&self, name: &str) -> Option<PathBuf> {
+        let path = self.folder.join(name);
+        (!self.written.contains(&path) && path.exists()).then_some(path)
+    }
+
+    /// Says what was written and, for programs that ask for it, prints the result.
+    pub(crate) fn end(&self, printed: Option<&str>) -> Result<(), OutputError> {
+        for path in &self.written {
+            say(&format!("written: {}", path.display()));
+        }
+        printed.map_or(Ok(()), print)
+    }
 }
 
 /// The folder for results: as given, or one in the current directory named after the campaign.
 pub(crate) fn folder(given: Option<&Path>, campaign: &str) -> Result<PathBuf, OutputError> {
     let path = given.map_or_else(|| PathBuf::from(file_name(campaign)), Path::to_path_buf);
-    match std::fs::create_dir_all(&path) {
-        Ok(()) => Ok(path),
-        Err(source) => Err(OutputError {
-            path: Some(path),
-            source: Some(source),
-        }),
-    }
+    std::fs::create_dir_all(&path).map_err(OutputError::at(&path))?;
+    Ok(path)
 }
 
 /// Writes a result whole or not at all.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-    write_by(path, |out| out.write_all(bytes))
+    trueaxis_files::write_whole(path, bytes).map_err(OutputError::at(path))
 }
 
 /// Writes files that become the user's own, whole or not at all. If one is there already, none is written.
 pub(crate) fn write_all_new(files: &[(&Path, String)]) -> Result<(), OutputError> {
-    if let Some((path, _)) = files
-        .iter()
-        .find(|(path, _)| path.symlink_metadata().is_ok())
-    {
-        return Err(OutputError {
-            path: Some(path.to_path_buf()),
-            source: None,
-        });
+    for (path, _) in files {
+        if path.symlink_metadata().is_ok() {
+            let path = path.to_path_buf();
+            return Err(OutputError::Exists { path });
+        }
     }
     for (path, text) in files {
         if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(|source| OutputError {
-                path: Some(folder.to_path_buf()),
-                source: Some(source),
-            })?;
+            std::fs::create_dir_all(folder).map_err(OutputError::at(folder))?;
         }
         write(path, text.as_bytes())?;
     }
     Ok(())
 }
 
-/// Writes a result that is not held in memory, whole or not at all.
-pub(crate) fn write_by(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
-) -> Result<(), OutputError> {
-    let failed = |source| OutputError {
-        path: Some(path.to_path_buf()),
-        source: Some(source),
-    };
-    trueaxis_files::write_whole_by(path, write).map_err(failed)
-}
-
 /// Data on standard output. A reader that stops early (`| head`) is no error.
 pub(crate) fn print(text: &str) -> Result<(), OutputError> {
     match io::stdout().lock().write_all(text.as_bytes()) {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        Err(source) => Err(OutputError {
-            path: None,
-            source: Some(source),
-        }),
-        Ok(()) => Ok(()),
+        written => written.map_err(OutputError::StandardOutput),
     }
 }
 
@@ -138,10 +141,9 @@ fn file_name(campaign: &str) -> String {
         }
     }
     let name = name.trim_end_matches('-');
-    if name.is_empty() {
-        "calibration".to_owned()
-    } else {
-        name.to_owned()
+    match name {
+        "" => "calibration".to_owned(),
+        name => name.to_owned(),
     }
 }
 

@@ -3,14 +3,12 @@
 use serde_json::json;
 use trueaxis_calibrate::{CalibratedMachine, Prediction, coverage_factor, to_csv};
 use trueaxis_campaign::read_positions;
+use trueaxis_files::counted;
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 
 use crate::args::PredictArgs;
 use crate::exit::Exit;
-use crate::output;
 use crate::talk::{notice, say};
-
-const FILE: &str = "predicted.csv";
 
 pub(crate) fn run(args: &PredictArgs) -> anyhow::Result<Exit> {
     let machine = CalibratedMachine::read(&args.calibration)?;
@@ -27,10 +25,9 @@ pub(crate) fn run(args: &PredictArgs) -> anyhow::Result<Exit> {
         .map(|(prediction, (axes, point_mm))| prediction.row(machine.machine(), axes, *point_mm));
     let rows: Vec<Vec<f64>> = rows.collect();
 
-    let folder = output::folder(args.out.as_deref(), &machine.campaign)?;
-    let path = folder.join(FILE);
+    let mut results = args.result.folder(&machine.campaign)?;
     let text = to_csv(&columns, rows.iter().cloned());
-    output::write(&path, text.as_bytes())?;
+    results.write("predicted.csv", text.as_bytes())?;
     for line in source(&machine) {
         say(&line);
     }
@@ -44,20 +41,18 @@ pub(crate) fn run(args: &PredictArgs) -> anyhow::Result<Exit> {
             "the table has no x_mm,y_mm,z_mm: taken for the reference point ({x}, {y}, {z}) mm"
         ));
     }
-    say(&format!("written: {}", path.display()));
-    if args.json {
-        let document = json!({
-            "format": "trueaxis-prediction",
-            "version": 1,
-            "machine": machine.name,
-            "campaign": machine.campaign,
-            "effects_taken_out": machine.effects_taken_out,
-            "dof": machine.dof.is_finite().then_some(machine.dof),
-            "columns": columns,
-            "rows": rows,
-        });
-        output::print(&trueaxis_files::to_json(&document)?)?;
-    }
+    let document = json!({
+        "format": "trueaxis-prediction",
+        "version": 1,
+        "machine": machine.name,
+        "campaign": machine.campaign,
+        "effects_taken_out": machine.effects_taken_out,
+        "dof": machine.dof.is_finite().then_some(machine.dof),
+        "columns": columns,
+        "rows": rows,
+    });
+    let printed = args.result.json.then(|| trueaxis_files::to_json(&document));
+    results.end(printed.transpose()?.as_deref())?;
     Ok(Exit::Good)
 }
 
@@ -119,9 +114,10 @@ fn summary(
         })
     };
     let outside = predictions.iter().filter(|p| p.extrapolated).count();
+    let positions = counted(predictions.len(), "position");
     let mut all = vec![match machine.has_uncertainties {
-        true => format!("{} positions; ± is U for k = {k:.2}", predictions.len()),
-        false => format!("{} positions", predictions.len()),
+        true => format!("{positions}; ± is U for k = {k:.2}"),
+        false => positions,
     }];
     all.extend(largest("displacement", 0, MICROMETRE, "µm"));
     all.extend(largest("rotation", 3, ARCSEC, "″"));

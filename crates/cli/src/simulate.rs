@@ -1,6 +1,7 @@
 //! `trueaxis simulate`.
 
 use anyhow::Context;
+use trueaxis_files::counted;
 use trueaxis_simulate::{Scenario, simulate};
 
 use crate::args::SimulateArgs;
@@ -16,14 +17,14 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Exit> {
     let campaign = trueaxis_campaign::write(&simulated.campaign, &folder)?;
     let truth = folder.join("truth.json");
     simulated.truth.write(&truth)?;
+    let lengths = simulated.campaign.lengths.as_ref();
     say(&format!(
-        "{}: {} lengths, seed {}",
+        "{}: {}, seed {}",
         simulated.campaign.name,
-        simulated
-            .campaign
-            .lengths
-            .as_ref()
-            .map_or(0, |lengths| lengths.readings.len()),
+        counted(
+            lengths.map_or(0, |lengths| lengths.readings.len()),
+            "length"
+        ),
         args.seed
     ));
     say(&format!(

@@ -8,7 +8,7 @@ use trueaxis_calibrate::{
     RelativeLocation, coverage_factor,
 };
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_files::round;
+use trueaxis_files::{counted, round};
 use trueaxis_fitting::{paper_c_axis_tilt, paper_squareness};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 
@@ -99,11 +99,7 @@ fn location_errors(calibration: &Calibration) -> Vec<String> {
     ];
     for axis in &calibration.axes {
         for location in &axis.location_errors {
-            let (unit, scale) = if location.component.is_angular() {
-                ("″ ", ARCSEC)
-            } else {
-                ("µm", MICROMETRE)
-            };
+            let (unit, scale) = unit(location.component.is_angular());
             let name = location.component.name(&axis.name);
             if location.u < f64::MIN_POSITIVE && location.value.abs() < f64::MIN_POSITIVE {
                 lines.push(format!(
@@ -127,10 +123,10 @@ fn location_errors(calibration: &Calibration) -> Vec<String> {
         let RelativeLocation { axis, to, .. } = relative;
         let along = direction_in_words(&relative.direction);
         let quantities = [
-            ("offset along", &relative.offset, "µm", MICROMETRE),
-            ("angle about", &relative.angle, "″ ", ARCSEC),
+            ("offset along", &relative.offset, unit(false)),
+            ("angle about", &relative.angle, unit(true)),
         ];
-        for (what, found, unit, scale) in quantities {
+        for (what, found, (unit, scale)) in quantities {
             lines.push(format!(
                 "  {:<22}{:>9.2} {unit}{:>9.2} {unit}",
                 format!("{axis} to {to}, {what} {along}"),
@@ -146,6 +142,14 @@ fn location_errors(calibration: &Calibration) -> Vec<String> {
         lines.push("  none: the reference frame takes those of a single linear axis".to_owned());
     }
     lines
+}
+
+/// The unit of angles and displacements, and its size.
+pub(crate) fn unit(is_angular: bool) -> (&'static str, f64) {
+    match is_angular {
+        true => ("″ ", ARCSEC),
+        false => ("µm", MICROMETRE),
+    }
 }
 
 /// `y`, or the coordinates of a direction that is none of the frame's.
@@ -176,16 +180,9 @@ fn component_errors(calibration: &Calibration) -> Vec<String> {
         let mut uncertainties = format!("  {:<22}", "  largest U");
         for component in Component::ALL {
             let c = component.index();
-            let scale = if component.is_angular() {
-                ARCSEC
-            } else {
-                MICROMETRE
-            };
-            let value = axis
-                .nodes
-                .iter()
-                .map(|n| n.error.to_vector()[c].abs())
-                .fold(0.0, f64::max);
+            let (_, scale) = unit(component.is_angular());
+            let values_of = axis.nodes.iter().map(|n| n.error.to_vector()[c].abs());
+            let value = values_of.fold(0.0, f64::max);
             let expanded = axis.nodes.iter().map(|n| expanded(n.u[c], n.dof[c]));
             let expanded = expanded.fold(0.0, f64::max);
             // The gauge takes all of it, as of the straightness of two positions.
@@ -319,11 +316,11 @@ fn misfits(calibration: &Calibration) -> Vec<String> {
         lines.push("points that do not move as a rigid triangle:".to_owned());
         for misfit in calibration.misfits.iter().take(MOST_LISTED) {
             lines.push(format!(
-                "  {}: rms {:.2} µm, chi-squared {:.1} with {} degrees of freedom (p = {})",
+                "  {}: rms {:.2} µm, chi-squared {:.1} with {} of freedom (p = {})",
                 misfit.step,
                 misfit.rms_um,
                 misfit.chi_squared,
-                misfit.degrees_of_freedom,
+                counted(misfit.degrees_of_freedom, "degree"),
                 probability(misfit.p_value)
             ));
         }
@@ -346,12 +343,8 @@ fn with_paper_signs(campaign: &Campaign, calibration: &Calibration) -> Vec<Strin
         let along = axis.direction().dot(&nominal) > 0.5 && axis.kind() == AxisKind::Linear;
         along.then(|| axis.average_direction(&result.location))
     };
-    let linear = [
-        ("X", Vector3::x()),
-        ("Y", Vector3::y()),
-        ("Z", Vector3::z()),
-    ];
-    let [x, y, z] = linear.map(|(name, nominal)| direction(name, nominal));
+    let x = direction("X", Vector3::x());
+    let (y, z) = (direction("Y", Vector3::y()), direction("Z", Vector3::z()));
     if let (Some(x), Some(y), Some(z)) = (x, y, z)
         && let Ok(paper) = paper_squareness(x, y, z)
     {

@@ -70,12 +70,11 @@ struct ArrangementRows {
 #[derive(Debug, Serialize)]
 struct Row {
     case: u32,
-    repeatability_um: f64,
-    repeats: u32,
+    #[serde(flatten)]
+    measurement: Measurement,
     printed_um: [f64; 3],
-    monte_carlo_um: [f64; 3],
-    standard_error_um: [f64; 3],
-    analytic_um: [f64; 3],
+    #[serde(flatten)]
+    figures: Figures,
     /// Monte Carlo over printed.
     ratio: [f64; 3],
 }
@@ -88,8 +87,15 @@ impl Table {
         for arrangement in [tetrahedron(&points_mm), optimised()] {
             let mut rows = Vec::new();
             for ((case, measurement, printed_um), seed) in PRINTED.into_iter().zip(&mut row_seeds) {
-                let found = figures(&points_mm, &arrangement, measurement, trials, seed)?;
-                rows.push(Row::new(case, measurement, printed_um, &found));
+                let figures = figures(&points_mm, &arrangement, measurement, trials, seed)?;
+                let found = figures.monte_carlo_um;
+                rows.push(Row {
+                    case,
+                    measurement,
+                    printed_um,
+                    figures,
+                    ratio: std::array::from_fn(|axis| found[axis] / printed_um[axis]),
+                });
             }
             arrangements.push(ArrangementRows {
                 stations: arrangement.name,
@@ -156,22 +162,8 @@ impl ArrangementRows {
 }
 
 impl Row {
-    fn new(case: u32, measurement: Measurement, printed_um: [f64; 3], figures: &Figures) -> Self {
-        let found = figures.monte_carlo_um;
-        Self {
-            case,
-            repeatability_um: measurement.repeatability_um,
-            repeats: measurement.repeats,
-            printed_um,
-            monte_carlo_um: found,
-            standard_error_um: figures.standard_error_um,
-            analytic_um: figures.analytic_um,
-            ratio: std::array::from_fn(|axis| found[axis] / printed_um[axis]),
-        }
-    }
-
     fn name(&self) -> String {
-        let repeats = match self.repeats {
+        let repeats = match self.measurement.repeats {
             1 => "single".to_owned(),
             count => format!("mean of {count}"),
         };
@@ -182,13 +174,20 @@ impl Row {
         let numbers = |values: [f64; 3], digits: usize| {
             values.map(|value| format!("{value:.digits$}")).join("  ")
         };
-        let largest_error = self.standard_error_um.into_iter().fold(0.0, f64::max);
+        let largest_error = self
+            .figures
+            .standard_error_um
+            .into_iter()
+            .fold(0.0, f64::max);
         format!(
             "  {:<22}{:<21}{:<32}{:<21}{}",
             self.name(),
             numbers(self.printed_um, 2),
-            format!("{} ± {largest_error:.3}", numbers(self.monte_carlo_um, 3)),
-            numbers(self.analytic_um, 3),
+            format!(
+                "{} ± {largest_error:.3}",
+                numbers(self.figures.monte_carlo_um, 3)
+            ),
+            numbers(self.figures.analytic_um, 3),
             numbers(self.ratio, 2)
         )
     }

@@ -1,27 +1,26 @@
 //! `trueaxis verify`.
 
+use anyhow::Context;
 use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{VerificationKind, checksums};
 use trueaxis_compensate::{
     Circular, EXPECTED_ABOVE_ONE, ParallelLines, Point, Positioning, Verified, is_misfit,
     parallel_lines, verification_json, verify,
 };
+use trueaxis_files::counted;
 use trueaxis_kinematics::ARCSEC;
 
 use crate::args::VerifyArgs;
 use crate::exit::Exit;
-use crate::output;
 use crate::predict::source;
-use crate::report;
-use crate::talk::{notice, say};
+use crate::talk::say;
 use crate::traceability::{of_calibration, traced};
-
-const FILE: &str = "verification.json";
 
 pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     let machine = CalibratedMachine::read(&args.calibration)?;
     let campaign = trueaxis_campaign::read(&args.campaign)?;
-    let verified = verify(&machine, &campaign, args.compensated)?;
+    let in_file = || args.campaign.display().to_string();
+    let verified = verify(&machine, &campaign, args.compensated).with_context(in_file)?;
     let parallel = parallel_lines(&machine, &verified, args.compensated);
     let document = verification_json(
         &machine,
@@ -33,9 +32,11 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     let mut inputs = of_calibration(&args.calibration, &machine)?;
     inputs.extend(checksums(&args.campaign)?);
     let text = traced(document, &inputs, None)?;
-    let folder = output::folder(args.out.as_deref(), &campaign.name)?;
-    let path = folder.join(FILE);
-    output::write(&path, text.as_bytes())?;
+    let mut results = args.result.folder(&campaign.name)?;
+    results.write("verification.json", text.as_bytes())?;
+    if !args.no_report {
+        results.report()?;
+    }
 
     for line in source(&machine) {
         say(&line);
@@ -48,18 +49,7 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     for found in &parallel {
         angles(&machine, found).iter().for_each(|line| say(line));
     }
-    if verified.is_empty() {
-        notice("the campaign has no verification: add readings to `verification` of campaign.json");
-    }
-    say(&format!("written: {}", path.display()));
-    if !args.no_report
-        && let Some(page) = report::of_results(&folder)?
-    {
-        say(&format!("written: {}", page.display()));
-    }
-    if args.json {
-        output::print(&text)?;
-    }
+    results.end(args.result.json.then_some(&text))?;
     let is_refused = verified.iter().any(|entry| is_misfit(entry.above_one()));
     Ok(match is_refused && args.fail_on_misfit {
         true => Exit::Misfit,
@@ -72,15 +62,12 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
         VerificationKind::Positioning { .. } => "positioning",
         VerificationKind::Ballbar { .. } => "ball bar",
     };
+    let readings = entry.points.iter().map(|point| point.readings).sum();
     let mut lines = vec![format!(
-        "{}: {kind}, {} readings at {} positions and sides; zero or set-up fitted out",
+        "{}: {kind}, {} at {} and sides; zero or set-up fitted out",
         entry.name,
-        entry
-            .points
-            .iter()
-            .map(|point| point.readings)
-            .sum::<usize>(),
-        entry.points.len()
+        counted(readings, "reading"),
+        counted(entry.points.len(), "position")
     )];
     let range = |of: fn(&Point) -> f64| {
         let all = entry.points.iter().map(of);
@@ -134,10 +121,10 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
 fn angles(machine: &CalibratedMachine, found: &ParallelLines) -> Vec<String> {
     let name = machine.machine().axes()[found.axis].name();
     let mut lines = vec![format!(
-        "angles of {name} from {} parallel lines ({}), at {} positions; mean taken out, as each line has a zero of its own",
+        "angles of {name} from {} parallel lines ({}), at {}; mean taken out, as each line has a zero of its own",
         found.lines.len(),
         found.lines.join(", "),
-        found.positions.len()
+        counted(found.positions.len(), "position")
     )];
     for curve in &found.angles {
         let range = |values: &[f64]| {
@@ -163,8 +150,8 @@ fn iso_230_2(found: &Positioning) -> Vec<String> {
     let value = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.2}"));
     let short = match found.is_short {
         true => format!(
-            " (only {} runs a side, the standard wants five)",
-            found.runs
+            " (only {} a side, the standard wants five)",
+            counted(found.runs, "run")
         ),
         false => String::new(),
     };

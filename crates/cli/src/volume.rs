@@ -3,15 +3,13 @@
 use serde_json::{Value, json};
 use trueaxis_calibrate::{CalibratedMachine, Figure, Volume, VolumeSettings};
 use trueaxis_compensate::{Left, Remains, remains};
-use trueaxis_files::round;
+use trueaxis_files::{counted, round};
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 use trueaxis_report::Report;
 
 use crate::args::VolumeArgs;
 use crate::exit::Exit;
-use crate::output;
 use crate::predict::source;
-use crate::report;
 use crate::talk::{notice, say};
 use crate::traceability::{of_calibration, traced};
 
@@ -40,16 +38,13 @@ pub(crate) fn run(args: &VolumeArgs) -> anyhow::Result<Exit> {
         files.push(("volumetric.vti", volume.map_vti(&map)));
     }
 
-    let folder = output::folder(args.out.as_deref(), &machine.campaign)?;
-    let mut written = Vec::new();
+    let mut results = args.result.folder(&machine.campaign)?;
     for (name, text) in &files {
-        let path = folder.join(name);
-        output::write(&path, text.as_bytes())?;
-        written.push(path);
+        results.write(name, text.as_bytes())?;
     }
     // A page of the results that is there shows it from now on.
-    if folder.join(Report::FILE).exists() {
-        written.extend(report::of_results(&folder)?);
+    if results.folder.join(Report::FILE).exists() {
+        results.report()?;
     }
     for line in source(&machine).into_iter().chain(lines(&machine, &volume)) {
         say(&line);
@@ -58,12 +53,7 @@ pub(crate) fn run(args: &VolumeArgs) -> anyhow::Result<Exit> {
     if !has_map {
         notice("no map was written: no linear axis was measured");
     }
-    for path in &written {
-        say(&format!("written: {}", path.display()));
-    }
-    if args.json {
-        output::print(&text)?;
-    }
+    results.end(args.result.json.then_some(&text))?;
     Ok(Exit::Good)
 }
 
@@ -71,8 +61,8 @@ fn lines(machine: &CalibratedMachine, volume: &Volume) -> Vec<String> {
     let [x, y, z]: [f64; 3] = volume.places.tool_home_mm.coords.into();
     let mut lines = vec![
         format!(
-            "{} places; tool point ({x}, {y}, {z}) mm at home{}",
-            volume.places.count(),
+            "{}; tool point ({x}, {y}, {z}) mm at home{}",
+            counted(volume.places.count(), "place"),
             match volume.figures.zeroed_at_home.rms.drawn {
                 Some(_) => "; in brackets 95 % intervals",
                 None => "",

@@ -31,6 +31,16 @@ pub struct Corrected {
     pub contraction: f64,
 }
 
+impl Corrected {
+    /// What was added to each commanded position, mm or rad.
+    pub(crate) fn added_to(&self, commanded: &[f64]) -> Vec<f64> {
+        let pairs = self.positions.iter().zip(commanded);
+        pairs
+            .map(|(corrected, commanded)| corrected - commanded)
+            .collect()
+    }
+}
+
 /// The positions of all axes that bring the tool where a machine without errors brings it at `commanded` (mm or rad in
 /// the order of [`Machine::axes`]), as far as the axes that are moved can.
 ///

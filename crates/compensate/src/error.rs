@@ -19,6 +19,12 @@ pub enum Error {
     /// The calibration of another machine.
     #[error(transparent)]
     OtherMachine(#[from] trueaxis_calibrate::OtherMachine),
+    /// A campaign with nothing to compare.
+    #[error(
+        "the campaign has no verification readings to compare with the predictions; add them to `verification` of \
+         campaign.json"
+    )]
+    NothingRead,
     /// An axis that the machine does not have, or that was not measured.
     #[error("axis {axis} was not measured; measured are {measured}")]
     NoSuchAxis {

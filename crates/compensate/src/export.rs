@@ -222,17 +222,11 @@ impl Request<'_> {
 
     /// mm or degrees of mm or rad.
     fn in_file(&self, axis: usize, value: f64) -> f64 {
-        match self.machine.machine().axes()[axis].kind() {
-            AxisKind::Linear => round(value, 9),
-            AxisKind::Rotary => round(value.to_degrees(), 9),
-        }
+        in_file(self.machine.machine().axes()[axis].kind(), value)
     }
 
     fn unit(&self, axis: usize) -> &'static str {
-        match self.machine.machine().axes()[axis].kind() {
-            AxisKind::Linear => "mm",
-            AxisKind::Rotary => "degrees",
-        }
+        unit(self.machine.machine().axes()[axis].kind())
     }
 
     /// Where it comes from and for which lines it is right.
@@ -251,6 +245,30 @@ impl Request<'_> {
 
 fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
     names.collect::<Vec<_>>().join(", ")
+}
+
+/// mm or degrees of mm or rad.
+pub(crate) fn in_file(kind: AxisKind, value: f64) -> f64 {
+    match kind {
+        AxisKind::Linear => round(value, 9),
+        AxisKind::Rotary => round(value.to_degrees(), 9),
+    }
+}
+
+/// The unit of positions.
+pub(crate) fn unit(kind: AxisKind) -> &'static str {
+    match kind {
+        AxisKind::Linear => "mm",
+        AxisKind::Rotary => "degrees",
+    }
+}
+
+/// The different positions, rising; those no farther apart than `same` are one.
+pub(crate) fn rising(positions: impl Iterator<Item = f64>, same: f64) -> Vec<f64> {
+    let mut all: Vec<f64> = positions.collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup_by(|a, b| (*a - *b).abs() <= same);
+    all
 }
 
 /// To so many decimals; no `-0`.

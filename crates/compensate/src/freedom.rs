@@ -78,8 +78,8 @@ impl Freedom {
             axes: machine.axes().len(),
             linear: linear.0,
             rotary: rotary.0,
-            inverse_of_linear: pseudo_inverse(&columns(&linear.1)),
-            inverse_of_rotary: pseudo_inverse(&columns(&rotary.1)),
+            inverse_of_linear: pseudo_inverse(&columns(&linear.1), INDEPENDENT),
+            inverse_of_rotary: pseudo_inverse(&columns(&rotary.1), INDEPENDENT),
             displaced_by_rotary: columns(&rotary.2),
         }
     }
@@ -106,13 +106,13 @@ fn columns(vectors: &[Vector3<f64>]) -> DMatrix<f64> {
     DMatrix::from_fn(3, vectors.len(), |row, column| vectors[column][row])
 }
 
-/// Of columns that are unit vectors.
-fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+/// Moore and Penrose's inverse; singular values below `least` are zero.
+pub(crate) fn pseudo_inverse(matrix: &DMatrix<f64>, least: f64) -> DMatrix<f64> {
+    let none = || DMatrix::zeros(matrix.ncols(), matrix.nrows());
     if matrix.is_empty() {
-        return DMatrix::zeros(matrix.ncols(), 3);
+        return none();
     }
     let svd = matrix.clone().svd(true, true);
     // With both factors there, nothing is refused.
-    svd.pseudo_inverse(INDEPENDENT)
-        .unwrap_or_else(|_| DMatrix::zeros(matrix.ncols(), 3))
+    svd.pseudo_inverse(least).unwrap_or_else(|_| none())
 }

@@ -13,7 +13,7 @@ use trueaxis_files::{NpzWriter, round};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE, Machine, MotionError};
 
 use crate::export::named_errors::{AxisErrors, NamedErrors};
-use crate::export::{etalon, isg};
+use crate::export::{etalon, in_file, isg, unit};
 use crate::{Error, Format};
 
 /// Decimals of µm, ″ and mm: far below anything measurable.
@@ -64,9 +64,10 @@ pub struct Imported {
 pub struct DeclaredCovariance {
     /// Of all axes together.
     steps: usize,
-    /// Whether each location error is an angle.
-    angular: Vec<bool>,
-    u: U,
+    /// Standard uncertainties of displacements and angles, µm and ″.
+    of_components: [f64; 2],
+    /// Of each location error, mm or ″.
+    of_locations: Vec<f64>,
 }
 
 /// Makes a calibration of a file in the format `ISG_CSV` or in the exchange format of Etalon, whichever it is.
@@ -122,13 +123,19 @@ pub fn import(import: &Import<'_>) -> Result<Imported, Error> {
             "inputs": [import.file],
         },
     });
-    let steps = axes.iter().map(|axis| axis.positions.len()).sum();
-    let angular = axes.iter().flat_map(|axis| &axis.locations);
-    let angular: Vec<bool> = angular.map(|(c, _)| c.is_angular()).collect();
+    let locations = || axes.iter().flat_map(|axis| &axis.locations);
+    let of_location = |is_angular| location_units(is_angular, u).2;
+    let covariance = u.map(|_| DeclaredCovariance {
+        steps: axes.iter().map(|axis| axis.positions.len()).sum(),
+        of_components: [false, true].map(|is_angular| units(is_angular, u).2.unwrap_or_default()),
+        of_locations: locations()
+            .filter_map(|(c, _)| of_location(c.is_angular()))
+            .collect(),
+    });
     Ok(Imported {
         format,
         calibration,
-        covariance: u.map(|u| DeclaredCovariance { steps, angular, u }),
+        covariance,
         notices,
     })
 }
@@ -159,23 +166,9 @@ fn check_travel(errors: &NamedErrors, machine: &Machine, axis: &AxisErrors) -> R
     let unit = unit(geometry.kind());
     let found = format!("{} at {position} {unit}", geometry.name());
     let expected = format!(
-        "positions within its travel, {low} to {high} {unit}; mend `travel` of the machine, or give that of this file"
+        "positions within its travel, {low} to {high} {unit}; correct `travel` of the machine, or give that of this file"
     );
     Err(errors.wrong_at(geometry.name(), &found, expected))
-}
-
-fn unit(kind: AxisKind) -> &'static str {
-    match kind {
-        AxisKind::Linear => "mm",
-        AxisKind::Rotary => "degrees",
-    }
-}
-
-fn in_file(kind: AxisKind, position: f64) -> f64 {
-    match kind {
-        AxisKind::Linear => round(position, 9),
-        AxisKind::Rotary => round(position.to_degrees(), 9),
-    }
 }
 
 impl DeclaredUncertainty {
@@ -321,33 +314,17 @@ impl DeclaredCovariance {
     /// # Errors
     /// Those of `out`.
     pub fn write_npz(&self, out: impl Write + Seek) -> io::Result<()> {
-        let Self {
-            steps,
-            ref angular,
-            u,
-        } = *self;
-        let [(_, _, um), (_, _, arcsec)] =
-            [false, true].map(|is_angular| units(is_angular, Some(u)));
-        let variances = [um, arcsec].map(|u| u.unwrap_or_default().powi(2));
-        let own = (0..36 * steps).map(|i| {
-            let (row, column) = (i % 36 / 6, i % 6);
-            if row == column {
-                variances[row / 3]
-            } else {
-                0.0
-            }
+        let (steps, count) = (self.steps, self.of_locations.len());
+        let results = 6 * steps + count;
+        let own = (0..36 * steps).map(|i| match i % 36 % 7 {
+            0 => self.of_components[i % 6 / 3].powi(2),
+            _ => 0.0,
         });
-        let (results, count) = (6 * steps + angular.len(), angular.len());
-        let sensitivities = (0..results * count).map(|i| {
-            let (row, column) = (i / count, i % count);
-            let own = row == 6 * steps + column;
-            let u = || {
-                location_units(angular[column], Some(u))
-                    .2
-                    .unwrap_or_default()
-            };
-            if own { u() } else { 0.0 }
-        });
+        let sensitivities =
+            (0..results * count).map(|i| match (i / count).checked_sub(6 * steps) {
+                Some(row) if row == i % count => self.of_locations[row],
+                _ => 0.0,
+            });
         let shared = (0..count * count).map(|i| if i % (count + 1) == 0 { 1.0 } else { 0.0 });
         let mut npz = NpzWriter::new(out);
         npz.array("own", &[steps, 6, 6], own)?;

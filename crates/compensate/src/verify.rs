@@ -24,6 +24,7 @@ use trueaxis_calibrate::{
 use trueaxis_campaign::{Campaign, Direction, Verification, VerificationKind};
 use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
 
+use crate::freedom::pseudo_inverse;
 use crate::{Error, Moved, correct};
 pub use json::verification_json;
 
@@ -34,7 +35,7 @@ use iso_230_4::Circular;
 const SAME: f64 = 1e-9;
 
 /// Parts of a unit vector that only rounding makes.
-const ROUNDING: f64 = 1e-9;
+pub(crate) const ROUNDING: f64 = 1e-9;
 
 /// Probability that a good prediction is refused.
 const FALSE_ALARM: f64 = 0.01;
@@ -108,14 +109,17 @@ pub fn is_misfit((above, all): (usize, usize)) -> bool {
 /// taken with the compensation switched on.
 ///
 /// # Errors
-/// [`Error::OtherMachine`] if the calibration is that of another machine, [`Error::NotContracting`] if its errors have
-/// no inverse.
+/// [`Error::OtherMachine`] if the calibration is that of another machine, [`Error::NothingRead`] without readings,
+/// [`Error::NotContracting`] if its errors have no inverse.
 pub fn verify(
     machine: &CalibratedMachine,
     campaign: &Campaign,
     is_compensated: bool,
 ) -> Result<Vec<Verified>, Error> {
     check_same_machine(machine.machine(), &campaign.machine)?;
+    if campaign.verification.is_empty() {
+        return Err(Error::NothingRead);
+    }
     let all = campaign.verification.iter();
     all.map(|verification| verified(machine, verification, is_compensated))
         .collect()
@@ -146,7 +150,7 @@ fn verified(
         .collect();
     let covariance = machine.covariance_of_readings(&readings);
     let set_up = set_up(nominal, kind, &points);
-    let free = &set_up * pseudo_inverse(&set_up);
+    let free = &set_up * pseudo_inverse(&set_up, ROUNDING * set_up.norm());
     let projection = DMatrix::identity(points.len(), points.len()) - free;
     let covariance = &projection * covariance * &projection;
     let fitted = |value: fn(&mut Point) -> &mut f64, points: &mut [Point]| {
@@ -284,14 +288,6 @@ fn set_up(machine: &Machine, kind: &VerificationKind, points: &[Point]) -> DMatr
     DMatrix::from_fn(points.len(), columns.len(), |row, column| {
         columns[column][row]
     })
-}
-
-fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
-    let largest = matrix.norm();
-    let svd = matrix.clone().svd(true, true);
-    // With both factors there, nothing is refused.
-    svd.pseudo_inverse(ROUNDING * largest)
-        .unwrap_or_else(|_| DMatrix::zeros(matrix.ncols(), matrix.nrows()))
 }
 
 fn positioning(verification: &Verification) -> Vec<(Vec<f64>, Positioning)> {

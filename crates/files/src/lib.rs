@@ -26,6 +26,7 @@
 //! ```
 
 mod alternatives;
+mod counted;
 mod cursor;
 mod document;
 mod document_error;
@@ -45,6 +46,7 @@ mod unique_keys;
 mod whole;
 
 pub use alternatives::Alternatives;
+pub use counted::counted;
 pub use document::Format;
 pub use document_error::{DocumentError, DocumentProblem};
 pub use field_line::{field_line, field_span};

@@ -3,11 +3,11 @@
 use std::fmt;
 use std::io;
 
-use trueaxis_files::{Alternatives, DocumentError, DocumentProblem, Place};
+use trueaxis_files::{Alternatives, DocumentError, DocumentProblem, Place, counted};
 
 /// An export that cannot be imported, or a map that cannot be read.
 ///
-/// Its message says where, what was found, what is expected and how to mend it.
+/// Its message says where, what was found, what is expected and how to correct it.
 #[derive(Debug)]
 pub struct Error {
     /// Where.
@@ -157,8 +157,9 @@ pub enum Problem {
     },
     /// A stop without all of its rows.
     #[error(
-        "the stop that begins here has {found} rows, expected {expected} ({}), because the rows have no column for the target; \
-         put in the missing row, or map a column with the name of the point", targets.join(", ")
+        "the stop that begins here has {}, expected {expected} ({}), because the rows have no column for the target; \
+         put in the missing row, or map a column with the name of the point",
+        counted(*found, "row"), targets.join(", ")
     )]
     PartOfStop {
         /// Rows of the stop.
@@ -170,9 +171,9 @@ pub enum Problem {
     },
     /// The stops are no whole number of rounds of the path.
     #[error(
-        "the export has {stops} stops{}, a round of the path has {path}; {} too many or {} too few: compare the path in the \
+        "the export has {}{}, a round of the path has {path}; {} too many or {} too few: compare the path in the \
          map with the readings",
-        of(station), stops % path, path - stops % path
+        counted(*stops, "stop"), of(station), stops % path, path - stops % path
     )]
     PartOfPath {
         /// Stops found.
@@ -187,8 +188,7 @@ pub enum Problem {
 fn and_more(more: usize) -> String {
     match more {
         0 => String::new(),
-        1 => " (and 1 more row)".to_owned(),
-        _ => format!(" (and {more} more rows)"),
+        _ => format!(" (and {})", counted(more, "more row")),
     }
 }
 

@@ -83,7 +83,7 @@ impl Reader<'_> {
             let expected = match known.is_empty() {
                 true => "the name of a target".to_owned(),
                 false => format!(
-                    "one of {} (targets); other points are skipped with skip_rows = [\"{found}\"] or mended with rename",
+                    "one of {} (targets); other points are skipped with skip_rows = [\"{found}\"] or corrected with rename",
                     known.join(", ")
                 ),
             };

@@ -198,7 +198,7 @@ fn direction_and_repeat_follow_from_the_positions() {
     );
 }
 
-/// Each mistake that a newcomer makes is said with its place and how to mend it.
+/// Each mistake that a newcomer makes is said with its place and how to correct it.
 #[test]
 fn mistakes_are_explained() {
     let good = format!(
@@ -303,13 +303,13 @@ fn mistakes_are_explained() {
         (
             map("target = { column = \"T\" }", "") + "[stops]\ntargets = [\"P\", \"Q\"]",
             text,
-            "line 2: the stop that begins here has 1 rows, expected 2 (P, Q)",
+            "line 2: the stop that begins here has 1 row, expected 2 (P, Q)",
         ),
         (
             map("column = \"pos\", ", "")
                 + "[stops]\npath = [{ run = \"x\", axis = \"X\", positions = [1, 2] }]",
             text,
-            "line 2: the export has 1 stops, a round of the path has 2; 1 too many or 1 too few",
+            "line 2: the export has 1 stop, a round of the path has 2; 1 too many or 1 too few",
         ),
         (
             format!(

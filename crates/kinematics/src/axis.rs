@@ -135,6 +135,13 @@ impl Axis {
         self.direction.iamax()
     }
 
+    /// Makes the tilt of a location error of this axis one across it: its part along [`Axis::principal`], which has no
+    /// name of its own, follows from the others.
+    pub fn complete_tilt(&self, location: &mut LocationError) {
+        let along = self.direction.dot(&location.tilt_rad);
+        location.tilt_rad[self.principal()] -= along / self.direction[self.principal()];
+    }
+
     /// The location errors that this axis can have, in the order X0 Y0 Z0 A0 B0 C0: two tilts for
     /// a linear axis (of which the reference frame may take some), three shifts and two tilts for
     /// a rotary one.

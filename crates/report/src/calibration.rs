@@ -5,34 +5,32 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub(crate) struct Calibration {
-    #[serde(default)]
     pub(crate) campaign: String,
-    #[serde(default)]
     pub(crate) machine: Machine,
-    #[serde(default)]
     pub(crate) adjustment: Adjustment,
-    #[serde(default)]
     pub(crate) stations: Vec<Place>,
-    #[serde(default)]
     pub(crate) targets: Vec<Place>,
-    #[serde(default)]
     pub(crate) axes: Vec<Axis>,
-    #[serde(default)]
     pub(crate) location_errors: Map<String, Value>,
-    #[serde(default)]
     pub(crate) relative_locations: Vec<Relative>,
-    #[serde(default)]
     pub(crate) misfits: Vec<Value>,
 }
 
 #[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub(crate) struct Machine {
-    #[serde(default)]
     pub(crate) name: String,
-    #[serde(default)]
     pub(crate) axes: Vec<NominalAxis>,
+}
+
+impl Machine {
+    pub(crate) fn is_rotary(&self, axis: &str) -> bool {
+        let mut axes = self.axes.iter();
+        axes.any(|nominal| nominal.name == axis && nominal.kind == Kind::Rotary)
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -42,7 +40,6 @@ pub(crate) struct NominalAxis {
     pub(crate) direction: [f64; 3],
     /// mm or degrees.
     pub(crate) travel: Option<[f64; 2]>,
-    #[serde(default)]
     pub(crate) position_mm: Option<[f64; 3]>,
 }
 
@@ -54,10 +51,9 @@ pub(crate) enum Kind {
 }
 
 #[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub(crate) struct Adjustment {
-    #[serde(default)]
     pub(crate) observations: usize,
-    #[serde(default)]
     pub(crate) degrees_of_freedom: usize,
     pub(crate) p_value: Option<f64>,
     pub(crate) sigma0: Option<f64>,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::diagnosis::{Cause, Diagnosis, Fitted, Level, MisfitAt, Parameter, Shares};
+use crate::diagnosis::{Cause, Diagnosis, Fitted, Level, MisfitAt, Parameter};
 use crate::disturbances::DisturbanceView;
 use crate::fitted_figure::fitted_figure;
 use crate::numbers::{decimals, fixed, rough, signed};
@@ -112,59 +112,24 @@ fn of_level<'a>(diagnosis: &'a Diagnosis, level: &'a Level) -> impl Iterator<Ite
         .filter(|cause| cause.level == level.level)
 }
 
-/// Name, share and class of each part of the misfit; they add up to 1. Without `shares` they follow from the mean
-/// squares: what the causes take away together, noise as its floor, the rest.
+/// Name, share and class of each part of the misfit; they add up to 1.
 fn parts(level: &Level, names: &[String]) -> Vec<(String, f64, String)> {
-    let causes = || names.iter().cloned();
-    match &level.shares {
-        Some(Shares {
-            causes: of_causes,
-            disturbances,
-            unexplained,
-            noise,
-        }) => {
-            let named = causes().chain((0..).map(|k| format!("cause {}", k + 1)));
-            let of_causes = of_causes.iter().zip(named).enumerate();
-            let of_causes =
-                of_causes.map(|(k, (share, name))| (name, *share, format!("f{}", k % 6)));
-            let smooth: f64 = disturbances.iter().sum();
-            of_causes
-                .chain((smooth > 0.0).then(|| ("disturbances".to_owned(), smooth, "fd".to_owned())))
-                .chain([
-                    ("unexplained".to_owned(), *unexplained, "fu".to_owned()),
-                    ("noise".to_owned(), *noise, "fn".to_owned()),
-                ])
-                .collect()
-        }
-        None => {
-            let (Some(before), Some(after), Some(noise)) = (
-                level.before.rms_um,
-                level.after.rms_um,
-                level.noise_floor_um,
-            ) else {
-                return Vec::new();
-            };
-            let whole = before * before;
-            if !(whole > 0.0 && whole.is_finite()) {
-                return Vec::new();
-            }
-            let noise = (noise * noise / whole).clamp(0.0, 1.0);
-            let explained = match names.is_empty() {
-                true => 0.0,
-                false => (1.0 - after * after / whole).clamp(0.0, 1.0 - noise),
-            };
-            let named = (!names.is_empty()).then(|| (names.join(", "), explained, "f0".to_owned()));
-            let rest = (
-                "unexplained".to_owned(),
-                1.0 - noise - explained,
-                "fu".to_owned(),
-            );
-            named
-                .into_iter()
-                .chain([rest, ("noise".to_owned(), noise, "fn".to_owned())])
-                .collect()
-        }
-    }
+    let shares = &level.shares;
+    let named = names.iter().cloned();
+    let named = named.chain((0..).map(|k| format!("cause {}", k + 1)));
+    let of_causes = shares.causes.iter().zip(named).enumerate();
+    let of_causes = of_causes.map(|(k, (share, name))| (name, *share, format!("f{}", k % 6)));
+    let smooth: f64 = shares.disturbances.iter().sum();
+    let others = [
+        ("disturbances", smooth, "fd"),
+        ("unexplained", shares.unexplained, "fu"),
+        ("noise", shares.noise, "fn"),
+    ];
+    let others = others
+        .into_iter()
+        .filter(|(_, share, class)| *class != "fd" || *share > 0.0);
+    let others = others.map(|(name, share, class)| (name.to_owned(), share, class.to_owned()));
+    of_causes.chain(others).collect()
 }
 
 fn bar(name: &str, parts: &[(String, f64, String)]) -> Option<Figure> {

@@ -121,10 +121,7 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
         .flat_map(|[_, value, expanded]| [value - expanded, value + expanded]);
     let [low, high] = range(bounds.chain([0.0]));
     let [from, to] = range(axis.positions.iter().copied());
-    let x = match axis.kind {
-        Kind::Linear => Scale::new(from, to, 5),
-        Kind::Rotary => Scale::degrees(from, to, 5),
-    };
+    let x = Scale::positions(axis.kind == Kind::Rotary, from, to, 5);
     let frame = Frame {
         title: &format!("{name}  {described}"),
         x_label: &format!("{} in {}", axis.name, position_unit.trim()),

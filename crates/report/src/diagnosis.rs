@@ -5,17 +5,13 @@ use serde_json::{Map, Value};
 
 use crate::words;
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub(crate) struct Diagnosis {
-    #[serde(default)]
     pub(crate) campaign: String,
-    #[serde(default)]
     pub(crate) verdict: String,
-    #[serde(default)]
     pub(crate) causes: Vec<Cause>,
-    #[serde(default)]
     pub(crate) disturbances: Vec<Disturbance>,
-    #[serde(default)]
     pub(crate) levels: Vec<Level>,
 }
 
@@ -44,17 +40,13 @@ impl Cause {
 }
 
 /// The misfit without a cause and what it explains of it, reading by reading.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub(crate) struct Fitted {
-    #[serde(default)]
     pub(crate) of: String,
-    #[serde(default)]
     pub(crate) against: String,
-    #[serde(default)]
     pub(crate) unit: String,
-    #[serde(default)]
     pub(crate) at: Vec<f64>,
-    #[serde(default)]
     pub(crate) direction: Vec<i8>,
     pub(crate) misfit_um: Option<Vec<f64>>,
     pub(crate) fitted_um: Option<Vec<f64>>,
@@ -93,13 +85,11 @@ pub(crate) struct Parameter {
 }
 
 /// A smooth process of unknown form.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub(crate) struct Disturbance {
-    #[serde(default)]
     pub(crate) subject: Map<String, Value>,
-    #[serde(default)]
     pub(crate) varies_with: Vec<String>,
-    #[serde(default)]
     pub(crate) curve: Option<Vec<CurvePoint>>,
 }
 
@@ -114,37 +104,23 @@ impl Disturbance {
     }
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub(crate) struct CurvePoint {
-    #[serde(default)]
     pub(crate) at: Vec<f64>,
-    #[serde(default)]
     pub(crate) value_um: Vec<f64>,
-    #[serde(default)]
     pub(crate) u_um: Vec<f64>,
 }
 
 /// What one kind of data says.
-#[derive(Debug, Deserialize)]
-pub(crate) struct Level {
-    #[serde(default)]
-    pub(crate) level: String,
-    #[serde(default)]
-    pub(crate) data: String,
-    #[serde(default)]
-    pub(crate) noise_floor_um: Option<f64>,
-    #[serde(default)]
-    pub(crate) before: Misfit,
-    #[serde(default)]
-    pub(crate) after: Misfit,
-    pub(crate) shares: Option<Shares>,
-    #[serde(default)]
-    pub(crate) places: Vec<MisfitAt>,
-}
-
 #[derive(Debug, Default, Deserialize)]
-pub(crate) struct Misfit {
-    pub(crate) rms_um: Option<f64>,
+#[serde(default)]
+pub(crate) struct Level {
+    pub(crate) level: String,
+    pub(crate) data: String,
+    pub(crate) noise_floor_um: Option<f64>,
+    pub(crate) shares: Shares,
+    pub(crate) places: Vec<MisfitAt>,
 }
 
 impl Level {
@@ -157,14 +133,11 @@ impl Level {
 
 /// Parts of the sum of squares; they add up to 1.
 #[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub(crate) struct Shares {
-    #[serde(default)]
     pub(crate) causes: Vec<f64>,
-    #[serde(default)]
     pub(crate) disturbances: Vec<f64>,
-    #[serde(default)]
     pub(crate) unexplained: f64,
-    #[serde(default)]
     pub(crate) noise: f64,
 }
 

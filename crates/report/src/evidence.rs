@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::calibration::{Kind, Machine};
+use crate::calibration::Machine;
 use crate::numbers::{fixed, normal_quantile, rough};
 use crate::page::Figure;
 use crate::residuals::{Residuals, Row};
@@ -61,11 +61,8 @@ impl Evidence {
         };
         let every = residuals.rows.len().div_ceil(drawn);
         let axes = 0..residuals.axes.len();
-        let is_rotary = |axis: usize| {
-            let axes = machine.iter().flat_map(|machine| &machine.axes);
-            let mut rotary = axes.filter(|axis| axis.kind == Kind::Rotary);
-            rotary.any(|nominal| nominal.name == residuals.axes[axis])
-        };
+        let is_rotary =
+            |axis: usize| machine.is_some_and(|machine| machine.is_rotary(&residuals.axes[axis]));
         Some(Self {
             time: in_time(residuals, every),
             by_station: by_station(residuals),
@@ -304,10 +301,7 @@ fn over_position(
         y_label: "residual in µm",
         size: SMALL,
     };
-    let x = match is_rotary {
-        true => Scale::degrees(from, to, 5),
-        false => Scale::new(from, to, 5),
-    };
+    let x = Scale::positions(is_rotary, from, to, 5);
     let mut plot = Plot::new(&frame, x, of_used(residuals));
     for station in 0..residuals.stations.len() {
         let of_station = points.iter().filter(|(of, _)| *of == station);

@@ -38,10 +38,7 @@ pub(crate) fn fitted_figure(rank: usize, is_of_curve: bool, fitted: &Fitted) -> 
         },
         size: [430.0, 220.0],
     };
-    let x = match place_unit {
-        "°" => Scale::degrees(from, to, 5),
-        _ => Scale::new(from, to, 5),
-    };
+    let x = Scale::positions(place_unit == "°", from, to, 5);
     let mut plot = Plot::new(&frame, x, Scale::new(low, high, 5));
     // Time has no sides; over a position each side of approach has its own course.
     let is_on = |k: usize, forward: bool| {

@@ -43,15 +43,13 @@ impl Input {
             residuals: Residuals::read(&folder.join("residuals.csv"))?,
             left_out: Vec::new(),
         };
-        let has_u = |calibration: &Calibration| {
+        let lacks_u = |calibration: &Calibration| {
             let mut curves = calibration.axes.iter().flat_map(|a| a.components.values());
-            curves.all(|curve| curve.u().len() == curve.values().len())
+            curves.any(|curve| curve.u().len() != curve.values().len())
         };
-        if input.calibration.take_if(|of| !has_u(&of.parts)).is_some() {
-            input
-                .left_out
-                .push("calibration.json has no uncertainties and is left out.".to_owned());
-        }
+        let says = "calibration.json has no uncertainties and is left out.";
+        let (calibration, left_out) = (&mut input.calibration, &mut input.left_out);
+        leave_out(calibration, left_out, |of| lacks_u(&of.parts), says);
         if input.calibration.is_none() && input.diagnosis.is_none() && input.verification.is_none()
         {
             let folder = folder.to_path_buf();
@@ -68,41 +66,20 @@ impl Input {
             self.residuals = None;
             return;
         };
-        let campaign = &calibration.parts.campaign;
-        if self
-            .diagnosis
-            .as_ref()
-            .is_some_and(|of| of.parts.campaign != *campaign)
-        {
-            self.diagnosis = None;
-            self.left_out
-                .push("diagnosis.json is of another campaign and left out.".to_owned());
-        }
-        let of_volume = self
-            .volume
-            .as_ref()
-            .and_then(|volume| volume.get("campaign")?.as_str());
-        if of_volume.is_some_and(|of| of != campaign) {
-            self.volume = None;
-            self.left_out
-                .push("volume.json is of another campaign and left out.".to_owned());
-        }
-        let compared = self.verification.as_ref();
-        if compared.is_some_and(|of| of.parts.calibration != *campaign) {
-            self.verification = None;
-            self.left_out
-                .push("verification.json is of another calibration and left out.".to_owned());
-        }
-        let observations = calibration.parts.adjustment.observations;
-        if self
-            .residuals
-            .as_ref()
-            .is_some_and(|residuals| residuals.used() != observations)
-        {
-            self.residuals = None;
-            self.left_out
-                .push("residuals.csv is not of this calibration and left out.".to_owned());
-        }
+        let (campaign, left_out) = (&calibration.parts.campaign, &mut self.left_out);
+        let is_other = |of: &Document<Diagnosis>| of.parts.campaign != *campaign;
+        let says = "diagnosis.json is of another campaign and left out.";
+        leave_out(&mut self.diagnosis, left_out, is_other, says);
+        let is_other =
+            |volume: &Value| volume["campaign"].as_str().is_some_and(|of| of != campaign);
+        let says = "volume.json is of another campaign and left out.";
+        leave_out(&mut self.volume, left_out, is_other, says);
+        let is_other = |of: &Document<Verification>| of.parts.calibration != *campaign;
+        let says = "verification.json is of another calibration and left out.";
+        leave_out(&mut self.verification, left_out, is_other, says);
+        let is_other = |of: &Residuals| of.used() != calibration.parts.adjustment.observations;
+        let says = "residuals.csv is not of this calibration and left out.";
+        leave_out(&mut self.residuals, left_out, is_other, says);
     }
 
     /// Lets go of what rests on other files than those of the calibration, or on another calibration.
@@ -117,28 +94,32 @@ impl Input {
         let own = BTreeMap::from([("calibration.json", own.as_str())]);
         let is_other = |result: &Value| contradict(&checksums(result), &own);
         let of_campaign = checksums(&calibration.raw);
-        let diagnosis = self.diagnosis.as_ref();
-        let mut outdated = Vec::new();
-        if diagnosis.is_some_and(|of| contradict(&checksums(&of.raw), &of_campaign)) {
-            outdated.push("diagnosis.json is of other measurements");
-            self.diagnosis = None;
-        }
-        if self.volume.as_ref().is_some_and(is_other) {
-            outdated.push("volume.json is of another calibration");
-            self.volume = None;
-        }
-        if self
-            .verification
-            .as_ref()
-            .is_some_and(|of| is_other(&of.raw))
-        {
-            outdated.push("verification.json is of another calibration");
-            self.verification = None;
-        }
-        let outdated = outdated.into_iter();
-        self.left_out
-            .extend(outdated.map(|what| format!("{what} and left out; make it again.")));
+        let left_out = &mut self.left_out;
+        let is_of_others = |of: &Document<_>| contradict(&checksums(&of.raw), &of_campaign);
+        let says = "diagnosis.json is of other measurements and left out; make it again.";
+        leave_out(&mut self.diagnosis, left_out, is_of_others, says);
+        let says = "volume.json is of another calibration and left out; make it again.";
+        leave_out(&mut self.volume, left_out, is_other, says);
+        let says = "verification.json is of another calibration and left out; make it again.";
+        leave_out(
+            &mut self.verification,
+            left_out,
+            |of| is_other(&of.raw),
+            says,
+        );
         Ok(())
+    }
+}
+
+/// Lets go of a result that does not belong to the others, and says so.
+fn leave_out<T>(
+    result: &mut Option<T>,
+    left_out: &mut Vec<String>,
+    is_other: impl Fn(&T) -> bool,
+    says: &str,
+) {
+    if result.take_if(|of| is_other(of)).is_some() {
+        left_out.push(says.to_owned());
     }
 }
 

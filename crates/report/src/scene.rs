@@ -1,5 +1,6 @@
 //! The machine, its targets and the stations in space: as a still picture, and as data for the view that turns.
 
+use nalgebra::Vector3;
 use serde::Serialize;
 
 use crate::calibration::{Calibration, Kind, NominalAxis};
@@ -20,7 +21,7 @@ pub(crate) struct Scene {
 struct Line {
     /// `box`, `track`, `arrow` or `beam`: a class of the style sheet.
     class: &'static str,
-    points: Vec<[f64; 3]>,
+    points: Vec<Place>,
 }
 
 #[derive(Serialize)]
@@ -28,12 +29,14 @@ struct Point {
     /// `station`, `target` or `axis`.
     class: &'static str,
     name: String,
-    at: [f64; 3],
+    at: Place,
 }
 
+type Place = [f64; 3];
+
 /// Directions to the right and upwards in the still picture: from above and the front right.
-const RIGHT: [f64; 3] = [0.829, 0.559, 0.0];
-const UP: [f64; 3] = [-0.213, 0.316, 0.924];
+const RIGHT: Vector3<f64> = Vector3::new(0.829, 0.559, 0.0);
+const UP: Vector3<f64> = Vector3::new(-0.213, 0.316, 0.924);
 
 const SIZE: [f64; 2] = [460.0, 380.0];
 const MARGIN: f64 = 26.0;
@@ -62,7 +65,9 @@ impl Scene {
         if targets.is_empty() {
             return None;
         }
-        let middle = mean(targets.iter().map(|target| target.at));
+        let count = targets.len() as f64;
+        let shares = targets.iter().map(|t| Vector3::from(t.at) / count);
+        let middle: Place = shares.sum::<Vector3<f64>>().into();
         let mut scene = Self {
             lines: Vec::new(),
             points: Vec::new(),
@@ -104,9 +109,8 @@ impl Scene {
             .collect();
         let at = |amounts: &[f64]| {
             let moved = axes.iter().zip(amounts);
-            moved.fold([0.0; 3], |point, (axis, amount)| {
-                along(point, axis.direction, *amount)
-            })
+            let moves = moved.map(|(axis, amount)| Vector3::from(axis.direction) * *amount);
+            Place::from(moves.sum::<Vector3<f64>>())
         };
         let lowest: Vec<f64> = strokes.iter().map(|stroke| stroke[0]).collect();
         // The first three axes make a box; more would hide it.
@@ -139,28 +143,24 @@ impl Scene {
 
     /// A rotary axis with a circle about it.
     fn turning(&mut self, axis: &NominalAxis, size: f64) {
-        let origin = axis.position_mm.unwrap_or_default();
-        let direction = axis.direction;
+        let origin = Vector3::from(axis.position_mm.unwrap_or_default());
+        let direction = Vector3::from(axis.direction);
+        let along = |amount: f64| Place::from(origin + direction * (amount * size));
         self.lines.push(Line {
             class: "arrow",
-            points: vec![
-                along(origin, direction, -0.6 * size),
-                along(origin, direction, 1.2 * size),
-            ],
+            points: vec![along(-0.6), along(1.2)],
         });
         self.points.push(Point {
             class: "axis",
             name: axis.name.clone(),
-            at: along(origin, direction, 1.35 * size),
+            at: along(1.35),
         });
-        let least = (0..3).min_by(|&a, &b| direction[a].abs().total_cmp(&direction[b].abs()));
-        let mut other = [0.0; 3];
-        other[least.unwrap_or_default()] = 1.0;
-        let across = unit(cross(direction, other));
-        let third = cross(unit(direction), across);
+        let unit = |v: Vector3<f64>| v.try_normalize(0.0).unwrap_or_default();
+        let across = unit(direction.cross(&Vector3::ith(direction.iamin(), 1.0)));
+        let third = unit(direction).cross(&across);
         let turn = (0..=ROUND).map(|k| {
             let (sin, cos) = (std::f64::consts::TAU * k as f64 / ROUND as f64).sin_cos();
-            along(along(origin, across, size * cos), third, size * sin)
+            Place::from(origin + across * (size * cos) + third * (size * sin))
         });
         self.lines.push(Line {
             class: "track",
@@ -171,40 +171,28 @@ impl Scene {
     /// The ball that holds everything.
     fn frame(&mut self) {
         let of_lines = self.lines.iter().flat_map(|line| &line.points);
-        let all: Vec<[f64; 3]> = of_lines
-            .chain(self.points.iter().map(|point| &point.at))
-            .copied()
-            .collect();
-        let mut centre = [0.0; 3];
-        for (k, middle) in centre.iter_mut().enumerate() {
-            let low = all.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min);
-            let high = all.iter().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max);
-            *middle = 0.5 * (low + high);
-        }
+        let all = of_lines.chain(self.points.iter().map(|point| &point.at));
+        let all: Vec<Place> = all.copied().collect();
+        let centre = [0, 1, 2].map(|k| extent(all.iter().map(|p| p[k]))[0]);
         self.centre = centre;
         self.radius = all.iter().map(|p| distance(*p, centre)).fold(1.0, f64::max);
     }
 
     /// The still picture.
     pub(crate) fn still(&self) -> Figure {
-        let flat = |p: [f64; 3]| {
-            let p = [0, 1, 2].map(|k| p[k] - self.centre[k]);
-            [dot(p, RIGHT), -dot(p, UP)]
+        let flat = |p: Place| {
+            let p = Vector3::from(p) - Vector3::from(self.centre);
+            [p.dot(&RIGHT), -p.dot(&UP)]
         };
         let all = self.lines.iter().flat_map(|line| &line.points).copied();
         let all: Vec<[f64; 2]> = all
             .chain(self.points.iter().map(|point| point.at))
             .map(flat)
             .collect();
-        let bound = |k: usize| {
-            let low = all.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min);
-            let high = all.iter().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max);
-            [0.5 * (low + high), (high - low).max(1.0)]
-        };
-        let [x, y] = [bound(0), bound(1)];
+        let [x, y] = [0, 1].map(|k| extent(all.iter().map(|p| p[k])));
         let fit = |k: usize, extent: f64| (SIZE[k] - 2.0 * MARGIN) / extent;
         let scale = fit(0, x[1]).min(fit(1, y[1]));
-        let place = |p: [f64; 3]| {
+        let place = |p: Place| {
             let [a, b] = flat(p);
             [
                 0.5 * SIZE[0] + scale * (a - x[0]),
@@ -269,33 +257,13 @@ fn free(at: [f64; 2], name: &str, taken: &mut Vec<[f64; 4]>) -> Option<[f64; 2]>
     })
 }
 
-fn mean(points: impl ExactSizeIterator<Item = [f64; 3]>) -> [f64; 3] {
-    let count = points.len() as f64;
-    points.fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k] / count))
+/// The middle of some values, and how far they extend, at least 1.
+fn extent(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+    let low = values.clone().fold(f64::INFINITY, f64::min);
+    let high = values.fold(f64::NEG_INFINITY, f64::max);
+    [0.5 * (low + high), (high - low).max(1.0)]
 }
 
-fn along(point: [f64; 3], direction: [f64; 3], amount: f64) -> [f64; 3] {
-    [0, 1, 2].map(|k| point[k] + amount * direction[k])
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-fn unit(a: [f64; 3]) -> [f64; 3] {
-    let norm = dot(a, a).sqrt().max(f64::MIN_POSITIVE);
-    a.map(|x| x / norm)
-}
-
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    let d = [0, 1, 2].map(|k| a[k] - b[k]);
-    dot(d, d).sqrt()
+fn distance(a: Place, b: Place) -> f64 {
+    (Vector3::from(a) - Vector3::from(b)).norm()
 }

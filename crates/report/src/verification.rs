@@ -5,27 +5,22 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::calibration::{Kind, Machine};
+use crate::calibration::Machine;
 use crate::numbers::{COVERAGE, decimals, fixed, signed};
 use crate::page::Figure;
 use crate::svg::plot::{Frame, Plot};
 use crate::svg::ticks::{Scale, range};
 
 /// What figures and tables need of `verification.json`.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
 pub(crate) struct Verification {
     /// The calibration that the readings are compared with.
-    #[serde(default)]
     pub(crate) calibration: String,
-    #[serde(default)]
     pub(crate) campaign: String,
-    #[serde(default)]
     pub(crate) machine: String,
-    #[serde(default)]
     compensated: bool,
-    #[serde(default)]
     expected_above_one: f64,
-    #[serde(default)]
     verification: Vec<Entry>,
 }
 
@@ -142,10 +137,7 @@ impl VerificationSection {
 /// Readings as dots with their U, the prediction with its band, and what is left with compensation.
 fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> {
     let axis = moving_axis(entry)?;
-    let is_rotary = machine.is_some_and(|machine| {
-        let mut axes = machine.axes.iter();
-        axes.any(|nominal| nominal.name == axis && nominal.kind == Kind::Rotary)
-    });
+    let is_rotary = machine.is_some_and(|machine| machine.is_rotary(&axis));
     let unit = if is_rotary { "°" } else { " mm" };
     let on_axis = |point: &Point| point.at.get(&axis).copied().unwrap_or(f64::NAN);
     // On a circle of two linear axes a position of one of them is no place: the points follow each other.
@@ -163,15 +155,15 @@ fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> 
     let points = || entry.points.iter();
     let [from, to] = range(numbered.iter().map(|(x, _)| *x));
     let bounds = points().flat_map(|point| {
-        let u = [u_reading(point), u_prediction(point)];
-        let [reading, prediction] = [(point.reading_um, u[0]), (point.predicted_um, u[1])];
-        [
-            reading.0 - reading.1,
-            reading.0 + reading.1,
-            prediction.0 - prediction.1,
-            prediction.0 + prediction.1,
-            point.compensated_um,
-        ]
+        let (reading, u_r) = (point.reading_um, u_reading(point));
+        let (predicted, u_p) = (point.predicted_um, u_prediction(point));
+        let ends = [
+            reading - u_r,
+            reading + u_r,
+            predicted - u_p,
+            predicted + u_p,
+        ];
+        ends.into_iter().chain([point.compensated_um])
     });
     let [low, high] = range(bounds);
     let frame = Frame {
@@ -186,10 +178,7 @@ fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> 
         },
         size: SIZE,
     };
-    let x = match is_rotary && is_place {
-        true => Scale::degrees(from, to, 8),
-        false => Scale::new(from, to, 8),
-    };
+    let x = Scale::positions(is_rotary && is_place, from, to, 8);
     let mut plot = Plot::new(&frame, x, Scale::new(low, high, 5));
     for side in [1, -1] {
         let on_side = numbered.iter().filter(|(_, point)| point.direction == side);
@@ -257,9 +246,7 @@ fn moving_axis(entry: &Entry) -> Option<String> {
     let first = entry.points.first()?;
     let moved = |axis: &&String| {
         let positions = entry.points.iter().filter_map(|point| point.at.get(*axis));
-        let (low, high) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &q| {
-            (low.min(q), high.max(q))
-        });
+        let [low, high] = range(positions.copied());
         high - low
     };
     let axes = first.at.keys().filter(|axis| moved(axis) > 0.0);

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use crate::calibration::{Kind, Machine};
+use crate::calibration::Machine;
 
 const LETTERS: [char; 3] = ['X', 'Y', 'Z'];
 
@@ -13,7 +13,7 @@ pub(crate) fn component(name: &str, axis: &str, machine: &Machine) -> String {
     };
     let along = principal(axis, machine);
     let is_own = |k: usize| along == Some(k);
-    let rotary = is_rotary(axis, machine);
+    let rotary = machine.is_rotary(axis);
     match (LETTERS.iter().position(|&x| x == letter), rotation(letter)) {
         (Some(k), _) if rotary && is_own(k) => format!("axial motion of {axis}"),
         (Some(_), _) if rotary => format!("radial motion of {axis} in the {letter} direction"),
@@ -34,7 +34,7 @@ pub(crate) fn location(name: &str, machine: &Machine) -> String {
     };
     let letter = letter.chars().next().unwrap_or_default();
     let turned = rotation(letter);
-    if is_rotary(axis, machine) {
+    if machine.is_rotary(axis) {
         return match turned {
             Some(k) => format!("tilt of {axis} about {}", LETTERS[k]),
             None => format!("offset of {axis} in the {letter} direction"),
@@ -52,11 +52,6 @@ pub(crate) fn location(name: &str, machine: &Machine) -> String {
 
 fn rotation(letter: char) -> Option<usize> {
     ['A', 'B', 'C'].iter().position(|&x| x == letter)
-}
-
-fn is_rotary(axis: &str, machine: &Machine) -> bool {
-    let mut axes = machine.axes.iter();
-    axes.any(|a| a.name == axis && a.kind == Kind::Rotary)
 }
 
 /// The reference direction that an axis follows.

@@ -188,7 +188,7 @@ pub enum Problem {
     /// Mounting errors that move the origin of the reference frame.
     #[error(
         "the mounting errors of {targets} have the mean [{x:.6}, {y:.6}, {z:.6}] mm, but the \
-         reference frame has its origin where that mean is zero; these would pass: {mended}",
+         reference frame has its origin where that mean is zero; these would pass: {corrected}",
         x = mean_mm[0], y = mean_mm[1], z = mean_mm[2]
     )]
     MountingMean {
@@ -197,13 +197,13 @@ pub enum Problem {
         /// Mean of true minus nominal positions, mm.
         mean_mm: [f64; 3],
         /// Mounting errors that differ by a rigid motion and pass.
-        mended: String,
+        corrected: String,
     },
     /// Mounting errors that turn the reference frame.
     #[error(
         "the mounting errors of {targets} hold the rotation [{x:.3e}, {y:.3e}, {z:.3e}] rad \
          about their centroid, but without two linear runs the reference frame is the one in which \
-         that rotation is zero; these would pass: {mended}",
+         that rotation is zero; these would pass: {corrected}",
         x = rotation_rad[0], y = rotation_rad[1], z = rotation_rad[2]
     )]
     MountingRotation {
@@ -212,7 +212,7 @@ pub enum Problem {
         /// Best-fit rotation vector, rad.
         rotation_rad: [f64; 3],
         /// Mounting errors that differ by a rigid motion and pass.
-        mended: String,
+        corrected: String,
     },
     /// Exact lengths were asked for together with noise.
     #[error(

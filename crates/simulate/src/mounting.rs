@@ -12,7 +12,7 @@ const MEAN_TOL_MM: f64 = 1e-9;
 /// Over a metre this is a picometre, below the rounding of a length.
 const ROTATION_TOL_RAD: f64 = 1e-12;
 
-/// Mended mounting errors are offered with twelve decimals: enough for both tolerances.
+/// Corrected mounting errors are offered with twelve decimals: enough for both tolerances.
 const MENDED_PER_MM: f64 = 1e12;
 
 /// Refuses mounting errors whose rigid part belongs to the reference frame: the mean of those of
@@ -29,7 +29,7 @@ pub(crate) fn check_mounting(frame: &FrameRule, targets: &[PlannedTarget]) -> Re
         return Err(Problem::MountingMean {
             targets,
             mean_mm: rigid.translation.into(),
-            mended: mended(&anchors, &rigid),
+            corrected: corrected(&anchors, &rigid),
         }
         .at("targets"));
     }
@@ -37,7 +37,7 @@ pub(crate) fn check_mounting(frame: &FrameRule, targets: &[PlannedTarget]) -> Re
         return Err(Problem::MountingRotation {
             targets,
             rotation_rad: rigid.rotation.into(),
-            mended: mended(&anchors, &rigid),
+            corrected: corrected(&anchors, &rigid),
         }
         .at("targets"));
     }
@@ -45,11 +45,11 @@ pub(crate) fn check_mounting(frame: &FrameRule, targets: &[PlannedTarget]) -> Re
 }
 
 /// The mounting errors without the motion that belongs to the frame.
-fn mended(anchors: &[&PlannedTarget], rigid: &SmallMotion) -> String {
-    let mended = anchors.iter().map(|target| {
+fn corrected(anchors: &[&PlannedTarget], rigid: &SmallMotion) -> String {
+    let corrected = anchors.iter().map(|target| {
         let left = target.mounting_mm() - rigid.at(target.nominal_mm);
         let m = left.map(|c| (c * MENDED_PER_MM).round() / MENDED_PER_MM + 0.0);
         format!("{} [{}, {}, {}]", target.name, m.x, m.y, m.z)
     });
-    mended.collect::<Vec<_>>().join(", ")
+    corrected.collect::<Vec<_>>().join(", ")
 }

@@ -1,4 +1,4 @@
-//! From a campaign and what is believed of it to a scenario: the inverse of [`simulate`](crate::simulate).
+//! From a campaign and what is believed of it to a scenario: the inverse of [`simulate()`](crate::simulate()).
 //!
 //! Error curves are tables of the believed values, which are in the least-squares gauge already, so that
 //! the scenario has the gauge `none`; between the steps they are straight. What a scenario cannot express
@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 
 use trueaxis_campaign::{Campaign, Direction, MachineSpec};
 use trueaxis_effects::{GivenEffect, GivenParameter, GivenSubject};
+use trueaxis_files::counted;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 
 use crate::{
@@ -132,7 +133,8 @@ pub fn replay(campaign: &Campaign, truth: &Truth) -> Result<Replay, ReplayError>
     let missing = evenly.lengths.as_ref().map_or(0, |l| l.readings.len()) - places.len();
     if missing > 0 {
         notices.push(format!(
-            "replay.json also measures {missing} lengths that the campaign does not have"
+            "replay.json also measures {} that the campaign does not have",
+            counted(missing, "length")
         ));
     }
     scenario.timing = Clock::of(campaign, &evenly, &places).timing();

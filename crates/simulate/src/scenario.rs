@@ -13,7 +13,7 @@ use crate::{KnownLengthSpec, ReflectorSpec, SystematicSpec, TemperatureSpec, Ter
 /// What is to be simulated, as `scenario.json` says it.
 ///
 /// Plain data in the units of the file: mm, degrees, µm and arc seconds by name. Read it with
-/// [`Scenario::read`] or [`Scenario::from_json`]; [`crate::simulate`] checks it. Written as JSON
+/// [`Scenario::read`] or [`Scenario::from_json`]; [`crate::simulate()`] checks it. Written as JSON
 /// (`trueaxis_files::to_json`) it can be read back.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: the scenario")]

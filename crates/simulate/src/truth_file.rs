@@ -6,9 +6,10 @@
 use std::path::Path;
 
 use nalgebra::Point3;
-use serde::ser::{Serialize, SerializeStruct, Serializer};
+use serde::{Serialize, Serializer};
+use serde_json::{Value, json};
 use trueaxis_campaign::Direction;
-use trueaxis_files::{Ordered, Place, round};
+use trueaxis_files::{Place, round};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 
 use crate::axis_unit;
@@ -42,88 +43,74 @@ impl Truth {
 impl Serialize for Truth {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let locations = self.location_errors.iter();
-        let locations = locations.map(|location| (location.name.clone(), location));
-        let mut file = serializer.serialize_struct("Truth", 12)?;
-        file.serialize_field("format", Self::FORMAT)?;
-        file.serialize_field("version", &Self::VERSION)?;
-        file.serialize_field("campaign", &self.campaign)?;
-        file.serialize_field("seed", &self.seed)?;
-        file.serialize_field("noise", &self.noise)?;
+        let locations = locations.map(|location| (location.name.clone(), of_location(location)));
+        let mut file = json!({
+            "format": Self::FORMAT,
+            "version": Self::VERSION,
+            "campaign": self.campaign,
+            "seed": self.seed,
+            "noise": self.noise,
+        });
         // A campaign with an ideal scale and ideal reflectors says nothing about them.
         if self.scale_ppm.abs() > 0.0 {
-            file.serialize_field("scale_ppm", &round(self.scale_ppm, DECIMALS))?;
+            file["scale_ppm"] = json!(round(self.scale_ppm, DECIMALS));
         }
         if self.reflectors.iter().any(|r| r.constant_um.abs() > 0.0) {
-            file.serialize_field("reflectors", &self.reflectors)?;
+            file["reflectors"] = json!(self.reflectors);
         }
-        file.serialize_field("stations", &self.stations)?;
-        file.serialize_field("targets", &self.targets)?;
-        file.serialize_field("axes", &self.axes)?;
-        file.serialize_field("location_errors", &locations.collect::<Ordered<_>>())?;
+        file["stations"] = json!(self.stations);
+        file["targets"] = json!(self.targets);
+        file["axes"] = self.axes.iter().map(of_axis).collect();
+        file["location_errors"] = locations.collect();
         if !self.effects.is_empty() {
-            file.serialize_field("effects", &self.effects)?;
+            file["effects"] = json!(self.effects);
         }
-        file.end()
+        file.serialize(serializer)
     }
 }
 
-impl Serialize for TrueComponents {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let (kind, unit) = match self.kind {
-            AxisKind::Linear => ("linear", "mm"),
-            AxisKind::Rotary => ("rotary", "deg"),
+fn of_axis(axis: &TrueComponents) -> Value {
+    let (kind, unit) = match axis.kind {
+        AxisKind::Linear => ("linear", "mm"),
+        AxisKind::Rotary => ("rotary", "deg"),
+    };
+    let positions = axis.positions.iter();
+    let positions = positions.map(|&q| round(axis_unit::to_file(axis.kind, q), DECIMALS));
+    let components = Component::ALL.into_iter().map(|component| {
+        let (field, unit) = match component.is_angular() {
+            true => ("value_arcsec", ARCSEC),
+            false => ("value_um", MICROMETRE),
         };
-        let positions = self.positions.iter();
-        let positions = positions.map(|&q| round(axis_unit::to_file(self.kind, q), DECIMALS));
-        let components = Component::ALL.map(|component| {
-            let values = self.errors.iter().map(|e| e.to_vector()[component.index()]);
-            let values = values.map(|value| in_file(value, component.is_angular()));
-            let name = if component.is_angular() {
-                "value_arcsec"
-            } else {
-                "value_um"
-            };
-            let curve: Ordered<Vec<f64>> =
-                [(name.to_owned(), values.collect())].into_iter().collect();
-            (component.name(&self.name), curve)
+        let values = axis.errors.iter().map(|e| e.to_vector()[component.index()]);
+        let values = values.map(|value| round(value / unit, DECIMALS));
+        (
+            component.name(&axis.name),
+            json!({ field: values.collect::<Value>() }),
+        )
+    });
+    let mut file = json!({
+        "name": axis.name,
+        "kind": kind,
+        "unit": unit,
+        "positions": positions.collect::<Value>(),
+    });
+    if let Some(directions) = &axis.directions {
+        let signs = directions.iter().map(|direction| match direction {
+            Direction::Forward => 1,
+            Direction::Backward => -1,
         });
-        let mut axis = serializer.serialize_struct("TrueComponents", 7)?;
-        axis.serialize_field("name", &self.name)?;
-        axis.serialize_field("kind", kind)?;
-        axis.serialize_field("unit", unit)?;
-        axis.serialize_field("positions", &positions.collect::<Vec<_>>())?;
-        if let Some(directions) = &self.directions {
-            let signs = directions.iter().map(|direction| match direction {
-                Direction::Forward => 1,
-                Direction::Backward => -1,
-            });
-            axis.serialize_field("direction", &signs.collect::<Vec<i8>>())?;
-        }
-        axis.serialize_field("reference_point_mm", &<[f64; 3]>::from(self.reference_mm))?;
-        axis.serialize_field(
-            "components",
-            &components.into_iter().collect::<Ordered<_>>(),
-        )?;
-        axis.end()
+        file["direction"] = signs.collect();
     }
+    file["reference_point_mm"] = json!(<[f64; 3]>::from(axis.reference_mm));
+    file["components"] = components.collect();
+    file
 }
 
-impl Serialize for TrueLocation {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut location = serializer.serialize_struct("TrueLocation", 1)?;
-        if self.component.is_angular() {
-            location.serialize_field("value_arcsec", &in_file(self.value, true))?;
-        } else {
-            location.serialize_field("value_mm", &round(self.value, DECIMALS))?;
-        }
-        location.end()
+fn of_location(location: &TrueLocation) -> Value {
+    match location.component.is_angular() {
+        true => json!({ "value_arcsec": round(location.value / ARCSEC, DECIMALS) }),
+        false => json!({ "value_mm": round(location.value, DECIMALS) }),
     }
-}
-
-/// A component error: µm of mm, or arcsec of rad.
-fn in_file(value: f64, angular: bool) -> f64 {
-    let unit = if angular { ARCSEC } else { MICROMETRE };
-    round(value / unit, DECIMALS)
 }
 
 /// Coordinates as they are.

@@ -8,10 +8,8 @@ use std::path::Path;
 use nalgebra::{Point3, Vector6};
 use serde::Deserialize;
 use trueaxis_campaign::{Direction, MachineSpec};
-use trueaxis_files::{Alternatives, DocumentError, DocumentProblem, Format, Place, field_line};
-use trueaxis_kinematics::{
-    AxisKind, Component, LocationComponent, LocationError, Machine, MotionError,
-};
+use trueaxis_files::{Alternatives, DocumentError, DocumentProblem, Format, field_line};
+use trueaxis_kinematics::{AxisKind, Component, LocationError, Machine, MotionError};
 
 use crate::files::read_error::{CovarianceProblem, ReadError};
 use crate::machine::calibrated_machine::{CalibratedMachine, MeasuredAxis, calibrated_axes};
@@ -29,7 +27,7 @@ const FORMAT: Format = Format {
 #[serde(expecting = "an object: the calibration")]
 struct Document {
     campaign: String,
-    machine: Option<MachineSpec>,
+    machine: MachineSpec,
     stations: Vec<serde::de::IgnoredAny>,
     axes: Vec<AxisEntry>,
     location_errors: BTreeMap<String, LocationEntry>,
@@ -93,11 +91,7 @@ impl CalibratedMachine {
             source,
         })?;
         let document: Document = FORMAT.read(&text, Some(path))?;
-        let Some(spec) = &document.machine else {
-            let place = Place::file(path);
-            return Err(ReadError::NoMachine { place });
-        };
-        let machine = spec.build().map_err(|mut error| {
+        let machine = document.machine.build().map_err(|mut error| {
             error.place.file = Some(path.to_owned());
             error
         })?;
@@ -115,7 +109,7 @@ impl CalibratedMachine {
         };
         let effects = document.effects_taken_out.into_iter();
         Ok(Self {
-            name: spec.name.clone(),
+            name: document.machine.name,
             campaign: document.campaign,
             effects_taken_out: effects.map(|entry| entry.effect).collect(),
             has_uncertainties,
@@ -258,10 +252,7 @@ impl Measured {
                 };
                 let unit = Unit::of_location(component);
                 let value = entry.value_mm * unit.size();
-                match component {
-                    LocationComponent::Offset(i) => axis.location.offset_mm[i] = value,
-                    LocationComponent::Tilt(i) => axis.location.tilt_rad[i] = value,
-                }
+                *component.of_mut(&mut axis.location) = value;
                 axis.reported.push(component);
                 let u = match entry.u_mm {
                     None if self.has_uncertainties => {
@@ -272,10 +263,7 @@ impl Measured {
                 self.results.push((name, unit, u));
                 self.dof = self.dof.min(entry.dof.unwrap_or(f64::INFINITY));
             }
-            // A tilt is across the axis: the part that has no name follows from the others.
-            let (direction, principal) = (geometry.direction(), geometry.principal());
-            let along = direction.dot(&axis.location.tilt_rad);
-            axis.location.tilt_rad[principal] -= along / direction[principal];
+            geometry.complete_tilt(&mut axis.location);
         }
         let unknown = entries.keys().find(|name| !known.contains(name));
         match unknown {

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use trueaxis_files::{DocumentError, NpzError, Place};
+use trueaxis_files::{DocumentError, NpzError};
 
 /// A calibration that cannot be read from its files.
 #[derive(Debug, thiserror::Error)]
@@ -24,15 +24,6 @@ pub enum ReadError {
     /// Its machine is wrong.
     #[error(transparent)]
     Machine(#[from] trueaxis_campaign::Error),
-    /// It does not hold the machine.
-    #[error(
-        "{place}: field `machine` is missing, as in files of earlier releases; calibrate the campaign again \
-         (`trueaxis calibrate`)"
-    )]
-    NoMachine {
-        /// The file.
-        place: Box<Place>,
-    },
     /// The covariance is wrong.
     #[error(
         "{}: {problem}; keep the two files of a calibration together, or calibrate the campaign again",

@@ -54,7 +54,7 @@ fn home_positions(context: &Context<'_>, state: &State) -> Vec<Vec<Vec<Point3<f6
 }
 
 /// Takes a motion of the whole out of the frame and of what was found in it: to first order, which the
-/// next pass mends, so that it begins where this one ended.
+/// next pass corrects, so that it begins where this one ended.
 fn take_out(context: &Context<'_>, motion: &SmallMotion, next: &mut State) {
     let removal = motion.removal();
     next.ref_from_datum = removal * next.ref_from_datum;

@@ -32,6 +32,11 @@ pub(crate) struct Dependence<'a> {
 }
 
 impl<'a> Dependence<'a> {
+    /// What was identified, and from what.
+    pub(crate) fn parts(&self) -> (&'a Context<'a>, &'a Identified) {
+        (self.context, self.identified)
+    }
+
     pub(crate) fn new(
         context: &'a Context<'a>,
         identified: &'a Identified,

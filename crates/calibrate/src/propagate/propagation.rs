@@ -144,7 +144,7 @@ impl<'a: 'i, 'i> Propagation<'a, 'i> {
 
 impl<'a> Noise<'a> {
     pub(crate) fn new(dependence: &'a Dependence<'a>, noise: &'a PoseNoise) -> Self {
-        let (context, identified) = (dependence.context, dependence.identified);
+        let (context, identified) = dependence.parts();
         let axes = 0..context.data.len();
         let axes = axes.map(|k| AxisNoise::new(noise, context, identified, k));
         let axes: Vec<AxisNoise<'_>> = axes.collect();
@@ -163,7 +163,7 @@ impl<'a> Noise<'a> {
 
     /// `A D Aᵀ`: covariance of the pose error of a record of axis `k` with all sources known.
     pub(crate) fn own_of_record(&self, k: usize, record: usize) -> Matrix6<f64> {
-        let (context, identified) = (self.dependence.context, self.dependence.identified);
+        let (context, identified) = self.dependence.parts();
         let map = identified.sensitivities[k].poses[record];
         let pose = context.data[k].records[record].pose;
         map * self.noise.own[pose] * map.transpose()
@@ -171,7 +171,7 @@ impl<'a> Noise<'a> {
 
     /// `C`: what the same pose error owes to the sources of the bases, and to those that all poses share.
     pub(crate) fn sources_of_record(&self, k: usize, record: usize) -> [DMatrix<f64>; 2] {
-        let (context, identified) = (self.dependence.context, self.dependence.identified);
+        let (context, identified) = self.dependence.parts();
         let pose = context.data[k].records[record].pose;
         let coupling = identified.sensitivities[k].poses[record] * &self.noise.coupling[pose];
         let coupling = DMatrix::from_column_slice(6, coupling.ncols(), coupling.as_slice());

@@ -30,7 +30,7 @@ use crate::{Error, Settings};
 /// Without a covariance the effects are taken as exact.
 ///
 /// # Errors
-/// Those of [`crate::calibrate`], and [`trueaxis_poses::Error::EffectsWithoutLengths`].
+/// Those of [`crate::calibrate()`], and [`trueaxis_poses::Error::EffectsWithoutLengths`].
 pub fn calibrate_with_effects(
     campaign: &Campaign,
     effects: &ResolvedEffects,

@@ -63,10 +63,7 @@ fn axis_result(
     propagation: &Propagation<'_, '_>,
     k: usize,
 ) -> AxisResult {
-    let (context, identified) = (
-        propagation.dependence.context,
-        propagation.dependence.identified,
-    );
+    let (context, identified) = propagation.dependence.parts();
     let (own, axis) = (&context.data[k], context.axis(k));
     let values = &identified.state.axes[k];
     let nodes = own.nodes.iter().zip(&values.curve);

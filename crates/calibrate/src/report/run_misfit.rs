@@ -55,10 +55,7 @@ pub(crate) fn run_misfits(propagation: &Propagation<'_, '_>) -> Vec<Option<RunMi
 /// S = (R - 1)/(R + 1) · 1/R Σ t_r t_rᵀ
 /// ```
 pub(crate) fn scatter_of_runs(propagation: &Propagation<'_, '_>, k: usize) -> DMatrix<f64> {
-    let (context, identified) = (
-        propagation.dependence.context,
-        propagation.dependence.identified,
-    );
+    let (context, identified) = propagation.dependence.parts();
     let (data, gauge) = (&context.data[k], &identified.gauges[k]);
     let errors = context.pose_errors(&identified.state, k);
     let (own, runs) = (gauge.location_parameters, data.runs.len());
@@ -103,10 +100,7 @@ fn solved(products: &DMatrix<f64>) -> Option<DVector<f64>> {
 
 /// How the runs of axis `k` fit together; `None` if they share no position or their noise is not known.
 fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> {
-    let (context, identified) = (
-        propagation.dependence.context,
-        propagation.dependence.identified,
-    );
+    let (context, identified) = propagation.dependence.parts();
     let data = &context.data[k];
     let errors = context.pose_errors(&identified.state, k);
     let (products, covariance) = products(propagation, k, &errors)?;
@@ -185,10 +179,7 @@ fn products(
     k: usize,
     errors: &[Vector6<f64>],
 ) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
-    let (context, identified) = (
-        propagation.dependence.context,
-        propagation.dependence.identified,
-    );
+    let (context, identified) = propagation.dependence.parts();
     let (data, noise) = (&context.data[k], &context.poses.noise);
     if noise.own.is_empty() {
         return None;

@@ -83,11 +83,7 @@ impl Calibration {
             for (error, change) in axis.location_errors.iter().zip(&mut changes) {
                 *error.component.of_mut(&mut location) = *change;
             }
-            // A tilt is across the axis: the part that has no name follows from the others.
-            let geometry = &machine.axes()[axis.axis];
-            let (direction, principal) = (geometry.direction(), geometry.principal());
-            let named = direction.dot(&location.tilt_rad);
-            location.tilt_rad[principal] -= named / direction[principal];
+            machine.axes()[axis.axis].complete_tilt(&mut location);
             (axis.name.clone(), location)
         };
         let locations: HashMap<String, LocationError> = self.axes.iter().map(of_axis).collect();

@@ -134,7 +134,7 @@ impl Unit {
 }
 
 /// A commanded position (mm or rad) as files have it, mm or degrees.
-pub(crate) fn position_in_file(kind: AxisKind, position: f64) -> f64 {
+pub fn position_in_file(kind: AxisKind, position: f64) -> f64 {
     match kind {
         AxisKind::Linear => position,
         AxisKind::Rotary => round(position.to_degrees(), 9),

@@ -189,7 +189,7 @@ fn files_that_do_not_belong_together_are_refused() {
     };
     let without = text.replacen("\"machine\"", "\"machines\"", 1);
     let error = refused(&without);
-    assert!(error.contains("calibrate the campaign again"), "{error}");
+    assert!(error.contains("field `machine` is missing"), "{error}");
     let error = refused(&text.replacen("\"name\": \"Y\"", "\"name\": \"V\"", 2));
     assert!(error.contains("unknown axis `Y`"), "{error}");
     let error = refused(&text.replacen("\"EXX\"", "\"EXW\"", 1));

@@ -41,7 +41,7 @@ pub(crate) fn check(
             first.length_mm + known.length_mm,
         );
         if 2 * negative > readings().count() {
-            let expected = "a positive distance: length_mm + dead_path_mm of campaign.json; mend its \
+            let expected = "a positive distance: length_mm + dead_path_mm of campaign.json; correct its \
                             sign or unit";
             let place = Place::column(file, first.line, "length_mm");
             return Err(Problem::value(found, expected).at(place));

@@ -21,7 +21,7 @@ pub struct UnitMistake {
 }
 
 impl UnitMistake {
-    /// How to mend data with which something is wrong.
+    /// How to correct data with which something is wrong.
     pub(crate) fn advice(mistake: Option<&Self>) -> String {
         mistake.map_or_else(
             || {
@@ -95,27 +95,21 @@ struct Unit {
     factor: f64,
 }
 
+impl Unit {
+    const fn new(name: &'static str, factor: f64) -> Self {
+        Self { name, factor }
+    }
+}
+
 /// Largest factor first: of two factors that both explain lengths which change too little, the
 /// larger one makes them change like the targets.
 const LENGTH_UNITS: [Unit; 3] = [
-    Unit {
-        name: "metres",
-        factor: 1000.0,
-    },
-    Unit {
-        name: "inches",
-        factor: 25.4,
-    },
-    Unit {
-        name: "micrometres",
-        factor: 1e-3,
-    },
+    Unit::new("metres", 1000.0),
+    Unit::new("inches", 25.4),
+    Unit::new("micrometres", 1e-3),
 ];
 
-const ANGLE_UNITS: [Unit; 1] = [Unit {
-    name: "radians",
-    factor: 180.0 / PI,
-}];
+const ANGLE_UNITS: [Unit; 1] = [Unit::new("radians", 180.0 / PI)];
 
 /// No tracker reaches farther than this, mm: an axis that moves more is given in another unit.
 const LONGEST_AXIS_MM: f64 = 1e5;

@@ -114,7 +114,7 @@ pub(crate) fn notices(file_name: &str, logged: &[LoggedColumn]) -> Vec<String> {
         let is_humidity = column.quantity() == Some(LoggedQuantity::AirHumidity);
         if values().next().is_none() {
             Some(format!(
-                "{file_name}, column {name}: every cell is empty; remove the column, or mend what \
+                "{file_name}, column {name}: every cell is empty; remove the column, or correct what \
                  wrote it"
             ))
         } else if is_humidity && values().all(|&v| v <= 1.0) && values().any(|&v| v > 0.0) {

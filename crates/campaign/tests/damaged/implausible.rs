@@ -219,7 +219,7 @@ fn rows_that_were_sorted() {
             damage: |f| sort(f, "points.csv", &["target", "time_s"]),
             says: &[
                 "points.csv line 19, column time_s",
-                "would be 17 stops in 1 occupations",
+                "would be 17 stops in 1 occupation of stations",
             ],
         }],
     );
@@ -292,7 +292,7 @@ fn known_dead_paths_leave_distances_positive() {
             says: &[
                 "lengths.csv line 2, column length_mm",
                 "with the dead path of station `S1` (-1234.568 mm)",
-                "mend its sign or unit",
+                "correct its sign or unit",
             ],
         }],
     );

@@ -1,5 +1,5 @@
 //! Correct campaigns are read, damaged ones are refused with a message that says where the damage
-//! is and how to mend it.
+//! is and how to correct it.
 
 mod bed;
 mod correct;

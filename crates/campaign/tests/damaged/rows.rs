@@ -367,7 +367,10 @@ fn rows_against_each_other() {
                     f.json("\"x\", \"axis\": \"X\"", "\"x\", \"axis\": \"Y\"");
                     f.json("\"y\", \"axis\": \"Y\"", "\"y\", \"axis\": \"X\"");
                 },
-                says: &["lengths.csv line 5: run `x` is of axis Y", "mend the axis"],
+                says: &[
+                    "lengths.csv line 5: run `x` is of axis Y",
+                    "correct the axis",
+                ],
             },
             Case {
                 name: "columns exchanged",

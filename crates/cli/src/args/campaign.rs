@@ -7,7 +7,7 @@ use clap::{Args as ClapArgs, ValueEnum};
 use trueaxis_calibrate::{Method, ReferencePoint, Settings};
 use trueaxis_identify::SixRows;
 
-use super::point;
+use super::{ResultArgs, point};
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct CheckArgs {
@@ -25,11 +25,6 @@ pub(crate) struct CalibrateArgs {
     /// The campaign file.
     #[arg(value_name = "CAMPAIGN.json")]
     pub(crate) campaign: PathBuf,
-
-    /// Folder for calibration.json, covariance.npz, residuals.csv and report.html [default: one in the
-    /// current directory, named after the campaign].
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
 
     #[command(flatten)]
     pub(crate) model: ModelArgs,
@@ -57,9 +52,8 @@ pub(crate) struct CalibrateArgs {
     #[arg(long)]
     pub(crate) no_report: bool,
 
-    /// Also print calibration.json on standard output.
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) result: ResultArgs,
 
     /// End with exit code 6 if the residuals or the shape of the targets reject the model.
     #[arg(long)]
@@ -77,18 +71,12 @@ pub(crate) struct DiagnoseArgs {
     #[arg(long, value_name = "CALIBRATION.json")]
     pub(crate) calibration: Option<PathBuf>,
 
-    /// Folder for diagnosis.json, and for effects.json and replay.json if the lengths show causes
-    /// [default: one in the current directory, named after the campaign].
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-
     /// Write no report.html.
     #[arg(long)]
     pub(crate) no_report: bool,
 
-    /// Also print diagnosis.json on standard output.
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) result: ResultArgs,
 
     /// End with exit code 6 if the data contradict the model.
     #[arg(long)]
@@ -100,10 +88,6 @@ pub(crate) struct MontecarloArgs {
     /// The campaign file.
     #[arg(value_name = "CAMPAIGN.json")]
     pub(crate) campaign: PathBuf,
-
-    /// Folder for montecarlo.json [default: one in the current directory, named after the campaign].
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
 
     /// Number of trials; with --digits the most [default: 10000; with --digits 1000000 or
     /// what 2 GiB hold].
@@ -125,9 +109,8 @@ pub(crate) struct MontecarloArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
 
-    /// Also print montecarlo.json on standard output.
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) result: ResultArgs,
 }
 
 /// How a campaign is calibrated.

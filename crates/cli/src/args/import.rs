@@ -12,12 +12,6 @@ pub(crate) struct ImportArgs {
     pub(crate) what: ImportWhat,
 }
 
-impl ImportArgs {
-    pub(super) fn is_json(&self) -> bool {
-        matches!(&self.what, ImportWhat::Calibration(args) if args.json)
-    }
-}
-
 #[derive(Debug, Subcommand)]
 pub(crate) enum ImportWhat {
     /// Tables that another system wrote for a control; writes calibration.json.

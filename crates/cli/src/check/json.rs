@@ -1,31 +1,7 @@
 //! What `check --json` prints.
 
-use serde::Serialize;
+use serde_json::{Value, json};
 use trueaxis_campaign::{Campaign, Hole};
-
-#[derive(Serialize)]
-struct File<'a> {
-    format: &'static str,
-    version: u32,
-    campaign: &'a str,
-    readings: usize,
-    stops: usize,
-    coverage: Vec<Entry<'a>>,
-    notices: &'a [String],
-}
-
-#[derive(Serialize)]
-struct Entry<'a> {
-    /// Null for targets on the bed.
-    run: Option<&'a str>,
-    target: &'a str,
-    /// Null in a points campaign.
-    station: Option<&'a str>,
-    readings: usize,
-    steps: usize,
-    steps_of_run: usize,
-    hole: Option<&'static str>,
-}
 
 /// The text of the document.
 pub(super) fn text(campaign: &Campaign) -> String {
@@ -34,37 +10,38 @@ pub(super) fn text(campaign: &Campaign) -> String {
         (None, Some(points)) => (points.readings.len(), points.stops.len()),
         (None, None) => (0, 0),
     };
-    let file = File {
-        format: "trueaxis-check",
-        version: 1,
-        campaign: &campaign.name,
-        readings,
-        stops,
-        coverage: entries(campaign),
-        notices: &campaign.notices,
-    };
-    // Serialising plain structs of numbers and strings has no way to fail.
-    trueaxis_files::to_json(&file).expect("numbers and strings serialise")
+    let document = json!({
+        "format": "trueaxis-check",
+        "version": 1,
+        "campaign": campaign.name,
+        "readings": readings,
+        "stops": stops,
+        "coverage": entries(campaign),
+        "notices": campaign.notices,
+    });
+    // Numbers and strings have no way to fail.
+    trueaxis_files::to_json(&document).expect("numbers and strings serialise")
 }
 
-fn entries(campaign: &Campaign) -> Vec<Entry<'_>> {
+/// Targets on the bed have no run, those of a points campaign no station.
+fn entries(campaign: &Campaign) -> Vec<Value> {
     let mut entries = Vec::new();
     for covered in campaign.coverage() {
         for (station, seen) in covered.seen.iter().enumerate() {
             let lengths = campaign.lengths.as_ref();
-            entries.push(Entry {
-                run: covered.run.map(|run| campaign.runs[run].name.as_str()),
-                target: &campaign.targets[covered.target].name,
-                station: lengths.map(|_| campaign.stations[station].name.as_str()),
-                readings: seen.readings,
-                steps: seen.steps,
-                steps_of_run: covered.steps_of_run,
-                hole: covered.hole(station).map(|hole| match hole {
+            entries.push(json!({
+                "run": covered.run.map(|run| &campaign.runs[run].name),
+                "target": campaign.targets[covered.target].name,
+                "station": lengths.map(|_| &campaign.stations[station].name),
+                "readings": seen.readings,
+                "steps": seen.steps,
+                "steps_of_run": covered.steps_of_run,
+                "hole": covered.hole(station).map(|hole| match hole {
                     Hole::NotSeen => "not seen",
                     Hole::Steps => "steps",
                     Hole::Readings => "readings",
                 }),
-            });
+            }));
         }
     }
     entries

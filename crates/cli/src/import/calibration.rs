@@ -11,10 +11,9 @@ use trueaxis_files::Format;
 
 use crate::args::positive;
 use crate::exit::Exit;
-use crate::output;
+use crate::given_file::{Unreadable, read_text};
+use crate::output::Results;
 use crate::talk::{notice, say};
-
-const FILE: &str = "calibration.json";
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ImportCalibrationArgs {
@@ -50,13 +49,9 @@ pub(crate) struct ImportCalibrationArgs {
 
 pub(crate) fn run(args: &ImportCalibrationArgs) -> anyhow::Result<Exit> {
     let machine = read_machine(&args.machine)?;
-    let unreadable = |source| ImportError::Unreadable {
-        path: args.file.clone(),
-        mend: "give a table in ISG_CSV or in Etalon's exchange format",
-        source,
-    };
-    let text = std::fs::read_to_string(&args.file).map_err(unreadable)?;
-    let file = InputFile::of(&args.file).map_err(unreadable)?;
+    let wanted = "give a table in ISG_CSV or in Etalon's exchange format";
+    let text = read_text(&args.file, wanted)?;
+    let file = InputFile::of(&args.file).map_err(Unreadable::at(&args.file, wanted))?;
     let built = machine.build().map_err(|mut error| {
         error.place.file = Some(args.machine.clone());
         error
@@ -73,9 +68,8 @@ pub(crate) fn run(args: &ImportCalibrationArgs) -> anyhow::Result<Exit> {
     })?;
     let text = trueaxis_files::to_json(&imported.calibration)?;
     let stem = args.file.file_stem().unwrap_or_default();
-    let folder = output::folder(args.out.as_deref(), &stem.to_string_lossy())?;
-    let path = folder.join(FILE);
-    output::write(&path, text.as_bytes())?;
+    let mut results = Results::new(args.out.as_deref(), &stem.to_string_lossy())?;
+    results.write("calibration.json", text.as_bytes())?;
     say(&format!(
         "{}: format {}, machine {}",
         args.file.display(),
@@ -83,33 +77,16 @@ pub(crate) fn run(args: &ImportCalibrationArgs) -> anyhow::Result<Exit> {
         machine.name
     ));
     imported.notices.iter().for_each(|text| notice(text));
-    say(&format!("written: {}", path.display()));
-    let path = folder.join(FactoredCovariance::FILE);
     if let Some(covariance) = &imported.covariance {
-        output::write_by(&path, |out| covariance.write_npz(out))?;
-        say(&format!("written: {}", path.display()));
-    } else if path.exists() {
+        results.write_by(FactoredCovariance::FILE, |out| covariance.write_npz(out))?;
+    } else if let Some(path) = results.of_an_earlier_run(FactoredCovariance::FILE) {
+        let path = path.display();
         notice(&format!(
-            "{} is of another calibration and is not looked at",
-            path.display()
+            "{path} is of another calibration and is not looked at"
         ));
     }
-    if args.json {
-        output::print(&text)?;
-    }
+    results.end(args.json.then_some(&text))?;
     Ok(Exit::Good)
-}
-
-/// What is wrong with a file that is to be imported.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum ImportError {
-    /// The operating system refuses, or it is no text.
-    #[error("{} cannot be read; {mend}", path.display())]
-    Unreadable {
-        path: PathBuf,
-        mend: &'static str,
-        source: std::io::Error,
-    },
 }
 
 /// All that is needed of a campaign or a calibration.
@@ -132,11 +109,7 @@ const CALIBRATION: Format = Format {
 };
 
 fn read_machine(path: &Path) -> anyhow::Result<MachineSpec> {
-    let text = std::fs::read_to_string(path).map_err(|source| ImportError::Unreadable {
-        path: path.to_owned(),
-        mend: "--machine wants a campaign.json with the machine",
-        source,
-    })?;
+    let text = read_text(path, "--machine wants a campaign.json with the machine")?;
     let format = match text.contains(CALIBRATION.name) {
         true => CALIBRATION,
         false => CAMPAIGN,

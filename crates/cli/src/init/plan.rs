@@ -1,12 +1,7 @@
 //! What a starting campaign measures: the rows of its table before anything is measured, and the map of an export.
 
 /// A run with its axis, its targets in the order of reading, and its positions from, to, step.
-pub(super) struct Leg {
-    pub(super) run: &'static str,
-    pub(super) axis: &'static str,
-    pub(super) targets: [&'static str; 3],
-    pub(super) range: [i32; 3],
-}
+type Leg = (&'static str, &'static str, [&'static str; 3], [i32; 3]);
 
 /// The machine types.
 pub(super) struct Plan {
@@ -31,9 +26,9 @@ pub(super) const FXYZ: Plan = Plan {
     campaign: include_str!("fxyz.json"),
     axes: &["X", "Y", "Z"],
     legs: &[
-        leg("x", "X", PQK, [0, 440, 20]),
-        leg("y", "Y", PQK, [0, 400, 20]),
-        leg("z", "Z", PQK, [0, 400, 20]),
+        ("x", "X", PQK, [0, 440, 20]),
+        ("y", "Y", PQK, [0, 400, 20]),
+        ("z", "Z", PQK, [0, 400, 20]),
     ],
     back: false,
 };
@@ -42,11 +37,11 @@ pub(super) const FIVE_AXIS: Plan = Plan {
     campaign: include_str!("five-axis.json"),
     axes: &["X", "Y", "Z", "A", "C"],
     legs: &[
-        leg("x", "X", PQK, [0, 400, 40]),
-        leg("y", "Y", PQK, [0, 400, 40]),
-        leg("z", "Z", PQK, [0, 400, 40]),
-        leg("a", "A", UVW, [-60, 90, 15]),
-        leg("c", "C", UVW, [0, 360, 30]),
+        ("x", "X", PQK, [0, 400, 40]),
+        ("y", "Y", PQK, [0, 400, 40]),
+        ("z", "Z", PQK, [0, 400, 40]),
+        ("a", "A", UVW, [-60, 90, 15]),
+        ("c", "C", UVW, [0, 360, 30]),
     ],
     back: true,
 };
@@ -54,23 +49,9 @@ pub(super) const FIVE_AXIS: Plan = Plan {
 pub(super) const ROTARY_STAGE: Plan = Plan {
     campaign: include_str!("rotary-stage.json"),
     axes: &["C"],
-    legs: &[leg("c", "C", PQK, [0, 360, 20])],
+    legs: &[("c", "C", PQK, [0, 360, 20])],
     back: false,
 };
-
-const fn leg(
-    run: &'static str,
-    axis: &'static str,
-    targets: [&'static str; 3],
-    range: [i32; 3],
-) -> Leg {
-    Leg {
-        run,
-        axis,
-        targets,
-        range,
-    }
-}
 
 impl Plan {
     /// The table before anything is measured: time and what is measured are empty.
@@ -83,12 +64,11 @@ impl Plan {
         let stations: &[&str] = if points { &[""] } else { &STATIONS };
         for station in stations {
             for repeat in 1..=REPEATS {
-                for (leg, position, direction) in self.stops() {
-                    let on_axis = |axis: &&str| if *axis == leg.axis { position } else { 0 };
+                for (&(run, moving, targets, _), position, direction) in self.stops() {
+                    let on_axis = |axis: &&str| if *axis == moving { position } else { 0 };
                     let positions = self.axes.iter().map(|axis| on_axis(axis).to_string());
                     let positions = positions.collect::<Vec<_>>().join(",");
-                    for target in leg.targets {
-                        let run = leg.run;
+                    for target in targets {
                         text += &match points {
                             false => format!(
                                 ",{station},{repeat},{run},{direction},{positions},{target},\n"
@@ -108,7 +88,7 @@ impl Plan {
     fn stops(&self) -> Vec<(&Leg, i32, i32)> {
         let mut stops = Vec::new();
         for leg in self.legs {
-            let [from, to, step] = leg.range;
+            let (.., [from, to, step]) = *leg;
             let there: Vec<i32> = (0..=(to - from) / step).map(|i| from + i * step).collect();
             stops.extend(there.iter().map(|&position| (leg, position, 1)));
             if self.back {
@@ -139,13 +119,11 @@ impl Plan {
             format!("{axis} = {{ unit = \"{unit}\" }}\n")
         });
         let legs = self.legs.iter().map(|leg| {
-            let [from, to, step] = leg.range;
-            let [a, b, c] = leg.targets;
+            let (run, axis, [a, b, c], [from, to, step]) = leg;
             let back = if self.back { ", back = true" } else { "" };
             format!(
-                "  {{ run = \"{}\", axis = \"{}\", from = {from}, to = {to}, step = {step}{back}, \
-                 targets = [\"{a}\", \"{b}\", \"{c}\"] }},\n",
-                leg.run, leg.axis
+                "  {{ run = \"{run}\", axis = \"{axis}\", from = {from}, to = {to}, step = {step}{back}, \
+                 targets = [\"{a}\", \"{b}\", \"{c}\"] }},\n"
             )
         });
         include_str!("import.toml")

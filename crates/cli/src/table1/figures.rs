@@ -5,6 +5,7 @@
 //! says ("averaging the measurement results of x, y, and z").
 
 use nalgebra::Point3;
+use serde::Serialize;
 use trueaxis_montecarlo::{ChaCha8Rng, Model, Propagation, Settings, Trials as Count, propagate};
 use trueaxis_multilateration::{
     Noise, Settings as SolveSettings, Solution, Trials, Workspace, solve,
@@ -16,7 +17,7 @@ use super::arrangement::{Arrangement, TARGETS, network};
 pub(crate) const LENGTH_SIGMA_UM: f64 = 0.269;
 
 /// What is measured how often.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Measurement {
     /// Standard deviation per coordinate of the position that the machine returns to, µm.
     pub(crate) repeatability_um: f64,
@@ -25,7 +26,7 @@ pub(crate) struct Measurement {
 }
 
 /// The largest standard deviation of x, of y and of z over all points.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Figures {
     /// By Monte Carlo, µm.
     pub(crate) monte_carlo_um: [f64; 3],

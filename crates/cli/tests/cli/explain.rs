@@ -25,7 +25,11 @@ fn codes_are_listed_and_explained() {
             "{}",
             outcome.stdout
         );
-        assert!(outcome.stdout.contains("\nMend it: "), "{}", outcome.stdout);
+        assert!(
+            outcome.stdout.contains("\nWhat to do: "),
+            "{}",
+            outcome.stdout
+        );
     }
     run(folder.path(), &["explain", "e101"]).assert_good();
     run(folder.path(), &["explain", "E999"]).assert_failed("unknown", 2, &["no code E999"]);
@@ -58,7 +62,7 @@ fn errors_are_told_to_programs() {
         let message = error["message"].as_str().unwrap();
         assert!(message.contains("field targets[0].caried_by"), "{message}");
         let help = error["help"].as_str().unwrap();
-        assert!(help.contains("Mend it: "), "{help}");
+        assert!(help.contains("What to do: "), "{help}");
     }
     // An error that is in no line.
     let (code, error) = told(&["check", "no.json", "--json"]);

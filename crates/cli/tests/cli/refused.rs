@@ -9,7 +9,7 @@ pub(crate) struct Refusal {
     pub(crate) name: &'static str,
     pub(crate) damage: fn(&mut CampaignFiles),
     pub(crate) code: i32,
-    /// Parts of the message: where, what, how to mend.
+    /// Parts of the message: where, what, how to correct.
     pub(crate) says: &'static [&'static str],
 }
 

@@ -47,12 +47,12 @@ fn the_page_is_made_again_with_its_figures() {
         folder.path(),
         &["report", "rotary-stage", "--template", "own.html"],
     )
-    .assert_failed("a wrong template", 2, &["template"]);
+    .assert_failed("a wrong template", 3, &["template"]);
     run(
         folder.path(),
         &["report", "rotary-stage", "--template", "none.html"],
     )
-    .assert_failed("no template", 2, &["none.html", "cannot be read"]);
+    .assert_failed("no template", 3, &["none.html", "cannot be read"]);
 }
 
 /// Calibrated again in another way, a volumetric error of before is another machine's.

@@ -1,5 +1,7 @@
 //! The command line itself.
 
+use serde_json::Value;
+
 use crate::program::{file_names, run, shipped};
 
 const USAGE: i32 = 2;
@@ -107,6 +109,36 @@ fn wrong_command_lines() {
         outcome.assert_usage(&args.join(" "), says);
         assert!(file_names(folder.path()).is_empty());
     }
+}
+
+/// With `--json` programs are told, too.
+#[test]
+fn wrong_command_lines_with_json() {
+    let folder = tempfile::tempdir().unwrap();
+    for (args, message) in [
+        (
+            vec!["check", "campaign.json", "--colour", "--json"],
+            "unexpected argument '--colour' found",
+        ),
+        (
+            vec!["calibrate", "--json"],
+            "the following required arguments were not provided:\n  <CAMPAIGN.json>",
+        ),
+    ] {
+        let outcome = run(folder.path(), &args);
+        assert_eq!(outcome.code, Some(USAGE), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
+        let error: Value = serde_json::from_str(&outcome.stdout).unwrap();
+        assert_eq!(error["format"], "trueaxis-error");
+        assert_eq!(
+            (&error["exit_code"], &error["code"]),
+            (&2.into(), &Value::Null)
+        );
+        assert_eq!(error["message"], message);
+    }
+    let help = run(folder.path(), &["check", "--help", "--json"]);
+    help.assert_good();
+    assert!(help.stdout.contains("Usage"), "{}", help.stdout);
 }
 
 impl crate::program::Outcome {

@@ -9,6 +9,30 @@ use tempfile::TempDir;
 
 use crate::program::{Outcome, calibrate_shipped, contents, run, shipped};
 
+/// Nothing to compare is no result.
+#[test]
+fn a_campaign_without_readings_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    calibrate_shipped(folder.path(), "fxyz");
+    let campaign = shipped("fxyz").join("campaign.json");
+    let campaign = campaign.to_str().unwrap();
+    let args = [
+        "verify",
+        "calibrated/calibration.json",
+        campaign,
+        "--out",
+        "verified",
+    ];
+    let says = [
+        "error[E404]",
+        campaign,
+        "no verification readings",
+        "add them to `verification`",
+    ];
+    run(folder.path(), &args).assert_failed("no readings", 5, &says);
+    assert!(!folder.path().join("verified").exists());
+}
+
 /// A folder with the calibration of the three-axis machine in `calibrated`, and in `verification` a campaign with readings
 /// along X through T: `factor` times what is predicted, with another zero.
 fn prepared(factor: f64) -> TempDir {
@@ -69,7 +93,7 @@ fn readings_that_agree() {
         "LI along X: positioning, 46 readings at 46 positions and sides",
         "above 1 at 0 of 46 (expected 2.1): agrees",
         "B 0.00, mean B 0.00",
-        "only 1 runs a side, the standard wants five",
+        "only 1 run a side, the standard wants five",
         &format!("written: {path}"),
     ] {
         assert!(outcome.stderr.contains(says), "{says}: {}", outcome.stderr);

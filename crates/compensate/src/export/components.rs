@@ -147,9 +147,6 @@ impl GeometricErrors for Components {
 impl Rule for Components {
     fn added(&self, commanded: &[f64]) -> Result<Vec<f64>, Error> {
         let found = correct(&self.machine, self, commanded, self.at, Moved::Linear)?;
-        let pairs = found.positions.iter().zip(commanded);
-        Ok(pairs
-            .map(|(corrected, commanded)| corrected - commanded)
-            .collect())
+        Ok(found.added_to(commanded))
     }
 }

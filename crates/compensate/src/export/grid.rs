@@ -10,7 +10,9 @@ use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 
 use crate::export::line::positions;
 use crate::export::named_errors::wrong;
-use crate::export::{Description, ExportedFile, OldFiles, Request, Rule, Tables, one_file, round};
+use crate::export::{
+    Description, ExportedFile, OldFiles, Request, Rule, Tables, one_file, rising, round,
+};
 use crate::{Error, Moved, correct};
 
 pub(super) const FORMAT: Description = Description {
@@ -49,10 +51,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             request.at,
             Moved::Linear,
         )?;
-        let pairs = found.positions.iter().zip(commanded);
-        Ok(pairs
-            .map(|(corrected, commanded)| corrected - commanded)
-            .collect())
+        Ok(found.added_to(commanded))
     };
     let home = added(&at_home)?;
     let error_at_home = machine.tool_error(request.machine, &at_home, request.at);
@@ -161,7 +160,7 @@ fn read_old(old: &ExportedFile, request: &Request<'_>, axes: &[usize]) -> Result
     }
     let nodes: Vec<Vec<f64>> = own
         .iter()
-        .map(|&[at, _]| united(rows.iter().map(|row| row[at])))
+        .map(|&[at, _]| rising(rows.iter().map(|row| row[at]), SAME))
         .collect();
     let at_home = vec![0.0; count];
     let expected: usize = nodes.iter().map(Vec::len).product();
@@ -192,14 +191,6 @@ fn read_old(old: &ExportedFile, request: &Request<'_>, axes: &[usize]) -> Result
     })
 }
 
-/// Positions in rising order, each once.
-fn united(positions: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut all: Vec<f64> = positions.collect();
-    all.sort_by(f64::total_cmp);
-    all.dedup_by(|a, b| (*a - *b).abs() <= SAME);
-    all
-}
-
 /// Multilinear interpolation of what is added.
 struct Grid {
     axes: Vec<usize>,
@@ -212,7 +203,7 @@ impl Grid {
     fn with(&self, other: &Self) -> Result<Self, Error> {
         let pairs = self.nodes.iter().zip(&other.nodes);
         let nodes: Vec<Vec<f64>> = pairs
-            .map(|(a, b)| united(a.iter().chain(b).copied()))
+            .map(|(a, b)| rising(a.iter().chain(b).copied(), SAME))
             .collect();
         let rows = nodes.iter().map(Vec::len).product();
         check_rows(rows)?;

@@ -8,6 +8,7 @@ use trueaxis_kinematics::{Axis, AxisKind, Component, LocationComponent, Machine,
 
 use crate::Error;
 use crate::export::line::interpolate;
+use crate::export::rising;
 
 /// Positions this close are one, mm or degrees.
 const SAME: f64 = 1e-9;
@@ -210,9 +211,7 @@ impl NamedErrors {
         let given = Component::ALL.into_iter();
         let given: Vec<_> = given.filter(|c| curves[c.index()].is_some()).collect();
         let arguments = |curve: &Curve| -> Vec<f64> { curve.points.iter().map(|p| p.0).collect() };
-        let mut all: Vec<f64> = curves.iter().flatten().flat_map(|c| arguments(c)).collect();
-        all.sort_by(f64::total_cmp);
-        all.dedup_by(|a, b| (*a - *b).abs() <= SAME);
+        let all = rising(curves.iter().flatten().flat_map(|c| arguments(c)), SAME);
         let is_interpolated = curves.iter().flatten().any(|c| c.points.len() != all.len());
         let of = |curve: Option<&Curve>, position: f64| {
             let Some(curve) = curve else { return 0.0 };

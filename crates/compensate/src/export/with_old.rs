@@ -9,7 +9,7 @@ use crate::Error;
 use crate::export::components::{AxisComponents, Components};
 use crate::export::line::interpolate;
 use crate::export::named_errors::{AxisErrors, NamedErrors};
-use crate::export::{Request, one_file};
+use crate::export::{Request, one_file, rising};
 
 /// Positions this close are one, mm or rad.
 const SAME: f64 = 1e-9;
@@ -54,9 +54,8 @@ fn sum(axis: &Axis, new: Option<&AxisComponents>, old: &AxisErrors) -> AxisCompo
         .iter()
         .map(|error| at(error, old.centre_mm, axis.reference_mm()))
         .collect();
-    let mut positions = [new_positions, &old.positions].concat();
-    positions.sort_by(f64::total_cmp);
-    positions.dedup_by(|a, b| (*a - *b).abs() <= SAME);
+    let positions = new_positions.iter().chain(&old.positions);
+    let positions = rising(positions.copied(), SAME);
     let error = |&position: &f64| {
         let part = |positions: &[f64], errors: &[MotionError], c: usize| match positions {
             [] => 0.0,

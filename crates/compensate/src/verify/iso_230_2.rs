@@ -15,6 +15,8 @@
 
 use trueaxis_campaign::Direction;
 
+use crate::export::rising;
+
 /// Runs from each side that the standard wants.
 const RUNS: usize = 5;
 
@@ -77,9 +79,7 @@ impl Runs {
 impl Positioning {
     /// From deviations (µm, actual minus commanded) at commanded positions.
     pub fn new(deviations: &[(f64, Direction, f64)]) -> Self {
-        let mut positions: Vec<f64> = deviations.iter().map(|(position, ..)| *position).collect();
-        positions.sort_by(f64::total_cmp);
-        positions.dedup_by(|a, b| (*a - *b).abs() <= SAME);
+        let positions = rising(deviations.iter().map(|(position, ..)| *position), SAME);
         let at = |position: &f64, side: Direction| {
             let own = deviations
                 .iter()

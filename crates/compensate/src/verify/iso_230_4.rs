@@ -19,7 +19,8 @@ use trueaxis_calibrate::{MeasuredPoint, ball_bar_set_up};
 use trueaxis_campaign::{Direction, VerificationKind};
 use trueaxis_kinematics::Machine;
 
-use crate::verify::{Point, are_same, pseudo_inverse};
+use crate::freedom::pseudo_inverse;
+use crate::verify::{Point, ROUNDING, are_same};
 
 /// The quantities, µm. Those of a path that was not run are not there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,7 +109,7 @@ impl Path {
         let set_up = DMatrix::from_fn(points.len(), columns.len(), |row, c| columns[c][row]);
         let readings = points.iter().map(|point| point.reading_um);
         let readings = DVector::from_iterator(points.len(), readings);
-        let mut fitted = pseudo_inverse(&set_up) * &readings;
+        let mut fitted = pseudo_inverse(&set_up, ROUNDING * set_up.norm()) * &readings;
         // The last is the length, which stays.
         let last = fitted.len() - 1;
         let radius = std::mem::take(&mut fitted[last]);

@@ -1,10 +1,10 @@
 //! `verification.json`.
 
 use serde_json::{Value, json};
-use trueaxis_calibrate::CalibratedMachine;
+use trueaxis_calibrate::{CalibratedMachine, position_in_file};
 use trueaxis_campaign::{Direction, VerificationKind};
 use trueaxis_files::round;
-use trueaxis_kinematics::{ARCSEC, AxisKind, Machine};
+use trueaxis_kinematics::{ARCSEC, Machine};
 
 use crate::verify::iso_230_2::{Positioning, Side};
 use crate::verify::parallel_lines::ParallelLines;
@@ -105,13 +105,7 @@ fn entry(machine: &Machine, verified: &Verified) -> Value {
 
 fn at(machine: &Machine, positions: &[f64]) -> Value {
     let axes = machine.axes().iter().zip(positions);
-    let cells = axes.map(|(axis, &q)| {
-        let value = match axis.kind() {
-            AxisKind::Linear => round(q, 9),
-            AxisKind::Rotary => round(q.to_degrees(), 9),
-        };
-        (axis.name().to_owned(), json!(value))
-    });
+    let cells = axes.map(|(axis, &q)| (axis.name(), position_in_file(axis.kind(), q)));
     cells.collect()
 }
 

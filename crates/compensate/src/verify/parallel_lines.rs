@@ -16,6 +16,7 @@ use trueaxis_calibrate::{CalibratedMachine, carrier, positioning_lines};
 use trueaxis_campaign::VerificationKind;
 use trueaxis_kinematics::{AxisKind, Component, Ideal};
 
+use crate::export::rising;
 use crate::verify::{Point, SAME, Verified};
 
 /// Distances of lines below this tell no angle, mm.
@@ -219,9 +220,7 @@ fn seen(levers: &DMatrix<f64>) -> [bool; 2] {
 /// Positions at which every line was read.
 fn shared_positions(axis: usize, lines: &[Line<'_>]) -> Vec<f64> {
     let first = lines.first().map_or(&[][..], |line| line.points.as_slice());
-    let mut positions: Vec<f64> = first.iter().map(|point| point.positions[axis]).collect();
-    positions.sort_by(f64::total_cmp);
-    positions.dedup_by(|a, b| (*a - *b).abs() <= SAME);
+    let mut positions = rising(first.iter().map(|point| point.positions[axis]), SAME);
     positions.retain(|&q| lines.iter().all(|line| line.at(axis, q).next().is_some()));
     positions
 }

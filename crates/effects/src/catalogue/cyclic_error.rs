@@ -29,7 +29,7 @@ pub(super) const EFFECT: Effect = Effect {
     explanation: Explanation {
         cause: "something that repeats along the axis: the pitch of the screw and its bearing, the division of the scale, the rolling elements of the guideway",
         consequence: "between two measured positions the error is not on the straight line that a compensation table draws: up to the whole amplitude stays",
-        action: "compare the period with the pitch of the screw, the period of the scale and the rollers; mend the part (bearing, alignment of the scale's head, its signal), or compensate with a table of at least eight points per period",
+        action: "compare the period with the pitch of the screw, the period of the scale and the rollers; repair the part (bearing, alignment of the scale's head, its signal), or compensate with a table of at least eight points per period",
         separate_by: "measure one or two periods again with a step of an eighth of the period: a shorter period seen with a coarse step shows as a longer one",
     },
 };

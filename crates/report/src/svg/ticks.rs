@@ -35,6 +35,14 @@ impl Scale {
         }
     }
 
+    /// Of an axis that moves in mm, or turns in degrees.
+    pub(crate) fn positions(is_rotary: bool, low: f64, high: f64, most: usize) -> Self {
+        match is_rotary {
+            true => Self::degrees(low, high, most),
+            false => Self::new(low, high, most),
+        }
+    }
+
     fn with_step(low: f64, high: f64, step: impl Fn(f64) -> f64) -> Self {
         // What is not finite or has no width gets a width: an axis must be drawn.
         let finite = |x: f64| {

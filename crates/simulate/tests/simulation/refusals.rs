@@ -1,4 +1,4 @@
-//! Scenarios that are wrong: each is refused with the place, the reason and how to mend it.
+//! Scenarios that are wrong: each is refused with the place, the reason and how to correct it.
 
 use std::error::Error as _;
 
@@ -289,7 +289,7 @@ fn offered_mounting_errors_pass() {
     for (name, expected) in cases {
         let message = refused(name, &[("/targets/0/mounting_error_mm", shifted.clone())]);
         assert!(message.contains(expected), "{message}");
-        assert!(Scenario::from_json(&mended(name, &message).to_string()).is_ok());
+        assert!(Scenario::from_json(&corrected(name, &message).to_string()).is_ok());
     }
 
     let turned = [
@@ -299,13 +299,13 @@ fn offered_mounting_errors_pass() {
     ];
     let message = refused("rotary-stage", &turned);
     assert!(message.contains("hold the rotation"), "{message}");
-    assert!(Scenario::from_json(&mended("rotary-stage", &message).to_string()).is_ok());
+    assert!(Scenario::from_json(&corrected("rotary-stage", &message).to_string()).is_ok());
     // Two linear runs leave no rotation to the targets.
     assert!(Scenario::from_json(&altered("fxyz", &turned).to_string()).is_ok());
 }
 
 /// The scenario with the mounting errors that the message offers.
-fn mended(name: &str, message: &str) -> Value {
+fn corrected(name: &str, message: &str) -> Value {
     let (_, offer) = message.split_once("these would pass: ").unwrap();
     let values = offer.split(['[', ']']).skip(1).step_by(2);
     let mut json = shipped::json(name);
