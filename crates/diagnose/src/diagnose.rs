@@ -69,7 +69,7 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         }
     }
     if let (None, Some(points)) = (&campaign.lengths, &campaign.points)
-        && with_points(&mut diagnosis, campaign, points, settings)
+        && with_points(&mut diagnosis, campaign, points, settings)?
     {
         components = explained(diagnosis.calibration.as_ref());
     }
@@ -216,8 +216,8 @@ fn with_points(
     campaign: &Campaign,
     points: &Points,
     settings: &Settings,
-) -> bool {
-    let mut outcome = diagnose_points(campaign, points, &diagnosis.scene);
+) -> Result<bool, Error> {
+    let mut outcome = diagnose_points(campaign, points, &diagnosis.scene)?;
     if let (Some(corrected), Some(_)) = (&outcome.corrected, &diagnosis.calibration) {
         let better = with_better(diagnosis, corrected, &mut outcome.causes, settings);
         if let Err(error) = better {
@@ -231,7 +231,7 @@ fn with_points(
     diagnosis.rejected.extend(outcome.rejected);
     diagnosis.not_observable.extend(outcome.not_observable);
     diagnosis.notices.extend(outcome.notices);
-    outcome.corrected.is_some()
+    Ok(outcome.corrected.is_some())
 }
 
 /// Whether an error says that the data do not determine what is asked.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_effects::{ResolvedEffect, Scene, TemperatureHistory};
+use trueaxis_effects::{Scene, TemperatureHistory};
 use trueaxis_multilateration::{
     CampaignNetwork, Group, Network, Noise, Settings, Solution, Whitened, estimate_noise,
     network_from_campaign, solve_as_a_set, solve_from,
@@ -14,6 +14,7 @@ use trueaxis_poses::{
 };
 
 use crate::Error;
+use crate::engine::Suspect;
 use crate::lengths::disturbance::Disturbance;
 use crate::lengths::left_out::LeftOut;
 use crate::selection::{Fit, Hypothesis, Projection, dot};
@@ -38,19 +39,6 @@ pub(crate) struct Base<'a> {
     pub(crate) disturbances: Vec<Disturbance>,
     /// First and last time of all lengths, s.
     pub(crate) span_s: [f64; 2],
-}
-
-/// A cause with its parameters, linear at its shape.
-#[derive(Debug, Clone)]
-pub(crate) struct Suspect {
-    pub(crate) hypothesis: Hypothesis,
-    pub(crate) shape: f64,
-    pub(crate) u_shape: f64,
-    pub(crate) parameters: Vec<f64>,
-    /// Covariance of the parameters, rows one after the other.
-    pub(crate) covariance: Vec<f64>,
-    /// Whether the data see all of each parameter.
-    pub(crate) seen: Vec<bool>,
 }
 
 /// An adjusted model.
@@ -419,16 +407,6 @@ impl<'a> Base<'a> {
             all.network.readings[i].length_mm - computed_mm - effect_mm
         };
         all.readings.iter().enumerate().map(misfit).collect()
-    }
-
-    /// An effect with values, by the names of the campaign.
-    pub(crate) fn resolved(suspect: &Suspect) -> ResolvedEffect {
-        ResolvedEffect {
-            effect: suspect.hypothesis.effect,
-            subject: suspect.hypothesis.subject,
-            parameters: suspect.parameters.clone(),
-            shape: suspect.shape,
-        }
     }
 }
 

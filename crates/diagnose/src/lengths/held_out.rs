@@ -20,8 +20,8 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use trueaxis_poses::LengthCircumstances as Reading;
 
-use crate::lengths::base::{Adjusted, Base, Suspect};
-use crate::lengths::hypotheses::{scan, visit_times};
+use crate::engine::{Suspect, scan};
+use crate::lengths::base::{Adjusted, Base};
 use crate::selection::Hypothesis;
 use crate::{Error, HeldOutRatio};
 
@@ -178,12 +178,11 @@ fn interval(sums: &[Sums]) -> [f64; 2] {
 /// The same causes with shapes and parameters from other lengths; directions of the parameters that
 /// these hardly show are shrunk ([`crate::selection::Gram::shrunk`]). A cause that they do not show stays out.
 fn fitted_again(base: &Base<'_>, plain: &Adjusted, suspects: &[Suspect]) -> Vec<Suspect> {
-    let visits = visit_times(base);
     let mut projected = plain.with(plain.projection.clone());
     let mut again: Vec<Suspect> = Vec::new();
     for suspect in suspects {
         let hypothesis: Hypothesis = suspect.hypothesis;
-        let Some(scan) = scan(base, &projected, &visits, hypothesis) else {
+        let Some(scan) = scan(base, &projected, &projected.projection, hypothesis) else {
             continue;
         };
         let mut best: Option<(f64, f64, Vec<f64>)> = None;

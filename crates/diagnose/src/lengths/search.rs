@@ -1,17 +1,15 @@
 //! The search for causes in the lengths.
 
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_effects::Level;
+use trueaxis_effects::{Level, Subject};
 use trueaxis_multilateration::{Noise, network_from_campaign};
 use trueaxis_poses::LengthsAdjustment;
 
-use crate::lengths::base::{Adjusted, Base, Suspect};
-use crate::lengths::causes::{Found, find_causes};
+use crate::engine::{Found, Suspect, cause, find_causes, of_catalogue, scans};
+use crate::lengths::base::{Adjusted, Base};
 use crate::lengths::competition::{Candidates, Model, compete, only_wandering};
-use crate::lengths::estimated::estimated;
 use crate::lengths::fitted::fitted;
 use crate::lengths::held_out::{HeldOut, held_out_stations, held_out_sweeps};
-use crate::lengths::hypotheses::{hypotheses, of_catalogue};
 use crate::lengths::left_out::{are_in_a_row, still_left_out};
 use crate::lengths::noise_floor::{mean_noise_um, noise_floor_um};
 use crate::lengths::not_observable::not_observable;
@@ -22,7 +20,7 @@ use crate::lengths::wandered::wandered;
 use crate::lengths::wandering::Judged;
 use crate::selection::{Null, Part};
 use crate::{
-    Cause, Disturbance, Error, Gain, LevelReport, Misfit, NotObservable, Rival, Shares, Unexplained,
+    Cause, Disturbance, Error, Gain, LevelReport, Misfit, NotObservable, Shares, Unexplained,
 };
 
 /// Causes are named if they explain more than this part of the structure beside what wanders: a remainder takes
@@ -153,7 +151,22 @@ pub(crate) fn diagnose_lengths(
     let notices = notices(&base);
     let only = found.len() + wandering.len() == 1;
     let disturbances = wandered(&base, &current, wandering, gain.filter(|_| only));
-    let causes = causes(&base, found, &current, &rest, gain.filter(|_| only));
+    let causes = found.into_iter().map(|found| {
+        let suspect = &found.suspect;
+        let shown = (
+            rms_of_effect_um(&base, &current, suspect),
+            fitted(&base, &rest, &current, suspect),
+        );
+        cause(
+            &base,
+            Level::Lengths,
+            &current,
+            found,
+            gain.filter(|_| only),
+            shown,
+        )
+    });
+    let causes = causes.collect();
     Ok(LengthsOutcome {
         report,
         causes,
@@ -189,8 +202,10 @@ pub(crate) fn look<'a>(base: &Base<'a>) -> Result<Looked<'a>, Error> {
         true => Vec::new(),
         false => omnibus(base, &plain),
     };
-    let all = of_catalogue(base);
-    let first = hypotheses(base, &plain, &all);
+    // Poses take every coupling of axes; where runs differ, they are compared (`crate::runs`).
+    let is_pose = |s: &Subject| s.other_axis.is_some() && s.component.is_some();
+    let all = of_catalogue(Level::Lengths, &base.scene, |s| !is_pose(s));
+    let first = scans(base, &plain, &plain.projection, &all);
     let scans = match is_exact {
         true => &[],
         false => first.scans.as_slice(),
@@ -349,43 +364,4 @@ fn rms_of_effect_um(base: &Base<'_>, current: &Adjusted, suspect: &Suspect) -> f
     let effects_mm = effects_mm.map(|r| base.effect_mm(r, &current.solution, alone));
     let squares: f64 = effects_mm.map(|e| e * e).sum();
     (squares / base.readings.len() as f64).sqrt() * 1e3
-}
-
-/// The causes in words and units; `rest` is what they and what wanders leave.
-fn causes(
-    base: &Base<'_>,
-    found: Vec<Found>,
-    current: &Adjusted,
-    rest: &Adjusted,
-    gain: Option<Gain>,
-) -> Vec<Cause> {
-    found
-        .into_iter()
-        .map(|found| {
-            let (parameters, covariance) = estimated(base, current, &found.suspect);
-            Cause {
-                level: Level::Lengths,
-                data: String::new(),
-                p_value: found.p_value,
-                delta_bic: found.bic,
-                explained_rms_um: rms_of_effect_um(base, current, &found.suspect),
-                heldout_gain: gain.map(|g| 1.0 - g.heldout_rms_ratio),
-                parameters,
-                covariance,
-                rivals: found
-                    .rivals
-                    .iter()
-                    .map(|(suspect, bic)| Rival {
-                        effect: Base::resolved(suspect),
-                        delta_bic: *bic,
-                    })
-                    .collect(),
-                changes: Vec::new(),
-                share: None,
-                share_of_curve: None,
-                fitted: fitted(base, rest, current, &found.suspect),
-                effect: Base::resolved(&found.suspect),
-            }
-        })
-        .collect()
 }

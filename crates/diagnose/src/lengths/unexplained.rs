@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use trueaxis_effects::Level;
 
 use crate::Unexplained;
-use crate::lengths::base::{Adjusted, Base, Suspect};
+use crate::engine::Suspect;
+use crate::lengths::base::{Adjusted, Base};
 use crate::lengths::omnibus::{OMNIBUS_LEVEL, Omnibus};
 
 /// What is left beyond the noise, and what it varies with.

@@ -6,11 +6,10 @@
 
 use std::collections::HashSet;
 
+use crate::engine::{Suspect, scan};
 use crate::lengths::{HeldOut, Sums};
 use crate::points::base::Base;
-use crate::points::hypotheses::scan;
 use crate::points::model::{Model, NO_WEIGHT};
-use crate::points::search::Suspect;
 
 const FOLDS: usize = 5;
 

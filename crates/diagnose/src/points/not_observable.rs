@@ -1,18 +1,17 @@
 //! Effects that these points cannot show. They may be there all the same.
 
 use crate::NotObservable;
+use trueaxis_effects::Level;
+
+use crate::engine::{of_catalogue, scans};
 use crate::lengths::in_words;
 use crate::points::base::Base;
-use crate::points::hypotheses::{of_catalogue, scans};
 use crate::points::model::Model;
-use crate::selection::Hypothesis;
 
 /// Effects without a trace in these points.
 pub(crate) fn not_observable(base: &Base<'_>, model: &Model) -> Vec<NotObservable> {
-    let all = of_catalogue(base);
-    let seen = scans(base, model, &model.bare, &all);
-    let is_seen = |h: &&Hypothesis| seen.iter().any(|scan| scan.hypothesis().is(h));
-    let unseen: Vec<&Hypothesis> = all.iter().filter(|h| !is_seen(h)).collect();
+    let all = of_catalogue(Level::Points, base.scene, |_| true);
+    let unseen = scans(base, model, &model.bare, &all).without_trace;
     let mut list: Vec<NotObservable> = Vec::new();
     for hypothesis in unseen {
         let effect = hypothesis.effect;

@@ -11,11 +11,12 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use trueaxis_leastsquares::half_waves;
 
+use crate::engine::{Found, Level};
 use crate::lengths::{OMNIBUS_LEVEL, Omnibus, family_wise};
 use crate::points::base::Base;
 use crate::points::model::Model;
 use crate::points::readings::Reading;
-use crate::points::search::{Found, part_within, trace};
+use crate::selection::{Fit, Projection};
 
 const OF_TIME: u32 = 12;
 const OF_TARGET: u32 = 4;
@@ -166,9 +167,10 @@ pub(crate) fn is_imitation(
     left: &[Omnibus],
     cause: &Found,
 ) -> bool {
-    let trace = trace(base, model, &cause.suspect);
+    let columns = base.columns(model)(&cause.suspect.hypothesis, cause.suspect.shape);
+    let trace = Fit::new(&model.bare, &columns).explained;
     let squares: f64 = trace.iter().map(|x| x * x).sum();
-    let too_much = match cause.suspect.is_of_time() {
+    let too_much = match cause.suspect.hypothesis.is_of_time() {
         true => TOO_MUCH_OF_TIME,
         false => TOO_MUCH_LEFT,
     };
@@ -182,4 +184,13 @@ pub(crate) fn is_imitation(
             part_within(&model.bare, &columns, &trace) * omnibus.excess > too_much * squares
         })
     })
+}
+
+/// Part of the squares of a trace that lies in columns, both after the projection.
+fn part_within(model: &Projection, columns: &[Vec<f64>], trace: &[f64]) -> f64 {
+    let squares: f64 = trace.iter().map(|x| x * x).sum();
+    let mut rest = trace.to_vec();
+    model.extended(columns).project(&mut rest);
+    let left: f64 = rest.iter().map(|x| x * x).sum();
+    1.0 - left / squares.max(f64::MIN_POSITIVE)
 }

@@ -4,18 +4,20 @@ use nalgebra::Vector3;
 use trueaxis_campaign::{Campaign, Points};
 use trueaxis_effects::{Level, ResolvedEffect, Scene};
 
+use crate::engine::{Found, Level as _, Search, Suspect, cause, find_causes, of_catalogue, scans};
 use crate::lengths::{HeldOut, OMNIBUS_LEVEL, Omnibus};
 use crate::points::base::Base;
-use crate::points::causes::causes;
+use crate::points::fitted::fitted;
 use crate::points::gross_errors::{Gross, are_accidents, stand_out};
 use crate::points::held_out::held_out;
-use crate::points::hypotheses::of_catalogue;
 use crate::points::model::Model;
 use crate::points::not_observable::not_observable;
 use crate::points::omnibus::{Family, families, is_imitation, omnibus};
 use crate::points::places::places;
-use crate::points::search::{Found, Search, Suspect, columns_mm, find_causes};
-use crate::{Cause, Gain, LevelReport, Misfit, NotObservable, Rejected, Shares, Unexplained};
+use crate::selection::{Hypothesis, Null};
+use crate::{
+    Cause, Error, Gain, LevelReport, Misfit, NotObservable, Rejected, Shares, Unexplained,
+};
 
 /// The diagnosis of the points.
 pub(crate) struct PointsOutcome {
@@ -41,34 +43,41 @@ pub(crate) fn diagnose_points(
     campaign: &Campaign,
     points: &Points,
     scene: &Scene,
-) -> PointsOutcome {
+) -> Result<PointsOutcome, Error> {
     let mut screened = Screened::beside(campaign, points, scene, &[]);
     let plain = Model::estimated(&screened.base, &[]);
     let freedom = plain.projection.degrees_of_freedom;
     if freedom < LEAST_DEGREES_OF_FREEDOM {
-        return not_judged(&screened.base, freedom);
+        return Ok(not_judged(&screened.base, freedom));
     }
     if plain.noise.mean_um(&screened.base.readings) < RESOLUTION_UM {
         return said(&screened, points, Believed::nothing(plain), &[]);
     }
-    let all = of_catalogue(&screened.base);
-    let mut search = find_causes(&screened.base, plain, &all);
+    let all = of_catalogue(Level::Points, scene, |_| true);
+    let mut search = searched(&screened.base, plain, &all)?;
     if !search.found.is_empty() {
         // What stood out of everything may have been a part of a cause, or have hidden beneath it.
         let again = Screened::beside(campaign, points, scene, &suspects(&search.found));
         if again.numbers() != screened.numbers() {
             let plain = Model::estimated(&again.base, &[]);
-            search = find_causes(&again.base, plain, &all);
+            search = searched(&again.base, plain, &all)?;
         }
         screened = again;
     }
     let families = families(&screened.base);
-    let believed = Believed::of(&screened.base, search, &families);
+    let believed = Believed::of(&screened.base, search, &families)?;
     said(&screened, points, believed, &families)
 }
 
+/// The causes of what `plain`, the model without any, leaves.
+fn searched(base: &Base<'_>, plain: Model, all: &[Hypothesis]) -> Result<Search<Model>, Error> {
+    let first = scans(base, &plain, &plain.projection, all).scans;
+    let null = Null::simulated(&plain.projection, &first);
+    find_causes(base, plain, all, &first, &null)
+}
+
 fn suspects(found: &[Found]) -> Vec<Suspect> {
-    found.iter().map(|f| f.suspect).collect()
+    found.iter().map(|f| f.suspect.clone()).collect()
 }
 
 /// The points without gross errors.
@@ -92,7 +101,7 @@ impl<'a> Screened<'a> {
             let mut removed: Vec<usize> = gross.iter().map(|g| g.number).collect();
             removed.sort_unstable();
             let base = Base::new(campaign, scene, points, &removed);
-            let model = Model::estimated(&base, &columns_mm(&base, causes));
+            let model = Model::estimated(&base, &base.columns_of(causes));
             let next = stand_out(&base, &model);
             let are_many = !are_accidents(&[&gross[..], &next[..]].concat(), &base, points);
             if are_many {
@@ -155,10 +164,11 @@ impl Believed {
     }
 
     /// The causes of a search but those that predict unused points worse than nothing, or merely imitate what is left.
-    fn of(base: &Base<'_>, search: Search, families: &[Family]) -> Self {
+    fn of(base: &Base<'_>, search: Search<Model>, families: &[Family]) -> Result<Self, Error> {
         let Search {
             mut found,
-            mut model,
+            adjusted: mut model,
+            ..
         } = search;
         loop {
             let count = found.len();
@@ -173,16 +183,19 @@ impl Believed {
                     false => held_out(base, &model, &suspects(&found)),
                 };
                 if heldout.is_none_or(|h| h.interval[0] < 1.0) {
-                    return Self {
+                    return Ok(Self {
                         found,
                         model,
                         after,
                         heldout,
-                    };
+                    });
                 }
                 found.clear();
             }
-            model = Model::estimated(base, &columns_mm(base, &suspects(&found)));
+            model = base.refit(suspects(&found))?;
+            for (found, suspect) in found.iter_mut().zip(&model.suspects) {
+                found.suspect = suspect.clone();
+            }
         }
     }
 }
@@ -193,7 +206,7 @@ fn said(
     points: &Points,
     believed: Believed,
     families: &[Family],
-) -> PointsOutcome {
+) -> Result<PointsOutcome, Error> {
     let (base, gross) = (&screened.base, &screened.gross);
     let Believed {
         found,
@@ -201,7 +214,6 @@ fn said(
         after,
         heldout,
     } = believed;
-    let suspects = suspects(&found);
     // Both in the noise that is left at the end.
     let sharp = Model::with(base, &[], model.noise, None);
     let noise_um = model.noise.mean_um(&base.readings);
@@ -223,8 +235,11 @@ fn said(
         },
         leave_one_station_out: None,
     });
-    let of_cause = |suspect: &Suspect| columns_mm(base, std::slice::from_ref(suspect));
-    let columns = suspects.iter().map(|s| sharp.whitened(base, &of_cause(s)));
+    let of_cause = base.columns(&sharp);
+    let columns = model
+        .suspects
+        .iter()
+        .map(|s| of_cause(&s.hypothesis, s.shape));
     let columns: Vec<Vec<Vec<f64>>> = columns.collect();
     let misfit = |rms_um: f64, of: fn(&HeldOut) -> f64| Misfit {
         rms_um,
@@ -244,10 +259,17 @@ fn said(
         tests_after: tests(after),
         places: places(base, &sharp, &model, noise_um),
     };
-    let (causes, effects) = causes(base, &model, found, gain);
+    let gain = gain.filter(|_| found.len() == 1);
+    let effects: Vec<ResolvedEffect> = found.iter().map(|f| f.suspect.resolved()).collect();
+    let causes = found.into_iter().map(|found| {
+        let effect_um = rms_of_effect_um(base, &found.suspect);
+        let shown = (effect_um, fitted(base, &model, &found.suspect)?);
+        Ok(cause(base, Level::Points, &model, found, gain, shown))
+    });
+    let causes = causes.collect::<Result<_, Error>>()?;
     let corrected = (!effects.is_empty() || !gross.is_empty())
         .then(|| corrected(base, points, gross, &effects));
-    PointsOutcome {
+    Ok(PointsOutcome {
         report: Some(report),
         causes,
         unexplained,
@@ -255,7 +277,15 @@ fn said(
         notices: notices(screened),
         rejected: gross.iter().map(Gross::rejected).collect(),
         corrected,
-    }
+    })
+}
+
+/// Rms of what a cause does to the coordinates, µm.
+fn rms_of_effect_um(base: &Base<'_>, suspect: &Suspect) -> f64 {
+    let effect = [suspect.resolved()];
+    let moved_mm = (0..base.readings.all.len()).map(|i| base.effect_mm(i, &effect));
+    let squares: f64 = moved_mm.map(|moved_mm| moved_mm.norm_squared()).sum();
+    (squares / base.misfit_mm.len() as f64).sqrt() * 1e3
 }
 
 fn notices(screened: &Screened<'_>) -> Vec<String> {

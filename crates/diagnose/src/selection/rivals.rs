@@ -1,5 +1,7 @@
 //! Whether another hypothesis explains the data nearly as well.
 
+use std::ops::Range;
+
 use trueaxis_effects::Parameter;
 use trueaxis_leastsquares::dot;
 
@@ -42,6 +44,18 @@ impl Fit {
         }
     }
 
+    /// Some of its parameters.
+    pub(crate) fn part(&self, own: Range<usize>) -> Self {
+        let width = self.estimates.len();
+        let pairs = own.clone().flat_map(|i| own.clone().map(move |k| (i, k)));
+        Self {
+            estimates: self.estimates[own.clone()].to_vec(),
+            covariance: pairs.map(|(i, k)| self.covariance[i * width + k]).collect(),
+            seen: self.seen[own].to_vec(),
+            explained: Vec::new(),
+        }
+    }
+
     /// Whether the data allow values in their plausible ranges, three standard uncertainties considered; `variance` is
     /// that of the observations.
     pub(crate) fn is_possible(&self, parameters: &[Parameter], variance: f64) -> bool {
@@ -69,7 +83,7 @@ pub(crate) fn cosine(a: &Fit, b: &Fit) -> f64 {
 pub(crate) const DECISIVE: f64 = 6.0;
 
 /// Explanations more alike than this are one explanation under two names.
-const ALIKE: f64 = 0.95;
+pub(crate) const ALIKE: f64 = 0.95;
 
 /// Whether `rival` cannot be told from the leader: by evidence or BIC within 6, or because both explain
 /// the same. An explanation with more free directions is always at least as alike; there the evidence
