@@ -20,19 +20,36 @@
 //!   rivals.
 //! - [`search`]: lengths and points. One cause joins after the other; each is judged beside the others, gives way to a
 //!   better one, or leaves.
+//! - [`listed`]: what verification and runs choose their causes from, one after the other, in a linear model.
 //! - [`culprit`]: whether two causes are one trouble under two names.
+//! - [`omnibus`]: whether anything is left, and what it varies with; causes that only imitate what is left.
+//! - [`held_out`]: the gain on sweeps that the model was not fitted to.
+//! - [`places`]: where the misfit lives; [`unseen`]: what the data cannot show.
 //! - [`estimated`]: parameters with their uncertainties, shapes included.
 
 mod culprit;
 mod estimated;
+mod held_out;
 mod hypotheses;
 mod level;
+mod listed;
+mod omnibus;
+mod places;
 mod ranking;
 mod search;
+mod unseen;
 
 pub(crate) use culprit::{Culprit, Culprits};
-pub(crate) use estimated::cause;
+pub(crate) use estimated::{cause, with_uncertainties};
+pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
 pub(crate) use hypotheses::{duration_s, in_equal_ratios, of_catalogue, scan, scans};
 pub(crate) use level::{Found, Level, Suspect};
-pub(crate) use ranking::Ranking;
+pub(crate) use listed::{Beside, Candidate, Chosen, Judged, Listed, without};
+pub(crate) use omnibus::{
+    Family, MOST_OF_FREEDOM, OMNIBUS_LEVEL, Omnibus, family_wise, is_imitation, still_left,
+    waves_of,
+};
+pub(crate) use places::{places, side};
+pub(crate) use ranking::{Ranking, plausible};
 pub(crate) use search::{Search, find_causes, settle};
+pub(crate) use unseen::{in_words, length_scale, unseen, without_trace};

@@ -7,7 +7,7 @@
 //! explain. The noise is that of a length and that of the machine's repeatability, common to a stop
 //! (restricted maximum likelihood from the residuals).
 //!
-//! - [`base`] adjusts the lengths, less what the causes found so far do to them, with the full nonlinear
+//! - [`base`] adjusts the lengths ([`adjusted`]), less what the causes found so far do to them, with the full nonlinear
 //!   model; the parameters of the causes follow by block elimination until both rest.
 //! - [`level`]: what the search for causes ([`crate::engine`]) asks of them.
 //! - [`disturbance`]: what wanders in a course that nobody knows joins the covariance, where it has more evidence
@@ -16,6 +16,7 @@
 //! - [`left_out`]: gross errors leave before the search, and come back if the causes explain them.
 //! - [`held_out`]: the gain on sweeps, and on whole stations, that the model was not fitted to.
 
+mod adjusted;
 mod base;
 mod beside;
 mod competition;
@@ -34,8 +35,5 @@ mod unexplained;
 mod wandered;
 mod wandering;
 
-pub(crate) use held_out::{HeldOut, Sums};
-pub(crate) use not_observable::in_words;
-pub(crate) use omnibus::{OMNIBUS_LEVEL, Omnibus, family_wise};
-pub(crate) use search::{LengthsOutcome, diagnose_lengths};
+pub(crate) use search::diagnose_lengths;
 pub(crate) use trueaxis_poses::scene_of as scene;

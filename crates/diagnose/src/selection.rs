@@ -30,6 +30,7 @@ mod scan;
 mod score;
 mod several;
 mod shares;
+mod soft;
 mod step_scan;
 
 pub(crate) use f_test::{f_test, ln_f_test};

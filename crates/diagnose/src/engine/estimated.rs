@@ -4,7 +4,7 @@
 //! that gap, whatever the likelihood says of its neighbours. A time constant joins the linear parameters
 //! by its derivative, so that all of them carry its uncertainty.
 
-use trueaxis_effects::{Parameter, Scene, Shape, shape_parameter};
+use trueaxis_effects::{Parameter, ResolvedEffect, Scene, Shape, shape_parameter};
 
 use crate::engine::{Found, Level, Suspect, duration_s};
 use crate::selection::{Fit, Hypothesis};
@@ -28,20 +28,40 @@ pub(crate) fn cause<L: Level>(
         delta_bic: bic,
     };
     Cause {
-        effect: found.suspect.resolved(),
-        level: of,
-        data: String::new(),
         p_value: found.p_value,
         delta_bic: found.bic,
         explained_rms_um,
         heldout_gain: gain.map(|g| 1.0 - g.heldout_rms_ratio),
-        share: None,
-        parameters,
-        covariance,
         rivals: found.rivals.into_iter().map(rival).collect(),
-        changes: Vec::new(),
-        share_of_curve: None,
         fitted,
+        ..Cause::of(of, found.suspect.resolved(), parameters, covariance)
+    }
+}
+
+impl Cause {
+    /// An effect with its values; its judgement is to be filled in.
+    pub(crate) fn of(
+        level: trueaxis_effects::Level,
+        effect: ResolvedEffect,
+        parameters: Vec<EstimatedParameter>,
+        covariance: Vec<f64>,
+    ) -> Self {
+        Self {
+            effect,
+            level,
+            data: String::new(),
+            p_value: 1.0,
+            delta_bic: 0.0,
+            explained_rms_um: 0.0,
+            heldout_gain: None,
+            share: None,
+            parameters,
+            covariance,
+            rivals: Vec::new(),
+            changes: Vec::new(),
+            share_of_curve: None,
+            fitted: None,
+        }
     }
 }
 
@@ -100,7 +120,7 @@ fn with_time_constant<L: Level>(level: &L, model: &L::Model, suspect: &Suspect) 
 }
 /// Parameters of a hypothesis with their values, the shape (value, standard uncertainty) last; `u` of the linear ones by
 /// number.
-fn with_uncertainties(
+pub(crate) fn with_uncertainties(
     scene: &Scene,
     hypothesis: &Hypothesis,
     values: &[f64],
@@ -112,7 +132,10 @@ fn with_uncertainties(
     } = hypothesis;
     let linear = effect.parameters(scene, subject).into_iter().enumerate();
     let linear = linear.map(|(k, parameter)| (parameter, values[k], u(k)));
-    let of_shape = shape_parameter(effect, scene, subject).map(|p| (p, shape, u_shape));
+    let of_shape = shape_parameter(effect, scene, subject).map(|p| match p.unit {
+        "deg" => (p, shape.to_degrees(), u_shape.to_degrees()),
+        _ => (p, shape, u_shape),
+    });
     let estimated = |(parameter, value, u): (Parameter, f64, f64)| EstimatedParameter {
         name: parameter.name,
         value,

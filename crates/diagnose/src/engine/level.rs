@@ -98,12 +98,13 @@ impl Suspect {
 
     /// The effect with its values.
     pub(crate) fn resolved(&self) -> ResolvedEffect {
-        ResolvedEffect {
-            effect: self.hypothesis.effect,
-            subject: self.hypothesis.subject,
-            parameters: self.parameters.clone(),
-            shape: self.shape,
-        }
+        let Self {
+            hypothesis,
+            parameters,
+            shape,
+            ..
+        } = self;
+        hypothesis.resolved(parameters.clone(), *shape)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Hypotheses against what a model leaves, the one with the most evidence first.
 
+use trueaxis_effects::Scene;
+
 use crate::engine::{Level, Suspect, scans};
 use crate::selection::{Fit, Hypothesis, Null, Projection, Scan, Score, cosine, rank};
 
@@ -39,14 +41,10 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
         let mut scores = std::mem::take(&mut ranking.scores);
         scores.retain(|score| {
             let hypothesis = ranking.hypothesis(score);
-            let parameters = hypothesis
-                .effect
-                .parameters(level.scene(), &hypothesis.subject);
-            let is_free = parameters.iter().all(|p| p.plausible.is_none());
+            let plausible = plausible(hypothesis, level.scene());
+            let is_free = plausible.iter().all(Option::is_none);
             // Whitened with the noise: of unit variance.
-            is_free
-                || !L::is_limited(hypothesis)
-                || ranking.fit(score).is_possible(&parameters, 1.0)
+            is_free || !L::is_limited(hypothesis) || ranking.fit(score).is_possible(&plausible, 1.0)
         });
         ranking.scores = scores;
         ranking
@@ -114,4 +112,13 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
         let near = (0..scans.len()).filter(near);
         near.map(|number| *scans[number].hypothesis()).collect()
     }
+}
+
+/// The plausible range of each parameter of a hypothesis.
+pub(crate) fn plausible(hypothesis: &Hypothesis, scene: &Scene) -> Vec<Option<[f64; 2]>> {
+    let Hypothesis {
+        effect, subject, ..
+    } = hypothesis;
+    let parameters = effect.parameters(scene, subject);
+    parameters.iter().map(|p| p.plausible).collect()
 }

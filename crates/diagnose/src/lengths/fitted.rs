@@ -5,7 +5,8 @@ use trueaxis_poses::LengthCircumstances;
 
 use crate::engine::Suspect;
 use crate::fitted::{Fitted, Row};
-use crate::lengths::base::{Adjusted, Base};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
 
 /// Of one station and target: `rest` is what all causes and what wanders leave, `current` the model with all causes. The
 /// other causes stay as they were fitted with this one.

@@ -10,7 +10,8 @@ use trueaxis_multilateration::{Group, Network};
 use trueaxis_poses::{LengthCircumstances as Reading, length_circumstances};
 
 use crate::engine::Suspect;
-use crate::lengths::base::{Adjusted, Base};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
 
 /// A length that was left out.
 #[derive(Debug, Clone)]

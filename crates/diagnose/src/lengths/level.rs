@@ -4,7 +4,8 @@ use trueaxis_effects::{Layer, Scene, Shape};
 
 use crate::Error;
 use crate::engine::{Culprit, Culprits, Level, Suspect, duration_s, in_equal_ratios};
-use crate::lengths::base::{Adjusted, Base};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
 use crate::lengths::disturbance::{Wanderer, Who, With};
 use crate::lengths::swapped::swapped;
 use crate::selection::{DECISIVE, Hypothesis, Projection, Score, VisitTimes, is_rival};

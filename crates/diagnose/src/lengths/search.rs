@@ -5,47 +5,37 @@ use trueaxis_effects::{Level, Subject};
 use trueaxis_multilateration::{Noise, network_from_campaign};
 use trueaxis_poses::LengthsAdjustment;
 
-use crate::engine::{Found, Suspect, cause, find_causes, of_catalogue, scans};
-use crate::lengths::base::{Adjusted, Base};
+use crate::engine::{
+    Found, HeldOut, OMNIBUS_LEVEL, Omnibus, Suspect, cause, find_causes, of_catalogue, scans,
+};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
 use crate::lengths::competition::{Candidates, Model, compete, only_wandering};
 use crate::lengths::fitted::fitted;
-use crate::lengths::held_out::{HeldOut, held_out_stations, held_out_sweeps};
+use crate::lengths::held_out::{held_out_stations, held_out_sweeps};
 use crate::lengths::left_out::{are_in_a_row, still_left_out};
 use crate::lengths::noise_floor::{mean_noise_um, noise_floor_um};
 use crate::lengths::not_observable::not_observable;
-use crate::lengths::omnibus::{OMNIBUS_LEVEL, Omnibus, omnibus};
+use crate::lengths::omnibus::omnibus;
 use crate::lengths::places::places;
 use crate::lengths::unexplained::unexplained_part;
 use crate::lengths::wandered::wandered;
 use crate::lengths::wandering::Judged;
+use crate::said::{Entry, Said};
 use crate::selection::{Null, Part};
-use crate::{
-    Cause, Disturbance, Error, Gain, LevelReport, Misfit, NotObservable, Shares, Unexplained,
-};
+use crate::{Error, Gain, LevelReport, Misfit, NotObservable, Shares, Unexplained};
 
 /// Causes are named if they explain more than this part of the structure beside what wanders: a remainder takes
 /// no name away, but what is a small part of something else is no cause.
 const LEAST: f64 = 0.25;
 
-/// The diagnosis of the lengths.
-pub(crate) struct LengthsOutcome {
-    pub(crate) report: LevelReport,
-    pub(crate) causes: Vec<Cause>,
-    pub(crate) disturbances: Vec<Disturbance>,
-    pub(crate) unexplained: Option<Unexplained>,
-    pub(crate) not_observable: Vec<NotObservable>,
-    pub(crate) notices: Vec<String>,
-    /// For every reading of the campaign what causes and disturbances do to it, mm.
-    pub(crate) effects_mm: Vec<f64>,
-}
-
 /// Finds what the lengths contradict in the rigid, quasi-static model, and why, from the adjustment of their
-/// calibration.
+/// calibration; and what causes and disturbances do to every reading of the campaign, mm.
 pub(crate) fn diagnose_lengths(
     campaign: &Campaign,
     lengths: &Lengths,
     adjustment: Option<&LengthsAdjustment<'_>>,
-) -> Result<LengthsOutcome, Error> {
+) -> Result<(Said, Vec<f64>), Error> {
     let mut base = Base::new(campaign, lengths, adjustment)?;
     let mut looked = look(&base)?;
     let gross = if are_in_a_row(&base, lengths) {
@@ -73,7 +63,7 @@ pub(crate) fn diagnose_lengths(
     };
     let mut heldout = held_out_by(&named);
     // What predicts unused data worse than nothing is no cause.
-    if heldout.is_some_and(|h| h.interval[0] >= 1.0) && !named.found.is_empty() {
+    if heldout.is_some_and(|h| h.is_loss()) && !named.found.is_empty() {
         named = left_alone(&base, plain.network.noise, &before)?;
         heldout = held_out_by(&named);
     }
@@ -102,16 +92,9 @@ pub(crate) fn diagnose_lengths(
         true => None,
         false => held_out_stations(&base, &current).unwrap_or(None),
     };
-    let gain = heldout.map(|h| {
-        let excess = before_um.powi(2) - floor_um.powi(2);
-        let left = (after_um.powi(2) - floor_um.powi(2)).max(0.0);
-        let removed = (1.0 - left / excess).clamp(0.0, 1.0);
-        Gain {
-            heldout_rms_ratio: h.ratio().ratio,
-            interval: h.interval,
-            share_of_excess_removed: if excess > 0.0 { removed } else { 0.0 },
-            leave_one_station_out: stations_out.map(HeldOut::ratio),
-        }
+    let gain = heldout.map(|h| Gain {
+        leave_one_station_out: stations_out.map(HeldOut::ratio),
+        ..h.gain(before_um, after_um, floor_um)
     });
     let of_causes = current.suspects.iter();
     let of_causes = of_causes.map(|s| Part::Free(base.columns(&sharp, &s.hypothesis, s.shape)));
@@ -137,13 +120,12 @@ pub(crate) fn diagnose_lengths(
         },
         gain,
         shares,
-        unexplained: None,
+        unexplained,
         tests: before.into_iter().map(|t| t.test).collect(),
         tests_after: after.into_iter().map(|t| t.test).collect(),
         places: places(
             &base,
-            &plain.solution.residuals_mm,
-            &rest.solution.residuals_mm,
+            [&plain.solution.residuals_mm, &rest.solution.residuals_mm],
             [scale(&plain), scale(&current)],
         ),
     };
@@ -167,15 +149,18 @@ pub(crate) fn diagnose_lengths(
         )
     });
     let causes = causes.collect();
-    Ok(LengthsOutcome {
+    let entry = Entry {
         report,
         causes,
         disturbances,
-        unexplained,
+    };
+    let said = Said {
+        entries: vec![entry],
         not_observable,
         notices,
-        effects_mm,
-    })
+        ..Said::default()
+    };
+    Ok((said, effects_mm))
 }
 
 /// What the search finds in the lengths of a base.

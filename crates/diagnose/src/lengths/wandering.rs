@@ -11,7 +11,8 @@ use trueaxis_multilateration::Noise;
 
 use crate::Error;
 use crate::engine::Suspect;
-use crate::lengths::base::{Adjusted, Base};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
 use crate::lengths::disturbance::{Disturbance, Wanderer, wanderers};
 use crate::selection::{DECISIVE, Gram, Projection, dot, gram_matrix, marginal_of};
 

@@ -4,33 +4,21 @@ use nalgebra::Vector3;
 use trueaxis_campaign::{Campaign, Points};
 use trueaxis_effects::{Level, ResolvedEffect, Scene};
 
-use crate::engine::{Found, Level as _, Search, Suspect, cause, find_causes, of_catalogue, scans};
-use crate::lengths::{HeldOut, OMNIBUS_LEVEL, Omnibus};
+use crate::engine::{
+    Found, HeldOut, Level as _, OMNIBUS_LEVEL, Omnibus, Search, Suspect, cause, find_causes,
+    is_imitation, of_catalogue, scans, still_left,
+};
 use crate::points::base::Base;
 use crate::points::fitted::fitted;
 use crate::points::gross_errors::{Gross, are_accidents, stand_out};
 use crate::points::held_out::held_out;
 use crate::points::model::Model;
 use crate::points::not_observable::not_observable;
-use crate::points::omnibus::{Family, families, is_imitation, omnibus};
+use crate::points::omnibus::{families, omnibus};
 use crate::points::places::places;
-use crate::selection::{Hypothesis, Null};
-use crate::{
-    Cause, Error, Gain, LevelReport, Misfit, NotObservable, Rejected, Shares, Unexplained,
-};
-
-/// The diagnosis of the points.
-pub(crate) struct PointsOutcome {
-    /// Tests, misfits and gain; none if nothing could contradict the model.
-    pub(crate) report: Option<LevelReport>,
-    pub(crate) causes: Vec<Cause>,
-    pub(crate) unexplained: Option<Unexplained>,
-    pub(crate) rejected: Vec<Rejected>,
-    pub(crate) not_observable: Vec<NotObservable>,
-    pub(crate) notices: Vec<String>,
-    /// The campaign without gross errors and without what the causes do; none if there is neither.
-    pub(crate) corrected: Option<Campaign>,
-}
+use crate::said::{Entry, Said};
+use crate::selection::{Fit, Hypothesis, Null};
+use crate::{Error, LevelReport, Misfit, Shares, Unexplained};
 
 /// Degrees of freedom below which nothing can be said.
 const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
@@ -38,20 +26,21 @@ const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
 /// No instrument resolves less, µm: what is left of points that were made without noise is rounding.
 const RESOLUTION_UM: f64 = 1e-3;
 
-/// Finds what the points contradict in the rigid, quasi-static model, and why.
+/// Finds what the points contradict in the rigid, quasi-static model, and why; with the campaign without gross errors
+/// and without what the causes do, if there is either.
 pub(crate) fn diagnose_points(
     campaign: &Campaign,
     points: &Points,
     scene: &Scene,
-) -> Result<PointsOutcome, Error> {
+) -> Result<(Said, Option<Campaign>), Error> {
     let mut screened = Screened::beside(campaign, points, scene, &[]);
     let plain = Model::estimated(&screened.base, &[]);
     let freedom = plain.projection.degrees_of_freedom;
     if freedom < LEAST_DEGREES_OF_FREEDOM {
-        return Ok(not_judged(&screened.base, freedom));
+        return Ok((not_judged(&screened.base, freedom), None));
     }
     if plain.noise.mean_um(&screened.base.readings) < RESOLUTION_UM {
-        return said(&screened, points, Believed::nothing(plain), &[]);
+        return said(&screened, points, Believed::nothing(plain));
     }
     let all = of_catalogue(Level::Points, scene, |_| true);
     let mut search = searched(&screened.base, plain, &all)?;
@@ -64,9 +53,8 @@ pub(crate) fn diagnose_points(
         }
         screened = again;
     }
-    let families = families(&screened.base);
-    let believed = Believed::of(&screened.base, search, &families)?;
-    said(&screened, points, believed, &families)
+    let believed = Believed::of(&screened.base, search)?;
+    said(&screened, points, believed)
 }
 
 /// The causes of what `plain`, the model without any, leaves.
@@ -127,20 +115,15 @@ impl<'a> Screened<'a> {
     }
 }
 
-fn not_judged(base: &Base<'_>, freedom: f64) -> PointsOutcome {
+fn not_judged(base: &Base<'_>, freedom: f64) -> Said {
     let text = format!(
         "{} points leave {freedom:.0} degrees of freedom beside a pose for each step, at least {LEAST_DEGREES_OF_FREEDOM:.0} are needed: measure \
          every step twice or from both sides, or three targets on the stage",
         base.readings.all.len()
     );
-    PointsOutcome {
-        report: None,
-        causes: Vec::new(),
-        unexplained: None,
-        rejected: Vec::new(),
-        not_observable: Vec::new(),
+    Said {
         notices: vec![text],
-        corrected: None,
+        ..Said::default()
     }
 }
 
@@ -164,7 +147,7 @@ impl Believed {
     }
 
     /// The causes of a search but those that predict unused points worse than nothing, or merely imitate what is left.
-    fn of(base: &Base<'_>, search: Search<Model>, families: &[Family]) -> Result<Self, Error> {
+    fn of(base: &Base<'_>, search: Search<Model>) -> Result<Self, Error> {
         let Search {
             mut found,
             adjusted: mut model,
@@ -172,8 +155,17 @@ impl Believed {
         } = search;
         loop {
             let count = found.len();
-            let after = omnibus(base, families, &model);
-            let is_one = |cause: &Found| is_imitation(base, families, &model, &after, cause);
+            let families = families(base, &model);
+            let after = omnibus(&model, &families);
+            let left = still_left(&families, &after, OMNIBUS_LEVEL, |t| t.excess);
+            let is_one = |cause: &Found| {
+                let Suspect {
+                    hypothesis, shape, ..
+                } = &cause.suspect;
+                let columns = base.columns(&model)(hypothesis, *shape);
+                let trace = Fit::new(&model.bare, &columns).explained;
+                is_imitation(&model.bare, &trace, hypothesis.is_of_time(), &left)
+            };
             // What was found beside an imitation goes with it.
             let first = found.iter().position(is_one);
             found.truncate(first.unwrap_or(count));
@@ -182,7 +174,7 @@ impl Believed {
                     true => None,
                     false => held_out(base, &model, &suspects(&found)),
                 };
-                if heldout.is_none_or(|h| h.interval[0] < 1.0) {
+                if heldout.is_none_or(|h| !h.is_loss()) {
                     return Ok(Self {
                         found,
                         model,
@@ -205,8 +197,7 @@ fn said(
     screened: &Screened<'_>,
     points: &Points,
     believed: Believed,
-    families: &[Family],
-) -> Result<PointsOutcome, Error> {
+) -> Result<(Said, Option<Campaign>), Error> {
     let (base, gross) = (&screened.base, &screened.gross);
     let Believed {
         found,
@@ -221,20 +212,9 @@ fn said(
         noise_um * Model::rms(&sharp.projection),
         noise_um * Model::rms(&model.projection),
     );
-    let before = omnibus(base, families, &sharp);
+    let before = omnibus(&sharp, &families(base, &sharp));
     let unexplained = unexplained(&model, &after, noise_um);
-    let excess = before_um.powi(2) - noise_um.powi(2);
-    let removed = 1.0 - (after_um.powi(2) - noise_um.powi(2)).max(0.0) / excess;
-    let gain = heldout.map(|h| Gain {
-        heldout_rms_ratio: h.ratio().ratio,
-        interval: h.interval,
-        share_of_excess_removed: if excess > 0.0 {
-            removed.clamp(0.0, 1.0)
-        } else {
-            0.0
-        },
-        leave_one_station_out: None,
-    });
+    let gain = heldout.map(|h| h.gain(before_um, after_um, noise_um));
     let of_cause = base.columns(&sharp);
     let columns = model
         .suspects
@@ -254,7 +234,7 @@ fn said(
         after: misfit(after_um, |h| h.after),
         gain,
         shares: Shares::new(&sharp.projection, &columns, unexplained.is_some()),
-        unexplained: None,
+        unexplained,
         tests: tests(before),
         tests_after: tests(after),
         places: places(base, &sharp, &model, noise_um),
@@ -269,15 +249,19 @@ fn said(
     let causes = causes.collect::<Result<_, Error>>()?;
     let corrected = (!effects.is_empty() || !gross.is_empty())
         .then(|| corrected(base, points, gross, &effects));
-    Ok(PointsOutcome {
-        report: Some(report),
+    let entry = Entry {
+        report,
         causes,
-        unexplained,
+        disturbances: Vec::new(),
+    };
+    let said = Said {
+        entries: vec![entry],
         not_observable: not_observable(base, &sharp),
         notices: notices(screened),
         rejected: gross.iter().map(Gross::rejected).collect(),
-        corrected,
-    })
+        ..Said::default()
+    };
+    Ok((said, corrected))
 }
 
 /// Rms of what a cause does to the coordinates, µm.

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use trueaxis_effects::Parameter;
 use trueaxis_leastsquares::dot;
 
 use crate::selection::fixed_scan::gram;
@@ -58,11 +57,11 @@ impl Fit {
 
     /// Whether the data allow values in their plausible ranges, three standard uncertainties considered; `variance` is
     /// that of the observations.
-    pub(crate) fn is_possible(&self, parameters: &[Parameter], variance: f64) -> bool {
-        let count = parameters.len();
-        parameters.iter().enumerate().all(|(k, parameter)| {
+    pub(crate) fn is_possible(&self, plausible: &[Option<[f64; 2]>], variance: f64) -> bool {
+        let count = plausible.len();
+        plausible.iter().enumerate().all(|(k, range)| {
             let u = 3.0 * (self.covariance[k * count + k].max(0.0) * variance).sqrt();
-            parameter.plausible.is_none_or(|[low, high]| {
+            range.is_none_or(|[low, high]| {
                 self.estimates[k] - u <= high && self.estimates[k] + u >= low
             })
         })

@@ -3,53 +3,12 @@
 use std::f64::consts::PI;
 
 use trueaxis_campaign::VerificationKind;
-use trueaxis_effects::{Level, Parameter, Scene, Shape, Subject, catalogue};
+use trueaxis_effects::{Level, Scene, Shape, Subject, catalogue};
 use trueaxis_kinematics::{AxisKind, Component};
 
-use crate::selection::{Fit, Hypothesis, Projection};
+use crate::engine::{Candidate, in_equal_ratios, plausible};
+use crate::selection::Hypothesis;
 use crate::verification::comparison::Comparison;
-
-/// An effect on a subject with the columns of all its shapes.
-pub(crate) struct Candidate {
-    /// What it says.
-    pub(crate) hypothesis: Hypothesis,
-    /// Its shapes.
-    pub(crate) shapes: Vec<f64>,
-    columns: Vec<Vec<Vec<f64>>>,
-    parameters: Vec<Parameter>,
-}
-
-impl Candidate {
-    /// Whether it is one course in time of all readings alike: several of these together draw any course.
-    pub(crate) fn is_of_time(&self) -> bool {
-        OF_TIME.contains(&self.hypothesis.effect.id)
-    }
-
-    /// Whether the data allow it a size that is physical: each value in its plausible range, three standard
-    /// uncertainties considered.
-    pub(crate) fn is_possible(&self, model: &Projection, shape: f64) -> bool {
-        if self.parameters.iter().all(|p| p.plausible.is_none()) {
-            return true;
-        }
-        let variance = model.squares() / model.degrees_of_freedom.max(1.0);
-        Fit::new(model, self.columns(shape)).is_possible(&self.parameters, variance)
-    }
-
-    /// The whitened columns at the nearest shape.
-    pub(crate) fn columns(&self, shape: f64) -> &[Vec<f64>] {
-        let distance = |k: &usize| (self.shapes[*k] - shape).abs();
-        let nearest = (0..self.shapes.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        nearest.map_or(&[], |k| &self.columns[k])
-    }
-}
-
-const OF_TIME: [&str; 5] = [
-    "instrument_drift",
-    "instrument_jump",
-    "machine_drift",
-    "machine_shift",
-    "warm_up",
-];
 
 /// Time constants that are tried, in equal ratios.
 const TIME_CONSTANTS: i32 = 16;
@@ -96,22 +55,22 @@ pub(crate) fn candidates(
         };
         let subjects: Vec<Subject> = subjects.filter(|s| is_seen(comparison, s)).collect();
         for &subject in &subjects {
-            let linear = effect.parameters(&scene, &subject);
-            let parameters = linear.len();
+            let hypothesis = Hypothesis {
+                effect,
+                subject,
+                subjects: subjects.len(),
+            };
+            let plausible = plausible(&hypothesis, &scene);
             let shapes = shapes(comparison, effect.shape, &subject);
             let columns = |&shape: &f64| {
                 let column = |k| whiten(comparison.column(effect, &subject, k, shape));
-                (0..parameters).map(column).collect()
+                (0..plausible.len()).map(column).collect()
             };
             all.push(Candidate {
-                hypothesis: Hypothesis {
-                    effect,
-                    subject,
-                    subjects: subjects.len(),
-                },
+                hypothesis,
                 columns: shapes.iter().map(columns).collect(),
                 shapes,
-                parameters: linear,
+                plausible,
             });
         }
     }
@@ -163,8 +122,7 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
                 3.0 * duration,
             );
             let ratio = (longest / shortest).powf(1.0 / f64::from(TIME_CONSTANTS - 1));
-            let constants = (0..TIME_CONSTANTS).map(|k| shortest * ratio.powi(k));
-            constants.filter(|t| *t > 0.0).collect()
+            in_equal_ratios(shortest, ratio, TIME_CONSTANTS)
         }
         Shape::Instant => {
             let mut times: Vec<f64> = comparison.arrivals.iter().map(|a| a.time_s).collect();
