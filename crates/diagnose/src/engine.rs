@@ -1,8 +1,8 @@
 //! One search for causes, whatever was measured.
 //!
 //! Every kind of data asks the same: which effects of the catalogue explain what a base model leaves, what explains it
-//! as well, how large each is, what is left, and what is gained on data that were not used. A [`Level`] says what
-//! differs:
+//! as well, how large each is, what is left, and what is gained on data that were not used. [`Measured`] data
+//! say what differs:
 //!
 //! | | lengths | points | verification | runs |
 //! | --- | --- | --- | --- | --- |
@@ -31,8 +31,8 @@ mod culprit;
 mod estimated;
 mod held_out;
 mod hypotheses;
-mod level;
 mod listed;
+mod measured;
 mod omnibus;
 mod places;
 mod ranking;
@@ -43,8 +43,8 @@ pub(crate) use culprit::{Culprit, Culprits};
 pub(crate) use estimated::{cause, with_uncertainties};
 pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
 pub(crate) use hypotheses::{duration_s, in_equal_ratios, of_catalogue, scan, scans};
-pub(crate) use level::{Found, Level, Suspect};
 pub(crate) use listed::{Beside, Candidate, Chosen, Judged, Listed, without};
+pub(crate) use measured::{Found, Measured, Suspect};
 pub(crate) use omnibus::{
     Family, MOST_OF_FREEDOM, OMNIBUS_LEVEL, Omnibus, family_wise, is_imitation, still_left,
     waves_of,

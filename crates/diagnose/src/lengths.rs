@@ -9,7 +9,7 @@
 //!
 //! - [`base`] adjusts the lengths ([`adjusted`]), less what the causes found so far do to them, with the full nonlinear
 //!   model; the parameters of the causes follow by block elimination until both rest.
-//! - [`level`]: what the search for causes ([`crate::engine`]) asks of them.
+//! - [`measured`]: what the search for causes ([`crate::engine`]) asks of them.
 //! - [`disturbance`]: what wanders in a course that nobody knows joins the covariance, where it has more evidence
 //!   than causes have, or is left beside them ([`beside`], [`wandering`], [`competition`]; [`wandered`] tells it).
 //! - [`omnibus`]: whether anything is left at all, and what it varies with ([`unexplained`]).
@@ -24,7 +24,7 @@ mod disturbance;
 mod fitted;
 mod held_out;
 mod left_out;
-mod level;
+mod measured;
 mod noise_floor;
 mod not_observable;
 mod omnibus;

@@ -18,7 +18,7 @@
 //! - [`noise`], [`model`], [`variances`]: whitening stop by stop, elimination of the poses, restricted maximum
 //!   likelihood, where the residuals demand it with unlike variances in three directions.
 //! - [`gross_errors`]: points that contradict all others leave, before the search and beside its causes.
-//! - [`level`]: what the search for causes ([`crate::engine`]) asks of them. A frame that moves as a whole cannot be
+//! - [`measured`]: what the search for causes ([`crate::engine`]) asks of them. A frame that moves as a whole cannot be
 //!   told from a machine that does: such twins are always given together.
 //! - [`omnibus`]: whether anything is left, and what it varies with.
 //! - [`held_out`]: the gain on sweeps that the model was not fitted to.
@@ -28,7 +28,7 @@ mod base;
 mod fitted;
 mod gross_errors;
 mod held_out;
-mod level;
+mod measured;
 mod model;
 mod noise;
 mod not_observable;

@@ -2,7 +2,7 @@
 
 use trueaxis_effects::Layer;
 
-use crate::engine::{Found, Level};
+use crate::engine::{Found, Measured};
 
 /// What a cause makes responsible.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,10 +22,10 @@ pub(crate) enum Culprit {
 pub(crate) struct Culprits(Vec<Culprit>);
 
 impl Culprits {
-    pub(crate) fn of<L: Level>(level: &L, found: &Found) -> Self {
+    pub(crate) fn of<D: Measured>(data: &D, found: &Found) -> Self {
         let rivals = found.rivals.iter().map(|(suspect, _)| suspect);
         let all = rivals.chain([&found.suspect]);
-        Self(all.map(|suspect| level.culprit(suspect)).collect())
+        Self(all.map(|suspect| data.culprit(suspect)).collect())
     }
 
     pub(crate) fn any(&self, is_wanted: impl Fn(&Culprit) -> bool) -> bool {

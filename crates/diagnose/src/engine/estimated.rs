@@ -6,7 +6,7 @@
 
 use trueaxis_effects::{Parameter, ResolvedEffect, Scene, Shape, shape_parameter};
 
-use crate::engine::{Found, Level, Suspect, duration_s};
+use crate::engine::{Found, Measured, Suspect, duration_s};
 use crate::selection::{Fit, Hypothesis};
 use crate::{Cause, EstimatedParameter, Fitted, Gain, Rival};
 
@@ -14,15 +14,15 @@ use crate::{Cause, EstimatedParameter, Fitted, Gain, Rival};
 const STEP: f64 = 0.01;
 
 /// A cause of a model with its parameters; `gain` where it is the only one that gains.
-pub(crate) fn cause<L: Level>(
-    level: &L,
+pub(crate) fn cause<D: Measured>(
+    data: &D,
     of: trueaxis_effects::Level,
-    model: &L::Model,
+    model: &D::Model,
     found: Found,
     gain: Option<Gain>,
     (explained_rms_um, fitted): (f64, Option<Fitted>),
 ) -> Cause {
-    let (parameters, covariance) = estimated(level, model, &found.suspect);
+    let (parameters, covariance) = estimated(data, model, &found.suspect);
     let rival = |(suspect, bic): (Suspect, f64)| Rival {
         effect: suspect.resolved(),
         delta_bic: bic,
@@ -67,21 +67,21 @@ impl Cause {
 
 /// Values with standard uncertainties, the shape last, and the covariance of the linear ones (rows one
 /// after the other). What the data do not see of a parameter makes its uncertainty infinite.
-fn estimated<L: Level>(
-    level: &L,
-    model: &L::Model,
+fn estimated<D: Measured>(
+    data: &D,
+    model: &D::Model,
     suspect: &Suspect,
 ) -> (Vec<EstimatedParameter>, Vec<f64>) {
     let n = suspect.parameters.len();
     let (mut covariance, mut u_shape) = (suspect.covariance.clone(), suspect.u_shape);
     match suspect.hypothesis.effect.shape {
         Shape::Instant => {
-            let visits = level.visits();
+            let visits = data.visits();
             let starts_s = visits.iter().map(|visit| visit.span_s[0]);
             u_shape = u_shape.hypot(u_in_gap_s(starts_s, suspect.shape));
         }
         Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
-            (covariance, u_shape) = with_time_constant(level, model, suspect);
+            (covariance, u_shape) = with_time_constant(data, model, suspect);
         }
         Shape::Fixed | Shape::Period | Shape::Waves => {}
     }
@@ -91,7 +91,7 @@ fn estimated<L: Level>(
     };
     let shape = (suspect.shape, u_shape);
     let all = with_uncertainties(
-        level.scene(),
+        data.scene(),
         &suspect.hypothesis,
         &suspect.parameters,
         u,
@@ -101,22 +101,26 @@ fn estimated<L: Level>(
 }
 
 /// Covariance of the parameters and standard uncertainty of the time constant, all causes free together.
-fn with_time_constant<L: Level>(level: &L, model: &L::Model, suspect: &Suspect) -> (Vec<f64>, f64) {
-    let columns = level.columns(model);
+fn with_time_constant<D: Measured>(
+    data: &D,
+    model: &D::Model,
+    suspect: &Suspect,
+) -> (Vec<f64>, f64) {
+    let columns = data.columns(model);
     let at = |shape: f64| columns(&suspect.hypothesis, shape);
     let mut all = at(suspect.shape);
     let n = all.len();
     // Of a lag that is almost none, a part of the campaign.
-    let step = STEP * suspect.shape.max(STEP * duration_s(&level.visits()));
+    let step = STEP * suspect.shape.max(STEP * duration_s(&data.visits()));
     let ends = [(suspect.shape - step).max(0.0), suspect.shape + step];
     let ends = ends.map(|shape| (shape, at(shape)));
-    all.push(by_shape(ends, &suspect.parameters, L::bare(model).rows()));
+    all.push(by_shape(ends, &suspect.parameters, D::bare(model).rows()));
     let is_other = |s: &&Suspect| !s.hypothesis.is(&suspect.hypothesis);
-    let others = L::suspects(model).iter().filter(is_other);
+    let others = D::suspects(model).iter().filter(is_other);
     let others: Vec<Vec<f64>> = others
         .flat_map(|s| columns(&s.hypothesis, s.shape))
         .collect();
-    beside_shape(&Fit::new(&L::bare(model).extended(&others), &all), n)
+    beside_shape(&Fit::new(&D::bare(model).extended(&others), &all), n)
 }
 /// Parameters of a hypothesis with their values, the shape (value, standard uncertainty) last; `u` of the linear ones by
 /// number.

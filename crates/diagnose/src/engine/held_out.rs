@@ -7,7 +7,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::engine::{Level, Suspect, scan};
+use crate::engine::{Measured, Suspect, scan};
 use crate::selection::Projection;
 use crate::{Gain, HeldOutRatio};
 
@@ -92,15 +92,15 @@ pub(crate) fn resampled_ratios(blocks: &[[f64; 2]], draws: usize, seed: u64) -> 
 /// The same causes with shapes and parameters from other data, of which `plain` is a model without causes, and what these
 /// leave with them; directions of the parameters that these hardly show are shrunk
 /// ([`crate::selection::Gram::shrunk`]). A cause that they do not show stays out.
-pub(crate) fn sought_again<L: Level>(
-    level: &L,
-    plain: &L::Model,
+pub(crate) fn sought_again<D: Measured>(
+    data: &D,
+    plain: &D::Model,
     suspects: &[Suspect],
 ) -> (Vec<Suspect>, Projection) {
-    let mut projection = L::projection(plain).clone();
+    let mut projection = D::projection(plain).clone();
     let mut again: Vec<Suspect> = Vec::new();
     for suspect in suspects {
-        let Some(scan) = scan(level, plain, &projection, suspect.hypothesis) else {
+        let Some(scan) = scan(data, plain, &projection, suspect.hypothesis) else {
             continue;
         };
         let mut best: Option<(f64, f64, Vec<f64>)> = None;

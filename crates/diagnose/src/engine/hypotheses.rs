@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use trueaxis_effects::{Effect, Scene, Shape, Subject, catalogue};
 
-use crate::engine::Level;
+use crate::engine::Measured;
 use crate::selection::{FixedScan, Hypothesis, Projection, Scan, StepScan, VisitTimes};
 
 /// Hypotheses that the data can show, and those that they cannot.
@@ -34,15 +34,15 @@ pub(crate) fn of_catalogue(
 }
 
 /// Makes hypotheses ready to be compared with what `projection` leaves, in their order.
-pub(crate) fn scans<L: Level>(
-    level: &L,
-    model: &L::Model,
+pub(crate) fn scans<D: Measured>(
+    data: &D,
+    model: &D::Model,
     projection: &Projection,
     all: &[Hypothesis],
 ) -> Hypotheses {
-    let (columns, visits) = (level.columns(model), level.visits());
+    let (columns, visits) = (data.columns(model), data.visits());
     let ready = |hypothesis: &Hypothesis| {
-        scan_at(level, projection, &columns, &visits, *hypothesis).ok_or(*hypothesis)
+        scan_at(data, projection, &columns, &visits, *hypothesis).ok_or(*hypothesis)
     };
     let ready: Vec<_> = all.par_iter().map(ready).collect();
     let mut hypotheses = Hypotheses {
@@ -59,18 +59,18 @@ pub(crate) fn scans<L: Level>(
 }
 
 /// One hypothesis, if the data can show it.
-pub(crate) fn scan<L: Level>(
-    level: &L,
-    model: &L::Model,
+pub(crate) fn scan<D: Measured>(
+    data: &D,
+    model: &D::Model,
     projection: &Projection,
     hypothesis: Hypothesis,
 ) -> Option<Box<dyn Scan>> {
-    let columns = level.columns(model);
-    scan_at(level, projection, &columns, &level.visits(), hypothesis)
+    let columns = data.columns(model);
+    scan_at(data, projection, &columns, &data.visits(), hypothesis)
 }
 
-fn scan_at<L: Level>(
-    level: &L,
+fn scan_at<D: Measured>(
+    data: &D,
     projection: &Projection,
     columns: &(impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>> + Sync),
     visits: &[VisitTimes],
@@ -84,7 +84,7 @@ fn scan_at<L: Level>(
             return Some(Box::new(scan));
         }
         Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
-            level.shapes(hypothesis.effect.shape)
+            data.shapes(hypothesis.effect.shape)
         }
         Shape::Fixed | Shape::Period | Shape::Waves => vec![0.0],
     };

@@ -2,7 +2,7 @@
 
 use trueaxis_effects::Scene;
 
-use crate::engine::{Level, Suspect, scans};
+use crate::engine::{Measured, Suspect, scans};
 use crate::selection::{Fit, Hypothesis, Null, Projection, Scan, Score, cosine, rank};
 
 /// The hypotheses that are physically possible, by rank.
@@ -20,19 +20,15 @@ pub(crate) const EQUAL: f64 = 1e-3;
 
 impl<'m> Ranking<'m, Vec<Box<dyn Scan>>> {
     /// Of hypotheses against what a model leaves.
-    pub(crate) fn new<L: Level>(level: &L, model: &'m L::Model, all: &[Hypothesis]) -> Self {
-        let projection = L::projection(model);
-        Self::of(
-            level,
-            projection,
-            scans(level, model, projection, all).scans,
-        )
+    pub(crate) fn new<D: Measured>(data: &D, model: &'m D::Model, all: &[Hypothesis]) -> Self {
+        let projection = D::projection(model);
+        Self::of(data, projection, scans(data, model, projection, all).scans)
     }
 }
 
 impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
     /// Of hypotheses that were made ready.
-    pub(crate) fn of<L: Level>(level: &L, projection: &'m Projection, scans: S) -> Self {
+    pub(crate) fn of<D: Measured>(data: &D, projection: &'m Projection, scans: S) -> Self {
         let mut ranking = Self {
             scores: rank(projection, scans.as_ref()),
             projection,
@@ -41,10 +37,10 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
         let mut scores = std::mem::take(&mut ranking.scores);
         scores.retain(|score| {
             let hypothesis = ranking.hypothesis(score);
-            let plausible = plausible(hypothesis, level.scene());
+            let plausible = plausible(hypothesis, data.scene());
             let is_free = plausible.iter().all(Option::is_none);
             // Whitened with the noise: of unit variance.
-            is_free || !L::is_limited(hypothesis) || ranking.fit(score).is_possible(&plausible, 1.0)
+            is_free || !D::is_limited(hypothesis) || ranking.fit(score).is_possible(&plausible, 1.0)
         });
         ranking.scores = scores;
         ranking
@@ -84,7 +80,7 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
     }
 
     /// What explains as much as the leader, whose fit is `fit`, with its BIC.
-    pub(crate) fn rivals<L: Level>(&self, leader: &Score, fit: &Fit) -> Vec<(Suspect, f64)> {
+    pub(crate) fn rivals<D: Measured>(&self, leader: &Score, fit: &Fit) -> Vec<(Suspect, f64)> {
         let mut rivals = Vec::new();
         for score in &self.scores {
             // Who explains less than half cannot be alike, and has no evidence.
@@ -94,7 +90,7 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
             let (suspect, other) = self.suspect(score);
             let of_leader = (self.hypothesis(leader), leader);
             let is_alike =
-                L::is_alike(of_leader, (&suspect.hypothesis, score), cosine(fit, &other));
+                D::is_alike(of_leader, (&suspect.hypothesis, score), cosine(fit, &other));
             if is_alike && rivals.len() < MOST_RIVALS {
                 rivals.push((suspect, score.bic));
             }

@@ -12,7 +12,7 @@ use trueaxis_effects::Shape;
 
 use crate::Error;
 use crate::engine::ranking::EQUAL;
-use crate::engine::{Culprits, Found, Level, Ranking, Suspect};
+use crate::engine::{Culprits, Found, Measured, Ranking, Suspect};
 use crate::selection::{DECISIVE, Fit, Hypothesis, Null, Scan, golden_section, weakest};
 
 /// The causes, the model with them, and what a further cause would explain that is not one of its own.
@@ -39,25 +39,25 @@ const WORTH_COMPARING: f64 = 0.25;
 
 /// Finds the causes of what `start`, a model without any, leaves. `first` are the scans of `all`
 /// hypotheses of that model.
-pub(crate) fn find_causes<L: Level>(
-    level: &L,
-    start: L::Model,
+pub(crate) fn find_causes<D: Measured>(
+    data: &D,
+    start: D::Model,
     all: &[Hypothesis],
     first: &[Box<dyn Scan>],
     null: &Null,
-) -> Result<Search<L::Model>, Error> {
+) -> Result<Search<D::Model>, Error> {
     let mut search = Search::without_causes(start);
-    while search.found.len() < L::MOST_CAUSES {
-        let mut suspects = L::suspects(&search.adjusted).to_vec();
+    while search.found.len() < D::MOST_CAUSES {
+        let mut suspects = D::suspects(&search.adjusted).to_vec();
         let next = if suspects.is_empty() {
-            let ranking = Ranking::of(level, L::projection(&search.adjusted), first);
-            next(&ranking, null, L::CAUSE_LEVEL)
+            let ranking = Ranking::of(data, D::projection(&search.adjusted), first);
+            next(&ranking, null, D::CAUSE_LEVEL)
         } else {
-            let free = free::<L>(all, &suspects);
+            let free = free::<D>(all, &suspects);
             next(
-                &Ranking::new(level, &search.adjusted, &free),
+                &Ranking::new(data, &search.adjusted, &free),
                 null,
-                L::CAUSE_LEVEL,
+                D::CAUSE_LEVEL,
             )
         };
         let Some((leader, comparable)) = next else {
@@ -70,11 +70,11 @@ pub(crate) fn find_causes<L: Level>(
             all
         };
         suspects.push(leader);
-        let (found, adjusted) = settle(level, suspects, candidates, null)?;
+        let (found, adjusted) = settle(data, suspects, candidates, null)?;
         if found.len() <= search.found.len() {
             break;
         }
-        if let Some(left) = not_its_own(level, &found) {
+        if let Some(left) = not_its_own(data, &found) {
             search.left = left;
             break;
         }
@@ -96,17 +96,17 @@ fn next<S: AsRef<[Box<dyn Scan>]>>(
 }
 
 /// The hypotheses that are looked at beside causes.
-fn free<L: Level>(all: &[Hypothesis], suspects: &[Suspect]) -> Vec<Hypothesis> {
-    let is_free = |h: &&Hypothesis| L::LOOKS_TWICE || suspects.iter().all(|s| !s.hypothesis.is(h));
+fn free<D: Measured>(all: &[Hypothesis], suspects: &[Suspect]) -> Vec<Hypothesis> {
+    let is_free = |h: &&Hypothesis| D::LOOKS_TWICE || suspects.iter().all(|s| !s.hypothesis.is(h));
     all.iter().filter(is_free).copied().collect()
 }
 
 /// What the weakest of several causes explains, if it is not a cause of its own.
-fn not_its_own<L: Level>(level: &L, found: &[Found]) -> Option<f64> {
+fn not_its_own<D: Measured>(data: &D, found: &[Found]) -> Option<f64> {
     if found.len() < 2 {
         return None;
     }
-    let culprits: Vec<Culprits> = found.iter().map(|f| Culprits::of(level, f)).collect();
+    let culprits: Vec<Culprits> = found.iter().map(|f| Culprits::of(data, f)).collect();
     let is_stacked = (1..found.len()).any(|i| (0..i).any(|j| culprits[i].overlap(&culprits[j])));
     let (weakest, is_doubtful) = weakest(found.iter().map(|f| (f.statistic, f.p_value)));
     (is_stacked || is_doubtful).then_some(weakest)
@@ -116,13 +116,13 @@ fn not_its_own<L: Level>(level: &L, found: &[Found]) -> Option<f64> {
 const MOST_EXCHANGES: usize = 6;
 
 /// Judges each cause against the candidates with the others in the model until none changes any more.
-pub(crate) fn settle<L: Level>(
-    level: &L,
+pub(crate) fn settle<D: Measured>(
+    data: &D,
     mut suspects: Vec<Suspect>,
     candidates: &[Hypothesis],
     null: &Null,
-) -> Result<(Vec<Found>, L::Model), Error> {
-    let mut adjusted = level.refit(suspects.clone())?;
+) -> Result<(Vec<Found>, D::Model), Error> {
+    let mut adjusted = data.refit(suspects.clone())?;
     let mut exchanges = 0;
     loop {
         let mut found = Vec::new();
@@ -130,10 +130,10 @@ pub(crate) fn settle<L: Level>(
         for k in 0..suspects.len() {
             let mut others = suspects.clone();
             let own = others.remove(k);
-            let free = free::<L>(candidates, &others);
+            let free = free::<D>(candidates, &others);
             // With the noise that is left: a large disturbance blurs its own rivals.
-            let without = level.refit_near(&adjusted, others)?;
-            let Some(judged) = judged(level, &without, &own, &free, null) else {
+            let without = data.refit_near(&adjusted, others)?;
+            let Some(judged) = judged(data, &without, &own, &free, null) else {
                 suspects.remove(k);
                 changed = true;
                 break;
@@ -148,29 +148,29 @@ pub(crate) fn settle<L: Level>(
             suspects[k] = judged.suspect.clone();
             found.push(judged);
         }
-        adjusted = level.refit(suspects.clone())?;
-        let others = level.exchanged(L::suspects(&adjusted));
+        adjusted = data.refit(suspects.clone())?;
+        let others = data.exchanged(D::suspects(&adjusted));
         if let Some(others) = others.filter(|_| !changed) {
             // As many parameters, so that the squares decide.
-            let other = level.refit_near(&adjusted, others)?;
-            let more = L::projection(&other).squares() - L::projection(&adjusted).squares();
+            let other = data.refit_near(&adjusted, others)?;
+            let more = D::projection(&other).squares() - D::projection(&adjusted).squares();
             if more < -EQUAL && exchanges < MOST_EXCHANGES {
                 exchanges += 1;
-                suspects = L::suspects(&other).to_vec();
+                suspects = D::suspects(&other).to_vec();
                 adjusted = other;
                 continue;
             }
             if more < DECISIVE {
-                add_exchanged(&mut found, L::suspects(&other), more);
+                add_exchanged(&mut found, D::suspects(&other), more);
             }
         }
         if !changed {
-            for (found, suspect) in found.iter_mut().zip(L::suspects(&adjusted)) {
+            for (found, suspect) in found.iter_mut().zip(D::suspects(&adjusted)) {
                 found.suspect = suspect.clone();
             }
             return Ok((found, adjusted));
         }
-        suspects = L::suspects(&adjusted).to_vec();
+        suspects = D::suspects(&adjusted).to_vec();
     }
 }
 
@@ -186,31 +186,31 @@ fn add_exchanged(found: &mut [Found], others: &[Suspect], more: f64) {
 
 /// The best explanation of what a model without one of its causes leaves, and its rivals; `None` if
 /// noise explains it.
-fn judged<L: Level>(
-    level: &L,
-    without: &L::Model,
+fn judged<D: Measured>(
+    data: &D,
+    without: &D::Model,
     own: &Suspect,
     candidates: &[Hypothesis],
     null: &Null,
 ) -> Option<Found> {
-    let ranking = Ranking::new(level, without, candidates);
+    let ranking = Ranking::new(data, without, candidates);
     // An explanation with the same evidence is no reason to change.
-    let best = ranking.leader(null, L::CAUSE_LEVEL, Some(&own.hypothesis))?;
+    let best = ranking.leader(null, D::CAUSE_LEVEL, Some(&own.hypothesis))?;
     let (mut suspect, mut fit) = ranking.suspect(best);
-    if let Some(ends) = neighbours(level, &suspect) {
-        (suspect, fit) = refined(level, without, &suspect, ends);
+    if let Some(ends) = neighbours(data, &suspect) {
+        (suspect, fit) = refined(data, without, &suspect, ends);
     }
     Some(Found {
         p_value: null.family_wise(best.ln_p),
         bic: best.bic,
         statistic: best.statistic,
-        rivals: ranking.rivals::<L>(best, &fit),
+        rivals: ranking.rivals::<D>(best, &fit),
         suspect,
     })
 }
 
 /// Between which values a shape that was found in its list is looked for more closely; `None` if the list has all.
-fn neighbours<L: Level>(level: &L, suspect: &Suspect) -> Option<[f64; 2]> {
+fn neighbours<D: Measured>(data: &D, suspect: &Suspect) -> Option<[f64; 2]> {
     let shape = suspect.hypothesis.effect.shape;
     if !matches!(
         shape,
@@ -218,7 +218,7 @@ fn neighbours<L: Level>(level: &L, suspect: &Suspect) -> Option<[f64; 2]> {
     ) {
         return None;
     }
-    let (all, found) = (level.shapes(shape), suspect.shape);
+    let (all, found) = (data.shapes(shape), suspect.shape);
     match (
         all.iter().rfind(|&&s| s < found),
         all.iter().find(|&&s| s > found),
@@ -235,14 +235,14 @@ const REFINED: f64 = 1e-3;
 
 /// A time constant or a lag between its neighbours in the list that were tried: golden section on what it
 /// explains.
-fn refined<L: Level>(
-    level: &L,
-    without: &L::Model,
+fn refined<D: Measured>(
+    data: &D,
+    without: &D::Model,
     suspect: &Suspect,
     ends: [f64; 2],
 ) -> (Suspect, Fit) {
-    let columns = level.columns(without);
-    let at = |shape: f64| Fit::new(L::projection(without), &columns(&suspect.hypothesis, shape));
+    let columns = data.columns(without);
+    let at = |shape: f64| Fit::new(D::projection(without), &columns(&suspect.hypothesis, shape));
     let explained = |fit: &Fit| fit.explained.iter().map(|x| x * x).sum::<f64>();
     let is_close = |low: f64, high: f64| high - low <= REFINED * ends[1];
     let shape = golden_section(ends, is_close, |shape| explained(&at(shape)));

@@ -13,7 +13,7 @@ use crate::Error;
 use crate::engine::{Culprits, Found, Omnibus, Search, Suspect, find_causes, scan, scans, settle};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
-use crate::lengths::level::is_of;
+use crate::lengths::measured::is_of;
 use crate::lengths::wandering::{Judged, disturbances, least, of_wandering, wandering};
 use crate::selection::{DECISIVE, Hypothesis, Null, rank};
 

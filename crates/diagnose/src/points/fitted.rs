@@ -1,7 +1,7 @@
 //! The misfit of the points without a cause, and what the cause explains of it.
 
 use crate::Error;
-use crate::engine::{Level, Suspect};
+use crate::engine::{Measured, Suspect};
 use crate::fitted::{Fitted, Row};
 use crate::points::base::Base;
 use crate::points::model::Model;

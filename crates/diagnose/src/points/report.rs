@@ -5,7 +5,7 @@ use trueaxis_campaign::{Campaign, Points};
 use trueaxis_effects::{Level, ResolvedEffect, Scene};
 
 use crate::engine::{
-    Found, HeldOut, Level as _, OMNIBUS_LEVEL, Omnibus, Search, Suspect, cause, find_causes,
+    Found, HeldOut, Measured, OMNIBUS_LEVEL, Omnibus, Search, Suspect, cause, find_causes,
     is_imitation, of_catalogue, scans, still_left,
 };
 use crate::points::base::Base;

@@ -3,7 +3,7 @@
 use trueaxis_effects::{Layer, Scene, Shape};
 
 use crate::Error;
-use crate::engine::{Culprit, Culprits, Level, Suspect, duration_s, in_equal_ratios};
+use crate::engine::{Culprit, Culprits, Measured, Suspect, duration_s, in_equal_ratios};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::disturbance::{Wanderer, Who, With};
@@ -20,7 +20,7 @@ const TIME_CONSTANT_RATIO: f64 = 1.26;
 const LAGS: i32 = 11;
 const LAG_RATIO: f64 = 1.6;
 
-impl Level for Base<'_> {
+impl Measured for Base<'_> {
     type Model = Adjusted;
 
     /// False alarms in one of a hundred clean campaigns.

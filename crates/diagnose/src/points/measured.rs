@@ -3,7 +3,7 @@
 use trueaxis_effects::{Scene, Shape};
 
 use crate::Error;
-use crate::engine::{Culprit, Level, Suspect, in_equal_ratios};
+use crate::engine::{Culprit, Measured, Suspect, in_equal_ratios};
 use crate::points::base::Base;
 use crate::points::model::Model;
 use crate::selection::{ALIKE, Hypothesis, Projection, Score, VisitTimes, is_rival};
@@ -15,7 +15,7 @@ const SHORTEST: f64 = 0.01;
 const LONGEST: f64 = 3.0;
 const LEAST_STOPS: f64 = 3.0;
 
-impl Level for Base<'_> {
+impl Measured for Base<'_> {
     type Model = Model;
 
     /// With that of the omnibus tests, and since [`Null`](crate::selection::Null) takes scans over instants for rarer

@@ -7,7 +7,7 @@ use crate::engine::Culprit;
 use crate::selection::{Fit, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 /// Data of one kind with their base model.
-pub(crate) trait Level: Sync {
+pub(crate) trait Measured: Sync {
     /// The base model adjusted with causes.
     type Model: Sync;
 
@@ -56,7 +56,7 @@ pub(crate) trait Level: Sync {
     }
 
     /// What a cause makes responsible.
-    fn culprit(&self, effect: &Suspect) -> Culprit;
+    fn culprit(&self, suspect: &Suspect) -> Culprit;
 
     /// Whether values outside the plausible range of its parameters rule a hypothesis out.
     fn is_limited(_: &Hypothesis) -> bool {
