@@ -54,28 +54,12 @@ pub(crate) use crate::components::line_curve::diagnose_line_curve;
 
 use crate::components::curve_set::curve_sets;
 use crate::components::search::Search;
-use crate::diagnosis::{Cause, NotObservable};
-
-/// What the error curves say.
-///
-/// It does not change the verdict on the data: the calibration holds these curves as they are.
-#[derive(Debug, Clone)]
-pub(crate) struct ComponentsOutcome {
-    /// Named parts of the curves, the most certain first.
-    pub(crate) causes: Vec<Cause>,
-    /// What these positions cannot show.
-    pub(crate) not_observable: Vec<NotObservable>,
-    /// Curves that could not be judged, and why.
-    pub(crate) notices: Vec<String>,
-}
+use crate::said::Said;
 
 /// Looks for effects in the curves of a calibration, which should hold its covariance
 /// ([`trueaxis_calibrate::Settings::covariance`]); without it the values of a curve count as
 /// independent, and a notice says so.
-pub(crate) fn diagnose_components(
-    calibration: &Calibration,
-    machine: &Machine,
-) -> ComponentsOutcome {
+pub(crate) fn diagnose_components(calibration: &Calibration, machine: &Machine) -> Said {
     let scene = Scene {
         machine: machine.clone(),
         stations: Vec::new(),
@@ -93,9 +77,10 @@ pub(crate) fn diagnose_components(
     let sets = curve_sets(calibration, machine, &mut notices);
     let causes = Search::new(&scene, sets).causes();
     let axes = calibration.axes.iter();
-    ComponentsOutcome {
-        causes,
+    Said {
+        curves: causes,
         not_observable: axes.filter_map(unseen::periods_of_the_step).collect(),
         notices,
+        ..Said::default()
     }
 }

@@ -9,11 +9,12 @@ use trueaxis_poses::LengthsAdjustment;
 
 use crate::changes::changes;
 use crate::components::diagnose_components;
-use crate::lengths::{LengthsOutcome, diagnose_lengths, scene};
+use crate::lengths::{diagnose_lengths, scene};
 use crate::points::diagnose_points;
 use crate::runs::diagnose_runs;
+use crate::said::{Entry, Said};
 use crate::verification::diagnose_verification;
-use crate::{Cause, Diagnosis, Error, LevelReport, Settings, Unexplained, Verdict};
+use crate::{Cause, Diagnosis, Error, Settings, Unexplained, Verdict};
 
 /// Says what the rigid, quasi-static model gets wrong in a campaign's data, why, what the better model
 /// looks like and what it gains on data that it did not use.
@@ -60,7 +61,8 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         || explained(as_measured.as_ref()),
     );
     if let (Some(lengths), Some(outcome)) = (&campaign.lengths, outcome.transpose()?) {
-        let mut is_changed = !outcome.causes.is_empty() || !outcome.disturbances.is_empty();
+        let explained_by = |entry: &Entry| entry.causes.len() + entry.disturbances.len();
+        let mut is_changed = outcome.0.entries.iter().map(explained_by).sum::<usize>() > 0;
         let corrected = with_lengths(&mut diagnosis, campaign, lengths, outcome, settings)?;
         let campaign = corrected.as_ref().unwrap_or(campaign);
         is_changed |= with_runs(&mut diagnosis, campaign, settings)?;
@@ -69,18 +71,14 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         }
     }
     if let (None, Some(points)) = (&campaign.lengths, &campaign.points)
-        && with_points(&mut diagnosis, campaign, points, settings)
+        && with_points(&mut diagnosis, campaign, points, settings)?
     {
         components = explained(diagnosis.calibration.as_ref());
     }
     let calibration = diagnosis.calibration.as_ref();
     let predicts = calibration.map(Calibration::calibrated_machine);
     with_verification(&mut diagnosis, campaign, predicts.as_ref(), settings);
-    if let Some(components) = components {
-        diagnosis.causes.extend(components.causes);
-        diagnosis.not_observable.extend(components.not_observable);
-        diagnosis.notices.extend(components.notices);
-    }
+    diagnosis.take(components.unwrap_or_default());
     if diagnosis.levels.is_empty() && diagnosis.notices.is_empty() {
         let why = "nothing was judged: there is nothing that could contradict the model";
         diagnosis.notices.push(why.to_owned());
@@ -124,19 +122,13 @@ fn with_verification(
     calibration: Option<&CalibratedMachine>,
     settings: &Settings,
 ) {
-    let outcome = diagnose_verification(
+    let said = diagnose_verification(
         campaign,
         calibration,
         &diagnosis.scene,
         settings.explain_curves,
     );
-    diagnosis.rejected.extend(outcome.rejected);
-    for entry in outcome.entries {
-        with_level(diagnosis, entry.report, entry.causes, entry.unexplained);
-    }
-    diagnosis.causes.extend(outcome.curves);
-    diagnosis.not_observable.extend(outcome.not_observable);
-    diagnosis.notices.extend(outcome.notices);
+    diagnosis.take(said);
 }
 
 impl Diagnosis {
@@ -156,6 +148,48 @@ impl Diagnosis {
             notices: Vec::new(),
         }
     }
+
+    /// Takes in what is said.
+    fn take(&mut self, said: Said) {
+        said.entries
+            .into_iter()
+            .for_each(|entry| self.take_entry(entry));
+        self.causes.extend(said.curves);
+        self.rejected.extend(said.rejected);
+        self.not_observable.extend(said.not_observable);
+        self.notices.extend(said.notices);
+    }
+
+    /// Takes in what one set of data says.
+    fn take_entry(&mut self, entry: Entry) {
+        let Entry {
+            mut report,
+            mut causes,
+            mut disturbances,
+        } = entry;
+        for (cause, share) in causes.iter_mut().zip(&report.shares.causes) {
+            cause.data.clone_from(&report.data);
+            cause.share = Some(*share);
+        }
+        for (own, share) in disturbances.iter_mut().zip(&report.shares.disturbances) {
+            own.data.clone_from(&report.data);
+            own.share = *share;
+        }
+        report.unexplained = report.unexplained.map(|unexplained| Unexplained {
+            data: report.data.clone(),
+            share: report.shares.unexplained,
+            ..unexplained
+        });
+        let is_left = report.unexplained.is_some() || !disturbances.is_empty();
+        let verdict = Verdict::of_causes(&causes, is_left);
+        self.verdict = Verdict::of_all([self.verdict, verdict]);
+        if self.unexplained.is_none() {
+            self.unexplained.clone_from(&report.unexplained);
+        }
+        self.levels.push(report);
+        self.causes.extend(causes);
+        self.disturbances.extend(disturbances);
+    }
 }
 
 /// What the lengths say, and the calibration without the causes that they show; the campaign without them, if
@@ -164,49 +198,33 @@ fn with_lengths(
     diagnosis: &mut Diagnosis,
     campaign: &Campaign,
     lengths: &Lengths,
-    mut outcome: LengthsOutcome,
+    (mut said, effects_mm): (Said, Vec<f64>),
     settings: &Settings,
 ) -> Result<Option<Campaign>, Error> {
     let mut without = None;
     let is_whole = |cause: &Cause| cause.parameters.iter().all(|p| p.u.is_finite());
-    if outcome.causes.iter().any(|cause| !is_whole(cause)) {
-        diagnosis.notices.push(
-            "a cause is seen in part only: the data do not say what it changes in the calibration, and it \
-             is not in effects.json"
-                .to_owned(),
-        );
-    } else if !outcome.causes.is_empty() || !outcome.disturbances.is_empty() {
-        let corrected = without_effects(campaign, lengths, &outcome.effects_mm);
-        with_better(diagnosis, &corrected, &mut outcome.causes, settings)?;
-        without = Some(corrected);
+    for entry in &mut said.entries {
+        let causes = &mut entry.causes;
+        if causes.iter().any(|cause| !is_whole(cause)) {
+            diagnosis.notices.push(
+                "a cause is seen in part only: the data do not say what it changes in the calibration, and it \
+                 is not in effects.json"
+                    .to_owned(),
+            );
+        } else if !causes.is_empty() || !entry.disturbances.is_empty() {
+            let corrected = without_effects(campaign, lengths, &effects_mm);
+            with_better(diagnosis, &corrected, causes, settings)?;
+            without = Some(corrected);
+        }
+        if entry.report.unexplained.is_some() && !causes.is_empty() {
+            diagnosis.notices.push(
+                "something is left beside the cause: its size may be off by more than its uncertainty, and what \
+                 it changes in the calibration is not all"
+                    .to_owned(),
+            );
+        }
     }
-    if outcome.unexplained.is_some() && !outcome.causes.is_empty() {
-        diagnosis.notices.push(
-            "something is left beside the cause: its size may be off by more than its uncertainty, and what \
-             it changes in the calibration is not all"
-                .to_owned(),
-        );
-    }
-    for (own, share) in outcome
-        .disturbances
-        .iter_mut()
-        .zip(&outcome.report.shares.disturbances)
-    {
-        own.data.clone_from(&outcome.report.data);
-        own.share = *share;
-    }
-    if outcome.causes.is_empty() && !outcome.disturbances.is_empty() {
-        diagnosis.verdict = Verdict::of_all([diagnosis.verdict, Verdict::Unknown]);
-    }
-    diagnosis.disturbances.extend(outcome.disturbances);
-    with_level(
-        diagnosis,
-        outcome.report,
-        outcome.causes,
-        outcome.unexplained,
-    );
-    diagnosis.not_observable.extend(outcome.not_observable);
-    diagnosis.notices.extend(outcome.notices);
+    diagnosis.take(said);
     Ok(without)
 }
 
@@ -216,22 +234,19 @@ fn with_points(
     campaign: &Campaign,
     points: &Points,
     settings: &Settings,
-) -> bool {
-    let mut outcome = diagnose_points(campaign, points, &diagnosis.scene);
-    if let (Some(corrected), Some(_)) = (&outcome.corrected, &diagnosis.calibration) {
-        let better = with_better(diagnosis, corrected, &mut outcome.causes, settings);
-        if let Err(error) = better {
-            let text = format!("the calibration is that of the points as they are: {error}");
-            diagnosis.notices.push(text);
+) -> Result<bool, Error> {
+    let (mut said, corrected) = diagnose_points(campaign, points, &diagnosis.scene)?;
+    if let (Some(corrected), Some(_)) = (&corrected, &diagnosis.calibration) {
+        for entry in &mut said.entries {
+            let better = with_better(diagnosis, corrected, &mut entry.causes, settings);
+            if let Err(error) = better {
+                let text = format!("the calibration is that of the points as they are: {error}");
+                diagnosis.notices.push(text);
+            }
         }
     }
-    if let Some(report) = outcome.report {
-        with_level(diagnosis, report, outcome.causes, outcome.unexplained);
-    }
-    diagnosis.rejected.extend(outcome.rejected);
-    diagnosis.not_observable.extend(outcome.not_observable);
-    diagnosis.notices.extend(outcome.notices);
-    outcome.corrected.is_some()
+    diagnosis.take(said);
+    Ok(corrected.is_some())
 }
 
 /// Whether an error says that the data do not determine what is asked.
@@ -269,44 +284,19 @@ fn with_runs(
     campaign: &Campaign,
     settings: &Settings,
 ) -> Result<bool, Error> {
-    let Some(outcome) = diagnose_runs(campaign, &diagnosis.scene, settings)? else {
+    let Some((mut said, corrected)) = diagnose_runs(campaign, &diagnosis.scene, settings)? else {
         return Ok(false);
     };
-    let mut entry = outcome.entry;
-    if let Some(corrected) = &outcome.corrected {
-        with_better(diagnosis, corrected, &mut entry.causes, settings)?;
+    if let Some(corrected) = &corrected {
+        for entry in &mut said.entries {
+            with_better(diagnosis, corrected, &mut entry.causes, settings)?;
+        }
     }
     diagnosis
         .not_observable
         .retain(|unseen| unseen.effect != "cross_coupling");
-    diagnosis.not_observable.extend(outcome.unseen);
-    with_level(diagnosis, entry.report, entry.causes, entry.unexplained);
-    Ok(outcome.corrected.is_some())
-}
-
-/// Takes in what one set of data says.
-fn with_level(
-    diagnosis: &mut Diagnosis,
-    mut report: LevelReport,
-    mut causes: Vec<Cause>,
-    unexplained: Option<Unexplained>,
-) {
-    for (cause, share) in causes.iter_mut().zip(&report.shares.causes) {
-        cause.data.clone_from(&report.data);
-        cause.share = Some(*share);
-    }
-    report.unexplained = unexplained.map(|unexplained| Unexplained {
-        data: report.data.clone(),
-        share: report.shares.unexplained,
-        ..unexplained
-    });
-    let verdict = Verdict::of_causes(&causes, report.unexplained.is_some());
-    diagnosis.verdict = Verdict::of_all([diagnosis.verdict, verdict]);
-    if diagnosis.unexplained.is_none() {
-        diagnosis.unexplained.clone_from(&report.unexplained);
-    }
-    diagnosis.levels.push(report);
-    diagnosis.causes.extend(causes);
+    diagnosis.take(said);
+    Ok(corrected.is_some())
 }
 
 /// Stations, targets, and the axes that move in any of the data.

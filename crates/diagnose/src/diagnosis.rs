@@ -1,11 +1,14 @@
 //! The outcome: what is wrong, why, what the better model looks like, what was gained.
 
+use schemars::JsonSchema;
+use serde::Serialize;
 use trueaxis_calibrate::Calibration;
 use trueaxis_effects::{
-    Explanation, LOST_MOTION_OF_BOTH_SIGNS, Layer, Level, ResolvedEffect, Scene, Subject,
+    Explanation, LOST_MOTION_OF_BOTH_SIGNS, Layer, Level, ResolvedEffect, Scene,
 };
 
-use crate::{Fitted, Shares};
+use crate::json::rounded;
+use crate::{CurvePoint, Disturbance, Fitted, Shares};
 
 /// A diagnosis of a campaign.
 #[derive(Debug, Clone)]
@@ -126,11 +129,13 @@ pub struct Misfit {
 }
 
 /// A ratio of held-out rms with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct HeldOutRatio {
     /// Rms after, divided by before.
+    #[serde(rename = "heldout_rms_ratio", serialize_with = "rounded::fourth")]
     pub ratio: f64,
     /// Its 95 % interval, from a bootstrap of blocks.
+    #[serde(serialize_with = "rounded::fourths")]
     pub interval: [f64; 2],
 }
 
@@ -156,20 +161,22 @@ impl Gain {
 }
 
 /// A test of whether anything is left in the residuals.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct OmnibusTest {
     /// What the residuals are tested to vary with, as `time` or `position`.
     pub varies_with: &'static str,
     /// The period that stands out, where the test looks for one, in words, as `1180 s`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub detail: Option<String>,
     /// Columns of the test that the data see.
     pub columns: usize,
     /// Its p-value, all tests of the level together (family-wise).
+    #[serde(serialize_with = "rounded::p")]
     pub p_value: f64,
 }
 
 /// A group of readings.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Place {
     /// By what the readings are grouped, as `station`.
     pub by: &'static str,
@@ -178,8 +185,10 @@ pub struct Place {
     /// Its readings.
     pub readings: usize,
     /// Rms before, µm.
+    #[serde(serialize_with = "rounded::sixth")]
     pub before_um: f64,
     /// Rms with the causes in the model, µm.
+    #[serde(serialize_with = "rounded::sixth")]
     pub after_um: f64,
 }
 
@@ -241,92 +250,6 @@ pub struct Rival {
     pub delta_bic: f64,
 }
 
-/// A smooth process of unknown form.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Disturbance {
-    /// Where it was found.
-    pub level: Level,
-    /// The data in which it was found, as [`LevelReport::data`].
-    pub data: String,
-    /// What wanders, and with what.
-    pub whose: Wandering,
-    /// Probability that noise alone looks as much like any disturbance (family-wise).
-    pub p_value: f64,
-    /// Rms of what it does to the readings of the level, µm.
-    pub rms_um: f64,
-    /// Its share of the misfit of its level, 0 to 1 ([`Shares`]).
-    pub share: f64,
-    /// How fast it changes.
-    pub correlation_length: CorrelationLength,
-    /// By what part the held-out rms falls; none where nothing could be held out, or causes gain, too.
-    pub heldout_gain: Option<f64>,
-    /// Its course.
-    pub curve: Vec<CurvePoint>,
-    /// What explains the data nearly as well.
-    pub rivals: Vec<Wandering>,
-}
-
-/// What wanders: layer and subject say whose it is. Without a subject it is the machine (layer machine), all tripods
-/// (set-up) or the air (instrument).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wandering {
-    /// Instrument, set-up or machine.
-    pub layer: Layer,
-    /// Station, target or axis; none for what concerns all.
-    pub subject: Subject,
-    /// `time`; `position`; `position` and `direction`.
-    pub varies_with: &'static [&'static str],
-}
-
-/// The distance within which a course stays nearly the same (Matérn's, ν = 3/2).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CorrelationLength {
-    /// Value.
-    pub value: f64,
-    /// `s`, `mm` or `deg`.
-    pub unit: &'static str,
-}
-
-/// A point of a course, or of a free form.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CurvePoint {
-    /// Time or position, in the unit of the correlation length; mm of a free form.
-    pub at: f64,
-    /// Each coordinate (x, y, z; of a station its dead path, too), µm: from its mean over a turn, or over the range.
-    pub value_um: Vec<f64>,
-    /// Their standard uncertainties, µm.
-    pub u_um: Vec<f64>,
-}
-
-impl Wandering {
-    /// In words, as `station S2, with time`.
-    pub fn in_words(&self, scene: &Scene) -> String {
-        let name = |names: Option<&String>| names.cloned().unwrap_or_default();
-        let Subject {
-            station,
-            target,
-            axis,
-            ..
-        } = self.subject;
-        let axis_name = axis.and_then(|k| scene.machine.axes().get(k));
-        let axis_name = axis_name.map(|axis| axis.name()).unwrap_or_default();
-        let who = match (station, target, self.layer) {
-            (Some(k), _, _) => format!("station {}", name(scene.stations.get(k))),
-            (_, Some(k), _) => {
-                format!("target {}", name(scene.targets.get(k).map(|t| &t.name)))
-            }
-            (_, _, Layer::Machine) if axis.is_some() => format!("lost motion of axis {axis_name}"),
-            (_, _, Layer::Machine) => "the machine".to_owned(),
-            (_, _, Layer::Setup) => "all tripods".to_owned(),
-            (_, _, Layer::Instrument) => "the air (scale of the lengths)".to_owned(),
-        };
-        match (self.varies_with, axis) {
-            (["position"], Some(_)) => format!("{who}, with the position of {axis_name}"),
-            (with, _) => format!("{who}, with {}", with.join(" and ")),
-        }
-    }
-}
-
 /// A change of a result of the calibration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
@@ -356,15 +279,17 @@ pub struct Unexplained {
 }
 
 /// A reading that contradicts all others and was left out.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Rejected {
     /// The verification, by name, or `points.csv`.
     pub file: String,
     /// Its line in the table, from 1 (the header).
     pub row: usize,
     /// How far it is off, µm.
+    #[serde(serialize_with = "rounded::sixth")]
     pub error_um: f64,
     /// Standard uncertainty of that, µm.
+    #[serde(serialize_with = "rounded::sixth")]
     pub u_um: f64,
     /// In words.
     pub reason: String,

@@ -11,13 +11,13 @@ mod fitted;
 use schemars::JsonSchema;
 use serde::Serialize;
 use trueaxis_effects::{EffectsFile, Level};
-use trueaxis_files::{Format, Ordered, round, significant};
+use trueaxis_files::{Format, Ordered, round};
 
 use crate::json::cause::CauseFile;
 use crate::json::disturbance::DisturbanceFile;
 use crate::{
-    Cause, Diagnosis, Gain, LevelReport, Misfit, NotObservable, OmnibusTest, Place, Rejected,
-    Shares, Unexplained,
+    Cause, Diagnosis, Gain, HeldOutRatio, LevelReport, Misfit, NotObservable, OmnibusTest, Place,
+    Rejected, Shares, Unexplained,
 };
 
 impl Diagnosis {
@@ -90,7 +90,7 @@ struct File<'a> {
     causes: Vec<CauseFile<'a>>,
     disturbances: Vec<DisturbanceFile<'a>>,
     unexplained: Option<UnexplainedFile<'a>>,
-    rejected: Vec<RejectedFile<'a>>,
+    rejected: &'a [Rejected],
     not_observable: Vec<NotObservableFile<'a>>,
     levels: Vec<LevelFile<'a>>,
     notices: &'a [String],
@@ -108,13 +108,7 @@ struct GainFile {
     interval: [f64; 2],
     share_of_excess_removed: f64,
     heldout_claimed: bool,
-    leave_one_station_out: Option<HeldOutRatioFile>,
-}
-
-#[derive(Serialize, JsonSchema)]
-struct HeldOutRatioFile {
-    heldout_rms_ratio: f64,
-    interval: [f64; 2],
+    leave_one_station_out: Option<HeldOutRatio>,
 }
 
 #[derive(Serialize, JsonSchema)]
@@ -125,23 +119,6 @@ struct UnexplainedFile<'a> {
     note: &'a str,
     level: &'static str,
     data: &'a str,
-}
-
-#[derive(Serialize, JsonSchema)]
-struct RejectedFile<'a> {
-    file: &'a str,
-    row: usize,
-    error_um: f64,
-    u_um: f64,
-    reason: &'a str,
-}
-
-#[derive(Serialize, JsonSchema)]
-struct SharesFile {
-    causes: Vec<f64>,
-    disturbances: Vec<f64>,
-    unexplained: f64,
-    noise: f64,
 }
 
 #[derive(Serialize, JsonSchema)]
@@ -161,29 +138,11 @@ struct LevelFile<'a> {
     before: MisfitFile,
     after: MisfitFile,
     gain: Option<GainFile>,
-    shares: SharesFile,
+    shares: &'a Shares,
     unexplained: Option<UnexplainedFile<'a>>,
-    tests: Vec<TestFile<'a>>,
-    tests_after: Vec<TestFile<'a>>,
-    places: Vec<PlaceFile<'a>>,
-}
-
-#[derive(Serialize, JsonSchema)]
-struct TestFile<'a> {
-    varies_with: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    detail: Option<&'a str>,
-    columns: usize,
-    p_value: f64,
-}
-
-#[derive(Serialize, JsonSchema)]
-struct PlaceFile<'a> {
-    by: &'static str,
-    name: &'a str,
-    readings: usize,
-    before_um: f64,
-    after_um: f64,
+    tests: &'a [OmnibusTest],
+    tests_after: &'a [OmnibusTest],
+    places: &'a [Place],
 }
 
 impl<'a> File<'a> {
@@ -208,7 +167,7 @@ impl<'a> File<'a> {
                 .map(|own| DisturbanceFile::new(own, &diagnosis.scene))
                 .collect(),
             unexplained: diagnosis.unexplained.as_ref().map(unexplained),
-            rejected: diagnosis.rejected.iter().map(rejected).collect(),
+            rejected: &diagnosis.rejected,
             not_observable: diagnosis.not_observable.iter().map(unseen).collect(),
             levels: diagnosis.levels.iter().map(level).collect(),
             notices: &diagnosis.notices,
@@ -227,26 +186,6 @@ fn unexplained(left: &Unexplained) -> UnexplainedFile<'_> {
     }
 }
 
-fn rejected(rejected: &Rejected) -> RejectedFile<'_> {
-    RejectedFile {
-        file: &rejected.file,
-        row: rejected.row,
-        error_um: um(rejected.error_um),
-        u_um: um(rejected.u_um),
-        reason: &rejected.reason,
-    }
-}
-
-fn shares(shares: &Shares) -> SharesFile {
-    let part = |share: &f64| round(*share, 6);
-    SharesFile {
-        causes: shares.causes.iter().map(part).collect(),
-        disturbances: shares.disturbances.iter().map(part).collect(),
-        unexplained: part(&shares.unexplained),
-        noise: part(&shares.noise),
-    }
-}
-
 fn level(level: &LevelReport) -> LevelFile<'_> {
     LevelFile {
         level: level.level.name(),
@@ -255,11 +194,11 @@ fn level(level: &LevelReport) -> LevelFile<'_> {
         before: misfit(&level.before),
         after: misfit(&level.after),
         gain: level.gain.as_ref().map(gain),
-        shares: shares(&level.shares),
+        shares: &level.shares,
         unexplained: level.unexplained.as_ref().map(unexplained),
-        tests: level.tests.iter().map(test).collect(),
-        tests_after: level.tests_after.iter().map(test).collect(),
-        places: level.places.iter().map(place).collect(),
+        tests: &level.tests,
+        tests_after: &level.tests_after,
+        places: &level.places,
     }
 }
 
@@ -276,29 +215,7 @@ fn gain(gain: &Gain) -> GainFile {
         interval: gain.interval.map(|bound| round(bound, 4)),
         share_of_excess_removed: round(gain.share_of_excess_removed, 4),
         heldout_claimed: gain.is_claimed(),
-        leave_one_station_out: gain.leave_one_station_out.map(|out| HeldOutRatioFile {
-            heldout_rms_ratio: round(out.ratio, 4),
-            interval: out.interval.map(|bound| round(bound, 4)),
-        }),
-    }
-}
-
-fn test(test: &OmnibusTest) -> TestFile<'_> {
-    TestFile {
-        varies_with: test.varies_with,
-        detail: test.detail.as_deref(),
-        columns: test.columns,
-        p_value: significant(test.p_value),
-    }
-}
-
-fn place(place: &Place) -> PlaceFile<'_> {
-    PlaceFile {
-        by: place.by,
-        name: &place.name,
-        readings: place.readings,
-        before_um: um(place.before_um),
-        after_um: um(place.after_um),
+        leave_one_station_out: gain.leave_one_station_out,
     }
 }
 
@@ -319,4 +236,32 @@ fn unseen(unseen: &NotObservable) -> NotObservableFile<'_> {
 /// To a picometre.
 fn um(value_um: f64) -> f64 {
     round(value_um, 6)
+}
+
+/// Numbers as the file holds them.
+pub(crate) mod rounded {
+    use serde::Serializer;
+    use trueaxis_files::{round, significant};
+
+    /// To a picometre; of shares to one in a million.
+    pub(crate) fn sixth<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_f64(round(*value, 6))
+    }
+
+    pub(crate) fn sixths<S: Serializer>(values: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(values.iter().map(|value| round(*value, 6)))
+    }
+
+    pub(crate) fn fourth<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_f64(round(*value, 4))
+    }
+
+    pub(crate) fn fourths<S: Serializer>(values: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(values.iter().map(|value| round(*value, 4)))
+    }
+
+    /// A probability.
+    pub(crate) fn p<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_f64(significant(*value))
+    }
 }

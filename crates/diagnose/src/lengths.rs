@@ -7,43 +7,33 @@
 //! explain. The noise is that of a length and that of the machine's repeatability, common to a stop
 //! (restricted maximum likelihood from the residuals).
 //!
-//! - [`base`] adjusts the lengths, less what the causes found so far do to them, with the full nonlinear
+//! - [`base`] adjusts the lengths ([`adjusted`]), less what the causes found so far do to them, with the full nonlinear
 //!   model; the parameters of the causes follow by block elimination until both rest.
-//! - [`hypotheses`]: every effect of the catalogue on every subject becomes whitened columns; instants
-//!   are profiled over all visits by running sums ([`step_scan`]).
-//! - [`causes`]: one after the other, each judged beside the others, until nothing is left that is a
-//!   cause of its own ([`culprit`]).
+//! - [`measured`]: what the search for causes ([`crate::engine`]) asks of them.
 //! - [`disturbance`]: what wanders in a course that nobody knows joins the covariance, where it has more evidence
 //!   than causes have, or is left beside them ([`beside`], [`wandering`], [`competition`]; [`wandered`] tells it).
 //! - [`omnibus`]: whether anything is left at all, and what it varies with ([`unexplained`]).
 //! - [`left_out`]: gross errors leave before the search, and come back if the causes explain them.
 //! - [`held_out`]: the gain on sweeps, and on whole stations, that the model was not fitted to.
 
+mod adjusted;
 mod base;
 mod beside;
-mod causes;
 mod competition;
-mod culprit;
 mod disturbance;
-mod estimated;
 mod fitted;
 mod held_out;
-mod hypotheses;
 mod left_out;
+mod measured;
 mod noise_floor;
 mod not_observable;
 mod omnibus;
 mod places;
 mod search;
-mod step_scan;
 mod swapped;
 mod unexplained;
 mod wandered;
 mod wandering;
 
-pub(crate) use held_out::{HeldOut, Sums};
-pub(crate) use not_observable::in_words;
-pub(crate) use omnibus::{OMNIBUS_LEVEL, Omnibus, family_wise};
-pub(crate) use search::{LengthsOutcome, diagnose_lengths};
-pub(crate) use step_scan::{StepScan, VisitTimes};
+pub(crate) use search::diagnose_lengths;
 pub(crate) use trueaxis_poses::scene_of as scene;

@@ -45,23 +45,25 @@ mod changes;
 mod components;
 mod diagnose;
 mod diagnosis;
+mod disturbance;
+mod engine;
 mod error;
 mod fitted;
 mod json;
 mod lengths;
-mod parameters;
 mod points;
 mod runs;
+mod said;
 mod selection;
 mod settings;
 mod verification;
 
 pub use diagnose::{diagnose, diagnose_against};
 pub use diagnosis::{
-    Cause, Change, CorrelationLength, CurvePoint, Diagnosis, Disturbance, EstimatedParameter,
-    Follows, Gain, HeldOutRatio, LevelReport, Misfit, NotObservable, OmnibusTest, Place, Rejected,
-    Rival, Unexplained, Verdict, Wandering,
+    Cause, Change, Diagnosis, EstimatedParameter, Follows, Gain, HeldOutRatio, LevelReport, Misfit,
+    NotObservable, OmnibusTest, Place, Rejected, Rival, Unexplained, Verdict,
 };
+pub use disturbance::{CorrelationLength, CurvePoint, Disturbance, Wandering};
 pub use error::Error;
 pub use fitted::{Against, Fitted, FittedPoint};
 pub use selection::Shares;

@@ -18,18 +18,17 @@
 //! - [`noise`], [`model`], [`variances`]: whitening stop by stop, elimination of the poses, restricted maximum
 //!   likelihood, where the residuals demand it with unlike variances in three directions.
 //! - [`gross_errors`]: points that contradict all others leave, before the search and beside its causes.
-//! - [`hypotheses`], [`search`]: the effects of level points by the numbers of [`crate::selection`], one after the
-//!   other. A frame that moves as a whole cannot be told from a machine that does: such twins are always
-//!   given together.
+//! - [`measured`]: what the search for causes ([`crate::engine`]) asks of them. A frame that moves as a whole cannot be
+//!   told from a machine that does: such twins are always given together.
 //! - [`omnibus`]: whether anything is left, and what it varies with.
 //! - [`held_out`]: the gain on sweeps that the model was not fitted to.
-//! - [`report`] puts it together; [`causes`], [`places`] and [`not_observable`] say it in words and units.
+//! - [`report`] puts it together; [`fitted`], [`places`] and [`not_observable`] say it in words and units.
 
 mod base;
-mod causes;
+mod fitted;
 mod gross_errors;
 mod held_out;
-mod hypotheses;
+mod measured;
 mod model;
 mod noise;
 mod not_observable;
@@ -37,7 +36,6 @@ mod omnibus;
 mod places;
 mod readings;
 mod report;
-mod search;
 mod variances;
 
 pub(crate) use report::diagnose_points;

@@ -15,23 +15,12 @@ use trueaxis_effects::{Level, ResolvedEffect, Scene};
 use trueaxis_leastsquares::chi_squared_upper_tail;
 use trueaxis_poses::EffectsOnLengths;
 
-use crate::runs::hypotheses::{Candidate, candidates, unseen};
-use crate::runs::search::{Found, Judged, judged_beside, search};
+use crate::engine::{Judged, Listed, with_uncertainties};
+use crate::runs::hypotheses::{candidates, unseen};
+use crate::runs::search::{rivals, search};
+use crate::said::{Entry, Said};
 use crate::selection::{Projection, f_test};
-use crate::verification::EntryOutcome;
-use crate::{
-    Cause, Error, EstimatedParameter, LevelReport, Misfit, NotObservable, OmnibusTest, Rival,
-    Settings, Shares, Unexplained,
-};
-
-/// What the runs say.
-pub(crate) struct RunsOutcome {
-    pub(crate) entry: EntryOutcome,
-    /// Couplings of axes that these runs cannot show.
-    pub(crate) unseen: Option<NotObservable>,
-    /// The campaign with lengths less what the causes do to them; none without causes.
-    pub(crate) corrected: Option<Campaign>,
-}
+use crate::{Cause, Error, LevelReport, Misfit, OmnibusTest, Settings, Shares, Unexplained};
 
 /// Family-wise level of the causes, and level of the misfit of the runs: together 0.7 % of campaigns whose runs agree
 /// alarm.
@@ -41,12 +30,13 @@ const MISFIT_LEVEL: f64 = 0.002;
 /// Causes that explain so much are named even if a remainder is significant: no machine sags by a product.
 const NEARLY_ALL: f64 = 0.9;
 
-/// Compares the runs of each axis that has several; `None` if none has, or if they share no positions.
+/// Compares the runs of each axis that has several; `None` if none has, or if they share no positions. With the campaign
+/// with lengths less what the causes do to them, if there are any.
 pub(crate) fn diagnose_runs(
     campaign: &Campaign,
     scene: &Scene,
     settings: &Settings,
-) -> Result<Option<RunsOutcome>, Error> {
+) -> Result<Option<(Said, Option<Campaign>)>, Error> {
     let mut axes: Vec<usize> = campaign.runs.iter().map(|run| run.axis).collect();
     axes.sort_unstable();
     if campaign.lengths.is_none() || axes.windows(2).all(|pair| pair[0] != pair[1]) {
@@ -134,20 +124,22 @@ fn compared(
     replay: &Replay<'_>,
     comparisons: &[RunComparison],
     on_lengths: &EffectsOnLengths<'_>,
-) -> RunsOutcome {
-    let base = projection(comparisons);
-    let candidates = candidates(scene, replay, comparisons, on_lengths);
-    let unseen = unseen(scene, &base, &candidates);
+) -> (Said, Option<Campaign>) {
+    let listed = Listed {
+        base: projection(comparisons),
+        candidates: candidates(scene, replay, comparisons, on_lengths),
+    };
+    let base = &listed.base;
+    let unseen = unseen(scene, &listed);
     let is_left = |model: &Projection| judge.p_value(model) < MISFIT_LEVEL;
-    let found = search(&base, &candidates, CAUSE_LEVEL, is_left);
-    let mut after = with(&base, &candidates, &found);
+    let found = search(&listed, CAUSE_LEVEL, is_left);
+    let mut after = listed.with(&found);
     let is_left = is_left(&after);
     let structure = base.squares() - base.degrees_of_freedom;
     let share = (base.squares() - after.squares()) / structure;
     let mut judged: Vec<Judged> = Vec::new();
     if !is_left || share >= NEARLY_ALL {
-        judged
-            .extend((0..found.len()).filter_map(|k| judged_beside(&base, &candidates, &found, k)));
+        judged.extend((0..found.len()).filter_map(|k| listed.judge(&found, k)));
     } else {
         after = base.clone();
     }
@@ -157,49 +149,48 @@ fn compared(
         sigma_um * (model.squares() / model.degrees_of_freedom.max(1.0)).sqrt()
     };
     let unexplained = is_left.then(|| unexplained(judge, &after, rms_um(&after), sigma_um, share));
-    let columns: Vec<Vec<Vec<f64>>> = judged
-        .iter()
-        .map(|j| candidates[j.candidate].columns.clone())
-        .collect();
+    let columns = judged.iter().map(|j| listed.columns(&[j.cause]));
+    let columns: Vec<Vec<Vec<f64>>> = columns.collect();
     let misfit = |model: &Projection| Misfit {
         rms_um: rms_um(model),
         heldout_rms_um: None,
     };
-    let effects: Vec<ResolvedEffect> = judged
-        .iter()
-        .map(|j| resolved(&candidates[j.candidate], j))
-        .collect();
+    let effects = judged.iter().map(|j| {
+        let hypothesis = listed.hypothesis(&j.cause);
+        hypothesis.resolved(j.fit.estimates.clone(), 0.0)
+    });
+    let effects: Vec<ResolvedEffect> = effects.collect();
     // What is seen in part only cannot be taken out.
     let is_whole = judged.iter().all(|j| j.fit.seen.iter().all(|&seen| seen));
     let corrected = (!effects.is_empty() && is_whole).then(|| {
         let effects_mm = on_lengths.of(&effects);
         on_lengths.taken_out(&effects_mm)
     });
-    let causes = judged
-        .iter()
-        .zip(effects)
-        .map(|(judged, effect)| cause(scene, on_lengths, &candidates, judged, effect));
-    RunsOutcome {
-        entry: EntryOutcome {
-            causes: causes.collect(),
-            report: LevelReport {
-                level: Level::Lengths,
-                data: in_words(scene, comparisons),
-                noise_floor_um: sigma_um,
-                before: misfit(&base),
-                after: misfit(&after),
-                gain: None,
-                shares: Shares::new(&base, &columns, is_left),
-                unexplained: None,
-                tests: vec![judge.test(&base)],
-                tests_after: vec![judge.test(&after)],
-                places: Vec::new(),
-            },
+    let causes = judged.iter().zip(effects);
+    let causes = causes.map(|(judged, effect)| cause(scene, on_lengths, &listed, judged, effect));
+    let entry = Entry {
+        causes: causes.collect(),
+        disturbances: Vec::new(),
+        report: LevelReport {
+            level: Level::Lengths,
+            data: in_words(scene, comparisons),
+            noise_floor_um: sigma_um,
+            before: misfit(base),
+            after: misfit(&after),
+            gain: None,
+            shares: Shares::new(base, &columns, is_left),
             unexplained,
+            tests: vec![judge.test(base)],
+            tests_after: vec![judge.test(&after)],
+            places: Vec::new(),
         },
-        unseen,
-        corrected,
-    }
+    };
+    let said = Said {
+        entries: vec![entry],
+        not_observable: Vec::from_iter(unseen),
+        ..Said::default()
+    };
+    (said, corrected)
 }
 
 /// All comparisons one below the other.
@@ -217,11 +208,6 @@ fn projection(comparisons: &[RunComparison]) -> Projection {
         first += comparison.observations.len();
     }
     Projection::dense(observations, &base)
-}
-
-fn with(base: &Projection, candidates: &[Candidate], found: &[Found]) -> Projection {
-    let columns = found.iter().flat_map(|f| &candidates[f.candidate].columns);
-    base.extended(&columns.cloned().collect::<Vec<_>>())
 }
 
 fn unexplained(
@@ -261,61 +247,28 @@ fn in_words(scene: &Scene, comparisons: &[RunComparison]) -> String {
     all.join("; ")
 }
 
-fn resolved(candidate: &Candidate, judged: &Judged) -> ResolvedEffect {
-    ResolvedEffect {
-        effect: candidate.hypothesis.effect,
-        subject: candidate.hypothesis.subject,
-        parameters: judged.fit.estimates.clone(),
-        shape: 0.0,
-    }
-}
-
 fn cause(
     scene: &Scene,
     on_lengths: &EffectsOnLengths<'_>,
-    candidates: &[Candidate],
+    listed: &Listed,
     judged: &Judged,
     effect: ResolvedEffect,
 ) -> Cause {
     let fit = &judged.fit;
     let count = fit.estimates.len();
-    let parameters = effect.effect.parameters(scene, &effect.subject);
-    let parameters = parameters.into_iter().enumerate();
-    let parameters = parameters.map(|(k, parameter)| EstimatedParameter {
-        name: parameter.name,
-        value: fit.estimates[k],
-        u: match fit.seen[k] {
-            true => fit.covariance[k * count + k].sqrt(),
-            false => f64::INFINITY,
-        },
-        unit: parameter.unit,
-    });
+    let u = |k: usize| match fit.seen[k] {
+        true => fit.covariance[k * count + k].sqrt(),
+        false => f64::INFINITY,
+    };
+    let hypothesis = listed.hypothesis(&judged.cause);
+    let parameters = with_uncertainties(scene, hypothesis, &fit.estimates, u, (0.0, 0.0));
     let effects_mm = on_lengths.of(std::slice::from_ref(&effect));
     let squares: f64 = effects_mm.iter().map(|e| e * e).sum();
-    let rivals = judged.rivals.iter().map(|(number, fit, bic)| Rival {
-        effect: ResolvedEffect {
-            effect: candidates[*number].hypothesis.effect,
-            subject: candidates[*number].hypothesis.subject,
-            parameters: fit.estimates.clone(),
-            shape: 0.0,
-        },
-        delta_bic: *bic,
-    });
     Cause {
-        level: Level::Lengths,
-        data: String::new(),
         p_value: judged.p_value,
-        delta_bic: judged.bic,
+        delta_bic: judged.score.bic,
         explained_rms_um: 1e3 * (squares / effects_mm.len().max(1) as f64).sqrt(),
-        heldout_gain: None,
-        parameters: parameters.collect(),
-        covariance: fit.covariance.clone(),
-        rivals: rivals.collect(),
-        changes: Vec::new(),
-        share: None,
-        curve: Vec::new(),
-        share_of_curve: None,
-        fitted: None,
-        effect,
+        rivals: rivals(listed, judged),
+        ..Cause::of(Level::Lengths, effect, parameters, fit.covariance.clone())
     }
 }

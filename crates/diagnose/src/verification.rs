@@ -39,6 +39,8 @@ use trueaxis_effects::{Level, Scene};
 use trueaxis_kinematics::{Ideal, Machine};
 
 use crate::components::diagnose_line_curve;
+use crate::engine::{Chosen, Omnibus, still_left, without};
+use crate::said::{Entry, Said};
 use crate::selection::Projection;
 use crate::verification::arrivals::is_same;
 use crate::verification::base::base_columns;
@@ -46,37 +48,9 @@ use crate::verification::comparison::Comparison;
 use crate::verification::gross_errors::gross_errors;
 use crate::verification::noise_floor::noise_floor_um;
 use crate::verification::prediction_error::prediction_directions;
-use crate::verification::problem::{Chosen, Problem};
+use crate::verification::problem::Problem;
 use crate::verification::resolution::resolution_um;
-use crate::{
-    Cause, LevelReport, Misfit, NotObservable, OmnibusTest, Rejected, Shares, Unexplained,
-};
-
-/// What all verifications of a campaign say.
-#[derive(Debug, Clone)]
-pub(crate) struct VerificationOutcome {
-    /// For each verification of the campaign, in its order, what could be compared.
-    pub(crate) entries: Vec<EntryOutcome>,
-    /// What mean curves consist of that no calibration predicts.
-    pub(crate) curves: Vec<Cause>,
-    /// Readings that were left out.
-    pub(crate) rejected: Vec<Rejected>,
-    /// Effects that a verification cannot show.
-    pub(crate) not_observable: Vec<NotObservable>,
-    /// What a user must know before using the outcome.
-    pub(crate) notices: Vec<String>,
-}
-
-/// What one verification says.
-#[derive(Debug, Clone)]
-pub(crate) struct EntryOutcome {
-    /// Tests, misfits and gain.
-    pub(crate) report: LevelReport,
-    /// Causes by rank.
-    pub(crate) causes: Vec<Cause>,
-    /// What is left.
-    pub(crate) unexplained: Option<Unexplained>,
-}
+use crate::{LevelReport, Misfit, Shares, Unexplained};
 
 /// False alarms of all verifications of a campaign together: once for the causes, once for the omnibus
 /// tests.
@@ -92,18 +66,12 @@ pub(crate) fn diagnose_verification(
     calibration: Option<&CalibratedMachine>,
     scene: &Scene,
     explain_curves: bool,
-) -> VerificationOutcome {
+) -> Said {
     let machine = match calibration {
         Some(calibration) => calibration.machine(),
         None => &campaign.machine,
     };
-    let mut outcome = VerificationOutcome {
-        entries: Vec::new(),
-        curves: Vec::new(),
-        rejected: Vec::new(),
-        not_observable: Vec::new(),
-        notices: Vec::new(),
-    };
+    let mut outcome = Said::default();
     if calibration.is_some_and(|c| !c.has_uncertainties) && !campaign.verification.is_empty() {
         outcome.notices.push(
             "the calibration has no uncertainties and is taken as exact: its own errors are found in the readings"
@@ -144,7 +112,7 @@ fn diagnose_entry(
     calibration: Option<&CalibratedMachine>,
     scene: &Scene,
     asked: Asked,
-    outcome: &mut VerificationOutcome,
+    outcome: &mut Said,
 ) {
     let Asked {
         level,
@@ -200,11 +168,11 @@ fn diagnose_entry(
     // Without repeats the base model's misfit stands for the noise at first.
     let mut problem = posed(floor_um.unwrap_or(1.0));
     let name = &verification.name;
-    if problem.base.degrees_of_freedom < LEAST_DEGREES_OF_FREEDOM {
+    if problem.listed.base.degrees_of_freedom < LEAST_DEGREES_OF_FREEDOM {
         outcome.notices.push(format!(
             "{name}: {} arrivals leave {:.0} degrees of freedom beside the base model; nothing can be said (at least {LEAST_DEGREES_OF_FREEDOM:.0} are needed: repeat the cycle)",
             problem.readings(),
-            problem.base.degrees_of_freedom,
+            problem.listed.base.degrees_of_freedom,
         ));
         return;
     }
@@ -253,10 +221,10 @@ fn parked_elsewhere(campaign: &Campaign, verification: &Verification) -> Vec<usi
 const MOST_TRIES: usize = 3;
 
 /// Finds and judges the causes of one verification.
-fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> EntryOutcome {
+fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> Entry {
     let families = omnibus::families(problem);
     let folds = held_out::folds(problem.comparison);
-    let before = &problem.base;
+    let before = &problem.listed.base;
     let tests = omnibus::omnibus(problem, &families, before);
 
     // Causes that hold on unused readings; structure beside them that they do not merely imitate. What does
@@ -266,39 +234,41 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
     let mut tries = 0;
     loop {
         tries += 1;
-        chosen = search::search(problem, &excluded, level);
+        chosen = search::search(&problem.listed, &excluded, level);
         let first: Vec<usize> = chosen.iter().map(|c| c.candidate).collect();
         believed::with_gain(problem, &mut chosen, &folds);
-        let left = omnibus::omnibus(problem, &families, &problem.with(&chosen));
+        let left = omnibus::omnibus(problem, &families, &problem.listed.with(&chosen));
         let found = chosen.len();
-        believed::without_imitations(problem, &mut chosen, &left, &families, level);
+        let squares = |t: &Omnibus| t.drop - t.test.columns as f64;
+        let left = still_left(&families, &left, level, squares);
+        believed::without_imitations(problem, &mut chosen, &left);
         if chosen.len() < found {
-            search::drop_superfluous(problem, &mut chosen, level);
+            search::drop_superfluous(&problem.listed, &mut chosen, level);
         }
         if !chosen.is_empty() || first.is_empty() || tries == MOST_TRIES {
             break;
         }
-        let of_time = |&number: &usize| problem.candidates[number].is_of_time();
+        let of_time = |&number: &usize| problem.listed.candidates[number].hypothesis.is_of_time();
         if first.iter().any(of_time) {
-            excluded.extend((0..problem.candidates.len()).filter(of_time));
+            excluded.extend((0..problem.listed.candidates.len()).filter(of_time));
         }
         excluded.extend(first);
     }
 
     // The one without which most is left comes first.
-    let left_without = |k: usize| problem.with(&search::without(&chosen, k)).squares();
+    let left_without = |k: usize| problem.listed.with(&without(&chosen, k)).squares();
     let mut ranked: Vec<(f64, Chosen)> = (0..chosen.len())
         .map(|k| (left_without(k), chosen[k]))
         .collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
     let chosen: Vec<Chosen> = ranked.into_iter().map(|(_, cause)| cause).collect();
-    let after = problem.with(&chosen);
+    let after = problem.listed.with(&chosen);
     let tests_after = omnibus::omnibus(problem, &families, &after);
     let causes = report::causes(problem, scene, &chosen, &after, &folds);
-    let unexplained = unexplained(problem, &after, &families, &tests_after, level);
+    let unexplained = unexplained(problem, &after, &tests_after, level);
     let columns: Vec<Vec<Vec<f64>>> = chosen
         .iter()
-        .map(|cause| problem.columns(std::slice::from_ref(cause)))
+        .map(|cause| problem.listed.columns(std::slice::from_ref(cause)))
         .collect();
     let held_before = held_out::held_out(problem, &[], &folds);
     let held_after = held_out::held_out(problem, &chosen, &folds);
@@ -307,7 +277,7 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
         rms_um: problem.rms_um(model),
         heldout_rms_um: held.rms().map(|rms| rms * problem.sigma_um),
     };
-    EntryOutcome {
+    Entry {
         report: LevelReport {
             level: Level::Verification,
             data: name.to_owned(),
@@ -317,14 +287,14 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
             gain: gain
                 .map(|bounded| bounded.gain)
                 .filter(|_| !causes.is_empty()),
-            shares: Shares::new(&problem.base, &columns, unexplained.is_some()),
-            unexplained: None,
-            tests,
-            tests_after,
+            shares: Shares::new(&problem.listed.base, &columns, unexplained.is_some()),
+            unexplained,
+            tests: tests.into_iter().map(|t| t.test).collect(),
+            tests_after: tests_after.into_iter().map(|t| t.test).collect(),
             places: report::places(problem, before, &after),
         },
         causes,
-        unexplained,
+        disturbances: Vec::new(),
     }
 }
 
@@ -332,31 +302,19 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
 fn unexplained(
     problem: &Problem<'_>,
     after: &Projection,
-    families: &[omnibus::Family],
-    tests: &[OmnibusTest],
+    tests: &[Omnibus],
     level: f64,
 ) -> Option<Unexplained> {
-    let significant: Vec<&OmnibusTest> = tests.iter().filter(|t| t.p_value < level).collect();
-    if significant.is_empty() {
-        return None;
-    }
+    let clear = || tests.iter().filter(|t| t.test.p_value < level);
     // Squares beyond what noise leaves in the columns of the clearest test.
-    let excess = families
-        .iter()
-        .filter(|family| {
-            significant
-                .iter()
-                .any(|t| t.varies_with == family.varies_with)
-        })
-        .map(|family| {
-            let with = after.extended(&family.columns);
-            let variance = with.squares() / with.degrees_of_freedom.max(1.0);
-            let columns = after.degrees_of_freedom - with.degrees_of_freedom;
-            after.squares() - with.squares() - columns * variance
-        })
-        .fold(0.0, f64::max);
-    let varies_with: Vec<&'static str> = significant.iter().map(|t| t.varies_with).collect();
-    let period = significant.iter().find_map(|t| t.detail.as_deref());
+    let excess = clear().map(|t| {
+        let columns = t.test.columns as f64;
+        let rest = after.squares() - t.drop;
+        t.drop - columns * rest / (after.degrees_of_freedom - columns).max(1.0)
+    });
+    let excess = excess.reduce(f64::max)?;
+    let varies_with: Vec<&'static str> = clear().map(|t| t.test.varies_with).collect();
+    let period = clear().find_map(|t| t.test.detail.as_deref());
     let period = period.map_or_else(String::new, |p| format!(", with a period near {p}"));
     Some(Unexplained {
         level: Level::Verification,

@@ -29,6 +29,16 @@ impl Effect {
     pub fn parameters(&self, scene: &Scene, subject: &Subject) -> Vec<Parameter> {
         (self.parameters)(scene, subject)
     }
+
+    /// Whether it moves all that the machine carries alike.
+    pub fn moves_machine(&self) -> bool {
+        self.layer == Layer::Machine && matches!(self.form, Form::Target(_))
+    }
+
+    /// Whether it moves a station, or the frame in which coordinates are measured.
+    pub fn moves_station(&self) -> bool {
+        matches!(self.form, Form::Station(_))
+    }
 }
 
 /// By name: the rest stands in the catalogue.

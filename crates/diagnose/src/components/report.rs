@@ -1,12 +1,13 @@
 //! An effect on a curve as a cause of the diagnosis.
 
 use nalgebra::DVector;
-use trueaxis_effects::{Level, ResolvedEffect, Scene, Shape};
-use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
+use trueaxis_effects::{Level, Scene, Shape};
+use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 
 use crate::components::curve_set::CurveSet;
 use crate::components::search::Found;
 use crate::diagnosis::{Cause, EstimatedParameter};
+use crate::engine::with_uncertainties;
 use crate::fitted::{Fitted, Row};
 use crate::selection::Projection;
 
@@ -20,46 +21,32 @@ const DIFFERENCE: f64 = 1e-6;
 pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
     let hypothesis = &found.candidate.hypothesis;
     let estimate = &found.estimate;
-    let linear = hypothesis.effect.parameters(scene, &hypothesis.subject);
     let n = estimate.parameters.len();
-    let mut parameters: Vec<EstimatedParameter> = linear
-        .iter()
-        .zip(&estimate.parameters)
-        .enumerate()
-        .map(|(k, (parameter, &value))| EstimatedParameter {
-            name: parameter.name.clone(),
-            value,
-            u: estimate.covariance[(k, k)].max(0.0).sqrt(),
-            unit: parameter.unit,
-        })
-        .collect();
-    let unit = linear.first().map_or("um", |parameter| parameter.unit);
-    parameters.extend(amplitude_and_phase(found, unit));
-    parameters.extend(shape(set, found));
+    let u = |k: usize| estimate.covariance[(k, k)].max(0.0).sqrt();
+    // Waves as short as two steps may as well be shorter ones: the period is at most that, with no uncertainty.
+    let is_shortest = hypothesis.effect.shape == Shape::Period
+        && estimate.shape <= 2.0 * set.step() * (1.0 + 1e-9);
+    let u_shape = match is_shortest {
+        true => f64::INFINITY,
+        false => estimate.u_shape,
+    };
+    let of_shape = (estimate.shape, u_shape);
+    let mut parameters = with_uncertainties(scene, hypothesis, &estimate.parameters, u, of_shape);
+    let unit = parameters.first().map_or("um", |parameter| parameter.unit);
+    let derived = amplitude_and_phase(found, unit);
+    parameters.splice(n..n, derived);
     let (share, rms_um) = share_and_rms(set, &estimate.curve);
+    let covariance = (0..n * n).map(|k| estimate.covariance[(k / n, k % n)]);
+    let effect = hypothesis.resolved(estimate.parameters.clone(), estimate.shape);
     Cause {
-        effect: ResolvedEffect {
-            effect: hypothesis.effect,
-            subject: hypothesis.subject,
-            parameters: estimate.parameters.clone(),
-            shape: estimate.shape,
-        },
-        level: Level::Components,
         data: "error curves".to_owned(),
         p_value: found.p_value,
         delta_bic: found.score.bic,
         explained_rms_um: rms_um,
-        heldout_gain: None,
-        parameters,
-        covariance: (0..n * n)
-            .map(|k| estimate.covariance[(k / n, k % n)])
-            .collect(),
         rivals: found.rivals.clone(),
-        changes: Vec::new(),
-        share: None,
-        curve: Vec::new(),
         share_of_curve: Some(share),
         fitted: fitted(set, &estimate.curve, scene),
+        ..Cause::of(Level::Components, effect, parameters, covariance.collect())
     }
 }
 
@@ -107,39 +94,6 @@ fn u_of(found: &Found, f: &dyn Fn(&[f64]) -> f64) -> f64 {
     (gradient.transpose() * &found.estimate.covariance * &gradient)[(0, 0)]
         .max(0.0)
         .sqrt()
-}
-
-fn shape(set: &CurveSet, found: &Found) -> Option<EstimatedParameter> {
-    let value = found.estimate.shape;
-    // Waves as short as two steps may as well be shorter ones: the period is at most that, with no uncertainty.
-    let is_shortest = value <= 2.0 * set.step() * (1.0 + 1e-9);
-    let u = match is_shortest {
-        true => f64::INFINITY,
-        false => found.estimate.u_shape,
-    };
-    match found.candidate.hypothesis.effect.shape {
-        Shape::Period => {
-            let (value, u, unit) = match set.content.kind() {
-                AxisKind::Linear => (value, u, "mm"),
-                AxisKind::Rotary => (value.to_degrees(), u.to_degrees(), "deg"),
-            };
-            Some(EstimatedParameter {
-                name: "period".to_owned(),
-                value,
-                u,
-                unit,
-            })
-        }
-        Shape::Waves => Some(EstimatedParameter {
-            name: "waves".to_owned(),
-            value,
-            u: found.estimate.u_shape,
-            unit: "1",
-        }),
-        Shape::Fixed | Shape::Instant | Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
-            None
-        }
-    }
 }
 
 /// The curve of the set in which the effect is largest, both after what the gauge takes.

@@ -1,6 +1,6 @@
 //! One effect at a time, each with the earlier ones in the model; at the end each against all others.
 
-use trueaxis_effects::{Effect, ResolvedEffect, Scene};
+use trueaxis_effects::{Effect, Scene};
 use trueaxis_kinematics::AxisKind;
 
 use crate::components::background::{Background, backgrounds};
@@ -262,13 +262,8 @@ impl SetSearch {
             .filter_map(|score| {
                 let other = fit(score);
                 let hypothesis = &self.candidates[score.scan].hypothesis;
-                is_rival(leader, score, cosine(&own, &other)).then_some(Rival {
-                    effect: ResolvedEffect {
-                        effect: hypothesis.effect,
-                        subject: hypothesis.subject,
-                        parameters: other.estimates,
-                        shape: score.shape,
-                    },
+                is_rival(leader, score, cosine(&own, &other)).then(|| Rival {
+                    effect: hypothesis.resolved(other.estimates, score.shape),
                     delta_bic: score.bic,
                 })
             })

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_effects::{ResolvedEffect, Scene, TemperatureHistory};
+use trueaxis_effects::{Scene, TemperatureHistory};
 use trueaxis_multilateration::{
     CampaignNetwork, Group, Network, Noise, Settings, Solution, Whitened, estimate_noise,
     network_from_campaign, solve_as_a_set, solve_from,
@@ -14,9 +14,11 @@ use trueaxis_poses::{
 };
 
 use crate::Error;
+use crate::engine::Suspect;
+use crate::lengths::adjusted::Adjusted;
 use crate::lengths::disturbance::Disturbance;
 use crate::lengths::left_out::LeftOut;
-use crate::selection::{Fit, Hypothesis, Projection, dot};
+use crate::selection::{Fit, Hypothesis};
 
 /// The lengths of a campaign, ready to be adjusted.
 #[derive(Clone)]
@@ -40,34 +42,6 @@ pub(crate) struct Base<'a> {
     pub(crate) span_s: [f64; 2],
 }
 
-/// A cause with its parameters, linear at its shape.
-#[derive(Debug, Clone)]
-pub(crate) struct Suspect {
-    pub(crate) hypothesis: Hypothesis,
-    pub(crate) shape: f64,
-    pub(crate) u_shape: f64,
-    pub(crate) parameters: Vec<f64>,
-    /// Covariance of the parameters, rows one after the other.
-    pub(crate) covariance: Vec<f64>,
-    /// Whether the data see all of each parameter.
-    pub(crate) seen: Vec<bool>,
-}
-
-/// An adjusted model.
-pub(crate) struct Adjusted {
-    /// The network with the noise used; its lengths are less what the causes do to them.
-    pub(crate) network: Network,
-    pub(crate) solution: Solution,
-    /// Whitened rows of the rigid model.
-    pub(crate) whitened: Whitened,
-    /// What neither the rigid model nor the causes absorb.
-    pub(crate) projection: Projection,
-    /// What the rigid model does not absorb, beside what wanders; the causes are left out of it.
-    pub(crate) before_causes: Arc<Projection>,
-    /// The causes with their parameters.
-    pub(crate) suspects: Vec<Suspect>,
-}
-
 /// More gross errors than this part of the lengths are no accident but structure, which the search is to
 /// see.
 const MOST_GROSS: f64 = 0.01;
@@ -76,13 +50,7 @@ const MOST_GROSS: f64 = 0.01;
 /// a thousandth of one.
 const NO_WEIGHT: f64 = 1e6;
 
-/// Parameters of causes rest when they move by less than this part of their uncertainty.
-const RESTS: f64 = 1e-3;
-
 const MAX_ITERATIONS: usize = 8;
-
-/// What is left of residuals after a projection that has made them differs from them by less than this part.
-const PROJECTED: f64 = 1e-6;
 
 /// Rounds of noise and disturbances: the first takes one for the other.
 const ROUNDS: usize = 3;
@@ -419,60 +387,5 @@ impl<'a> Base<'a> {
             all.network.readings[i].length_mm - computed_mm - effect_mm
         };
         all.readings.iter().enumerate().map(misfit).collect()
-    }
-
-    /// An effect with values, by the names of the campaign.
-    pub(crate) fn resolved(suspect: &Suspect) -> ResolvedEffect {
-        ResolvedEffect {
-            effect: suspect.hypothesis.effect,
-            subject: suspect.hypothesis.subject,
-            parameters: suspect.parameters.clone(),
-            shape: suspect.shape,
-        }
-    }
-}
-
-impl Adjusted {
-    /// Whether the rigid model takes nothing more of its residuals. It does where something is known beforehand, as a
-    /// dead path.
-    fn is_projected(&self) -> bool {
-        let residuals = &self.whitened.residuals;
-        let mut again = residuals.clone();
-        self.whitened.project(&mut again);
-        let taken = again.iter().zip(residuals).map(|(a, b)| (a - b).powi(2));
-        taken.sum::<f64>() <= PROJECTED.powi(2) * dot(residuals, residuals)
-    }
-
-    /// The same with another projection and no causes.
-    pub(crate) fn with(&self, projection: Projection) -> Self {
-        Self {
-            network: self.network.clone(),
-            solution: self.solution.clone(),
-            whitened: self.whitened.clone(),
-            projection,
-            before_causes: Arc::clone(&self.before_causes),
-            suspects: Vec::new(),
-        }
-    }
-
-    /// Moves the parameters by a fit of what is left; whether they rest.
-    fn update(&mut self, fit: &Fit) -> bool {
-        let all = fit.estimates.len();
-        let mut first = 0;
-        let mut rests = true;
-        for suspect in &mut self.suspects {
-            let count = suspect.parameters.len();
-            suspect.covariance = (0..count * count)
-                .map(|ij| fit.covariance[(first + ij / count) * all + first + ij % count])
-                .collect();
-            for k in 0..count {
-                let step = fit.estimates[first + k];
-                suspect.parameters[k] += step;
-                let u = suspect.covariance[k * count + k].sqrt();
-                rests &= step.abs() <= RESTS * u;
-            }
-            first += count;
-        }
-        rests
     }
 }

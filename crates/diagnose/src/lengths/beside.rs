@@ -3,7 +3,8 @@
 use trueaxis_multilateration::{Settings, Solution, Whitened, solve_from};
 
 use crate::Error;
-use crate::lengths::base::{Adjusted, Base};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
 use crate::lengths::disturbance::Disturbance;
 use crate::selection::{Projection, dot};
 

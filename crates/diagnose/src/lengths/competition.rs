@@ -10,11 +10,10 @@
 //! that thing moves, and loses its name ([`is_of`]).
 
 use crate::Error;
-use crate::lengths::base::{Adjusted, Base, Suspect};
-use crate::lengths::causes::{Found, Search, find_causes, settle};
-use crate::lengths::culprit::is_of;
-use crate::lengths::hypotheses::{hypotheses, scan, visit_times};
-use crate::lengths::omnibus::Omnibus;
+use crate::engine::{Culprits, Found, Omnibus, Search, Suspect, find_causes, scan, scans, settle};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
+use crate::lengths::measured::is_of;
 use crate::lengths::wandering::{Judged, disturbances, least, of_wandering, wandering};
 use crate::selection::{DECISIVE, Hypothesis, Null, rank};
 
@@ -25,7 +24,7 @@ const WORTH_A_LOOK: f64 = 0.05;
 pub(crate) struct Model<'a> {
     /// The lengths, what wanders in their covariance.
     pub(crate) base: Base<'a>,
-    pub(crate) search: Search,
+    pub(crate) search: Search<Adjusted>,
     pub(crate) wandering: Vec<Judged>,
 }
 
@@ -40,7 +39,7 @@ pub(crate) struct Candidates<'a> {
 pub(crate) fn compete<'a>(
     base: &Base<'a>,
     before: &[Omnibus],
-    search: Search,
+    search: Search<Adjusted>,
     candidates: &Candidates<'_>,
 ) -> Result<Model<'a>, Error> {
     let is_quiet = before.iter().all(|t| t.test.p_value >= WORTH_A_LOOK);
@@ -107,7 +106,7 @@ fn described<'a>(
         let wanders_on = |found: &Found| {
             model.wandering.iter().any(|judged| {
                 judged.evidence > PART * found.statistic
-                    && is_of(base, found, judged.disturbance.wanderer)
+                    && is_of(&Culprits::of(base, found), judged.disturbance.wanderer)
             })
         };
         let Some(undescribed) = model.search.found.iter().position(wanders_on) else {
@@ -159,11 +158,10 @@ fn better<'a>(base: &Base<'a>, first: Model<'a>, second: Model<'a>) -> Result<Mo
 /// Twice the logarithm of the marginal likelihood ratio against the model without anything, less what names cost.
 fn evidence(base: &Base<'_>, plain: &Adjusted, model: &Model<'_>) -> f64 {
     let (mut sum, projection) = of_wandering(base, plain, &model.wandering);
-    let visits = visit_times(base);
     let mut adjusted = plain.with(projection);
     for found in &model.search.found {
         let hypothesis = found.suspect.hypothesis;
-        if let Some(scan) = scan(base, &adjusted, &visits, hypothesis) {
+        if let Some(scan) = scan(base, &adjusted, &adjusted.projection, hypothesis) {
             let score = rank(&adjusted.projection, std::slice::from_ref(&scan));
             sum += score.first().map_or(0.0, |score| score.evidence);
             let columns = base.columns(&adjusted, &hypothesis, found.suspect.shape);
@@ -180,11 +178,7 @@ fn without_causes<'a>(base: &Base<'a>, wandering: Vec<Judged>) -> Result<Model<'
     let adjusted = base.adjust(Vec::new(), None)?;
     Ok(Model {
         base,
-        search: Search {
-            found: Vec::new(),
-            adjusted,
-            left: 0.0,
-        },
+        search: Search::without_causes(adjusted),
         wandering,
     })
 }
@@ -202,7 +196,7 @@ fn alternated<'a>(
 ) -> Result<Model<'a>, Error> {
     let here = base.beside(disturbances(&first));
     let start = here.adjust(Vec::new(), None)?;
-    let scans = hypotheses(&here, &start, candidates.all).scans;
+    let scans = scans(&here, &start, &start.projection, candidates.all).scans;
     let search = find_causes(&here, start, candidates.all, &scans, candidates.null)?;
     if search.found.is_empty() {
         return Ok(Model {

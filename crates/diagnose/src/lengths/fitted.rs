@@ -3,8 +3,10 @@
 use trueaxis_campaign::Direction;
 use trueaxis_poses::LengthCircumstances;
 
+use crate::engine::Suspect;
 use crate::fitted::{Fitted, Row};
-use crate::lengths::base::{Adjusted, Base, Suspect};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
 
 /// Of one station and target: `rest` is what all causes and what wanders leave, `current` the model with all causes. The
 /// other causes stay as they were fitted with this one.

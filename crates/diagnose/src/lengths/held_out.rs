@@ -15,55 +15,17 @@
 #[cfg(test)]
 mod true_gain;
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use trueaxis_poses::LengthCircumstances as Reading;
 
-use crate::lengths::base::{Adjusted, Base, Suspect};
-use crate::lengths::hypotheses::{scan, visit_times};
-use crate::selection::Hypothesis;
-use crate::{Error, HeldOutRatio};
-
-/// Held-out rms without and with the causes in standard deviations of the noise, and the interval of
-/// their ratio.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct HeldOut {
-    pub(crate) before: f64,
-    pub(crate) after: f64,
-    pub(crate) interval: [f64; 2],
-}
-
-impl HeldOut {
-    /// Of the sums of sweeps.
-    pub(crate) fn of(sums: &[Sums]) -> Self {
-        let count: usize = sums.iter().map(|s| s.0).sum();
-        let rms = |squares: f64| (squares / count as f64).sqrt();
-        Self {
-            before: rms(sums.iter().map(|s| s.1).sum()),
-            after: rms(sums.iter().map(|s| s.2).sum()),
-            interval: interval(sums),
-        }
-    }
-
-    pub(crate) fn ratio(self) -> HeldOutRatio {
-        HeldOutRatio {
-            ratio: self.after / self.before,
-            interval: self.interval,
-        }
-    }
-}
-
-const FOLDS: usize = 5;
+use crate::Error;
+use crate::engine::{FOLDS, HeldOut, Sums, sought_again};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
 
 /// With fewer stations than this the others alone do not determine the points well enough to predict
 /// one: four are needed for a self-calibration.
 const MIN_STATIONS: usize = 5;
-
-/// Resamples of the bootstrap: its 95 % interval is then good to a tenth of its width.
-const RESAMPLES: usize = 1000;
-
-const SEED: u64 = 0x6865_6c64_2d6f_7574;
 
 /// Predicts each fold of sweeps from the others with the noise of the final model; `None` if there are
 /// too few sweeps, or a fold is needed to determine the rest.
@@ -97,9 +59,6 @@ pub(crate) fn held_out_stations(
 /// The sweep of a reading, its misfit without and with the causes.
 type Misfits = (usize, f64, f64);
 
-/// Number of readings of a sweep, its squares without and with the causes.
-pub(crate) type Sums = (usize, f64, f64);
-
 /// Predicts each fold from what is left of the base without its readings (ascending).
 fn held_out<'a>(
     base: &Base<'a>,
@@ -120,7 +79,7 @@ fn held_out<'a>(
             true => plain.with(plain.projection.clone()),
             false => rest.adjust(Vec::new(), Some(noise))?,
         };
-        let suspects = fitted_again(&rest, &beside, &adjusted.suspects);
+        let (suspects, _) = sought_again(&rest, &beside, &adjusted.suspects);
         let mut extended = rest.adjust_given(suspects, noise)?;
         let mut before = rest.predicted_misfit_mm(base, &plain);
         let wandered_mm = rest.wandered_mm(&extended, base);
@@ -153,59 +112,4 @@ fn held_out<'a>(
         }
     }
     Ok(Some(HeldOut::of(&sums)))
-}
-
-/// 95 % interval of the ratio of the rms with and without the causes, by a bootstrap of sweeps.
-fn interval(sums: &[Sums]) -> [f64; 2] {
-    let mut generator = ChaCha8Rng::seed_from_u64(SEED);
-    let mut resampled = || {
-        let (mut before, mut after) = (0.0, 0.0);
-        for _ in sums {
-            let drawn = sums[generator.random_range(0..sums.len())];
-            before += drawn.1;
-            after += drawn.2;
-        }
-        (after / before).sqrt()
-    };
-    let mut ratios: Vec<f64> = (0..RESAMPLES).map(|_| resampled()).collect();
-    ratios.sort_by(f64::total_cmp);
-    [
-        ratios[RESAMPLES / 40],
-        ratios[RESAMPLES - RESAMPLES / 40 - 1],
-    ]
-}
-
-/// The same causes with shapes and parameters from other lengths; directions of the parameters that
-/// these hardly show are shrunk ([`crate::selection::Gram::shrunk`]). A cause that they do not show stays out.
-fn fitted_again(base: &Base<'_>, plain: &Adjusted, suspects: &[Suspect]) -> Vec<Suspect> {
-    let visits = visit_times(base);
-    let mut projected = plain.with(plain.projection.clone());
-    let mut again: Vec<Suspect> = Vec::new();
-    for suspect in suspects {
-        let hypothesis: Hypothesis = suspect.hypothesis;
-        let Some(scan) = scan(base, &projected, &visits, hypothesis) else {
-            continue;
-        };
-        let mut best: Option<(f64, f64, Vec<f64>)> = None;
-        scan.for_each(&projected.projection.residuals, &mut |shape, gram, s| {
-            let statistic = gram.statistic(s);
-            if best
-                .as_ref()
-                .is_none_or(|(_, largest, _)| statistic > *largest)
-            {
-                best = Some((shape, statistic, gram.shrunk(s)));
-            }
-        });
-        let Some((shape, _, parameters)) = best else {
-            continue;
-        };
-        again.push(Suspect {
-            shape,
-            parameters,
-            ..suspect.clone()
-        });
-        let columns = scan.columns(shape);
-        projected.projection = projected.projection.extended(&columns);
-    }
-    again
 }

@@ -9,7 +9,9 @@ use trueaxis_effects::Shape;
 use trueaxis_multilateration::{Group, Network};
 use trueaxis_poses::{LengthCircumstances as Reading, length_circumstances};
 
-use crate::lengths::base::{Adjusted, Base, Suspect};
+use crate::engine::Suspect;
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
 
 /// A length that was left out.
 #[derive(Debug, Clone)]

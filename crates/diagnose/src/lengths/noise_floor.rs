@@ -4,7 +4,8 @@ use std::collections::HashMap;
 
 use trueaxis_campaign::Direction;
 
-use crate::lengths::base::{Adjusted, Base};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
 
 /// Repeats with so few degrees of freedom say less than the adjustment.
 const LEAST_DEGREES_OF_FREEDOM: usize = 30;

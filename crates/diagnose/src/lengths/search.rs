@@ -1,53 +1,41 @@
 //! The search for causes in the lengths.
 
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_effects::Level;
+use trueaxis_effects::{Level, Subject};
 use trueaxis_multilateration::{Noise, network_from_campaign};
 use trueaxis_poses::LengthsAdjustment;
 
-use crate::lengths::base::{Adjusted, Base, Suspect};
-use crate::lengths::causes::{Found, find_causes};
+use crate::engine::{
+    Found, HeldOut, OMNIBUS_LEVEL, Omnibus, Suspect, cause, find_causes, of_catalogue, scans,
+};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
 use crate::lengths::competition::{Candidates, Model, compete, only_wandering};
-use crate::lengths::estimated::estimated;
 use crate::lengths::fitted::fitted;
-use crate::lengths::held_out::{HeldOut, held_out_stations, held_out_sweeps};
-use crate::lengths::hypotheses::{hypotheses, of_catalogue};
+use crate::lengths::held_out::{held_out_stations, held_out_sweeps};
 use crate::lengths::left_out::{are_in_a_row, still_left_out};
 use crate::lengths::noise_floor::{mean_noise_um, noise_floor_um};
 use crate::lengths::not_observable::not_observable;
-use crate::lengths::omnibus::{OMNIBUS_LEVEL, Omnibus, omnibus};
+use crate::lengths::omnibus::omnibus;
 use crate::lengths::places::places;
 use crate::lengths::unexplained::unexplained_part;
 use crate::lengths::wandered::wandered;
 use crate::lengths::wandering::Judged;
+use crate::said::{Entry, Said};
 use crate::selection::{Null, Part};
-use crate::{
-    Cause, Disturbance, Error, Gain, LevelReport, Misfit, NotObservable, Rival, Shares, Unexplained,
-};
+use crate::{Error, Gain, LevelReport, Misfit, NotObservable, Shares, Unexplained};
 
 /// Causes are named if they explain more than this part of the structure beside what wanders: a remainder takes
 /// no name away, but what is a small part of something else is no cause.
 const LEAST: f64 = 0.25;
 
-/// The diagnosis of the lengths.
-pub(crate) struct LengthsOutcome {
-    pub(crate) report: LevelReport,
-    pub(crate) causes: Vec<Cause>,
-    pub(crate) disturbances: Vec<Disturbance>,
-    pub(crate) unexplained: Option<Unexplained>,
-    pub(crate) not_observable: Vec<NotObservable>,
-    pub(crate) notices: Vec<String>,
-    /// For every reading of the campaign what causes and disturbances do to it, mm.
-    pub(crate) effects_mm: Vec<f64>,
-}
-
 /// Finds what the lengths contradict in the rigid, quasi-static model, and why, from the adjustment of their
-/// calibration.
+/// calibration; and what causes and disturbances do to every reading of the campaign, mm.
 pub(crate) fn diagnose_lengths(
     campaign: &Campaign,
     lengths: &Lengths,
     adjustment: Option<&LengthsAdjustment<'_>>,
-) -> Result<LengthsOutcome, Error> {
+) -> Result<(Said, Vec<f64>), Error> {
     let mut base = Base::new(campaign, lengths, adjustment)?;
     let mut looked = look(&base)?;
     let gross = if are_in_a_row(&base, lengths) {
@@ -75,7 +63,7 @@ pub(crate) fn diagnose_lengths(
     };
     let mut heldout = held_out_by(&named);
     // What predicts unused data worse than nothing is no cause.
-    if heldout.is_some_and(|h| h.interval[0] >= 1.0) && !named.found.is_empty() {
+    if heldout.is_some_and(|h| h.is_loss()) && !named.found.is_empty() {
         named = left_alone(&base, plain.network.noise, &before)?;
         heldout = held_out_by(&named);
     }
@@ -104,16 +92,9 @@ pub(crate) fn diagnose_lengths(
         true => None,
         false => held_out_stations(&base, &current).unwrap_or(None),
     };
-    let gain = heldout.map(|h| {
-        let excess = before_um.powi(2) - floor_um.powi(2);
-        let left = (after_um.powi(2) - floor_um.powi(2)).max(0.0);
-        let removed = (1.0 - left / excess).clamp(0.0, 1.0);
-        Gain {
-            heldout_rms_ratio: h.ratio().ratio,
-            interval: h.interval,
-            share_of_excess_removed: if excess > 0.0 { removed } else { 0.0 },
-            leave_one_station_out: stations_out.map(HeldOut::ratio),
-        }
+    let gain = heldout.map(|h| Gain {
+        leave_one_station_out: stations_out.map(HeldOut::ratio),
+        ..h.gain(before_um, after_um, floor_um)
     });
     let of_causes = current.suspects.iter();
     let of_causes = of_causes.map(|s| Part::Free(base.columns(&sharp, &s.hypothesis, s.shape)));
@@ -139,13 +120,12 @@ pub(crate) fn diagnose_lengths(
         },
         gain,
         shares,
-        unexplained: None,
+        unexplained,
         tests: before.into_iter().map(|t| t.test).collect(),
         tests_after: after.into_iter().map(|t| t.test).collect(),
         places: places(
             &base,
-            &plain.solution.residuals_mm,
-            &rest.solution.residuals_mm,
+            [&plain.solution.residuals_mm, &rest.solution.residuals_mm],
             [scale(&plain), scale(&current)],
         ),
     };
@@ -153,16 +133,34 @@ pub(crate) fn diagnose_lengths(
     let notices = notices(&base);
     let only = found.len() + wandering.len() == 1;
     let disturbances = wandered(&base, &current, wandering, gain.filter(|_| only));
-    let causes = causes(&base, found, &current, &rest, gain.filter(|_| only));
-    Ok(LengthsOutcome {
+    let causes = found.into_iter().map(|found| {
+        let suspect = &found.suspect;
+        let shown = (
+            rms_of_effect_um(&base, &current, suspect),
+            fitted(&base, &rest, &current, suspect),
+        );
+        cause(
+            &base,
+            Level::Lengths,
+            &current,
+            found,
+            gain.filter(|_| only),
+            shown,
+        )
+    });
+    let causes = causes.collect();
+    let entry = Entry {
         report,
         causes,
         disturbances,
-        unexplained,
+    };
+    let said = Said {
+        entries: vec![entry],
         not_observable,
         notices,
-        effects_mm,
-    })
+        ..Said::default()
+    };
+    Ok((said, effects_mm))
 }
 
 /// What the search finds in the lengths of a base.
@@ -189,8 +187,10 @@ pub(crate) fn look<'a>(base: &Base<'a>) -> Result<Looked<'a>, Error> {
         true => Vec::new(),
         false => omnibus(base, &plain),
     };
-    let all = of_catalogue(base);
-    let first = hypotheses(base, &plain, &all);
+    // Poses take every coupling of axes; where runs differ, they are compared (`crate::runs`).
+    let is_pose = |s: &Subject| s.other_axis.is_some() && s.component.is_some();
+    let all = of_catalogue(Level::Lengths, &base.scene, |s| !is_pose(s));
+    let first = scans(base, &plain, &plain.projection, &all);
     let scans = match is_exact {
         true => &[],
         false => first.scans.as_slice(),
@@ -349,44 +349,4 @@ fn rms_of_effect_um(base: &Base<'_>, current: &Adjusted, suspect: &Suspect) -> f
     let effects_mm = effects_mm.map(|r| base.effect_mm(r, &current.solution, alone));
     let squares: f64 = effects_mm.map(|e| e * e).sum();
     (squares / base.readings.len() as f64).sqrt() * 1e3
-}
-
-/// The causes in words and units; `rest` is what they and what wanders leave.
-fn causes(
-    base: &Base<'_>,
-    found: Vec<Found>,
-    current: &Adjusted,
-    rest: &Adjusted,
-    gain: Option<Gain>,
-) -> Vec<Cause> {
-    found
-        .into_iter()
-        .map(|found| {
-            let (parameters, covariance) = estimated(base, current, &found.suspect);
-            Cause {
-                level: Level::Lengths,
-                data: String::new(),
-                p_value: found.p_value,
-                delta_bic: found.bic,
-                explained_rms_um: rms_of_effect_um(base, current, &found.suspect),
-                heldout_gain: gain.map(|g| 1.0 - g.heldout_rms_ratio),
-                parameters,
-                covariance,
-                rivals: found
-                    .rivals
-                    .iter()
-                    .map(|(suspect, bic)| Rival {
-                        effect: Base::resolved(suspect),
-                        delta_bic: *bic,
-                    })
-                    .collect(),
-                changes: Vec::new(),
-                share: None,
-                curve: Vec::new(),
-                share_of_curve: None,
-                fitted: fitted(base, rest, current, &found.suspect),
-                effect: Base::resolved(&found.suspect),
-            }
-        })
-        .collect()
 }

@@ -6,8 +6,8 @@
 
 use trueaxis_effects::effect;
 
-use crate::lengths::base::{Base, Suspect};
-use crate::lengths::causes::Found;
+use crate::engine::Suspect;
+use crate::lengths::base::Base;
 use crate::selection::Hypothesis;
 
 /// What moves the tripod, and what does the same to the dead path.
@@ -34,16 +34,6 @@ pub(super) fn swapped(base: &Base<'_>, suspects: &[Suspect]) -> Option<Vec<Suspe
         all[k] = with_other_name(base, &suspects[k])?;
     }
     Some(all)
-}
-
-/// Lists the two as rivals of those whose places they take; together they leave `more` squares.
-pub(super) fn add_swapped(found: &mut [Found], others: &[Suspect], more: f64) {
-    for (found, other) in found.iter_mut().zip(others) {
-        let is_other = |suspect: &Suspect| suspect.hypothesis.is(&other.hypothesis);
-        if !is_other(&found.suspect) && !found.rivals.iter().any(|rival| is_other(&rival.0)) {
-            found.rivals.push((other.clone(), found.bic + more));
-        }
-    }
 }
 
 fn id_of(suspect: &Suspect) -> &'static str {

@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use trueaxis_effects::Level;
 
 use crate::Unexplained;
-use crate::lengths::base::{Adjusted, Base, Suspect};
-use crate::lengths::omnibus::{OMNIBUS_LEVEL, Omnibus};
+use crate::engine::{OMNIBUS_LEVEL, Omnibus, Suspect};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
 
 /// What is left beyond the noise, and what it varies with.
 pub(crate) fn unexplained_part(

@@ -3,7 +3,8 @@
 use trueaxis_effects::{Level, Subject};
 use trueaxis_kinematics::AxisKind;
 
-use crate::lengths::base::{Adjusted, Base};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
 use crate::lengths::disturbance::{Wanderer, With};
 use crate::lengths::wandering::Judged;
 use crate::selection::{dot, gram_matrix};

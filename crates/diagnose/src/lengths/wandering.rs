@@ -10,7 +10,9 @@ use trueaxis_leastsquares::chi_squared_upper_tail;
 use trueaxis_multilateration::Noise;
 
 use crate::Error;
-use crate::lengths::base::{Adjusted, Base, Suspect};
+use crate::engine::Suspect;
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
 use crate::lengths::disturbance::{Disturbance, Wanderer, wanderers};
 use crate::selection::{DECISIVE, Gram, Projection, dot, gram_matrix, marginal_of};
 

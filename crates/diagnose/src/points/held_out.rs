@@ -6,13 +6,9 @@
 
 use std::collections::HashSet;
 
-use crate::lengths::{HeldOut, Sums};
+use crate::engine::{FOLDS, HeldOut, Sums, Suspect, sought_again};
 use crate::points::base::Base;
-use crate::points::hypotheses::scan;
 use crate::points::model::{Model, NO_WEIGHT};
-use crate::points::search::Suspect;
-
-const FOLDS: usize = 5;
 
 /// With fewer sweeps the rest says too little.
 const LEAST_SWEEPS: usize = 4;
@@ -31,20 +27,7 @@ pub(crate) fn held_out(base: &Base<'_>, model: &Model, causes: &[Suspect]) -> Op
         let stops = base.readings.stops.iter();
         let held: Vec<bool> = stops.map(|stop| is_held(stop.start)).collect();
         let plain = Model::with(base, &[], model.noise, Some(&held));
-        let mut projection = plain.bare.clone();
-        for cause in causes {
-            let Some(scan) = scan(base, &plain, &projection, cause.hypothesis) else {
-                continue;
-            };
-            let mut best = (0.0, cause.shape);
-            scan.for_each(&projection.residuals, &mut |shape, gram, s| {
-                let statistic = gram.statistic(s);
-                if statistic > best.0 {
-                    best = (statistic, shape);
-                }
-            });
-            projection = projection.extended(&scan.columns(best.1));
-        }
+        let (_, with) = sought_again(base, &plain, causes);
         let kept = (0..all.len()).filter(|&i| !is_held(i));
         let known: HashSet<_> = kept.map(|i| (all[i].pose, all[i].shape)).collect();
         for i in (0..all.len()).filter(|&i| is_held(i)) {
@@ -55,7 +38,7 @@ pub(crate) fn held_out(base: &Base<'_>, model: &Model, causes: &[Suspect]) -> Op
             sum.0 += 3;
             for row in 3 * i..3 * i + 3 {
                 sum.1 += (plain.bare.residuals[row] / NO_WEIGHT).powi(2);
-                sum.2 += (projection.residuals[row] / NO_WEIGHT).powi(2);
+                sum.2 += (with.residuals[row] / NO_WEIGHT).powi(2);
             }
         }
     }

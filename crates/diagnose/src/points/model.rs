@@ -5,10 +5,11 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
+use crate::engine::Suspect;
 use crate::points::base::{Base, of_pose};
 use crate::points::noise::Noise;
 use crate::points::readings::Reading;
-use crate::selection::{Arrowhead, Projection};
+use crate::selection::{Arrowhead, Fit, Projection};
 
 /// An adjusted model.
 pub(crate) struct Model {
@@ -19,6 +20,8 @@ pub(crate) struct Model {
     pub(crate) bare: Projection,
     /// The base model with the causes.
     pub(crate) projection: Projection,
+    /// The causes with their parameters, all together.
+    pub(crate) suspects: Vec<Suspect>,
 }
 
 /// Factor on the coordinates of stops that are to be predicted: their squares then weigh nothing.
@@ -43,6 +46,7 @@ impl Model {
             weights,
             projection: bare.clone(),
             bare,
+            suspects: Vec::new(),
         };
         let columns = model.whitened(base, causes_mm);
         model.projection = model.bare.extended(&columns);
@@ -56,6 +60,26 @@ impl Model {
             self.noise.whiten(&base.readings, column, &self.weights);
         }
         columns
+    }
+
+    /// The same with the parameters of its causes, all together.
+    pub(crate) fn fitted(self, base: &Base<'_>, suspects: Vec<Suspect>) -> Self {
+        let fit = Fit::new(
+            &self.bare,
+            &self.whitened(base, &base.columns_of(&suspects)),
+        );
+        let mut first = 0;
+        let of_one = |suspect: Suspect| {
+            let own = first..first + suspect.parameters.len();
+            first = own.end;
+            Suspect::new(
+                suspect.hypothesis,
+                (suspect.shape, suspect.u_shape),
+                &fit.part(own),
+            )
+        };
+        let suspects = suspects.into_iter().map(of_one).collect();
+        Self { suspects, ..self }
     }
 
     /// Rms for one degree of freedom of what a model leaves, in units of the noise.

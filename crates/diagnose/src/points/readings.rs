@@ -132,15 +132,6 @@ impl Readings {
         }
         new
     }
-
-    /// First and last time of a stop, s.
-    pub(crate) fn span_s(&self, stop: &Range<usize>) -> [f64; 2] {
-        let times = || self.all[stop.clone()].iter().map(|r| r.time_s);
-        [
-            times().fold(f64::INFINITY, f64::min),
-            times().fold(f64::NEG_INFINITY, f64::max),
-        ]
-    }
 }
 
 /// Whether the axis of a run moves a target; on the bed those targets that nothing moves.

@@ -4,31 +4,21 @@ use nalgebra::Vector3;
 use trueaxis_campaign::{Campaign, Points};
 use trueaxis_effects::{Level, ResolvedEffect, Scene};
 
-use crate::lengths::{HeldOut, OMNIBUS_LEVEL, Omnibus};
+use crate::engine::{
+    Found, HeldOut, Measured, OMNIBUS_LEVEL, Omnibus, Search, Suspect, cause, find_causes,
+    is_imitation, of_catalogue, scans, still_left,
+};
 use crate::points::base::Base;
-use crate::points::causes::causes;
+use crate::points::fitted::fitted;
 use crate::points::gross_errors::{Gross, are_accidents, stand_out};
 use crate::points::held_out::held_out;
-use crate::points::hypotheses::of_catalogue;
 use crate::points::model::Model;
 use crate::points::not_observable::not_observable;
-use crate::points::omnibus::{Family, families, is_imitation, omnibus};
+use crate::points::omnibus::{families, omnibus};
 use crate::points::places::places;
-use crate::points::search::{Found, Search, Suspect, columns_mm, find_causes};
-use crate::{Cause, Gain, LevelReport, Misfit, NotObservable, Rejected, Shares, Unexplained};
-
-/// The diagnosis of the points.
-pub(crate) struct PointsOutcome {
-    /// Tests, misfits and gain; none if nothing could contradict the model.
-    pub(crate) report: Option<LevelReport>,
-    pub(crate) causes: Vec<Cause>,
-    pub(crate) unexplained: Option<Unexplained>,
-    pub(crate) rejected: Vec<Rejected>,
-    pub(crate) not_observable: Vec<NotObservable>,
-    pub(crate) notices: Vec<String>,
-    /// The campaign without gross errors and without what the causes do; none if there is neither.
-    pub(crate) corrected: Option<Campaign>,
-}
+use crate::said::{Entry, Said};
+use crate::selection::{Fit, Hypothesis, Null};
+use crate::{Error, LevelReport, Misfit, Shares, Unexplained};
 
 /// Degrees of freedom below which nothing can be said.
 const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
@@ -36,39 +26,46 @@ const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
 /// No instrument resolves less, µm: what is left of points that were made without noise is rounding.
 const RESOLUTION_UM: f64 = 1e-3;
 
-/// Finds what the points contradict in the rigid, quasi-static model, and why.
+/// Finds what the points contradict in the rigid, quasi-static model, and why; with the campaign without gross errors
+/// and without what the causes do, if there is either.
 pub(crate) fn diagnose_points(
     campaign: &Campaign,
     points: &Points,
     scene: &Scene,
-) -> PointsOutcome {
+) -> Result<(Said, Option<Campaign>), Error> {
     let mut screened = Screened::beside(campaign, points, scene, &[]);
     let plain = Model::estimated(&screened.base, &[]);
     let freedom = plain.projection.degrees_of_freedom;
     if freedom < LEAST_DEGREES_OF_FREEDOM {
-        return not_judged(&screened.base, freedom);
+        return Ok((not_judged(&screened.base, freedom), None));
     }
     if plain.noise.mean_um(&screened.base.readings) < RESOLUTION_UM {
-        return said(&screened, points, Believed::nothing(plain), &[]);
+        return said(&screened, points, Believed::nothing(plain));
     }
-    let all = of_catalogue(&screened.base);
-    let mut search = find_causes(&screened.base, plain, &all);
+    let all = of_catalogue(Level::Points, scene, |_| true);
+    let mut search = searched(&screened.base, plain, &all)?;
     if !search.found.is_empty() {
         // What stood out of everything may have been a part of a cause, or have hidden beneath it.
         let again = Screened::beside(campaign, points, scene, &suspects(&search.found));
         if again.numbers() != screened.numbers() {
             let plain = Model::estimated(&again.base, &[]);
-            search = find_causes(&again.base, plain, &all);
+            search = searched(&again.base, plain, &all)?;
         }
         screened = again;
     }
-    let families = families(&screened.base);
-    let believed = Believed::of(&screened.base, search, &families);
-    said(&screened, points, believed, &families)
+    let believed = Believed::of(&screened.base, search)?;
+    said(&screened, points, believed)
+}
+
+/// The causes of what `plain`, the model without any, leaves.
+fn searched(base: &Base<'_>, plain: Model, all: &[Hypothesis]) -> Result<Search<Model>, Error> {
+    let first = scans(base, &plain, &plain.projection, all).scans;
+    let null = Null::simulated(&plain.projection, &first);
+    find_causes(base, plain, all, &first, &null)
 }
 
 fn suspects(found: &[Found]) -> Vec<Suspect> {
-    found.iter().map(|f| f.suspect).collect()
+    found.iter().map(|f| f.suspect.clone()).collect()
 }
 
 /// The points without gross errors.
@@ -92,7 +89,7 @@ impl<'a> Screened<'a> {
             let mut removed: Vec<usize> = gross.iter().map(|g| g.number).collect();
             removed.sort_unstable();
             let base = Base::new(campaign, scene, points, &removed);
-            let model = Model::estimated(&base, &columns_mm(&base, causes));
+            let model = Model::estimated(&base, &base.columns_of(causes));
             let next = stand_out(&base, &model);
             let are_many = !are_accidents(&[&gross[..], &next[..]].concat(), &base, points);
             if are_many {
@@ -118,20 +115,15 @@ impl<'a> Screened<'a> {
     }
 }
 
-fn not_judged(base: &Base<'_>, freedom: f64) -> PointsOutcome {
+fn not_judged(base: &Base<'_>, freedom: f64) -> Said {
     let text = format!(
         "{} points leave {freedom:.0} degrees of freedom beside a pose for each step, at least {LEAST_DEGREES_OF_FREEDOM:.0} are needed: measure \
          every step twice or from both sides, or three targets on the stage",
         base.readings.all.len()
     );
-    PointsOutcome {
-        report: None,
-        causes: Vec::new(),
-        unexplained: None,
-        rejected: Vec::new(),
-        not_observable: Vec::new(),
+    Said {
         notices: vec![text],
-        corrected: None,
+        ..Said::default()
     }
 }
 
@@ -155,15 +147,25 @@ impl Believed {
     }
 
     /// The causes of a search but those that predict unused points worse than nothing, or merely imitate what is left.
-    fn of(base: &Base<'_>, search: Search, families: &[Family]) -> Self {
+    fn of(base: &Base<'_>, search: Search<Model>) -> Result<Self, Error> {
         let Search {
             mut found,
-            mut model,
+            adjusted: mut model,
+            ..
         } = search;
         loop {
             let count = found.len();
-            let after = omnibus(base, families, &model);
-            let is_one = |cause: &Found| is_imitation(base, families, &model, &after, cause);
+            let families = families(base, &model);
+            let after = omnibus(&model, &families);
+            let left = still_left(&families, &after, OMNIBUS_LEVEL, |t| t.excess);
+            let is_one = |cause: &Found| {
+                let Suspect {
+                    hypothesis, shape, ..
+                } = &cause.suspect;
+                let columns = base.columns(&model)(hypothesis, *shape);
+                let trace = Fit::new(&model.bare, &columns).explained;
+                is_imitation(&model.bare, &trace, hypothesis.is_of_time(), &left)
+            };
             // What was found beside an imitation goes with it.
             let first = found.iter().position(is_one);
             found.truncate(first.unwrap_or(count));
@@ -172,17 +174,20 @@ impl Believed {
                     true => None,
                     false => held_out(base, &model, &suspects(&found)),
                 };
-                if heldout.is_none_or(|h| h.interval[0] < 1.0) {
-                    return Self {
+                if heldout.is_none_or(|h| !h.is_loss()) {
+                    return Ok(Self {
                         found,
                         model,
                         after,
                         heldout,
-                    };
+                    });
                 }
                 found.clear();
             }
-            model = Model::estimated(base, &columns_mm(base, &suspects(&found)));
+            model = base.refit(suspects(&found))?;
+            for (found, suspect) in found.iter_mut().zip(&model.suspects) {
+                found.suspect = suspect.clone();
+            }
         }
     }
 }
@@ -192,8 +197,7 @@ fn said(
     screened: &Screened<'_>,
     points: &Points,
     believed: Believed,
-    families: &[Family],
-) -> PointsOutcome {
+) -> Result<(Said, Option<Campaign>), Error> {
     let (base, gross) = (&screened.base, &screened.gross);
     let Believed {
         found,
@@ -201,7 +205,6 @@ fn said(
         after,
         heldout,
     } = believed;
-    let suspects = suspects(&found);
     // Both in the noise that is left at the end.
     let sharp = Model::with(base, &[], model.noise, None);
     let noise_um = model.noise.mean_um(&base.readings);
@@ -209,22 +212,14 @@ fn said(
         noise_um * Model::rms(&sharp.projection),
         noise_um * Model::rms(&model.projection),
     );
-    let before = omnibus(base, families, &sharp);
+    let before = omnibus(&sharp, &families(base, &sharp));
     let unexplained = unexplained(&model, &after, noise_um);
-    let excess = before_um.powi(2) - noise_um.powi(2);
-    let removed = 1.0 - (after_um.powi(2) - noise_um.powi(2)).max(0.0) / excess;
-    let gain = heldout.map(|h| Gain {
-        heldout_rms_ratio: h.ratio().ratio,
-        interval: h.interval,
-        share_of_excess_removed: if excess > 0.0 {
-            removed.clamp(0.0, 1.0)
-        } else {
-            0.0
-        },
-        leave_one_station_out: None,
-    });
-    let of_cause = |suspect: &Suspect| columns_mm(base, std::slice::from_ref(suspect));
-    let columns = suspects.iter().map(|s| sharp.whitened(base, &of_cause(s)));
+    let gain = heldout.map(|h| h.gain(before_um, after_um, noise_um));
+    let of_cause = base.columns(&sharp);
+    let columns = model
+        .suspects
+        .iter()
+        .map(|s| of_cause(&s.hypothesis, s.shape));
     let columns: Vec<Vec<Vec<f64>>> = columns.collect();
     let misfit = |rms_um: f64, of: fn(&HeldOut) -> f64| Misfit {
         rms_um,
@@ -239,23 +234,42 @@ fn said(
         after: misfit(after_um, |h| h.after),
         gain,
         shares: Shares::new(&sharp.projection, &columns, unexplained.is_some()),
-        unexplained: None,
+        unexplained,
         tests: tests(before),
         tests_after: tests(after),
         places: places(base, &sharp, &model, noise_um),
     };
-    let (causes, effects) = causes(base, &model, found, gain);
+    let gain = gain.filter(|_| found.len() == 1);
+    let effects: Vec<ResolvedEffect> = found.iter().map(|f| f.suspect.resolved()).collect();
+    let causes = found.into_iter().map(|found| {
+        let effect_um = rms_of_effect_um(base, &found.suspect);
+        let shown = (effect_um, fitted(base, &model, &found.suspect)?);
+        Ok(cause(base, Level::Points, &model, found, gain, shown))
+    });
+    let causes = causes.collect::<Result<_, Error>>()?;
     let corrected = (!effects.is_empty() || !gross.is_empty())
         .then(|| corrected(base, points, gross, &effects));
-    PointsOutcome {
-        report: Some(report),
+    let entry = Entry {
+        report,
         causes,
-        unexplained,
+        disturbances: Vec::new(),
+    };
+    let said = Said {
+        entries: vec![entry],
         not_observable: not_observable(base, &sharp),
         notices: notices(screened),
         rejected: gross.iter().map(Gross::rejected).collect(),
-        corrected,
-    }
+        ..Said::default()
+    };
+    Ok((said, corrected))
+}
+
+/// Rms of what a cause does to the coordinates, µm.
+fn rms_of_effect_um(base: &Base<'_>, suspect: &Suspect) -> f64 {
+    let effect = [suspect.resolved()];
+    let moved_mm = (0..base.readings.all.len()).map(|i| base.effect_mm(i, &effect));
+    let squares: f64 = moved_mm.map(|moved_mm| moved_mm.norm_squared()).sum();
+    (squares / base.misfit_mm.len() as f64).sqrt() * 1e3
 }
 
 fn notices(screened: &Screened<'_>) -> Vec<String> {

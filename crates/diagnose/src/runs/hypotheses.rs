@@ -6,19 +6,12 @@ use trueaxis_kinematics::MICROMETRE;
 use trueaxis_poses::EffectsOnLengths;
 
 use crate::NotObservable;
-use crate::lengths::in_words;
-use crate::selection::{Hypothesis, Projection, gram_of};
+use crate::engine::{Candidate, Listed, in_words, plausible};
+use crate::selection::{Hypothesis, gram_of};
 
 /// Effects that give one axis another curve in another run. What else changes with time contradicts the lengths
 /// themselves.
 const EFFECTS: [&str; 2] = ["axis_expansion", "cross_coupling"];
-
-/// An effect on a subject with its columns.
-pub(super) struct Candidate {
-    pub(super) hypothesis: Hypothesis,
-    /// What a unit of each parameter does to the whitened observations of all comparisons.
-    pub(super) columns: Vec<Vec<f64>>,
-}
 
 /// Lengths are changed by as much to find what it does to the runs, mm: far above rounding, far below what would
 /// leave the linear range.
@@ -60,15 +53,20 @@ pub(super) fn candidates(
         let subjects = effect.subjects(scene);
         for &subject in &subjects {
             let count = effect.parameters(scene, &subject).len();
+            let columns = (0..count)
+                .map(|k| column(effect, subject, k, count))
+                .collect();
+            let hypothesis = Hypothesis {
+                effect,
+                subject,
+                subjects: subjects.len(),
+            };
             all.push(Candidate {
-                columns: (0..count)
-                    .map(|k| column(effect, subject, k, count))
-                    .collect(),
-                hypothesis: Hypothesis {
-                    effect,
-                    subject,
-                    subjects: subjects.len(),
-                },
+                is_free: false,
+                columns: vec![columns],
+                shapes: vec![0.0],
+                plausible: plausible(&hypothesis, scene),
+                hypothesis,
             });
         }
     }
@@ -76,18 +74,14 @@ pub(super) fn candidates(
 }
 
 /// The pairs of axes whose coupling the runs do not show.
-pub(super) fn unseen(
-    scene: &Scene,
-    base: &Projection,
-    candidates: &[Candidate],
-) -> Option<NotObservable> {
+pub(super) fn unseen(scene: &Scene, listed: &Listed) -> Option<NotObservable> {
     let coupling = effect("cross_coupling")?;
-    let hidden = candidates.iter().filter(|candidate| {
+    let hidden = listed.candidates.iter().filter(|candidate| {
         let Hypothesis {
             effect, subject, ..
         } = candidate.hypothesis;
         let is_pair = effect.id == coupling.id && subject.component.is_none();
-        is_pair && gram_of(base, &candidate.columns).rank() < candidate.columns.len()
+        is_pair && gram_of(&listed.base, &candidate.columns[0]).rank() < candidate.columns[0].len()
     });
     let subjects: Vec<String> = hidden
         .map(|candidate| in_words(&candidate.hypothesis.subject, scene))

@@ -1,6 +1,7 @@
 //! Whether another hypothesis explains the data nearly as well.
 
-use trueaxis_effects::Parameter;
+use std::ops::Range;
+
 use trueaxis_leastsquares::dot;
 
 use crate::selection::fixed_scan::gram;
@@ -42,13 +43,25 @@ impl Fit {
         }
     }
 
+    /// Some of its parameters.
+    pub(crate) fn part(&self, own: Range<usize>) -> Self {
+        let width = self.estimates.len();
+        let pairs = own.clone().flat_map(|i| own.clone().map(move |k| (i, k)));
+        Self {
+            estimates: self.estimates[own.clone()].to_vec(),
+            covariance: pairs.map(|(i, k)| self.covariance[i * width + k]).collect(),
+            seen: self.seen[own].to_vec(),
+            explained: Vec::new(),
+        }
+    }
+
     /// Whether the data allow values in their plausible ranges, three standard uncertainties considered; `variance` is
     /// that of the observations.
-    pub(crate) fn is_possible(&self, parameters: &[Parameter], variance: f64) -> bool {
-        let count = parameters.len();
-        parameters.iter().enumerate().all(|(k, parameter)| {
+    pub(crate) fn is_possible(&self, plausible: &[Option<[f64; 2]>], variance: f64) -> bool {
+        let count = plausible.len();
+        plausible.iter().enumerate().all(|(k, range)| {
             let u = 3.0 * (self.covariance[k * count + k].max(0.0) * variance).sqrt();
-            parameter.plausible.is_none_or(|[low, high]| {
+            range.is_none_or(|[low, high]| {
                 self.estimates[k] - u <= high && self.estimates[k] + u >= low
             })
         })
@@ -69,7 +82,7 @@ pub(crate) fn cosine(a: &Fit, b: &Fit) -> f64 {
 pub(crate) const DECISIVE: f64 = 6.0;
 
 /// Explanations more alike than this are one explanation under two names.
-const ALIKE: f64 = 0.95;
+pub(crate) const ALIKE: f64 = 0.95;
 
 /// Whether `rival` cannot be told from the leader: by evidence or BIC within 6, or because both explain
 /// the same. An explanation with more free directions is always at least as alike; there the evidence

@@ -21,6 +21,12 @@ impl Hypothesis {
         self.effect.id == other.effect.id && self.subject == other.subject
     }
 
+    /// Whether it is one course in time of all readings, or of all of one target, alike: what wanders looks like one,
+    /// and several together draw any course.
+    pub(crate) fn is_of_time(&self) -> bool {
+        self.subject.axis.is_none()
+    }
+
     /// Whether a shape has to be found.
     pub(crate) fn has_shape(&self) -> bool {
         self.effect.shape != Shape::Fixed

@@ -11,19 +11,26 @@
 //! (`Σ x/(1 + x)`). `ν` are the degrees of freedom that are left. Where no test finds anything left, the rest is noise.
 
 use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::Serialize;
 
+use crate::json::rounded;
 use crate::selection::Projection;
 
 /// The parts of a misfit.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Shares {
     /// Of each cause, in the order of the causes.
+    #[serde(serialize_with = "rounded::sixths")]
     pub causes: Vec<f64>,
     /// Of each disturbance, in their order.
+    #[serde(serialize_with = "rounded::sixths")]
     pub disturbances: Vec<f64>,
     /// What no cause explains.
+    #[serde(serialize_with = "rounded::sixth")]
     pub unexplained: f64,
     /// What noise alone would leave.
+    #[serde(serialize_with = "rounded::sixth")]
     pub noise: f64,
 }
 

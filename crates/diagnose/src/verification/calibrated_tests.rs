@@ -20,11 +20,12 @@ use trueaxis_kinematics::{
 };
 
 use crate::Cause;
+use crate::said::Entry;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
+use crate::verification::diagnose_verification;
 use crate::verification::prediction_error::prediction_directions;
 use crate::verification::problem::Problem;
-use crate::verification::{EntryOutcome, diagnose_verification};
 
 const SIGMA_UM: f64 = 0.5;
 /// Of one coordinate of a measured point.
@@ -254,11 +255,12 @@ fn beyond_the_prediction(calibration: &CalibratedMachine, trace: &Verification) 
     let directions = prediction_directions(&comparison, calibration, SIGMA_UM);
     let base = base_columns(&comparison, true);
     Problem::new(&comparison, &scene(), (SIGMA_UM, 0.0), &base, &directions)
+        .listed
         .base
         .residuals
 }
 
-fn outcome(setting: &Setting) -> EntryOutcome {
+fn outcome(setting: &Setting) -> Entry {
     let outcome = diagnose_verification(
         &setting.campaign,
         Some(&setting.calibration),
@@ -271,7 +273,7 @@ fn outcome(setting: &Setting) -> EntryOutcome {
 fn assert_silent(of: u64, allowed: usize) {
     let alarms = (0..of).filter(|&seed| {
         let found = outcome(&setting(seed, 0.0, |_| 0.0));
-        !found.causes.is_empty() || found.unexplained.is_some()
+        !found.causes.is_empty() || found.report.unexplained.is_some()
     });
     let alarms: Vec<u64> = alarms.collect();
     assert!(alarms.len() <= allowed, "seeds {alarms:?}");
@@ -300,7 +302,7 @@ fn assert_named(of: u64) {
     let cases: [(&str, Form); 2] = [("scale_error", |x| x), ("cyclic_error", cyclic)];
     for lambda in [7.0, 20.0] {
         for (effect, form) in cases {
-            let is_it = |found: &EntryOutcome| {
+            let is_it = |found: &Entry| {
                 let holds = |cause: &Cause| {
                     let rivals = cause.rivals.iter().map(|rival| &rival.effect);
                     let mut all = rivals.chain([&cause.effect]);

@@ -22,18 +22,13 @@
 //! have in common. Whole passes would be too few: an effect of one pass is in one draw in three not there.
 
 use nalgebra::{DMatrix, SymmetricEigen};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 use crate::Gain;
+use crate::engine::{Chosen, FOLDS, resampled_ratios, without};
 use crate::selection::Projection;
 use crate::verification::arrivals::{Arrival, is_same};
 use crate::verification::comparison::Comparison;
-use crate::verification::problem::{Chosen, Problem};
-use crate::verification::search::without;
-
-/// Folds, and parts of a pass. Odd, so that there and back never leave out the same positions.
-const FOLDS: usize = 5;
+use crate::verification::problem::Problem;
 
 const DRAWS: usize = 2000;
 const SEED: u64 = 0x6865_6c64_5f6f_7574;
@@ -75,7 +70,7 @@ pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen], folds: &[usize]
     // The causes as they are, and with each other value of one of the shapes.
     let mut variants = vec![causes.to_vec()];
     for (k, cause) in causes.iter().enumerate() {
-        let candidate = &problem.candidates[cause.candidate];
+        let candidate = &problem.listed.candidates[cause.candidate];
         // More waves of a free form always fit the rest better.
         if !candidate.hypothesis.has_shape() {
             continue;
@@ -89,7 +84,7 @@ pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen], folds: &[usize]
     }
     let models: Vec<Projection> = variants
         .iter()
-        .map(|v| problem.as_predicted.extended(&problem.columns(v)))
+        .map(|v| problem.as_predicted.extended(&problem.listed.columns(v)))
         .collect();
     let mut result = HeldOut {
         errors: vec![None; folds.len()],
@@ -192,19 +187,9 @@ pub(crate) fn gain(
     if before <= 0.0 {
         return None;
     }
-    let mut generator = ChaCha8Rng::seed_from_u64(SEED);
-    let mut ratios: Vec<f64> = (0..DRAWS)
-        .filter_map(|_| {
-            let mut drawn = [0.0; 2];
-            for _ in 0..sums.len() {
-                let block = sums[generator.random_range(0..sums.len())];
-                drawn[0] += block[0];
-                drawn[1] += block[1];
-            }
-            (drawn[0] > 0.0).then(|| (drawn[1] / drawn[0]).sqrt())
-        })
-        .collect();
-    ratios.sort_by(f64::total_cmp);
+    let blocks: Vec<[f64; 2]> = sums.iter().map(|s| [s[0], s[1]]).collect();
+    let mut ratios = resampled_ratios(&blocks, DRAWS, SEED);
+    ratios.retain(|ratio| ratio.is_finite());
     let quantile = |per_mille: usize| ratios.get(per_mille * ratios.len() / 1000).copied();
     let excess = before - noise;
     Some(BoundedGain {

@@ -3,74 +3,13 @@
 use std::f64::consts::PI;
 
 use trueaxis_campaign::VerificationKind;
-use trueaxis_effects::{Level, Parameter, Scene, Shape, Subject, catalogue};
+use trueaxis_effects::{Level, Scene, Shape, Subject, catalogue};
 use trueaxis_kinematics::{AxisKind, Component};
 
-use crate::selection::{Fit, Hypothesis, Projection};
+use crate::engine::{Candidate, in_equal_ratios, plausible};
+use crate::selection::Hypothesis;
 use crate::verification::comparison::Comparison;
 use crate::verification::lost_motion;
-
-/// An effect on a subject with the columns of all its shapes.
-pub(crate) struct Candidate {
-    /// What it says.
-    pub(crate) hypothesis: Hypothesis,
-    /// Its shapes.
-    pub(crate) shapes: Vec<f64>,
-    columns: Vec<Vec<Vec<f64>>>,
-    parameters: Vec<Parameter>,
-    /// Whether its size is a free function of the position.
-    pub(crate) is_free: bool,
-}
-
-impl Candidate {
-    /// Whether it is one course in time of all readings alike: several of these together draw any course.
-    pub(crate) fn is_of_time(&self) -> bool {
-        OF_TIME.contains(&self.hypothesis.effect.id)
-    }
-
-    /// Whether the data allow it a size that is physical: each value in its plausible range, three standard
-    /// uncertainties considered.
-    pub(crate) fn is_possible(&self, model: &Projection, shape: f64) -> bool {
-        if self.parameters.iter().all(|p| p.plausible.is_none()) {
-            return true;
-        }
-        let variance = model.squares() / model.degrees_of_freedom.max(1.0);
-        Fit::new(model, self.columns(shape)).is_possible(&self.parameters, variance)
-    }
-
-    /// Logarithm of the probability that noise has at most for what this form explains beyond a smaller one, if `level` is that of
-    /// forms with parameters alone. Of a free form the best of several numbers of waves was taken; and it is named only where
-    /// a simpler one is beyond doubt too simple.
-    pub(crate) fn ln_level_of_more(&self, level: f64) -> f64 {
-        match self.is_free {
-            true => (level * FREE_FORM / self.shapes.len() as f64).ln(),
-            false => level.ln(),
-        }
-    }
-
-    /// The parameters of the effect; what columns there are beside theirs are a function of the position.
-    pub(crate) fn parameters(&self) -> &[Parameter] {
-        &self.parameters
-    }
-
-    /// The whitened columns at the nearest shape.
-    pub(crate) fn columns(&self, shape: f64) -> &[Vec<f64>] {
-        let distance = |k: &usize| (self.shapes[*k] - shape).abs();
-        let nearest = (0..self.shapes.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        nearest.map_or(&[], |k| &self.columns[k])
-    }
-}
-
-const OF_TIME: [&str; 5] = [
-    "instrument_drift",
-    "instrument_jump",
-    "machine_drift",
-    "machine_shift",
-    "warm_up",
-];
-
-/// Part of the level at which a free form is preferred to its mean and slope.
-const FREE_FORM: f64 = 0.1;
 
 /// Time constants that are tried, in equal ratios.
 const TIME_CONSTANTS: i32 = 16;
@@ -117,23 +56,21 @@ pub(crate) fn candidates(
         };
         let subjects: Vec<Subject> = subjects.filter(|s| is_seen(comparison, s)).collect();
         for &subject in &subjects {
-            let linear = effect.parameters(&scene, &subject);
-            let parameters = linear.len();
-            let shapes = shapes(comparison, effect.shape, &subject);
-            let column = |k, shape| comparison.column(effect, &subject, k, shape);
-            let columns = |&shape: &f64| -> Vec<Vec<f64>> {
-                (0..parameters).map(|k| whiten(column(k, shape))).collect()
-            };
             let hypothesis = Hypothesis {
                 effect,
                 subject,
                 subjects: subjects.len(),
             };
+            let plausible = plausible(&hypothesis, &scene);
+            let shapes = shapes(comparison, effect.shape, &subject);
+            let column = |k, shape| comparison.column(effect, &subject, k, shape);
+            let count = plausible.len();
+            let columns = |&shape: &f64| (0..count).map(|k| whiten(column(k, shape))).collect();
             all.push(Candidate {
                 hypothesis,
                 columns: shapes.iter().map(columns).collect(),
                 shapes,
-                parameters: linear.clone(),
+                plausible: plausible.clone(),
                 is_free: false,
             });
             if effect.id != lost_motion::EFFECT || subject.axis != Some(comparison.axis()) {
@@ -144,14 +81,12 @@ pub(crate) fn candidates(
             let more = lost_motion::waves(comparison, &straight, waves.clone().count());
             let columns: Vec<Vec<f64>> = straight.into_iter().chain(more).map(&whiten).collect();
             if !waves.is_empty() {
+                let first = |k| columns[..count + k].to_vec();
                 all.push(Candidate {
                     hypothesis,
-                    columns: waves
-                        .clone()
-                        .map(|k| columns[..parameters + k].to_vec())
-                        .collect(),
+                    columns: waves.clone().map(first).collect(),
                     shapes: waves.map(|k| k as f64).collect(),
-                    parameters: linear,
+                    plausible,
                     is_free: true,
                 });
             }
@@ -205,8 +140,7 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
                 3.0 * duration,
             );
             let ratio = (longest / shortest).powf(1.0 / f64::from(TIME_CONSTANTS - 1));
-            let constants = (0..TIME_CONSTANTS).map(|k| shortest * ratio.powi(k));
-            constants.filter(|t| *t > 0.0).collect()
+            in_equal_ratios(shortest, ratio, TIME_CONSTANTS)
         }
         Shape::Instant => {
             let mut times: Vec<f64> = comparison.arrivals.iter().map(|a| a.time_s).collect();

@@ -12,6 +12,7 @@ use trueaxis_campaign::VerificationKind;
 use trueaxis_kinematics::AxisKind;
 
 use crate::CurvePoint;
+use crate::selection::Fit;
 use crate::verification::base::places;
 use crate::verification::comparison::Comparison;
 use crate::verification::hypotheses::cosines;
@@ -81,23 +82,24 @@ pub(crate) fn waves(
         .collect()
 }
 
-/// The function at the positions reached from both sides: `columns` are those of the cause, with estimates and their
-/// covariance.
+/// The function at the positions reached from both sides: `columns` are those of the cause, `fit` is theirs, for observations of
+/// this variance.
 pub(crate) fn curve(
     comparison: &Comparison<'_>,
     columns: &[Vec<f64>],
-    estimates: &[f64],
-    covariance: &DMatrix<f64>,
+    fit: &Fit,
+    variance: f64,
 ) -> Vec<CurvePoint> {
-    let axis = comparison.axis();
-    let estimates = DVector::from_column_slice(estimates);
+    let (axis, n) = (comparison.axis(), columns.len());
+    let estimates = DVector::from_column_slice(&fit.estimates);
+    let covariance = DMatrix::from_row_slice(n, n, &fit.covariance) * variance;
     let point = |arrival: usize| {
-        let unit = columns.first().map_or(1.0, |column| column[arrival]);
-        let there = DVector::from_fn(columns.len(), |k, _| columns[k][arrival] / unit);
+        let unit = columns[0][arrival];
+        let there = DVector::from_fn(n, |k, _| columns[k][arrival] / unit);
         CurvePoint {
             at: comparison.arrivals[arrival].positions[axis],
             value_um: vec![there.dot(&estimates)],
-            u_um: vec![(covariance * &there).dot(&there).max(0.0).sqrt()],
+            u_um: vec![(&covariance * &there).dot(&there).max(0.0).sqrt()],
         }
     };
     reached_from_both_sides(comparison)

@@ -4,6 +4,7 @@ use trueaxis_effects::{Effect, Scene, Shape, Subject};
 use trueaxis_kinematics::AxisKind;
 
 use crate::NotObservable;
+use crate::engine::in_words;
 use crate::verification::base::absorbed;
 use crate::verification::hypotheses::sampling;
 use crate::verification::problem::Problem;
@@ -18,9 +19,9 @@ pub(crate) fn not_observable(
     name: &str,
     calibrated: bool,
 ) -> Vec<NotObservable> {
-    let (_, seen) = problem.scans(&problem.base, &[]);
+    let seen = problem.listed.beside(&[]).numbers;
     let mut all = Vec::new();
-    for (number, candidate) in problem.candidates.iter().enumerate() {
+    for (number, candidate) in problem.listed.candidates.iter().enumerate() {
         let (effect, subject) = (candidate.hypothesis.effect, candidate.hypothesis.subject);
         if seen.contains(&number) {
             all.extend(too_short(problem, scene, name, effect, &subject));
@@ -35,7 +36,7 @@ pub(crate) fn not_observable(
         };
         all.push(NotObservable {
             effect: effect.id,
-            subject: in_words(scene, &subject),
+            subject: in_words(&subject, scene),
             reason,
             bias_per_unit: bias,
             measure: effect.explanation.separate_by.to_owned(),
@@ -104,25 +105,11 @@ fn too_short(
     };
     Some(NotObservable {
         effect: effect.id,
-        subject: in_words(scene, subject),
+        subject: in_words(subject, scene),
         reason: format!("{name}: periods below {shortest:.4} {unit}, two steps of the readings"),
         bias_per_unit: Vec::new(),
         measure:
             "read a short stretch in steps of a tenth of the screw pitch or of the grating period"
                 .to_owned(),
     })
-}
-
-/// As `axis X, other axis Y`.
-fn in_words(scene: &Scene, subject: &Subject) -> String {
-    let axis = subject
-        .axis
-        .map(|axis| format!("axis {}", scene.axis_name(axis)));
-    let other = subject
-        .other_axis
-        .map(|axis| format!("axis {}", scene.axis_name(axis)));
-    let component = subject.component.zip(subject.axis);
-    let component = component.map(|(c, axis)| c.name(scene.axis_name(axis)));
-    let parts: Vec<String> = [axis, other, component].into_iter().flatten().collect();
-    parts.join(", ")
 }

@@ -13,26 +13,15 @@ use std::f64::consts::TAU;
 
 use trueaxis_campaign::VerificationKind;
 
-use crate::OmnibusTest;
-use crate::selection::{Projection, f_test};
+use crate::engine::{Family, MOST_OF_FREEDOM, Omnibus};
+use crate::selection::Projection;
 use crate::verification::base::{indicators, lines};
 use crate::verification::comparison::Comparison;
 use crate::verification::hypotheses::cosines;
 use crate::verification::problem::Problem;
 
-/// A family of columns that residuals may vary with.
-pub(crate) struct Family {
-    /// As `time`.
-    pub(crate) varies_with: &'static str,
-    /// Whitened columns.
-    pub(crate) columns: Vec<Vec<f64>>,
-}
-
 /// Waves of each family.
 const WAVES: usize = 6;
-
-/// A test that takes more of the degrees of freedom than this part says little.
-const MOST_OF_FREEDOM: f64 = 1.0 / 3.0;
 
 /// All families.
 pub(crate) fn families(problem: &Problem<'_>) -> Vec<Family> {
@@ -125,25 +114,10 @@ pub(crate) fn omnibus(
     problem: &Problem<'_>,
     families: &[Family],
     model: &Projection,
-) -> Vec<OmnibusTest> {
-    let mut tests = Vec::new();
-    for family in families {
-        let with = model.extended(&family.columns);
-        let columns = with.widths().1 - model.widths().1;
-        if columns == 0 || columns as f64 > MOST_OF_FREEDOM * model.degrees_of_freedom {
-            continue;
-        }
-        let squares = model.squares();
-        let drop = squares - with.squares();
-        tests.push(OmnibusTest {
-            varies_with: family.varies_with,
-            detail: None,
-            columns,
-            p_value: f_test(drop, squares, columns, model.degrees_of_freedom),
-        });
-    }
+) -> Vec<Omnibus> {
+    let mut tests = Omnibus::of_all(model, families, MOST_OF_FREEDOM);
     let count = tests.len() as f64;
-    for test in &mut tests {
+    for Omnibus { test, .. } in &mut tests {
         // 1 - (1 - p)^m without losing small p.
         test.p_value = -(count * (-test.p_value).ln_1p()).exp_m1();
         if test.p_value < STANDS_OUT && test.varies_with == "time" {

@@ -10,9 +10,10 @@
 
 use trueaxis_effects::Scene;
 
-use crate::selection::{FixedScan, Projection, Scan};
+use crate::engine::Listed;
+use crate::selection::Projection;
 use crate::verification::comparison::Comparison;
-use crate::verification::hypotheses::{Candidate, candidates};
+use crate::verification::hypotheses::candidates;
 
 /// What there is to explain, and what may explain it.
 pub(crate) struct Problem<'a> {
@@ -22,25 +23,12 @@ pub(crate) struct Problem<'a> {
     pub(crate) sigma_um: f64,
     /// The part of its variance that the last digit of the readings has.
     pub(crate) least_variance: f64,
-    /// The base model's projection.
-    pub(crate) base: Projection,
+    /// The base model and the hypotheses.
+    pub(crate) listed: Listed,
     /// That of the base model with the prediction taken as it is, for readings that are held out: a
     /// prediction that learns from the other readings is no longer that of the calibration.
     pub(crate) as_predicted: Projection,
-    /// The hypotheses.
-    pub(crate) candidates: Vec<Candidate>,
     pseudo: usize,
-}
-
-/// A hypothesis in the model, at one shape.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Chosen {
-    /// Which.
-    pub(crate) candidate: usize,
-    /// Its shape.
-    pub(crate) shape: f64,
-    /// Standard deviation of the shape.
-    pub(crate) u_shape: f64,
 }
 
 impl<'a> Problem<'a> {
@@ -68,57 +56,22 @@ impl<'a> Problem<'a> {
             comparison,
             sigma_um,
             least_variance: (resolution_um / sigma_um).powi(2),
-            base,
-            candidates: candidates(comparison, scene, |column| whiten(&column)),
+            listed: Listed {
+                base,
+                candidates: candidates(comparison, scene, |column| whiten(&column)),
+            },
             pseudo,
         }
     }
 
     /// Readings, without the pseudo-observations.
     pub(crate) fn readings(&self) -> usize {
-        self.base.rows() - self.pseudo
+        self.listed.base.rows() - self.pseudo
     }
 
     /// A column over the readings as one of the model.
     pub(crate) fn whiten(&self, column: &[f64]) -> Vec<f64> {
         whitened(column, self.sigma_um, self.pseudo)
-    }
-
-    /// The columns of causes, one cause after the other.
-    pub(crate) fn columns(&self, causes: &[Chosen]) -> Vec<Vec<f64>> {
-        let of_cause = |chosen: &Chosen| self.candidates[chosen.candidate].columns(chosen.shape);
-        causes.iter().flat_map(of_cause).cloned().collect()
-    }
-
-    /// The projection with causes in the model.
-    pub(crate) fn with(&self, causes: &[Chosen]) -> Projection {
-        self.base.extended(&self.columns(causes))
-    }
-
-    /// The hypotheses that the data can see beside a model with causes, and which candidate each is.
-    ///
-    /// No effect happens twice to the same subject: a second time constant or period of the same name
-    /// would fit anything.
-    pub(crate) fn scans(
-        &self,
-        model: &Projection,
-        causes: &[Chosen],
-    ) -> (Vec<Box<dyn Scan>>, Vec<usize>) {
-        let mut scans: Vec<Box<dyn Scan>> = Vec::new();
-        let mut numbers = Vec::new();
-        for (number, candidate) in self.candidates.iter().enumerate() {
-            if causes.iter().any(|cause| cause.candidate == number) {
-                continue;
-            }
-            let columns = |shape: f64| candidate.columns(shape).to_vec();
-            if let Some(scan) =
-                FixedScan::new(candidate.hypothesis, model, &candidate.shapes, columns)
-            {
-                scans.push(Box::new(scan));
-                numbers.push(number);
-            }
-        }
-        (scans, numbers)
     }
 
     /// Rms for one degree of freedom of what a model leaves, µm.

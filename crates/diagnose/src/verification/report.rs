@@ -1,17 +1,16 @@
 //! What was found in one verification, as the outcome says it.
 
-use nalgebra::DMatrix;
-use trueaxis_effects::{Level, Parameter, ResolvedEffect, Scene, Shape, Subject};
-use trueaxis_kinematics::AxisKind;
+use trueaxis_effects::{Level, Scene};
 
+use crate::engine::{Chosen, Judged, Listed, places as places_by, side, with_uncertainties};
 use crate::fitted::{Against, Fitted, Row};
 use crate::selection::{Fit, Projection, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
 use crate::verification::held_out::gain_of;
 use crate::verification::lost_motion::curve;
-use crate::verification::problem::{Chosen, Problem};
-use crate::verification::search::{Judged, contains, judge, ln_more};
-use crate::{Cause, EstimatedParameter, Place, Rival};
+use crate::verification::problem::Problem;
+use crate::verification::search::{contains, ln_more};
+use crate::{Cause, Place, Rival};
 
 /// Root mean square of a column over the readings, µm.
 pub(crate) fn rms_of_readings_um(problem: &Problem<'_>, column: &[f64]) -> f64 {
@@ -28,86 +27,51 @@ pub(crate) fn causes(
     after: &Projection,
     folds: &[usize],
 ) -> Vec<Cause> {
-    let joint = Fit::new(&problem.base, &problem.columns(chosen));
+    let joint = Fit::new(&problem.listed.base, &problem.listed.columns(chosen));
     let variance =
         (after.squares() / after.degrees_of_freedom.max(1.0)).max(problem.least_variance);
-    let total = joint.estimates.len();
-    let covariance = DMatrix::from_row_slice(total, total, &joint.covariance) * variance;
     let mut first = 0;
     let mut causes = Vec::new();
     for (k, cause) in chosen.iter().enumerate() {
-        let candidate = &problem.candidates[cause.candidate];
-        let (effect, subject) = (candidate.hypothesis.effect, candidate.hypothesis.subject);
-        let linear = effect.parameters(scene, &subject);
-        let columns = problem.columns(std::slice::from_ref(cause));
-        let range = first..first + columns.len();
-        first = range.end;
-        let Some(judged) = judge(problem, chosen, k) else {
+        let candidate = &problem.listed.candidates[cause.candidate];
+        let columns = candidate.columns(cause.shape);
+        let all = joint.part(first..first + columns.len());
+        first += columns.len();
+        let count = candidate.plausible.len();
+        let own = all.part(0..count);
+        let Some(judged) = problem.listed.judge(chosen, k) else {
             continue;
         };
-        let values = &joint.estimates[range.clone()];
-        let seen = &joint.seen[range.clone()];
-        let of_columns =
-            covariance.view((range.start, range.start), (columns.len(), columns.len()));
-        let own = of_columns.view((0, 0), (linear.len(), linear.len()));
-        let mut parameters: Vec<EstimatedParameter> = linear
-            .iter()
-            .enumerate()
-            .map(|(i, parameter)| EstimatedParameter {
-                name: parameter.name.clone(),
-                value: values[i],
-                // What these lines do not show has no uncertainty.
-                u: match seen[i] {
-                    true => own[(i, i)].max(0.0).sqrt(),
-                    false => f64::INFINITY,
-                },
-                unit: parameter.unit,
-            })
-            .collect();
-        let time_unit = match problem.comparison.timed {
-            true => "s",
-            false => "readings",
+        let covariance: Vec<f64> = own.covariance.iter().map(|c| c * variance).collect();
+        // What these lines do not show has no uncertainty.
+        let u = |i: usize| match own.seen[i] {
+            true => covariance[i * count + i].max(0.0).sqrt(),
+            false => f64::INFINITY,
         };
-        if let Some((parameter, size)) = shape_parameter(effect.shape, scene, &subject, time_unit) {
-            parameters.push(EstimatedParameter {
-                name: parameter.name,
-                value: cause.shape / size,
-                u: cause.u_shape / size,
-                unit: parameter.unit,
-            });
+        let shape = (cause.shape, cause.u_shape);
+        let mut parameters =
+            with_uncertainties(scene, &candidate.hypothesis, &own.estimates, u, shape);
+        // Without a clock times count readings.
+        for parameter in &mut parameters[count..] {
+            if parameter.unit == "s" && !problem.comparison.timed {
+                parameter.unit = "readings";
+            }
         }
-        let fit = Fit::new(&judged.model, &columns);
-        let curve = match columns.len() > linear.len() {
-            true => curve(
-                problem.comparison,
-                &columns,
-                values,
-                &of_columns.into_owned(),
-            ),
+        let gain = gain_of(problem, chosen, k, folds);
+        let effect = candidate.resolved(&own.estimates, cause.shape);
+        let curve = match candidate.is_free {
+            true => curve(problem.comparison, columns, &all, variance),
             false => Vec::new(),
         };
         causes.push(Cause {
-            effect: ResolvedEffect {
-                effect,
-                subject,
-                parameters: values[..linear.len()].to_vec(),
-                shape: cause.shape,
-            },
-            level: Level::Verification,
-            data: String::new(),
             p_value: judged.p_value,
             delta_bic: judged.score.bic,
-            explained_rms_um: rms_of_readings_um(problem, &fit.explained),
-            heldout_gain: gain_of(problem, chosen, k, folds)
-                .map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
-            parameters,
-            covariance: own.transpose().iter().copied().collect(),
-            rivals: rivals(problem, chosen, k, &judged, &fit),
-            changes: Vec::new(),
-            share: None,
-            share_of_curve: None,
+            explained_rms_um: rms_of_readings_um(problem, &judged.fit.explained),
+            heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
+            rivals: rivals(&problem.listed, &chosen[k..=k], &judged),
             curve,
-            fitted: fitted(problem, scene, &judged.model.residuals, &fit),
+            fitted: fitted(problem, scene, &judged.beside.model.residuals, &judged.fit),
+            ..Cause::of(Level::Verification, effect, parameters, covariance)
         });
     }
     causes
@@ -141,112 +105,45 @@ fn fitted(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fit: &Fit) -> Op
 /// Probability of noise giving what a larger form has more, above which that is taken for absent.
 const UNDECIDED: f64 = 0.1;
 
-/// What explains the data nearly as well as cause `k`, all against the model with the other causes. A
+/// What explains the data nearly as well as a cause, all against the model with the other causes. A
 /// form that holds the cause and more is a rival only as long as it is undecided whether there is more.
-fn rivals(
-    problem: &Problem<'_>,
-    chosen: &[Chosen],
-    k: usize,
-    judged: &Judged,
-    fit: &Fit,
-) -> Vec<Rival> {
-    let model = &judged.model;
-    let cause_columns = problem.columns(&chosen[k..=k]);
-    let mut rivals = Vec::new();
-    for score in &judged.scores {
-        let number = judged.numbers[score.scan];
-        let candidate = &problem.candidates[number];
-        // The same effect in another form is no rival.
-        if candidate
-            .hypothesis
-            .is(&problem.candidates[chosen[k].candidate].hypothesis)
-        {
-            continue;
-        }
-        let columns = candidate.columns(score.shape);
-        let other = Fit::new(model, columns);
-        let holds_cause = score.rank > judged.score.rank
-            && contains(model, &model.extended(columns), &cause_columns);
-        let is_held = score.rank < judged.score.rank
-            && contains(model, &model.extended(&cause_columns), columns);
-        let is_close = if is_held {
+fn rivals(listed: &Listed, cause: &[Chosen], judged: &Judged) -> Vec<Rival> {
+    let (model, own) = (&judged.beside.model, &judged.score);
+    let cause_columns = listed.columns(cause);
+    listed.rivals(judged, |score, other, columns| {
+        let holds_cause =
+            score.rank > own.rank && contains(model, &model.extended(columns), &cause_columns);
+        let is_held =
+            score.rank < own.rank && contains(model, &model.extended(&cause_columns), columns);
+        if is_held {
             // The larger form was taken because it is decided that there is more.
-            ln_more(model, score, &judged.score) > UNDECIDED.ln()
+            ln_more(model, score, own) > UNDECIDED.ln()
         } else if holds_cause {
-            ln_more(model, &judged.score, score) < candidate.ln_level_of_more(UNDECIDED)
+            let candidate = listed.candidate(&judged.beside, score);
+            ln_more(model, own, score) < candidate.ln_level_of_more(UNDECIDED)
         } else {
-            is_rival(&judged.score, score, cosine(fit, &other))
-        };
-        if is_close {
-            rivals.push(Rival {
-                effect: ResolvedEffect {
-                    effect: candidate.hypothesis.effect,
-                    subject: candidate.hypothesis.subject,
-                    parameters: other.estimates[..candidate.parameters().len()].to_vec(),
-                    shape: score.shape,
-                },
-                delta_bic: score.bic,
-            });
+            is_rival(own, score, cosine(&judged.fit, other))
         }
-    }
-    rivals
-}
-
-/// The shape as a parameter, and one unit of it in mm, rad or s.
-///
-/// Without a clock times count readings.
-fn shape_parameter(
-    shape: Shape,
-    scene: &Scene,
-    subject: &Subject,
-    time_unit: &'static str,
-) -> Option<(Parameter, f64)> {
-    let rotary = subject
-        .axis
-        .is_some_and(|axis| scene.machine.axes()[axis].kind() == AxisKind::Rotary);
-    match shape {
-        Shape::Fixed => None,
-        Shape::Instant => Some((Parameter::new("time", time_unit), 1.0)),
-        Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
-            Some((Parameter::new("time_constant", time_unit), 1.0))
-        }
-        Shape::Period if rotary => Some((Parameter::new("period", "deg"), 1_f64.to_radians())),
-        Shape::Period => Some((Parameter::new("period", "mm"), 1.0)),
-        Shape::Waves => Some((Parameter::new("waves", "1"), 1.0)),
-    }
+    })
 }
 
 /// Where the misfit lives: by direction and by cycle.
 pub(crate) fn places(problem: &Problem<'_>, before: &Projection, after: &Projection) -> Vec<Place> {
-    let arrivals = &problem.comparison.arrivals;
-    let place = |by: &'static str, name: String, rows: Vec<usize>| {
-        let rms = |model: &Projection| {
-            let squares = rows
-                .iter()
-                .map(|&row| model.residuals[row].powi(2))
-                .sum::<f64>();
+    let rms_um = |rows: &[usize]| {
+        [before, after].map(|model| {
+            let squares: f64 = rows.iter().map(|&row| model.residuals[row].powi(2)).sum();
             // The rows' share of the degrees of freedom.
             let share = model.degrees_of_freedom / problem.readings() as f64;
             problem.sigma_um * (squares / (rows.len() as f64 * share)).sqrt()
-        };
-        Place {
-            by,
-            name,
-            readings: rows.len(),
-            before_um: rms(before),
-            after_um: rms(after),
-        }
+        })
     };
-    let rows_of = |f: &dyn Fn(usize) -> bool| (0..arrivals.len()).filter(|&r| f(r)).collect();
-    let mut places = Vec::new();
-    for (name, forward) in [("+1", true), ("-1", false)] {
-        let rows: Vec<usize> = rows_of(&|row| (arrivals[row].direction > 0.0) == forward);
-        places.push(place("direction", name.to_owned(), rows));
-    }
-    for cycle in problem.comparison.cycles() {
-        let rows: Vec<usize> = rows_of(&|row| arrivals[row].cycle == cycle);
-        places.push(place("cycle", cycle.to_string(), rows));
-    }
-    places.retain(|place| place.readings > 0);
-    places
+    let by = |name, group: &dyn Fn(&Arrival) -> (usize, String)| {
+        let groups = problem.comparison.arrivals.iter().map(|a| Some(group(a)));
+        places_by(name, groups, &rms_um)
+    };
+    [
+        by("direction", &|a| side(a.direction)),
+        by("cycle", &|a| (a.cycle as usize, a.cycle.to_string())),
+    ]
+    .concat()
 }

@@ -7,8 +7,8 @@
 //! 3. Shapes of all causes are looked for again with the others in the model.
 //! 4. Causes that have become superfluous leave.
 
-use crate::selection::{Null, Projection, SHAPE_ERROR, Scan, Score, ln_f_test, rank};
-use crate::verification::problem::{Chosen, Problem};
+use crate::engine::{Beside, Chosen, Listed, without};
+use crate::selection::{Projection, SHAPE_ERROR, Score, ln_f_test};
 
 /// Causes named at most: more are no longer an explanation.
 pub(crate) const MOST_CAUSES: usize = 3;
@@ -17,46 +17,49 @@ pub(crate) const MOST_CAUSES: usize = 3;
 const CONTAINED: f64 = 1e-6;
 
 /// The causes of what the base model leaves, the strongest first.
-pub(crate) fn search(problem: &Problem<'_>, excluded: &[usize], level: f64) -> Vec<Chosen> {
+pub(crate) fn search(listed: &Listed, excluded: &[usize], level: f64) -> Vec<Chosen> {
     let mut causes: Vec<Chosen> = Vec::new();
     // Each round adds a cause; one that another makes superfluous gives its place free once.
     for _ in 0..2 * MOST_CAUSES {
         if causes.len() == MOST_CAUSES {
             break;
         }
-        let Some(next) = best(problem, &causes, excluded, level) else {
+        let Some(next) = best(listed, &causes, excluded, level) else {
             break;
         };
         if causes.contains(&next) {
             break;
         }
-        if is_shape_of(problem, &causes, &next) {
+        if is_shape_of(listed, &causes, &next) {
             break;
         }
         causes.push(next);
-        refine(problem, &mut causes);
+        refine(listed, &mut causes);
         // A single cause was judged when it joined.
         if causes.len() > 1 {
-            drop_superfluous(problem, &mut causes, level);
+            drop_superfluous(listed, &mut causes, level);
         }
     }
     causes
 }
 
 /// Whether a further cause may be no more than the shape of the others.
-fn is_shape_of(problem: &Problem<'_>, causes: &[Chosen], next: &Chosen) -> bool {
-    let model = problem.with(causes);
-    let earlier = problem.base.squares() - model.squares();
-    let columns = problem.columns(std::slice::from_ref(next));
+fn is_shape_of(listed: &Listed, causes: &[Chosen], next: &Chosen) -> bool {
+    let model = listed.with(causes);
+    let earlier = listed.base.squares() - model.squares();
+    let columns = listed.columns(std::slice::from_ref(next));
     let more = model.squares() - model.extended(&columns).squares();
     !causes.is_empty() && more < SHAPE_ERROR * earlier
 }
 
 /// Drops causes that are not significant beside the others.
-pub(crate) fn drop_superfluous(problem: &Problem<'_>, causes: &mut Vec<Chosen>, level: f64) {
+pub(crate) fn drop_superfluous(listed: &Listed, causes: &mut Vec<Chosen>, level: f64) {
     let mut k = 0;
     while k < causes.len() {
-        if judge(problem, causes, k).is_some_and(|judged| judged.p_value < level) {
+        if listed
+            .judge(causes, k)
+            .is_some_and(|judged| judged.p_value < level)
+        {
             k += 1;
         } else {
             causes.remove(k);
@@ -64,84 +67,31 @@ pub(crate) fn drop_superfluous(problem: &Problem<'_>, causes: &mut Vec<Chosen>, 
     }
 }
 
-/// A cause against the model with the others.
-pub(crate) struct Judged {
-    /// Its score.
-    pub(crate) score: Score,
-    /// Family-wise p-value.
-    pub(crate) p_value: f64,
-    /// All scores of that model, the one with the most evidence first.
-    pub(crate) scores: Vec<Score>,
-    /// Candidate of each scan that the scores refer to.
-    pub(crate) numbers: Vec<usize>,
-    /// The model without the cause.
-    pub(crate) model: Projection,
-}
-
-/// Cause `k` if the others are in the model; `None` if they leave nothing of it.
-pub(crate) fn judge(problem: &Problem<'_>, causes: &[Chosen], k: usize) -> Option<Judged> {
-    let others = without(causes, k);
-    let model = problem.with(&others);
-    let (scans, numbers) = problem.scans(&model, &others);
-    let scan = numbers.iter().position(|&n| n == causes[k].candidate)?;
-    let null = Null::simulated(&model, &scans);
-    let mut scores = rank(&model, &scans);
-    scores.retain(|score| problem.candidates[numbers[score.scan]].is_possible(&model, score.shape));
-    let score = *scores.iter().find(|score| score.scan == scan)?;
-    Some(Judged {
-        score,
-        p_value: null.family_wise(score.ln_p),
-        scores,
-        numbers,
-        model,
-    })
-}
-
-/// All causes but one.
-pub(crate) fn without(causes: &[Chosen], k: usize) -> Vec<Chosen> {
-    let others = causes.iter().enumerate().filter(|(i, _)| *i != k);
-    others.map(|(_, cause)| *cause).collect()
-}
-
 /// The next cause, if there is one.
-fn best(
-    problem: &Problem<'_>,
-    causes: &[Chosen],
-    excluded: &[usize],
-    level: f64,
-) -> Option<Chosen> {
-    let model = problem.with(causes);
-    let (scans, numbers) = problem.scans(&model, causes);
-    if scans.is_empty() {
-        return None;
-    }
-    let mut possible = rank(&model, &scans);
-    let has_time = causes
-        .iter()
-        .any(|cause| problem.candidates[cause.candidate].is_of_time());
+fn best(listed: &Listed, causes: &[Chosen], excluded: &[usize], level: f64) -> Option<Chosen> {
+    let beside = listed.beside(causes);
+    let is_of_time = |number: usize| listed.candidates[number].hypothesis.is_of_time();
+    let has_time = causes.iter().any(|cause| is_of_time(cause.candidate));
+    let mut possible = beside.scores.clone();
     possible.retain(|score| {
-        let candidate = &problem.candidates[numbers[score.scan]];
-        let of_time = has_time && candidate.is_of_time();
-        !of_time
-            && !excluded.contains(&numbers[score.scan])
-            && candidate.is_possible(&model, score.shape)
+        let number = beside.numbers[score.scan];
+        let is_second_of_time = has_time && is_of_time(number);
+        !is_second_of_time && !excluded.contains(&number)
     });
-    let ln_level =
-        |leader: &Score| problem.candidates[numbers[leader.scan]].ln_level_of_more(level);
-    let leader = simplest(&model, &scans, &possible, ln_level)?;
-    let null = Null::simulated(&model, &scans);
-    (null.family_wise(leader.ln_p) < level).then(|| chosen(&numbers, leader))
+    let leader = simplest(listed, &beside, &possible, level)?;
+    (beside.null().family_wise(leader.ln_p) < level).then(|| beside.chosen(leader))
 }
 
-/// The leader, or the smaller form that it contains if it has nothing significant beyond it, at the level that is told.
+/// The leader, or the smaller form that it contains if it has nothing significant beyond it.
 fn simplest<'s>(
-    model: &Projection,
-    scans: &[Box<dyn Scan>],
+    listed: &Listed,
+    beside: &Beside,
     scores: &'s [Score],
-    ln_level: impl Fn(&Score) -> f64,
+    level: f64,
 ) -> Option<&'s Score> {
+    let Beside { model, scans, .. } = beside;
     let leader = scores.first()?;
-    let ln_level = ln_level(leader);
+    let ln_level = listed.candidate(beside, leader).ln_level_of_more(level);
     let with = model.extended(&scans[leader.scan].columns(leader.shape));
     let smaller = scores[1..].iter().filter(|other| {
         other.rank < leader.rank
@@ -175,31 +125,21 @@ pub(crate) fn contains(model: &Projection, with: &Projection, columns: &[Vec<f64
 }
 
 /// Looks for each shape again with the other causes in the model.
-fn refine(problem: &Problem<'_>, causes: &mut [Chosen]) {
+fn refine(listed: &Listed, causes: &mut [Chosen]) {
     if causes.len() < 2 {
         return;
     }
     for k in 0..causes.len() {
-        if !problem.candidates[causes[k].candidate]
+        if !listed.candidates[causes[k].candidate]
             .hypothesis
             .has_shape()
         {
             continue;
         }
-        let others = without(causes, k);
-        let model = problem.with(&others);
-        let (scans, numbers) = problem.scans(&model, &others);
-        let own = |score: &&Score| numbers[score.scan] == causes[k].candidate;
-        if let Some(score) = rank(&model, &scans).iter().find(own) {
-            causes[k] = chosen(&numbers, score);
+        let beside = listed.beside(&without(causes, k));
+        let own = |score: &&Score| beside.numbers[score.scan] == causes[k].candidate;
+        if let Some(score) = beside.scores.iter().find(own) {
+            causes[k] = beside.chosen(score);
         }
-    }
-}
-
-fn chosen(numbers: &[usize], score: &Score) -> Chosen {
-    Chosen {
-        candidate: numbers[score.scan],
-        shape: score.shape,
-        u_shape: score.u_shape,
     }
 }

@@ -9,7 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use trueaxis_simulate::{Scenario, simulate};
 
 use super::{HeldOut, held_out_stations, held_out_sweeps};
-use crate::lengths::base::{Adjusted, Base};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
 use crate::lengths::search::look;
 
 /// Fresh campaigns behind each true ratio.

@@ -17,13 +17,23 @@ use crate::selection::{Gram, Hypothesis, Projection, Scan};
 /// Visits on either side of an instant: fewer are no jump but repeatability, or gross errors.
 const LEAST_VISITS: usize = 3;
 
-/// The visits of a network in time order.
+/// A visit of a network, or a stop, of several in time order.
 #[derive(Debug, Clone)]
 pub(crate) struct VisitTimes {
     /// Rows of the visit.
     pub(crate) rows: Range<usize>,
     /// First and last time, s.
     pub(crate) span_s: [f64; 2],
+}
+
+impl VisitTimes {
+    pub(crate) fn new(rows: Range<usize>, times_s: impl Iterator<Item = f64> + Clone) -> Self {
+        let first = times_s.clone().fold(f64::INFINITY, f64::min);
+        Self {
+            rows,
+            span_s: [first, times_s.fold(f64::NEG_INFINITY, f64::max)],
+        }
+    }
 }
 
 /// All instants of one hypothesis.

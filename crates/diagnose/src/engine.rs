@@ -1,0 +1,55 @@
+//! One search for causes, whatever was measured.
+//!
+//! Every kind of data asks the same: which effects of the catalogue explain what a base model leaves, what explains it
+//! as well, how large each is, what is left, and what is gained on data that were not used. [`Measured`] data
+//! say what differs:
+//!
+//! | | lengths | points | verification | runs |
+//! | --- | --- | --- | --- | --- |
+//! | rows | whitened lengths | three whitened coordinates | arrivals over σ | whitened differences of poses |
+//! | base model | stations, poses, shapes | poses, shapes | zero of a line, set-up of a bar, errors of the prediction | error curves, places |
+//! | covariance | noise, repeatability, what wanders | noise, repeatability | that of the prediction | that of the poses |
+//! | refit | nonlinear adjustment | linear, variances anew | linear | linear |
+//! | instants | between visits | between stops | a hundred of a list | none |
+//!
+//! Common to them, here:
+//!
+//! - [`hypotheses`]: every effect of a level on every subject becomes whitened columns, with a list of shapes or all
+//!   instants at once.
+//! - [`ranking`]: all of them against what a model leaves by the numbers of [`crate::selection`]; the best and its
+//!   rivals.
+//! - [`search`]: lengths and points. One cause joins after the other; each is judged beside the others, gives way to a
+//!   better one, or leaves.
+//! - [`listed`]: what verification and runs choose their causes from, one after the other, in a linear model.
+//! - [`culprit`]: whether two causes are one trouble under two names.
+//! - [`omnibus`]: whether anything is left, and what it varies with; causes that only imitate what is left.
+//! - [`held_out`]: the gain on sweeps that the model was not fitted to.
+//! - [`places`]: where the misfit lives; [`unseen`]: what the data cannot show.
+//! - [`estimated`]: parameters with their uncertainties, shapes included.
+
+mod culprit;
+mod estimated;
+mod held_out;
+mod hypotheses;
+mod listed;
+mod measured;
+mod omnibus;
+mod places;
+mod ranking;
+mod search;
+mod unseen;
+
+pub(crate) use culprit::{Culprit, Culprits};
+pub(crate) use estimated::{cause, with_uncertainties};
+pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
+pub(crate) use hypotheses::{duration_s, in_equal_ratios, of_catalogue, scan, scans};
+pub(crate) use listed::{Beside, Candidate, Chosen, Judged, Listed, without};
+pub(crate) use measured::{Found, Measured, Suspect};
+pub(crate) use omnibus::{
+    Family, MOST_OF_FREEDOM, OMNIBUS_LEVEL, Omnibus, family_wise, is_imitation, still_left,
+    waves_of,
+};
+pub(crate) use places::{places, side};
+pub(crate) use ranking::{Ranking, plausible};
+pub(crate) use search::{Search, find_causes, settle};
+pub(crate) use unseen::{in_words, length_scale, unseen, without_trace};

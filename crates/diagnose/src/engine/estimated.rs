@@ -1,0 +1,188 @@
+//! A cause with its parameters and their uncertainties.
+//!
+//! Of an instant the data say that it lies between two visits, or in one of them: it is uniform over
+//! that gap, whatever the likelihood says of its neighbours. A time constant joins the linear parameters
+//! by its derivative, so that all of them carry its uncertainty.
+
+use trueaxis_effects::{Parameter, ResolvedEffect, Scene, Shape, shape_parameter};
+
+use crate::engine::{Found, Measured, Suspect, duration_s};
+use crate::selection::{Fit, Hypothesis};
+use crate::{Cause, EstimatedParameter, Fitted, Gain, Rival};
+
+/// Step of the logarithm of a time constant for its derivative.
+const STEP: f64 = 0.01;
+
+/// A cause of a model with its parameters; `gain` where it is the only one that gains.
+pub(crate) fn cause<D: Measured>(
+    data: &D,
+    of: trueaxis_effects::Level,
+    model: &D::Model,
+    found: Found,
+    gain: Option<Gain>,
+    (explained_rms_um, fitted): (f64, Option<Fitted>),
+) -> Cause {
+    let (parameters, covariance) = estimated(data, model, &found.suspect);
+    let rival = |(suspect, bic): (Suspect, f64)| Rival {
+        effect: suspect.resolved(),
+        delta_bic: bic,
+    };
+    Cause {
+        p_value: found.p_value,
+        delta_bic: found.bic,
+        explained_rms_um,
+        heldout_gain: gain.map(|g| 1.0 - g.heldout_rms_ratio),
+        rivals: found.rivals.into_iter().map(rival).collect(),
+        fitted,
+        ..Cause::of(of, found.suspect.resolved(), parameters, covariance)
+    }
+}
+
+impl Cause {
+    /// An effect with its values; its judgement is to be filled in.
+    pub(crate) fn of(
+        level: trueaxis_effects::Level,
+        effect: ResolvedEffect,
+        parameters: Vec<EstimatedParameter>,
+        covariance: Vec<f64>,
+    ) -> Self {
+        Self {
+            effect,
+            level,
+            data: String::new(),
+            p_value: 1.0,
+            delta_bic: 0.0,
+            explained_rms_um: 0.0,
+            heldout_gain: None,
+            share: None,
+            parameters,
+            covariance,
+            rivals: Vec::new(),
+            changes: Vec::new(),
+            curve: Vec::new(),
+            share_of_curve: None,
+            fitted: None,
+        }
+    }
+}
+
+/// Values with standard uncertainties, the shape last, and the covariance of the linear ones (rows one
+/// after the other). What the data do not see of a parameter makes its uncertainty infinite.
+fn estimated<D: Measured>(
+    data: &D,
+    model: &D::Model,
+    suspect: &Suspect,
+) -> (Vec<EstimatedParameter>, Vec<f64>) {
+    let n = suspect.parameters.len();
+    let (mut covariance, mut u_shape) = (suspect.covariance.clone(), suspect.u_shape);
+    match suspect.hypothesis.effect.shape {
+        Shape::Instant => {
+            let visits = data.visits();
+            let starts_s = visits.iter().map(|visit| visit.span_s[0]);
+            u_shape = u_shape.hypot(u_in_gap_s(starts_s, suspect.shape));
+        }
+        Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
+            (covariance, u_shape) = with_time_constant(data, model, suspect);
+        }
+        Shape::Fixed | Shape::Period | Shape::Waves => {}
+    }
+    let u = |k: usize| match suspect.seen.get(k) {
+        Some(false) => f64::INFINITY,
+        _ => covariance[k * n + k].max(0.0).sqrt(),
+    };
+    let shape = (suspect.shape, u_shape);
+    let all = with_uncertainties(
+        data.scene(),
+        &suspect.hypothesis,
+        &suspect.parameters,
+        u,
+        shape,
+    );
+    (all, covariance)
+}
+
+/// Covariance of the parameters and standard uncertainty of the time constant, all causes free together.
+fn with_time_constant<D: Measured>(
+    data: &D,
+    model: &D::Model,
+    suspect: &Suspect,
+) -> (Vec<f64>, f64) {
+    let columns = data.columns(model);
+    let at = |shape: f64| columns(&suspect.hypothesis, shape);
+    let mut all = at(suspect.shape);
+    let n = all.len();
+    // Of a lag that is almost none, a part of the campaign.
+    let step = STEP * suspect.shape.max(STEP * duration_s(&data.visits()));
+    let ends = [(suspect.shape - step).max(0.0), suspect.shape + step];
+    let ends = ends.map(|shape| (shape, at(shape)));
+    all.push(by_shape(ends, &suspect.parameters, D::bare(model).rows()));
+    let is_other = |s: &&Suspect| !s.hypothesis.is(&suspect.hypothesis);
+    let others = D::suspects(model).iter().filter(is_other);
+    let others: Vec<Vec<f64>> = others
+        .flat_map(|s| columns(&s.hypothesis, s.shape))
+        .collect();
+    beside_shape(&Fit::new(&D::bare(model).extended(&others), &all), n)
+}
+/// Parameters of a hypothesis with their values, the shape (value, standard uncertainty) last; `u` of the linear ones by
+/// number.
+pub(crate) fn with_uncertainties(
+    scene: &Scene,
+    hypothesis: &Hypothesis,
+    values: &[f64],
+    u: impl Fn(usize) -> f64,
+    (shape, u_shape): (f64, f64),
+) -> Vec<EstimatedParameter> {
+    let Hypothesis {
+        effect, subject, ..
+    } = hypothesis;
+    let linear = effect.parameters(scene, subject).into_iter().enumerate();
+    let linear = linear.map(|(k, parameter)| (parameter, values[k], u(k)));
+    let of_shape = shape_parameter(effect, scene, subject).map(|p| match p.unit {
+        "deg" => (p, shape.to_degrees(), u_shape.to_degrees()),
+        _ => (p, shape, u_shape),
+    });
+    let estimated = |(parameter, value, u): (Parameter, f64, f64)| EstimatedParameter {
+        name: parameter.name,
+        value,
+        u,
+        unit: parameter.unit,
+    };
+    linear.chain(of_shape).map(estimated).collect()
+}
+
+/// Standard uncertainty of an instant within the gap between the starts of the visits before and after it, s.
+fn u_in_gap_s(starts_s: impl Iterator<Item = f64> + Clone, instant_s: f64) -> f64 {
+    let before = starts_s
+        .clone()
+        .filter(|&t| t <= instant_s)
+        .fold(f64::NEG_INFINITY, f64::max);
+    let after = starts_s
+        .filter(|&t| t > instant_s)
+        .fold(f64::INFINITY, f64::min);
+    match before.is_finite() && after.is_finite() {
+        true => (after - before) / 12_f64.sqrt(),
+        false => 0.0,
+    }
+}
+
+/// What the observations change by with a shape, from the columns at a shorter and a longer one.
+fn by_shape([shorter, longer]: [(f64, Vec<Vec<f64>>); 2], values: &[f64], rows: usize) -> Vec<f64> {
+    let mut derivative = vec![0.0; rows];
+    for ((a, b), value) in shorter.1.iter().zip(&longer.1).zip(values) {
+        for ((d, a), b) in derivative.iter_mut().zip(a).zip(b) {
+            *d += (b - a) * value / (longer.0 - shorter.0);
+        }
+    }
+    derivative
+}
+
+/// Covariance of the first `n` parameters of a fit, and the standard uncertainty of the shape, which is the next one.
+fn beside_shape(fit: &Fit, n: usize) -> (Vec<f64>, f64) {
+    let width = fit.seen.len();
+    let u = match fit.seen[n] {
+        true => fit.covariance[n * width + n].sqrt(),
+        false => f64::INFINITY,
+    };
+    let block = (0..n * n).map(|ik| fit.covariance[ik / n * width + ik % n]);
+    (block.collect(), u)
+}

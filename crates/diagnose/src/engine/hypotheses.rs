@@ -1,0 +1,106 @@
+//! Every effect of a level on every subject, and the columns of those that the data can show.
+
+use rayon::prelude::*;
+use trueaxis_effects::{Effect, Scene, Shape, Subject, catalogue};
+
+use crate::engine::Measured;
+use crate::selection::{FixedScan, Hypothesis, Projection, Scan, StepScan, VisitTimes};
+
+/// Hypotheses that the data can show, and those that they cannot.
+pub(crate) struct Hypotheses {
+    pub(crate) scans: Vec<Box<dyn Scan>>,
+    pub(crate) without_trace: Vec<Hypothesis>,
+}
+
+/// All hypotheses of a level, in the order of the catalogue; of the subjects those that `is_wanted`.
+pub(crate) fn of_catalogue(
+    level: trueaxis_effects::Level,
+    scene: &Scene,
+    is_wanted: impl Fn(&Subject) -> bool,
+) -> Vec<Hypothesis> {
+    let of_level = |effect: &&&Effect| effect.levels.contains(&level);
+    let mut all = Vec::new();
+    for effect in catalogue().iter().filter(of_level) {
+        let mut subjects = effect.subjects(scene);
+        subjects.retain(&is_wanted);
+        let count = subjects.len();
+        all.extend(subjects.into_iter().map(|subject| Hypothesis {
+            effect,
+            subject,
+            subjects: count,
+        }));
+    }
+    all
+}
+
+/// Makes hypotheses ready to be compared with what `projection` leaves, in their order.
+pub(crate) fn scans<D: Measured>(
+    data: &D,
+    model: &D::Model,
+    projection: &Projection,
+    all: &[Hypothesis],
+) -> Hypotheses {
+    let (columns, visits) = (data.columns(model), data.visits());
+    let ready = |hypothesis: &Hypothesis| {
+        scan_at(data, projection, &columns, &visits, *hypothesis).ok_or(*hypothesis)
+    };
+    let ready: Vec<_> = all.par_iter().map(ready).collect();
+    let mut hypotheses = Hypotheses {
+        scans: Vec::new(),
+        without_trace: Vec::new(),
+    };
+    for scan in ready {
+        match scan {
+            Ok(scan) => hypotheses.scans.push(scan),
+            Err(hypothesis) => hypotheses.without_trace.push(hypothesis),
+        }
+    }
+    hypotheses
+}
+
+/// One hypothesis, if the data can show it.
+pub(crate) fn scan<D: Measured>(
+    data: &D,
+    model: &D::Model,
+    projection: &Projection,
+    hypothesis: Hypothesis,
+) -> Option<Box<dyn Scan>> {
+    let columns = data.columns(model);
+    scan_at(data, projection, &columns, &data.visits(), hypothesis)
+}
+
+fn scan_at<D: Measured>(
+    data: &D,
+    projection: &Projection,
+    columns: &(impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>> + Sync),
+    visits: &[VisitTimes],
+    hypothesis: Hypothesis,
+) -> Option<Box<dyn Scan>> {
+    let columns = |shape: f64| columns(&hypothesis, shape);
+    let shapes = match hypothesis.effect.shape {
+        Shape::Instant => {
+            let columns = columns(f64::NEG_INFINITY);
+            let scan = StepScan::new(hypothesis, projection, visits, &columns)?;
+            return Some(Box::new(scan));
+        }
+        Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
+            data.shapes(hypothesis.effect.shape)
+        }
+        Shape::Fixed | Shape::Period | Shape::Waves => vec![0.0],
+    };
+    let scan = FixedScan::new(hypothesis, projection, &shapes, columns)?;
+    Some(Box::new(scan))
+}
+
+/// `count` values from `first` on, each `ratio` times the one before; none without a first.
+pub(crate) fn in_equal_ratios(first: f64, ratio: f64, count: i32) -> Vec<f64> {
+    let all = (0..count).map(|k| first * ratio.powi(k));
+    all.filter(|value| *value > 0.0).collect()
+}
+
+/// From the first to the last reading, s.
+pub(crate) fn duration_s(visits: &[VisitTimes]) -> f64 {
+    let first = visits.first().map_or(0.0, |v| v.span_s[0]);
+    let last = visits.last().map_or(0.0, |v| v.span_s[1]);
+    last - first
+}

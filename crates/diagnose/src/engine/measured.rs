@@ -1,0 +1,122 @@
+//! What differs between kinds of data, and what is found in all of them.
+
+use trueaxis_effects::{ResolvedEffect, Scene, Shape};
+
+use crate::Error;
+use crate::engine::Culprit;
+use crate::selection::{Fit, Hypothesis, Projection, Score, VisitTimes, is_rival};
+
+/// Data of one kind with their base model.
+pub(crate) trait Measured: Sync {
+    /// The base model adjusted with causes.
+    type Model: Sync;
+
+    /// Family-wise level of the causes.
+    const CAUSE_LEVEL: f64;
+
+    /// More causes at once are a pile of names, not a diagnosis.
+    const MOST_CAUSES: usize;
+
+    /// Whether an effect may be looked for a second time on the subject of a cause, to show that it has no shape of
+    /// the catalogue.
+    const LOOKS_TWICE: bool;
+
+    fn scene(&self) -> &Scene;
+
+    /// What the base model does not absorb.
+    fn bare(model: &Self::Model) -> &Projection;
+
+    /// What neither the base model nor the causes absorb.
+    fn projection(model: &Self::Model) -> &Projection;
+
+    /// The causes of a model with their parameters.
+    fn suspects(model: &Self::Model) -> &[Suspect];
+
+    /// Whitened columns of a hypothesis at a shape: what a unit of each parameter does to the rows of a model.
+    fn columns<'m>(
+        &'m self,
+        model: &'m Self::Model,
+    ) -> impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>> + Sync + 'm;
+
+    /// Rows and times between which an instant may lie.
+    fn visits(&self) -> Vec<VisitTimes>;
+
+    /// The time constants or lags that are tried, in rising order.
+    fn shapes(&self, shape: Shape) -> Vec<f64>;
+
+    /// Adjusts everything with causes, from their present parameters, and the noise that they leave.
+    fn refit(&self, suspects: Vec<Suspect>) -> Result<Self::Model, Error>;
+
+    /// The same in the noise of a model with other causes.
+    fn refit_near(&self, near: &Self::Model, suspects: Vec<Suspect>) -> Result<Self::Model, Error>;
+
+    /// The causes with two names exchanged that no exchange of one at a time finds.
+    fn exchanged(&self, _: &[Suspect]) -> Option<Vec<Suspect>> {
+        None
+    }
+
+    /// What a cause makes responsible.
+    fn culprit(&self, suspect: &Suspect) -> Culprit;
+
+    /// Whether values outside the plausible range of its parameters rule a hypothesis out.
+    fn is_limited(_: &Hypothesis) -> bool {
+        true
+    }
+
+    /// Whether a hypothesis cannot be told from a leader that it explains at least half as much as.
+    fn is_alike(leader: (&Hypothesis, &Score), other: (&Hypothesis, &Score), cosine: f64) -> bool {
+        is_rival(leader.1, other.1, cosine)
+    }
+}
+
+/// A cause with its parameters, linear at its shape.
+#[derive(Debug, Clone)]
+pub(crate) struct Suspect {
+    pub(crate) hypothesis: Hypothesis,
+    pub(crate) shape: f64,
+    /// Standard deviation of the shape over its marginal likelihood.
+    pub(crate) u_shape: f64,
+    pub(crate) parameters: Vec<f64>,
+    /// Covariance of the parameters, rows one after the other.
+    pub(crate) covariance: Vec<f64>,
+    /// Whether the data see all of each parameter.
+    pub(crate) seen: Vec<bool>,
+}
+
+impl Suspect {
+    /// A hypothesis fitted at a shape.
+    pub(crate) fn new(hypothesis: Hypothesis, (shape, u_shape): (f64, f64), fit: &Fit) -> Self {
+        Self {
+            hypothesis,
+            shape,
+            u_shape,
+            parameters: fit.estimates.clone(),
+            covariance: fit.covariance.clone(),
+            seen: fit.seen.clone(),
+        }
+    }
+
+    /// The effect with its values.
+    pub(crate) fn resolved(&self) -> ResolvedEffect {
+        let Self {
+            hypothesis,
+            parameters,
+            shape,
+            ..
+        } = self;
+        hypothesis.resolved(parameters.clone(), *shape)
+    }
+}
+
+/// A cause with its judgement beside the others.
+#[derive(Debug, Clone)]
+pub(crate) struct Found {
+    pub(crate) suspect: Suspect,
+    pub(crate) p_value: f64,
+    /// Drop of the BIC by this cause.
+    pub(crate) bic: f64,
+    /// Drop of the sum of squares by this cause.
+    pub(crate) statistic: f64,
+    /// What explains as much, with its BIC.
+    pub(crate) rivals: Vec<(Suspect, f64)>,
+}

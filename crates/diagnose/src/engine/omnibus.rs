@@ -1,0 +1,147 @@
+//! Whether anything at all is left in the residuals, and what it varies with.
+//!
+//! Each test adds smooth functions of something to the model, projects them as the residuals were
+//! projected, and takes the F test of what they explain: its null distribution is exact for normal
+//! noise. Several tests share their level (Bonferroni).
+
+use rayon::prelude::*;
+use trueaxis_leastsquares::half_waves;
+
+use crate::OmnibusTest;
+use crate::selection::{Projection, dot, f_test, gram_of};
+
+/// Family-wise level of the omnibus tests of lengths or points: with that of the causes, 1.2 % of clean campaigns of
+/// lengths alarm.
+pub(crate) const OMNIBUS_LEVEL: f64 = 0.002;
+
+/// A test of few data that takes more of the degrees of freedom than this part says little.
+pub(crate) const MOST_OF_FREEDOM: f64 = 1.0 / 3.0;
+
+/// Columns that the residuals may vary with.
+pub(crate) struct Family {
+    pub(crate) varies_with: &'static str,
+    /// Whitened as the rows of the model that is tested.
+    pub(crate) columns: Vec<Vec<f64>>,
+}
+
+/// A test with what it found.
+#[derive(Debug, Clone)]
+pub(crate) struct Omnibus {
+    pub(crate) test: OmnibusTest,
+    /// Squares explained.
+    pub(crate) drop: f64,
+    /// Squares explained beyond what noise explains, in units of its variance.
+    pub(crate) excess: f64,
+}
+
+impl Omnibus {
+    /// The test of whitened columns, alone.
+    pub(crate) fn of(family: &Family, projection: &Projection) -> Self {
+        let columns = &family.columns;
+        let gram = gram_of(projection, columns);
+        let along = columns.iter().map(|c| dot(c, &projection.residuals));
+        let (drop, rank) = (gram.statistic(&along.collect::<Vec<_>>()), gram.rank());
+        let (squares, freedom) = (projection.squares(), projection.degrees_of_freedom);
+        Self {
+            test: OmnibusTest {
+                varies_with: family.varies_with,
+                detail: None,
+                columns: rank,
+                p_value: f_test(drop, squares, rank, freedom),
+            },
+            drop,
+            excess: (drop / (squares / freedom) - rank as f64).max(0.0),
+        }
+    }
+
+    /// Those of several families that take no more than a part of the degrees of freedom.
+    pub(crate) fn of_all(projection: &Projection, families: &[Family], part: f64) -> Vec<Self> {
+        let most = part * projection.degrees_of_freedom;
+        let tests = families.par_iter().map(|f| Self::of(f, projection));
+        let mut tests: Vec<Self> = tests.collect();
+        tests.retain(|o| o.test.columns > 0 && o.test.columns as f64 <= most);
+        tests
+    }
+}
+
+/// The tests with the p-values of all of them together.
+pub(crate) fn family_wise(mut tests: Vec<Omnibus>) -> Vec<Omnibus> {
+    let count = tests.len() as f64;
+    for omnibus in &mut tests {
+        omnibus.test.p_value = (count * omnibus.test.p_value).min(1.0);
+    }
+    tests
+}
+
+/// Half waves of something in each group of rows: `cos(kπx)`, `k` up to `most`, from 0 (a constant) if `with_constant`.
+/// A place is the group of a row and its x, 0 to 1; rows without one are nothing, as are columns that are left out.
+pub(crate) fn waves_of(
+    places: impl IntoIterator<Item = Option<(usize, f64)>>,
+    with_constant: bool,
+    most: u32,
+) -> Vec<Vec<f64>> {
+    let places: Vec<_> = places.into_iter().collect();
+    let groups = places.iter().flatten().map(|p| p.0 + 1).max().unwrap_or(0);
+    let constant = usize::from(with_constant);
+    let width = constant + most as usize;
+    let mut columns = vec![vec![0.0; places.len()]; groups * width];
+    for (row, (group, x)) in places
+        .iter()
+        .enumerate()
+        .filter_map(|(i, p)| Some((i, (*p)?)))
+    {
+        let waves = std::iter::repeat_n(1.0, constant).chain(half_waves(x, most));
+        for (column, wave) in columns[group * width..].iter_mut().zip(waves) {
+            column[row] = wave;
+        }
+    }
+    columns.retain(|column| column.iter().any(|&x| x != 0.0));
+    columns
+}
+
+/// The families that vary at a level, and so many `squares` left in each.
+pub(crate) fn still_left<'a>(
+    families: &'a [Family],
+    tests: &[Omnibus],
+    level: f64,
+    squares: impl Fn(&Omnibus) -> f64,
+) -> Vec<(&'a Family, f64)> {
+    let clear = tests.iter().filter(|t| t.test.p_value < level);
+    let own = clear.filter_map(|t| {
+        let is_own = |f: &&Family| f.varies_with == t.test.varies_with;
+        Some((families.iter().find(is_own)?, squares(t)))
+    });
+    own.collect()
+}
+
+/// What is left in columns, times the part of a cause's trace that lies in them, in squares of that trace,
+/// from which the cause is taken for an imitation. A cause that fits leaves noise, far less than it took.
+const TOO_MUCH_LEFT: f64 = 0.25;
+
+/// The same of one course in time: what wanders looks like a jump or a drift in most of its squares, so that these
+/// are named only if they take 95 %. And of a free function of the position, which fits many things.
+const TOO_MUCH_OF_ANY_FORM: f64 = 1.0 / 19.0;
+
+/// Whether a cause with this trace in the base model merely takes a part of what is left in the same columns: a wrong
+/// name takes a part of an unknown disturbance and leaves the rest. `left` are families with the squares left in them.
+pub(crate) fn is_imitation(
+    base: &Projection,
+    trace: &[f64],
+    is_of_any_form: bool,
+    left: &[(&Family, f64)],
+) -> bool {
+    let too_much = match is_of_any_form {
+        true => TOO_MUCH_OF_ANY_FORM,
+        false => TOO_MUCH_LEFT,
+    };
+    let squares = dot(trace, trace);
+    left.iter()
+        .any(|(family, left)| part_within(base, &family.columns, trace) * left > too_much * squares)
+}
+
+/// Part of the squares of a trace that lies in columns, both after the projection.
+fn part_within(base: &Projection, columns: &[Vec<f64>], trace: &[f64]) -> f64 {
+    let mut rest = trace.to_vec();
+    base.extended(columns).project(&mut rest);
+    1.0 - dot(&rest, &rest) / dot(trace, trace).max(f64::MIN_POSITIVE)
+}

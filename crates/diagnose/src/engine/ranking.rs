@@ -1,0 +1,120 @@
+//! Hypotheses against what a model leaves, the one with the most evidence first.
+
+use trueaxis_effects::Scene;
+
+use crate::engine::{Measured, Suspect, scans};
+use crate::selection::{Fit, Hypothesis, Null, Projection, Scan, Score, cosine, rank};
+
+/// The hypotheses that are physically possible, by rank.
+pub(crate) struct Ranking<'m, S> {
+    projection: &'m Projection,
+    scans: S,
+    pub(crate) scores: Vec<Score>,
+}
+
+/// Rivals that are worth a line.
+const MOST_RIVALS: usize = 8;
+
+/// Evidence that differs by less is rounding.
+pub(crate) const EQUAL: f64 = 1e-3;
+
+impl<'m> Ranking<'m, Vec<Box<dyn Scan>>> {
+    /// Of hypotheses against what a model leaves.
+    pub(crate) fn new<D: Measured>(data: &D, model: &'m D::Model, all: &[Hypothesis]) -> Self {
+        let projection = D::projection(model);
+        Self::of(data, projection, scans(data, model, projection, all).scans)
+    }
+}
+
+impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
+    /// Of hypotheses that were made ready.
+    pub(crate) fn of<D: Measured>(data: &D, projection: &'m Projection, scans: S) -> Self {
+        let mut ranking = Self {
+            scores: rank(projection, scans.as_ref()),
+            projection,
+            scans,
+        };
+        let mut scores = std::mem::take(&mut ranking.scores);
+        scores.retain(|score| {
+            let hypothesis = ranking.hypothesis(score);
+            let plausible = plausible(hypothesis, data.scene());
+            let is_free = plausible.iter().all(Option::is_none);
+            // Whitened with the noise: of unit variance.
+            is_free || !D::is_limited(hypothesis) || ranking.fit(score).is_possible(&plausible, 1.0)
+        });
+        ranking.scores = scores;
+        ranking
+    }
+
+    pub(crate) fn hypothesis(&self, score: &Score) -> &Hypothesis {
+        self.scans.as_ref()[score.scan].hypothesis()
+    }
+
+    fn fit(&self, score: &Score) -> Fit {
+        let scan = &self.scans.as_ref()[score.scan];
+        Fit::new(self.projection, &scan.columns(score.shape))
+    }
+
+    /// A scored hypothesis with its parameters.
+    pub(crate) fn suspect(&self, score: &Score) -> (Suspect, Fit) {
+        let fit = self.fit(score);
+        let shape = (score.shape, score.u_shape);
+        (Suspect::new(*self.hypothesis(score), shape, &fit), fit)
+    }
+
+    /// The first that noise does not explain at a family-wise level, and `own` rather than one with the same evidence.
+    pub(crate) fn leader(
+        &self,
+        null: &Null,
+        level: f64,
+        own: Option<&Hypothesis>,
+    ) -> Option<&Score> {
+        let is_significant = |s: &&Score| null.family_wise(s.ln_p) <= level;
+        let leader = self.scores.iter().find(is_significant)?;
+        let as_good = |s: &&Score| {
+            own.is_some_and(|own| self.hypothesis(s).is(own))
+                && is_significant(s)
+                && leader.evidence - s.evidence < EQUAL
+        };
+        self.scores.iter().find(as_good).or(Some(leader))
+    }
+
+    /// What explains as much as the leader, whose fit is `fit`, with its BIC.
+    pub(crate) fn rivals<D: Measured>(&self, leader: &Score, fit: &Fit) -> Vec<(Suspect, f64)> {
+        let mut rivals = Vec::new();
+        for score in &self.scores {
+            // Who explains less than half cannot be alike, and has no evidence.
+            if score.scan == leader.scan || score.statistic < 0.5 * leader.statistic {
+                continue;
+            }
+            let (suspect, other) = self.suspect(score);
+            let of_leader = (self.hypothesis(leader), leader);
+            let is_alike =
+                D::is_alike(of_leader, (&suspect.hypothesis, score), cosine(fit, &other));
+            if is_alike && rivals.len() < MOST_RIVALS {
+                rivals.push((suspect, score.bic));
+            }
+        }
+        rivals
+    }
+
+    /// Those that explain at least `part` of what the leader explains, in the order of the hypotheses.
+    pub(crate) fn comparable(&self, leader: &Score, part: f64) -> Vec<Hypothesis> {
+        let near = |&number: &usize| {
+            let own = self.scores.iter().find(|s| s.scan == number);
+            own.is_some_and(|s| s.statistic >= part * leader.statistic)
+        };
+        let scans = self.scans.as_ref();
+        let near = (0..scans.len()).filter(near);
+        near.map(|number| *scans[number].hypothesis()).collect()
+    }
+}
+
+/// The plausible range of each parameter of a hypothesis.
+pub(crate) fn plausible(hypothesis: &Hypothesis, scene: &Scene) -> Vec<Option<[f64; 2]>> {
+    let Hypothesis {
+        effect, subject, ..
+    } = hypothesis;
+    let parameters = effect.parameters(scene, subject);
+    parameters.iter().map(|p| p.plausible).collect()
+}

@@ -1,0 +1,252 @@
+//! One cause after the other.
+//!
+//! 1. The hypothesis with the most evidence, among those that noise alone would not match at the level of the causes,
+//!    joins them.
+//! 2. All of them settle ([`settle`]): each is compared with every other hypothesis while the others are
+//!    in the model, with the noise that is left; a better one takes its place, and one that is no longer
+//!    needed leaves. The first cause is often a compromise between two.
+//! 3. It ends when nothing joins, or when the next would be the same trouble under another name
+//!    ([`Culprits`]) or no more than the shape of an earlier one.
+
+use trueaxis_effects::Shape;
+
+use crate::Error;
+use crate::engine::ranking::EQUAL;
+use crate::engine::{Culprits, Found, Measured, Ranking, Suspect};
+use crate::selection::{DECISIVE, Fit, Hypothesis, Null, Scan, golden_section, weakest};
+
+/// The causes, the model with them, and what a further cause would explain that is not one of its own.
+pub(crate) struct Search<M> {
+    pub(crate) found: Vec<Found>,
+    pub(crate) adjusted: M,
+    pub(crate) left: f64,
+}
+
+impl<M> Search<M> {
+    /// A model without causes.
+    pub(crate) fn without_causes(adjusted: M) -> Self {
+        Self {
+            found: Vec::new(),
+            adjusted,
+            left: 0.0,
+        }
+    }
+}
+
+/// A hypothesis that explains less than this part of what the leader explains is no rival of it in
+/// the same model, whatever the noise is found to be: rivals explain at least half.
+const WORTH_COMPARING: f64 = 0.25;
+
+/// Finds the causes of what `start`, a model without any, leaves. `first` are the scans of `all`
+/// hypotheses of that model.
+pub(crate) fn find_causes<D: Measured>(
+    data: &D,
+    start: D::Model,
+    all: &[Hypothesis],
+    first: &[Box<dyn Scan>],
+    null: &Null,
+) -> Result<Search<D::Model>, Error> {
+    let mut search = Search::without_causes(start);
+    while search.found.len() < D::MOST_CAUSES {
+        let mut suspects = D::suspects(&search.adjusted).to_vec();
+        let next = if suspects.is_empty() {
+            let ranking = Ranking::of(data, D::projection(&search.adjusted), first);
+            next(&ranking, null, D::CAUSE_LEVEL)
+        } else {
+            let free = free::<D>(all, &suspects);
+            next(
+                &Ranking::new(data, &search.adjusted, &free),
+                null,
+                D::CAUSE_LEVEL,
+            )
+        };
+        let Some((leader, comparable)) = next else {
+            break;
+        };
+        // Beside others everything is looked at again: what they hid may come out.
+        let candidates = if suspects.is_empty() {
+            &comparable
+        } else {
+            all
+        };
+        suspects.push(leader);
+        let (found, adjusted) = settle(data, suspects, candidates, null)?;
+        if found.len() <= search.found.len() {
+            break;
+        }
+        if let Some(left) = not_its_own(data, &found) {
+            search.left = left;
+            break;
+        }
+        (search.found, search.adjusted) = (found, adjusted);
+    }
+    Ok(search)
+}
+
+/// The hypothesis with the most evidence among those that noise does not explain, and those that are
+/// worth comparing with it.
+fn next<S: AsRef<[Box<dyn Scan>]>>(
+    ranking: &Ranking<'_, S>,
+    null: &Null,
+    level: f64,
+) -> Option<(Suspect, Vec<Hypothesis>)> {
+    let leader = ranking.leader(null, level, None)?;
+    let comparable = ranking.comparable(leader, WORTH_COMPARING);
+    Some((ranking.suspect(leader).0, comparable))
+}
+
+/// The hypotheses that are looked at beside causes.
+fn free<D: Measured>(all: &[Hypothesis], suspects: &[Suspect]) -> Vec<Hypothesis> {
+    let is_free = |h: &&Hypothesis| D::LOOKS_TWICE || suspects.iter().all(|s| !s.hypothesis.is(h));
+    all.iter().filter(is_free).copied().collect()
+}
+
+/// What the weakest of several causes explains, if it is not a cause of its own.
+fn not_its_own<D: Measured>(data: &D, found: &[Found]) -> Option<f64> {
+    if found.len() < 2 {
+        return None;
+    }
+    let culprits: Vec<Culprits> = found.iter().map(|f| Culprits::of(data, f)).collect();
+    let is_stacked = (1..found.len()).any(|i| (0..i).any(|j| culprits[i].overlap(&culprits[j])));
+    let (weakest, is_doubtful) = weakest(found.iter().map(|f| (f.statistic, f.p_value)));
+    (is_stacked || is_doubtful).then_some(weakest)
+}
+
+/// Exchanges of causes for better ones before it is enough.
+const MOST_EXCHANGES: usize = 6;
+
+/// Judges each cause against the candidates with the others in the model until none changes any more.
+pub(crate) fn settle<D: Measured>(
+    data: &D,
+    mut suspects: Vec<Suspect>,
+    candidates: &[Hypothesis],
+    null: &Null,
+) -> Result<(Vec<Found>, D::Model), Error> {
+    let mut adjusted = data.refit(suspects.clone())?;
+    let mut exchanges = 0;
+    loop {
+        let mut found = Vec::new();
+        let mut changed = false;
+        for k in 0..suspects.len() {
+            let mut others = suspects.clone();
+            let own = others.remove(k);
+            let free = free::<D>(candidates, &others);
+            // With the noise that is left: a large disturbance blurs its own rivals.
+            let without = data.refit_near(&adjusted, others)?;
+            let Some(judged) = judged(data, &without, &own, &free, null) else {
+                suspects.remove(k);
+                changed = true;
+                break;
+            };
+            let same = judged.suspect.hypothesis.is(&own.hypothesis);
+            let step = (judged.suspect.shape - own.shape).abs();
+            let moved = step > judged.suspect.u_shape.max(REFINED * own.shape.abs());
+            if (!same || moved) && exchanges < MOST_EXCHANGES {
+                exchanges += 1;
+                changed = true;
+            }
+            suspects[k] = judged.suspect.clone();
+            found.push(judged);
+        }
+        adjusted = data.refit(suspects.clone())?;
+        let others = data.exchanged(D::suspects(&adjusted));
+        if let Some(others) = others.filter(|_| !changed) {
+            // As many parameters, so that the squares decide.
+            let other = data.refit_near(&adjusted, others)?;
+            let more = D::projection(&other).squares() - D::projection(&adjusted).squares();
+            if more < -EQUAL && exchanges < MOST_EXCHANGES {
+                exchanges += 1;
+                suspects = D::suspects(&other).to_vec();
+                adjusted = other;
+                continue;
+            }
+            if more < DECISIVE {
+                add_exchanged(&mut found, D::suspects(&other), more);
+            }
+        }
+        if !changed {
+            for (found, suspect) in found.iter_mut().zip(D::suspects(&adjusted)) {
+                found.suspect = suspect.clone();
+            }
+            return Ok((found, adjusted));
+        }
+        suspects = D::suspects(&adjusted).to_vec();
+    }
+}
+
+/// Lists exchanged causes as rivals of those whose places they take; together they leave `more` squares.
+fn add_exchanged(found: &mut [Found], others: &[Suspect], more: f64) {
+    for (found, other) in found.iter_mut().zip(others) {
+        let is_other = |suspect: &Suspect| suspect.hypothesis.is(&other.hypothesis);
+        if !is_other(&found.suspect) && !found.rivals.iter().any(|rival| is_other(&rival.0)) {
+            found.rivals.push((other.clone(), found.bic + more));
+        }
+    }
+}
+
+/// The best explanation of what a model without one of its causes leaves, and its rivals; `None` if
+/// noise explains it.
+fn judged<D: Measured>(
+    data: &D,
+    without: &D::Model,
+    own: &Suspect,
+    candidates: &[Hypothesis],
+    null: &Null,
+) -> Option<Found> {
+    let ranking = Ranking::new(data, without, candidates);
+    // An explanation with the same evidence is no reason to change.
+    let best = ranking.leader(null, D::CAUSE_LEVEL, Some(&own.hypothesis))?;
+    let (mut suspect, mut fit) = ranking.suspect(best);
+    if let Some(ends) = neighbours(data, &suspect) {
+        (suspect, fit) = refined(data, without, &suspect, ends);
+    }
+    Some(Found {
+        p_value: null.family_wise(best.ln_p),
+        bic: best.bic,
+        statistic: best.statistic,
+        rivals: ranking.rivals::<D>(best, &fit),
+        suspect,
+    })
+}
+
+/// Between which values a shape that was found in its list is looked for more closely; `None` if the list has all.
+fn neighbours<D: Measured>(data: &D, suspect: &Suspect) -> Option<[f64; 2]> {
+    let shape = suspect.hypothesis.effect.shape;
+    if !matches!(
+        shape,
+        Shape::TimeConstant | Shape::SettlingTime | Shape::Lag
+    ) {
+        return None;
+    }
+    let (all, found) = (data.shapes(shape), suspect.shape);
+    match (
+        all.iter().rfind(|&&s| s < found),
+        all.iter().find(|&&s| s > found),
+    ) {
+        (Some(&before), Some(&after)) => Some([before, after]),
+        (Some(&before), None) => Some([before, found * found / before]),
+        (None, Some(&after)) => Some([found * found / after, after]),
+        (None, None) => None,
+    }
+}
+
+/// Part of a time constant to which it is refined.
+const REFINED: f64 = 1e-3;
+
+/// A time constant or a lag between its neighbours in the list that were tried: golden section on what it
+/// explains.
+fn refined<D: Measured>(
+    data: &D,
+    without: &D::Model,
+    suspect: &Suspect,
+    ends: [f64; 2],
+) -> (Suspect, Fit) {
+    let columns = data.columns(without);
+    let at = |shape: f64| Fit::new(D::projection(without), &columns(&suspect.hypothesis, shape));
+    let explained = |fit: &Fit| fit.explained.iter().map(|x| x * x).sum::<f64>();
+    let is_close = |low: f64, high: f64| high - low <= REFINED * ends[1];
+    let shape = golden_section(ends, is_close, |shape| explained(&at(shape)));
+    let fit = at(shape);
+    let refined = Suspect::new(suspect.hypothesis, (shape, suspect.u_shape), &fit);
+    (refined, fit)
+}

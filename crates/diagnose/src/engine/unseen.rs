@@ -1,0 +1,82 @@
+//! Effects that data cannot show. They may be there all the same.
+
+use trueaxis_effects::{Effect, Scene, Subject, effect};
+
+use crate::NotObservable;
+use crate::selection::Hypothesis;
+
+/// An effect that the data cannot show, with what it does to one result for a unit of it; what to measure is what tells
+/// it from its rivals.
+pub(crate) fn unseen(
+    effect: &Effect,
+    subject: String,
+    reason: &str,
+    (result, bias): (&str, &str),
+) -> NotObservable {
+    NotObservable {
+        effect: effect.id,
+        subject,
+        reason: reason.to_owned(),
+        bias_per_unit: vec![(result.to_owned(), bias.to_owned())],
+        measure: effect.explanation.separate_by.to_owned(),
+    }
+}
+
+/// Hypotheses without a trace in the data, effect after effect, with the reason that the data have for each.
+pub(crate) fn without_trace(
+    scene: &Scene,
+    hypotheses: &[Hypothesis],
+    reason: impl Fn(&'static str) -> &'static str,
+) -> Vec<NotObservable> {
+    let alike = hypotheses.chunk_by(|a, b| a.effect.id == b.effect.id);
+    let of_effect = |own: &[Hypothesis]| {
+        let effect = own[0].effect;
+        let names = own.iter().map(|h| match in_words(&h.subject, scene) {
+            name if name.is_empty() => "all alike".to_owned(),
+            name => name,
+        });
+        let names: Vec<String> = names.collect();
+        let bias = ("calibration", effect.explanation.consequence);
+        let unseen = unseen(effect, names.join(", "), reason(effect.id), bias);
+        match effect.id {
+            "backlash" => NotObservable {
+                measure: "measure the axis from both sides".to_owned(),
+                ..unseen
+            },
+            _ => unseen,
+        }
+    };
+    alike.map(of_effect).collect()
+}
+
+/// The scale of the instrument, which everything stretches with.
+pub(crate) fn length_scale(reason: &str, bias: Vec<(String, String)>) -> Option<NotObservable> {
+    let unseen = unseen(effect("length_scale")?, String::new(), reason, ("", ""));
+    Some(NotObservable {
+        bias_per_unit: bias,
+        ..unseen
+    })
+}
+
+/// A subject in words, as `station S2` or `axis X, target P`.
+pub(crate) fn in_words(subject: &Subject, scene: &Scene) -> String {
+    let axis = |axis: usize| scene.axis_name(axis);
+    let component = subject.component.zip(subject.axis);
+    let parts = [
+        subject
+            .station
+            .map(|k| format!("station {}", scene.stations[k])),
+        subject.axis.map(|k| format!("axis {}", axis(k))),
+        subject.other_axis.map(|k| format!("by axis {}", axis(k))),
+        subject
+            .target
+            .map(|k| format!("target {}", scene.targets[k].name)),
+        subject.carrier.map(|k| format!("what {} carries", axis(k))),
+        subject
+            .column
+            .map(|k| format!("with {}", scene.temperatures[k].column)),
+        component.map(|(component, k)| component.name(axis(k))),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    parts.join(", ")
+}

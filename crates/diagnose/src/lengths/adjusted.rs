@@ -1,0 +1,74 @@
+//! The lengths adjusted with causes.
+
+use std::sync::Arc;
+
+use trueaxis_multilateration::{Network, Solution, Whitened};
+
+use crate::engine::Suspect;
+use crate::selection::{Fit, Projection, dot};
+
+/// An adjusted model.
+pub(crate) struct Adjusted {
+    /// The network with the noise used; its lengths are less what the causes do to them.
+    pub(crate) network: Network,
+    pub(crate) solution: Solution,
+    /// Whitened rows of the rigid model.
+    pub(crate) whitened: Whitened,
+    /// What neither the rigid model nor the causes absorb.
+    pub(crate) projection: Projection,
+    /// What the rigid model does not absorb, beside what wanders; the causes are left out of it.
+    pub(crate) before_causes: Arc<Projection>,
+    /// The causes with their parameters.
+    pub(crate) suspects: Vec<Suspect>,
+}
+
+/// Parameters of causes rest when they move by less than this part of their uncertainty.
+const RESTS: f64 = 1e-3;
+
+/// What is left of residuals after a projection that has made them differs from them by less than this part.
+const PROJECTED: f64 = 1e-6;
+
+impl Adjusted {
+    /// Whether the rigid model takes nothing more of its residuals. It does where something is known beforehand, as a
+    /// dead path.
+    pub(super) fn is_projected(&self) -> bool {
+        let residuals = &self.whitened.residuals;
+        let mut again = residuals.clone();
+        self.whitened.project(&mut again);
+        let taken = again.iter().zip(residuals).map(|(a, b)| (a - b).powi(2));
+        taken.sum::<f64>() <= PROJECTED.powi(2) * dot(residuals, residuals)
+    }
+
+    /// The same with another projection and no causes.
+    pub(crate) fn with(&self, projection: Projection) -> Self {
+        Self {
+            network: self.network.clone(),
+            solution: self.solution.clone(),
+            whitened: self.whitened.clone(),
+            projection,
+            before_causes: Arc::clone(&self.before_causes),
+            suspects: Vec::new(),
+        }
+    }
+
+    /// Moves the parameters by a fit of what is left; whether they rest.
+    pub(super) fn update(&mut self, fit: &Fit) -> bool {
+        let all = fit.estimates.len();
+        let mut first = 0;
+        let mut rests = true;
+        for suspect in &mut self.suspects {
+            let count = suspect.parameters.len();
+            suspect.covariance = (0..count * count)
+                .map(|ij| fit.covariance[(first + ij / count) * all + first + ij % count])
+                .collect();
+            for k in 0..count {
+                let step = fit.estimates[first + k];
+                suspect.parameters[k] += step;
+                let u = suspect.covariance[k * count + k].sqrt();
+                rests &= step.abs() <= RESTS * u;
+            }
+            first += count;
+        }
+        rests
+    }
+}

@@ -1,0 +1,152 @@
+//! What the lengths are to the search for causes.
+
+use trueaxis_effects::{Layer, Scene, Shape};
+
+use crate::Error;
+use crate::engine::{Culprit, Culprits, Measured, Suspect, duration_s, in_equal_ratios};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
+use crate::lengths::disturbance::{Wanderer, Who, With};
+use crate::lengths::swapped::swapped;
+use crate::selection::{DECISIVE, Hypothesis, Projection, Score, VisitTimes, is_rival};
+
+/// Time constants that are tried, from a hundredth of the campaign, or of the longest occupation of a station, to
+/// twice its length in equal ratios.
+const TIME_CONSTANTS: i32 = 24;
+const SHORTEST: f64 = 0.01;
+const TIME_CONSTANT_RATIO: f64 = 1.26;
+
+/// Lags behind a temperature that are tried beside none, from a hundredth of the campaign in equal ratios.
+const LAGS: i32 = 11;
+const LAG_RATIO: f64 = 1.6;
+
+impl Measured for Base<'_> {
+    type Model = Adjusted;
+
+    /// False alarms in one of a hundred clean campaigns.
+    const CAUSE_LEVEL: f64 = 0.01;
+    const MOST_CAUSES: usize = 6;
+    const LOOKS_TWICE: bool = true;
+
+    fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    fn bare(model: &Adjusted) -> &Projection {
+        &model.before_causes
+    }
+
+    fn projection(model: &Adjusted) -> &Projection {
+        &model.projection
+    }
+
+    fn suspects(model: &Adjusted) -> &[Suspect] {
+        &model.suspects
+    }
+
+    fn columns<'m>(
+        &'m self,
+        model: &'m Adjusted,
+    ) -> impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>> + Sync + 'm {
+        let observations = self.observations(&model.solution);
+        move |hypothesis, shape| self.columns_at(&observations, &model.whitened, hypothesis, shape)
+    }
+
+    fn visits(&self) -> Vec<VisitTimes> {
+        let visits = self.network.visits.iter();
+        let visits = visits.filter(|visit| !visit.readings.is_empty());
+        let of_visit = |rows: &std::ops::Range<usize>| {
+            let times = self.readings[rows.clone()].iter().map(|r| r.time_s);
+            VisitTimes::new(rows.clone(), times)
+        };
+        visits.map(|visit| of_visit(&visit.readings)).collect()
+    }
+
+    fn shapes(&self, shape: Shape) -> Vec<f64> {
+        let of_campaign_s = || duration_s(&self.visits());
+        match shape {
+            Shape::Lag => {
+                let behind = in_equal_ratios(of_campaign_s() * SHORTEST, LAG_RATIO, LAGS);
+                [vec![0.0], behind].concat()
+            }
+            shape => {
+                let elapsed = self.readings.iter().map(|r| r.occupation_elapsed_s);
+                let duration_s = match shape {
+                    Shape::SettlingTime => elapsed.fold(0.0, f64::max),
+                    _ => of_campaign_s(),
+                };
+                in_equal_ratios(duration_s * SHORTEST, TIME_CONSTANT_RATIO, TIME_CONSTANTS)
+            }
+        }
+    }
+
+    fn refit(&self, suspects: Vec<Suspect>) -> Result<Adjusted, Error> {
+        self.adjust(suspects, None)
+    }
+
+    fn refit_near(&self, near: &Adjusted, suspects: Vec<Suspect>) -> Result<Adjusted, Error> {
+        self.adjust_near(near, suspects)
+    }
+
+    fn exchanged(&self, suspects: &[Suspect]) -> Option<Vec<Suspect>> {
+        swapped(self, suspects)
+    }
+
+    fn culprit(&self, suspect: &Suspect) -> Culprit {
+        let Hypothesis {
+            effect, subject, ..
+        } = suspect.hypothesis;
+        let during = || {
+            let after = self.readings.iter().find(|r| r.time_s > suspect.shape);
+            after.map_or(0, |r| r.station)
+        };
+        let at_an_instant = effect.shape == Shape::Instant;
+        let is_of_stations = || {
+            effect
+                .subjects(&self.scene)
+                .iter()
+                .any(|s| s.station.is_some())
+        };
+        if subject.carrier.is_some() {
+            return Culprit::EveryOccupation;
+        }
+        match (subject.axis, subject.target, subject.station) {
+            (Some(axis), _, _) => Culprit::Axis(axis, effect.id),
+            (_, Some(target), _) => Culprit::Target(target, at_an_instant),
+            (_, _, Some(station)) => Culprit::Station(station, at_an_instant),
+            _ if at_an_instant => Culprit::Station(during(), true),
+            _ if effect.moves_machine() || is_of_stations() => Culprit::EveryOccupation,
+            _ => Culprit::Everything(effect.layer, effect.id),
+        }
+    }
+
+    /// A temperature of the machine may have any coefficient, the refractive index of air may not.
+    fn is_limited(hypothesis: &Hypothesis) -> bool {
+        hypothesis.subject.column.is_some() && hypothesis.effect.layer == Layer::Instrument
+    }
+
+    /// A temperature that was logged is an observation: what explains the data better than time does, does so
+    /// even if their courses are alike.
+    fn is_alike(
+        (leader, of_leader): (&Hypothesis, &Score),
+        (other, of_other): (&Hypothesis, &Score),
+        cosine: f64,
+    ) -> bool {
+        match leader.subject.column.is_some() == other.subject.column.is_some() {
+            true => is_rival(of_leader, of_other, cosine),
+            false => of_leader.evidence - of_other.evidence < DECISIVE,
+        }
+    }
+}
+
+/// Whether what wanders is what a cause makes responsible, in time: then the cause may be no more than a part of a
+/// course that it does not describe.
+pub(crate) fn is_of(culprits: &Culprits, wanderer: Wanderer) -> bool {
+    culprits.any(|culprit| match (*culprit, wanderer.who, wanderer.with) {
+        (Culprit::Station(own, _), Who::Station(other), With::Occupation)
+        | (Culprit::Target(own, _), Who::Target(other), With::Campaign) => own == other,
+        (Culprit::EveryOccupation, Who::Machine | Who::Tripods, _) => true,
+        (Culprit::Everything(layer, _), Who::Air, _) => layer == Layer::Instrument,
+        _ => false,
+    })
+}

@@ -1,0 +1,107 @@
+//! What the points are to the search for causes.
+
+use trueaxis_effects::{Scene, Shape};
+
+use crate::Error;
+use crate::engine::{Culprit, Measured, Suspect, in_equal_ratios};
+use crate::points::base::Base;
+use crate::points::model::Model;
+use crate::selection::{ALIKE, Hypothesis, Projection, Score, VisitTimes, is_rival};
+
+/// Time constants that are tried, from a hundredth of the campaign, and no less than three stops, to three times its
+/// length in equal ratios.
+const TIME_CONSTANTS: i32 = 20;
+const SHORTEST: f64 = 0.01;
+const LONGEST: f64 = 3.0;
+const LEAST_STOPS: f64 = 3.0;
+
+impl Measured for Base<'_> {
+    type Model = Model;
+
+    /// With that of the omnibus tests, and since [`Null`](crate::selection::Null) takes scans over instants for rarer
+    /// than they are by a factor of about two, one of 150 clean campaigns alarms.
+    const CAUSE_LEVEL: f64 = 0.002;
+    const MOST_CAUSES: usize = 4;
+    const LOOKS_TWICE: bool = false;
+
+    fn scene(&self) -> &Scene {
+        self.scene
+    }
+
+    fn bare(model: &Model) -> &Projection {
+        &model.bare
+    }
+
+    fn projection(model: &Model) -> &Projection {
+        &model.projection
+    }
+
+    fn suspects(model: &Model) -> &[Suspect] {
+        &model.suspects
+    }
+
+    fn columns<'m>(
+        &'m self,
+        model: &'m Model,
+    ) -> impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>> + Sync + 'm {
+        |hypothesis, shape| model.whitened(self, &self.columns_mm(hypothesis, shape))
+    }
+
+    fn visits(&self) -> Vec<VisitTimes> {
+        let of_stop = |stop: &std::ops::Range<usize>| {
+            let times = self.readings.all[stop.clone()].iter().map(|r| r.time_s);
+            VisitTimes::new(3 * stop.start..3 * stop.end, times)
+        };
+        self.readings.stops.iter().map(of_stop).collect()
+    }
+
+    fn shapes(&self, _: Shape) -> Vec<f64> {
+        let elapsed = self.readings.all.iter().map(|r| r.elapsed_s);
+        let duration_s = elapsed.fold(0.0, f64::max);
+        let between = duration_s / self.readings.stops.len() as f64;
+        let shortest = (SHORTEST * duration_s).max(LEAST_STOPS * between);
+        let ratio = (LONGEST * duration_s / shortest).powf(1.0 / f64::from(TIME_CONSTANTS - 1));
+        in_equal_ratios(shortest, ratio, TIME_CONSTANTS)
+    }
+
+    fn refit(&self, suspects: Vec<Suspect>) -> Result<Model, Error> {
+        let model = Model::estimated(self, &self.columns_of(&suspects));
+        Ok(model.fitted(self, suspects))
+    }
+
+    fn refit_near(&self, near: &Model, suspects: Vec<Suspect>) -> Result<Model, Error> {
+        let model = Model::with(self, &self.columns_of(&suspects), near.noise, None);
+        Ok(model.fitted(self, suspects))
+    }
+
+    /// The machine as a whole and the frame of the instrument are one course in time.
+    fn culprit(&self, suspect: &Suspect) -> Culprit {
+        let Hypothesis {
+            effect, subject, ..
+        } = suspect.hypothesis;
+        match (subject.axis, subject.target) {
+            (Some(axis), _) => Culprit::Axis(axis, effect.id),
+            (None, Some(target)) => Culprit::Target(target, false),
+            _ if effect.moves_machine() || effect.moves_station() => Culprit::EveryOccupation,
+            _ => Culprit::Everything(effect.layer, effect.id),
+        }
+    }
+
+    /// A frame that only goes along is a machine that goes the other way, whatever else a frame can do.
+    fn is_alike(
+        (leader, of_leader): (&Hypothesis, &Score),
+        (other, of_other): (&Hypothesis, &Score),
+        cosine: f64,
+    ) -> bool {
+        let are_twins = leader.effect.moves_machine() && other.effect.moves_station();
+        are_twins && cosine > ALIKE || is_rival(of_leader, of_other, cosine)
+    }
+}
+
+impl Base<'_> {
+    /// The columns of suspects one after the other, mm.
+    pub(crate) fn columns_of(&self, suspects: &[Suspect]) -> Vec<Vec<f64>> {
+        let of = |suspect: &Suspect| self.columns_mm(&suspect.hypothesis, suspect.shape);
+        suspects.iter().flat_map(of).collect()
+    }
+}
