@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::diagnosis::{Cause, Diagnosis, Fitted, Level, MisfitAt, Parameter};
+use crate::diagnosis::{Cause, CurvePoint, Diagnosis, Fitted, Level, MisfitAt, Parameter};
 use crate::disturbances::DisturbanceView;
 use crate::fitted_figure::fitted_figure;
 use crate::numbers::{decimals, fixed, rough, signed};
@@ -253,7 +253,7 @@ fn cause(index: usize, cause: &Cause) -> CauseView {
         effect: cause.effect.clone(),
         is_of_curve: cause.is_of_curve(),
         name: words::effect(&cause.effect, &cause.subject),
-        value: parameters(cause),
+        value: [parameters(cause), along_it(cause.curve.as_deref())].concat(),
         rivals: rivals.collect(),
         changes: changes(cause),
         explained: cause.explained_rms_um.map(rough),
@@ -262,6 +262,29 @@ fn cause(index: usize, cause: &Cause) -> CauseView {
             .as_ref()
             .and_then(|of| fitted_figure(index + 1, cause.is_of_curve(), of)),
         has_sides: cause.fitted.as_ref().is_some_and(Fitted::has_sides),
+    }
+}
+
+/// The least and the largest of a free form over the position, µm; nothing without one.
+fn along_it(curve: Option<&[CurvePoint]>) -> String {
+    let mut all: Vec<[f64; 3]> = Vec::new();
+    for point in curve.into_iter().flatten() {
+        let first = |values: &[f64]| values.first().copied();
+        if let (Some(at), Some(value), Some(u)) =
+            (first(&point.at), first(&point.value_um), first(&point.u_um))
+        {
+            all.push([at, value, u]);
+        }
+    }
+    all.sort_by(|a, b| a[1].total_cmp(&b[1]));
+    let told = |[at, value, u]: &[f64; 3]| {
+        let digits = decimals(2.0 * u).min(3);
+        let (value, u) = (signed(*value, digits), fixed(2.0 * u, digits));
+        format!("{value} ± {u}\u{a0}µm at {}\u{a0}mm", fixed(*at, 1))
+    };
+    match (all.first(), all.last()) {
+        (Some(least), Some(most)) => format!("; from {} to {}", told(least), told(most)),
+        _ => String::new(),
     }
 }
 

@@ -24,6 +24,7 @@ pub(crate) struct Cause {
     pub(crate) subject: Map<String, Value>,
     #[serde(default)]
     pub(crate) parameters: Vec<Parameter>,
+    pub(crate) curve: Option<Vec<CurvePoint>>,
     #[serde(default)]
     pub(crate) cannot_tell_apart_from: Vec<Rival>,
     pub(crate) explained_rms_um: Option<f64>,
