@@ -84,7 +84,7 @@ impl<'a> AxisColumns<'a> {
                     position: position_unit::in_file(kind, position),
                     low: position_unit::in_file(kind, low),
                     high: position_unit::in_file(kind, high),
-                    unit: position_unit::unit(kind),
+                    unit: kind.position_unit(),
                     mend: if micrometres {
                         "it looks like um: divide the column by 1000"
                     } else {

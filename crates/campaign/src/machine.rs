@@ -81,7 +81,7 @@ impl AxisSpec {
         let [low, high] = self.travel;
         if low > high {
             let found = format!("the travel [{low}, {high}] ends before it begins");
-            let expected = format!("the low end first, in {}", position_unit::unit(kind));
+            let expected = format!("the low end first, in {}", kind.position_unit());
             return Err(Problem::value(found, expected).at(place("travel")));
         }
         let direction = Vector3::from(self.direction);

@@ -202,6 +202,16 @@ pub enum Direction {
     Forward,
 }
 
+impl Direction {
+    /// -1 or +1, as in the files.
+    pub fn sign(self) -> i8 {
+        match self {
+            Self::Backward => -1,
+            Self::Forward => 1,
+        }
+    }
+}
+
 /// One visit of the machine to a step: the readings taken there without moving.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stop {

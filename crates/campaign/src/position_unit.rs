@@ -2,14 +2,6 @@
 
 use trueaxis_kinematics::AxisKind;
 
-/// Unit in the files, in words for messages.
-pub(crate) fn unit(kind: AxisKind) -> &'static str {
-    match kind {
-        AxisKind::Linear => "mm",
-        AxisKind::Rotary => "deg",
-    }
-}
-
 /// From the file's unit to the model's. Zero loses its sign: -0 and 0 are one position.
 pub(crate) fn from_file(kind: AxisKind, position: f64) -> f64 {
     match kind {

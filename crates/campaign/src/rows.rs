@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use trueaxis_files::csv_cell;
 use trueaxis_kinematics::Machine;
 
 use crate::{Direction, position_unit};
@@ -30,13 +31,7 @@ impl Rows {
     /// A name, in quotes if it needs them.
     pub(crate) fn name(&mut self, name: &str) {
         self.separate();
-        if name.contains([',', '"', '\n', '\r']) {
-            self.text.push('"');
-            self.text.push_str(&name.replace('"', "\"\""));
-            self.text.push('"');
-        } else {
-            self.text.push_str(name);
-        }
+        self.text.push_str(&csv_cell(name));
     }
 
     /// A number in the fewest digits that give all its bits again.
@@ -72,10 +67,7 @@ impl Rows {
     /// A side of approach.
     pub(crate) fn direction(&mut self, direction: Direction) {
         self.separate();
-        self.text.push_str(match direction {
-            Direction::Backward => "-1",
-            Direction::Forward => "1",
-        });
+        self.push(format_args!("{}", direction.sign()));
     }
 
     /// Several cells made by [`position_cells`].

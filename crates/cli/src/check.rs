@@ -2,7 +2,7 @@
 
 use trueaxis_campaign::{Campaign, read};
 use trueaxis_files::counted;
-use trueaxis_kinematics::{AxisKind, Branch};
+use trueaxis_kinematics::Branch;
 
 use crate::args::CheckArgs;
 use crate::exit::Exit;
@@ -30,11 +30,7 @@ fn describe(campaign: &Campaign) {
     let branch = |branch| {
         let names = machine.branch(branch).iter().map(|&axis| {
             let axis = &machine.axes()[axis];
-            let kind = match axis.kind() {
-                AxisKind::Linear => "linear",
-                AxisKind::Rotary => "rotary",
-            };
-            format!("{} ({kind})", axis.name())
+            format!("{} ({})", axis.name(), axis.kind().name())
         });
         let names: Vec<String> = names.collect();
         if names.is_empty() {

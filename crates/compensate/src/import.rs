@@ -266,8 +266,8 @@ fn axis_json(machine: &Machine, axis: &AxisErrors, u: Option<U>) -> Value {
     let positions = axis.positions.iter().map(|&q| in_file(kind, q));
     json!({
         "name": geometry.name(),
-        "kind": match kind { AxisKind::Linear => "linear", AxisKind::Rotary => "rotary" },
-        "unit": match kind { AxisKind::Linear => "mm", AxisKind::Rotary => "deg" },
+        "kind": kind.name(),
+        "unit": kind.position_unit(),
         "positions": positions.collect::<Value>(),
         "reference_point_mm": reference_mm,
         "components": Component::ALL.into_iter().map(component).collect::<Value>(),

@@ -153,18 +153,18 @@ fn verified(
     let free = &set_up * pseudo_inverse(&set_up, ROUNDING * set_up.norm());
     let projection = DMatrix::identity(points.len(), points.len()) - free;
     let covariance = &projection * covariance * &projection;
-    let fitted = |value: fn(&mut Point) -> &mut f64, points: &mut [Point]| {
+    let values: [fn(&mut Point) -> &mut f64; 4] = [
+        |point| &mut point.reading_um,
+        |point| &mut point.predicted_um,
+        |point| &mut point.first_order_um,
+        |point| &mut point.compensated_um,
+    ];
+    for value in values {
         let column = DVector::from_iterator(points.len(), points.iter_mut().map(|p| *value(p)));
         let left = &projection * column;
-        points
-            .iter_mut()
-            .zip(left.iter())
-            .for_each(|(point, left)| *value(point) = *left);
-    };
-    fitted(|point| &mut point.reading_um, &mut points);
-    fitted(|point| &mut point.predicted_um, &mut points);
-    fitted(|point| &mut point.first_order_um, &mut points);
-    fitted(|point| &mut point.compensated_um, &mut points);
+        let pairs = points.iter_mut().zip(left.iter());
+        pairs.for_each(|(point, left)| *value(point) = *left);
+    }
     for (i, point) in points.iter_mut().enumerate() {
         let variance = covariance[(i, i)];
         // Rounding may leave less than zero; what is not known stays so.

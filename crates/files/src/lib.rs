@@ -27,6 +27,7 @@
 
 mod alternatives;
 mod counted;
+mod csv_cell;
 mod cursor;
 mod document;
 mod document_error;
@@ -47,6 +48,7 @@ mod whole;
 
 pub use alternatives::Alternatives;
 pub use counted::counted;
+pub use csv_cell::csv_cell;
 pub use document::Format;
 pub use document_error::{DocumentError, DocumentProblem};
 pub use field_line::{field_line, field_span};

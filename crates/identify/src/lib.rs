@@ -16,7 +16,7 @@
 //!
 //! - [`nine()`] and [`nine_weighted`]: all equations by least squares, for three targets or more;
 //! - [`SixRows`]: any six of the nine (the paper's are Eqs. 10 and 17), for comparison;
-//!   [`closed_form`] solves the paper's six as its Eqs. 11, 18 and 22 do.
+//!   [`closed_form()`] solves the paper's six as its Eqs. 11, 18 and 22 do.
 //!
 //! Lengths are mm, angles rad, right-hand rule. δ belongs to the point that `r` is measured from,
 //! and its noise grows with the distance of the targets from there.

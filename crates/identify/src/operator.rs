@@ -10,7 +10,7 @@ use crate::design::CentredTargets;
 /// The six component errors as a linear function of the volumetric errors of the targets:
 /// `E = P Δ` with `P A = I`, where `A` is the matrix of [`crate::equations`].
 ///
-/// Made by [`crate::nine`], [`crate::nine_weighted`] or [`crate::SixRows::operator`]. It belongs
+/// Made by [`crate::nine()`], [`crate::nine_weighted`] or [`crate::SixRows::operator`]. It belongs
 /// to one geometry: one serves all steps of a linear axis, a rotary axis needs one for each angle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Operator {

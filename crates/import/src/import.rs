@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use trueaxis_files::{Part, Place};
+use trueaxis_files::{Part, Place, csv_cell};
 
 use crate::cells::cells;
 use crate::clock::Clock;
@@ -53,18 +53,11 @@ impl Imported {
     pub fn text(&self) -> String {
         let mut text = String::new();
         for row in std::iter::once(&self.header).chain(&self.rows) {
-            let cells: Vec<String> = row.iter().map(|cell| quoted(cell)).collect();
+            let cells: Vec<_> = row.iter().map(|cell| csv_cell(cell)).collect();
             text.push_str(&cells.join(","));
             text.push('\n');
         }
         text
-    }
-}
-
-fn quoted(cell: &str) -> String {
-    match cell.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", cell.replace('"', "\"\"")),
-        false => cell.to_owned(),
     }
 }
 

@@ -13,6 +13,24 @@ pub enum AxisKind {
     Rotary,
 }
 
+impl AxisKind {
+    /// `linear` or `rotary`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Rotary => "rotary",
+        }
+    }
+
+    /// The unit of positions in files: `mm` or `deg`.
+    pub fn position_unit(self) -> &'static str {
+        match self {
+            Self::Linear => "mm",
+            Self::Rotary => "deg",
+        }
+    }
+}
+
 /// The nominal geometry of an axis in the reference frame at home.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {

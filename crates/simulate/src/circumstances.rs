@@ -11,7 +11,6 @@
 use std::ops::Range;
 
 use nalgebra::{Point3, Vector3};
-use trueaxis_campaign::Direction;
 use trueaxis_effects::{Circumstances, Displaced, TemperatureHistory};
 
 use crate::plan::Plan;
@@ -58,10 +57,7 @@ impl StopCircumstances<'_> {
                 target,
                 carrier,
                 axis: visit.run.map_or(0, |run| run.axis),
-                direction: match visit.direction {
-                    Direction::Forward => 1.0,
-                    Direction::Backward => -1.0,
-                },
+                direction: f64::from(visit.direction.sign()),
                 // The machine stands still at a stop.
                 speed_per_s: 0.0,
                 positions,

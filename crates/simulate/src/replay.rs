@@ -11,7 +11,7 @@ mod temperatures;
 
 use std::collections::BTreeMap;
 
-use trueaxis_campaign::{Campaign, Direction, MachineSpec};
+use trueaxis_campaign::{Campaign, MachineSpec};
 use trueaxis_effects::{GivenEffect, GivenParameter, GivenSubject};
 use trueaxis_files::counted;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
@@ -296,10 +296,7 @@ fn targets_and_directions(campaign: &Campaign, run: usize) -> (Vec<String>, Vec<
     if let Some(lengths) = &campaign.lengths {
         let stops = lengths.stops.iter();
         for stop in stops.filter(|stop| campaign.steps[stop.step].run == Some(run)) {
-            let direction = match stop.direction {
-                Direction::Forward => 1,
-                Direction::Backward => -1,
-            };
+            let direction = stop.direction.sign();
             if !directions.contains(&direction) {
                 directions.push(direction);
             }

@@ -60,12 +60,9 @@ impl TrueAxis {
 
     /// The error after arrival in `direction`.
     pub(crate) fn motion_after(&self, position: f64, direction: Direction) -> MotionError {
-        let sign = match direction {
-            Direction::Backward => 1.0,
-            Direction::Forward => -1.0,
-        };
         let mean = self.motion(position).to_vector();
-        MotionError::from_vector(&(mean + self.half_lost_motion.to_vector() * sign))
+        let sign = f64::from(direction.sign());
+        MotionError::from_vector(&(mean - self.half_lost_motion.to_vector() * sign))
     }
 }
 

@@ -8,9 +8,8 @@ use std::path::Path;
 use nalgebra::Point3;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
-use trueaxis_campaign::Direction;
 use trueaxis_files::{Place, round};
-use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
+use trueaxis_kinematics::{ARCSEC, Component, MICROMETRE};
 
 use crate::axis_unit;
 use crate::{Error, Problem, TrueComponents, TrueLocation, Truth};
@@ -70,10 +69,6 @@ impl Serialize for Truth {
 }
 
 fn of_axis(axis: &TrueComponents) -> Value {
-    let (kind, unit) = match axis.kind {
-        AxisKind::Linear => ("linear", "mm"),
-        AxisKind::Rotary => ("rotary", "deg"),
-    };
     let positions = axis.positions.iter();
     let positions = positions.map(|&q| round(axis_unit::to_file(axis.kind, q), DECIMALS));
     let components = Component::ALL.into_iter().map(|component| {
@@ -90,16 +85,12 @@ fn of_axis(axis: &TrueComponents) -> Value {
     });
     let mut file = json!({
         "name": axis.name,
-        "kind": kind,
-        "unit": unit,
+        "kind": axis.kind.name(),
+        "unit": axis.kind.position_unit(),
         "positions": positions.collect::<Value>(),
     });
     if let Some(directions) = &axis.directions {
-        let signs = directions.iter().map(|direction| match direction {
-            Direction::Forward => 1,
-            Direction::Backward => -1,
-        });
-        file["direction"] = signs.collect();
+        file["direction"] = directions.iter().map(|side| side.sign()).collect();
     }
     file["reference_point_mm"] = json!(<[f64; 3]>::from(axis.reference_mm));
     file["components"] = components.collect();

@@ -6,8 +6,9 @@
 use nalgebra::Point3;
 use serde::Serialize;
 use serde_json::{Value, json};
+use trueaxis_campaign::Direction;
 use trueaxis_files::{round, significant};
-use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
+use trueaxis_kinematics::{ARCSEC, Component, MICROMETRE};
 use trueaxis_poses::{
     KnownMisfit, Method, ReflectorConstant, ScaleBasis, ScaleResult, SideDifference, StepMisfit,
 };
@@ -19,7 +20,7 @@ use crate::result::calibration::{
     AxisResult, Calibration, LocationResult, RelativeLocation, RunMisfit, StationResult,
     Traceability, TriangleSide,
 };
-use crate::result::output::{Unit, direction_in_file, position_in_file};
+use crate::result::output::{Unit, position_in_file};
 
 impl Calibration {
     /// The text of `calibration.json`, version 1.
@@ -137,22 +138,16 @@ fn scale(scale: ScaleResult) -> Value {
 }
 
 fn axis(axis: &AxisResult) -> Value {
-    let (kind, unit) = match axis.kind {
-        AxisKind::Linear => ("linear", "mm"),
-        AxisKind::Rotary => ("rotary", "deg"),
-    };
     let nodes = axis.nodes.iter();
     let positions = nodes
         .clone()
         .map(|node| position_in_file(axis.kind, node.position));
-    let directions = nodes
-        .filter_map(|node| node.direction)
-        .map(direction_in_file);
+    let directions = nodes.filter_map(|node| node.direction).map(Direction::sign);
     let directions: Vec<i8> = directions.collect();
     without_nulls(json!({
         "name": axis.name,
-        "kind": kind,
-        "unit": unit,
+        "kind": axis.kind.name(),
+        "unit": axis.kind.position_unit(),
         "positions": positions.collect::<Value>(),
         "direction": (!directions.is_empty()).then_some(directions),
         "reference_point_mm": point(axis.reference_point_mm),

@@ -8,14 +8,14 @@
 
 use serde::{Serialize, Serializer};
 use serde_json::json;
-use trueaxis_campaign::Lengths;
+use trueaxis_campaign::{Direction, Lengths};
 use trueaxis_files::round;
 use trueaxis_kinematics::MICROMETRE;
 
 use crate::files::{text, without_nulls};
 use crate::replay::reliability::{LengthReliability, LengthsReliability};
 use crate::result::numbered::NumberedResult;
-use crate::result::output::{Output, OutputCovariance, direction_in_file, position_in_file};
+use crate::result::output::{Output, OutputCovariance, position_in_file};
 
 /// As files name a result.
 impl Serialize for Output {
@@ -30,7 +30,7 @@ impl Serialize for Output {
                 ..
             } => {
                 position_in_unit = Some(position_in_file(*kind, *position));
-                side = direction.map(direction_in_file);
+                side = direction.map(Direction::sign);
                 (Some(axis), None)
             }
             Self::LocationError { axis, .. } => (Some(axis), None),

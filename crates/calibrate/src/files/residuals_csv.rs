@@ -1,10 +1,9 @@
 //! `residuals.csv`: a row for each length with what the adjustment leaves of it.
 
-use std::borrow::Cow;
 use std::fmt::Write;
 
 use trueaxis_campaign::Campaign;
-use trueaxis_files::round;
+use trueaxis_files::{csv_cell, round};
 use trueaxis_kinematics::MICROMETRE;
 
 use crate::result::calibration::Calibration;
@@ -25,7 +24,7 @@ impl Calibration {
         let mut text = "row,station,target,run,time_s".to_owned();
         for axis in axes {
             text.push(',');
-            text.push_str(&cell(axis.name()));
+            text.push_str(&csv_cell(axis.name()));
         }
         text.push_str(",residual_um,standardized,redundancy,used\n");
         let mut stops = lengths.stops.iter().peekable();
@@ -46,9 +45,9 @@ impl Calibration {
                 text,
                 "{},{},{},{},{}",
                 reading.line,
-                cell(&campaign.stations[stop.station].name),
-                cell(&campaign.targets[reading.target].name),
-                cell(run),
+                csv_cell(&campaign.stations[stop.station].name),
+                csv_cell(&campaign.targets[reading.target].name),
+                csv_cell(run),
                 round(reading.time_s, DECIMALS),
             );
             for (axis, &position) in axes.iter().zip(&step.positions) {
@@ -65,13 +64,5 @@ impl Calibration {
             );
         }
         Some(text)
-    }
-}
-
-/// A name, in quotes if it needs them.
-fn cell(name: &str) -> Cow<'_, str> {
-    match name.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", name.replace('"', "\"\"")).into(),
-        false => name.into(),
     }
 }

@@ -140,11 +140,3 @@ pub fn position_in_file(kind: AxisKind, position: f64) -> f64 {
         AxisKind::Rotary => round(position.to_degrees(), 9),
     }
 }
-
-/// A side of approach as files have it.
-pub(crate) fn direction_in_file(direction: Direction) -> i8 {
-    match direction {
-        Direction::Forward => 1,
-        Direction::Backward => -1,
-    }
-}

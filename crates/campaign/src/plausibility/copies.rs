@@ -13,7 +13,7 @@ use std::path::Path;
 
 use super::station_name;
 use crate::reading::{Reading, readings_of};
-use crate::{Campaign, Direction, Error, Place, Problem, Stop};
+use crate::{Campaign, Error, Place, Problem, Stop};
 
 /// Fewer readings may be equal by chance, or because nothing moved.
 const LEAST_READINGS: usize = 30;
@@ -106,11 +106,11 @@ fn run_name(campaign: &Campaign, run: usize) -> String {
 
 /// Of what was read where; the time is none of it.
 fn hash<R: Reading>(stop: &Stop, reading: &R) -> u64 {
-    let direction = match stop.direction {
-        Direction::Backward => 0,
-        Direction::Forward => 1,
-    };
-    let place = [stop.step as u64, direction, reading.target() as u64];
+    let place = [
+        stop.step as u64,
+        stop.direction as u64,
+        reading.target() as u64,
+    ];
     let values = reading.values().map(f64::to_bits);
     place
         .into_iter()

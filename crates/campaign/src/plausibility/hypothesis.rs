@@ -5,7 +5,7 @@ use std::fmt;
 
 use trueaxis_kinematics::{Axis, AxisKind};
 
-use crate::{Campaign, position_unit};
+use crate::Campaign;
 
 /// A column in another unit than the format's.
 #[derive(Debug, Clone, PartialEq)]
@@ -216,7 +216,7 @@ fn of_these_columns(campaign: &Campaign, columns: &[usize]) -> Vec<Hypothesis> {
             hypothesis.mistake = Some(Box::new(UnitMistake {
                 columns: names.join(", "),
                 looks_like: unit.name,
-                expected: position_unit::unit(first.kind()),
+                expected: first.kind().position_unit(),
                 factor: unit.factor,
             }));
             hypothesis

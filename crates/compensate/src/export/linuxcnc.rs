@@ -20,7 +20,7 @@ use crate::Error;
 use crate::export::line::{Line, interpolate};
 use crate::export::named_errors::wrong;
 use crate::export::skew::Skew;
-use crate::export::{Description, ExportedFile, OldFiles, Request, Rule, Tables, round};
+use crate::export::{Description, ExportedFile, OldFiles, Request, Rule, Tables, rising, round};
 
 pub(super) const FORMAT: Description = Description {
     name: "linuxcnc",
@@ -115,19 +115,10 @@ fn triplets(old: &ExportedFile) -> Result<Vec<[f64; 3]>, Error> {
 /// What an axis reaches, with the old table: the control adds what both subtract. mm or degrees.
 fn summed(request: &Request<'_>, line: &Line, old: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let axis = line.axis;
-    let own: Vec<f64> = line
-        .positions
-        .iter()
-        .map(|&q| request.in_file(axis, q))
-        .collect();
-    let mut nominal: Vec<f64> = own
-        .iter()
-        .copied()
-        .chain(old.iter().map(|t| t[0]))
-        .collect();
-    nominal.sort_by(f64::total_cmp);
-    nominal.dedup_by(|a, b| (*a - *b).abs() <= SAME);
+    let own = line.positions.iter().map(|&q| request.in_file(axis, q));
+    let own: Vec<f64> = own.collect();
     let of_old: Vec<f64> = old.iter().map(|triplet| triplet[0]).collect();
+    let nominal = rising(own.iter().chain(&of_old).copied(), SAME);
     let deviation = |side: usize, position: f64| {
         let values = [&line.forward, &line.backward][side];
         let new = interpolate(&own, |k| request.in_file(axis, values[k][axis]), position);

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use trueaxis_calibrate::{CalibratedMachine, position_in_file};
-use trueaxis_campaign::{Direction, VerificationKind};
+use trueaxis_campaign::VerificationKind;
 use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, Machine};
 
@@ -113,10 +113,7 @@ fn point(machine: &Machine, point: &Point) -> Value {
     let um = |value: f64| json!(round(value, DECIMALS));
     let mut value = json!({
         "at": at(machine, &point.positions),
-        "direction": match point.direction {
-            Direction::Forward => 1,
-            Direction::Backward => -1,
-        },
+        "direction": point.direction.sign(),
         "readings": point.readings,
         "reading_um": um(point.reading_um),
         "predicted_um": um(point.predicted_um),
