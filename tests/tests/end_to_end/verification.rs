@@ -5,6 +5,7 @@ use std::path::Path;
 use trueaxis_calibrate::{CalibratedMachine, Settings, calibrate};
 use trueaxis_campaign::{Campaign, read};
 use trueaxis_compensate::{Verified, is_misfit, verify};
+use trueaxis_diagnose::diagnose;
 use trueaxis_simulate::Scenario;
 use trueaxis_tests::verification::{bars_on_the_stage, verification_campaign};
 
@@ -86,6 +87,21 @@ fn bars_on_the_stage_agree_with_the_prediction() {
             v.readings.iter().map(|r| r.value_um).collect()
         };
         assert_eq!(values(a), values(b));
+    }
+}
+
+/// A bar towards the axis does not see how far the stage turns: an error of EAC, EBC or ECC is no cause of what it reads.
+#[test]
+fn a_bar_towards_the_axis_shows_no_rotation() {
+    let diagnosis = diagnose(
+        &shipped("rotary-bars"),
+        &trueaxis_diagnose::Settings::default(),
+    );
+    let causes = diagnosis.unwrap().causes;
+    assert!(!causes.is_empty());
+    for cause in causes {
+        let component = cause.effect.subject.component.unwrap();
+        assert!(!component.is_angular(), "{component:?}");
     }
 }
 
