@@ -47,9 +47,9 @@ pub(crate) use listed::{Beside, Candidate, Chosen, Judged, Listed, without};
 pub(crate) use measured::{Found, Measured, Suspect};
 pub(crate) use omnibus::{
     Family, MOST_OF_FREEDOM, OMNIBUS_LEVEL, Omnibus, family_wise, is_imitation, still_left,
-    waves_of,
+    unexplained, waves_of,
 };
 pub(crate) use places::{places, side};
 pub(crate) use ranking::{Ranking, plausible};
-pub(crate) use search::{Search, find_causes, settle};
+pub(crate) use search::{SHAPE_ERROR, Search, find_causes, settle};
 pub(crate) use unseen::{in_words, length_scale, unseen, without_trace};
