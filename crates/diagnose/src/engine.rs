@@ -1,4 +1,4 @@
-//! One search for causes, whatever was measured.
+//! What the search for causes has in common, whatever was measured.
 //!
 //! Every kind of data asks the same: which effects of the catalogue explain what a base model leaves, what explains it
 //! as well, how large each is, what is left, and what is gained on data that were not used. [`Measured`] data
@@ -24,7 +24,7 @@
 //! - [`culprit`]: whether two causes are one trouble under two names.
 //! - [`omnibus`]: whether anything is left, and what it varies with; causes that only imitate what is left.
 //! - [`held_out`]: the gain on sweeps that the model was not fitted to.
-//! - [`places`]: where the misfit lives; [`unseen`]: what the data cannot show.
+//! - [`mod@places`]: where the misfit lives; [`mod@unseen`]: what the data cannot show.
 //! - [`estimated`]: parameters with their uncertainties, shapes included.
 
 mod culprit;
