@@ -75,111 +75,114 @@ pub(crate) fn diagnose_verification(
                 .to_owned(),
         );
     }
-    let asked = Asked {
-        campaign,
-        machine,
-        calibration,
-        scene,
-        level: LEVEL / campaign.verification.len().max(1) as f64,
-        explain_curves,
-    };
+    let level = LEVEL / campaign.verification.len().max(1) as f64;
     for verification in &campaign.verification {
-        asked.of_entry(verification, &mut outcome);
+        diagnose_entry(
+            campaign,
+            machine,
+            verification,
+            calibration,
+            scene,
+            Asked {
+                level,
+                explain_curves,
+            },
+            &mut outcome,
+        );
     }
     outcome
 }
 
-/// What each verification is asked.
-struct Asked<'a> {
-    campaign: &'a Campaign,
-    machine: &'a Machine,
-    calibration: Option<&'a CalibratedMachine>,
-    scene: &'a Scene,
+/// What is asked of one verification.
+#[derive(Clone, Copy)]
+struct Asked {
     /// Its part of the false alarms.
     level: f64,
     /// Whether to say what its mean curve consists of.
     explain_curves: bool,
 }
 
-impl Asked<'_> {
-    fn of_entry(&self, verification: &Verification, outcome: &mut Said) {
-        let Self {
-            campaign,
-            machine,
-            calibration,
-            scene,
-            level,
-            explain_curves,
-        } = *self;
-        let compared = |verification| match calibration {
-            Some(calibration) => Comparison::new(machine, verification, calibration),
-            None => Comparison::new(machine, verification, &Ideal),
-        };
-        let gross = gross_errors(verification, &compared(verification));
-        let mut kept = verification.clone();
-        for (row, _) in gross.iter().rev() {
-            kept.readings.remove(*row);
-        }
-        for (_, rejected) in gross {
-            outcome.notices.push(format!(
+fn diagnose_entry(
+    campaign: &Campaign,
+    machine: &Machine,
+    verification: &Verification,
+    calibration: Option<&CalibratedMachine>,
+    scene: &Scene,
+    asked: Asked,
+    outcome: &mut Said,
+) {
+    let Asked {
+        level,
+        explain_curves,
+    } = asked;
+    let compared = |verification| match calibration {
+        Some(calibration) => Comparison::new(machine, verification, calibration),
+        None => Comparison::new(machine, verification, &Ideal),
+    };
+    let gross = gross_errors(verification, &compared(verification));
+    let mut kept = verification.clone();
+    for (row, _) in gross.iter().rev() {
+        kept.readings.remove(*row);
+    }
+    for (_, rejected) in gross {
+        outcome.notices.push(format!(
             "{}: the reading in line {} is off by {:.1} µm (u = {:.1} µm) against all others and was left out",
             rejected.file, rejected.row, rejected.error_um, rejected.u_um
         ));
-            outcome.rejected.push(rejected);
+        outcome.rejected.push(rejected);
+    }
+    let mut comparison = compared(&kept);
+    if calibration.is_some() {
+        comparison.parked_elsewhere = parked_elsewhere(campaign, &kept);
+    }
+    let base = base_columns(&comparison, calibration.is_some());
+    let posed = |sigma_um: f64| {
+        let directions = calibration.map(|c| prediction_directions(&comparison, c, sigma_um));
+        Problem::new(
+            &comparison,
+            scene,
+            sigma_um,
+            &base,
+            &directions.unwrap_or_default(),
+        )
+    };
+    let floor_um = noise_floor_um(&comparison);
+    let curve = match calibration {
+        None if explain_curves => {
+            diagnose_line_curve(&comparison, floor_um, machine, &verification.name)
         }
-        let mut comparison = compared(&kept);
-        if calibration.is_some() {
-            comparison.parked_elsewhere = parked_elsewhere(campaign, &kept);
-        }
-        let base = base_columns(&comparison, calibration.is_some());
-        let posed = |sigma_um: f64| {
-            let directions = calibration.map(|c| prediction_directions(&comparison, c, sigma_um));
-            Problem::new(
-                &comparison,
-                scene,
-                sigma_um,
-                &base,
-                &directions.unwrap_or_default(),
-            )
-        };
-        let floor_um = noise_floor_um(&comparison);
-        let curve = match calibration {
-            None if explain_curves => {
-                diagnose_line_curve(&comparison, floor_um, machine, &verification.name)
-            }
-            _ => None,
-        };
-        let is_explained = curve.is_some();
-        outcome.curves.extend(curve.into_iter().flatten());
-        // Without repeats the base model's misfit stands for the noise at first.
-        let mut problem = posed(floor_um.unwrap_or(1.0));
-        let name = &verification.name;
-        if problem.listed.base.degrees_of_freedom < LEAST_DEGREES_OF_FREEDOM
-            || problem.rms_um(&problem.listed.base) <= 0.0
-        {
-            outcome.notices.push(format!(
+        _ => None,
+    };
+    let is_explained = curve.is_some();
+    outcome.curves.extend(curve.into_iter().flatten());
+    // Without repeats the base model's misfit stands for the noise at first.
+    let mut problem = posed(floor_um.unwrap_or(1.0));
+    let name = &verification.name;
+    if problem.listed.base.degrees_of_freedom < LEAST_DEGREES_OF_FREEDOM
+        || problem.rms_um(&problem.listed.base) <= 0.0
+    {
+        outcome.notices.push(format!(
             "{name}: {} arrivals leave {:.0} degrees of freedom beside the base model; nothing can be said (at least {LEAST_DEGREES_OF_FREEDOM:.0} are needed: repeat the cycle)",
             problem.readings(),
             problem.listed.base.degrees_of_freedom,
         ));
-            return;
-        }
-        let mut found = judge_entry(&problem, scene, name, level);
-        if floor_um.is_none() {
-            // Then what is left with the causes in the model.
-            for _ in 0..2 {
-                problem = posed(found.report.after.rms_um);
-                found = judge_entry(&problem, scene, name, level);
-            }
-            found.report.noise_floor_um = found.report.after.rms_um;
-        }
-        let unseen = not_observable::not_observable(&problem, scene, name, calibration.is_some());
-        // What the mean curve absorbs was looked for in the curve itself.
-        let in_curve = |id: &str| is_explained && ["scale_error", "cyclic_error"].contains(&id);
-        let unseen = unseen.into_iter().filter(|u| !in_curve(u.effect));
-        outcome.not_observable.extend(unseen);
-        outcome.entries.push(found);
+        return;
     }
+    let mut found = judge_entry(&problem, scene, name, level);
+    if floor_um.is_none() {
+        // Then what is left with the causes in the model.
+        for _ in 0..2 {
+            problem = posed(found.report.after.rms_um);
+            found = judge_entry(&problem, scene, name, level);
+        }
+        found.report.noise_floor_um = found.report.after.rms_um;
+    }
+    let unseen = not_observable::not_observable(&problem, scene, name, calibration.is_some());
+    // What the mean curve absorbs was looked for in the curve itself.
+    let in_curve = |id: &str| is_explained && ["scale_error", "cyclic_error"].contains(&id);
+    let unseen = unseen.into_iter().filter(|u| !in_curve(u.effect));
+    outcome.not_observable.extend(unseen);
+    outcome.entries.push(found);
 }
 
 /// Axes that stand elsewhere at the readings of a line than in all steps that its axis was calibrated at.
