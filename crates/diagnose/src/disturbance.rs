@@ -7,7 +7,7 @@ use trueaxis_effects::{Layer, Level, Scene, Subject};
 pub struct Disturbance {
     /// Where it was found.
     pub level: Level,
-    /// The data in which it was found, as [`LevelReport::data`].
+    /// The data in which it was found, as [`crate::LevelReport::data`].
     pub data: String,
     /// What wanders, and with what.
     pub whose: Wandering,
@@ -15,7 +15,7 @@ pub struct Disturbance {
     pub p_value: f64,
     /// Rms of what it does to the readings of the level, µm.
     pub rms_um: f64,
-    /// Its share of the misfit of its level, 0 to 1 ([`Shares`]).
+    /// Its share of the misfit of its level, 0 to 1 ([`crate::Shares`]).
     pub share: f64,
     /// How fast it changes.
     pub correlation_length: CorrelationLength,

@@ -1,4 +1,4 @@
-//! One search for causes, whatever was measured.
+//! What the search for causes has in common, whatever was measured.
 //!
 //! Every kind of data asks the same: which effects of the catalogue explain what a base model leaves, what explains it
 //! as well, how large each is, what is left, and what is gained on data that were not used. [`Measured`] data
@@ -24,7 +24,7 @@
 //! - [`culprit`]: whether two causes are one trouble under two names.
 //! - [`omnibus`]: whether anything is left, and what it varies with; causes that only imitate what is left.
 //! - [`held_out`]: the gain on sweeps that the model was not fitted to.
-//! - [`places`]: where the misfit lives; [`unseen`]: what the data cannot show.
+//! - [`mod@places`]: where the misfit lives; [`mod@unseen`]: what the data cannot show.
 //! - [`estimated`]: parameters with their uncertainties, shapes included.
 
 mod culprit;
@@ -47,9 +47,9 @@ pub(crate) use listed::{Beside, Candidate, Chosen, Judged, Listed, without};
 pub(crate) use measured::{Found, Measured, Suspect};
 pub(crate) use omnibus::{
     Family, MOST_OF_FREEDOM, OMNIBUS_LEVEL, Omnibus, family_wise, is_imitation, still_left,
-    waves_of,
+    unexplained, waves_of,
 };
 pub(crate) use places::{places, side};
 pub(crate) use ranking::{Ranking, plausible};
-pub(crate) use search::{Search, find_causes, settle};
+pub(crate) use search::{SHAPE_ERROR, Search, find_causes, settle};
 pub(crate) use unseen::{in_words, length_scale, unseen, without_trace};

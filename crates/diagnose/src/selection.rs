@@ -21,28 +21,24 @@
 
 mod f_test;
 mod fixed_scan;
-mod golden_section;
 mod gram;
 mod null;
 mod projection;
 mod rivals;
 mod scan;
 mod score;
-mod several;
 mod shares;
 mod soft;
 mod step_scan;
 
 pub(crate) use f_test::{f_test, ln_f_test};
 pub(crate) use fixed_scan::{FixedScan, gram as gram_of, gram_matrix};
-pub(crate) use golden_section::golden_section;
 pub(crate) use gram::Gram;
 pub(crate) use null::Null;
 pub(crate) use projection::{Arrowhead, Projection};
 pub(crate) use rivals::{ALIKE, DECISIVE, Fit, cosine, is_rival};
 pub(crate) use scan::{Hypothesis, Scan};
 pub(crate) use score::{Score, marginal as marginal_of, rank};
-pub(crate) use several::{SHAPE_ERROR, weakest};
 pub(crate) use shares::Part;
 pub use shares::Shares;
 pub(crate) use step_scan::{StepScan, VisitTimes};

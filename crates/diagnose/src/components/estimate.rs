@@ -17,7 +17,7 @@ use crate::components::background::Background;
 use crate::components::candidates::{Candidate, spacing};
 use crate::components::curve_set::CurveSet;
 use crate::components::judgement::ln_sum;
-use crate::selection::{FixedScan, Scan};
+use crate::selection::{dot, gram_of};
 use trueaxis_effects::Shape;
 
 /// An effect with its values.
@@ -64,14 +64,14 @@ pub(crate) fn estimate(
     };
     let linear = candidate.parameters;
     let mut columns = columns_at(shape);
-    let (mut mean, mut covariance) = mixture(backgrounds, candidate, &columns);
+    let (mut mean, mut covariance) = mixture(backgrounds, &columns);
     let (mut period, mut u_period) = (shape, 0.0);
     if hypothesis.effect.shape == Shape::Period {
         for _ in 0..MAX_STEPS {
             let derivative = derivative(&columns_at, mean.rows(0, linear).as_slice(), period);
             columns = columns_at(period);
             columns.push(derivative);
-            (mean, covariance) = mixture(backgrounds, candidate, &columns);
+            (mean, covariance) = mixture(backgrounds, &columns);
             u_period = covariance[(linear, linear)].max(0.0).sqrt();
             let limit = spacing(set, period);
             let step = mean[linear].clamp(-limit, limit);
@@ -118,31 +118,23 @@ fn derivative(
 }
 
 /// Mean and covariance of the columns' factors over all sizes of the rest.
-fn mixture(
-    backgrounds: &[Background],
-    candidate: &Candidate,
-    columns: &[Vec<f64>],
-) -> (DVector<f64>, DMatrix<f64>) {
+fn mixture(backgrounds: &[Background], columns: &[Vec<f64>]) -> (DVector<f64>, DMatrix<f64>) {
     let n = columns.len();
     let mut of_sizes: Vec<(f64, DVector<f64>, DMatrix<f64>)> = Vec::new();
     for background in backgrounds {
         let projection = &background.projection;
-        let scan = FixedScan::new(candidate.hypothesis, projection, &[0.0], |_| {
-            columns
-                .iter()
-                .map(|column| background.whiten(column))
-                .collect()
-        });
-        let Some(scan) = scan else { continue };
-        scan.for_each(&projection.residuals, &mut |_, gram, s| {
-            let mut ln_weight = background.ln_weight;
-            for (value, z) in gram.standardised(s) {
-                ln_weight += 0.5 * (z * z - value.ln());
-            }
-            let values = DVector::from_vec(gram.estimates(s));
-            let covariance = DMatrix::from_row_slice(n, n, &gram.covariance());
-            of_sizes.push((ln_weight, values, covariance));
-        });
+        let whitened: Vec<Vec<f64>> = columns.iter().map(|c| background.whiten(c)).collect();
+        let gram = gram_of(projection, &whitened);
+        if gram.rank() == 0 {
+            continue;
+        }
+        let along = whitened.iter().map(|c| dot(c, &projection.residuals));
+        let s: Vec<f64> = along.collect();
+        let terms = gram.standardised(&s);
+        let ln_likelihood: f64 = terms.map(|(value, z)| 0.5 * (z * z - value.ln())).sum();
+        let values = DVector::from_vec(gram.estimates(&s));
+        let covariance = DMatrix::from_row_slice(n, n, &gram.covariance());
+        of_sizes.push((background.ln_weight + ln_likelihood, values, covariance));
     }
     let total = ln_sum(of_sizes.iter().map(|size| size.0));
     let weight = |ln_weight: f64| (ln_weight - total).exp();

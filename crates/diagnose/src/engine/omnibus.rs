@@ -5,10 +5,11 @@
 //! noise. Several tests share their level (Bonferroni).
 
 use rayon::prelude::*;
+use trueaxis_effects::Level;
 use trueaxis_leastsquares::half_waves;
 
-use crate::OmnibusTest;
 use crate::selection::{Projection, dot, f_test, gram_of};
+use crate::{OmnibusTest, Unexplained};
 
 /// Family-wise level of the omnibus tests of lengths or points: with that of the causes, 1.2 % of clean campaigns of
 /// lengths alarm.
@@ -54,6 +55,11 @@ impl Omnibus {
         }
     }
 
+    /// Whether it finds something in lengths or points.
+    pub(crate) fn is_clear(&self) -> bool {
+        self.test.p_value < OMNIBUS_LEVEL
+    }
+
     /// Those of several families that take no more than a part of the degrees of freedom.
     pub(crate) fn of_all(projection: &Projection, families: &[Family], part: f64) -> Vec<Self> {
         let most = part * projection.degrees_of_freedom;
@@ -61,6 +67,26 @@ impl Omnibus {
         let mut tests: Vec<Self> = tests.collect();
         tests.retain(|o| o.test.columns > 0 && o.test.columns as f64 <= most);
         tests
+    }
+}
+
+/// What the tests that are clear find in what a model leaves, whose rms is `rms_um`.
+pub(crate) fn unexplained(
+    level: Level,
+    projection: &Projection,
+    after: &[Omnibus],
+    rms_um: f64,
+) -> Unexplained {
+    let clear = || after.iter().filter(|t| t.is_clear());
+    let excess = clear().map(|t| t.excess).fold(0.0, f64::max);
+    let varies_with: Vec<&'static str> = clear().map(|t| t.test.varies_with).collect();
+    Unexplained {
+        level,
+        data: String::new(),
+        rms_um: rms_um * (excess / projection.degrees_of_freedom).sqrt().min(1.0),
+        share: 0.0,
+        note: format!("varies with {}", varies_with.join(" and ")),
+        varies_with,
     }
 }
 

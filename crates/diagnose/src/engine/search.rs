@@ -13,7 +13,7 @@ use trueaxis_effects::Shape;
 use crate::Error;
 use crate::engine::ranking::EQUAL;
 use crate::engine::{Culprits, Found, Measured, Ranking, Suspect};
-use crate::selection::{DECISIVE, Fit, Hypothesis, Null, Scan, golden_section, weakest};
+use crate::selection::{DECISIVE, Fit, Hypothesis, Null, Scan};
 
 /// The causes, the model with them, and what a further cause would explain that is not one of its own.
 pub(crate) struct Search<M> {
@@ -101,6 +101,11 @@ fn free<D: Measured>(all: &[Hypothesis], suspects: &[Suspect]) -> Vec<Hypothesis
     all.iter().filter(is_free).copied().collect()
 }
 
+/// A further cause that explains less than this part of what the others explain may be no more than
+/// their shape, which is never quite that of the catalogue; for the same reason it must be more certain.
+pub(crate) const SHAPE_ERROR: f64 = 0.05;
+const FURTHER_LEVEL: f64 = 0.001;
+
 /// What the weakest of several causes explains, if it is not a cause of its own.
 fn not_its_own<D: Measured>(data: &D, found: &[Found]) -> Option<f64> {
     if found.len() < 2 {
@@ -108,8 +113,11 @@ fn not_its_own<D: Measured>(data: &D, found: &[Found]) -> Option<f64> {
     }
     let culprits: Vec<Culprits> = found.iter().map(|f| Culprits::of(data, f)).collect();
     let is_stacked = (1..found.len()).any(|i| (0..i).any(|j| culprits[i].overlap(&culprits[j])));
-    let (weakest, is_doubtful) = weakest(found.iter().map(|f| (f.statistic, f.p_value)));
-    (is_stacked || is_doubtful).then_some(weakest)
+    let all: f64 = found.iter().map(|f| f.statistic).sum();
+    let weakest = found.iter().map(|f| f.statistic).fold(all, f64::min);
+    let is_shape = weakest < SHAPE_ERROR * (all - weakest);
+    let is_uncertain = found.iter().any(|f| f.p_value > FURTHER_LEVEL);
+    (is_stacked || is_shape || is_uncertain).then_some(weakest)
 }
 
 /// Exchanges of causes for better ones before it is enough.
@@ -249,4 +257,22 @@ fn refined<D: Measured>(
     let fit = at(shape);
     let refined = Suspect::new(suspect.hypothesis, (shape, suspect.u_shape), &fit);
     (refined, fit)
+}
+
+/// Where `value` is largest between two ends, by golden section until `is_close`.
+fn golden_section(
+    [mut low, mut high]: [f64; 2],
+    is_close: impl Fn(f64, f64) -> bool,
+    value: impl Fn(f64) -> f64,
+) -> f64 {
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    while !is_close(low, high) {
+        let (a, b) = (high - golden * (high - low), low + golden * (high - low));
+        if value(a) > value(b) {
+            high = b;
+        } else {
+            low = a;
+        }
+    }
+    0.5 * (low + high)
 }

@@ -75,11 +75,13 @@ fn held_out<'a>(
             return Ok(None);
         };
         let plain = rest.beside(Vec::new()).adjust(Vec::new(), Some(noise))?;
-        let beside = match rest.disturbances.is_empty() {
-            true => plain.with(plain.projection.clone()),
-            false => rest.adjust(Vec::new(), Some(noise))?,
+        let (suspects, _) = match rest.disturbances.is_empty() {
+            true => sought_again(&rest, &plain, &adjusted.suspects),
+            false => {
+                let beside = rest.adjust(Vec::new(), Some(noise))?;
+                sought_again(&rest, &beside, &adjusted.suspects)
+            }
         };
-        let (suspects, _) = sought_again(&rest, &beside, &adjusted.suspects);
         let mut extended = rest.adjust_given(suspects, noise)?;
         let mut before = rest.predicted_misfit_mm(base, &plain);
         let wandered_mm = rest.wandered_mm(&extended, base);

@@ -5,9 +5,7 @@ use trueaxis_effects::{Level, Subject};
 use trueaxis_multilateration::{Noise, network_from_campaign};
 use trueaxis_poses::LengthsAdjustment;
 
-use crate::engine::{
-    Found, HeldOut, OMNIBUS_LEVEL, Omnibus, Suspect, cause, find_causes, of_catalogue, scans,
-};
+use crate::engine::{Found, HeldOut, Omnibus, Suspect, cause, find_causes, of_catalogue, scans};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::competition::{Candidates, Model, compete, only_wandering};
@@ -254,7 +252,7 @@ fn named<'a>(
         adjusted: search.adjusted,
         unexplained: None,
     };
-    let is_left = named.after.iter().any(|t| t.test.p_value < OMNIBUS_LEVEL);
+    let is_left = named.after.iter().any(Omnibus::is_clear);
     if !is_left && search.left <= 0.0 {
         return Ok(named);
     }
@@ -286,7 +284,7 @@ fn left_alone<'a>(base: &Base<'a>, plain: Noise, before: &[Omnibus]) -> Result<N
         true => before.to_vec(),
         false => omnibus(&model.base, &adjusted),
     };
-    let is_left = after.iter().any(|t| t.test.p_value < OMNIBUS_LEVEL);
+    let is_left = after.iter().any(Omnibus::is_clear);
     Ok(Named {
         found: Vec::new(),
         unexplained: is_left.then(|| unexplained_part(&model.base, &adjusted, &after, None)),

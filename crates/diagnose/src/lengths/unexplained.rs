@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use trueaxis_effects::Level;
 
 use crate::Unexplained;
-use crate::engine::{OMNIBUS_LEVEL, Omnibus, Suspect};
+use crate::engine::{Omnibus, Suspect, unexplained};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
@@ -16,18 +16,13 @@ pub(crate) fn unexplained_part(
     after: &[Omnibus],
     closest: Option<&(Suspect, f64)>,
 ) -> Unexplained {
-    let clear: Vec<&Omnibus> = after
-        .iter()
-        .filter(|t| t.test.p_value < OMNIBUS_LEVEL)
-        .collect();
-    let excess = clear.iter().map(|t| t.excess).fold(0.0, f64::max);
     let dof = current.projection.degrees_of_freedom;
     let squares: f64 = current.solution.residuals_mm.iter().map(|r| r * r).sum();
     let rms_um = (squares / dof).sqrt() * 1e3;
-    let varies_with: Vec<&'static str> = clear.iter().map(|t| t.test.varies_with).collect();
-    let mut note = match varies_with.as_slice() {
+    let part = unexplained(Level::Lengths, &current.projection, after, rms_um);
+    let mut note = match part.varies_with.as_slice() {
         [] => "more than one effect of the catalogue, and none alone".to_owned(),
-        _ => format!("varies with {}", varies_with.join(" and ")),
+        _ => part.note,
     };
     if let Some(period_s) = period_s(base, current) {
         note += &format!(", strongest with a period of {period_s:.0} s");
@@ -40,14 +35,7 @@ pub(crate) fn unexplained_part(
             share * 100.0
         );
     }
-    Unexplained {
-        level: Level::Lengths,
-        data: String::new(),
-        rms_um: rms_um * (excess / dof).sqrt().min(1.0),
-        share: 0.0,
-        varies_with,
-        note,
-    }
+    Unexplained { note, ..part }
 }
 
 /// A station whose residuals are so much larger than those of the others is worth its name.

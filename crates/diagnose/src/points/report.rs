@@ -6,7 +6,7 @@ use trueaxis_effects::{Level, ResolvedEffect, Scene};
 
 use crate::engine::{
     Found, HeldOut, Measured, OMNIBUS_LEVEL, Omnibus, Search, Suspect, cause, find_causes,
-    is_imitation, of_catalogue, scans, still_left,
+    is_imitation, of_catalogue, scans, still_left, unexplained,
 };
 use crate::points::base::Base;
 use crate::points::fitted::fitted;
@@ -18,7 +18,7 @@ use crate::points::omnibus::{families, omnibus};
 use crate::points::places::places;
 use crate::said::{Entry, Said};
 use crate::selection::{Fit, Hypothesis, Null};
-use crate::{Error, LevelReport, Misfit, Shares, Unexplained};
+use crate::{Error, LevelReport, Misfit, Shares};
 
 /// Degrees of freedom below which nothing can be said.
 const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
@@ -212,8 +212,14 @@ fn said(
         noise_um * Model::rms(&sharp.projection),
         noise_um * Model::rms(&model.projection),
     );
-    let before = omnibus(&sharp, &families(base, &sharp));
-    let unexplained = unexplained(&model, &after, noise_um);
+    // What is only rounding is not tested.
+    let before = match after.is_empty() {
+        true => Vec::new(),
+        false => omnibus(&sharp, &families(base, &sharp)),
+    };
+    let is_left = after.iter().any(Omnibus::is_clear);
+    let left = || unexplained(Level::Points, &model.projection, &after, after_um);
+    let unexplained = is_left.then(left);
     let gain = heldout.map(|h| h.gain(before_um, after_um, noise_um));
     let of_cause = base.columns(&sharp);
     let columns = model
@@ -233,7 +239,7 @@ fn said(
         before: misfit(before_um, |h| h.before),
         after: misfit(after_um, |h| h.after),
         gain,
-        shares: Shares::new(&sharp.projection, &columns, unexplained.is_some()),
+        shares: Shares::new(&sharp.projection, &columns, is_left),
         unexplained,
         tests: tests(before),
         tests_after: tests(after),
@@ -298,22 +304,6 @@ fn notices(screened: &Screened<'_>) -> Vec<String> {
         );
     }
     notices
-}
-
-/// Structure that the causes leave.
-fn unexplained(model: &Model, after: &[Omnibus], noise_um: f64) -> Option<Unexplained> {
-    let clear = || after.iter().filter(|t| t.test.p_value < OMNIBUS_LEVEL);
-    let excess = clear().map(|t| t.excess).reduce(f64::max)?;
-    let varies_with: Vec<&'static str> = clear().map(|t| t.test.varies_with).collect();
-    let freedom = model.projection.degrees_of_freedom;
-    Some(Unexplained {
-        level: Level::Points,
-        data: String::new(),
-        rms_um: noise_um * Model::rms(&model.projection) * (excess / freedom).sqrt().min(1.0),
-        share: 0.0,
-        note: format!("varies with {}", varies_with.join(" and ")),
-        varies_with,
-    })
 }
 
 /// The campaign without gross errors and without what the causes do to the coordinates.

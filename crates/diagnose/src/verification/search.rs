@@ -7,8 +7,8 @@
 //! 3. Shapes of all causes are looked for again with the others in the model.
 //! 4. Causes that have become superfluous leave.
 
-use crate::engine::{Beside, Chosen, Listed, without};
-use crate::selection::{Projection, SHAPE_ERROR, Score, ln_f_test};
+use crate::engine::{Beside, Chosen, Listed, SHAPE_ERROR, without};
+use crate::selection::{Projection, Score, ln_f_test};
 
 /// Causes named at most: more are no longer an explanation.
 pub(crate) const MOST_CAUSES: usize = 3;

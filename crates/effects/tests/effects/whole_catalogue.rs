@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use trueaxis_effects::{Displaced, Shape, catalogue, effect, shape_parameter};
+use trueaxis_effects::{Displaced, Effect, Shape, catalogue, effect, shape_parameter};
 
 use crate::scene::{every_effect, for_each_reading, scene};
 
@@ -141,4 +141,16 @@ fn effects_stay_with_their_subject_and_instant() {
             }
         });
     }
+}
+
+#[test]
+fn what_moves_as_a_whole() {
+    let all = |is_wanted: fn(&Effect) -> bool| -> Vec<&str> {
+        let wanted = catalogue().iter().filter(|effect| is_wanted(effect));
+        wanted.map(|effect| effect.id).collect()
+    };
+    let machine = ["machine_drift", "warm_up", "machine_shift"];
+    assert_eq!(all(Effect::moves_machine), machine);
+    let station = ["station_drift", "station_settling", "station_jump"];
+    assert_eq!(all(Effect::moves_station), station);
 }
