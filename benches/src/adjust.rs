@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::Campaign;
 use trueaxis_multilateration::{
-    Network, Refined, Settings, Station, Trials, network_from_campaign, refine, solve,
+    Network, Refined, Settings, Solution, Station, Trials, network_from_campaign, refine, solve,
 };
 
 /// What the points of a step have in common.
@@ -19,8 +19,8 @@ pub enum Model {
 pub struct Problem {
     /// The lengths, the nominal points, and the bodies that the joint adjustment ties them to.
     pub network: Network,
-    /// Where the iteration starts.
-    pub stations: Vec<Station>,
+    /// Where the iteration starts: nominal points that are free, and stations.
+    pub start: Solution,
     /// The same lengths without bodies.
     free: Network,
 }
@@ -53,19 +53,24 @@ impl Problem {
             reflectors: None,
             ..network_from_campaign(campaign, lengths, false).network
         };
-        let start = solve(&network, &Settings::default()).expect("a solution");
-        let mut stations = start.stations;
-        for (station, sign) in stations.iter_mut().zip([1.0, -1.0].into_iter().cycle()) {
+        let free = Network {
+            bodies: None,
+            ..network.clone()
+        };
+        let mut start = solve(&free, &Settings::default()).expect("a solution");
+        start.points_mm.clone_from(&network.nominal_mm);
+        for (station, sign) in start
+            .stations
+            .iter_mut()
+            .zip([1.0, -1.0].into_iter().cycle())
+        {
             station.position_mm += sign * Vector3::new(3.0, -3.0, 2.5);
             station.dead_path_mm += sign * 5.0;
         }
         Self {
-            free: Network {
-                bodies: None,
-                ..network.clone()
-            },
+            free,
             network,
-            stations,
+            start,
         }
     }
 
@@ -82,12 +87,7 @@ impl Problem {
     /// If there is no solution.
     pub fn adjust(&self, model: Model) -> Solved<'_> {
         let network = self.network_of(model);
-        let refined = refine(
-            network,
-            &self.stations,
-            &network.nominal_mm,
-            &Settings::default(),
-        );
+        let refined = refine(network, &self.start, &Settings::default());
         Solved(refined.expect("a solution"))
     }
 

@@ -30,7 +30,7 @@ fn write(problem: &Problem, folder: &Path) -> Result<()> {
         network.noise.repeatability_mm,
     ];
     write_rows(&folder.join("noise.csv"), [noise])?;
-    let stations = problem.stations.iter().map(|s| {
+    let stations = problem.start.stations.iter().map(|s| {
         let [x, y, z] = s.position_mm.into();
         vec![x, y, z, s.dead_path_mm]
     });

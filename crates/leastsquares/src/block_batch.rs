@@ -386,15 +386,13 @@ impl BlockBatch {
         unknowns * (unknowns + 1) / 2
     }
 
-    /// Writes what [`BlockBatch::correction`] needs of the eliminated blocks: the rows of `R` from their
+    /// Appends what [`BlockBatch::correction`] needs of the eliminated blocks: the rows of `R` from their
     /// diagonal on. Rows are made again for it, which costs less than to keep them.
     #[inline(always)]
-    pub fn keep(&self, kept: &mut [Lanes]) {
-        let (mut kept, n) = (kept, self.shape.unknowns);
+    pub fn keep(&self, kept: &mut Vec<Lanes>) {
+        let n = self.shape.unknowns;
         for (k, row) in self.factor.chunks_exact(n).enumerate() {
-            let own;
-            (own, kept) = kept.split_at_mut(n - k);
-            own.copy_from_slice(&row[k..]);
+            kept.extend_from_slice(&row[k..]);
         }
     }
 
@@ -449,10 +447,11 @@ impl BlockBatch {
         }
     }
 
-    /// The corrections `x = R⁻¹ R⁻ᵀ (Aᵀ y - H λ)` to the blocks' unknowns, for the weighed residuals `y` that the
-    /// shared unknowns leave, the multipliers `λ` of the datum, and `R` as it was kept.
+    /// The corrections `x = R⁻¹ R⁻ᵀ Aᵀ y` to the blocks' unknowns, for the weighed residuals `y` that the shared
+    /// unknowns leave and `R` as it was kept: without a datum, or with one that fixes no more than the motions
+    /// that are free, the multipliers of which are zero.
     #[inline(always)]
-    pub fn correction(&mut self, kept: &[Lanes], multipliers: &[f64]) -> &[Lanes] {
+    pub fn correction(&mut self, kept: &[Lanes]) -> &[Lanes] {
         let n = self.shape.unknowns;
         let length = self.shape.row_len();
         zeros(&mut self.factor, n * n);
@@ -465,11 +464,6 @@ impl BlockBatch {
         zeros(&mut self.own_column, n);
         for row in self.rows.chunks_exact(length) {
             add_times(&mut self.own_column, row[length - 1], &row[..n]);
-        }
-        if !multipliers.is_empty() {
-            for (column, multiplier) in self.datum.chunks_exact(n).zip(multipliers) {
-                add_times(&mut self.own_column, Lanes::splat(-*multiplier), column);
-            }
         }
         // R⁻ᵀ, then R⁻¹.
         for k in 0..n {

@@ -20,6 +20,7 @@ pub(crate) struct Definite {
 
 /// Solves a system whose matrix has its upper triangle in contiguous rows; what is below does not
 /// matter, and nothing of it is left. None if the matrix is not definite.
+#[inline(always)]
 pub(crate) fn solve_definite(matrix: &mut [f64], mut right: Vec<f64>) -> Option<Definite> {
     let n = right.len();
     let mut solved = Definite {
@@ -57,6 +58,7 @@ pub(crate) fn solve_definite(matrix: &mut [f64], mut right: Vec<f64>) -> Option<
 }
 
 /// `x <- x - factor y`.
+#[inline(always)]
 fn subtract(x: &mut [f64], factor: f64, y: &[f64]) {
     for (x, y) in x.iter_mut().zip(y) {
         *x -= factor * y;

@@ -13,6 +13,7 @@
 
 use crate::Error;
 use crate::definite::solve_definite;
+use crate::in_widest_registers;
 use crate::reduced::{Reduced, finite, orthonormal};
 
 /// A correction of the shared unknowns.
@@ -47,7 +48,10 @@ impl Reduced {
         let right: Vec<f64> = (0..n)
             .map(|i| scale[i] * self.at(i, self.width()))
             .collect();
-        let solved = solve_definite(&mut matrix, right);
+        let solved = in_widest_registers(
+            #[inline(always)]
+            || solve_definite(&mut matrix, right),
+        );
         if !solved
             .as_ref()
             .is_some_and(|solved| self.rules_out_free(solved.trace_of_inverse))

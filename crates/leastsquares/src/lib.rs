@@ -43,11 +43,10 @@
 //! let solved = sums.into_reduced().solve(|| vec![vec![-1.0, -1.0]])?;
 //! assert!((solved.unknowns[0] - 0.5).abs() < 1e-12);
 //! assert!((solved.unknowns[1] - 2.0).abs() < 1e-12);
-//! let mut kept = vec![Lanes::ZERO; BlockBatch::kept_len(1)];
+//! let mut kept = Vec::new();
 //! masses.keep(&mut kept);
-//! let (zeros, multiplier) = solved.unknowns.split_at(2);
-//! masses.take_off(zeros);
-//! assert!((masses.correction(&kept, multiplier)[0].0[1] - 2.0).abs() < 1e-12);
+//! masses.take_off(&solved.unknowns[..2]);
+//! assert!((masses.correction(&kept)[0].0[1] - 2.0).abs() < 1e-12);
 //! # Ok::<(), trueaxis_leastsquares::Error>(())
 //! ```
 

@@ -5,12 +5,11 @@
 //! them the dead paths after interruptions, behind these the deformations of all bodies, the mean constant of the
 //! reflectors where dead paths are known, and last the contrasts of these constants.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use trueaxis_kinematics::centroid;
-use trueaxis_leastsquares::{BlockBatch, Lanes, Reduced, zeros};
+use trueaxis_leastsquares::{Lanes, Reduced, zeros};
 
 use crate::Network;
 use crate::batches::Batch;
@@ -19,13 +18,8 @@ use crate::datum::Datum;
 use crate::known::{Columns, KnownRow};
 use crate::linearise::fill;
 use crate::memory::{Gauge, Memories, Memory};
-use crate::pieces::{pieces, split_mut};
 use crate::state::{PER_STATION, State, zero_column};
 use crate::visit_weights::{by_visit, fill_weights};
-
-/// Places in [`GroupAdjustment::starts`].
-pub(crate) const WEIGHTS: usize = 0;
-pub(crate) const ELIMINATED: usize = 1;
 
 /// A network as an adjustment model.
 pub(crate) struct GroupAdjustment<'a> {
@@ -34,22 +28,28 @@ pub(crate) struct GroupAdjustment<'a> {
     deformations: Deformations,
     columns: Columns,
     pub(crate) batches: Arc<Vec<Batch>>,
-    /// Where what each batch leaves to the step starts: weights, and eliminated equations. Behind them their
-    /// numbers.
-    starts: Vec<[usize; 2]>,
     pub(crate) memories: Memories,
-    /// Weights that do not follow the state.
+    /// Weights that do not follow the state, batch after batch.
     #[cfg(test)]
     pub(crate) held: Option<Vec<Lanes>>,
 }
 
-/// What a linearisation leaves to the step that follows, batch after batch.
+/// What the linearisation of a piece leaves to the step that follows, batch after batch.
 #[derive(Debug, Default)]
 pub(crate) struct Linearised {
     /// As [`fill_weights`] makes them.
     pub(crate) weights: Vec<Lanes>,
-    /// As [`BlockBatch::keep`] writes it.
+    /// As [`BlockBatch::keep`](trueaxis_leastsquares::BlockBatch::keep) appends it.
     pub(crate) eliminated: Vec<Lanes>,
+}
+
+impl Linearised {
+    /// The same memory with nothing in it.
+    pub(crate) fn cleared(&mut self) -> &mut Self {
+        self.weights.clear();
+        self.eliminated.clear();
+        self
+    }
 }
 
 /// The points and poses of the groups of some batches, to be moved.
@@ -63,19 +63,12 @@ impl<'a> GroupAdjustment<'a> {
     /// The model of a network with these groups.
     pub(crate) fn new(network: &'a Network, batches: &Arc<Vec<Batch>>) -> Self {
         let deformations = deformations(network);
-        let mut starts = vec![[0; 2]];
-        for batch in &**batches {
-            let [weights, eliminated] = starts[starts.len() - 1];
-            let kept = BlockBatch::kept_len(batch.unknowns());
-            starts.push([weights + batch.weights(), eliminated + kept]);
-        }
         Self {
             network,
             datum: Datum::new(network),
             columns: Columns::new(network, deformations.shared),
             deformations,
             batches: Arc::clone(batches),
-            starts,
             memories: Memories::default(),
             #[cfg(test)]
             held: None,
@@ -90,22 +83,6 @@ impl<'a> GroupAdjustment<'a> {
     /// What is known of them, at a state.
     pub(crate) fn known_rows(&self, state: &State) -> Vec<KnownRow> {
         self.network.known_rows(self.columns, state)
-    }
-
-    /// What batch `b` of a piece that starts at batch `first` has of a kind in [`Self::starts`].
-    #[inline(always)]
-    pub(crate) fn range(&self, kind: usize, b: usize, first: usize) -> Range<usize> {
-        let start = self.starts[first][kind];
-        self.starts[b][kind] - start..self.starts[b + 1][kind] - start
-    }
-
-    /// The parts of all batches of a kind, for each piece.
-    pub(crate) fn split<'l>(&self, kind: usize, all: &'l mut Vec<Lanes>) -> Vec<&'l mut [Lanes]> {
-        let count = self.starts[self.batches.len()][kind];
-        all.resize(count, Lanes::ZERO);
-        let pieces = pieces(self.batches.len()).into_iter();
-        let lengths = pieces.map(|p| self.starts[p.end][kind] - self.starts[p.start][kind]);
-        split_mut(all, lengths)
     }
 
     /// Makes the whitened equations of batch `b`, with the weights that belong to the state.
@@ -124,7 +101,8 @@ impl<'a> GroupAdjustment<'a> {
         fill_weights(batch, &self.network.noise, beams, factor, weights);
         #[cfg(test)]
         if let Some(held) = &self.held {
-            weights.copy_from_slice(&held[self.range(WEIGHTS, b, 0)]);
+            let before: usize = self.batches[..b].iter().map(Batch::weights).sum();
+            weights.copy_from_slice(&held[before..][..batch.weights()]);
         }
         for (first, count, weights) in by_visit(batch, weights) {
             equations.whiten(first, count, weights);
@@ -197,13 +175,13 @@ impl<'a> GroupAdjustment<'a> {
         }
     }
 
-    /// Moves the points of batch `b` by `factor` times what follows from the correction `s`; the bodies have the
-    /// new shapes.
+    /// Moves the points of batch `b` by `factor` times what follows from the correction `s`, with the weights and
+    /// the eliminated equations of its linearisation; the bodies have the new shapes.
     #[inline(always)]
     pub(crate) fn move_groups(
         &self,
         (state, b): (&State, usize),
-        linearised: &Linearised,
+        (weights, eliminated): (&[Lanes], &[Lanes]),
         (s, factor): (&[f64], f64),
         shapes_mm: &[Vec<Point3<f64>>],
         (memory, moved): (&mut Memory, &mut Moved<'_>),
@@ -212,11 +190,10 @@ impl<'a> GroupAdjustment<'a> {
         self.fill_rows(state, b, Gauge::Free, memory);
         let equations = &mut memory.equations;
         equations.take_off(s);
-        let weights = &linearised.weights[self.range(WEIGHTS, b, 0)];
         for (first, count, weights) in by_visit(batch, weights) {
             equations.weigh(first, count, weights);
         }
-        let x = equations.correction(&linearised.eliminated[self.range(ELIMINATED, b, 0)], &[]);
+        let x = equations.correction(eliminated);
         let of_lanes = moved.points.chunks_exact_mut(batch.points);
         for (lane, (group, moved_points)) in batch.groups.clone().zip(of_lanes).enumerate() {
             let points = &state.points[self.network.groups[group].clone()];
@@ -257,8 +234,6 @@ fn moved_pose(
 
 #[cfg(test)]
 mod tests {
-    use trueaxis_leastsquares::Adjustment;
-
     use super::*;
     use crate::batches::batches;
     use crate::bodies::{Bodies, Body, Placed};
@@ -336,10 +311,10 @@ mod tests {
             let state = State::new(&network, stations, vec![3.0, 4.0, 5.0], points);
             let batches = Arc::new(batches(&network));
             let mut model = GroupAdjustment::new(&network, &batches);
-            let mut linearised = Linearised::default();
-            let _ = model.reduce(&state, &mut linearised);
             // The lengths of a step are weighed as where it begins.
-            model.held = Some(linearised.weights);
+            let mut memory = Memory::default();
+            model.fill(&state, 0, Gauge::Free, &mut memory);
+            model.held = Some(memory.weights);
             let unknowns = batches[0].unknowns();
             let residuals = |k: usize, by: f64| {
                 let mut moved = state.clone();

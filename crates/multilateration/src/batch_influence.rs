@@ -16,7 +16,7 @@ use trueaxis_leastsquares::lane_products::{LaneMatrix, SharedMatrix};
 use trueaxis_leastsquares::{Covariance, HatRows, Lanes, in_widest_registers, lanes_only, zeros};
 
 use crate::adjustment::GroupAdjustment;
-use crate::batches::{Batch, batches};
+use crate::batches::Batch;
 use crate::datum::Datum;
 use crate::memory::{Gauge, Memory};
 use crate::noise::factor_len;
@@ -55,8 +55,7 @@ impl<'a> BatchInfluence<'a> {
     /// `network` must be the one that `solution` solved.
     pub(crate) fn new(network: &'a Network, solution: &'a Solution) -> Self {
         let state = solution.state();
-        let batches = std::sync::Arc::new(batches(network));
-        let model = GroupAdjustment::new(network, &batches);
+        let model = GroupAdjustment::new(network, &solution.batches);
         Self {
             network,
             model,
@@ -97,21 +96,40 @@ impl<'a> BatchInfluence<'a> {
         SharedMatrix::by_rows(self.sigma(), [self.width(); 2])
     }
 
+    /// The pieces of the batches, in order.
+    pub(crate) fn pieces(&self) -> impl ExactSizeIterator<Item = Range<usize>> + use<> {
+        let batches = self.batches().len();
+        let starts = (0..batches).step_by(PIECE);
+        starts.map(move |start| start..batches.min(start + PIECE))
+    }
+
     /// What `work` makes of pieces of the batches, in order, on all threads and with the widest registers
     /// ([`in_widest_registers`]).
     pub(crate) fn of_pieces<T: Send>(
         &self,
         work: impl Fn(Range<usize>, &mut BatchRows) -> T + Sync + Send,
     ) -> Vec<T> {
-        let batches = self.batches().len();
-        let of_piece = |rows: &mut BatchRows, piece: usize| {
-            let piece = piece * PIECE..batches.min((piece + 1) * PIECE);
+        self.with_pieces(
+            vec![(); self.pieces().len()],
+            #[inline(always)]
+            |piece, (), rows| work(piece, rows),
+        )
+    }
+
+    /// The same of pieces and what belongs to each.
+    pub(crate) fn with_pieces<P: Send, T: Send>(
+        &self,
+        parts: Vec<P>,
+        work: impl Fn(Range<usize>, P, &mut BatchRows) -> T + Sync + Send,
+    ) -> Vec<T> {
+        let pieces: Vec<_> = self.pieces().zip(parts).collect();
+        let of_piece = |rows: &mut BatchRows, (piece, part)| {
             in_widest_registers(
                 #[inline(always)]
-                || work(piece, rows),
+                || work(piece, part, rows),
             )
         };
-        let pieces = (0..batches.div_ceil(PIECE)).into_par_iter();
+        let pieces = pieces.into_par_iter();
         pieces.map_init(BatchRows::default, of_piece).collect()
     }
 

@@ -18,6 +18,7 @@ use crate::slots::{Layout, SlotVisit, Slots};
 use crate::state::POSE;
 
 /// Up to eight groups.
+#[derive(Debug)]
 pub(crate) struct Batch {
     pub(crate) groups: Range<usize>,
     /// Points of each group.
@@ -29,12 +30,10 @@ pub(crate) struct Batch {
     /// The first point of the group in each lane; lanes without a group repeat the last one.
     pub(crate) first_points: [usize; LANES],
     pub(crate) layout: Arc<Layout>,
-    /// The numbers of several batches, and where those of this one start: of each slot the incremental
-    /// length, mm, and behind them, if they are not all one, the factors on the variance of a reading's
-    /// own noise, zero without a reading.
-    numbers: Arc<Vec<Lanes>>,
-    first_number: usize,
-    has_factors: bool,
+    /// The incremental length of each slot, mm.
+    pub(crate) lengths_mm: Vec<Lanes>,
+    /// Factors on the variance of a reading's own noise, zero without a reading; empty where all are one.
+    factors: Vec<Lanes>,
     /// The dead path of each slot; empty in a network without interruptions.
     pub(crate) zeros: Vec<[usize; LANES]>,
     /// What a unit of each contrast does to the constants of the reflectors, point after point; empty in a
@@ -93,14 +92,15 @@ fn piece(
     is_inflated: bool,
     ranges: &[Range<usize>],
 ) -> Vec<Batch> {
-    let (mut slots, mut numbers) = (Slots::default(), Vec::new());
-    let none = Arc::new(Vec::new());
+    let mut slots = Slots::default();
     let batch = |groups: &Range<usize>| {
         slots.take(network, by_group, groups.clone());
         let layout = Arc::clone(slots.layout());
         let first = network.groups[groups.start].start;
         let points = network.groups[groups.start].len();
         let last = groups.len() - 1;
+        let count = layout.point_of_slot.len();
+        let has_factors = is_inflated || slots.readings() < groups.len() * count;
         let mut batch = Batch {
             groups: groups.clone(),
             points,
@@ -108,27 +108,20 @@ fn piece(
             is_bed: network.bed == Some(groups.start),
             first_points: std::array::from_fn(|lane| first + points * lane.min(last)),
             layout,
-            numbers: Arc::clone(&none),
-            first_number: numbers.len(),
-            has_factors: is_inflated
-                || slots.readings() < groups.len() * slots.layout().point_of_slot.len(),
+            lengths_mm: vec![Lanes::ZERO; count],
+            factors: vec![Lanes::ZERO; if has_factors { count } else { 0 }],
             zeros: Vec::new(),
             contrasts: Vec::new(),
             readings: slots.readings(),
         };
         batch.take_contrasts(network);
-        batch.append_numbers(network, &slots, &mut numbers);
+        batch.take_numbers(network, &slots);
         if !zero_of_readings.is_empty() {
             batch.take_zeros(&slots, zero_of_readings);
         }
         batch
     };
-    let mut batches: Vec<Batch> = ranges.iter().map(batch).collect();
-    let numbers = Arc::new(numbers);
-    for batch in &mut batches {
-        batch.numbers = Arc::clone(&numbers);
-    }
-    batches
+    ranges.iter().map(batch).collect()
 }
 
 /// The groups of the batches of some pieces.
@@ -146,7 +139,7 @@ pub(crate) fn check_seen(batches: &[Batch], need: usize) -> Result<(), Error> {
     let mut full: Option<&Arc<Layout>> = None;
     for batch in batches {
         // Where nothing is missing, batches of one layout are alike.
-        let is_full = !batch.has_factors;
+        let is_full = batch.factors.is_empty();
         if batch.body.is_some() {
             continue;
         }
@@ -172,15 +165,11 @@ pub(crate) fn check_seen(batches: &[Batch], need: usize) -> Result<(), Error> {
 }
 
 impl Batch {
-    fn append_numbers(&self, network: &Network, slots: &Slots, numbers: &mut Vec<Lanes>) {
-        let (first, count) = (numbers.len(), self.slots());
-        let each = if self.has_factors { 2 } else { 1 };
-        numbers.resize(first + each * count, Lanes::ZERO);
-        let (lengths_mm, factors) = numbers[first..].split_at_mut(count);
+    fn take_numbers(&mut self, network: &Network, slots: &Slots) {
         for lane in 0..LANES {
             for &(slot, i) in slots.places(lane.min(self.groups.len() - 1)) {
-                lengths_mm[slot].0[lane] = network.readings[i].length_mm;
-                if let Some(factor) = factors.get_mut(slot) {
+                self.lengths_mm[slot].0[lane] = network.readings[i].length_mm;
+                if let Some(factor) = self.factors.get_mut(slot) {
                     factor.0[lane] = network.variance_factor(i);
                 }
             }
@@ -204,6 +193,9 @@ impl Batch {
     /// What a unit of each contrast does to the constant of the reflector at a point.
     #[inline(always)]
     pub(crate) fn contrasts_of(&self, point: usize) -> &[Lanes] {
+        if self.contrasts.is_empty() {
+            return &[];
+        }
         let each = self.contrasts.len() / self.points;
         &self.contrasts[point * each..][..each]
     }
@@ -224,25 +216,10 @@ impl Batch {
         self.layout.point_of_slot.len()
     }
 
-    #[inline(always)]
-    fn numbers(&self) -> &[Lanes] {
-        &self.numbers[self.first_number..]
-    }
-
-    /// Incremental lengths of each slot, mm.
-    #[inline(always)]
-    pub(crate) fn lengths_mm(&self) -> &[Lanes] {
-        &self.numbers()[..self.slots()]
-    }
-
     /// Factors on the variance of a reading's own noise; zero without a reading.
     #[inline(always)]
     pub(crate) fn variance_factor(&self, slot: usize) -> Lanes {
-        if self.has_factors {
-            self.numbers()[self.slots() + slot]
-        } else {
-            Lanes::splat(1.0)
-        }
+        self.factors.get(slot).copied().unwrap_or(Lanes::splat(1.0))
     }
 
     /// Number of the stations that see a point of the group in a lane.

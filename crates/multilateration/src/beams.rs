@@ -38,7 +38,6 @@ impl Beams {
         } = common;
         take_points(batch, points, &mut self.points);
         self.of_slots.resize(batch.slots(), Beam::default());
-        let lengths_mm = batch.lengths_mm();
         for visit in &batch.layout.visits {
             let station = stations[visit.station];
             let station = splat(station.x, station.y, station.z);
@@ -60,7 +59,7 @@ impl Beams {
                 self.of_slots[slot] = Beam {
                     unit: times(beam_mm, per_distance),
                     distance_mm,
-                    residual_mm: lengths_mm[slot] + dead_path - constant - distance_mm,
+                    residual_mm: batch.lengths_mm[slot] + dead_path - constant - distance_mm,
                 };
             }
         }
@@ -98,13 +97,11 @@ impl Beams {
 #[inline(always)]
 pub(crate) fn take_points(batch: &Batch, points: &[Point3<f64>], coordinates: &mut Vec<Lanes>) {
     coordinates.clear();
-    let first = batch
-        .first_points
-        .map(|first| first - batch.first_points[0]);
+    let place =
+        |lane: usize, point: usize| batch.first_points[lane] - batch.first_points[0] + point;
     for point in 0..batch.points {
-        let of_lanes = first.map(|first| &points[first + point]);
         for axis in [0, 1, 2] {
-            let of_lane = |lane: usize| of_lanes[lane][axis];
+            let of_lane = |lane: usize| points[place(lane, point)][axis];
             coordinates.push(Lanes::from_fn(of_lane));
         }
     }

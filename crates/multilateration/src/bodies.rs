@@ -62,8 +62,14 @@ impl Bodies {
         if found != need {
             return malformed(format!("bodies are given for {found} of {need} groups"));
         }
+        // Most groups see all targets of their body.
+        let mut rigid: Option<(usize, &[usize])> = None;
         for (g, (placed, group)) in self.of_groups.iter().zip(points_of_groups).enumerate() {
             let Some(body) = placed.body else { continue };
+            let seen = Some((body, &placed.places[..]));
+            if rigid == seen && placed.places.len() == group.len() {
+                continue;
+            }
             let home_mm = self.bodies.get(body).map(|body| &body.home_mm[..]);
             let of_place = |&place: &usize| home_mm.and_then(|home| home.get(place)).copied();
             let places: Option<Vec<_>> = placed.places.iter().map(of_place).collect();
@@ -73,6 +79,7 @@ impl Bodies {
                         let points = group.len();
                         return Err(Error::NotRigid { group: g, points });
                     }
+                    rigid = seen;
                 }
                 _ => return malformed(format!("group {g} names targets that no body has")),
             }
@@ -108,17 +115,11 @@ impl Body {
         let motions = basis.len();
         while basis.len() < 3 * count {
             // The unit displacement of which most is left; at least the share of the free dimensions.
-            let candidates = (0..3 * count).map(|i| {
-                let mut unit = DVector::zeros(3 * count);
-                unit[i] = 1.0;
-                without(unit, &basis)
-            });
-            let largest = candidates.max_by(|a, b| a.norm().total_cmp(&b.norm()));
-            basis.push(
-                largest
-                    .unwrap_or_else(|| DVector::zeros(3 * count))
-                    .normalize(),
-            );
+            let taken = |i: usize| basis.iter().map(|unit| unit[i] * unit[i]).sum::<f64>();
+            let least = (0..3 * count).min_by(|&i, &j| taken(i).total_cmp(&taken(j)));
+            let mut unit = DVector::zeros(3 * count);
+            unit[least.unwrap_or_default()] = 1.0;
+            basis.push(without(unit, &basis).normalize());
         }
         basis.split_off(motions)
     }

@@ -5,7 +5,7 @@ use trueaxis_leastsquares::chi_squared_upper_tail;
 
 use crate::batch_influence::BatchInfluence;
 use crate::components::{Components, components};
-use crate::solve::{Settings, solve_from};
+use crate::solve::{Settings, refine_batches};
 use crate::{Error, Network, Noise, Solution};
 
 /// Estimated noise with what is known about it.
@@ -95,7 +95,37 @@ pub fn estimate_noise(
         solution,
         settings,
     };
-    estimate(&mut adjusted, declared)
+    let given = adjusted.network.noise;
+    let dof = adjusted.degrees_of_freedom();
+    let above = chi_squared_upper_tail(adjusted.squares(), dof);
+    let too_good = adjusted.sigma0() < TOO_GOOD;
+    if dof == 0.0 || (declared && above > REJECTED && (too_good || dof < LEAST_DEGREES_OF_FREEDOM))
+    {
+        return Ok(kept(given));
+    }
+    if too_good {
+        return common_factor(&mut adjusted, given);
+    }
+    // A start far from the residuals may end where nothing is told apart.
+    let plausible = declared && above > REJECTED && above < 1.0 - REJECTED;
+    let starts = [
+        Some(given).filter(|n| plausible && n.repeatability_mm > 0.0),
+        Some(level(given)),
+    ];
+    for start in starts.into_iter().flatten() {
+        if adjusted.network.noise != start {
+            adjusted.solve_with(start)?;
+        }
+        if !plausible {
+            let sigma0 = adjusted.sigma0();
+            adjusted.solve_with(scaled(start, sigma0, sigma0))?;
+        }
+        if let Some(found) = settle(&mut adjusted, given)? {
+            return Ok(found);
+        }
+    }
+    adjusted.solve_with(given)?;
+    common_factor(&mut adjusted, given)
 }
 
 /// A solved network that can be solved again with another noise.
@@ -106,15 +136,12 @@ struct Weighted<'a> {
 }
 
 impl Weighted<'_> {
-    /// The noise with which it is solved.
-    fn noise(&self) -> Noise {
-        self.network.noise
-    }
-
     /// Solves it with another noise.
     fn solve_with(&mut self, noise: Noise) -> Result<(), Error> {
+        noise.check()?;
         self.network.noise = noise;
-        *self.solution = solve_from(self.network, self.solution, self.settings)?;
+        let groups = (&*self.network, &self.solution.batches);
+        *self.solution = refine_batches(groups, self.solution, self.settings)?.solution()?;
         Ok(())
     }
 
@@ -139,41 +166,6 @@ impl Weighted<'_> {
     }
 }
 
-/// Estimates the noise and solves with it.
-fn estimate(adjusted: &mut Weighted<'_>, declared: bool) -> Result<NoiseEstimate, Error> {
-    let given = adjusted.noise();
-    let dof = adjusted.degrees_of_freedom();
-    let above = chi_squared_upper_tail(adjusted.squares(), dof);
-    let too_good = adjusted.sigma0() < TOO_GOOD;
-    if dof == 0.0 || (declared && above > REJECTED && (too_good || dof < LEAST_DEGREES_OF_FREEDOM))
-    {
-        return Ok(kept(given));
-    }
-    if too_good {
-        return common_factor(adjusted, given);
-    }
-    // A start far from the residuals may end where nothing is told apart.
-    let plausible = declared && above > REJECTED && above < 1.0 - REJECTED;
-    let starts = [
-        Some(given).filter(|n| plausible && n.repeatability_mm > 0.0),
-        Some(level(given)),
-    ];
-    for start in starts.into_iter().flatten() {
-        if adjusted.noise() != start {
-            adjusted.solve_with(start)?;
-        }
-        if !plausible {
-            let sigma0 = adjusted.sigma0();
-            adjusted.solve_with(scaled(start, sigma0, sigma0))?;
-        }
-        if let Some(found) = settle(adjusted, given)? {
-            return Ok(found);
-        }
-    }
-    adjusted.solve_with(given)?;
-    common_factor(adjusted, given)
-}
-
 /// A noise of which both parts are equally large.
 pub(crate) fn level(given: Noise) -> Noise {
     Noise {
@@ -185,7 +177,7 @@ pub(crate) fn level(given: Noise) -> Noise {
 /// Improves both parts until they have settled; `None` if they do not, or if the lengths do not tell
 /// them apart there.
 fn settle(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstimate>, Error> {
-    let start = adjusted.noise();
+    let start = adjusted.network.noise;
     for _ in 0..MAX_ITERATIONS {
         let Some(found) = adjusted.components() else {
             return Ok(None);
@@ -198,13 +190,13 @@ fn settle(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstim
             let told_apart = found.separation >= LEAST_SEPARATION;
             let relative_covariance = found.covariance;
             return Ok((worth && told_apart)
-                .then(|| estimated(adjusted.noise(), given, relative_covariance)));
+                .then(|| estimated(adjusted.network.noise, given, relative_covariance)));
         }
         let step = |k: usize| {
             let factor = found.factors[k];
             factor.clamp(1.0 / LARGEST_STEP, LARGEST_STEP).sqrt()
         };
-        let mut noise = scaled(adjusted.noise(), step(0), step(1));
+        let mut noise = scaled(adjusted.network.noise, step(0), step(1));
         // No interferometer is without noise of its own: so few lengths do not tell it.
         let least_mm = LEAST_LENGTH * noise.repeatability_mm;
         if noise.length_sigma_mm < least_mm {
@@ -229,9 +221,13 @@ fn settle(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstim
 /// The machine returns exactly, as far as can be seen.
 fn lengths_only(adjusted: &mut Weighted<'_>, given: Noise) -> Result<NoiseEstimate, Error> {
     let dof = adjusted.degrees_of_freedom();
-    adjusted.solve_with(scaled(adjusted.noise(), adjusted.sigma0(), 1.0))?;
+    adjusted.solve_with(scaled(adjusted.network.noise, adjusted.sigma0(), 1.0))?;
     let relative_covariance = Matrix2::new(2.0 / dof, 0.0, 0.0, 0.0);
-    Ok(estimated(adjusted.noise(), given, relative_covariance))
+    Ok(estimated(
+        adjusted.network.noise,
+        given,
+        relative_covariance,
+    ))
 }
 
 /// Both parts with the ratio that was given.
@@ -242,7 +238,7 @@ fn common_factor(adjusted: &mut Weighted<'_>, given: Noise) -> Result<NoiseEstim
     let relative_covariance = Matrix2::from_element(2.0 / dof);
     Ok(NoiseEstimate {
         basis: NoiseBasis::CommonFactor,
-        ..estimated(adjusted.noise(), given, relative_covariance)
+        ..estimated(adjusted.network.noise, given, relative_covariance)
     })
 }
 

@@ -16,9 +16,9 @@
 //! Noun in: a [`Network`]; noun out: a [`Solution`] with points, stations, residuals and the
 //! covariance of everything. [`screen`] does the same without gross errors and lost counts, with the
 //! noise that the residuals show ([`estimate_noise`]). [`network_from_campaign`] makes the network of
-//! a measuring campaign; [`locate`] is the plain case of known stations; [`Trials`] solves a
-//! network again and again with other errors, for Monte Carlo. Lengths are mm in any
-//! right-handed frame. The crate does not say why lengths are wrong beyond that.
+//! a measuring campaign; [`Trials`] solves a network again and again with other errors, for Monte
+//! Carlo. Lengths are mm in any right-handed frame. The crate does not say why lengths are wrong
+//! beyond that.
 //!
 //! ```
 //! use nalgebra::Point3;
@@ -69,7 +69,6 @@ mod guard;
 mod influence_tests;
 mod interruption;
 mod known;
-mod known_stations;
 mod lane_vectors;
 mod linearise;
 mod memory;
@@ -77,7 +76,6 @@ mod network;
 mod noise;
 mod passes;
 mod pieces;
-mod refine;
 mod reflector_set;
 mod reflectors;
 mod reliability;
@@ -94,6 +92,7 @@ mod state;
 mod step_tests;
 mod tie;
 mod trials;
+mod undetermined;
 mod visit_weights;
 mod whitened;
 
@@ -104,16 +103,14 @@ pub use error::{Error, Part, StationUnknown};
 pub use estimate_noise::{NoiseBasis, NoiseEstimate, PartEstimate, estimate_noise};
 pub use from_campaign::{CampaignNetwork, Group, network_from_campaign};
 pub use guard::MOST_OF_A_PART;
-pub use known_stations::{KnownStation, Located, locate};
 pub use network::{Interruption, KnownDeadPath, Network, Reading, Visit};
 pub use noise::Noise;
-pub use refine::{Refined, refine};
 pub use reflector_set::{USUAL_DIFFERENCE_MM, adjust_as_a_set, solve_as_a_set};
 pub use reflectors::{Reflectors, contrast};
 pub use reliability::Reliability;
 pub use screen::screen;
 pub use screened::{Jump, Removed, Screened, WanderingZero};
 pub use solution::{Solution, Station};
-pub use solve::{Settings, solve, solve_from};
+pub use solve::{Refined, Settings, refine, solve, solve_from};
 pub use trials::{Corrections, Trials, Workspace};
 pub use whitened::Whitened;

@@ -7,10 +7,10 @@
 use std::ops::Range;
 
 use trueaxis_leastsquares::{
-    Adjustment, Error as LeastSquaresError, Factors, LaneSums, Lanes, Reduced,
+    Adjustment, BlockBatch, Error as LeastSquaresError, Factors, LaneSums, Lanes, Reduced,
 };
 
-use crate::adjustment::{ELIMINATED, GroupAdjustment, Linearised, Moved, WEIGHTS};
+use crate::adjustment::{GroupAdjustment, Linearised, Moved};
 use crate::batches::groups_of;
 use crate::memory::{Gauge, Memory};
 use crate::pieces::{in_parallel, pieces, split_mut};
@@ -18,31 +18,23 @@ use crate::state::{Common, DATUM, State};
 
 impl Adjustment for GroupAdjustment<'_> {
     type State = State;
-    type Linearised = Linearised;
+    type Linearised = Vec<Linearised>;
 
     fn reduce(
         &self,
         state: &State,
-        linearised: &mut Linearised,
+        linearised: &mut Vec<Linearised>,
     ) -> Result<Reduced, LeastSquaresError> {
-        let Linearised {
-            weights,
-            eliminated,
-        } = linearised;
-        let starts = pieces(self.batches.len()).into_iter().map(|p| p.start);
-        let weights = self.split(WEIGHTS, weights).into_iter();
-        let eliminated = self.split(ELIMINATED, eliminated).into_iter();
-        let parts = starts.zip(weights.zip(eliminated)).collect();
+        linearised.resize_with(pieces(self.batches.len()).len(), Linearised::default);
         let mut reduced = reduced(
             self,
             state,
             Gauge::Free,
-            parts,
+            linearised.iter_mut().map(Linearised::cleared).collect(),
             #[inline(always)]
-            |b, memory, (first, (weights, eliminated)): &mut (usize, (&mut [_], &mut [_]))| {
-                weights[self.range(WEIGHTS, b, *first)].copy_from_slice(&memory.weights);
-                let kept = &mut eliminated[self.range(ELIMINATED, b, *first)];
-                memory.equations.keep(kept);
+            |_, memory, piece: &mut &mut Linearised| {
+                piece.weights.extend_from_slice(&memory.weights);
+                memory.equations.keep(&mut piece.eliminated);
             },
         )?;
         self.observe_known(state, &mut reduced);
@@ -74,7 +66,7 @@ impl Adjustment for GroupAdjustment<'_> {
 
     fn step(
         &self,
-        (state, linearised): (&State, &Linearised),
+        (state, linearised): (&State, &Vec<Linearised>),
         s: &[f64],
         factor: f64,
         next: &mut State,
@@ -105,11 +97,19 @@ impl Adjustment for GroupAdjustment<'_> {
         let has_poses = !poses.is_empty();
         let of_poses = groups.iter().map(|g| if has_poses { g.len() } else { 0 });
         let poses = split_mut(poses, of_poses);
-        let parts = points.into_iter().zip(poses);
+        let parts = points.into_iter().zip(poses).zip(linearised);
         let of_pieces = in_parallel(
             pieces.into_iter().zip(parts).collect(),
             #[inline(always)]
-            |(piece, (mut points, mut poses)): (Range<usize>, (&mut [_], &mut [_]))| {
+            |(piece, ((mut points, mut poses), left)): (
+                Range<usize>,
+                ((&mut [_], &mut [_]), _),
+            )| {
+                let Linearised {
+                    weights,
+                    eliminated,
+                } = left;
+                let (mut weights, mut eliminated) = (&weights[..], &eliminated[..]);
                 self.memories.lend(
                     #[inline(always)]
                     |memory| {
@@ -122,20 +122,24 @@ impl Adjustment for GroupAdjustment<'_> {
                             let own_poses;
                             (own_poses, poses) =
                                 poses.split_at_mut(if has_poses { groups } else { 0 });
+                            let of_batch;
+                            (of_batch, weights) = weights.split_at(batch.weights());
+                            let kept;
+                            (kept, eliminated) =
+                                eliminated.split_at(BlockBatch::kept_len(batch.unknowns()));
                             let mut moved = Moved {
                                 points: own,
                                 poses: own_poses,
                             };
                             self.move_groups(
                                 (state, b),
-                                linearised,
+                                (of_batch, kept),
                                 (s, factor),
                                 shapes_mm,
                                 (memory, &mut moved),
                             );
                             memory.beams.fill(batch, common, moved.points);
-                            let weights = &linearised.weights[self.range(WEIGHTS, b, 0)];
-                            squares += memory.beams.squares(batch, weights);
+                            squares += memory.beams.squares(batch, of_batch);
                         }
                         squares.sum()
                     },

@@ -1,10 +1,13 @@
 //! The adjusted points and stations with the evidence.
 
+use std::sync::Arc;
+
 use faer::Mat;
 use nalgebra::{DMatrix, Isometry3, Matrix4, Point3};
 use trueaxis_leastsquares::{Covariance, Termination};
 
 use crate::Network;
+use crate::batches::Batch;
 use crate::known::{Columns, KnownRow};
 use crate::reflectors::contrast;
 use crate::state::{PER_STATION, State, zero_column};
@@ -51,6 +54,8 @@ pub struct Solution {
     /// amounts of its deformations, mm, then the mean constant if there is one, and last the contrasts of the
     /// reflectors' constants, mm. The datum is the best fit to the nominal points.
     pub covariance: Covariance,
+    /// The groups of the network that was solved.
+    pub(crate) batches: Arc<Vec<Batch>>,
 }
 
 /// An adjusted station.

@@ -2,18 +2,16 @@
 
 use std::sync::Arc;
 
-use trueaxis_leastsquares::{
-    Adjusted, Adjustment, BLOCK_RANK_TOL, Error as LeastSquaresError, adjust,
-};
+use trueaxis_leastsquares::{Adjusted, Adjustment, adjust};
 
-use crate::adjustment::{GroupAdjustment, Linearised, deformations};
+use crate::adjustment::GroupAdjustment;
 use crate::batches::{Batch, batches, check_seen};
-use crate::bodies::Deformations;
 use crate::pieces::within_pool;
 use crate::reflectors::constants_mm;
 use crate::start::{Image, Start, start};
 use crate::state::{DATUM, PER_STATION, POSE, State, with_interruptions};
-use crate::{Error, Network, Solution, Station, StationUnknown};
+use crate::undetermined::named;
+use crate::{Error, Network, Solution, Station};
 
 /// How to adjust.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -57,24 +55,32 @@ pub(crate) fn solve_from_start(
     let Start { state, images } = start;
     let first = adjust_from(network, batches, state.clone(), settings);
     if images.iter().all(Option::is_none) {
-        return solution(network, first?, false);
+        return first?.solution();
     }
     choose_sides((network, batches), settings, &state, &images, first)
 }
 
-/// Solves a network again from the solution of a similar one: the same stations and groups, other lengths,
-/// weights, interruptions or bodies. From tied points to free ones and back it goes in an iteration or two;
-/// no start is sought.
+/// Adjusts a network from the solution of a similar one: the same stations and groups, other lengths, weights,
+/// interruptions or bodies. From tied points to free ones and back it goes in an iteration or two; no start is
+/// sought. Of `near` the places and dead paths count, which may be some millimetres off.
 ///
 /// # Errors
 /// Those of [`solve`].
-pub fn solve_from(
-    network: &Network,
+pub fn refine<'a>(
+    network: &'a Network,
     near: &Solution,
     settings: &Settings,
-) -> Result<Solution, Error> {
+) -> Result<Refined<'a>, Error> {
     network.check()?;
-    let batches = batches_of(network)?;
+    refine_batches((network, &batches_of(network)?), near, settings)
+}
+
+/// [`refine`] for a checked network of these groups.
+pub(crate) fn refine_batches<'a>(
+    (network, batches): (&'a Network, &Arc<Vec<Batch>>),
+    near: &Solution,
+    settings: &Settings,
+) -> Result<Refined<'a>, Error> {
     let (found, need) = (
         (near.stations.len(), near.points_mm.len()),
         (network.stations.len(), network.nominal_mm.len()),
@@ -100,8 +106,22 @@ pub fn solve_from(
         state.contrasts_mm = contrasts_mm;
     }
     state.mean_constant_mm = mean_constant_mm;
-    let attempt = adjust_from(network, &batches, state, settings)?;
-    solution(network, attempt, near.mirror_image_open)
+    Ok(Refined {
+        mirror_image_open: near.mirror_image_open,
+        ..adjust_from(network, batches, state, settings)?
+    })
+}
+
+/// [`refine`] with the covariance.
+///
+/// # Errors
+/// Those of [`solve`].
+pub fn solve_from(
+    network: &Network,
+    near: &Solution,
+    settings: &Settings,
+) -> Result<Solution, Error> {
+    refine(network, near, settings)?.solution()
 }
 
 /// How far a length is from what the nominal positions let expect, in units of what is typical,
@@ -125,23 +145,73 @@ pub(crate) fn far_at(start: &Start, network: &Network) -> Vec<(usize, f64)> {
     sizes.filter(|&(_, size_mm)| size_mm > limit_mm).collect()
 }
 
-/// An adjusted model.
-pub(crate) struct Attempt<'a> {
+/// An adjusted network, yet without uncertainties.
+pub struct Refined<'a> {
     model: GroupAdjustment<'a>,
-    pub(crate) adjusted: Adjusted<State>,
+    adjusted: Adjusted<State>,
+    mirror_image_open: bool,
 }
 
-pub(crate) fn adjust_from<'a>(
+impl Refined<'_> {
+    /// The whole solution with the covariance of everything.
+    ///
+    /// # Errors
+    /// Those of [`solve`].
+    pub fn solution(self) -> Result<Solution, Error> {
+        let Self {
+            model,
+            adjusted,
+            mirror_image_open,
+        } = self;
+        let network = model.network;
+        let covariance = adjusted.covariance(&model);
+        let covariance = covariance.map_err(|error| named(network, error))?;
+        let state = &adjusted.state;
+        let stations = state.stations.iter().zip(&state.dead_paths_mm);
+        let residuals_mm = state.residuals_mm(network);
+        Ok(Solution {
+            stations: stations
+                .map(|(&position_mm, &dead_path_mm)| Station {
+                    position_mm,
+                    dead_path_mm,
+                })
+                .collect(),
+            dead_paths_after_mm: state.dead_paths_mm[network.stations.len()..].to_vec(),
+            residuals_mm,
+            squares: adjusted.squares,
+            observations: adjusted.observations,
+            unknowns: adjusted.unknowns,
+            iterations: adjusted.iterations,
+            mirror_image_open,
+            termination: adjusted.termination,
+            covariance,
+            batches: model.batches,
+            points_mm: adjusted.state.points,
+            poses: adjusted.state.poses,
+            shapes_mm: adjusted.state.shapes_mm,
+            mean_constant_mm: network
+                .has_mean_constant()
+                .then_some(adjusted.state.mean_constant_mm),
+            reflectors_mm: constants_mm(&adjusted.state.contrasts_mm),
+        })
+    }
+}
+
+fn adjust_from<'a>(
     network: &'a Network,
     batches: &Arc<Vec<Batch>>,
     start: State,
     settings: &Settings,
-) -> Result<Attempt<'a>, Error> {
+) -> Result<Refined<'a>, Error> {
     within_pool(batches.len(), || {
         let model = GroupAdjustment::new(network, batches);
         let adjusted = adjust(&model, start.clone(), &settings.iteration)
             .map_err(|error| ran_away(network, &model, &start, named(network, error)))?;
-        Ok(Attempt { model, adjusted })
+        Ok(Refined {
+            model,
+            adjusted,
+            mirror_image_open: false,
+        })
     })
 }
 
@@ -158,7 +228,7 @@ fn ran_away(network: &Network, model: &GroupAdjustment<'_>, start: &State, error
         return error;
     }
     let determined = model
-        .reduce(start, &mut Linearised::default())
+        .reduce(start, &mut Vec::new())
         .and_then(|system| system.shortest_correction(&model.free_motions(start)))
         .is_ok();
     let worst = start
@@ -189,7 +259,7 @@ fn choose_sides<'a>(
     settings: &Settings,
     start: &State,
     images: &[Option<Image>],
-    first: Result<Attempt<'a>, Error>,
+    first: Result<Refined<'a>, Error>,
 ) -> Result<Solution, Error> {
     let open: Vec<usize> = (0..images.len()).filter(|&j| images[j].is_some()).collect();
     let tried = open.len().min(MAX_OPEN_SIDES);
@@ -211,19 +281,19 @@ fn choose_sides<'a>(
             continue;
         };
         let better =
-            |best: &Attempt<'_>| attempt.adjusted.squares < best.adjusted.squares - SAME_SQUARES;
+            |best: &Refined<'_>| attempt.adjusted.squares < best.adjusted.squares - SAME_SQUARES;
         if best.as_ref().map_or(true, better) {
             (best, chosen) = (Ok(attempt), choice);
         }
     }
-    let best = best?;
+    let mut best = best?;
     // Sides that were not tried are open, too.
-    let image_open = tried < open.len()
+    best.mirror_image_open = tried < open.len()
         || open.len() == images.len()
             && with_sides(all ^ chosen).is_ok_and(|image| {
                 (image.adjusted.squares - best.adjusted.squares).abs() < SAME_SQUARES
             });
-    solution(network, best, image_open)
+    best.solution()
 }
 
 /// The groups of a network, after checking that there are enough lengths of every station and point.
@@ -269,136 +339,4 @@ pub(crate) fn batches_of(network: &Network) -> Result<Arc<Vec<Batch>>, Error> {
         return Err(Error::TooFewReadings { readings, unknowns });
     }
     Ok(Arc::new(batches))
-}
-
-/// The error in the words of the network.
-fn named(network: &Network, error: LeastSquaresError) -> Error {
-    match error {
-        LeastSquaresError::BlockRank {
-            block,
-            pivot,
-            limit,
-            ..
-        } if network.body_of(block).is_some() => Error::PoseNotDetermined {
-            group: block,
-            lengths: lengths_of(network, block),
-            pivot,
-            limit,
-        },
-        LeastSquaresError::TooFewRows { block, rows, .. } if network.body_of(block).is_some() => {
-            Error::PoseNotDetermined {
-                group: block,
-                lengths: rows,
-                pivot: 0.0,
-                limit: BLOCK_RANK_TOL,
-            }
-        }
-        LeastSquaresError::BlockRank {
-            block,
-            unknown,
-            pivot,
-            limit,
-        } => Error::PointNotDetermined {
-            group: block,
-            point: unknown / 3,
-            pivot,
-            limit,
-        },
-        LeastSquaresError::TooFewRows {
-            block,
-            rows,
-            unknowns,
-        } => {
-            let point = network.groups[block].len().saturating_sub(1);
-            let seen = rows / unknowns.div_ceil(3).max(1);
-            Error::PointSeenTooRarely {
-                group: block,
-                point,
-                seen,
-                need: MIN_STATIONS_PER_POINT,
-            }
-        }
-        LeastSquaresError::SharedRank {
-            defect,
-            eigenvalue,
-            limit,
-            free,
-        } => {
-            let behind_stations = PER_STATION * network.stations.len();
-            let behind_zeros = behind_stations + network.interruptions.len();
-            // The largest share says what is free.
-            if let Some(&(k, _)) = free.first().filter(|&&(k, _)| k >= behind_zeros) {
-                let Deformations { first, shared, .. } = deformations(network);
-                return match k < shared {
-                    true => Error::ShapeNotDetermined {
-                        body: first.partition_point(|first| *first <= k) - 1,
-                        eigenvalue,
-                        limit,
-                    },
-                    false => Error::ReflectorsNotDetermined { eigenvalue, limit },
-                };
-            }
-            let unknown = |&(k, _): &(usize, f64)| match k.checked_sub(behind_stations) {
-                Some(i) => StationUnknown {
-                    station: network.interruptions[i].station,
-                    unknown: PER_STATION - 1,
-                },
-                None => StationUnknown {
-                    station: k / PER_STATION,
-                    unknown: k % PER_STATION,
-                },
-            };
-            let of_stations = free.iter().filter(|&&(k, _)| k < behind_zeros);
-            let free = of_stations.map(unknown).collect();
-            Error::StationsNotDetermined {
-                defect,
-                eigenvalue,
-                limit,
-                free,
-            }
-        }
-        other => Error::LeastSquares(other),
-    }
-}
-
-fn lengths_of(network: &Network, group: usize) -> usize {
-    let visits = network.visits.iter().filter(|visit| visit.group == group);
-    visits.map(|visit| visit.readings.len()).sum()
-}
-
-pub(crate) fn solution(
-    network: &Network,
-    attempt: Attempt<'_>,
-    mirror_image_open: bool,
-) -> Result<Solution, Error> {
-    let Attempt { model, adjusted } = attempt;
-    let covariance = adjusted.covariance(&model);
-    let covariance = covariance.map_err(|error| named(network, error))?;
-    let state = &adjusted.state;
-    let stations = state.stations.iter().zip(&state.dead_paths_mm);
-    let residuals_mm = state.residuals_mm(network);
-    Ok(Solution {
-        stations: stations
-            .map(|(&position_mm, &dead_path_mm)| Station {
-                position_mm,
-                dead_path_mm,
-            })
-            .collect(),
-        dead_paths_after_mm: state.dead_paths_mm[network.stations.len()..].to_vec(),
-        residuals_mm,
-        squares: adjusted.squares,
-        observations: adjusted.observations,
-        unknowns: adjusted.unknowns,
-        iterations: adjusted.iterations,
-        mirror_image_open,
-        termination: adjusted.termination,
-        covariance,
-        points_mm: adjusted.state.points,
-        poses: adjusted.state.poses,
-        shapes_mm: adjusted.state.shapes_mm,
-        mean_constant_mm: network
-            .has_mean_constant()
-            .then_some(adjusted.state.mean_constant_mm),
-        reflectors_mm: constants_mm(&adjusted.state.contrasts_mm),
-    })
 }

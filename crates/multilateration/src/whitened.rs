@@ -10,8 +10,9 @@ use std::ops::Range;
 use trueaxis_leastsquares::dot;
 
 use crate::batch_influence::{BatchInfluence, BatchRows};
-use crate::batches::Batch;
+use crate::batches::{Batch, groups_of};
 use crate::noise::factor_len;
+use crate::pieces::split_mut;
 use crate::slots::Slots;
 use crate::{Network, Solution};
 
@@ -78,56 +79,52 @@ impl Whitened {
             weight_starts,
         };
         let by_group = network.visits_by_group();
-        let (mut slots, mut hat) = (Slots::default(), BatchRows::default());
-        for (b, batch) in influence.batches().iter().enumerate() {
-            influence.fill(b, &mut hat);
-            slots.take(network, &by_group, batch.groups.clone());
-            for (lane, group) in batch.groups.clone().enumerate() {
-                for (visit, own) in slots.visits((lane, group), network, &by_group) {
-                    whitened.put((group, visit, own), (batch, &hat, lane));
+        let mut places: Vec<_> = whitened.by_visit(network).into_iter().map(Some).collect();
+        let of_piece = |piece: Range<usize>| {
+            let visits = groups_of(influence.batches(), &[piece])[0].clone();
+            let visits = visits.flat_map(|group| by_group.of(group));
+            visits.filter_map(|&visit| places[visit].take()).collect()
+        };
+        let parts = influence.pieces().map(of_piece).collect();
+        influence.with_pieces(parts, |piece, places: Vec<VisitRows<'_>>, hat| {
+            let (mut slots, mut places) = (Slots::default(), places.into_iter());
+            for b in piece {
+                let batch = &influence.batches()[b];
+                influence.fill(b, hat);
+                slots.take(network, &by_group, batch.groups.clone());
+                for (lane, group) in batch.groups.clone().enumerate() {
+                    // The slots first: a zip asks its left side once more than its right.
+                    let visits = slots.visits((lane, group), network, &by_group);
+                    for ((_, own), place) in visits.zip(&mut places) {
+                        place.fill(own, (batch, hat, lane));
+                    }
                 }
             }
+        });
+        for visit in &network.visits {
+            whitened.group_of_row[visit.readings.clone()].fill(visit.group);
         }
         whitened
     }
 
-    /// Takes the rows of a visit, whose readings are in these slots.
-    fn put(
-        &mut self,
-        (group, visit, places): (usize, usize, &[(usize, usize)]),
-        (batch, hat, lane): (&Batch, &BatchRows, usize),
-    ) {
-        let Some((of_slots, places)) = batch.layout.in_order(places) else {
-            return;
+    /// The places of the rows of all visits, to be filled.
+    fn by_visit(&mut self, network: &Network) -> Vec<VisitRows<'_>> {
+        let counts = || network.visits.iter().map(|visit| visit.readings.len());
+        let of_rows = |width: usize| counts().map(move |count| count * width);
+        let own = split_mut(&mut self.own, of_rows(self.own_width)).into_iter();
+        let shared = split_mut(&mut self.shared, of_rows(self.shared_width));
+        let residuals = split_mut(&mut self.residuals, counts());
+        let readings = split_mut(&mut self.reading_of_row, counts());
+        let weights = split_mut(&mut self.weights, counts().map(factor_len));
+        let rows = own.zip(shared).zip(residuals).zip(readings).zip(weights);
+        let of_visit = |((((own, shared), residuals), readings), weights)| VisitRows {
+            own,
+            shared,
+            residuals,
+            readings,
+            weights,
         };
-        let Some(part) = hat.visits(batch).nth(of_slots) else {
-            return;
-        };
-        let start = part.slots.start;
-        let mut weights = self.weights[self.weight_starts[visit]..].iter_mut();
-        for (row, (k, &(slot, reading))) in
-            self.visits[visit].clone().zip(places.iter().enumerate())
-        {
-            self.group_of_row[row] = group;
-            self.reading_of_row[row] = reading;
-            self.residuals[row] = hat.hat.residual()[slot].0[lane];
-            let own = hat.hat.own();
-            for (x, lanes) in self.own[row * self.own_width..]
-                .iter_mut()
-                .zip(own.row(slot))
-            {
-                *x = lanes.0[lane];
-            }
-            let shared = hat.hat.shared();
-            let own_shared = &mut self.shared[row * self.shared_width..];
-            for (x, lanes) in own_shared.iter_mut().zip(shared.row(slot)) {
-                *x = lanes.0[lane];
-            }
-            // The places first: a zip asks its left side once more than its right.
-            for (&(other, _), weight) in places[..=k].iter().zip(&mut weights) {
-                *weight = part.unit_errors.at(slot - start, other - start).0[lane];
-            }
-        }
+        rows.map(of_visit).collect()
     }
 
     /// Whitens a column of changes of the lengths (mm), one for each reading in measuring order, in place.
@@ -198,5 +195,47 @@ impl Whitened {
     /// Row of `T`.
     pub(crate) fn shared_row(&self, row: usize) -> &[f64] {
         &self.shared[row * self.shared_width..][..self.shared_width]
+    }
+}
+
+/// The rows of a visit, to be filled.
+struct VisitRows<'a> {
+    own: &'a mut [f64],
+    shared: &'a mut [f64],
+    residuals: &'a mut [f64],
+    readings: &'a mut [usize],
+    weights: &'a mut [f64],
+}
+
+impl VisitRows<'_> {
+    /// Takes the rows of a visit whose readings are in these slots.
+    fn fill(self, places: &[(usize, usize)], (batch, hat, lane): (&Batch, &BatchRows, usize)) {
+        let Some((of_slots, places)) = batch.layout.in_order(places) else {
+            return;
+        };
+        let Some(part) = hat.visits(batch).nth(of_slots) else {
+            return;
+        };
+        let start = part.slots.start;
+        let (own, shared) = (hat.hat.own(), hat.hat.shared());
+        let own_width = self.own.len() / places.len();
+        let shared_width = self.shared.len() / places.len();
+        let mut weights = self.weights.iter_mut();
+        for (row, &(slot, reading)) in places.iter().enumerate() {
+            self.readings[row] = reading;
+            self.residuals[row] = hat.hat.residual()[slot].0[lane];
+            let of_own = self.own[row * own_width..].iter_mut();
+            of_own
+                .zip(own.row(slot))
+                .for_each(|(x, lanes)| *x = lanes.0[lane]);
+            let of_shared = self.shared[row * shared_width..].iter_mut();
+            of_shared
+                .zip(shared.row(slot))
+                .for_each(|(x, lanes)| *x = lanes.0[lane]);
+            // The places first: a zip asks its left side once more than its right.
+            for (&(other, _), weight) in places[..=row].iter().zip(&mut weights) {
+                *weight = part.unit_errors.at(slot - start, other - start).0[lane];
+            }
+        }
     }
 }

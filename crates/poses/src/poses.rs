@@ -13,8 +13,8 @@
 //! or six equations both end here; who takes poses does not know which it was.
 
 use nalgebra::{
-    DMatrix, Isometry3, Matrix2, Matrix6, Matrix6xX, Point3, RowDVector, Translation3,
-    UnitQuaternion, Vector3, Vector6,
+    DMatrix, Isometry3, Matrix2, Matrix6, Matrix6xX, Point3, Translation3, UnitQuaternion, Vector3,
+    Vector6,
 };
 use trueaxis_campaign::Direction;
 
@@ -106,22 +106,19 @@ impl PoseNoise {
     /// The variances of functions with these coefficients of the shared sources, a row each.
     pub fn through_sources(&self, coefficients: &DMatrix<f64>) -> Vec<ThroughSources> {
         let products = (coefficients * &self.shared).component_mul(coefficients);
-        let is_declared = self.declared.iter().any(|x| *x != 0.0);
-        let declared = match is_declared {
+        let of_stations = products.columns(0, self.of_stations).column_sum();
+        let of_shapes = products.columns_range(self.of_stations..).column_sum();
+        let declared = match self.declared.iter().any(|x| *x != 0.0) {
             true => (coefficients * &self.declared).component_mul(coefficients),
-            false => DMatrix::zeros(coefficients.nrows(), coefficients.ncols()),
+            false => DMatrix::zeros(coefficients.nrows(), 0),
         };
-        let of_function = |(products, declared): (RowDVector<f64>, RowDVector<f64>)| {
-            let of_shapes = products.columns(self.of_stations, self.width() - self.of_stations);
-            ThroughSources {
-                stations: products.columns(0, self.of_stations).sum(),
-                declared: declared.sum(),
-                shapes: of_shapes.sum(),
-            }
+        let declared = declared.column_sum();
+        let of_function = |i: usize| ThroughSources {
+            stations: of_stations[i],
+            declared: declared[i],
+            shapes: of_shapes[i],
         };
-        let functions = products.row_iter().zip(declared.row_iter());
-        let functions = functions.map(|(p, d)| (p.into_owned(), d.into_owned()));
-        functions.map(of_function).collect()
+        (0..coefficients.nrows()).map(of_function).collect()
     }
 }
 

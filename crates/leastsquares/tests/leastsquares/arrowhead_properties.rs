@@ -80,12 +80,11 @@ fn solve_arrowhead(blocks: &[Block], closure: f64) -> Result<Solved, Error> {
     let mut factors = Factors::zeros(SHARED + 1, blocks.iter().map(|block| block.unknowns));
     let mut unknowns = Vec::new();
     for (i, mut batch) in batches.into_iter().enumerate() {
-        let mut kept = vec![Lanes::ZERO; BlockBatch::kept_len(blocks[i].unknowns)];
+        let mut kept = Vec::new();
         batch.keep(&mut kept);
         let mut rows = batch.clone();
-        let (shared, multiplier) = solution.unknowns.split_at(SHARED);
-        rows.take_off(shared);
-        let x = rows.correction(&kept, multiplier);
+        rows.take_off(&solution.unknowns[..SHARED]);
+        let x = rows.correction(&kept);
         unknowns.extend(x.iter().map(|x| x.0[0]));
         let own = i..i + 1;
         for part in &mut factors.split_mut(&[0..i, own])[1..] {

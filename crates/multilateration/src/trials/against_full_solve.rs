@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use trueaxis_leastsquares::{Adjustment, Settings as Iteration, adjust};
 
 use super::{Corrections, Trials};
-use crate::adjustment::{GroupAdjustment, Linearised};
+use crate::adjustment::GroupAdjustment;
 use crate::batches::batches;
 use crate::bodies::{Bodies, Body, Placed};
 use crate::state::{POSE, State};
@@ -130,11 +130,11 @@ fn full_solution(network: &Network, solution: &Solution, errors_mm: &[f64]) -> S
     }
     let state = solution.state();
     let batches = Arc::new(batches(&disturbed));
-    let mut linearised = Linearised::default();
+    let mut linearised = Vec::new();
     let of_solution = GroupAdjustment::new(network, &batches);
     of_solution.reduce(&state, &mut linearised).unwrap();
     let mut model = GroupAdjustment::new(&disturbed, &batches);
-    model.held = Some(linearised.weights);
+    model.held = linearised.pop().map(|piece| piece.weights);
     let adjusted = adjust(&model, state, &Iteration::default()).unwrap();
     assert!(adjusted.termination.is_converged());
     adjusted.state

@@ -4,9 +4,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trueaxis_multilateration::{
-    Error, KnownStation, Network, Noise, Settings, Solution, Visit, locate, solve,
-};
+use trueaxis_multilateration::{Error, Network, Noise, Settings, Solution, Visit, solve};
 
 use crate::world::*;
 
@@ -177,36 +175,6 @@ fn table_1_single_measurement() {
             assert!((found - expected).abs() < 0.02, "{largest:?} {expected:?}");
         }
     }
-}
-
-#[test]
-fn known_stations_locate_a_point() {
-    let stations = STATIONS.map(|(s, dead_path_mm)| KnownStation {
-        position_mm: Point3::from(s),
-        dead_path_mm,
-    });
-    let point = Point3::new(100.0, 500.0, 300.0);
-    let lengths = stations.map(|s| (point - s.position_mm).norm() - s.dead_path_mm);
-    let near = Point3::new(0.0, 0.0, 0.0);
-    let located = locate(&stations, &lengths, &Noise::default(), near).unwrap();
-    assert!((located.position_mm - point).norm() < 1e-9);
-    let three = locate(&stations[..3], &lengths[..3], &Noise::default(), near).unwrap();
-    assert!((three.position_mm - point).norm() < 1e-9);
-    let two = locate(&stations[..2], &lengths[..2], &Noise::default(), near);
-    assert_eq!(
-        two.unwrap_err(),
-        Error::TooFewStations { need: 3, found: 2 }
-    );
-    let mut in_plane = stations;
-    for station in &mut in_plane {
-        station.position_mm.z = point.z;
-    }
-    let lengths = in_plane.map(|s| (point - s.position_mm).norm() - s.dead_path_mm);
-    let flat = locate(&in_plane, &lengths, &Noise::default(), point);
-    assert!(
-        matches!(flat, Err(Error::PointNotDetermined { .. })),
-        "{flat:?}"
-    );
 }
 
 #[test]

@@ -1,0 +1,104 @@
+//! What a network does not determine, in its own words.
+
+use trueaxis_leastsquares::{BLOCK_RANK_TOL, Error as LeastSquaresError};
+
+use crate::adjustment::deformations;
+use crate::bodies::Deformations;
+use crate::solve::MIN_STATIONS_PER_POINT;
+use crate::state::PER_STATION;
+use crate::{Error, Network, StationUnknown};
+
+/// The error in the words of the network.
+pub(crate) fn named(network: &Network, error: LeastSquaresError) -> Error {
+    match error {
+        LeastSquaresError::BlockRank {
+            block,
+            pivot,
+            limit,
+            ..
+        } if network.body_of(block).is_some() => Error::PoseNotDetermined {
+            group: block,
+            lengths: lengths_of(network, block),
+            pivot,
+            limit,
+        },
+        LeastSquaresError::TooFewRows { block, rows, .. } if network.body_of(block).is_some() => {
+            Error::PoseNotDetermined {
+                group: block,
+                lengths: rows,
+                pivot: 0.0,
+                limit: BLOCK_RANK_TOL,
+            }
+        }
+        LeastSquaresError::BlockRank {
+            block,
+            unknown,
+            pivot,
+            limit,
+        } => Error::PointNotDetermined {
+            group: block,
+            point: unknown / 3,
+            pivot,
+            limit,
+        },
+        LeastSquaresError::TooFewRows {
+            block,
+            rows,
+            unknowns,
+        } => {
+            let point = network.groups[block].len().saturating_sub(1);
+            let seen = rows / unknowns.div_ceil(3).max(1);
+            Error::PointSeenTooRarely {
+                group: block,
+                point,
+                seen,
+                need: MIN_STATIONS_PER_POINT,
+            }
+        }
+        LeastSquaresError::SharedRank {
+            defect,
+            eigenvalue,
+            limit,
+            free,
+        } => {
+            let behind_stations = PER_STATION * network.stations.len();
+            let behind_zeros = behind_stations + network.interruptions.len();
+            // The largest share says what is free.
+            if let Some(&(k, _)) = free.first().filter(|&&(k, _)| k >= behind_zeros) {
+                let Deformations { first, shared, .. } = deformations(network);
+                return match k < shared {
+                    true => Error::ShapeNotDetermined {
+                        body: first.partition_point(|first| *first <= k) - 1,
+                        eigenvalue,
+                        limit,
+                    },
+                    false => Error::ReflectorsNotDetermined { eigenvalue, limit },
+                };
+            }
+            let unknown = |&(k, _): &(usize, f64)| match k.checked_sub(behind_stations) {
+                Some(i) => StationUnknown {
+                    station: network.interruptions[i].station,
+                    unknown: PER_STATION - 1,
+                },
+                None => StationUnknown {
+                    station: k / PER_STATION,
+                    unknown: k % PER_STATION,
+                },
+            };
+            let of_stations = free.iter().filter(|&&(k, _)| k < behind_zeros);
+            let free = of_stations.map(unknown).collect();
+            Error::StationsNotDetermined {
+                defect,
+                eigenvalue,
+                limit,
+                free,
+            }
+        }
+        other => Error::LeastSquares(other),
+    }
+}
+
+fn lengths_of(network: &Network, group: usize) -> usize {
+    let visits = network.visits.iter().filter(|visit| visit.group == group);
+    visits.map(|visit| visit.readings.len()).sum()
+}
