@@ -11,7 +11,7 @@ use trueaxis_leastsquares::half_waves;
 use crate::selection::{Projection, dot, f_test, gram_of};
 use crate::{OmnibusTest, Unexplained};
 
-/// Family-wise level of the omnibus tests of lengths or points: with that of the causes, 1.2 % of clean campaigns of
+/// Family-wise level of the omnibus tests of lengths or points: with that of the causes, 0.7 % of clean campaigns of
 /// lengths alarm.
 pub(crate) const OMNIBUS_LEVEL: f64 = 0.002;
 

@@ -23,8 +23,8 @@ const LAG_RATIO: f64 = 1.6;
 impl Measured for Base<'_> {
     type Model = Adjusted;
 
-    /// False alarms in one of a hundred clean campaigns.
-    const CAUSE_LEVEL: f64 = 0.01;
+    /// False alarms in one of two hundred clean campaigns.
+    const CAUSE_LEVEL: f64 = 0.005;
     const MOST_CAUSES: usize = 6;
     const LOOKS_TWICE: bool = true;
 
