@@ -27,24 +27,6 @@ const DISPLACEMENT_CHANCE: f64 = 10.0;
 /// Parts of an occupation after which a zero or a tripod that settles has come to rest by 63 %.
 const SETTLED_AFTER: [f64; 4] = [0.03, 0.08, 0.2, 0.5];
 
-/// By how much the sum of squares falls, in variances of w, for what else may explain a step.
-pub(crate) struct Rivals {
-    /// The step itself.
-    step: f64,
-    /// A zero that drifts or settles, whichever is best.
-    drift: f64,
-    /// A station that settles.
-    settling: f64,
-    /// A station that is displaced at the instant of the step.
-    displacement: f64,
-    /// What the step explains beside a zero or a station that wanders.
-    beside_wander: f64,
-    /// Rms of the zero if it wanders, mm.
-    pub(crate) wander_mm: f64,
-    /// Visits of the occupation: instants at which the step was sought.
-    instants: usize,
-}
-
 /// Correlation lengths of what wanders, as parts of the occupation, and its half waves.
 const WANDER_LENGTHS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 const WAVES: u32 = 12;
@@ -52,102 +34,175 @@ const WAVES: u32 = 12;
 /// Sizes that are tried, quarters of powers of ten of the variance that the lengths can just see.
 const SIZES: std::ops::Range<i32> = -8..41;
 
-impl Rivals {
+/// A step and what else may explain it: by how much each of them lets the sum of squares fall, in variances of w.
+pub(crate) struct Rivals<'a> {
+    step: &'a StepTest,
+    rows: &'a Whitened,
+    /// Standard deviation of w.
+    scale: f64,
+    /// The readings of the step's zero.
+    occupation: Vec<usize>,
+    /// The directions in which these are taken.
+    beams: Vec<Vector3<f64>>,
+    /// Visits of the occupation: instants at which the step was sought.
+    instants: usize,
+}
+
+/// What a step is certainly not.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Excluded {
+    /// A displacement of the station.
+    pub(crate) tripod: bool,
+    /// A zero or a tripod that wanders.
+    pub(crate) wander: bool,
+}
+
+/// What moves.
+#[derive(Clone, Copy)]
+enum Mover {
+    Zero,
+    Station,
+}
+
+impl<'a> Rivals<'a> {
     /// The rivals of a step; `scale` is the standard deviation of w.
     pub(crate) fn of(
-        step: &StepTest,
+        step: &'a StepTest,
         (network, solution): (&Network, &Solution),
-        rows: &Whitened,
+        rows: &'a Whitened,
         scale: f64,
     ) -> Self {
         let zeros = network.zero_of_readings();
         let zero = zeros[step.first_reading];
-        let occupation: Vec<usize> = (0..zeros.len()).filter(|&i| zeros[i] == zero).collect();
-        let mut beams = vec![Vector3::zeros(); zeros.len()];
-        for visit in network.visits.iter().filter(|v| v.station == step.station) {
-            let station_mm = solution.stations[visit.station].position_mm;
-            for i in visit.readings.clone() {
+        let station_mm = solution.stations[step.station].position_mm;
+        let (mut occupation, mut beams, mut instants) = (Vec::new(), Vec::new(), 0);
+        let is_own = |reading: usize| zeros[reading] == zero;
+        for visit in &network.visits {
+            instants += usize::from(visit.readings.clone().next().is_some_and(is_own));
+            for i in visit.readings.clone().filter(|&i| is_own(i)) {
                 let point = network.point(visit.group, network.readings[i].point);
-                beams[i] = (solution.points_mm[point] - station_mm).normalize();
+                beams.push((solution.points_mm[point] - station_mm).normalize());
+                occupation.push(i);
             }
         }
-        // The zero, or the station, follows this course, from 0 to 1 in the occupation.
-        let following = |is_station: bool, course: &dyn Fn(usize, f64) -> f64| {
-            let mut columns = vec![vec![0.0; zeros.len()]; if is_station { 3 } else { 1 }];
-            let length = occupation.len().max(2) as f64 - 1.0;
-            for (k, &i) in occupation.iter().enumerate() {
-                let size = course(i, k as f64 / length);
-                for (c, column) in columns.iter_mut().enumerate() {
-                    column[i] = if is_station { beams[i][c] * size } else { size };
-                }
-            }
-            columns.iter_mut().for_each(|column| rows.whiten(column));
-            columns
-        };
-        let squares = |is_station: bool, course: &dyn Fn(usize, f64) -> f64| {
-            explained(rows, &following(is_station, course)) / (scale * scale)
-        };
-        let settles = |is_station: bool| {
-            let after = SETTLED_AFTER.iter();
-            after
-                .map(|after| squares(is_station, &|_, s| 1.0 - (-s / after).exp()))
-                .fold(0.0, f64::max)
-        };
-        let jumps = |i, _| f64::from(u8::from(i >= step.first_reading));
-        let wanders = [false, true].map(|is_station| {
-            let of_wave = |k: usize| {
-                let wave = |_, s| half_waves(s, WAVES).nth(k).unwrap_or_default();
-                following(is_station, &wave)
-            };
-            let mut columns: Vec<Vec<f64>> = (0..WAVES as usize).flat_map(of_wave).collect();
-            let n = columns.len();
-            columns.extend(following(false, &jumps));
-            let (left, right) = normal_equations(rows, &columns);
-            let (of_waves, along) = (left.view((0, 0), (n, n)), right.rows(0, n));
-            let alone = wander(&of_waves.into_owned(), &along.into_owned(), scale);
-            // What the step explains of the waves is free.
-            let (own, of_step) = (left.column(n).rows(0, n) / left[(n, n)], right[n]);
-            let of_waves = of_waves - &own * left.view((n, 0), (1, n));
-            let beside = wander(&of_waves, &(along - own * of_step), scale);
-            (beside.ratio - alone.ratio, alone.rms_mm)
-        });
-        let [of_zero, of_station] = wanders;
-        let visits = network.visits.iter();
         Self {
-            instants: visits
-                .filter(|v| zeros.get(v.readings.start) == Some(&zero))
-                .count(),
-            beside_wander: of_zero.0.min(of_station.0) + (step.w / scale).powi(2),
-            wander_mm: of_zero.1,
-            step: (step.w / scale).powi(2),
-            drift: squares(false, &|_, s| s).max(settles(false)),
-            settling: settles(true),
-            displacement: squares(true, &jumps),
+            step,
+            rows,
+            scale,
+            occupation,
+            beams,
+            instants,
         }
     }
 
     /// Whether the step is that of an interrupted beam, or of what cannot be told from it.
     /// `cuts_what_wanders`: whether what wanders counts as one, too.
     pub(crate) fn is_interruption(&self, cuts_what_wanders: bool) -> bool {
-        self.step > self.drift + AHEAD
-            && self.step > self.displacement.max(self.settling) - DISPLACEMENT_CHANCE
-            && (cuts_what_wanders || !self.is_wander())
+        let step = self.step();
+        // What costs most is asked last.
+        step > self.drift() + AHEAD
+            && step > self.displacement().max(self.settles(Mover::Station)) - DISPLACEMENT_CHANCE
+            && (cuts_what_wanders || self.wandering_mm().is_none())
     }
 
-    /// Whether the step is not needed beside a zero or a station that wanders.
-    pub(crate) fn is_wander(&self) -> bool {
-        self.beside_wander <= AHEAD
+    /// Rms of the zero if it wanders, mm; none if the step is needed beside a zero or a station that does.
+    pub(crate) fn wandering_mm(&self) -> Option<f64> {
+        let (explained, rms_mm) = self.beside_wander();
+        (explained <= AHEAD).then_some(rms_mm)
     }
 
-    /// Whether the step is needed beside what wanders, even after it was sought at all instants: the largest of n squares
-    /// exceeds a single one by 2 ln n.
-    pub(crate) fn exclude_wander(&self) -> bool {
-        self.beside_wander > AHEAD + 2.0 * (self.instants.max(1) as f64).ln()
+    /// What explains clearly less than the step: a displacement at that instant; what wanders, even after the step was
+    /// sought at all instants, since the largest of n squares exceeds a single one by 2 ln n.
+    pub(crate) fn excluded(&self) -> Excluded {
+        let sought = 2.0 * (self.instants.max(1) as f64).ln();
+        Excluded {
+            tripod: self.step() > self.displacement() + AHEAD,
+            wander: self.beside_wander().0 > AHEAD + sought,
+        }
     }
 
-    /// Whether a displacement at that instant explains clearly less.
-    pub(crate) fn exclude_displacement(&self) -> bool {
-        self.step > self.displacement + AHEAD
+    /// The step itself.
+    fn step(&self) -> f64 {
+        (self.step.w / self.scale).powi(2)
+    }
+
+    /// A zero that drifts or settles, whichever is best.
+    fn drift(&self) -> f64 {
+        let linear = self.squares(Mover::Zero, |k| self.progress(k));
+        linear.max(self.settles(Mover::Zero))
+    }
+
+    /// What settles, with the best of its time constants.
+    fn settles(&self, mover: Mover) -> f64 {
+        let after = SETTLED_AFTER.iter();
+        let squares =
+            |after: &f64| self.squares(mover, |k| 1.0 - (-self.progress(k) / after).exp());
+        after.map(squares).fold(0.0, f64::max)
+    }
+
+    /// A station that is displaced at the instant of the step.
+    fn displacement(&self) -> f64 {
+        self.squares(Mover::Station, |k| self.jumps(k))
+    }
+
+    /// What the step explains beside a zero or a station that wanders, and the rms of the zero if it does, mm.
+    fn beside_wander(&self) -> (f64, f64) {
+        let places = 0..self.occupation.len();
+        let waves: Vec<Vec<f64>> = places
+            .map(|k| half_waves(self.progress(k), WAVES).collect())
+            .collect();
+        let [of_zero, of_station] = [Mover::Zero, Mover::Station].map(|mover| {
+            let of_wave = |wave: usize| self.following(mover, |k| waves[k][wave]);
+            let mut columns: Vec<Vec<f64>> = (0..WAVES as usize).flat_map(of_wave).collect();
+            let n = columns.len();
+            columns.extend(self.following(Mover::Zero, |k| self.jumps(k)));
+            let (left, right) = normal_equations(self.rows, &columns);
+            let (of_waves, along) = (left.view((0, 0), (n, n)), right.rows(0, n));
+            let alone = wander(&of_waves.into_owned(), &along.into_owned(), self.scale);
+            // What the step explains of the waves is free.
+            let (own, of_step) = (left.column(n).rows(0, n) / left[(n, n)], right[n]);
+            let of_waves = of_waves - &own * left.view((n, 0), (1, n));
+            let beside = wander(&of_waves, &(along - own * of_step), self.scale);
+            (beside.ratio - alone.ratio, alone.rms_mm)
+        });
+        (of_zero.0.min(of_station.0) + self.step(), of_zero.1)
+    }
+
+    /// How much of the occupation has passed at its reading `k`, 0 to 1.
+    fn progress(&self, k: usize) -> f64 {
+        k as f64 / (self.occupation.len().max(2) as f64 - 1.0)
+    }
+
+    /// The course of a jump at the instant of the step.
+    fn jumps(&self, k: usize) -> f64 {
+        f64::from(u8::from(self.occupation[k] >= self.step.first_reading))
+    }
+
+    fn squares(&self, mover: Mover, course: impl Fn(usize) -> f64) -> f64 {
+        explained(self.rows, &self.following(mover, course)) / (self.scale * self.scale)
+    }
+
+    /// Whitened columns of a zero, or of each coordinate of a station, that follows a course over the readings of the
+    /// occupation.
+    fn following(&self, mover: Mover, course: impl Fn(usize) -> f64) -> Vec<Vec<f64>> {
+        let count = match mover {
+            Mover::Zero => 1,
+            Mover::Station => 3,
+        };
+        let mut columns = vec![vec![0.0; self.rows.residuals.len()]; count];
+        for (k, &i) in self.occupation.iter().enumerate() {
+            let size = course(k);
+            for (c, column) in columns.iter_mut().enumerate() {
+                column[i] = match mover {
+                    Mover::Zero => size,
+                    Mover::Station => self.beams[k][c] * size,
+                };
+            }
+        }
+        columns
+            .iter_mut()
+            .for_each(|column| self.rows.whiten(column));
+        columns
     }
 }
 

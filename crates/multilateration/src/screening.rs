@@ -11,6 +11,7 @@ use crate::baarda::{ReadingTest, Tests, test_all};
 use crate::batch_influence::BatchInfluence;
 use crate::estimate_noise::level;
 use crate::guard;
+use crate::interruption::Excluded;
 use crate::robust_weights::{REMOVED, scale, welsch};
 use crate::screened::{Removed, Screened};
 use crate::solve::{ABSURD_MM, Settings, batches_of, far_at, solve, solve_from, solve_from_start};
@@ -72,10 +73,8 @@ pub(crate) struct Screening<'a> {
     pub(crate) never_split: bool,
     /// Whether occupations are split where a zero or a tripod wanders, too.
     pub(crate) cuts_what_wanders: bool,
-    /// Interruptions that no displacement of the station explains.
-    pub(crate) moved_tripods_excluded: Vec<Interruption>,
-    /// Interruptions that no zero or tripod that wanders explains.
-    pub(crate) wanders_excluded: Vec<Interruption>,
+    /// What the interruptions certainly are not.
+    pub(crate) excluded: Vec<(Interruption, Excluded)>,
     /// Whether the snooping came to an end.
     settled: bool,
     /// Solutions in a row that did not reach the minimum.
@@ -125,8 +124,7 @@ impl<'a> Screening<'a> {
             unchecked: vec![false; readings],
             never_split: false,
             cuts_what_wanders: false,
-            moved_tripods_excluded: Vec::new(),
-            wanders_excluded: Vec::new(),
+            excluded: Vec::new(),
             settled: true,
             lost: 0,
             noise_known: None,

@@ -68,9 +68,10 @@ impl Screening<'_> {
         let steps = self.significant_steps(&tests.readings, scale, &rows);
         let wandering = steps.into_iter().filter_map(|step| {
             let rivals = Rivals::of(&step, (&self.network, solution), &rows, scale);
-            rivals.is_wander().then_some(WanderingZero {
+            let rms_mm = rivals.wandering_mm()?;
+            Some(WanderingZero {
                 station: step.station,
-                rms_mm: rivals.wander_mm,
+                rms_mm,
             })
         });
         Ok(wandering.collect())
@@ -109,8 +110,7 @@ impl Screening<'_> {
 
     /// Seeks the instant of each interruption again, now that all good readings have full weight.
     pub(crate) fn place_interruptions(&mut self) -> Result<(), Error> {
-        self.moved_tripods_excluded.clear();
-        self.wanders_excluded.clear();
+        self.excluded.clear();
         let (_, scale) = self.tests()?;
         for interruption in self.network.interruptions.clone() {
             self.network.interruptions.retain(|i| *i != interruption);
@@ -124,19 +124,15 @@ impl Screening<'_> {
             let of_station = steps.filter(|s| s.station == interruption.station);
             let best = of_station.max_by(|a, b| a.w.abs().total_cmp(&b.w.abs()));
             let first_reading = best.map_or(interruption.first_reading, |s| s.first_reading);
-            let rivals =
-                best.map(|step| Rivals::of(&step, (&self.network, solution), &rows, scale));
+            let excluded = best
+                .map(|step| Rivals::of(&step, (&self.network, solution), &rows, scale).excluded());
             self.split(interruption.station, first_reading);
             let placed = Interruption {
                 first_reading,
                 ..interruption
             };
-            if rivals.as_ref().is_some_and(Rivals::exclude_displacement) {
-                self.moved_tripods_excluded.push(placed);
-            }
-            if rivals.as_ref().is_some_and(Rivals::exclude_wander) {
-                self.wanders_excluded.push(placed);
-            }
+            self.excluded
+                .extend(excluded.map(|excluded| (placed, excluded)));
             self.solve()?;
         }
         Ok(())
@@ -181,11 +177,16 @@ impl Screening<'_> {
         let original = &self.network.interruptions;
         found
             .zip(original)
-            .map(|(jump, interruption)| Jump {
-                first_reading: interruption.first_reading,
-                tripod_may_have_moved: !self.moved_tripods_excluded.contains(interruption),
-                may_wander: self.cuts_what_wanders || !self.wanders_excluded.contains(interruption),
-                ..jump
+            .map(|(jump, interruption)| {
+                let mut told = self.excluded.iter();
+                let told = told.find(|(own, _)| own == interruption);
+                let excluded = told.map(|(_, excluded)| *excluded).unwrap_or_default();
+                Jump {
+                    first_reading: interruption.first_reading,
+                    tripod_may_have_moved: !excluded.tripod,
+                    may_wander: self.cuts_what_wanders || !excluded.wander,
+                    ..jump
+                }
             })
             .collect()
     }

@@ -4,6 +4,7 @@ use trueaxis_calibrate::{MeasuredPoint, carrier, predicted_reading_um};
 use trueaxis_campaign::{Verification, VerificationKind};
 use trueaxis_effects::{Circumstances, Effect, Subject};
 use trueaxis_kinematics::{GeometricErrors, MICROMETRE, Machine};
+use trueaxis_leastsquares::half_waves;
 
 use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same};
 
@@ -111,6 +112,23 @@ impl<'a> Comparison<'a> {
             VerificationKind::Positioning { axis, .. } => axis,
             VerificationKind::Ballbar { ball_carrier, .. } => ball_carrier,
         }
+    }
+
+    /// Half waves of the position of that axis over the range of its positions, from one on; each a column over the readings.
+    pub(crate) fn waves_of_position(&self, count: usize) -> Vec<Vec<f64>> {
+        let axis = self.axis();
+        let at = self.arrivals.iter().map(|a| a.positions[axis]);
+        let low = at.clone().fold(f64::INFINITY, f64::min);
+        let high = at.clone().fold(f64::NEG_INFINITY, f64::max);
+        let range = (high - low).max(f64::MIN_POSITIVE);
+        let mut waves = vec![Vec::with_capacity(self.arrivals.len()); count];
+        // As many as there are columns.
+        for x in at.map(|q| (q - low) / range) {
+            for (wave, value) in waves.iter_mut().zip(half_waves(x, u32::MAX)) {
+                wave.push(value);
+            }
+        }
+        waves
     }
 
     /// The cycles in order.

@@ -1,7 +1,5 @@
 //! The effects of the catalogue that a verification may show, with their columns.
 
-use std::f64::consts::PI;
-
 use trueaxis_campaign::VerificationKind;
 use trueaxis_effects::{Level, Scene, Shape, Subject, catalogue};
 use trueaxis_kinematics::{AxisKind, Component};
@@ -179,10 +177,4 @@ pub(crate) fn sampling(comparison: &Comparison<'_>, axis: usize) -> Option<[f64;
     steps.sort_by(f64::total_cmp);
     let step = *steps.get(steps.len() / 2)?;
     Some([last - first, step])
-}
-
-/// Waves over a range of one position each, as functions of the position from 0 to 1.
-pub(crate) fn cosines(x: &[f64], count: usize) -> Vec<Vec<f64>> {
-    let wave = |k: usize| x.iter().map(|x| (PI * k as f64 * x).cos()).collect();
-    (1..=count).map(wave).collect()
 }

@@ -15,7 +15,6 @@ use crate::CurvePoint;
 use crate::selection::Fit;
 use crate::verification::base::places;
 use crate::verification::comparison::Comparison;
-use crate::verification::hypotheses::cosines;
 
 /// The effect whose size is such a function.
 pub(crate) const EFFECT: &str = "position_dependent_backlash";
@@ -55,22 +54,13 @@ pub(crate) fn waves(
     [of_unit, of_slope]: &[Vec<f64>; 2],
     count: usize,
 ) -> Vec<Vec<f64>> {
-    let axis = comparison.axis();
-    let at: Vec<f64> = comparison
-        .arrivals
-        .iter()
-        .map(|a| a.positions[axis])
-        .collect();
-    let low = at.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = at.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let range = (high - low).max(f64::MIN_POSITIVE);
-    let along: Vec<f64> = at.iter().map(|q| (q - low) / range).collect();
-    let straight = DMatrix::from_fn(at.len(), 2, |i, k| [of_unit[i], of_slope[i]][k]);
+    let rows = of_unit.len();
+    let straight = DMatrix::from_fn(rows, 2, |i, k| [of_unit[i], of_slope[i]][k]);
     let svd = straight.clone().svd(true, true);
-    let waves = cosines(&along, count + 1).into_iter().skip(1);
+    let waves = comparison.waves_of_position(count + 1).into_iter().skip(1);
     waves
         .map(|wave| {
-            let column = DVector::from_fn(at.len(), |i, _| of_unit[i] * wave[i]);
+            let column = DVector::from_fn(rows, |i, _| of_unit[i] * wave[i]);
             let held = svd.solve(&column, f64::EPSILON).unwrap_or_default();
             let rest = if held.is_empty() {
                 column

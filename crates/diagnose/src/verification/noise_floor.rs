@@ -33,7 +33,7 @@ pub(crate) fn noise_floor_um(comparison: &Comparison<'_>) -> Option<f64> {
     let left = Projection::dense(readings, &columns);
     let degrees_of_freedom = left.degrees_of_freedom - count as f64;
     (degrees_of_freedom >= LEAST_DEGREES_OF_FREEDOM)
-        .then(|| (left.squares().max(0.0) / degrees_of_freedom).sqrt())
+        .then(|| (left.squares() / degrees_of_freedom).sqrt())
 }
 
 /// What repeats do not repeat beyond an offset of each pass, with the model's projection; `None` without enough

@@ -17,7 +17,6 @@ use crate::engine::{Family, MOST_OF_FREEDOM, Omnibus};
 use crate::selection::Projection;
 use crate::verification::base::{indicators, lines};
 use crate::verification::comparison::Comparison;
-use crate::verification::hypotheses::cosines;
 use crate::verification::problem::Problem;
 
 /// Waves of each family.
@@ -69,14 +68,7 @@ pub(crate) fn families(problem: &Problem<'_>) -> Vec<Family> {
 /// Columns that vary with the position along the line or around the circle.
 fn position_columns(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
     match comparison.kind {
-        VerificationKind::Positioning { .. } => {
-            let axis = comparison.axis();
-            let at = comparison.arrivals.iter().map(|a| a.positions[axis]);
-            let low = at.clone().fold(f64::INFINITY, f64::min);
-            let high = at.clone().fold(f64::NEG_INFINITY, f64::max);
-            let range = (high - low).max(f64::MIN_POSITIVE);
-            cosines(&at.map(|q| (q - low) / range).collect::<Vec<_>>(), WAVES)
-        }
+        VerificationKind::Positioning { .. } => comparison.waves_of_position(WAVES),
         VerificationKind::Ballbar { .. } => {
             let angles = around(comparison);
             let wave = |k: usize, f: fn(f64) -> f64| {
