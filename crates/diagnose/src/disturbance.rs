@@ -31,6 +31,8 @@ pub struct Disturbance {
 /// (set-up) or the air (instrument).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wandering {
+    /// Where it was found.
+    pub level: Level,
     /// Instrument, set-up or machine.
     pub layer: Layer,
     /// Station, target or axis; none for what concerns all.
@@ -76,13 +78,22 @@ impl Wandering {
             (_, Some(k), _) => {
                 format!("target {}", name(scene.targets.get(k).map(|t| &t.name)))
             }
-            (_, _, Layer::Machine) if axis.is_some() => format!("lost motion of axis {axis_name}"),
+            (_, _, Layer::Machine) if axis.is_some() => match self.varies_with {
+                ["time"] => format!("the scale of axis {axis_name}"),
+                ["position"] => format!("axis {axis_name}"),
+                _ => format!("lost motion of axis {axis_name}"),
+            },
             (_, _, Layer::Machine) => "the machine".to_owned(),
             (_, _, Layer::Setup) => "all tripods".to_owned(),
+            (_, _, Layer::Instrument) if self.level == Level::Verification => {
+                "the reading instrument".to_owned()
+            }
             (_, _, Layer::Instrument) => "the air (scale of the lengths)".to_owned(),
         };
         match (self.varies_with, axis) {
-            (["position"], Some(_)) => format!("{who}, with the position of {axis_name}"),
+            (["position"], Some(_)) if self.layer != Layer::Machine => {
+                format!("{who}, with the position of {axis_name}")
+            }
             (with, _) => format!("{who}, with {}", with.join(" and ")),
         }
     }

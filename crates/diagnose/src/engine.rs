@@ -21,6 +21,7 @@
 //! - [`search`]: lengths and points. One cause joins after the other; each is judged beside the others, gives way to a
 //!   better one, or leaves.
 //! - [`listed`]: what verification and runs choose their causes from, one after the other, in a linear model.
+//! - [`smooth`]: how much a process of unknown form explains.
 //! - [`culprit`]: whether two causes are one trouble under two names.
 //! - [`omnibus`]: whether anything is left, and what it varies with; causes that only imitate what is left.
 //! - [`held_out`]: the gain on sweeps that the model was not fitted to.
@@ -37,6 +38,7 @@ mod omnibus;
 mod places;
 mod ranking;
 mod search;
+mod smooth;
 mod unseen;
 
 pub(crate) use culprit::{Culprit, Culprits};
@@ -52,4 +54,5 @@ pub(crate) use omnibus::{
 pub(crate) use places::{places, side};
 pub(crate) use ranking::{Ranking, plausible};
 pub(crate) use search::{SHAPE_ERROR, Search, find_causes, settle};
+pub(crate) use smooth::{Posterior, SMOOTH_LEVEL, Smooth, correlation_lengths};
 pub(crate) use unseen::{in_words, length_scale, unseen, without_trace};

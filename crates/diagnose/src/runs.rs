@@ -127,7 +127,7 @@ fn compared(
 ) -> (Said, Option<Campaign>) {
     let listed = Listed {
         base: projection(comparisons),
-        candidates: candidates(scene, replay, comparisons, on_lengths),
+        candidates: candidates(scene, replay, comparisons, on_lengths).into(),
     };
     let base = &listed.base;
     let unseen = unseen(scene, &listed);

@@ -7,7 +7,8 @@
 //! Each verification of the campaign is judged by itself: the prediction ([`comparison`]) with its own
 //! errors ([`prediction_error`]), what the measurement leaves open ([`base`]), the noise that the repeats
 //! show ([`noise_floor`]), causes one at a time ([`search`]), whether they help on readings that were not
-//! used ([`held_out`]), and whether anything is left ([`omnibus`]). The paper's Figs. 10, 12 and 16 are
+//! used ([`held_out`]), what wanders beside them or instead of them ([`wandering`], [`competition`]), and
+//! whether anything is left ([`omnibus`]). The paper's Figs. 10, 12 and 16 are
 //! this comparison.
 //!
 //! Without a calibration the prediction is an ideal machine; a line then tells what differs between
@@ -20,6 +21,7 @@ mod believed;
 #[cfg(test)]
 mod calibrated_tests;
 pub(crate) mod comparison;
+mod competition;
 mod gross_errors;
 mod held_out;
 mod hypotheses;
@@ -32,6 +34,9 @@ mod problem;
 mod report;
 mod resolution;
 mod search;
+mod wandered;
+mod wanderer;
+mod wandering;
 
 use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{Campaign, Verification, VerificationKind};
@@ -39,17 +44,19 @@ use trueaxis_effects::{Level, Scene};
 use trueaxis_kinematics::{Ideal, Machine};
 
 use crate::components::diagnose_line_curve;
-use crate::engine::{Chosen, Omnibus, still_left, without};
+use crate::engine::{Chosen, Omnibus, without};
 use crate::said::{Entry, Said};
-use crate::selection::Projection;
+use crate::selection::{Part, Projection};
 use crate::verification::arrivals::is_same;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
+use crate::verification::competition::{Look, Model, compete};
 use crate::verification::gross_errors::gross_errors;
 use crate::verification::noise_floor::noise_floor_um;
 use crate::verification::prediction_error::prediction_directions;
-use crate::verification::problem::Problem;
+use crate::verification::problem::{Given, Problem};
 use crate::verification::resolution::resolution_um;
+use crate::verification::wandered::wandered;
 use crate::{LevelReport, Misfit, Shares, Unexplained};
 
 /// False alarms of all verifications of a campaign together: once for the causes, once for the omnibus
@@ -148,13 +155,14 @@ fn diagnose_entry(
     };
     let posed = |sigma_um: f64| {
         let directions = calibration.map(|c| prediction_directions(&comparison, c, sigma_um));
-        Problem::new(
-            &comparison,
-            scene,
-            (sigma_um, resolution_um),
-            &base,
-            &directions.unwrap_or_default(),
-        )
+        let given = Given {
+            calibrated: calibration.is_some(),
+            sigma_um,
+            resolution_um,
+            base: &base,
+            prediction: &directions.unwrap_or_default(),
+        };
+        Problem::new(&comparison, scene, &given)
     };
     let floor_um = noise_floor_um(&comparison).map(|floor| floor.max(resolution_um));
     let curve = match calibration {
@@ -217,43 +225,23 @@ fn parked_elsewhere(campaign: &Campaign, verification: &Verification) -> Vec<usi
         .collect()
 }
 
-/// Searches until one holds, at most.
-const MOST_TRIES: usize = 3;
-
 /// Finds and judges the causes of one verification.
-fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> Entry {
-    let families = omnibus::families(problem);
-    let folds = held_out::folds(problem.comparison);
-    let before = &problem.listed.base;
-    let tests = omnibus::omnibus(problem, &families, before);
-
-    // Causes that hold on unused readings; structure beside them that they do not merely imitate. What does
-    // not hold gives its place to the next.
-    let mut excluded: Vec<usize> = Vec::new();
-    let mut chosen;
-    let mut tries = 0;
-    loop {
-        tries += 1;
-        chosen = search::search(&problem.listed, &excluded, level);
-        let first: Vec<usize> = chosen.iter().map(|c| c.candidate).collect();
-        believed::with_gain(problem, &mut chosen, &folds);
-        let left = omnibus::omnibus(problem, &families, &problem.listed.with(&chosen));
-        let found = chosen.len();
-        let squares = |t: &Omnibus| t.drop - t.test.columns as f64;
-        let left = still_left(&families, &left, level, squares);
-        believed::without_imitations(problem, &mut chosen, &left);
-        if chosen.len() < found {
-            search::drop_superfluous(&problem.listed, &mut chosen, level);
-        }
-        if !chosen.is_empty() || first.is_empty() || tries == MOST_TRIES {
-            break;
-        }
-        let of_time = |&number: &usize| problem.listed.candidates[number].hypothesis.is_of_time();
-        if first.iter().any(of_time) {
-            excluded.extend((0..problem.listed.candidates.len()).filter(of_time));
-        }
-        excluded.extend(first);
-    }
+fn judge_entry(plain: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> Entry {
+    let families = omnibus::families(plain);
+    let folds = held_out::folds(plain.comparison);
+    let before = &plain.listed.base;
+    let tests = omnibus::omnibus(plain, &families, before);
+    let look = Look {
+        families: &families,
+        folds: &folds,
+        level,
+    };
+    let Model {
+        problem,
+        wandering,
+        causes: chosen,
+    } = compete(plain, &look);
+    let problem = &problem;
 
     // The one without which most is left comes first.
     let left_without = |k: usize| problem.listed.with(&without(&chosen, k)).squares();
@@ -266,13 +254,17 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
     let tests_after = omnibus::omnibus(problem, &families, &after);
     let causes = report::causes(problem, scene, &chosen, &after, &folds);
     let unexplained = unexplained(problem, &after, &tests_after, level);
-    let columns: Vec<Vec<Vec<f64>>> = chosen
-        .iter()
-        .map(|cause| problem.listed.columns(std::slice::from_ref(cause)))
-        .collect();
-    let held_before = held_out::held_out(problem, &[], &folds);
+    let of_causes = chosen.iter().map(std::slice::from_ref);
+    let of_causes = of_causes.map(|cause| Part::Free(problem.listed.columns(cause)));
+    let smooth = wandering.iter().map(|w| Part::Smooth(w.columns(plain)));
+    let parts: Vec<Part> = of_causes.chain(smooth).collect();
+    let held_before = held_out::held_out(plain, &[], &folds);
     let held_after = held_out::held_out(problem, &chosen, &folds);
     let gain = held_out::gain(problem, &held_before, &held_after);
+    let is_plain = chosen.is_empty() && wandering.is_empty();
+    let is_single = chosen.len() + wandering.len() == 1;
+    let gain = gain.map(|bounded| bounded.gain).filter(|_| !is_plain);
+    let disturbances = wandered(problem, &wandering, &after, gain.filter(|_| is_single));
     let misfit = |model, held: &held_out::HeldOut| Misfit {
         rms_um: problem.rms_um(model),
         heldout_rms_um: held.rms().map(|rms| rms * problem.sigma_um),
@@ -284,17 +276,15 @@ fn judge_entry(problem: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> 
             noise_floor_um: problem.sigma_um,
             before: misfit(before, &held_before),
             after: misfit(&after, &held_after),
-            gain: gain
-                .map(|bounded| bounded.gain)
-                .filter(|_| !causes.is_empty()),
-            shares: Shares::new(&problem.listed.base, &columns, unexplained.is_some()),
+            gain,
+            shares: Shares::of_parts(before, &parts, unexplained.is_some()),
             unexplained,
             tests: tests.into_iter().map(|t| t.test).collect(),
             tests_after: tests_after.into_iter().map(|t| t.test).collect(),
             places: report::places(problem, before, &after),
         },
         causes,
-        disturbances: Vec::new(),
+        disturbances,
     }
 }
 

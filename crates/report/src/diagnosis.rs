@@ -89,18 +89,43 @@ pub(crate) struct Parameter {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(crate) struct Disturbance {
+    pub(crate) layer: String,
+    pub(crate) level: String,
+    pub(crate) data: Vec<String>,
     pub(crate) subject: Map<String, Value>,
     pub(crate) varies_with: Vec<String>,
+    pub(crate) correlation_length: CorrelationLength,
     pub(crate) curve: Option<Vec<CurvePoint>>,
 }
 
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(crate) struct CorrelationLength {
+    pub(crate) unit: String,
+}
+
 impl Disturbance {
-    /// `disturbance of station S2, with time`.
+    /// `disturbance of station S2, with time`; of readings also where, as there may be several files.
     pub(crate) fn name(&self) -> String {
-        let name = words::effect("disturbance", &self.subject);
-        match self.varies_with.is_empty() {
-            true => name,
-            false => format!("{name}, with {}", self.varies_with.join(" and ")),
+        let with = self.varies_with.join(" and ");
+        let is_of_readings = self.level == "verification";
+        let axis = self.subject.get("axis").and_then(Value::as_str);
+        let name = match (self.layer.as_str(), axis) {
+            ("instrument", None) if is_of_readings => {
+                "disturbance of the reading instrument".to_owned()
+            }
+            (_, Some(axis)) if is_of_readings && with == "time" => {
+                format!("disturbance of the scale of axis {axis}")
+            }
+            _ => words::effect("disturbance", &self.subject),
+        };
+        let at = match is_of_readings {
+            true => format!(" in {}", self.data.join(", ")),
+            false => String::new(),
+        };
+        match with.is_empty() {
+            true => format!("{name}{at}"),
+            false => format!("{name}{at}, with {with}"),
         }
     }
 }

@@ -20,7 +20,7 @@ impl DisturbanceView {
         let curve = of.curve.as_deref().unwrap_or_default();
         Self {
             name: of.name(),
-            figures: smooth(k, curve, &of.varies_with.join(" and ")),
+            figures: smooth(k, curve, &argument(of)),
         }
     }
 
@@ -29,11 +29,23 @@ impl DisturbanceView {
     }
 }
 
+/// What its course is over, with the unit.
+fn argument(of: &Disturbance) -> String {
+    match (
+        of.correlation_length.unit.as_str(),
+        of.varies_with.as_slice(),
+    ) {
+        ("readings", _) => "number of the reading".to_owned(),
+        (_, [time]) if time == "time" => "time in s".to_owned(),
+        (_, with) => format!("{} in mm or °", with.join(" and ")),
+    }
+}
+
 /// What wanders of a station or the machine; lost motion and the scale of the air have one coordinate.
 const COORDINATES: [&str; 4] = ["x", "y", "z", "dead path"];
 
 /// The course of a disturbance of one argument, a figure with its 95 % band for each coordinate, all to one scale.
-fn smooth(k: usize, curve: &[CurvePoint], with: &str) -> Vec<Figure> {
+fn smooth(k: usize, curve: &[CurvePoint], x_label: &str) -> Vec<Figure> {
     let count = curve.first().map_or(0, |point| point.value_um.len());
     if curve.iter().any(|point| point.at.len() != 1) {
         return Vec::new();
@@ -49,15 +61,11 @@ fn smooth(k: usize, curve: &[CurvePoint], with: &str) -> Vec<Figure> {
     let bounds = (0..count).flat_map(|c| of(c, -1.0).into_iter().chain(of(c, 1.0)));
     let [low, high] = range(bounds.map(|[_, value]| value));
     let [from, to] = range(curve.iter().map(|point| point.at[0]));
-    let x_label = match with {
-        "time" => "time in s".to_owned(),
-        other => format!("{other} in mm or °"),
-    };
     let named = COORDINATES.iter().take(count).enumerate();
     let figure = |(c, name): (usize, &&str)| {
         let frame = Frame {
             title: if count == 1 { "" } else { name },
-            x_label: &x_label,
+            x_label,
             y_label: "disturbance in µm",
             size: [340.0, 200.0],
         };

@@ -123,9 +123,14 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         .filter(|cause| cause.level != Level::Components)
         .count();
     let is_left = diagnosis.levels.iter().any(|l| l.unexplained.is_some());
-    let more = match is_left || !diagnosis.disturbances.is_empty() {
-        true => ", and something more",
-        false => "",
+    let of_causes = diagnosis.causes.iter().filter_map(|cause| cause.share);
+    let largest = of_causes.fold(0.0, f64::max);
+    let more = if diagnosis.disturbances.iter().any(|d| d.share > largest) {
+        ", and something that wanders is more of it"
+    } else if is_left || !diagnosis.disturbances.is_empty() {
+        ", and something more"
+    } else {
+        ""
     };
     match diagnosis.verdict {
         Verdict::NotJudged => "nothing was judged".to_owned(),

@@ -1,5 +1,7 @@
 //! Hypotheses whose whitened columns are listed for every shape: readings and runs, where nothing is adjusted anew.
 
+use std::sync::Arc;
+
 use trueaxis_effects::ResolvedEffect;
 
 use crate::Rival;
@@ -30,7 +32,7 @@ pub(crate) struct Chosen {
 pub(crate) struct Listed {
     /// The base model's projection.
     pub(crate) base: Projection,
-    pub(crate) candidates: Vec<Candidate>,
+    pub(crate) candidates: Arc<[Candidate]>,
 }
 
 /// The other hypotheses beside a model with causes.

@@ -31,6 +31,7 @@ use trueaxis_leastsquares::{half_waves, matern_roots};
 use trueaxis_multilateration::Solution;
 use trueaxis_poses::LengthCircumstances as Reading;
 
+use crate::engine::correlation_lengths;
 use crate::lengths::base::Base;
 use crate::lengths::omnibus::travelled;
 
@@ -74,12 +75,6 @@ pub(crate) struct Disturbance {
     /// w, in the unit of what moves (µm, ppm, arcsec).
     pub(crate) width: f64,
 }
-
-/// Correlation lengths that are tried, as parts of the range.
-const LENGTHS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
-
-/// What changes faster is repeatability.
-const LEAST_STOPS: f64 = 3.0;
 
 /// Every disturbance that a campaign's lengths may show.
 pub(crate) fn wanderers(base: &Base<'_>) -> Vec<Wanderer> {
@@ -219,8 +214,7 @@ impl Wanderer {
             With::Campaign => stops,
             _ => stops / base.scene.stations.len().max(1),
         };
-        let is_seen = |length: &f64| length * stops as f64 >= LEAST_STOPS;
-        LENGTHS.into_iter().filter(is_seen).collect()
+        correlation_lengths(stops)
     }
 
     /// `S_k^½` for each column.

@@ -3,11 +3,12 @@
 use trueaxis_effects::{Level, Subject};
 use trueaxis_kinematics::AxisKind;
 
+use crate::engine::Posterior;
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::disturbance::{Wanderer, With};
 use crate::lengths::wandering::Judged;
-use crate::selection::{dot, gram_matrix};
+use crate::selection::dot;
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Wandering};
 
 /// Points of a curve, all occupations together.
@@ -22,22 +23,22 @@ pub(crate) fn wandered(
 ) -> Vec<Disturbance> {
     let report = |judged: Judged| {
         let wanderer = judged.disturbance.wanderer;
-        let posterior = Posterior::new(base, adjusted, &judged);
-        let course = posterior.course(base);
+        let coefficients = Coefficients::new(base, adjusted, &judged);
+        let course = coefficients.course(base);
         let range = range(base, wanderer, course);
         Disturbance {
             level: Level::Lengths,
             data: String::new(),
             whose: whose(wanderer, course),
             p_value: judged.p_value,
-            rms_um: posterior.rms_um,
+            rms_um: coefficients.rms_um,
             share: 0.0,
             correlation_length: CorrelationLength {
                 value: judged.disturbance.length * (range[1] - range[0]),
                 unit: unit(base, wanderer, course),
             },
             heldout_gain: gain.map(|gain| 1.0 - gain.heldout_rms_ratio),
-            curve: posterior.curve(base, course),
+            curve: coefficients.curve(base, course),
             rivals: judged.rivals.iter().map(|&w| whose(w, None)).collect(),
         }
     };
@@ -47,6 +48,7 @@ pub(crate) fn wandered(
 /// What wanders, by its public name; with the position of the axis of one course.
 fn whose(wanderer: Wanderer, course: Option<usize>) -> Wandering {
     Wandering {
+        level: Level::Lengths,
         layer: wanderer.layer(),
         subject: Subject {
             axis: course.or(wanderer.subject().axis),
@@ -103,30 +105,23 @@ fn occupation_s(base: &Base<'_>, station: usize) -> [f64; 2] {
     [first, own().map(|r| r.time_s).fold(first, f64::max)]
 }
 
-/// The coefficients of a disturbance given the lengths: mean and covariance, in units of what they have beforehand.
-struct Posterior {
+/// The coefficients of a disturbance given the lengths, in units of what they have beforehand.
+struct Coefficients {
     wanderer: Wanderer,
-    mean: Vec<f64>,
-    covariance: Vec<f64>,
+    posterior: Posterior,
     /// Standard deviation beforehand of the coefficients, µm of displacement.
     roots_um: Vec<f64>,
     rms_um: f64,
 }
 
-impl Posterior {
+impl Coefficients {
     fn new(base: &Base<'_>, adjusted: &Adjusted, judged: &Judged) -> Self {
         let own = &judged.disturbance;
         let in_mm = own.columns_mm(base, &adjusted.solution);
         let columns = base.whitened_columns(own, &adjusted.whitened, &adjusted.solution);
-        let residuals = &adjusted.projection.residuals;
-        let mean: Vec<f64> = columns.iter().map(|c| dot(c, residuals)).collect();
-        let mut covariance = gram_matrix(&adjusted.projection, &columns);
-        let n = mean.len();
-        for (ik, value) in covariance.iter_mut().enumerate() {
-            *value = f64::from(u8::from(ik / n == ik % n)) - *value;
-        }
+        let posterior = Posterior::new(&adjusted.projection, &columns);
         let mut sums_mm = vec![0.0; base.readings.len()];
-        for (column, mean) in in_mm.iter().zip(&mean) {
+        for (column, mean) in in_mm.iter().zip(&posterior.mean) {
             for (sum, x) in sums_mm.iter_mut().zip(column) {
                 *sum += mean * x;
             }
@@ -135,8 +130,7 @@ impl Posterior {
         let roots = own.wanderer.roots_of_spectrum(base, own.length);
         Self {
             wanderer: own.wanderer,
-            mean,
-            covariance,
+            posterior,
             roots_um: roots.iter().map(|r| r * own.width * unit_um).collect(),
             rms_um: 1e3 * (dot(&sums_mm, &sums_mm) / sums_mm.len() as f64).sqrt(),
         }
@@ -145,12 +139,12 @@ impl Posterior {
     /// Of what varies with the positions of several axes the one with which it varies most.
     fn course(&self, base: &Base<'_>) -> Option<usize> {
         let courses = self.wanderer.courses(base);
-        let of_one = self.mean.len() / courses.len().max(1);
+        let of_one = self.posterior.mean.len() / courses.len().max(1);
         let size = |k: usize| {
             let own = k * of_one..(k + 1) * of_one;
             let varies = own.filter(|i| i % self.wanderer.basis(0.0).count() > 0);
             varies
-                .map(|i| (self.mean[i] * self.roots_um[i]).powi(2))
+                .map(|i| (self.posterior.mean[i] * self.roots_um[i]).powi(2))
                 .sum::<f64>()
         };
         let is_of_axes = self.wanderer.with == With::Position;
@@ -196,18 +190,15 @@ impl Posterior {
         if self.wanderer.with != With::Sides {
             basis[0] = 0.0;
         }
-        let (width, n) = (basis.len(), self.mean.len());
+        let width = basis.len();
         let coordinates = self.wanderer.coordinates().len();
         let of_coordinate = |c: usize| {
             let first = (course * coordinates + c) * width;
             let row: Vec<f64> = (0..width)
                 .map(|k| basis[k] * self.roots_um[first + k])
                 .collect();
-            let value = dot(&row, &self.mean[first..first + width]);
-            let through =
-                |i: usize| dot(&row, &self.covariance[(first + i) * n + first..][..width]);
-            let variance: f64 = (0..width).map(|i| row[i] * through(i)).sum();
-            (value, variance.max(0.0).sqrt())
+            let (value, variance) = self.posterior.of(first, &row);
+            (value, variance.sqrt())
         };
         (0..coordinates).map(of_coordinate).unzip()
     }

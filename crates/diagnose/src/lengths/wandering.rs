@@ -1,23 +1,17 @@
 //! What wanders beside causes.
 //!
-//! A [`Disturbance`] is judged as a cause is, by twice the logarithm of the marginal likelihood ratio: its standard
-//! deviation by restricted maximum likelihood, flat over correlation lengths and subjects. Its p-value is that of the
-//! restricted likelihood ratio at the border `w = 0`, `½ P(χ²₁ > LR)`, which is on the safe side (Crainiceanu and
-//! Ruppert 2004), all disturbances together (Bonferroni).
+//! A [`Disturbance`] is judged as a cause is, by twice the logarithm of the marginal likelihood ratio ([`Smooth`]), flat
+//! over subjects; its p-value is that of all disturbances together (Bonferroni).
 
 use rayon::prelude::*;
-use trueaxis_leastsquares::chi_squared_upper_tail;
 use trueaxis_multilateration::Noise;
 
 use crate::Error;
-use crate::engine::Suspect;
+use crate::engine::{SMOOTH_LEVEL, Smooth, Suspect};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::disturbance::{Disturbance, Wanderer, wanderers};
-use crate::selection::{DECISIVE, Gram, Projection, dot, gram_matrix, marginal_of};
-
-/// Family-wise level of the disturbances.
-const LEVEL: f64 = 0.002;
+use crate::selection::{DECISIVE, Projection};
 
 /// More that wander at once are not told apart.
 const MOST: usize = 3;
@@ -79,7 +73,7 @@ fn one_after_the_other(
                 own[k] = Judged { rivals, ..again };
             }
         }
-        own.retain(|judged| judged.p_value < LEVEL);
+        own.retain(|judged| judged.p_value < SMOOTH_LEVEL);
         if own.len() == MOST {
             return Ok((own, adjusted.network.noise));
         }
@@ -94,7 +88,7 @@ fn one_after_the_other(
             false => here.adjust(suspects.to_vec(), None)?,
         };
         let judged = judge_all(base, &adjusted, &others, all.len());
-        let Some(next) = judged.first().filter(|next| next.p_value < LEVEL) else {
+        let Some(next) = judged.first().filter(|next| next.p_value < SMOOTH_LEVEL) else {
             return Ok((own, adjusted.network.noise));
         };
         let is_rival = |other: &&Judged| next.evidence - other.evidence < DECISIVE;
@@ -135,42 +129,16 @@ fn judge(
     columns
         .iter_mut()
         .for_each(|column| adjusted.whitened.whiten(column));
-    let n = columns.len();
-    let matrix = gram_matrix(projection, &columns);
-    let s: Vec<f64> = columns
-        .iter()
-        .map(|c| dot(c, &projection.residuals))
-        .collect();
-    let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
-    let (squares, dof) = (projection.squares(), projection.degrees_of_freedom);
-    let lengths = wanderer.lengths(base);
-    let fits = lengths.iter().map(|&length| {
-        let roots = wanderer.roots_of_spectrum(base, length);
-        let scaled: Vec<f64> = (0..n * n)
-            .map(|ij| matrix[ij] * roots[ij / n] * roots[ij % n])
-            .collect();
-        let before: Vec<f64> = before.iter().zip(&roots).map(|(b, r)| b * r * r).collect();
-        let s: Vec<f64> = s.iter().zip(&roots).map(|(s, r)| s * r).collect();
-        let gram = Gram::new(&scaled, &before);
-        let (variance, ratio) = gram.restricted_likelihood(&s, squares, dof);
-        (length, variance, ratio)
-    });
-    let fits: Vec<(f64, f64, f64)> = fits.collect();
-    let &(length, variance, ratio) = fits.iter().max_by(|a, b| a.2.total_cmp(&b.2))?;
-    if variance <= 0.0 {
-        return None;
-    }
-    let evidences: Vec<(f64, f64)> = fits.iter().map(|fit| (fit.0, fit.2)).collect();
-    let of_lengths = marginal_of(&evidences, fits.len()).2;
-    let tail = 0.5 * chi_squared_upper_tail(ratio, 1.0).max(f64::MIN_POSITIVE);
+    let roots = |length| wanderer.roots_of_spectrum(base, length);
+    let smooth = Smooth::new(projection, &columns, &wanderer.lengths(base), roots)?;
     Some(Judged {
         disturbance: Disturbance {
             wanderer,
-            length,
-            width: variance.sqrt(),
+            length: smooth.length,
+            width: smooth.width,
         },
-        evidence: of_lengths - 2.0 * (wanderer.of_kind(base) as f64).ln(),
-        p_value: (family as f64 * tail).min(1.0),
+        evidence: smooth.evidence - 2.0 * (wanderer.of_kind(base) as f64).ln(),
+        p_value: (family as f64 * smooth.p_value).min(1.0),
         rivals: Vec::new(),
     })
 }

@@ -157,10 +157,10 @@ impl Gram {
     }
 
     /// With that prior and the variance of the noise as likely as can be (restricted maximum likelihood): `w²` and `2 ln` of the likelihood
-    /// ratio `max_w -ν ln(1 - Σ z² x/(1 + x)/S) - Σ ln(1 + x)`, `x = w² g`, where `S` are all squares with `ν` degrees of freedom.
-    pub(crate) fn restricted_likelihood(&self, s: &[f64], squares: f64, dof: f64) -> (f64, f64) {
+    /// ratio `max_w -ν ln(1 - Σ z² x/(1 + x)/ν) - Σ ln(1 + x)`, `x = w² g`, where all squares have `ν` degrees of freedom and are as many.
+    pub(crate) fn restricted_likelihood(&self, s: &[f64], dof: f64) -> (f64, f64) {
         self.best_width(s, |gained, ln_price| {
-            -dof * (1.0 - gained / squares).max(f64::MIN_POSITIVE).ln() - ln_price
+            -dof * (1.0 - gained / dof).max(f64::MIN_POSITIVE).ln() - ln_price
         })
     }
 

@@ -7,8 +7,9 @@
 //! share of cause k = max(0, φ_k - columns of k)/S₀      noise = ν/S₀      unexplained = the rest
 //! ```
 //!
-//! A disturbance enters with the prior of its coefficients, and counts as many columns as the data take of them
-//! (`Σ x/(1 + x)`). `ν` are the degrees of freedom that are left. Where no test finds anything left, the rest is noise.
+//! A disturbance takes what causes leave: it enters after all of them, with the prior of its coefficients, and counts as
+//! many columns as the data take of them (`Σ x/(1 + x)`). `ν` are the degrees of freedom that are left. Where no test
+//! finds anything left, the rest is noise.
 
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -73,20 +74,27 @@ impl Shares {
             let (without, with) = (subsets[subset], subsets[subset | 1 << k]);
             (without.0 - with.0) - (without.1 - with.1)
         };
+        let causes = parts.iter().filter(|p| matches!(p, Part::Free(_))).count();
+        let of_causes = (1 << causes) - 1;
+        // Over all orders of its own kind.
         let share = |k: usize| {
-            let count = parts.len();
-            let without = (0..subsets.len()).filter(|subset| subset >> k & 1 == 0);
+            let (own, before) = match k < causes {
+                true => (of_causes, 0),
+                false => (subsets.len() - 1 - of_causes, of_causes),
+            };
+            let count = own.count_ones() as usize;
+            let without = (0..subsets.len()).filter(|s| s >> k & 1 == 0 && s & !own == before);
             let mean: f64 = without
-                .map(|subset| gained(subset, k) * order_weight(subset.count_ones(), count))
+                .map(|s| gained(s, k) * order_weight((s & own).count_ones(), count))
                 .sum();
             (mean / all).max(0.0)
         };
-        let mut causes: Vec<f64> = (0..parts.len()).map(share).collect();
-        let sum: f64 = causes.iter().sum();
+        let mut shares: Vec<f64> = (0..parts.len()).map(share).collect();
+        let sum: f64 = shares.iter().sum();
         if sum > 1.0 {
-            causes.iter_mut().for_each(|share| *share /= sum);
+            shares.iter_mut().for_each(|share| *share /= sum);
         }
-        let smooth = causes.split_off(parts.iter().filter(|p| matches!(p, Part::Free(_))).count());
+        let disturbances = shares.split_off(causes);
         let rest = (1.0 - sum).max(0.0);
         let noise = if is_left {
             rest.min(after.1 / all)
@@ -94,8 +102,8 @@ impl Shares {
             rest
         };
         Self {
-            causes,
-            disturbances: smooth,
+            causes: shares,
+            disturbances,
             unexplained: rest - noise,
             noise,
         }

@@ -25,7 +25,7 @@ use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
 use crate::verification::diagnose_verification;
 use crate::verification::prediction_error::prediction_directions;
-use crate::verification::problem::Problem;
+use crate::verification::problem::{Given, Problem};
 
 const SIGMA_UM: f64 = 0.5;
 /// Of one coordinate of a measured point.
@@ -254,7 +254,14 @@ fn beyond_the_prediction(calibration: &CalibratedMachine, trace: &Verification) 
     let comparison = Comparison::new(machine, trace, &trueaxis_kinematics::Ideal);
     let directions = prediction_directions(&comparison, calibration, SIGMA_UM);
     let base = base_columns(&comparison, true);
-    Problem::new(&comparison, &scene(), (SIGMA_UM, 0.0), &base, &directions)
+    let given = Given {
+        calibrated: true,
+        sigma_um: SIGMA_UM,
+        resolution_um: 0.0,
+        base: &base,
+        prediction: &directions,
+    };
+    Problem::new(&comparison, &scene(), &given)
         .listed
         .base
         .residuals

@@ -26,6 +26,8 @@ pub(crate) struct Comparison<'a> {
     pub(crate) points: Vec<MeasuredPoint>,
     /// Whether times are those of a clock, s; otherwise they count readings.
     pub(crate) timed: bool,
+    /// First and last position of [`Comparison::axis`], mm or rad.
+    pub(crate) range: [f64; 2],
     /// Axes that have more than one position in the readings.
     pub(crate) moving: Vec<usize>,
     /// Axes that stand elsewhere than they did when the measured axis was calibrated.
@@ -55,16 +57,24 @@ impl<'a> Comparison<'a> {
             let at = |arrival: &Arrival| arrival.positions[axis];
             arrivals.iter().any(|a| !is_same(at(a), at(&arrivals[0])))
         });
-        Self {
+        let mut comparison = Self {
             machine,
             kind,
+            range: [0.0; 2],
             difference_um: difference.collect(),
             points: points.collect(),
             moving: moving.collect(),
             parked_elsewhere: Vec::new(),
             timed: are_timed(&verification.readings),
             arrivals,
-        }
+        };
+        let axis = comparison.axis();
+        let at = comparison.arrivals.iter().map(|a| a.positions[axis]);
+        comparison.range = [
+            at.clone().fold(f64::INFINITY, f64::min),
+            at.fold(f64::NEG_INFINITY, f64::max),
+        ];
+        comparison
     }
 
     /// What one unit of a parameter of an effect does to each reading, µm.
@@ -114,21 +124,27 @@ impl<'a> Comparison<'a> {
         }
     }
 
+    /// Where an arrival is in that range, 0 to 1.
+    pub(crate) fn travelled(&self, arrival: &Arrival) -> f64 {
+        let [low, high] = self.range;
+        (arrival.positions[self.axis()] - low) / (high - low).max(f64::MIN_POSITIVE)
+    }
+
     /// Half waves of the position of that axis over the range of its positions, from one on; each a column over the readings.
     pub(crate) fn waves_of_position(&self, count: usize) -> Vec<Vec<f64>> {
-        let axis = self.axis();
-        let at = self.arrivals.iter().map(|a| a.positions[axis]);
-        let low = at.clone().fold(f64::INFINITY, f64::min);
-        let high = at.clone().fold(f64::NEG_INFINITY, f64::max);
-        let range = (high - low).max(f64::MIN_POSITIVE);
         let mut waves = vec![Vec::with_capacity(self.arrivals.len()); count];
         // As many as there are columns.
-        for x in at.map(|q| (q - low) / range) {
+        for x in self.arrivals.iter().map(|a| self.travelled(a)) {
             for (wave, value) in waves.iter_mut().zip(half_waves(x, u32::MAX)) {
                 wave.push(value);
             }
         }
         waves
+    }
+
+    /// What times are counted in.
+    pub(crate) fn unit_of_time(&self) -> &'static str {
+        if self.timed { "s" } else { "readings" }
     }
 
     /// The cycles in order.

@@ -137,10 +137,7 @@ fn period(problem: &Problem<'_>, model: &Projection) -> Option<String> {
     let best = (1..=WAVES)
         .map(|k| (k, drop(k)))
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let unit = match problem.comparison.timed {
-        true => "s",
-        false => "readings",
-    };
+    let unit = problem.comparison.unit_of_time();
     Some(format!("{:.0} {unit}", duration / best.0 as f64))
 }
 

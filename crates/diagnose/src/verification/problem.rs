@@ -14,11 +14,14 @@ use crate::engine::Listed;
 use crate::selection::Projection;
 use crate::verification::comparison::Comparison;
 use crate::verification::hypotheses::candidates;
+use crate::verification::wandering::Wandering;
 
 /// What there is to explain, and what may explain it.
 pub(crate) struct Problem<'a> {
     /// The data.
     pub(crate) comparison: &'a Comparison<'a>,
+    /// Whether the prediction is that of a calibration.
+    pub(crate) calibrated: bool,
     /// Standard deviation of an arrival that the rows are divided by, µm.
     pub(crate) sigma_um: f64,
     /// The part of its variance that the last digit of the readings has.
@@ -31,36 +34,58 @@ pub(crate) struct Problem<'a> {
     pseudo: usize,
 }
 
+/// What a comparison is whitened with: columns over the readings in µm per unit.
+pub(crate) struct Given<'a> {
+    pub(crate) calibrated: bool,
+    pub(crate) sigma_um: f64,
+    pub(crate) resolution_um: f64,
+    pub(crate) base: &'a [Vec<f64>],
+    /// Of the prediction's own errors.
+    pub(crate) prediction: &'a [Vec<f64>],
+}
+
 impl<'a> Problem<'a> {
-    /// `base` and `prediction` are columns over the readings, µm per unit.
-    pub(crate) fn new(
-        comparison: &'a Comparison<'a>,
-        scene: &Scene,
-        (sigma_um, resolution_um): (f64, f64),
-        base: &[Vec<f64>],
-        prediction: &[Vec<f64>],
-    ) -> Self {
-        let pseudo = prediction.len();
+    pub(crate) fn new(comparison: &'a Comparison<'a>, scene: &Scene, given: &Given<'_>) -> Self {
+        let (sigma_um, pseudo) = (given.sigma_um, given.prediction.len());
         let whiten = |column: &[f64]| whitened(column, sigma_um, pseudo);
-        let mut columns: Vec<Vec<f64>> = base.iter().map(|c| whiten(c)).collect();
+        let mut columns: Vec<Vec<f64>> = given.base.iter().map(|c| whiten(c)).collect();
         let observations = whiten(&comparison.difference_um);
         let as_predicted = Projection::dense(observations.clone(), &columns);
-        for (k, direction) in prediction.iter().enumerate() {
+        for (k, direction) in given.prediction.iter().enumerate() {
             let mut column = whiten(direction);
             column[direction.len() + k] = 1.0;
             columns.push(column);
         }
         let base = Projection::dense(observations, &columns);
+        let candidates = candidates(comparison, scene, |column| whiten(&column));
         Self {
             as_predicted,
             comparison,
+            calibrated: given.calibrated,
             sigma_um,
-            least_variance: (resolution_um / sigma_um).powi(2),
+            least_variance: (given.resolution_um / sigma_um).powi(2),
             listed: Listed {
                 base,
-                candidates: candidates(comparison, scene, |column| whiten(&column)),
+                candidates: candidates.into(),
             },
             pseudo,
+        }
+    }
+
+    /// The same with what wanders in the covariance.
+    pub(crate) fn beside(&self, wandering: &[Wandering]) -> Self {
+        let columns: Vec<Vec<f64>> = wandering.iter().flat_map(|w| w.columns(self)).collect();
+        let with = |projection: &Projection| match columns.is_empty() {
+            true => projection.clone(),
+            false => projection.beside(&columns).0,
+        };
+        Self {
+            as_predicted: with(&self.as_predicted),
+            listed: Listed {
+                base: with(&self.listed.base),
+                candidates: self.listed.candidates.clone(),
+            },
+            ..*self
         }
     }
 

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use rand_distr::{Distribution, StandardNormal};
 
-use trueaxis_diagnose::Verdict;
+use trueaxis_diagnose::{Disturbance, Verdict};
 
 use crate::counts::summary;
 use crate::iso_run::{Place, beyond_the_mean_curve, curve_um, places, table, values_um};
@@ -13,10 +13,11 @@ use crate::{found, generator, length, report};
 const SIGMA_UM: f64 = 0.5;
 const LAMBDA: f64 = 20.0;
 
-/// Air conditioning, a scale that breathes with it, and a wandering zero.
+/// Air conditioning, a scale that breathes with it, and a wandering zero: none has a name, and what wanders is the zero of the
+/// instrument or the machine (a pair), or the scale of the axis.
 fn assert_unknown(seeds: u64) {
     for what in ["air conditioning", "breathing scale", "wandering zero"] {
-        let (mut unknown, mut odd) = (0, Vec::new());
+        let (mut unknown, mut described, mut odd) = (0, 0, Vec::new());
         for seed in 0..seeds {
             let mut generator = generator(seed, 6);
             let places = places(5, &[0.0], &[2.0]);
@@ -39,13 +40,21 @@ fn assert_unknown(seeds: u64) {
             if found.verdict == Verdict::Unknown {
                 unknown += 1;
             }
+            let is_own = |d: &Disturbance| {
+                d.whose.varies_with == ["time"]
+                    && d.whose.subject.axis.is_some() == (what == "breathing scale")
+            };
+            if found.disturbances.iter().any(is_own) {
+                described += 1;
+            }
             if found.verdict != Verdict::Unknown || !found.causes.is_empty() {
                 odd.push(summary(&found));
             }
         }
-        let line = format!("{what}: {unknown} of {seeds} unknown; {odd:?}");
+        let line =
+            format!("{what}: {unknown} of {seeds} unknown, {described} with what wanders; {odd:?}");
         report(&line);
-        assert!(10 * unknown >= 9 * seeds, "{line}");
+        assert!(10 * unknown.min(described) >= 9 * seeds, "{line}");
     }
 }
 
@@ -58,4 +67,80 @@ fn what_is_not_in_the_catalogue_gets_no_name() {
 #[ignore = "study: 30 diagnoses"]
 fn what_is_not_in_the_catalogue_hardly_ever_gets_a_name() {
     assert_unknown(10);
+}
+
+/// The curve of what wanders is the one that was hidden, within its uncertainty: 33 points of each of four lines, of which
+/// some 5 % are outside two standard uncertainties; a fifth would be by chance with a probability below 1e-6 if they were independent,
+/// and a smooth course has some ten independent parts.
+#[test]
+fn what_wanders_has_its_curve() {
+    let (mut inside, mut all) = (0, 0);
+    for seed in 0..4 {
+        let mut generator = generator(seed, 9);
+        let places = places(5, &[0.0], &[2.0]);
+        let last_s = places.iter().map(|p| p.time_s).fold(0.0, f64::max);
+        let first_s = places.iter().map(|p| p.time_s).fold(last_s, f64::min);
+        // Settles, swings, and goes on.
+        let course = |time_s: f64| {
+            let x = (time_s - first_s) / (last_s - first_s);
+            6.0 * (-3.0 * x).exp() + 2.0 * (5.0 * x + seed as f64).sin()
+        };
+        let hidden: Vec<f64> = places.iter().map(|p| course(p.time_s)).collect();
+        let curve = curve_um(&mut generator);
+        let values = values_um(&places, &curve, &hidden, SIGMA_UM, &mut generator);
+        let found = found(table(&places, &values, true));
+        let [wandering] = found.disturbances.as_slice() else {
+            panic!("{}", summary(&found));
+        };
+        assert!(wandering.heldout_gain.unwrap() > 0.3, "{wandering:?}");
+        // From its mean over the points, as the curve from its own.
+        let points = &wandering.curve;
+        let mean =
+            |f: &dyn Fn(usize) -> f64| (0..points.len()).map(f).sum::<f64>() / points.len() as f64;
+        let off = mean(&|k| points[k].value_um[0] - course(points[k].at));
+        for point in points {
+            let error = point.value_um[0] - course(point.at) - off;
+            inside += usize::from(error.abs() < 2.0 * point.u_um[0]);
+            all += 1;
+        }
+    }
+    report(&format!(
+        "{inside} of {all} points inside two standard uncertainties"
+    ));
+    assert!(5 * inside >= 4 * all, "{inside} of {all}");
+}
+
+/// Lost motion keeps its name and its size, within four standard uncertainties, beside an air conditioning as large.
+#[test]
+fn lost_motion_is_named_beside_what_wanders() {
+    let mut wandering = 0;
+    // Without a clock: at one feed a time offset would be its twin.
+    for seed in 0..12 {
+        let mut generator = generator(seed, 10);
+        let places = places(5, &[0.0], &[2.0]);
+        let hidden: Vec<f64> = places
+            .iter()
+            .map(|p| {
+                let lost = if p.forward { -2.0 } else { 2.0 };
+                lost + 2.0 * (TAU * p.time_s / 997.0 + seed as f64).sin()
+            })
+            .collect();
+        let curve = curve_um(&mut generator);
+        let values = values_um(&places, &curve, &hidden, SIGMA_UM, &mut generator);
+        let found = found(table(&places, &values, false));
+        let [cause] = found.causes.as_slice() else {
+            panic!("{}", summary(&found));
+        };
+        // In one of a hundred it seems to change along the axis.
+        let names = ["backlash", "position_dependent_backlash"];
+        assert!(
+            names.contains(&cause.effect.effect.id),
+            "{}",
+            summary(&found)
+        );
+        let lost = &cause.parameters[0];
+        assert!((lost.value - 4.0).abs() < 4.0 * lost.u, "{lost:?}");
+        wandering += found.disturbances.len();
+    } // One of each, and a second one in 0.2 %.
+    assert!((12..=13).contains(&wandering), "{wandering} in 12");
 }

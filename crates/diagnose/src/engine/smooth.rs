@@ -1,0 +1,111 @@
+//! How much a smooth process of unknown form explains of what a model leaves.
+//!
+//! Its standard deviation is that of the largest restricted likelihood, its evidence flat over the correlation lengths.
+//! Its p-value is that of the restricted likelihood ratio at the border `w = 0`, `½ P(χ²₁ > LR)`, which is on the safe
+//! side (Crainiceanu and Ruppert 2004).
+
+use trueaxis_leastsquares::chi_squared_upper_tail;
+
+use crate::selection::{Gram, Projection, dot, gram_matrix, marginal_of};
+
+/// Family-wise level of all that may wander in a set of data.
+pub(crate) const SMOOTH_LEVEL: f64 = 0.002;
+
+/// Correlation lengths that are tried, as parts of the range.
+const LENGTHS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
+
+/// What changes faster is repeatability.
+const LEAST_STOPS: f64 = 3.0;
+
+/// Correlation lengths that so many stops show.
+pub(crate) fn correlation_lengths(stops: usize) -> Vec<f64> {
+    let is_seen = |length: &f64| length * stops as f64 >= LEAST_STOPS;
+    LENGTHS.into_iter().filter(is_seen).collect()
+}
+
+/// A process as likely as can be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Smooth {
+    /// ℓ, as a part of the range of its argument.
+    pub(crate) length: f64,
+    /// w, in standard deviations of the noise times the unit of the columns.
+    pub(crate) width: f64,
+    /// Twice the logarithm of its marginal likelihood ratio.
+    pub(crate) evidence: f64,
+    /// As if it were the only one.
+    pub(crate) p_value: f64,
+}
+
+impl Smooth {
+    /// Of whitened columns whose coefficients have the standard deviations `roots(ℓ)`, for some ℓ; none if the data do not show it.
+    pub(crate) fn new(
+        projection: &Projection,
+        columns: &[Vec<f64>],
+        lengths: &[f64],
+        roots: impl Fn(f64) -> Vec<f64>,
+    ) -> Option<Self> {
+        let n = columns.len();
+        let matrix = gram_matrix(projection, columns);
+        let dof = projection.degrees_of_freedom;
+        // In standard deviations of the noise that is left.
+        let scale = (dof / projection.squares()).sqrt();
+        let along = columns
+            .iter()
+            .map(|c| scale * dot(c, &projection.residuals));
+        let along: Vec<f64> = along.collect();
+        let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
+        let fits = lengths.iter().map(|&length| {
+            let roots = roots(length);
+            let scaled: Vec<f64> = (0..n * n)
+                .map(|ij| matrix[ij] * roots[ij / n] * roots[ij % n])
+                .collect();
+            let before: Vec<f64> = before.iter().zip(&roots).map(|(b, r)| b * r * r).collect();
+            let s: Vec<f64> = along.iter().zip(&roots).map(|(s, r)| s * r).collect();
+            let gram = Gram::new(&scaled, &before);
+            let (variance, ratio) = gram.restricted_likelihood(&s, dof);
+            (length, variance, ratio)
+        });
+        let fits: Vec<(f64, f64, f64)> = fits.collect();
+        let &(length, variance, ratio) = fits.iter().max_by(|a, b| a.2.total_cmp(&b.2))?;
+        if variance <= 0.0 {
+            return None;
+        }
+        let evidences: Vec<(f64, f64)> = fits.iter().map(|fit| (fit.0, fit.2)).collect();
+        Some(Self {
+            length,
+            width: variance.sqrt(),
+            evidence: marginal_of(&evidences, fits.len()).2,
+            p_value: 0.5 * chi_squared_upper_tail(ratio, 1.0).max(f64::MIN_POSITIVE),
+        })
+    }
+}
+
+/// Coefficients with the prior `N(0, I)` given the data: mean and covariance, in variances of the noise.
+pub(crate) struct Posterior {
+    pub(crate) mean: Vec<f64>,
+    covariance: Vec<f64>,
+}
+
+impl Posterior {
+    /// Of whitened columns that are in the covariance of a model.
+    pub(crate) fn new(model: &Projection, columns: &[Vec<f64>]) -> Self {
+        let mean = columns.iter().map(|c| dot(c, &model.residuals)).collect();
+        let mut covariance = gram_matrix(model, columns);
+        let n = columns.len();
+        for (ik, value) in covariance.iter_mut().enumerate() {
+            *value = f64::from(u8::from(ik / n == ik % n)) - *value;
+        }
+        Self { mean, covariance }
+    }
+
+    /// A linear function of the coefficients from `first` on, and its variance.
+    pub(crate) fn of(&self, first: usize, row: &[f64]) -> (f64, f64) {
+        let (width, n) = (row.len(), self.mean.len());
+        let through = |i: usize| dot(row, &self.covariance[(first + i) * n + first..][..width]);
+        let variance: f64 = (0..width).map(|i| row[i] * through(i)).sum();
+        (
+            dot(row, &self.mean[first..first + width]),
+            variance.max(0.0),
+        )
+    }
+}

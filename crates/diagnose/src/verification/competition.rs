@@ -1,0 +1,206 @@
+//! Causes and what wanders against each other, as in the lengths.
+//!
+//! One model finds causes first, then what wanders beside them, then causes again with that in the covariance; another
+//! begins with what wanders; a third has nothing else. The one with the most evidence is taken: each further name costs
+//! [`DECISIVE`], and what can be anything twice that.
+
+use crate::engine::{Chosen, Family, Listed, Omnibus, still_left};
+use crate::selection::DECISIVE;
+use crate::verification::believed;
+use crate::verification::held_out::{gain, held_out};
+use crate::verification::omnibus::omnibus;
+use crate::verification::problem::Problem;
+use crate::verification::search::{drop_superfluous, search};
+use crate::verification::wanderer::Wanderer;
+use crate::verification::wandering::{Wandering, wandering};
+
+/// Causes, and what wanders beside them.
+pub(crate) struct Model<'a> {
+    /// The readings, what wanders in their covariance.
+    pub(crate) problem: Problem<'a>,
+    pub(crate) wandering: Vec<Wandering>,
+    pub(crate) causes: Vec<Chosen>,
+}
+
+/// How a comparison is looked at.
+pub(crate) struct Look<'l> {
+    pub(crate) families: &'l [Family],
+    pub(crate) folds: &'l [usize],
+    /// Of false alarms.
+    pub(crate) level: f64,
+}
+
+/// Searches until one holds, at most.
+const MOST_TRIES: usize = 3;
+
+/// The model with the most evidence, if what wanders in it helps on readings that were not used; else that of causes alone.
+pub(crate) fn compete<'a>(plain: &Problem<'a>, look: &Look<'_>) -> Model<'a> {
+    let of_causes = Model {
+        causes: causes(plain, look),
+        problem: plain.beside(&[]),
+        wandering: Vec::new(),
+    };
+    let is_complete = !is_left(&of_causes, look);
+    let alone = match of_causes.causes.is_empty() && is_complete {
+        true => Vec::new(),
+        false => wandering(plain, &[]),
+    };
+    let beside = match of_causes.causes.is_empty() || is_complete {
+        true => Vec::new(),
+        false => wandering(plain, &of_causes.causes),
+    };
+    let mut models = Vec::new();
+    if !beside.is_empty() {
+        models.push(with_causes(plain, beside, look));
+    }
+    // Where causes explain all, what wanders must do it alone to be better.
+    let explains = |m: &Model<'_>| !m.causes.is_empty() && !is_left(m, look);
+    let is_explained = explains(&of_causes) || models.iter().any(explains);
+    if !alone.is_empty() {
+        models.push(only(plain, alone.clone()));
+        if !is_explained {
+            models.push(with_causes(plain, alone, look));
+        }
+    }
+    // The first of those that are as good.
+    let mut most = evidence(plain, &of_causes);
+    let mut best = None;
+    for model in models {
+        let model = described(plain, model, look);
+        let evidence = evidence(plain, &model);
+        if evidence > most {
+            (most, best) = (evidence, Some(model));
+        }
+    }
+    // What wanders and does not predict is left unexplained.
+    best.filter(|model| helps(plain, model, look))
+        .unwrap_or(of_causes)
+}
+
+/// Whether what wanders gains on readings that were not used, with a probability of nine in ten.
+fn helps(plain: &Problem<'_>, model: &Model<'_>, look: &Look<'_>) -> bool {
+    let without = held_out(plain, &model.causes, look.folds);
+    let with = held_out(&model.problem, &model.causes, look.folds);
+    // What cannot be held out cannot be refuted.
+    gain(plain, &without, &with).is_none_or(|gain| gain.upper_bound < 1.0)
+}
+
+/// Only what wanders.
+fn only<'a>(plain: &Problem<'a>, wandering: Vec<Wandering>) -> Model<'a> {
+    Model {
+        problem: plain.beside(&wandering),
+        wandering,
+        causes: Vec::new(),
+    }
+}
+
+/// Causes beside what wanders, what wanders beside those, and the causes once more.
+fn with_causes<'a>(plain: &Problem<'a>, first: Vec<Wandering>, look: &Look<'_>) -> Model<'a> {
+    let model = only(plain, first);
+    let found = causes(&model.problem, look);
+    if found.is_empty() {
+        return only(plain, wandering(plain, &[]));
+    }
+    let mut model = only(plain, wandering(plain, &found));
+    model.causes = causes(&model.problem, look);
+    model
+}
+
+/// Whether a test finds anything that the model leaves.
+fn is_left(model: &Model<'_>, look: &Look<'_>) -> bool {
+    let projection = model.problem.listed.with(&model.causes);
+    let tests = omnibus(&model.problem, look.families, &projection);
+    tests.iter().any(|t| t.test.p_value < look.level)
+}
+
+/// Causes that hold on unused readings, structure beside them that they do not merely imitate. What does not hold
+/// gives its place to the next.
+fn causes(problem: &Problem<'_>, look: &Look<'_>) -> Vec<Chosen> {
+    let Look {
+        families,
+        folds,
+        level,
+    } = *look;
+    let listed = &problem.listed;
+    let mut excluded: Vec<usize> = Vec::new();
+    for _ in 0..MOST_TRIES {
+        let mut chosen = search(listed, &excluded, level);
+        let first: Vec<usize> = chosen.iter().map(|c| c.candidate).collect();
+        believed::with_gain(problem, &mut chosen, folds);
+        let left = omnibus(problem, families, &listed.with(&chosen));
+        let found = chosen.len();
+        let squares = |t: &Omnibus| t.drop - t.test.columns as f64;
+        let left = still_left(families, &left, level, squares);
+        believed::without_imitations(problem, &mut chosen, &left);
+        if chosen.len() < found {
+            drop_superfluous(listed, &mut chosen, level);
+        }
+        if !chosen.is_empty() || first.is_empty() {
+            return chosen;
+        }
+        let of_time = |&number: &usize| listed.candidates[number].hypothesis.is_of_time();
+        if first.iter().any(of_time) {
+            excluded.extend((0..listed.candidates.len()).filter(of_time));
+        }
+        excluded.extend(first);
+    }
+    Vec::new()
+}
+
+/// Twice the logarithm of the marginal likelihood ratio against the model without anything, less what names cost.
+fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
+    let mut sum = 0.0;
+    let mut projection = plain.listed.base.clone();
+    for own in &model.wandering {
+        let (next, ln_price) = projection.beside(&own.columns(plain));
+        let ratio = (next.squares() / projection.squares()).max(f64::MIN_POSITIVE);
+        let tried = own.wanderer.lengths(plain.comparison).len();
+        sum -= projection.degrees_of_freedom * ratio.ln() + ln_price + 2.0 * (tried as f64).ln();
+        projection = next;
+    }
+    let listed = Listed {
+        base: projection,
+        candidates: plain.listed.candidates.clone(),
+    };
+    for (k, cause) in model.causes.iter().enumerate() {
+        let beside = listed.beside(&model.causes[..k]);
+        let own = |score: &&_| beside.chosen(score).candidate == cause.candidate;
+        sum += beside.scores.iter().find(own).map_or(0.0, |s| s.evidence);
+    }
+    let names = model.causes.len() + 2 * model.wandering.len();
+    sum - DECISIVE * names.saturating_sub(1) as f64
+}
+
+/// A cause in time is no more than a part of what wanders if this part of what it explains is left to that.
+const PART: f64 = 0.1;
+
+/// The model without causes that do not describe the course that they give a name.
+fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>, look: &Look<'_>) -> Model<'a> {
+    loop {
+        let listed = &model.problem.listed;
+        let wanders_on = |k: usize| {
+            let hypothesis = listed.hypothesis(&model.causes[k]);
+            let is_same = |own: &Wandering| match own.wanderer {
+                Wanderer::Instrument | Wanderer::Machine => hypothesis.is_of_time(),
+                Wanderer::Scale => hypothesis.effect.id == "axis_expansion",
+                Wanderer::Position | Wanderer::Sides => false,
+            };
+            let Some(own) = model.wandering.iter().find(|own| is_same(own)) else {
+                return false;
+            };
+            let explained = listed.judge(&model.causes, k).map_or(0.0, |judged| {
+                let after = listed.with(&model.causes);
+                judged.score.statistic * after.degrees_of_freedom / after.squares()
+            });
+            own.evidence > PART * explained
+        };
+        let Some(undescribed) = (0..model.causes.len()).find(|&k| wanders_on(k)) else {
+            return model;
+        };
+        let mut others = model.causes.clone();
+        others.remove(undescribed);
+        model = only(plain, wandering(plain, &others));
+        model.causes = others;
+        drop_superfluous(&model.problem.listed, &mut model.causes, look.level);
+    }
+}
