@@ -59,15 +59,19 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
 
 fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
     let kind = match entry.kind {
-        VerificationKind::Positioning { .. } => "positioning",
-        VerificationKind::Ballbar { .. } => "ball bar",
+        Some(VerificationKind::Positioning { .. }) => "positioning",
+        Some(VerificationKind::Ballbar { .. }) => "ball bar",
+        None => "point checks",
+    };
+    let places = match entry.kind {
+        Some(_) => format!("{} and sides", counted(entry.points.len(), "position")),
+        None => counted(entry.points.len(), "coordinate"),
     };
     let readings = entry.points.iter().map(|point| point.readings).sum();
     let mut lines = vec![format!(
-        "{}: {kind}, {} at {} and sides; zero or set-up fitted out",
+        "{}: {kind}, {} at {places}; zero or set-up fitted out",
         entry.name,
-        counted(readings, "reading"),
-        counted(entry.points.len(), "position")
+        counted(readings, "reading")
     )];
     let range = |of: fn(&Point) -> f64| {
         let all = entry.points.iter().map(of);

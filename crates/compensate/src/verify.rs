@@ -15,8 +15,9 @@ pub(crate) mod iso_230_2;
 pub(crate) mod iso_230_4;
 mod json;
 pub(crate) mod parallel_lines;
+mod point_checks;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Point3};
 use trueaxis_calibrate::{
     Approach, CalibratedMachine, MeasuredPoint, ball_bar_set_up, carrier, check_same_machine,
     measured_home_mm, positioning_lines, predicted_reading_um,
@@ -25,6 +26,7 @@ use trueaxis_campaign::{Campaign, Direction, Verification, VerificationKind};
 use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
 
 use crate::freedom::pseudo_inverse;
+use crate::verify::point_checks::verified_points;
 use crate::{Error, Moved, correct};
 pub use json::verification_json;
 
@@ -48,9 +50,9 @@ pub const EXPECTED_ABOVE_ONE: f64 = 0.0455;
 pub struct Verified {
     /// Its name.
     pub name: String,
-    /// What was measured.
-    pub kind: VerificationKind,
-    /// Each position and side.
+    /// What was measured; none if these are point checks.
+    pub kind: Option<VerificationKind>,
+    /// Each position and side, or each coordinate of each place.
     pub points: Vec<Point>,
     /// ISO 230-2, of each line of positioning, with the positions of all axes at its first reading.
     pub positioning: Vec<(Vec<f64>, Positioning)>,
@@ -63,8 +65,10 @@ pub struct Verified {
 pub struct Point {
     /// Commanded positions of all axes, mm or rad.
     pub positions: Vec<f64>,
-    /// Side of approach.
-    pub direction: Direction,
+    /// Side of approach; none of a point check.
+    pub direction: Option<Direction>,
+    /// Which coordinate of which point a point check measures.
+    pub checked: Option<Checked>,
     /// Number of readings.
     pub readings: usize,
     /// Their mean.
@@ -81,6 +85,15 @@ pub struct Point {
     pub u_reading_um: Option<f64>,
     /// `E_n`, where that is declared.
     pub e_n: Option<f64>,
+}
+
+/// What a point check is of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Checked {
+    /// The point of the tool in the reference frame at home, mm.
+    pub tool_home_mm: Point3<f64>,
+    /// Its coordinate: 0, 1, 2 for x, y, z of the workpiece at home, which turn with it.
+    pub coordinate: usize,
 }
 
 impl Verified {
@@ -117,12 +130,14 @@ pub fn verify(
     is_compensated: bool,
 ) -> Result<Vec<Verified>, Error> {
     check_same_machine(machine.machine(), &campaign.machine)?;
-    if campaign.verification.is_empty() {
+    if campaign.verification.is_empty() && campaign.point_checks.is_empty() {
         return Err(Error::NothingRead);
     }
-    let all = campaign.verification.iter();
-    all.map(|verification| verified(machine, verification, is_compensated))
-        .collect()
+    let readings = campaign.verification.iter();
+    let readings = readings.map(|verification| verified(machine, verification, is_compensated));
+    let checks = campaign.point_checks.iter();
+    let checks = checks.map(|check| verified_points(machine, check, is_compensated));
+    readings.chain(checks).collect()
 }
 
 fn verified(
@@ -150,7 +165,25 @@ fn verified(
         .collect();
     let covariance = machine.covariance_of_readings(&readings);
     let set_up = set_up(nominal, kind, &points);
-    let free = &set_up * pseudo_inverse(&set_up, ROUNDING * set_up.norm());
+    settle(machine, &mut points, &covariance, &set_up, is_compensated);
+    Ok(Verified {
+        name: verification.name.clone(),
+        kind: Some(kind.clone()),
+        positioning: positioning(verification),
+        circular: Circular::new(nominal, kind, &grouped(verification)),
+        points,
+    })
+}
+
+/// Takes what the set-up leaves open out of readings, predictions and their covariance, and judges what is left.
+fn settle(
+    machine: &CalibratedMachine,
+    points: &mut [Point],
+    covariance: &DMatrix<f64>,
+    set_up: &DMatrix<f64>,
+    is_compensated: bool,
+) {
+    let free = set_up * pseudo_inverse(set_up, ROUNDING * set_up.norm());
     let projection = DMatrix::identity(points.len(), points.len()) - free;
     let covariance = &projection * covariance * &projection;
     let values: [fn(&mut Point) -> &mut f64; 4] = [
@@ -174,18 +207,13 @@ fn verified(
         } else {
             point.predicted_um
         };
+        // A reading that the set-up takes up whole says nothing.
+        let says = machine.has_uncertainties && projection[(i, i)] > ROUNDING;
         point.e_n = point
             .u_reading_um
-            .filter(|_| machine.has_uncertainties)
+            .filter(|_| says)
             .map(|u| (point.reading_um - predicted) / (2.0 * u.hypot(point.u_prediction_um)));
     }
-    Ok(Verified {
-        name: verification.name.clone(),
-        kind: kind.clone(),
-        positioning: positioning(verification),
-        circular: Circular::new(nominal, kind, &grouped(verification)),
-        points,
-    })
 }
 
 fn predicted_from_its_side(
@@ -196,7 +224,7 @@ fn predicted_from_its_side(
     let (nominal, at) = (machine.machine(), &point.positions);
     match *kind {
         VerificationKind::Positioning { axis, .. } => {
-            let direction = point.direction;
+            let direction = point.direction.unwrap_or(Direction::Forward);
             let approach = Approach {
                 machine,
                 axis,
@@ -213,38 +241,48 @@ fn grouped(verification: &Verification) -> Vec<Point> {
     let mut points: Vec<Point> = Vec::new();
     for reading in &verification.readings {
         let same = points.iter_mut().find(|point| {
-            point.direction == reading.direction && are_same(&point.positions, &reading.positions)
+            point.direction == Some(reading.direction)
+                && are_same(&point.positions, &reading.positions)
         });
         if let Some(point) = same {
             point.readings += 1;
             point.reading_um += (reading.value_um - point.reading_um) / point.readings as f64;
         } else {
+            let direction = Some(reading.direction);
             points.push(Point {
-                positions: reading.positions.clone(),
-                direction: reading.direction,
-                readings: 1,
-                reading_um: reading.value_um,
-                predicted_um: 0.0,
-                first_order_um: 0.0,
-                compensated_um: 0.0,
-                u_prediction_um: 0.0,
-                u_reading_um: None,
-                e_n: None,
+                direction,
+                ..Point::new(&reading.positions, reading.value_um)
             });
         }
     }
     points
 }
 
+impl Point {
+    /// Of one reading, of which nothing is predicted yet.
+    fn new(positions: &[f64], reading_um: f64) -> Self {
+        Self {
+            positions: positions.to_vec(),
+            direction: None,
+            checked: None,
+            readings: 1,
+            reading_um,
+            predicted_um: 0.0,
+            first_order_um: 0.0,
+            compensated_um: 0.0,
+            u_prediction_um: 0.0,
+            u_reading_um: None,
+            e_n: None,
+        }
+    }
+}
+
 fn are_same(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME)
 }
 
-/// √(a² + (b l)²), with l the commanded position of the axis (mm; an arc for a rotary one) or the nominal length.
+/// With the commanded position of the axis (mm; an arc for a rotary one) or the nominal length.
 fn declared_u_um(machine: &Machine, verification: &Verification, at: &[f64]) -> Option<f64> {
-    if verification.u_um.is_none() && verification.u_ppm.is_none() {
-        return None;
-    }
     let length_mm = match verification.kind {
         VerificationKind::Positioning { axis, target_mm } => match machine.axes()[axis].kind() {
             AxisKind::Linear => at[axis],
@@ -261,9 +299,14 @@ fn declared_u_um(machine: &Machine, verification: &Verification, at: &[f64]) -> 
             ..
         } => (machine.position(&Ideal, ball_carrier, at, ball_mm) - center_mm).norm(),
     };
+    u_of_length_um(verification.u_um, verification.u_ppm, length_mm)
+}
+
+/// √(a² + (b l)²), where it is declared.
+fn u_of_length_um(u_um: Option<f64>, u_ppm: Option<f64>, length_mm: f64) -> Option<f64> {
     // ppm of mm are nm.
-    let proportional = verification.u_ppm.unwrap_or(0.0) * length_mm / 1000.0;
-    Some(verification.u_um.unwrap_or(0.0).hypot(proportional)).filter(|u| *u > 0.0)
+    let proportional = u_ppm.unwrap_or(0.0) * length_mm / 1000.0;
+    Some(u_um.unwrap_or(0.0).hypot(proportional)).filter(|u| *u > 0.0)
 }
 
 /// Columns of what the machine does not tell.
