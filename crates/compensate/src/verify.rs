@@ -14,6 +14,7 @@
 pub(crate) mod iso_230_2;
 pub(crate) mod iso_230_4;
 mod json;
+mod misfit;
 pub(crate) mod parallel_lines;
 mod point_checks;
 
@@ -26,6 +27,7 @@ use trueaxis_campaign::{Campaign, Direction, Verification, VerificationKind};
 use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
 
 use crate::freedom::pseudo_inverse;
+use crate::verify::misfit::chance;
 use crate::verify::point_checks::verified_points;
 use crate::{Error, Moved, correct};
 pub use json::verification_json;
@@ -58,6 +60,8 @@ pub struct Verified {
     pub positioning: Vec<(Vec<f64>, Positioning)>,
     /// ISO 230-4, of a ball bar.
     pub circular: Option<Circular>,
+    /// The probability that as many `E_n` exceed 1 if all is as uncertain as it is said to be; none without `E_n`.
+    pub p_value: Option<f64>,
 }
 
 /// All readings at one position from one side; values in µm without what the set-up leaves open.
@@ -103,19 +107,11 @@ impl Verified {
         let above = all.clone().filter(|e_n| e_n.abs() > 1.0).count();
         (above, all.count())
     }
-}
 
-/// Whether so many `E_n` of so many above 1 are more than chance explains, with a probability of 1 % if they are independent.
-pub fn is_misfit((above, all): (usize, usize)) -> bool {
-    // P(at least `above`), term by term.
-    let (p, q) = (EXPECTED_ABOVE_ONE, 1.0 - EXPECTED_ABOVE_ONE);
-    let mut term = (0..all).fold(1.0, |product, _| product * q);
-    let mut below = 0.0;
-    for k in 0..above {
-        below += term;
-        term *= p / q * (all - k) as f64 / (k + 1) as f64;
+    /// Whether more `E_n` exceed 1 than chance explains, with a probability of 1 %.
+    pub fn is_misfit(&self) -> bool {
+        self.p_value.is_some_and(|p| p < FALSE_ALARM)
     }
-    1.0 - below < FALSE_ALARM
 }
 
 /// Compares all verifications of a campaign with the predictions of a calibration; `is_compensated`: the readings were
@@ -165,27 +161,35 @@ fn verified(
         .collect();
     let covariance = machine.covariance_of_readings(&readings);
     let set_up = set_up(nominal, kind, &points);
-    settle(machine, &mut points, &covariance, &set_up, is_compensated);
+    let p_value = settle(machine, &mut points, &covariance, &set_up, is_compensated);
     Ok(Verified {
         name: verification.name.clone(),
         kind: Some(kind.clone()),
         positioning: positioning(verification),
         circular: Circular::new(nominal, kind, &grouped(verification)),
         points,
+        p_value,
     })
 }
 
-/// Takes what the set-up leaves open out of readings, predictions and their covariance, and judges what is left.
+/// Takes what the set-up leaves open out of readings, predictions and their covariance, and judges what is left: the
+/// probability of as many `E_n` above 1.
 fn settle(
     machine: &CalibratedMachine,
     points: &mut [Point],
     covariance: &DMatrix<f64>,
     set_up: &DMatrix<f64>,
     is_compensated: bool,
-) {
+) -> Option<f64> {
     let free = set_up * pseudo_inverse(set_up, ROUNDING * set_up.norm());
     let projection = DMatrix::identity(points.len(), points.len()) - free;
-    let covariance = &projection * covariance * &projection;
+    let with_readings = covariance
+        + DMatrix::from_diagonal(&DVector::from_iterator(
+            points.len(),
+            points.iter().map(|p| p.u_reading_um.unwrap_or(0.0).powi(2)),
+        ));
+    let [covariance, with_readings] =
+        [covariance, &with_readings].map(|covariance| &projection * covariance * &projection);
     let values: [fn(&mut Point) -> &mut f64; 4] = [
         |point| &mut point.reading_um,
         |point| &mut point.predicted_um,
@@ -209,11 +213,17 @@ fn settle(
         };
         // A reading that the set-up takes up whole says nothing.
         let says = machine.has_uncertainties && projection[(i, i)] > ROUNDING;
-        point.e_n = point
-            .u_reading_um
-            .filter(|_| says)
-            .map(|u| (point.reading_um - predicted) / (2.0 * u.hypot(point.u_prediction_um)));
+        let u_um = point.u_um().filter(|_| says);
+        point.e_n = u_um.map(|u| (point.reading_um - predicted) / (2.0 * u));
     }
+    let e_n = |i: usize| points[i].e_n;
+    let judged: Vec<usize> = (0..points.len()).filter(|&i| e_n(i).is_some()).collect();
+    let above = judged.iter().filter_map(|&i| e_n(i));
+    let above = above.filter(|e_n| e_n.abs() > 1.0).count();
+    let limits = judged.iter().filter_map(|&i| points[i].u_um());
+    let limits: Vec<f64> = limits.map(|u| 2.0 * u).collect();
+    let covariance = with_readings.select_rows(&judged).select_columns(&judged);
+    (!judged.is_empty()).then(|| chance(above, covariance, &limits))
 }
 
 fn predicted_from_its_side(
@@ -259,6 +269,11 @@ fn grouped(verification: &Verification) -> Vec<Point> {
 }
 
 impl Point {
+    /// Standard uncertainty of reading less prediction, where that of the reading is declared.
+    fn u_um(&self) -> Option<f64> {
+        self.u_reading_um.map(|u| u.hypot(self.u_prediction_um))
+    }
+
     /// Of one reading, of which nothing is predicted yet.
     fn new(positions: &[f64], reading_um: f64) -> Self {
         Self {

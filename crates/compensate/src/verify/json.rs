@@ -8,7 +8,7 @@ use trueaxis_kinematics::{ARCSEC, Machine};
 
 use crate::verify::iso_230_2::{Positioning, Side};
 use crate::verify::parallel_lines::ParallelLines;
-use crate::verify::{EXPECTED_ABOVE_ONE, Point, Verified, is_misfit};
+use crate::verify::{EXPECTED_ABOVE_ONE, Point, Verified};
 
 /// Decimals of µm and `E_n`.
 const DECIMALS: i32 = 4;
@@ -78,9 +78,13 @@ fn entry(machine: &Machine, verified: &Verified) -> Value {
         },
         "points": verified.points.iter().map(|p| point(machine, p)).collect::<Value>(),
     });
-    if all > 0 {
-        entry["e_n"] =
-            json!({ "count": all, "above_one": above, "misfit": is_misfit((above, all)) });
+    if let Some(p) = verified.p_value {
+        entry["e_n"] = json!({
+            "count": all,
+            "above_one": above,
+            "p_value": round(p, DECIMALS),
+            "misfit": verified.is_misfit(),
+        });
     }
     if !verified.positioning.is_empty() {
         let lines = verified.positioning.iter();

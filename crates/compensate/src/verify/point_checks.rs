@@ -68,13 +68,14 @@ pub(crate) fn verified_points(
     let covariance = machine.covariance_of_displacements(&of_places);
     let covariance = covariance.select_rows(&measured).select_columns(&measured);
     let set_up = zeros(&points);
-    settle(machine, &mut points, &covariance, &set_up, is_compensated);
+    let p_value = settle(machine, &mut points, &covariance, &set_up, is_compensated);
     Ok(Verified {
         name: check.name.clone(),
         kind: None,
         points,
         positioning: Vec::new(),
         circular: None,
+        p_value,
     })
 }
 
