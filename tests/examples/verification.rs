@@ -1,4 +1,5 @@
-//! Writes `campaigns/fxyz-lines`, `campaigns/fxyz-compensated` and `campaigns/rotary-bars`: `cargo run -p trueaxis-tests --example verification`.
+//! Writes `campaigns/fxyz-lines`, `campaigns/fxyz-compensated`, `campaigns/rotary-bars` and
+//! `campaigns/five-axis-lines`: `cargo run -p trueaxis-tests --example verification`.
 
 use std::error::Error;
 use std::path::Path;
@@ -6,7 +7,7 @@ use std::path::Path;
 use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_campaign::{read, write};
 use trueaxis_simulate::Scenario;
-use trueaxis_tests::verification::{bars_on_the_stage, verification_campaign};
+use trueaxis_tests::verification::{bars_on_the_stage, five_axis_readings, verification_campaign};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let campaigns = Path::new(env!("CARGO_MANIFEST_DIR")).join("../campaigns");
@@ -26,5 +27,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let truth = Scenario::from_json(&scenario)?.true_machine()?;
     let bars = bars_on_the_stage(&campaign, &truth, "Rotary stage, ball bars")?;
     write(&bars, &campaigns.join("rotary-bars"))?;
+    let campaign = read(&campaigns.join("five-axis/campaign.json"))?;
+    let scenario = std::fs::read_to_string(campaigns.join("five-axis/scenario.json"))?;
+    let truth = Scenario::from_json(&scenario)?.true_machine()?;
+    let readings = five_axis_readings(&campaign, &truth, "Five-axis machine, readings")?;
+    write(&readings, &campaigns.join("five-axis-lines"))?;
     Ok(())
 }

@@ -1,10 +1,12 @@
 //! Verification readings of the shipped machines, by their exact models: of the three-axis machine as it is, and with the
-//! compensation of the calibration of `campaigns/fxyz` switched on; of the rotary stage as it is.
+//! compensation of the calibration of `campaigns/fxyz` switched on; of the rotary stage and the five-axis machine as they are.
 //!
 //! Lines of X, Y and Z through the paper's point T (175.6, 497.5, 312.1) mm, 21 positions, five runs a side, and a ball bar
 //! of 100 mm in the plane of X and Y, both ways. A reading has noise of the instrument and the machine's repeatability; each
 //! line has a zero, the bar a set-up of its own. On the rotary stage balls at the paper's points A and B, and the centre of the
 //! bar above the middle of the stage (its Figs. 15 and 16): every 20°, three times each way.
+
+mod five_axis;
 
 use std::f64::consts::TAU;
 
@@ -19,6 +21,8 @@ use trueaxis_campaign::{
 use trueaxis_compensate::{Error, Moved, correct};
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_simulate::TrueMachine;
+
+pub use five_axis::five_axis_readings;
 
 /// The paper's point T.
 pub const T_MM: [f64; 3] = [175.6, 497.5, 312.1];
@@ -43,11 +47,8 @@ pub fn verification_campaign(
     compensated_by: Option<&CalibratedMachine>,
     name: &str,
 ) -> Result<Campaign, Error> {
-    let mut readings = Readings {
-        truth,
-        compensated_by,
-        rng: ChaCha8Rng::seed_from_u64(2026 + u64::from(compensated_by.is_some())),
-    };
+    let seed = 2026 + u64::from(compensated_by.is_some());
+    let mut readings = Readings::new(truth, compensated_by, seed);
     let mut verification = Vec::new();
     for (axis, letter) in ["X", "Y", "Z"].into_iter().enumerate() {
         let target_mm = Point3::from(T_MM);
@@ -80,11 +81,7 @@ pub fn bars_on_the_stage(
     truth: &TrueMachine,
     name: &str,
 ) -> Result<Campaign, Error> {
-    let mut readings = Readings {
-        truth,
-        compensated_by: None,
-        rng: ChaCha8Rng::seed_from_u64(2028),
-    };
+    let mut readings = Readings::new(truth, None, 2028);
     let bar = |(name, ball): (&str, [f64; 3])| {
         let kind = VerificationKind::Ballbar {
             ball_mm: Point3::from(ball),
@@ -195,7 +192,19 @@ struct Readings<'a> {
     rng: ChaCha8Rng,
 }
 
-impl Readings<'_> {
+impl<'a> Readings<'a> {
+    fn new(
+        truth: &'a TrueMachine,
+        compensated_by: Option<&'a CalibratedMachine>,
+        seed: u64,
+    ) -> Self {
+        Self {
+            truth,
+            compensated_by,
+            rng: ChaCha8Rng::seed_from_u64(seed),
+        }
+    }
+
     fn of(
         &mut self,
         name: &str,
@@ -254,7 +263,10 @@ impl Readings<'_> {
         commanded: &[f64],
         set_up_mm: Vector3<f64>,
     ) -> Result<f64, Error> {
-        let home = Point3::from(T_MM);
+        let (VerificationKind::Positioning {
+            target_mm: home, ..
+        }
+        | VerificationKind::Ballbar { ball_mm: home, .. }) = *kind;
         let sent = match self.compensated_by {
             None => commanded.to_vec(),
             Some(calibrated) => {
@@ -262,7 +274,7 @@ impl Readings<'_> {
                 correct(machine, calibrated, commanded, home, Moved::Linear)?.positions
             }
         };
-        let wanted = home + Vector3::from_column_slice(commanded);
+        let wanted = home + Vector3::from_column_slice(&commanded[..3]);
         let actual = self.truth.machine().position(self.truth, TOOL, &sent, home);
         let mm = match *kind {
             VerificationKind::Positioning { axis, .. } => actual[axis] - wanted[axis],

@@ -57,7 +57,7 @@ pub(crate) struct Document {
     /// The table of points; this or `lengths`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) points: Option<String>,
-    /// Readings of laser interferometers and ball bars.
+    /// Readings of laser interferometers and ball bars, and point checks.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) verification: Vec<VerificationEntry>,
 }
@@ -184,7 +184,7 @@ pub(crate) struct RunEntry {
     pub(crate) axis: String,
 }
 
-/// Both kinds of verification. Which fields belong to which kind is checked afterwards: a tagged
+/// All kinds of verification. Which fields belong to which kind is checked afterwards: a tagged
 /// enum would lose the line and the path of what is wrong inside it.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a verification")]
@@ -221,6 +221,25 @@ pub(crate) struct VerificationEntry {
     pub(crate) readings: String,
 }
 
+impl VerificationEntry {
+    /// Without what only some kinds have.
+    pub(crate) fn new(name: String, kind: VerificationKindEntry, readings: String) -> Self {
+        Self {
+            name,
+            kind,
+            axis: None,
+            target_mm: None,
+            ball_mm: None,
+            ball_carried_by: None,
+            center_mm: None,
+            length_is_calibrated: None,
+            u_um: None,
+            u_ppm: None,
+            readings,
+        }
+    }
+}
+
 /// The kinds of verification.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -229,4 +248,6 @@ pub(crate) enum VerificationKindEntry {
     Positioning,
     /// Change of length between two balls.
     Ballbar,
+    /// Deviations of the tool from where it was commanded.
+    Points,
 }

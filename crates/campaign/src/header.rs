@@ -7,7 +7,7 @@ use crate::logged::is_column;
 use crate::{Alternatives, Error, LoggedQuantity, Place, Problem};
 
 /// Every column of any file that is neither an axis nor logged.
-const FIXED_COLUMNS: [&str; 14] = [
+const FIXED_COLUMNS: [&str; 17] = [
     "time_s",
     "station",
     "repeat",
@@ -22,6 +22,9 @@ const FIXED_COLUMNS: [&str; 14] = [
     "cycle",
     "deviation_um",
     "delta_um",
+    "dx_um",
+    "dy_um",
+    "dz_um",
 ];
 
 /// Whether some file has a column of that name, so that no axis can have it.

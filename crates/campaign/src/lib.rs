@@ -9,7 +9,7 @@
 //! ```
 //!
 //! and any other 3D instrument reads coordinates of `p` in a rigid frame of its own. Laser
-//! interferometers and ball bars may have verified single axes.
+//! interferometers and ball bars may have verified single axes, and any instrument single places.
 //!
 //! Noun in: the path of a `campaign.json` ([`read()`]); noun out: a [`Campaign`], in which every index
 //! is valid and every number finite. Files hold mm, degrees, s and µm; inside, angles and rotary
@@ -83,6 +83,8 @@ mod model;
 mod names;
 mod notices;
 mod plausibility;
+mod point_checks;
+mod point_columns;
 mod points;
 mod position_unit;
 mod positions;

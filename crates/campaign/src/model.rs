@@ -46,6 +46,8 @@ pub struct Campaign {
     pub points: Option<Points>,
     /// Measurements of other instruments, to compare with.
     pub verification: Vec<Verification>,
+    /// Measured deviations of the tool at single places, to compare with.
+    pub point_checks: Vec<PointCheck>,
     /// What is unusual but not an error, in words for the user.
     pub notices: Vec<String>,
 }
@@ -342,6 +344,36 @@ pub struct VerificationReading {
     pub positions: Vec<f64>,
     /// `deviation_um` or `delta_um`, µm.
     pub value_um: f64,
+    /// Line of the file, from 1 (the header).
+    pub line: usize,
+}
+
+/// Deviations of the tool from where it was commanded, at single places.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointCheck {
+    /// Name, such as `ball plate`.
+    pub name: String,
+    /// Constant part of the standard uncertainty of a coordinate, µm.
+    pub u_um: Option<f64>,
+    /// Proportional part, µm per m of the commanded distance from home.
+    pub u_ppm: Option<f64>,
+    /// Its places in measuring order.
+    pub readings: Vec<PointCheckReading>,
+}
+
+/// One row of a table of point checks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointCheckReading {
+    /// Time, s, where the file has it; else the order of rows is the clock.
+    pub time_s: Option<f64>,
+    /// Cycle, from 1, where the file has it.
+    pub cycle: Option<u32>,
+    /// Commanded positions of all axes, mm or rad.
+    pub positions: Vec<f64>,
+    /// The point of the tool in the reference frame at home, mm; `None` if the table has no columns for it.
+    pub tool_home_mm: Option<Point3<f64>>,
+    /// Actual minus commanded place along x, y and z of the workpiece at home, which turn with it, µm; at least one is measured.
+    pub deviation_um: [Option<f64>; 3],
     /// Line of the file, from 1 (the header).
     pub line: usize,
 }

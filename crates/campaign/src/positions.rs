@@ -6,12 +6,10 @@ use nalgebra::Point3;
 use trueaxis_kinematics::Machine;
 
 use crate::axis_columns::AxisColumns;
+use crate::point_columns::{POINT_COLUMNS, PointColumns};
 use crate::setup::axis_names;
-use crate::table::{Column, Table};
+use crate::table::Table;
 use crate::{Error, text_file};
-
-/// Columns of the point, which are all there or none is.
-const POINT_COLUMNS: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 
 /// Where a machine stands.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,31 +31,13 @@ pub fn read_positions(file: &Path, machine: &Machine) -> Result<Vec<Position>, E
     let required = axis_names(machine);
     let mut table = Table::open(file, &text, &required, &POINT_COLUMNS)?;
     let mut columns = AxisColumns::of(&table, machine)?;
-    let has_point = POINT_COLUMNS
-        .iter()
-        .any(|name| table.optional_column(name).is_some());
-    let point: Option<Vec<Column>> = match has_point {
-        true => Some(
-            POINT_COLUMNS
-                .iter()
-                .map(|name| table.column(name))
-                .collect::<Result<_, _>>()?,
-        ),
-        false => None,
-    };
+    let point = PointColumns::of(&table)?;
     let mut positions = Vec::new();
     while let Some(row) = table.next_row()? {
         let mut axes = Vec::new();
         columns.read(&row, &mut axes)?;
         columns.check_travel(&row, &axes)?;
-        let point_mm = match point.as_deref() {
-            Some([x, y, z]) => Some(Point3::new(
-                row.number(*x)?,
-                row.number(*y)?,
-                row.number(*z)?,
-            )),
-            _ => None,
-        };
+        let point_mm = point.read(&row)?;
         positions.push(Position {
             line: row.line(),
             axes,

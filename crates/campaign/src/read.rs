@@ -10,7 +10,7 @@ use crate::reading::Reading;
 use crate::steps::Steps;
 use crate::{
     Campaign, Error, Place, Problem, Stop, date, duplicates, expansion, known_lengths, lengths,
-    notices, plausibility, points, run_axes, setup, text_file, verification,
+    notices, plausibility, point_checks, points, run_axes, setup, text_file, verification,
 };
 
 /// Reads the campaign at `path` (its `campaign.json`) with every file that it names, and checks
@@ -78,6 +78,7 @@ fn without_data(document: Document) -> Result<Campaign, Error> {
         lengths: None,
         points: None,
         verification: Vec::new(),
+        point_checks: Vec::new(),
         notices,
     })
 }
@@ -134,12 +135,23 @@ impl<'t> Folder<'_, 't> {
             let declared = verification::declared(index, &entry, machine).map_err(in_file)?;
             let field = format!("verification[{index}].readings");
             let (file, text) = self.text(&entry.readings, &field)?;
-            let verification = verification::read(&file, &text, declared, machine)?;
-            let readings = verification.readings.iter();
-            let rows = readings.filter_map(|r| Some((r.time_s?, r.line)));
-            let notice = notices::clock_going_back(&entry.readings, rows);
+            let rows: Vec<(Option<f64>, usize)> = if let Some(declared) = declared {
+                let verification = verification::read(&file, &text, declared, machine)?;
+                let rows = verification.readings.iter().map(|r| (r.time_s, r.line));
+                let rows = rows.collect();
+                campaign.verification.push(verification);
+                rows
+            } else {
+                let check = point_checks::read(&file, &text, &entry, machine)?;
+                let rows = check.readings.iter().map(|r| (r.time_s, r.line)).collect();
+                campaign.point_checks.push(check);
+                rows
+            };
+            let timed = rows
+                .iter()
+                .filter_map(|&(time_s, line)| Some((time_s?, line)));
+            let notice = notices::clock_going_back(&entry.readings, timed);
             campaign.notices.extend(notice);
-            campaign.verification.push(verification);
         }
         Ok(())
     }

@@ -72,7 +72,9 @@ impl Rows {
 
     /// Several cells made by [`position_cells`].
     pub(crate) fn positions(&mut self, cells: &str) {
-        self.text.push_str(cells);
+        let first = cells.strip_prefix(',').filter(|_| !self.row_has_cells);
+        self.text.push_str(first.unwrap_or(cells));
+        self.row_has_cells = true;
     }
 
     pub(crate) fn end_row(&mut self) {

@@ -20,40 +20,42 @@ const FIRST_COLUMNS: [&str; 2] = ["cycle", "direction"];
 /// The optional column.
 const TIME_COLUMN: &str = "time_s";
 
-/// Entry number `index` as what was measured.
+/// Entry number `index` as what was measured; none of point checks.
 fn kind(
     index: usize,
     entry: &VerificationEntry,
     machine: &Machine,
-) -> Result<VerificationKind, Error> {
+) -> Result<Option<VerificationKind>, Error> {
     let fields = Fields {
         path: format!("verification[{index}]"),
         machine,
     };
-    match entry.kind {
-        VerificationKindEntry::Positioning => {
-            let carrier = entry.ball_carried_by.is_some();
-            fields.foreign("ball_mm", "ballbar", entry.ball_mm.is_some())?;
-            fields.foreign("ball_carried_by", "ballbar", carrier)?;
-            fields.foreign("center_mm", "ballbar", entry.center_mm.is_some())?;
-            let calibrated = entry.length_is_calibrated.is_some();
-            fields.foreign("length_is_calibrated", "ballbar", calibrated)?;
-            Ok(VerificationKind::Positioning {
-                axis: fields.axis("axis", entry.axis.as_ref())?,
-                target_mm: fields.point("target_mm", entry.target_mm)?,
-            })
-        }
-        VerificationKindEntry::Ballbar => {
-            fields.foreign("axis", "positioning", entry.axis.is_some())?;
-            fields.foreign("target_mm", "positioning", entry.target_mm.is_some())?;
-            Ok(VerificationKind::Ballbar {
-                ball_mm: fields.point("ball_mm", entry.ball_mm)?,
-                ball_carrier: fields.axis("ball_carried_by", entry.ball_carried_by.as_ref())?,
-                center_mm: fields.point("center_mm", entry.center_mm)?,
-                length_is_calibrated: entry.length_is_calibrated.unwrap_or(false),
-            })
-        }
+    let is_of = |kind| std::mem::discriminant(&entry.kind) == std::mem::discriminant(&kind);
+    if !is_of(VerificationKindEntry::Positioning) {
+        fields.foreign("axis", "positioning", entry.axis.is_some())?;
+        fields.foreign("target_mm", "positioning", entry.target_mm.is_some())?;
     }
+    if !is_of(VerificationKindEntry::Ballbar) {
+        let carrier = entry.ball_carried_by.is_some();
+        fields.foreign("ball_mm", "ballbar", entry.ball_mm.is_some())?;
+        fields.foreign("ball_carried_by", "ballbar", carrier)?;
+        fields.foreign("center_mm", "ballbar", entry.center_mm.is_some())?;
+        let calibrated = entry.length_is_calibrated.is_some();
+        fields.foreign("length_is_calibrated", "ballbar", calibrated)?;
+    }
+    Ok(match entry.kind {
+        VerificationKindEntry::Positioning => Some(VerificationKind::Positioning {
+            axis: fields.axis("axis", entry.axis.as_ref())?,
+            target_mm: fields.point("target_mm", entry.target_mm)?,
+        }),
+        VerificationKindEntry::Ballbar => Some(VerificationKind::Ballbar {
+            ball_mm: fields.point("ball_mm", entry.ball_mm)?,
+            ball_carrier: fields.axis("ball_carried_by", entry.ball_carried_by.as_ref())?,
+            center_mm: fields.point("center_mm", entry.center_mm)?,
+            length_is_calibrated: entry.length_is_calibrated.unwrap_or(false),
+        }),
+        VerificationKindEntry::Points => None,
+    })
 }
 
 /// Which fields an entry may have depends on its kind.
@@ -88,12 +90,13 @@ impl Fields<'_> {
     }
 }
 
-/// Entry number `index` without its readings. A standard uncertainty is more than zero; its proportional part may be zero.
+/// Entry number `index` without its readings; none of point checks. A standard uncertainty is more than zero; its proportional part may
+/// be zero.
 pub(crate) fn declared(
     index: usize,
     entry: &VerificationEntry,
     machine: &Machine,
-) -> Result<Verification, Error> {
+) -> Result<Option<Verification>, Error> {
     let kind = kind(index, entry, machine)?;
     let refused = |field: &str, u: f64, expected: &str| {
         let found = format!("a standard uncertainty of {u}");
@@ -107,13 +110,13 @@ pub(crate) fn declared(
     if let Some(u) = u_ppm.filter(|&u| u < 0.0) {
         return refused("u_ppm", u, "zero or more; leave it out if it is not known");
     }
-    Ok(Verification {
+    Ok(kind.map(|kind| Verification {
         name: entry.name.clone(),
         kind,
         u_um,
         u_ppm,
         readings: Vec::new(),
-    })
+    }))
 }
 
 /// Reads the readings file of a verification.
@@ -194,18 +197,11 @@ pub(crate) fn to_entry(
     readings: String,
 ) -> VerificationEntry {
     let axis_name = |axis: usize| machine.axes().get(axis).map(|a| a.name().to_owned());
+    let name = verification.name.clone();
     let mut entry = VerificationEntry {
-        name: verification.name.clone(),
-        kind: VerificationKindEntry::Positioning,
-        axis: None,
-        target_mm: None,
-        ball_mm: None,
-        ball_carried_by: None,
-        center_mm: None,
-        length_is_calibrated: None,
         u_um: verification.u_um,
         u_ppm: verification.u_ppm,
-        readings,
+        ..VerificationEntry::new(name, VerificationKindEntry::Positioning, readings)
     };
     match verification.kind {
         VerificationKind::Positioning { axis, target_mm } => {

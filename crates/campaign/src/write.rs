@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use crate::document::{Document, FORMAT};
 use crate::read::read_from;
 use crate::{
-    Campaign, Error, Instrument, Place, Problem, known_lengths, lengths, points, setup,
-    verification,
+    Campaign, Error, Instrument, Place, Problem, known_lengths, lengths, point_checks, points,
+    setup, verification,
 };
 
 const CAMPAIGN_FILE: &str = "campaign.json";
@@ -69,6 +69,14 @@ fn texts(campaign: &Campaign, folder: &Path) -> Result<Vec<(PathBuf, String)>, E
         ));
         let entry = verification::to_entry(verification, machine, name);
         document.verification.push(entry);
+    }
+    for (index, check) in campaign.point_checks.iter().enumerate() {
+        let name = format!("point_check_{}.csv", index + 1);
+        let text = point_checks::text(check, &campaign.machine);
+        files.push((folder.join(&name), text));
+        document
+            .verification
+            .push(point_checks::to_entry(check, name));
     }
     let json = trueaxis_files::to_json(&document).map_err(|error| {
         Problem::Inconsistent {

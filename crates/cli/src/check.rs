@@ -94,6 +94,10 @@ fn describe(campaign: &Campaign) {
         let readings = counted(verification.readings.len(), "reading");
         say(&format!("  verify    {}: {readings}", verification.name));
     }
+    for check in &campaign.point_checks {
+        let places = counted(check.readings.len(), "point");
+        say(&format!("  verify    {}: {places}", check.name));
+    }
 }
 
 fn list(names: impl Iterator<Item = String>) -> String {

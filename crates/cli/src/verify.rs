@@ -4,8 +4,8 @@ use anyhow::Context;
 use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{VerificationKind, checksums};
 use trueaxis_compensate::{
-    Circular, EXPECTED_ABOVE_ONE, ParallelLines, Point, Positioning, Verified, is_misfit,
-    parallel_lines, verification_json, verify,
+    Circular, EXPECTED_ABOVE_ONE, ParallelLines, Point, Positioning, Verified, parallel_lines,
+    verification_json, verify,
 };
 use trueaxis_files::counted;
 use trueaxis_kinematics::ARCSEC;
@@ -50,7 +50,7 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
         angles(&machine, found).iter().for_each(|line| say(line));
     }
     results.end(args.result.json.then_some(&text))?;
-    let is_refused = verified.iter().any(|entry| is_misfit(entry.above_one()));
+    let is_refused = verified.iter().any(Verified::is_misfit);
     Ok(match is_refused && args.fail_on_misfit {
         true => Exit::Misfit,
         false => Exit::Good,
@@ -59,15 +59,19 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
 
 fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
     let kind = match entry.kind {
-        VerificationKind::Positioning { .. } => "positioning",
-        VerificationKind::Ballbar { .. } => "ball bar",
+        Some(VerificationKind::Positioning { .. }) => "positioning",
+        Some(VerificationKind::Ballbar { .. }) => "ball bar",
+        None => "point checks",
+    };
+    let places = match entry.kind {
+        Some(_) => format!("{} and sides", counted(entry.points.len(), "position")),
+        None => counted(entry.points.len(), "coordinate"),
     };
     let readings = entry.points.iter().map(|point| point.readings).sum();
     let mut lines = vec![format!(
-        "{}: {kind}, {} at {} and sides; zero or set-up fitted out",
+        "{}: {kind}, {} at {places}; zero or set-up fitted out",
         entry.name,
-        counted(readings, "reading"),
-        counted(entry.points.len(), "position")
+        counted(readings, "reading")
     )];
     let range = |of: fn(&Point) -> f64| {
         let all = entry.points.iter().map(of);
@@ -102,7 +106,7 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
         _ => format!(
             "|E_n| above 1 at {above} of {all} (expected {:.1}): {}",
             EXPECTED_ABOVE_ONE * all as f64,
-            if is_misfit((above, all)) {
+            if entry.is_misfit() {
                 "more than chance"
             } else {
                 "agrees"

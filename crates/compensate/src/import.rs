@@ -193,7 +193,7 @@ type U = [f64; 2];
 fn statement(u: Option<U>) -> (Vec<String>, Vec<String>) {
     let Some([mm, rad]) = u else {
         let none =
-            "no uncertainty was given, so that nothing that follows from this calibration has one"
+            "everything: no uncertainty was given, so that nothing that follows from this calibration has one"
                 .to_owned();
         return (Vec::new(), vec![none]);
     };

@@ -42,4 +42,4 @@ pub use remains::{Left, Remains, remains};
 pub use verify::iso_230_2::{Positioning, Side};
 pub use verify::iso_230_4::Circular;
 pub use verify::parallel_lines::{AngleCurve, ParallelLines, parallel_lines};
-pub use verify::{EXPECTED_ABOVE_ONE, Point, Verified, is_misfit, verification_json, verify};
+pub use verify::{Checked, EXPECTED_ABOVE_ONE, Point, Verified, verification_json, verify};

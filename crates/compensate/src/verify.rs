@@ -14,9 +14,11 @@
 pub(crate) mod iso_230_2;
 pub(crate) mod iso_230_4;
 mod json;
+mod misfit;
 pub(crate) mod parallel_lines;
+mod point_checks;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Point3};
 use trueaxis_calibrate::{
     Approach, CalibratedMachine, MeasuredPoint, ball_bar_set_up, carrier, check_same_machine,
     measured_home_mm, positioning_lines, predicted_reading_um,
@@ -25,6 +27,8 @@ use trueaxis_campaign::{Campaign, Direction, Verification, VerificationKind};
 use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
 
 use crate::freedom::pseudo_inverse;
+use crate::verify::misfit::chance;
+use crate::verify::point_checks::verified_points;
 use crate::{Error, Moved, correct};
 pub use json::verification_json;
 
@@ -48,14 +52,16 @@ pub const EXPECTED_ABOVE_ONE: f64 = 0.0455;
 pub struct Verified {
     /// Its name.
     pub name: String,
-    /// What was measured.
-    pub kind: VerificationKind,
-    /// Each position and side.
+    /// What was measured; none if these are point checks.
+    pub kind: Option<VerificationKind>,
+    /// Each position and side, or each coordinate of each place.
     pub points: Vec<Point>,
     /// ISO 230-2, of each line of positioning, with the positions of all axes at its first reading.
     pub positioning: Vec<(Vec<f64>, Positioning)>,
     /// ISO 230-4, of a ball bar.
     pub circular: Option<Circular>,
+    /// The probability that as many `E_n` exceed 1 if all is as uncertain as it is said to be; none without `E_n`.
+    pub p_value: Option<f64>,
 }
 
 /// All readings at one position from one side; values in µm without what the set-up leaves open.
@@ -63,8 +69,10 @@ pub struct Verified {
 pub struct Point {
     /// Commanded positions of all axes, mm or rad.
     pub positions: Vec<f64>,
-    /// Side of approach.
-    pub direction: Direction,
+    /// Side of approach; none of a point check.
+    pub direction: Option<Direction>,
+    /// Which coordinate of which point a point check measures.
+    pub checked: Option<Checked>,
     /// Number of readings.
     pub readings: usize,
     /// Their mean.
@@ -83,6 +91,15 @@ pub struct Point {
     pub e_n: Option<f64>,
 }
 
+/// What a point check is of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Checked {
+    /// The point of the tool in the reference frame at home, mm.
+    pub tool_home_mm: Point3<f64>,
+    /// Its coordinate: 0, 1, 2 for x, y, z of the workpiece at home, which turn with it.
+    pub coordinate: usize,
+}
+
 impl Verified {
     /// How many of the `E_n` exceed 1, and of how many.
     pub fn above_one(&self) -> (usize, usize) {
@@ -90,19 +107,11 @@ impl Verified {
         let above = all.clone().filter(|e_n| e_n.abs() > 1.0).count();
         (above, all.count())
     }
-}
 
-/// Whether so many `E_n` of so many above 1 are more than chance explains, with a probability of 1 % if they are independent.
-pub fn is_misfit((above, all): (usize, usize)) -> bool {
-    // P(at least `above`), term by term.
-    let (p, q) = (EXPECTED_ABOVE_ONE, 1.0 - EXPECTED_ABOVE_ONE);
-    let mut term = (0..all).fold(1.0, |product, _| product * q);
-    let mut below = 0.0;
-    for k in 0..above {
-        below += term;
-        term *= p / q * (all - k) as f64 / (k + 1) as f64;
+    /// Whether more `E_n` exceed 1 than chance explains, with a probability of 1 %.
+    pub fn is_misfit(&self) -> bool {
+        self.p_value.is_some_and(|p| p < FALSE_ALARM)
     }
-    1.0 - below < FALSE_ALARM
 }
 
 /// Compares all verifications of a campaign with the predictions of a calibration; `is_compensated`: the readings were
@@ -117,12 +126,14 @@ pub fn verify(
     is_compensated: bool,
 ) -> Result<Vec<Verified>, Error> {
     check_same_machine(machine.machine(), &campaign.machine)?;
-    if campaign.verification.is_empty() {
+    if campaign.verification.is_empty() && campaign.point_checks.is_empty() {
         return Err(Error::NothingRead);
     }
-    let all = campaign.verification.iter();
-    all.map(|verification| verified(machine, verification, is_compensated))
-        .collect()
+    let readings = campaign.verification.iter();
+    let readings = readings.map(|verification| verified(machine, verification, is_compensated));
+    let checks = campaign.point_checks.iter();
+    let checks = checks.map(|check| verified_points(machine, check, is_compensated));
+    readings.chain(checks).collect()
 }
 
 fn verified(
@@ -150,9 +161,35 @@ fn verified(
         .collect();
     let covariance = machine.covariance_of_readings(&readings);
     let set_up = set_up(nominal, kind, &points);
-    let free = &set_up * pseudo_inverse(&set_up, ROUNDING * set_up.norm());
+    let p_value = settle(machine, &mut points, &covariance, &set_up, is_compensated);
+    Ok(Verified {
+        name: verification.name.clone(),
+        kind: Some(kind.clone()),
+        positioning: positioning(verification),
+        circular: Circular::new(nominal, kind, &grouped(verification)),
+        points,
+        p_value,
+    })
+}
+
+/// Takes what the set-up leaves open out of readings, predictions and their covariance, and judges what is left: the
+/// probability of as many `E_n` above 1.
+fn settle(
+    machine: &CalibratedMachine,
+    points: &mut [Point],
+    covariance: &DMatrix<f64>,
+    set_up: &DMatrix<f64>,
+    is_compensated: bool,
+) -> Option<f64> {
+    let free = set_up * pseudo_inverse(set_up, ROUNDING * set_up.norm());
     let projection = DMatrix::identity(points.len(), points.len()) - free;
-    let covariance = &projection * covariance * &projection;
+    let with_readings = covariance
+        + DMatrix::from_diagonal(&DVector::from_iterator(
+            points.len(),
+            points.iter().map(|p| p.u_reading_um.unwrap_or(0.0).powi(2)),
+        ));
+    let [covariance, with_readings] =
+        [covariance, &with_readings].map(|covariance| &projection * covariance * &projection);
     let values: [fn(&mut Point) -> &mut f64; 4] = [
         |point| &mut point.reading_um,
         |point| &mut point.predicted_um,
@@ -174,18 +211,19 @@ fn verified(
         } else {
             point.predicted_um
         };
-        point.e_n = point
-            .u_reading_um
-            .filter(|_| machine.has_uncertainties)
-            .map(|u| (point.reading_um - predicted) / (2.0 * u.hypot(point.u_prediction_um)));
+        // A reading that the set-up takes up whole says nothing.
+        let says = machine.has_uncertainties && projection[(i, i)] > ROUNDING;
+        let u_um = point.u_um().filter(|_| says);
+        point.e_n = u_um.map(|u| (point.reading_um - predicted) / (2.0 * u));
     }
-    Ok(Verified {
-        name: verification.name.clone(),
-        kind: kind.clone(),
-        positioning: positioning(verification),
-        circular: Circular::new(nominal, kind, &grouped(verification)),
-        points,
-    })
+    let e_n = |i: usize| points[i].e_n;
+    let judged: Vec<usize> = (0..points.len()).filter(|&i| e_n(i).is_some()).collect();
+    let above = judged.iter().filter_map(|&i| e_n(i));
+    let above = above.filter(|e_n| e_n.abs() > 1.0).count();
+    let limits = judged.iter().filter_map(|&i| points[i].u_um());
+    let limits: Vec<f64> = limits.map(|u| 2.0 * u).collect();
+    let covariance = with_readings.select_rows(&judged).select_columns(&judged);
+    (!judged.is_empty()).then(|| chance(above, covariance, &limits))
 }
 
 fn predicted_from_its_side(
@@ -196,7 +234,7 @@ fn predicted_from_its_side(
     let (nominal, at) = (machine.machine(), &point.positions);
     match *kind {
         VerificationKind::Positioning { axis, .. } => {
-            let direction = point.direction;
+            let direction = point.direction.unwrap_or(Direction::Forward);
             let approach = Approach {
                 machine,
                 axis,
@@ -213,38 +251,53 @@ fn grouped(verification: &Verification) -> Vec<Point> {
     let mut points: Vec<Point> = Vec::new();
     for reading in &verification.readings {
         let same = points.iter_mut().find(|point| {
-            point.direction == reading.direction && are_same(&point.positions, &reading.positions)
+            point.direction == Some(reading.direction)
+                && are_same(&point.positions, &reading.positions)
         });
         if let Some(point) = same {
             point.readings += 1;
             point.reading_um += (reading.value_um - point.reading_um) / point.readings as f64;
         } else {
+            let direction = Some(reading.direction);
             points.push(Point {
-                positions: reading.positions.clone(),
-                direction: reading.direction,
-                readings: 1,
-                reading_um: reading.value_um,
-                predicted_um: 0.0,
-                first_order_um: 0.0,
-                compensated_um: 0.0,
-                u_prediction_um: 0.0,
-                u_reading_um: None,
-                e_n: None,
+                direction,
+                ..Point::new(&reading.positions, reading.value_um)
             });
         }
     }
     points
 }
 
+impl Point {
+    /// Standard uncertainty of reading less prediction, where that of the reading is declared.
+    fn u_um(&self) -> Option<f64> {
+        self.u_reading_um.map(|u| u.hypot(self.u_prediction_um))
+    }
+
+    /// Of one reading, of which nothing is predicted yet.
+    fn new(positions: &[f64], reading_um: f64) -> Self {
+        Self {
+            positions: positions.to_vec(),
+            direction: None,
+            checked: None,
+            readings: 1,
+            reading_um,
+            predicted_um: 0.0,
+            first_order_um: 0.0,
+            compensated_um: 0.0,
+            u_prediction_um: 0.0,
+            u_reading_um: None,
+            e_n: None,
+        }
+    }
+}
+
 fn are_same(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME)
 }
 
-/// √(a² + (b l)²), with l the commanded position of the axis (mm; an arc for a rotary one) or the nominal length.
+/// With the commanded position of the axis (mm; an arc for a rotary one) or the nominal length.
 fn declared_u_um(machine: &Machine, verification: &Verification, at: &[f64]) -> Option<f64> {
-    if verification.u_um.is_none() && verification.u_ppm.is_none() {
-        return None;
-    }
     let length_mm = match verification.kind {
         VerificationKind::Positioning { axis, target_mm } => match machine.axes()[axis].kind() {
             AxisKind::Linear => at[axis],
@@ -261,9 +314,14 @@ fn declared_u_um(machine: &Machine, verification: &Verification, at: &[f64]) -> 
             ..
         } => (machine.position(&Ideal, ball_carrier, at, ball_mm) - center_mm).norm(),
     };
+    u_of_length_um(verification.u_um, verification.u_ppm, length_mm)
+}
+
+/// √(a² + (b l)²), where it is declared.
+fn u_of_length_um(u_um: Option<f64>, u_ppm: Option<f64>, length_mm: f64) -> Option<f64> {
     // ppm of mm are nm.
-    let proportional = verification.u_ppm.unwrap_or(0.0) * length_mm / 1000.0;
-    Some(verification.u_um.unwrap_or(0.0).hypot(proportional)).filter(|u| *u > 0.0)
+    let proportional = u_ppm.unwrap_or(0.0) * length_mm / 1000.0;
+    Some(u_um.unwrap_or(0.0).hypot(proportional)).filter(|u| *u > 0.0)
 }
 
 /// Columns of what the machine does not tell.

@@ -28,7 +28,8 @@ use crate::{Cause, Diagnosis, Error, Settings, Unexplained, Verdict};
 /// [`Error`] if the campaign cannot be calibrated or nothing was measured that could contradict.
 pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, Error> {
     let measured = campaign.lengths.is_some() || campaign.points.is_some();
-    if campaign.verification.is_empty() && !measured {
+    let is_read = !campaign.verification.is_empty() || !campaign.point_checks.is_empty();
+    if !is_read && !measured {
         return Err(Error::NothingMeasured);
     }
     let mut diagnosis = Diagnosis::new(campaign);
@@ -97,7 +98,7 @@ pub fn diagnose_against(
     settings: &Settings,
 ) -> Result<Diagnosis, Error> {
     check_same_machine(calibration.machine(), &campaign.machine)?;
-    if campaign.verification.is_empty() {
+    if campaign.verification.is_empty() && campaign.point_checks.is_empty() {
         return Err(Error::NothingRead);
     }
     let mut diagnosis = Diagnosis::new(campaign);
@@ -122,6 +123,12 @@ fn with_verification(
     calibration: Option<&CalibratedMachine>,
     settings: &Settings,
 ) {
+    for check in &campaign.point_checks {
+        diagnosis.notices.push(format!(
+            "{}: point checks are not judged here; `trueaxis verify` compares them with the prediction",
+            check.name
+        ));
+    }
     let said = diagnose_verification(
         campaign,
         calibration,

@@ -40,6 +40,8 @@ struct Entry {
 #[derive(Debug, Deserialize)]
 struct Point {
     at: BTreeMap<String, f64>,
+    /// Not there for point checks.
+    #[serde(default)]
     direction: i8,
     reading_um: f64,
     predicted_um: f64,
@@ -136,6 +138,10 @@ impl VerificationSection {
 
 /// Readings as dots with their U, the prediction with its band, and what is left with compensation.
 fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> {
+    // Coordinates of single places are no curve.
+    if entry.kind == "points" {
+        return None;
+    }
     let axis = moving_axis(entry)?;
     let is_rotary = machine.is_some_and(|machine| machine.is_rotary(&axis));
     let unit = if is_rotary { "°" } else { " mm" };

@@ -141,7 +141,7 @@ pub fn replay(campaign: &Campaign, truth: &Truth) -> Result<Replay, ReplayError>
     let clock = Clock::of(campaign, &simulated(&scenario)?, &places);
     clock.set_instants(&mut scenario.effects);
     notices.extend(clock.notice());
-    if !campaign.verification.is_empty() {
+    if !campaign.verification.is_empty() || !campaign.point_checks.is_empty() {
         notices.push("replay.json has the lengths only, no verification".to_owned());
     }
     simulated(&scenario)?;

@@ -186,6 +186,7 @@ fn campaign(
         lengths: Some(lengths),
         points: None,
         verification: Vec::new(),
+        point_checks: Vec::new(),
         notices: Vec::new(),
     }
 }

@@ -200,6 +200,7 @@ impl Experiment {
             lengths: Some(self.lengths(lengths_mm)),
             points: None,
             verification: Vec::new(),
+            point_checks: Vec::new(),
             notices: Vec::new(),
         }
     }

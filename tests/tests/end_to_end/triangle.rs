@@ -61,6 +61,7 @@ fn contradictory_coordinates_of_the_paper_are_noticed() {
         lengths: None,
         points: None,
         verification: Vec::new(),
+        point_checks: Vec::new(),
         notices: Vec::new(),
     };
     let mut points = Points::default();

@@ -1,4 +1,4 @@
-//! What a laser interferometer or a ball bar reads on a machine with errors, and how well that is known.
+//! What a laser interferometer or a ball bar reads on a machine with errors, and how well that and displacements of the tool are known.
 //!
 //! | kind | reading | direction `n` in which a displacement counts |
 //! | --- | --- | --- |
@@ -8,11 +8,11 @@
 //!
 //! Displacements are from home: where an instrument has its zero, and where the centre of a bar is, is not the machine's.
 
-use nalgebra::{DMatrix, Matrix6xX, Point3, RowVector3, Vector3, Vector6};
+use nalgebra::{DMatrix, Matrix6xX, Point3, RowDVector, RowVector3, Vector3, Vector6};
 use trueaxis_campaign::VerificationKind;
 use trueaxis_kinematics::{AxisKind, Branch, GeometricErrors, Ideal, MICROMETRE, Machine};
 
-use crate::machine::calibrated_machine::CalibratedMachine;
+use crate::machine::calibrated_machine::{CalibratedAxis, CalibratedMachine};
 use crate::machine::predict::influences;
 use crate::propagate::axis_twist::TRANSLATION;
 
@@ -141,11 +141,28 @@ impl CalibratedMachine {
     /// and of the interpolation, µm²: to first order by the displacement of the point along the direction that counts. NaN
     /// if the calibration has no uncertainties.
     pub fn covariance_of_readings(&self, readings: &[(&VerificationKind, &[f64])]) -> DMatrix<f64> {
-        if !self.has_uncertainties {
-            return DMatrix::from_element(readings.len(), readings.len(), f64::NAN);
-        }
         let rows = readings.iter().map(|(kind, at)| self.row(kind, at));
-        let rows: Vec<Row> = rows.collect();
+        self.covariance_of_rows(&rows.collect::<Vec<_>>())
+    }
+
+    /// The same for the displacements of the tool that [`CalibratedMachine::predict`] gives, each at commanded positions, for the
+    /// tool point that is at the second place at home: x, y and z of the first, of the second and so on.
+    pub fn covariance_of_displacements(&self, places: &[(&[f64], Point3<f64>)]) -> DMatrix<f64> {
+        let rows = places.iter().flat_map(|&(positions, tool_home_mm)| {
+            let effects = self.effects(positions, tool_home_mm);
+            [0, 1, 2].map(|c| {
+                let counts =
+                    |(axis, effect): &(_, Matrix6xX<f64>)| (*axis, effect.row(c).into_owned());
+                self.row_of(effects.iter().map(counts), positions)
+            })
+        });
+        self.covariance_of_rows(&rows.collect::<Vec<_>>())
+    }
+
+    fn covariance_of_rows(&self, rows: &[Row]) -> DMatrix<f64> {
+        if !self.has_uncertainties {
+            return DMatrix::from_element(rows.len(), rows.len(), f64::NAN);
+        }
         let mut shared = DMatrix::zeros(rows.len(), self.factors.shared.nrows());
         for (i, row) in rows.iter().enumerate() {
             for &(place, coefficient) in &row.results {
@@ -175,10 +192,24 @@ impl CalibratedMachine {
         let last = carrier(&self.machine, kind);
         let home_mm = measured_home_mm(kind);
         let point = self.machine.position(self, last, commanded, home_mm);
-        let mut row = Row::default();
-        for (axis, twist) in self.twists(self.machine.chain(last), commanded) {
-            let position = commanded[axis.axis];
+        let twists = self.twists(self.machine.chain(last), commanded);
+        let counts = twists.iter().map(|(axis, twist)| {
             let counts = along * twist.at(point);
+            let columns = counts.iter().copied();
+            (*axis, RowDVector::from_iterator(counts.ncols(), columns))
+        });
+        self.row_of(counts, commanded)
+    }
+
+    /// The same, from what one unit of each of [`crate::propagate::axis_twist`] of each axis does to the reading.
+    fn row_of<'a>(
+        &self,
+        axes: impl Iterator<Item = (&'a CalibratedAxis, RowDVector<f64>)>,
+        commanded: &[f64],
+    ) -> Row {
+        let mut row = Row::default();
+        for (axis, counts) in axes {
+            let position = commanded[axis.axis];
             let mut effect = Matrix6xX::zeros(counts.ncols());
             effect.set_row(0, &counts);
             let sample = axis.curve.at(position);

@@ -423,6 +423,119 @@ fn verifications_declare_their_uncertainty() {
     );
 }
 
+/// Point checks beside the line of [`three_axes`], as the table `text`.
+fn add_points(files: &mut Files, text: &str) {
+    let entry = r#"  "verification": [
+    { "name": "ball plate", "kind": "points", "u_um": 0.4, "readings": "plate.csv" },"#;
+    files.json("  \"verification\": [", entry);
+    files.0.insert("plate.csv".to_owned(), text.to_owned());
+}
+
+#[test]
+fn point_checks_hold_what_was_measured() {
+    let campaign = declared(|f| {
+        add_points(
+            f,
+            "time_s,cycle,X,Y,Z,x_mm,y_mm,z_mm,dx_um,dz_um\n\
+             0,1,0,0,0,10,20,30,0,0\n\
+             60,1,100,0,200,10,20,30,-1.5,\n\
+             120,2,100,0,200,10,20,30,,2.25\n",
+        );
+    });
+    let [check] = campaign.point_checks.as_slice() else {
+        panic!("{:?}", campaign.point_checks);
+    };
+    assert_eq!((check.name.as_str(), check.u_um), ("ball plate", Some(0.4)));
+    let last = &check.readings[2];
+    assert_eq!(
+        (last.time_s, last.cycle, last.line),
+        (Some(120.0), Some(2), 4)
+    );
+    assert_eq!(last.positions, [100.0, 0.0, 200.0]);
+    assert_eq!(last.tool_home_mm, Some([10.0, 20.0, 30.0].into()));
+    assert_eq!(last.deviation_um, [None, None, Some(2.25)]);
+    assert_eq!(check.readings[1].deviation_um, [Some(-1.5), None, None]);
+    // The line is still there, and a table with nothing but positions and deviations will do.
+    assert_eq!(campaign.verification.len(), 1);
+    let least = declared(|f| add_points(f, "Z,Y,X,dy_um\n3,2,1,0.5\n"));
+    let reading = &least.point_checks[0].readings[0];
+    assert_eq!(
+        (reading.time_s, reading.cycle, reading.tool_home_mm),
+        (None, None, None)
+    );
+    assert_eq!(reading.positions, [1.0, 2.0, 3.0]);
+}
+
+#[test]
+fn point_checks_that_are_none() {
+    assert_refused(
+        &three_axes(),
+        &[
+            Case {
+                name: "an axis is missing",
+                damage: |f| add_points(f, "X,Z,dx_um\n0,0,1\n"),
+                says: &["plate.csv line 1, column Y", "missing"],
+            },
+            Case {
+                name: "beyond the travel",
+                damage: |f| add_points(f, "X,Y,Z,dx_um\n0,0,0,1\n0,900,0,1\n"),
+                says: &["plate.csv line 3, column Y", "900", "400"],
+            },
+            Case {
+                name: "no column of deviations",
+                damage: |f| add_points(f, "X,Y,Z\n0,0,0\n"),
+                says: &["plate.csv line 1, column dx_um", "missing"],
+            },
+            Case {
+                name: "nothing measured in a row",
+                damage: |f| add_points(f, "X,Y,Z,dx_um,dz_um\n0,0,0,1,\n9,0,0,,\n"),
+                says: &[
+                    "plate.csv line 3",
+                    "no deviation was measured",
+                    "remove the row",
+                ],
+            },
+            Case {
+                name: "half a point",
+                damage: |f| add_points(f, "X,Y,Z,x_mm,y_mm,dx_um\n0,0,0,1,2,3\n"),
+                says: &["plate.csv line 1, column z_mm", "missing"],
+            },
+            Case {
+                name: "a word",
+                damage: |f| add_points(f, "X,Y,Z,dx_um\n0,0,0,none\n"),
+                says: &["plate.csv line 2, column dx_um", "none"],
+            },
+            Case {
+                name: "no rows",
+                damage: |f| add_points(f, "X,Y,Z,dx_um\n"),
+                says: &["plate.csv: there are no rows"],
+            },
+            Case {
+                name: "an axis as of a line",
+                damage: |f| {
+                    add_points(f, "X,Y,Z,dx_um\n0,0,0,1\n");
+                    f.json(
+                        "\"points\", \"u_um\"",
+                        "\"points\", \"axis\": \"X\", \"u_um\"",
+                    );
+                },
+                says: &[
+                    "field verification[0].axis",
+                    "belongs to the kind `positioning`",
+                ],
+            },
+            Case {
+                name: "no uncertainty",
+                damage: |f| {
+                    add_points(f, "X,Y,Z,dx_um\n0,0,0,1\n");
+                    f.json("\"u_um\": 0.4", "\"u_um\": 0");
+                },
+                says: &["field verification[0].u_um", "a standard uncertainty of 0"],
+            },
+        ],
+    );
+}
+
 #[test]
 fn the_day_and_the_operator() {
     const BEHIND: &str = "\"name\": \"test\"";

@@ -229,6 +229,7 @@ impl Random {
             lengths: Some(lengths),
             points: None,
             verification: Vec::new(),
+            point_checks: Vec::new(),
             notices: Vec::new(),
             machine,
         }

@@ -7,6 +7,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
+use crate::json_schema::faults;
 use crate::program::{Outcome, calibrate_shipped, contents, run, shipped};
 
 /// Nothing to compare is no result.
@@ -142,4 +143,58 @@ fn readings_that_do_not() {
     ];
     let outcome = run(folder.path(), &args);
     outcome.assert_failed("another machine", 3, &["its axes are X Y Z, expected C"]);
+}
+
+/// Point checks: `verify` compares them, `diagnose` says that it does not, and the schema knows them.
+#[test]
+fn point_checks_are_compared() {
+    let folder = prepared(1.0);
+    let current = folder.path();
+    let path = current.join("verification/campaign.json");
+    let mut document = json_of(&path);
+    document["verification"] = json!([{
+        "name": "ball plate", "kind": "points", "u_um": 0.4, "readings": "plate.csv"
+    }]);
+    fs::write(&path, document.to_string()).unwrap();
+    let plate = "X,Y,Z,dx_um,dz_um\n0,0,0,0,0\n200,100,300,100,\n400,0,300,,100\n";
+    fs::write(current.join("verification/plate.csv"), plate).unwrap();
+    let calibration = "calibrated/calibration.json";
+    let campaign = "verification/campaign.json";
+    let verified = run(current, &["verify", calibration, campaign, "--out", "v"]);
+    verified.assert_good();
+    let says = "ball plate: point checks, 4 readings at 4 coordinates; zero or set-up fitted out";
+    assert!(verified.stderr.contains(says), "{}", verified.stderr);
+    let document = json_of(&current.join("v/verification.json"));
+    let schema = run(current, &["schema", "verification"]);
+    let schema: Value = serde_json::from_str(&schema.stdout).unwrap();
+    assert_eq!(faults(&schema, &document), [""; 0]);
+    let entry = &document["verification"][0];
+    assert_eq!(
+        (&entry["kind"], &entry["e_n"]["count"]),
+        (&json!("points"), &json!(4))
+    );
+    assert_eq!(entry["points"][3]["coordinate"], "z");
+    let arguments = [
+        "diagnose",
+        campaign,
+        "--calibration",
+        calibration,
+        "--out",
+        "d",
+    ];
+    let diagnosed = run(current, &arguments);
+    diagnosed.assert_good();
+    assert!(
+        diagnosed
+            .stderr
+            .contains("point checks are not judged here"),
+        "{}",
+        diagnosed.stderr
+    );
+    let document: Value = json_of(&current.join("d/diagnosis.json"));
+    assert_eq!(document["verdict"], "not_judged");
+}
+
+fn json_of(file: &Path) -> Value {
+    serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap()
 }

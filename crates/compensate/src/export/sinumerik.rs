@@ -8,8 +8,8 @@
 //!
 //! Tables that were active while the machine was measured ([`Request::onto`]) are contained in the new ones: what is for the same
 //! axes is added up at the points of both, others stay. `$AN_CEC_MULT_BY_TABLE`, which could make an angle times a lever,
-//! stays 0: its product is added to the compensation value, and whether the two factors are added besides is in none of the
-//! pages that were found.
+//! stays 0: its product is added to the compensation value, and whether the two factors, of which one is the lever, are added
+//! besides is in none of the pages that were found.
 //!
 //! Sources: "Function Manual, Extended Functions, K3: Compensations" (840D sl, 828D), "Function Manual" (808D); the sign of
 //! `$AN_CEC` is in none of the pages that were found, so these tables are experimental: `$SN_CEC_TABLE_WEIGHT` turns them.

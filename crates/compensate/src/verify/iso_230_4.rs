@@ -64,7 +64,9 @@ impl Circular {
             return None;
         };
         let [forward, backward] = [Direction::Forward, Direction::Backward].map(|direction| {
-            let own = points.iter().filter(|point| point.direction == direction);
+            let own = points
+                .iter()
+                .filter(|point| point.direction == Some(direction));
             own.collect::<Vec<_>>()
         });
         let pairs = forward.iter().filter_map(|f| {

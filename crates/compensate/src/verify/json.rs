@@ -8,7 +8,7 @@ use trueaxis_kinematics::{ARCSEC, Machine};
 
 use crate::verify::iso_230_2::{Positioning, Side};
 use crate::verify::parallel_lines::ParallelLines;
-use crate::verify::{EXPECTED_ABOVE_ONE, Point, Verified, is_misfit};
+use crate::verify::{EXPECTED_ABOVE_ONE, Point, Verified};
 
 /// Decimals of µm and `E_n`.
 const DECIMALS: i32 = 4;
@@ -72,14 +72,19 @@ fn entry(machine: &Machine, verified: &Verified) -> Value {
     let mut entry = json!({
         "name": verified.name,
         "kind": match verified.kind {
-            VerificationKind::Positioning { .. } => "positioning",
-            VerificationKind::Ballbar { .. } => "ballbar",
+            Some(VerificationKind::Positioning { .. }) => "positioning",
+            Some(VerificationKind::Ballbar { .. }) => "ballbar",
+            None => "points",
         },
         "points": verified.points.iter().map(|p| point(machine, p)).collect::<Value>(),
     });
-    if all > 0 {
-        entry["e_n"] =
-            json!({ "count": all, "above_one": above, "misfit": is_misfit((above, all)) });
+    if let Some(p) = verified.p_value {
+        entry["e_n"] = json!({
+            "count": all,
+            "above_one": above,
+            "p_value": round(p, DECIMALS),
+            "misfit": verified.is_misfit(),
+        });
     }
     if !verified.positioning.is_empty() {
         let lines = verified.positioning.iter();
@@ -113,7 +118,6 @@ fn point(machine: &Machine, point: &Point) -> Value {
     let um = |value: f64| json!(round(value, DECIMALS));
     let mut value = json!({
         "at": at(machine, &point.positions),
-        "direction": point.direction.sign(),
         "readings": point.readings,
         "reading_um": um(point.reading_um),
         "predicted_um": um(point.predicted_um),
@@ -121,6 +125,13 @@ fn point(machine: &Machine, point: &Point) -> Value {
         "compensated_um": um(point.compensated_um),
         "u_prediction_um": um(point.u_prediction_um),
     });
+    if let Some(direction) = point.direction {
+        value["direction"] = json!(direction.sign());
+    }
+    if let Some(checked) = point.checked {
+        value["point_mm"] = json!(checked.tool_home_mm.coords.as_slice());
+        value["coordinate"] = json!(["x", "y", "z"][checked.coordinate]);
+    }
     if let Some((u, e_n)) = point.u_reading_um.zip(point.e_n) {
         value["u_reading_um"] = um(u);
         value["e_n"] = um(e_n);

@@ -71,6 +71,7 @@ impl AngleCurve {
 /// One line: readings with the other axes at the same positions.
 struct Line<'a> {
     verified: &'a Verified,
+    kind: &'a VerificationKind,
     points: Vec<&'a Point>,
     /// Where it is on the stage of the axis, mm.
     place: Vector3<f64>,
@@ -97,10 +98,13 @@ fn lines<'a>(machine: &CalibratedMachine, verified: &'a [Verified], axis: usize)
         return all;
     }
     for verified in verified {
+        let Some(kind) = &verified.kind else {
+            continue;
+        };
         let VerificationKind::Positioning {
             axis: own,
             target_mm,
-        } = verified.kind
+        } = *kind
         else {
             continue;
         };
@@ -117,9 +121,10 @@ fn lines<'a>(machine: &CalibratedMachine, verified: &'a [Verified], axis: usize)
             for &below in nominal.chain(axis) {
                 positions[below] = 0.0;
             }
-            let last = carrier(nominal, &verified.kind);
+            let last = carrier(nominal, kind);
             all.push(Line {
                 verified,
+                kind,
                 points,
                 place: nominal.position(&Ideal, last, &positions, target_mm).coords,
             });
@@ -239,7 +244,7 @@ fn curve(
     };
     let readings: Vec<_> = points
         .iter()
-        .map(|(line, point)| (&line.verified.kind, point.positions.as_slice()))
+        .map(|(line, point)| (line.kind, point.positions.as_slice()))
         .collect();
     let covariance = function * machine.covariance_of_readings(&readings) * function.transpose();
     let u = covariance.diagonal();

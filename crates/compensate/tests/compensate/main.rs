@@ -11,6 +11,7 @@ mod import;
 mod inverse;
 mod onto;
 mod parallel_lines;
+mod point_checks;
 mod remains;
 mod verify;
 

@@ -65,6 +65,7 @@ fn campaign(verification: Vec<Verification>) -> Campaign {
         lengths: None,
         points: None,
         verification,
+        point_checks: Vec::new(),
         notices: Vec::new(),
     }
 }

@@ -399,6 +399,7 @@ fn campaign(plan: &Plan, axes: &[&str], points: Points, steps: Vec<Step>) -> Cam
         lengths: None,
         points: Some(points),
         verification: Vec::new(),
+        point_checks: Vec::new(),
         notices: Vec::new(),
     }
 }

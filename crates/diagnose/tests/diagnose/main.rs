@@ -54,6 +54,7 @@ fn found(verification: Verification) -> Diagnosis {
         lengths: None,
         points: None,
         verification: vec![verification],
+        point_checks: Vec::new(),
         notices: Vec::new(),
     };
     diagnose(&campaign, &Settings::default()).unwrap()
