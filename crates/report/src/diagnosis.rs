@@ -51,8 +51,12 @@ pub(crate) struct Fitted {
     pub(crate) direction: Vec<i8>,
     pub(crate) misfit_um: Option<Vec<f64>>,
     pub(crate) fitted_um: Option<Vec<f64>>,
+    pub(crate) u_um: Option<Vec<f64>>,
     pub(crate) misfit_arcsec: Option<Vec<f64>>,
     pub(crate) fitted_arcsec: Option<Vec<f64>>,
+    pub(crate) u_arcsec: Option<Vec<f64>>,
+    /// The other coordinates of the same readings in which the cause shows.
+    pub(crate) beside: Vec<Self>,
 }
 
 impl Fitted {
