@@ -124,6 +124,8 @@ pub(crate) struct Level {
     pub(crate) level: String,
     pub(crate) data: String,
     pub(crate) noise_floor_um: Option<f64>,
+    pub(crate) before: Option<Misfit>,
+    pub(crate) after: Option<Misfit>,
     pub(crate) shares: Shares,
     pub(crate) places: Vec<MisfitAt>,
 }
@@ -132,8 +134,15 @@ impl Level {
     /// Whether something is in the model that takes misfit away.
     pub(crate) fn is_explained(&self) -> bool {
         let differs = |place: &MisfitAt| place.before_um.total_cmp(&place.after_um).is_ne();
-        self.places.iter().any(differs)
+        self.places.iter().any(differs) || self.before != self.after
     }
+}
+
+/// What a model leaves.
+#[derive(Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub(crate) struct Misfit {
+    pub(crate) rms_um: Option<f64>,
 }
 
 /// Parts of the sum of squares; they add up to 1.
