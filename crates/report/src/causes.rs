@@ -107,10 +107,7 @@ fn level_view(k: usize, level: &Level, diagnosis: &Diagnosis) -> LevelView {
 }
 
 fn of_level<'a>(diagnosis: &'a Diagnosis, level: &'a Level) -> impl Iterator<Item = &'a Cause> {
-    diagnosis
-        .causes
-        .iter()
-        .filter(|cause| cause.level == level.level)
+    diagnosis.causes.iter().filter(|cause| cause.is_in(level))
 }
 
 /// Name, share and class of each part of the misfit; they add up to 1.

@@ -15,11 +15,22 @@ pub(crate) struct Diagnosis {
     pub(crate) levels: Vec<Level>,
 }
 
+impl Diagnosis {
+    /// Whether verification readings alone were judged.
+    pub(crate) fn is_of_readings(&self) -> bool {
+        let is_verification = |level: &Level| level.level == "verification";
+        !self.levels.is_empty() && self.levels.iter().all(is_verification)
+    }
+}
+
 #[derive(Debug, Deserialize)]
 pub(crate) struct Cause {
     pub(crate) effect: String,
     #[serde(default)]
     pub(crate) level: String,
+    /// Which data of the level show it.
+    #[serde(default)]
+    pub(crate) data: Vec<String>,
     #[serde(default)]
     pub(crate) subject: Map<String, Value>,
     #[serde(default)]
@@ -37,6 +48,11 @@ impl Cause {
     /// Whether it is the form of an error curve, which contradicts nothing.
     pub(crate) fn is_of_curve(&self) -> bool {
         self.level == "components"
+    }
+
+    /// Whether it has a share of the misfit of a level; each verification is one.
+    pub(crate) fn is_in(&self, level: &Level) -> bool {
+        self.level == level.level && (self.data.is_empty() || self.data.contains(&level.data))
     }
 }
 

@@ -123,6 +123,27 @@ fn the_verdict_follows_residuals_and_diagnosis() {
     );
 }
 
+/// Each verification has causes of its own in its bar; without a calibration nothing is said of one.
+#[test]
+fn readings_alone_have_their_own_verdict_and_causes() {
+    let cause = |effect: &str, data: &str| json!({ "effect": effect, "level": "verification", "data": [data] });
+    let level = |data: &str| json!({ "level": "verification", "data": data, "shares": { "causes": [0.7], "disturbances": [], "unexplained": 0.1, "noise": 0.2 } });
+    let named = json!({ "format": "trueaxis-diagnosis", "version": 1, "campaign": "bars", "verdict": "named",
+        "causes": [cause("scale_error", "bar A"), cause("backlash", "bar B")], "levels": [level("bar A"), level("bar B")] });
+    let folder = tempfile::tempdir().unwrap();
+    let shown = page(folder.path(), &[("diagnosis.json", &named)]);
+    has(
+        &shown,
+        &[
+            "aria-label=\"scale error 70 %, unexplained 10 %, noise 20 %\"",
+            "aria-label=\"backlash 70 %, unexplained 10 %, noise 20 %\"",
+            "verdict bad",
+            "The readings hold more than noise",
+        ],
+    );
+    assert!(!shown.contains("rigid machine model"));
+}
+
 #[test]
 fn what_belongs_to_other_data_is_left_out() {
     let folder = tempfile::tempdir().unwrap();
