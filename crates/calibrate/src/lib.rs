@@ -103,7 +103,7 @@ pub use machine::volume::places::{GridAxis, Places};
 pub use machine::volume::statistics::{Figures, Sizes};
 pub use machine::volume::{Drawn, Figure, Volume, VolumeSettings};
 pub use replay::reliability::{LengthReliability, LengthsReliability};
-pub use replay::run_comparison::RunComparison;
+pub use replay::run_comparison::{ComparedPose, RunComparison};
 pub use replay::with_effects::calibrate_with_effects;
 pub use replay::{Replay, Responses, calibrate_for_replay};
 pub use result::budget::{Budget, coverage_factor};

@@ -231,7 +231,7 @@ fn format_parser() -> impl TypedValueParser<Value = Format> {
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ReportArgs {
-    /// The folder that `calibrate`, `diagnose` and `volume` wrote.
+    /// The folder that `calibrate`, `diagnose`, `verify` and `volume` wrote.
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
 

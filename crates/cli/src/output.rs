@@ -105,6 +105,11 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     trueaxis_files::write_whole(path, bytes).map_err(OutputError::at(path))
 }
 
+/// The same for one of many files that can be made again.
+pub(crate) fn write_derived(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    trueaxis_files::write_derived(path, bytes).map_err(OutputError::at(path))
+}
+
 /// Writes files that become the user's own, whole or not at all. If one is there already, none is written.
 pub(crate) fn write_all_new(files: &[(&Path, String)]) -> Result<(), OutputError> {
     for (path, _) in files {

@@ -60,7 +60,13 @@ pub(crate) fn run(args: &PredictArgs) -> anyhow::Result<Exit> {
 pub(crate) fn source(machine: &CalibratedMachine) -> Vec<String> {
     let effects = match machine.effects_taken_out.as_slice() {
         [] => "nothing taken out".to_owned(),
-        effects => format!("without {}", effects.join(", ")),
+        effects => {
+            let names = effects.iter().map(|effect| effect.replace('_', " "));
+            let mut names: Vec<String> = names.collect();
+            names.sort();
+            names.dedup();
+            format!("without {}", names.join(", "))
+        }
     };
     let mut lines = vec![format!(
         "machine {}, calibrated in the campaign {} ({effects})",

@@ -18,7 +18,7 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<Exit> {
     let page = write(&args.folder, &made)?;
     let figures = output::folder(Some(&args.folder.join(Report::FIGURES)), "")?;
     for (name, svg) in &made.figures {
-        output::write(&figures.join(name), svg.as_bytes())?;
+        output::write_derived(&figures.join(name), svg.as_bytes())?;
     }
     for path in [page, figures] {
         say(&format!("written: {}", path.display()));

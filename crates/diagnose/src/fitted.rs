@@ -17,6 +17,8 @@ pub struct Fitted {
     pub is_angular: bool,
     /// The readings in the order of what they are drawn against, the forward side first where that is a position.
     pub points: Vec<FittedPoint>,
+    /// The other coordinates of the same readings, as far as the cause shows there.
+    pub beside: Vec<Self>,
 }
 
 /// What misfit and effect are drawn against.
@@ -41,6 +43,8 @@ pub struct FittedPoint {
     pub misfit: f64,
     /// What of it the fitted cause explains.
     pub fitted: f64,
+    /// Standard deviation that noise alone gives the misfit.
+    pub u: f64,
 }
 
 /// A reading with the residual of the model without a cause and what the fitted cause explains of it.
@@ -54,6 +58,8 @@ pub(crate) struct Row {
     pub(crate) direction: f64,
     pub(crate) misfit: f64,
     pub(crate) fitted: f64,
+    /// Standard deviation that noise alone gives the misfit.
+    pub(crate) u: f64,
 }
 
 /// More points cannot be told apart in a figure: means of neighbours stand for them.
@@ -62,10 +68,23 @@ const MOST_POINTS: usize = 240;
 /// Readings that are drawn show at least so much of the squares of an effect.
 const ENOUGH: f64 = 0.5;
 
+/// Coordinates that show less of an effect than this part of the squares of the one that shows most are not drawn.
+const TRACE: f64 = 1e-3;
+
 impl Fitted {
     /// Of the group in which the effect is largest, against what it is the smoothest function of; none where the
     /// readings show nothing of it.
     pub(crate) fn new(rows: &[Row], name: impl Fn(usize) -> String, scene: &Scene) -> Option<Self> {
+        Self::of_coordinates(rows, 1, name, scene)
+    }
+
+    /// The same of readings with several coordinates, each a group; those of one set of readings follow each other.
+    pub(crate) fn of_coordinates(
+        rows: &[Row],
+        coordinates: usize,
+        name: impl Fn(usize) -> String,
+        scene: &Scene,
+    ) -> Option<Self> {
         let groups = rows.iter().map(|row| row.group).max()?;
         let mut of_group = vec![0.0; groups + 1];
         for row in rows {
@@ -77,60 +96,68 @@ impl Fitted {
         if !(all > 0.0 && all.is_finite()) {
             return None;
         }
-        let own: Vec<&Row> = rows.iter().filter(|row| row.group == group).collect();
-        let mut axes: Vec<usize> = own
-            .iter()
-            .flat_map(|row| &row.moving)
-            .map(|m| m.0)
-            .collect();
+        let own = |group: usize| rows.iter().filter(move |row| row.group == group);
+        let mut axes: Vec<usize> = own(group).flat_map(|r| &r.moving).map(|m| m.0).collect();
         axes.sort_unstable();
         axes.dedup();
-        let in_time = own.iter().map(|row| (point(row, row.time_s), 0));
-        let over_axis = axes.iter().map(|&axis| {
-            let at = |row: &&Row| row.moving.iter().find(|m| m.0 == axis).map(|m| m.1);
-            let on_axis = own.iter().filter_map(|row| Some((row, at(row)?)));
-            let sides = on_axis.map(|(row, q)| (point(row, q), i8::from(row.direction < 0.0)));
-            (Some(axis), sorted(sides.collect()))
-        });
-        let drawn = std::iter::once((None, sorted(in_time.collect()))).chain(over_axis);
-        let drawn = drawn.filter(|(_, points)| varies(points) && squares(points) >= ENOUGH * all);
-        let smoothest = drawn.min_by(|a, b| roughness(&a.1).total_cmp(&roughness(&b.1)));
-        let (against, points) = match smoothest? {
-            (None, points) => (Against::Time, points),
-            (Some(axis), points) => {
-                let axis = &scene.machine.axes()[axis];
-                let (unit, size) = match axis.kind() {
-                    AxisKind::Linear => ("mm", 1.0),
-                    AxisKind::Rotary => ("deg", 1_f64.to_radians()),
-                };
-                let in_unit = |(point, side): (FittedPoint, i8)| {
-                    let at = point.at / size;
-                    (FittedPoint { at, ..point }, side)
-                };
-                let points = points.into_iter().map(in_unit).collect();
-                (Against::Position(axis.name().to_owned(), unit), points)
-            }
-        };
-        Some(Self {
+        let over = std::iter::once(None).chain(axes.into_iter().map(Some));
+        let drawn_over = over.map(|over| (over, drawn(own(group), over, 1.0)));
+        let drawn_over =
+            drawn_over.filter(|(_, points)| varies(points) && squares(points) >= ENOUGH * all);
+        let smoothest = drawn_over.min_by(|a, b| roughness(&a.1).total_cmp(&roughness(&b.1)));
+        let (over, _) = smoothest?;
+        let (against, size) = against(over, scene);
+        let panel = |group: usize| Self {
             of: name(group),
-            against,
+            against: against.clone(),
             is_angular: false,
-            points: thinned(&points),
+            points: thinned(&drawn(own(group), over, size)),
+            beside: Vec::new(),
+        };
+        let first = group - group % coordinates;
+        let others = (first..first + coordinates).filter(|&k| k != group && k <= groups);
+        let others = others.filter(|&k| of_group[k] > TRACE * all);
+        Some(Self {
+            beside: others.map(panel).collect(),
+            ..panel(group)
         })
     }
 }
 
-fn point(row: &Row, at: f64) -> FittedPoint {
-    FittedPoint {
-        at,
-        direction: if row.direction < 0.0 { -1 } else { 1 },
-        misfit: row.misfit,
-        fitted: row.fitted,
-    }
+/// Time, or an axis, with the size of its unit.
+fn against(over: Option<usize>, scene: &Scene) -> (Against, f64) {
+    let Some(axis) = over.map(|axis| &scene.machine.axes()[axis]) else {
+        return (Against::Time, 1.0);
+    };
+    let (unit, size) = match axis.kind() {
+        AxisKind::Linear => ("mm", 1.0),
+        AxisKind::Rotary => ("deg", 1_f64.to_radians()),
+    };
+    (Against::Position(axis.name().to_owned(), unit), size)
 }
 
-/// Points by their side, and in its order.
-fn sorted(mut points: Vec<(FittedPoint, i8)>) -> Vec<(FittedPoint, i8)> {
+/// Rows over time or where an axis moves, by its sides, and in the order of each.
+fn drawn<'r>(
+    rows: impl Iterator<Item = &'r Row>,
+    over: Option<usize>,
+    size: f64,
+) -> Vec<(FittedPoint, i8)> {
+    let point = |row: &Row| {
+        let at = match over {
+            None => row.time_s,
+            Some(axis) => row.moving.iter().find(|m| m.0 == axis)?.1 / size,
+        };
+        let point = FittedPoint {
+            at,
+            direction: if row.direction < 0.0 { -1 } else { 1 },
+            misfit: row.misfit,
+            fitted: row.fitted,
+            u: row.u,
+        };
+        let side = i8::from(over.is_some() && row.direction < 0.0);
+        Some((point, side))
+    };
+    let mut points: Vec<(FittedPoint, i8)> = rows.filter_map(point).collect();
     points.sort_by(|(a, of_a), (b, of_b)| of_a.cmp(of_b).then(a.at.total_cmp(&b.at)));
     points
 }
@@ -166,6 +193,7 @@ fn thinned(points: &[(FittedPoint, i8)]) -> Vec<FittedPoint> {
             direction: part[0].0.direction,
             misfit: mean_of(|point| point.misfit),
             fitted: mean_of(|point| point.fitted),
+            u: (mean_of(|point| point.u * point.u) / part.len() as f64).sqrt(),
         }
     };
     parts.map(mean).collect()
@@ -205,6 +233,7 @@ mod tests {
                 direction,
                 misfit: fitted + 0.1,
                 fitted,
+                u: 0.2,
             };
             let whole = effect(time_s, q, direction);
             [row(0, 0.1 * whole), row(1, whole)]
@@ -246,10 +275,37 @@ mod tests {
             direction: 1.0,
             misfit: f64::from(k),
             fitted: 1.0,
+            u: 2.0,
         });
         let rows: Vec<Row> = rows.collect();
         let fitted = Fitted::new(&rows, |_| String::new(), &scene()).unwrap();
         assert!(fitted.points.len() <= MOST_POINTS);
         assert!(fitted.points.iter().all(|p| (p.at - p.misfit).abs() < 1e-9));
+        // 42 readings each, but for the last.
+        let u = 2.0 / 42_f64.sqrt();
+        assert!(fitted.points[..238].iter().all(|p| (p.u - u).abs() < 1e-9));
+    }
+
+    #[test]
+    fn coordinates_that_show_an_effect_stand_beside_the_largest() {
+        let rows = (0..60_u32).map(|k| Row {
+            group: k as usize % 3,
+            time_s: f64::from(k / 3),
+            moving: Vec::new(),
+            direction: 1.0,
+            misfit: 0.0,
+            // Along z ten times as much as along x, and nothing along y.
+            fitted: f64::from(k / 3) * [0.1, 0.0, 1.0][k as usize % 3],
+            u: 1.0,
+        });
+        let rows: Vec<Row> = rows.collect();
+        let name = |k: usize| ["x", "y", "z"][k].to_owned();
+        let fitted = Fitted::of_coordinates(&rows, 3, name, &scene()).unwrap();
+        assert_eq!(fitted.of, "z");
+        let [x] = fitted.beside.as_slice() else {
+            panic!("{:?}", fitted.beside);
+        };
+        assert_eq!((x.of.as_str(), x.points.len()), ("x", 20));
+        assert!((x.points[19].fitted - 1.9).abs() < 1e-12);
     }
 }

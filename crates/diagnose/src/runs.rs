@@ -6,6 +6,7 @@
 //! the whole calibration ([`trueaxis_calibrate::Responses::of_runs_to`]): the runs of other axes, which tell
 //! how the base stands, see the effect as well.
 
+mod fitted;
 mod hypotheses;
 mod search;
 
@@ -16,6 +17,7 @@ use trueaxis_leastsquares::chi_squared_upper_tail;
 use trueaxis_poses::EffectsOnLengths;
 
 use crate::engine::{Judged, Listed, with_uncertainties};
+use crate::runs::fitted::fitted;
 use crate::runs::hypotheses::{candidates, unseen};
 use crate::runs::search::{rivals, search};
 use crate::said::{Entry, Said};
@@ -167,7 +169,10 @@ fn compared(
         on_lengths.taken_out(&effects_mm)
     });
     let causes = judged.iter().zip(effects);
-    let causes = causes.map(|(judged, effect)| cause(scene, on_lengths, &listed, judged, effect));
+    let causes = causes.map(|(judged, effect)| Cause {
+        fitted: fitted(scene, comparisons, judged),
+        ..cause(scene, on_lengths, &listed, judged, effect)
+    });
     let entry = Entry {
         causes: causes.collect(),
         disturbances: Vec::new(),

@@ -99,6 +99,12 @@ impl Format {
                 found: found.to_owned(),
                 expected: format!("an object in braces: {}", self.noun),
             },
+            // A table, or another text.
+            _ if error.line() == 1 && error.column() <= 2 && message.starts_with("expected") => {
+                DocumentProblem::Syntax {
+                    problem: "it does not begin with a brace: is this the right file?".to_owned(),
+                }
+            }
             _ => DocumentProblem::Syntax { problem: message },
         };
         DocumentError { place, problem }
@@ -224,6 +230,10 @@ mod tests {
         ] {
             let start = r#"{"format": "trueaxis-campaign", "version": 1, "#;
             assert_eq!(refusal(&format!("{start}{rest}}}")).to_string(), expected);
+        }
+        for table in ["time_s,station\n", "x,y\n", "# points\n"] {
+            let refused = refusal(table).to_string();
+            assert!(refused.contains("is this the right file?"), "{refused}");
         }
     }
 }

@@ -62,4 +62,4 @@ pub use rounding::{round, significant};
 pub use schema::nullable_text;
 pub use sha256::sha256;
 pub use unique_keys::unique_keys;
-pub use whole::{write_whole, write_whole_by};
+pub use whole::{write_derived, write_whole, write_whole_by};

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::diagnosis::{Cause, CurvePoint, Diagnosis, Fitted, Level, MisfitAt, Parameter};
 use crate::disturbances::DisturbanceView;
-use crate::fitted_figure::fitted_figure;
+use crate::fitted_figure::fitted_figures;
 use crate::numbers::{decimals, fixed, rough, signed};
 use crate::page::Figure;
 use crate::svg::Drawing;
@@ -44,8 +44,9 @@ struct CauseView {
     rivals: Vec<String>,
     changes: String,
     explained: Option<String>,
-    figure: Option<Figure>,
-    /// Whether its figure has both sides of approach.
+    /// One for each coordinate in which it shows.
+    figures: Vec<Figure>,
+    /// Whether its figures have both sides of approach.
     has_sides: bool,
 }
 
@@ -79,7 +80,7 @@ impl DiagnosisSection {
             .levels
             .iter()
             .flat_map(|level| level.bar.iter().chain(&level.places));
-        let levels = levels.chain(self.causes.iter().flat_map(|cause| &cause.figure));
+        let levels = levels.chain(self.causes.iter().flat_map(|cause| &cause.figures));
         levels.chain(self.disturbances.iter().flat_map(DisturbanceView::figures))
     }
 }
@@ -106,10 +107,7 @@ fn level_view(k: usize, level: &Level, diagnosis: &Diagnosis) -> LevelView {
 }
 
 fn of_level<'a>(diagnosis: &'a Diagnosis, level: &'a Level) -> impl Iterator<Item = &'a Cause> {
-    diagnosis
-        .causes
-        .iter()
-        .filter(|cause| cause.level == level.level)
+    diagnosis.causes.iter().filter(|cause| cause.is_in(level))
 }
 
 /// Name, share and class of each part of the misfit; they add up to 1.
@@ -257,10 +255,11 @@ fn cause(index: usize, cause: &Cause) -> CauseView {
         rivals: rivals.collect(),
         changes: changes(cause),
         explained: cause.explained_rms_um.map(rough),
-        figure: cause
+        figures: cause
             .fitted
             .as_ref()
-            .and_then(|of| fitted_figure(index + 1, cause.is_of_curve(), of)),
+            .map(|of| fitted_figures(index + 1, cause.is_of_curve(), of))
+            .unwrap_or_default(),
         has_sides: cause.fitted.as_ref().is_some_and(Fitted::has_sides),
     }
 }

@@ -15,11 +15,22 @@ pub(crate) struct Diagnosis {
     pub(crate) levels: Vec<Level>,
 }
 
+impl Diagnosis {
+    /// Whether verification readings alone were judged.
+    pub(crate) fn is_of_readings(&self) -> bool {
+        let is_verification = |level: &Level| level.level == "verification";
+        !self.levels.is_empty() && self.levels.iter().all(is_verification)
+    }
+}
+
 #[derive(Debug, Deserialize)]
 pub(crate) struct Cause {
     pub(crate) effect: String,
     #[serde(default)]
     pub(crate) level: String,
+    /// Which data of the level show it.
+    #[serde(default)]
+    pub(crate) data: Vec<String>,
     #[serde(default)]
     pub(crate) subject: Map<String, Value>,
     #[serde(default)]
@@ -38,6 +49,11 @@ impl Cause {
     pub(crate) fn is_of_curve(&self) -> bool {
         self.level == "components"
     }
+
+    /// Whether it has a share of the misfit of a level; each verification is one.
+    pub(crate) fn is_in(&self, level: &Level) -> bool {
+        self.level == level.level && (self.data.is_empty() || self.data.contains(&level.data))
+    }
 }
 
 /// The misfit without a cause and what it explains of it, reading by reading.
@@ -51,8 +67,12 @@ pub(crate) struct Fitted {
     pub(crate) direction: Vec<i8>,
     pub(crate) misfit_um: Option<Vec<f64>>,
     pub(crate) fitted_um: Option<Vec<f64>>,
+    pub(crate) u_um: Option<Vec<f64>>,
     pub(crate) misfit_arcsec: Option<Vec<f64>>,
     pub(crate) fitted_arcsec: Option<Vec<f64>>,
+    pub(crate) u_arcsec: Option<Vec<f64>>,
+    /// The other coordinates of the same readings in which the cause shows.
+    pub(crate) beside: Vec<Self>,
 }
 
 impl Fitted {
@@ -145,6 +165,8 @@ pub(crate) struct Level {
     pub(crate) level: String,
     pub(crate) data: String,
     pub(crate) noise_floor_um: Option<f64>,
+    pub(crate) before: Option<Misfit>,
+    pub(crate) after: Option<Misfit>,
     pub(crate) shares: Shares,
     pub(crate) places: Vec<MisfitAt>,
 }
@@ -153,8 +175,15 @@ impl Level {
     /// Whether something is in the model that takes misfit away.
     pub(crate) fn is_explained(&self) -> bool {
         let differs = |place: &MisfitAt| place.before_um.total_cmp(&place.after_um).is_ne();
-        self.places.iter().any(differs)
+        self.places.iter().any(differs) || self.before != self.after
     }
+}
+
+/// What a model leaves.
+#[derive(Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub(crate) struct Misfit {
+    pub(crate) rms_um: Option<f64>,
 }
 
 /// Parts of the sum of squares; they add up to 1.

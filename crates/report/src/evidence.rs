@@ -96,6 +96,19 @@ fn of_used(residuals: &Residuals) -> Scale {
     Scale::new(-half, half, 5)
 }
 
+/// Dashed lines between which 95 % of the residuals lie where noise alone is left; of the median length.
+fn draw_noise(plot: &mut Plot, residuals: &Residuals, from: f64, to: f64) {
+    let used = residuals.rows.iter().filter(|row| row.used);
+    let u = used.map(|row| (row.residual_um / row.standardized).abs());
+    let mut u: Vec<f64> = u.filter(|u| u.is_finite()).collect();
+    u.sort_by(f64::total_cmp);
+    if let Some(u) = u.get(u.len() / 2) {
+        for edge in [-1.96 * u, 1.96 * u] {
+            plot.line("rule", &[[from, edge], [to, edge]]);
+        }
+    }
+}
+
 fn in_time(residuals: &Residuals, every: usize) -> Figure {
     let [from, to] = range(residuals.rows.iter().map(|row| row.time_s));
     let frame = Frame {
@@ -106,7 +119,8 @@ fn in_time(residuals: &Residuals, every: usize) -> Figure {
     };
     let y = of_used(residuals);
     let half = y.high;
-    let mut plot = Plot::new(&frame, Scale::new(from.max(0.0).min(to), to, 8), y);
+    let from = from.max(0.0).min(to);
+    let mut plot = Plot::new(&frame, Scale::new(from, to, 8), y);
     let at = |row: &Row| [row.time_s, row.residual_um.clamp(-half, half)];
     for station in 0..residuals.stations.len() {
         let of_station =
@@ -118,6 +132,7 @@ fn in_time(residuals: &Residuals, every: usize) -> Figure {
     }
     let removed = residuals.rows.iter().filter(|row| !row.used);
     plot.dots("out", removed.map(at));
+    draw_noise(&mut plot, residuals, from, to);
     let far = residuals
         .rows
         .iter()
@@ -310,6 +325,7 @@ fn over_position(
             of_station.map(|(_, point)| *point),
         );
     }
+    draw_noise(&mut plot, residuals, from, to);
     Some(Figure::new(&format!("residuals-{name}"), plot.finish()))
 }
 
@@ -321,7 +337,8 @@ fn redundancy(residuals: &Residuals) -> Option<Redundancy> {
         .collect();
     numbers.sort_by(f64::total_cmp);
     Some(Redundancy {
-        least: fixed(*numbers.first()?, 2),
+        // Of lengths with common noise it may be below zero: nothing of an error shows.
+        least: fixed(numbers.first()?.max(0.0), 2),
         median: fixed(*numbers.get(numbers.len() / 2)?, 2),
         hardly_checked: numbers.iter().filter(|r| **r < HARDLY).count(),
     })

@@ -74,6 +74,9 @@ fn render(template: &str, page: &Page<'_>) -> Result<String, minijinja::Error> {
         crate::numbers::fixed(value, decimals)
     });
     environment.add_filter("rough", crate::numbers::rough);
+    environment.add_filter("sentence", |text: Option<String>| {
+        crate::words::sentence(&text.unwrap_or_default())
+    });
     environment.add_filter("probability", crate::numbers::probability);
     environment.add_template("report.html", template)?;
     environment.get_template("report.html")?.render(Serde(page))

@@ -50,6 +50,16 @@ impl Verdict {
                 "The residuals agree with the model and the noise; hidden causes were not sought (trueaxis diagnose).",
             ),
         };
+        if calibration.is_none() && diagnosis.is_some_and(Diagnosis::is_of_readings) {
+            (level, sentence) = match level {
+                "good" => (level, "Nothing in the readings contradicts the model."),
+                "bad" => (
+                    level,
+                    "The readings hold more than noise: read the causes before you use them.",
+                ),
+                _ => (level, "The readings could not be judged."),
+            };
+        }
         let mut reasons = contradictions;
         reasons.extend(diagnosed.map(|(_, said)| said));
         let verified = verification.and_then(Verification::is_misfit);

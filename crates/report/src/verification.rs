@@ -176,7 +176,7 @@ fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> 
         title: "",
         x_label: &match is_place {
             true => format!("{axis} in {}", unit.trim()),
-            false => "point".to_owned(),
+            false => "number of the reading".to_owned(),
         },
         y_label: match entry.kind.as_str() {
             "ballbar" => "change of the bar in µm",

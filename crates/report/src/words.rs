@@ -100,3 +100,10 @@ pub(crate) fn unit(unit: &str) -> &str {
         other => other,
     }
 }
+
+/// With a capital.
+pub(crate) fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().into_iter().flat_map(char::to_uppercase);
+    first.chain(letters).collect()
+}

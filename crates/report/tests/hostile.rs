@@ -29,11 +29,31 @@ fn write(folder: &Path, name: &dyn Fn(usize) -> String, number: &Value) {
             "action": name(16), "parameters": [ { "name": name(17), "value": number, "u": number, "unit": name(18) } ],
             "component_change": { name(19): { "max_um": number } },
             "fitted": { "of": name(23), "against": name(3), "unit": name(18), "at": [0.0, number], "direction": [1],
-                "misfit_um": [number, 1.0, 2.0], "fitted_um": [1.0, number] } } ],
+                "misfit_um": [number, 1.0, 2.0], "fitted_um": [1.0, number], "u_um": [number],
+                "beside": [ { "of": name(24), "against": name(3), "unit": name(18), "at": [0.0, number], "misfit_arcsec": [number],
+                    "fitted_arcsec": [number], "u_arcsec": [1.0] } ] },
+            "data": [name(20)], "layer": name(25), "consequence": name(26), "separate_by": name(27),
+            "cannot_tell_apart_from": [ { "effect": name(28), "subject": { "target": name(6) }, "delta_bic": number } ],
+            "follows": { "column": name(29), "plausible": false } },
+            { "effect": name(14), "level": "components", "subject": { "axis": name(3) }, "cause": name(15), "consequence": name(26),
+            "action": name(16), "separate_by": name(27), "data": [name(20)] } ],
+        "disturbances": [ { "subject": { "station": name(5) }, "varies_with": [name(30)], "rms_um": number,
+            "correlation_length": { "value": number, "unit": name(18) },
+            "curve": [ { "at": [number], "value_um": [number, 1.0], "u_um": [1.0, number] }, { "at": [1.0], "value_um": [1.0], "u_um": [] } ] } ],
+        "unexplained": { "rms_um": number, "varies_with": [name(30)], "note": name(31) },
+        "rejected": [ { "file": name(32), "row": 2, "error_um": number, "u_um": number, "reason": name(4) } ],
+        "not_observable": [ { "effect": name(14), "subject": name(33), "reason": name(34), "measure": name(35) } ],
         "levels": [ { "level": "lengths", "data": name(20), "noise_floor_um": 1.0, "before": { "rms_um": 2.0 },
             "after": { "rms_um": 1.5 }, "places": [ { "by": "station", "name": name(5), "before_um": number, "after_um": 1.0 } ] } ],
         "notices": [name(21)],
     });
+    let verification = json!({
+        "format": "trueaxis-verification", "version": 1, "calibration": name(0), "expected_above_one": number,
+        "verification": [ { "name": name(36), "kind": name(37),
+            "points": [ { "at": { name(3): number }, "direction": 1, "readings": 5, "reading_um": number, "predicted_um": 1.0,
+                "compensated_um": number, "u_prediction_um": number, "u_reading_um": 1.0, "e_n": number } ],
+            "iso_230_4": { name(38): number } } ] });
+    std::fs::write(folder.join("verification.json"), verification.to_string()).unwrap();
     std::fs::write(folder.join("calibration.json"), calibration.to_string()).unwrap();
     std::fs::write(folder.join("diagnosis.json"), diagnosis.to_string()).unwrap();
     let quoted = |k| format!("\"{}\"", name(k).replace('"', "\"\""));
@@ -154,6 +174,10 @@ fn any_number_is_shown() {
     let folder = tempfile::tempdir().unwrap();
     let empty = r#"{ "format": "trueaxis-calibration", "version": 1 }"#;
     std::fs::write(folder.path().join("calibration.json"), empty).unwrap();
+    report(folder.path(), &Settings::default()).unwrap();
+    let empty = r#"{ "format": "trueaxis-diagnosis", "version": 1, "causes": [ { "effect": "", "fitted": {} } ], "levels": [ {} ],
+        "disturbances": [ {} ], "not_observable": [ {} ] }"#;
+    std::fs::write(folder.path().join("diagnosis.json"), empty).unwrap();
     report(folder.path(), &Settings::default()).unwrap();
 }
 

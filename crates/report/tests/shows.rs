@@ -30,7 +30,9 @@ fn diagnosis(verdict: &str) -> Value {
     let cause = json!({ "effect": "backlash", "level": "lengths", "subject": { "axis": "X" }, "layer": "machine",
         "p_value": 1e-9, "parameters": [ { "name": "lost_motion", "value": 3.743, "u": 0.257, "unit": "um" } ],
         "fitted": { "of": "lengths from S1 to P", "against": "X", "unit": "mm", "at": [0.0, 200.0, 0.0, 200.0],
-            "direction": [1, 1, -1, -1], "misfit_um": [2.0, 1.7, -1.6, -1.9], "fitted_um": [1.8, 1.8, -1.8, -1.8] } });
+            "direction": [1, 1, -1, -1], "misfit_um": [2.0, 1.7, -1.6, -1.9], "fitted_um": [1.8, 1.8, -1.8, -1.8],
+            "u_um": [0.3, 0.3, 0.3, 0.3], "beside": [ { "of": "lengths from S1 to Q", "against": "X", "unit": "mm", "at": [0.0],
+            "direction": [1], "misfit_um": [0.4], "fitted_um": [0.5] } ] } });
     let causes = if verdict == "named" {
         vec![cause]
     } else {
@@ -110,7 +112,8 @@ fn the_verdict_follows_residuals_and_diagnosis() {
             "verdict bad",
             "backlash of axis X",
             "lost motion +3.74 ± 0.51\u{a0}µm",
-            "X = 200.0 mm: −1.90, cause −1.80 µm",
+            "X = 200.0 mm: −1.90 ± 0.60, cause −1.80 µm",
+            "X = 0.0 mm: +0.40, cause +0.50 µm",
             "orange dashed: backward",
         ],
     );
@@ -118,6 +121,27 @@ fn the_verdict_follows_residuals_and_diagnosis() {
         &of(&contradicted, Some("clean")),
         &["verdict bad", "1.02 times what the declared noise explains"],
     );
+}
+
+/// Each verification has causes of its own in its bar; without a calibration nothing is said of one.
+#[test]
+fn readings_alone_have_their_own_verdict_and_causes() {
+    let cause = |effect: &str, data: &str| json!({ "effect": effect, "level": "verification", "data": [data] });
+    let level = |data: &str| json!({ "level": "verification", "data": data, "shares": { "causes": [0.7], "disturbances": [], "unexplained": 0.1, "noise": 0.2 } });
+    let named = json!({ "format": "trueaxis-diagnosis", "version": 1, "campaign": "bars", "verdict": "named",
+        "causes": [cause("scale_error", "bar A"), cause("backlash", "bar B")], "levels": [level("bar A"), level("bar B")] });
+    let folder = tempfile::tempdir().unwrap();
+    let shown = page(folder.path(), &[("diagnosis.json", &named)]);
+    has(
+        &shown,
+        &[
+            "aria-label=\"scale error 70 %, unexplained 10 %, noise 20 %\"",
+            "aria-label=\"backlash 70 %, unexplained 10 %, noise 20 %\"",
+            "verdict bad",
+            "The readings hold more than noise",
+        ],
+    );
+    assert!(!shown.contains("rigid machine model"));
 }
 
 #[test]
@@ -206,7 +230,10 @@ fn readings_stand_beside_their_prediction() {
         ("calibration.json", &calibration()),
         ("verification.json", &verification),
     ];
-    has(&page(folder.path(), &files), &[">point</text>"]);
+    has(
+        &page(folder.path(), &files),
+        &[">number of the reading</text>"],
+    );
     // A reading that contradicts the prediction is no clean bill; alone, the file makes a page of its own.
     verification["verification"][0]["e_n"]["misfit"] = json!(true);
     let files = [

@@ -1,7 +1,9 @@
 //! Runs of one axis that contradict each other because another axis stood elsewhere: the coupling is named.
 
 use rayon::prelude::*;
-use trueaxis_diagnose::{Cause, Diagnosis, EstimatedParameter, Settings, Verdict, diagnose};
+use trueaxis_diagnose::{
+    Against, Cause, Diagnosis, EstimatedParameter, FittedPoint, Settings, Verdict, diagnose,
+};
 use trueaxis_kinematics::Component;
 use trueaxis_simulate::{Scenario, simulate};
 
@@ -44,6 +46,22 @@ fn along_z(cause: &Cause) -> Option<&EstimatedParameter> {
     cause.parameters.get(place).filter(|_| is_coupling)
 }
 
+/// Its figure is the straightness of the second run along Y: the misfit follows the effect, and noise is left.
+fn shows_its_effect(cause: &Cause) -> bool {
+    let Some(fitted) = &cause.fitted else {
+        return false;
+    };
+    let points = &fitted.points;
+    let sum = |f: fn(&FittedPoint) -> f64| points.iter().map(f).sum::<f64>();
+    let slope = sum(|p| p.misfit * p.fitted) / sum(|p| p.fitted * p.fitted);
+    let left = sum(|p| ((p.misfit - p.fitted) / p.u).powi(2)) / points.len() as f64;
+    fitted.of.starts_with("EZY of run y")
+        && fitted.against == Against::Position("Y".to_owned(), "mm")
+        && points.len() == 21
+        && (slope - 1.0).abs() < 0.2
+        && left < 2.0
+}
+
 fn count(corner_um: f64, seeds: std::ops::Range<u64>) -> Count {
     let scenario = scenario(corner_um);
     let truth = corner_um / (0.44 * 0.4);
@@ -78,6 +96,7 @@ fn count(corner_um: f64, seeds: std::ops::Range<u64>) -> Count {
         // Without the coupling the runs agree.
         let calibration = diagnosis.calibration.as_ref().unwrap();
         count.agree += usize::from(calibration.axis("Y").unwrap().runs.is_none());
+        assert!(shows_its_effect(cause), "{:?}", cause.fitted);
         count.alone += usize::from(diagnosis.verdict == Verdict::Named);
         let inside = |p: &EstimatedParameter| (p.value - truth).abs() <= 1.96 * p.u;
         count.inside += usize::from(along_z(cause).is_some_and(inside));

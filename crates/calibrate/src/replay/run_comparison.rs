@@ -11,13 +11,16 @@
 //! which the runs may have in common or of their own whatever happens.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use trueaxis_campaign::Direction;
 use trueaxis_poses::PoseNoise;
 
 use crate::calibrate::found;
+use crate::identify::axis_data::Record;
 use crate::identify::state::State;
 use crate::propagate::dependence::Dependence;
 use crate::propagate::propagation::Noise;
 use crate::replay::{Replay, Responses};
+use crate::result::interpolation::Node;
 
 /// The runs of one axis at the positions that they share.
 pub struct RunComparison {
@@ -31,6 +34,8 @@ pub struct RunComparison {
     pub base: Vec<Vec<f64>>,
     /// Standard deviation of the position of one record, mean over the records and directions, mm.
     pub sigma_mm: f64,
+    /// What was compared, in the order of the observations.
+    pub poses: Vec<ComparedPose>,
     /// Its records among those of its axis.
     records: Vec<usize>,
     /// Place among the axes of the calibration.
@@ -38,6 +43,17 @@ pub struct RunComparison {
     factor: Cholesky<f64, Dyn>,
     /// Unit of each observation: mm and rad of one axis differ by orders of magnitude.
     units: DVector<f64>,
+}
+
+/// One record of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ComparedPose {
+    /// Index into [`RunComparison::runs`].
+    pub run: usize,
+    /// Position of the axis, mm or rad.
+    pub position: f64,
+    /// Side of approach, where the two are kept apart.
+    pub direction: Option<Direction>,
 }
 
 /// Records that are compared at most: of more, evenly spaced positions are as telling, and the work grows with
@@ -108,6 +124,15 @@ impl Responses<'_> {
 }
 
 impl RunComparison {
+    /// Weights with which whitened values add up to component `component` (δ in mm, ε in rad) of pose `pose`: a row of
+    /// the factor of `V`.
+    pub fn weights(&self, pose: usize, component: usize) -> Vec<f64> {
+        let row = 6 * pose + component;
+        let factor = self.factor.l_dirty().row(row);
+        let up_to_own = (0..self.units.len()).map(|k| if k <= row { factor[k] } else { 0.0 });
+        up_to_own.map(|weight| weight * self.units[row]).collect()
+    }
+
     fn whitened(&self, errors: &DVector<f64>) -> Vec<f64> {
         let mut scaled = errors.component_div(&self.units);
         self.factor
@@ -169,6 +194,18 @@ fn comparison(
     let sigma_mm = of_position.sum::<f64>() / (rows / 2) as f64;
 
     let errors = context.pose_errors(&identified.state, k);
+    let of_record = |i: usize| {
+        let Record { run, node, .. } = data.records[i];
+        let Node {
+            position,
+            direction,
+        } = data.nodes[node];
+        ComparedPose {
+            run,
+            position,
+            direction,
+        }
+    };
     let mut comparison = RunComparison {
         axis: data.axis,
         runs: data
@@ -179,6 +216,7 @@ fn comparison(
         observations: Vec::new(),
         base: Vec::new(),
         sigma_mm,
+        poses: records.iter().map(|&i| of_record(i)).collect(),
         data: k,
         factor: Cholesky::new(scaled)?,
         units,

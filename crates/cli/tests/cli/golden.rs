@@ -1,4 +1,4 @@
-//! The tables on the terminal, line by line as users see them.
+//! The tables on the terminal and the schemas of results, line by line as users see them.
 //!
 //! They are kept in `golden/`. After a change that is meant, `GOLDEN=write cargo test -p trueaxis-cli golden` writes them
 //! anew; look at the difference before it is committed.
@@ -53,4 +53,26 @@ fn golden_tables() {
         "diagnose-fxyz-lines.txt",
         &said(&["diagnose", &lines, "--out", "c"]),
     );
+}
+
+/// Those of campaigns and scenarios are shipped.
+#[test]
+fn golden_schemas() {
+    let folder = tempfile::tempdir().unwrap();
+    for document in [
+        "effects",
+        "calibration",
+        "diagnosis",
+        "verification",
+        "volume",
+        "comparison",
+        "montecarlo",
+        "check",
+        "truth",
+        "error",
+    ] {
+        let outcome = run(folder.path(), &["schema", document]);
+        outcome.assert_good();
+        assert_golden(&format!("{document}.schema.json"), &outcome.stdout);
+    }
 }

@@ -111,6 +111,7 @@ fn fitted(set: &CurveSet, effect: &[f64], scene: &Scene) -> Option<Fitted> {
             direction,
             misfit,
             fitted,
+            u: set.covariance[(i, i)].max(0.0).sqrt(),
         }
     };
     let rows: Vec<Row> = values.enumerate().map(row).collect();

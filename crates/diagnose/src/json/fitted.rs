@@ -21,10 +21,18 @@ pub(super) struct FittedFile<'a> {
     misfit_um: Option<Vec<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     fitted_um: Option<Vec<f64>>,
+    /// Standard deviation that noise alone gives the misfit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    u_um: Option<Vec<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     misfit_arcsec: Option<Vec<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     fitted_arcsec: Option<Vec<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    u_arcsec: Option<Vec<f64>>,
+    /// The other coordinates of the same readings in which the cause shows.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    beside: Vec<Self>,
 }
 
 impl<'a> FittedFile<'a> {
@@ -45,8 +53,11 @@ impl<'a> FittedFile<'a> {
             direction: points().map(|point| point.direction).collect(),
             misfit_um: of(false, |point| point.misfit),
             fitted_um: of(false, |point| point.fitted),
+            u_um: of(false, |point| point.u),
             misfit_arcsec: of(true, |point| point.misfit),
             fitted_arcsec: of(true, |point| point.fitted),
+            u_arcsec: of(true, |point| point.u),
+            beside: fitted.beside.iter().map(Self::new).collect(),
         }
     }
 }

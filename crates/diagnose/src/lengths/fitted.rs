@@ -7,6 +7,7 @@ use crate::engine::Suspect;
 use crate::fitted::{Fitted, Row};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
+use crate::lengths::noise_floor::mean_noise_um;
 
 /// Of one station and target: `rest` is what all causes and what wanders leave, `current` the model with all causes. The
 /// other causes stay as they were fitted with this one.
@@ -21,6 +22,7 @@ pub(crate) fn fitted(
     let others: Vec<Suspect> = others.cloned().collect();
     let without = base.adjust_given(others, current.network.noise).ok()?;
     let targets = base.scene.targets.len();
+    let noise_um = mean_noise_um(base, current);
     let row = |(i, reading): (usize, &LengthCircumstances)| {
         let LengthCircumstances {
             time_s,
@@ -43,6 +45,7 @@ pub(crate) fn fitted(
             },
             misfit: 1e3 * rest.solution.residuals_mm[i] + fitted,
             fitted,
+            u: noise_um,
         }
     };
     let rows: Vec<Row> = base.readings.iter().enumerate().map(row).collect();

@@ -146,6 +146,12 @@ impl<'a> Base<'a> {
         self.rows_from_instrument * v
     }
 
+    /// From the directions of the rows to the reference frame.
+    pub(crate) fn reference_from_rows(&self) -> Matrix3<f64> {
+        let turn = self.instrument_from_datum.rotation.to_rotation_matrix();
+        (self.rows_from_instrument * turn.matrix()).transpose()
+    }
+
     /// The circumstances of a point.
     fn at(&self, i: usize) -> Circumstances<'_> {
         let reading = &self.readings.all[i];

@@ -1,12 +1,15 @@
 //! The misfit of the points without a cause, and what the cause explains of it.
 
+use nalgebra::Vector3;
+use trueaxis_kinematics::MICROMETRE;
+
 use crate::Error;
 use crate::engine::{Measured, Suspect};
 use crate::fitted::{Fitted, Row};
 use crate::points::base::Base;
 use crate::points::model::Model;
 
-/// Of one coordinate of one target, weighted with the noise.
+/// Of the coordinates of one target in the reference frame.
 pub(crate) fn fitted(
     base: &Base<'_>,
     model: &Model,
@@ -15,24 +18,42 @@ pub(crate) fn fitted(
     let others = model.suspects.iter();
     let others = others.filter(|s| !s.hypothesis.is(&suspect.hypothesis));
     let without = base.refit_near(model, others.cloned().collect())?;
-    let noise_um = model.noise.mean_um(&base.readings);
-    let residuals = without.projection.residuals.iter();
-    let residuals = residuals.zip(&model.projection.residuals).enumerate();
-    let row = |(i, (misfit, left)): (usize, (&f64, &f64))| {
-        let reading = &base.readings.all[i / 3];
-        let positions = &base.campaign.steps[reading.step].positions;
-        let moving = reading.axis.map(|axis| (axis, positions[axis]));
-        Row {
-            group: 3 * reading.target + i % 3,
-            time_s: reading.time_s,
-            moving: moving.into_iter().collect(),
-            direction: reading.side,
-            misfit: noise_um * misfit,
-            fitted: noise_um * (misfit - left),
-        }
+    let reference_from_rows = base.reference_from_rows();
+    let in_mm = |model: &Model| {
+        let mut residuals = model.projection.residuals.clone();
+        model.noise.colour(&base.readings, &mut residuals);
+        residuals
     };
-    let rows: Vec<Row> = residuals.map(row).collect();
-    let target = |group: usize| &base.scene.targets[group / 3].name;
-    let name = |group: usize| format!("a coordinate of target {}", target(group));
-    Ok(Fitted::new(&rows, name, base.scene))
+    let (misfits_mm, left_mm) = (in_mm(&without), in_mm(model));
+    let rows = base
+        .readings
+        .all
+        .iter()
+        .enumerate()
+        .flat_map(|(i, reading)| {
+            let in_um = |all_mm: &[f64]| {
+                let of_point = Vector3::from_column_slice(&all_mm[3 * i..3 * i + 3]);
+                reference_from_rows * of_point / MICROMETRE
+            };
+            let (misfit, left) = (in_um(&misfits_mm), in_um(&left_mm));
+            let variances = Vector3::from(model.noise.variances_mm2(reading));
+            let squares = reference_from_rows.component_mul(&reference_from_rows) * variances;
+            let positions = &base.campaign.steps[reading.step].positions;
+            let moving = reading.axis.map(|axis| (axis, positions[axis]));
+            (0..3).map(move |k| Row {
+                group: 3 * reading.target + k,
+                time_s: reading.time_s,
+                moving: moving.into_iter().collect(),
+                direction: reading.side,
+                misfit: misfit[k],
+                fitted: misfit[k] - left[k],
+                u: squares[k].sqrt() / MICROMETRE,
+            })
+        });
+    let rows: Vec<Row> = rows.collect();
+    let name = |group: usize| {
+        let target = &base.scene.targets[group / 3].name;
+        format!("{} of target {target}", ["x", "y", "z"][group % 3])
+    };
+    Ok(Fitted::of_coordinates(&rows, 3, name, base.scene))
 }

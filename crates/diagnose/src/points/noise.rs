@@ -27,12 +27,8 @@ impl Noise {
 
     /// The same for the points of one stop.
     pub(crate) fn whiten_stop(&self, points: &[Reading], rows: &mut [f64], weight: f64) {
-        let is_on_bed = points.first().is_some_and(|r| r.pose.is_none());
         for direction in 0..3 {
-            let return_mm = match is_on_bed {
-                true => 0.0,
-                false => self.return_mm[direction],
-            };
+            let return_mm = self.return_of_mm(points, direction);
             let unit = |k: usize| points[k].weight * self.own_mm[direction];
             let squares = (0..points.len()).map(|k| (return_mm / unit(k)).powi(2));
             let squares: f64 = squares.sum();
@@ -51,6 +47,44 @@ impl Noise {
                 rows[3 * k + direction] -= goes * common * return_mm / unit(k);
             }
         }
+    }
+
+    /// Takes the whitening of coordinates of full weight back, `C^½`: mm.
+    pub(crate) fn colour(&self, readings: &Readings, column: &mut [f64]) {
+        for stop in &readings.stops {
+            let points = &readings.all[stop.clone()];
+            let rows = &mut column[3 * stop.start..3 * stop.end];
+            for direction in 0..3 {
+                let return_mm = self.return_of_mm(points, direction);
+                let unit = |k: usize| points[k].weight * self.own_mm[direction];
+                let relative = |k: usize| return_mm / unit(k);
+                let squares: f64 = (0..points.len()).map(|k| relative(k).powi(2)).sum();
+                let comes = match squares > 0.0 {
+                    true => ((1.0 + squares).sqrt() - 1.0) / squares,
+                    false => 0.0,
+                };
+                let along = |k: usize| rows[3 * k + direction] * relative(k);
+                let common: f64 = (0..points.len()).map(along).sum();
+                for k in 0..points.len() {
+                    let row = &mut rows[3 * k + direction];
+                    *row = unit(k) * (*row + comes * common * relative(k));
+                }
+            }
+        }
+    }
+
+    /// Repeatability along a direction for the points of a stop; targets on the bed have none.
+    fn return_of_mm(&self, points: &[Reading], direction: usize) -> f64 {
+        match points.first() {
+            Some(reading) if reading.pose.is_none() => 0.0,
+            _ => self.return_mm[direction],
+        }
+    }
+
+    /// Variance of a point along each direction, mm².
+    pub(crate) fn variances_mm2(&self, reading: &Reading) -> [f64; 3] {
+        let repeatability = |k: usize| reading.pose.map_or(0.0, |_| self.return_mm[k].powi(2));
+        std::array::from_fn(|k| (reading.weight * self.own_mm[k]).powi(2) + repeatability(k))
     }
 
     /// Standard deviation of a coordinate, mean over the points, µm.

@@ -91,6 +91,7 @@ fn fitted(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fit: &Fit) -> Op
             direction: arrival.direction,
             misfit: problem.sigma_um * misfit[i],
             fitted: problem.sigma_um * fit.explained[i],
+            u: problem.sigma_um,
         }
     };
     let rows: Vec<Row> = arrivals.map(row).collect();

@@ -1,5 +1,6 @@
 //! Points campaigns: every effect of the level, clean ones, gross errors, and what cannot be judged.
 
+use nalgebra::Vector3;
 use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose};
 use trueaxis_effects::{Level, ResolvedEffect};
 
@@ -252,6 +253,43 @@ fn targets_on_the_bed_tell_twins_apart() {
             assert_eq!(cause.effect.effect.id, id, "{}", counts::summary(&found));
         }
     }
+}
+
+/// The figure of a cause has each coordinate in the reference frame, the misfit follows the effect in each, and what is
+/// left is noise as stated.
+#[test]
+fn a_cause_is_drawn_in_each_coordinate() {
+    let plan = Plan {
+        bed: true,
+        ..Plan::THREE_AXES
+    };
+    let hidden = Hidden::draw("machine_shift", 4.0, &plan, &mut generator(5, 3));
+    let truth = hidden.vector;
+    let found = diagnose(&made(&plan, &[hidden], 5), &without_curves()).unwrap();
+    let fitted = found.causes[0].fitted.as_ref().unwrap();
+    let mut jump = Vector3::zeros();
+    for of in fitted.beside.iter().chain([fitted]) {
+        let values = |is_late: bool| {
+            let points = of.points.iter().enumerate();
+            points.filter(move |(k, _)| (*k > of.points.len() / 2) == is_late)
+        };
+        let mean = |is_late| {
+            let (sum, count) = values(is_late).fold((0.0, 0.0), |(sum, count), (_, p)| {
+                (sum + p.fitted, count + 1.0)
+            });
+            sum / count
+        };
+        let coordinate = ["x", "y", "z"].iter().position(|c| of.of.starts_with(c));
+        jump[coordinate.unwrap()] = mean(true) - mean(false);
+        let left = of
+            .points
+            .iter()
+            .map(|p| ((p.misfit - p.fitted) / p.u).powi(2));
+        let rms = (left.sum::<f64>() / of.points.len() as f64).sqrt();
+        // Poses and shapes take a part of the noise.
+        assert!((0.5..1.1).contains(&rms), "{}: {rms}", of.of);
+    }
+    assert!(jump.normalize().dot(&truth) > 0.99, "{jump:?} {truth:?}");
 }
 
 /// Two troubles of different things come out together.
