@@ -46,7 +46,7 @@ use trueaxis_kinematics::{Ideal, Machine};
 use crate::components::diagnose_line_curve;
 use crate::engine::{Chosen, Omnibus, without};
 use crate::said::{Entry, Said};
-use crate::selection::{Part, Projection};
+use crate::selection::{Part, Projection, add};
 use crate::verification::arrivals::is_same;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
@@ -252,7 +252,11 @@ fn judge_entry(plain: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> En
     let chosen: Vec<Chosen> = ranked.into_iter().map(|(_, cause)| cause).collect();
     let after = problem.listed.with(&chosen);
     let tests_after = omnibus::omnibus(problem, &families, &after);
-    let causes = report::causes(problem, scene, &chosen, &after, &folds);
+    let mut course = vec![0.0; before.rows()];
+    for own in &wandering {
+        add(&mut course, &wandered::course(problem, own, &after), 1.0);
+    }
+    let causes = report::causes(problem, scene, &chosen, (before, &after), &course, &folds);
     let unexplained = unexplained(problem, &after, &tests_after, level);
     let of_causes = chosen.iter().map(std::slice::from_ref);
     let of_causes = of_causes.map(|cause| Part::Free(problem.listed.columns(cause)));

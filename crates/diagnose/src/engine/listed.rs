@@ -67,6 +67,11 @@ impl Candidate {
         self.hypothesis.resolved(values.to_vec(), shape)
     }
 
+    /// Whether it follows many courses: one in time, or a free function of the position.
+    pub(crate) fn is_of_any_form(&self) -> bool {
+        self.hypothesis.is_of_time() || self.is_free
+    }
+
     /// The columns at the nearest shape.
     pub(crate) fn columns(&self, shape: f64) -> &[Vec<f64>] {
         let distance = |k: &usize| (self.shapes[*k] - shape).abs();

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use trueaxis_effects::Level;
 use trueaxis_leastsquares::half_waves;
 
-use crate::selection::{Projection, dot, f_test, gram_of};
+use crate::selection::{Fit, Projection, dot, f_test, gram_of};
 use crate::{OmnibusTest, Unexplained};
 
 /// Family-wise level of the omnibus tests of lengths or points: with that of the causes, 0.7 % of clean campaigns of
@@ -140,7 +140,7 @@ pub(crate) fn still_left<'a>(
     own.collect()
 }
 
-/// What is left in columns, times the part of a cause's trace that lies in them, in squares of that trace,
+/// What is left in columns, times the part of a cause's effect that lies in them, in squares of that effect,
 /// from which the cause is taken for an imitation. A cause that fits leaves noise, far less than it took.
 const TOO_MUCH_LEFT: f64 = 0.25;
 
@@ -148,11 +148,11 @@ const TOO_MUCH_LEFT: f64 = 0.25;
 /// are named only if they take 95 %. And of a free function of the position, which fits many things.
 const TOO_MUCH_OF_ANY_FORM: f64 = 1.0 / 19.0;
 
-/// Whether a cause with this trace in the base model merely takes a part of what is left in the same columns: a wrong
+/// Whether a cause that fits so in the base model merely takes a part of what is left in the same columns: a wrong
 /// name takes a part of an unknown disturbance and leaves the rest. `left` are families with the squares left in them.
 pub(crate) fn is_imitation(
     base: &Projection,
-    trace: &[f64],
+    fit: &Fit,
     is_of_any_form: bool,
     left: &[(&Family, f64)],
 ) -> bool {
@@ -160,14 +160,14 @@ pub(crate) fn is_imitation(
         true => TOO_MUCH_OF_ANY_FORM,
         false => TOO_MUCH_LEFT,
     };
-    let squares = dot(trace, trace);
-    left.iter()
-        .any(|(family, left)| part_within(base, &family.columns, trace) * left > too_much * squares)
+    left.iter().any(|(family, left)| {
+        part_within(base, &family.columns, fit) * left > too_much * fit.drop()
+    })
 }
 
-/// Part of the squares of a trace that lies in columns, both after the projection.
-fn part_within(base: &Projection, columns: &[Vec<f64>], trace: &[f64]) -> f64 {
-    let mut rest = trace.to_vec();
+/// Part of the squares of an effect that lies in columns, both after the projection.
+fn part_within(base: &Projection, columns: &[Vec<f64>], fit: &Fit) -> f64 {
+    let mut rest = fit.effect.clone();
     base.extended(columns).project(&mut rest);
-    1.0 - dot(&rest, &rest) / dot(trace, trace).max(f64::MIN_POSITIVE)
+    1.0 - dot(&fit.effect, &rest) / fit.drop().max(f64::MIN_POSITIVE)
 }

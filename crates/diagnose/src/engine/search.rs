@@ -251,9 +251,8 @@ fn refined<D: Measured>(
 ) -> (Suspect, Fit) {
     let columns = data.columns(without);
     let at = |shape: f64| Fit::new(D::projection(without), &columns(&suspect.hypothesis, shape));
-    let explained = |fit: &Fit| fit.explained.iter().map(|x| x * x).sum::<f64>();
     let is_close = |low: f64, high: f64| high - low <= REFINED * ends[1];
-    let shape = golden_section(ends, is_close, |shape| explained(&at(shape)));
+    let shape = golden_section(ends, is_close, |shape| at(shape).drop());
     let fit = at(shape);
     let refined = Suspect::new(suspect.hypothesis, (shape, suspect.u_shape), &fit);
     (refined, fit)

@@ -26,8 +26,8 @@ pub(crate) fn correlation_lengths(stops: usize) -> Vec<f64> {
 /// A process as likely as can be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Smooth {
-    /// ℓ, as a part of the range of its argument.
-    pub(crate) length: f64,
+    /// Which of the spectra.
+    pub(crate) spectrum: usize,
     /// w, in standard deviations of the noise times the unit of the columns.
     pub(crate) width: f64,
     /// Twice the logarithm of its marginal likelihood ratio.
@@ -37,12 +37,12 @@ pub(crate) struct Smooth {
 }
 
 impl Smooth {
-    /// Of whitened columns whose coefficients have the standard deviations `roots(ℓ)`, for some ℓ; none if the data do not show it.
+    /// Of whitened columns whose coefficients have the standard deviations of one of some spectra, equally likely beforehand; none if the
+    /// data do not show it.
     pub(crate) fn new(
         projection: &Projection,
         columns: &[Vec<f64>],
-        lengths: &[f64],
-        roots: impl Fn(f64) -> Vec<f64>,
+        spectra: &[Vec<f64>],
     ) -> Option<Self> {
         let n = columns.len();
         let matrix = gram_matrix(projection, columns);
@@ -54,25 +54,24 @@ impl Smooth {
             .map(|c| scale * dot(c, &projection.residuals));
         let along: Vec<f64> = along.collect();
         let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
-        let fits = lengths.iter().map(|&length| {
-            let roots = roots(length);
+        let fits = spectra.iter().enumerate().map(|(spectrum, roots)| {
             let scaled: Vec<f64> = (0..n * n)
                 .map(|ij| matrix[ij] * roots[ij / n] * roots[ij % n])
                 .collect();
-            let before: Vec<f64> = before.iter().zip(&roots).map(|(b, r)| b * r * r).collect();
-            let s: Vec<f64> = along.iter().zip(&roots).map(|(s, r)| s * r).collect();
+            let before: Vec<f64> = before.iter().zip(roots).map(|(b, r)| b * r * r).collect();
+            let s: Vec<f64> = along.iter().zip(roots).map(|(s, r)| s * r).collect();
             let gram = Gram::new(&scaled, &before);
             let (variance, ratio) = gram.restricted_likelihood(&s, dof);
-            (length, variance, ratio)
+            (spectrum, variance, ratio)
         });
-        let fits: Vec<(f64, f64, f64)> = fits.collect();
-        let &(length, variance, ratio) = fits.iter().max_by(|a, b| a.2.total_cmp(&b.2))?;
+        let fits: Vec<(usize, f64, f64)> = fits.collect();
+        let &(spectrum, variance, ratio) = fits.iter().max_by(|a, b| a.2.total_cmp(&b.2))?;
         if variance <= 0.0 {
             return None;
         }
-        let evidences: Vec<(f64, f64)> = fits.iter().map(|fit| (fit.0, fit.2)).collect();
+        let evidences: Vec<(f64, f64)> = fits.iter().map(|fit| (fit.0 as f64, fit.2)).collect();
         Some(Self {
-            length,
+            spectrum,
             width: variance.sqrt(),
             evidence: marginal_of(&evidences, fits.len()).2,
             p_value: 0.5 * chi_squared_upper_tail(ratio, 1.0).max(f64::MIN_POSITIVE),

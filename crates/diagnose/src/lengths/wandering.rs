@@ -129,12 +129,15 @@ fn judge(
     columns
         .iter_mut()
         .for_each(|column| adjusted.whitened.whiten(column));
-    let roots = |length| wanderer.roots_of_spectrum(base, length);
-    let smooth = Smooth::new(projection, &columns, &wanderer.lengths(base), roots)?;
+    let lengths = wanderer.lengths(base);
+    let spectra = lengths
+        .iter()
+        .map(|length| wanderer.roots_of_spectrum(base, *length));
+    let smooth = Smooth::new(projection, &columns, &spectra.collect::<Vec<_>>())?;
     Some(Judged {
         disturbance: Disturbance {
             wanderer,
-            length: smooth.length,
+            length: lengths[smooth.spectrum],
             width: smooth.width,
         },
         evidence: smooth.evidence - 2.0 * (wanderer.of_kind(base) as f64).ln(),

@@ -163,8 +163,8 @@ impl Believed {
                     hypothesis, shape, ..
                 } = &cause.suspect;
                 let columns = base.columns(&model)(hypothesis, *shape);
-                let trace = Fit::new(&model.bare, &columns).explained;
-                is_imitation(&model.bare, &trace, hypothesis.is_of_time(), &left)
+                let fit = Fit::new(&model.bare, &columns);
+                is_imitation(&model.bare, &fit, hypothesis.is_of_time(), &left)
             };
             // What was found beside an imitation goes with it.
             let first = found.iter().position(is_one);

@@ -17,6 +17,8 @@ pub(crate) struct Fit {
     pub(crate) covariance: Vec<f64>,
     /// Whether the data see all of each parameter.
     pub(crate) seen: Vec<bool>,
+    /// `X θ`.
+    pub(crate) effect: Vec<f64>,
     /// `M X θ`: what it explains of the residuals.
     pub(crate) explained: Vec<f64>,
 }
@@ -30,17 +32,24 @@ impl Fit {
             .map(|c| dot(c, &projection.residuals))
             .collect();
         let estimates = gram.estimates(&s);
-        let mut explained = vec![0.0; projection.rows()];
+        let mut effect = vec![0.0; projection.rows()];
         for (column, estimate) in columns.iter().zip(&estimates) {
-            add(&mut explained, column, *estimate);
+            add(&mut effect, column, *estimate);
         }
+        let mut explained = effect.clone();
         projection.project(&mut explained);
         Self {
             covariance: gram.covariance(),
             seen: gram.seen(),
             estimates,
+            effect,
             explained,
         }
+    }
+
+    /// The drop of the sum of squares.
+    pub(crate) fn drop(&self) -> f64 {
+        dot(&self.effect, &self.explained)
     }
 
     /// Some of its parameters.
@@ -51,6 +60,7 @@ impl Fit {
             estimates: self.estimates[own.clone()].to_vec(),
             covariance: pairs.map(|(i, k)| self.covariance[i * width + k]).collect(),
             seen: self.seen[own].to_vec(),
+            effect: Vec::new(),
             explained: Vec::new(),
         }
     }
@@ -70,9 +80,9 @@ impl Fit {
 
 /// Cosine between what two hypotheses explain.
 pub(crate) fn cosine(a: &Fit, b: &Fit) -> f64 {
-    let lengths = dot(&a.explained, &a.explained) * dot(&b.explained, &b.explained);
+    let lengths = a.drop() * b.drop();
     if lengths > 0.0 {
-        dot(&a.explained, &b.explained) / lengths.sqrt()
+        dot(&a.effect, &b.explained) / lengths.sqrt()
     } else {
         0.0
     }

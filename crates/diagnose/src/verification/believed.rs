@@ -25,7 +25,7 @@ pub(crate) fn with_gain(problem: &Problem<'_>, causes: &mut Vec<Chosen>, folds: 
     }
 }
 
-/// Drops causes whose trace lies where structure is left.
+/// Drops causes whose effect lies where structure is left.
 pub(crate) fn without_imitations(
     problem: &Problem<'_>,
     causes: &mut Vec<Chosen>,
@@ -33,9 +33,8 @@ pub(crate) fn without_imitations(
 ) {
     causes.retain(|cause| {
         let columns = problem.listed.columns(std::slice::from_ref(cause));
-        let trace = Fit::new(&problem.listed.base, &columns).explained;
+        let fit = Fit::new(&problem.listed.base, &columns);
         let candidate = &problem.listed.candidates[cause.candidate];
-        let is_of_any_form = candidate.hypothesis.is_of_time() || candidate.is_free;
-        !is_imitation(&problem.listed.base, &trace, is_of_any_form, left)
+        !is_imitation(&problem.listed.base, &fit, candidate.is_of_any_form(), left)
     });
 }

@@ -26,6 +26,8 @@ pub(crate) struct Comparison<'a> {
     pub(crate) points: Vec<MeasuredPoint>,
     /// Whether times are those of a clock, s; otherwise they count readings.
     pub(crate) timed: bool,
+    /// For each reading the number of its pass: readings of one cycle in one direction that follow each other.
+    pub(crate) passes: Vec<usize>,
     /// First and last position of [`Comparison::axis`], mm or rad.
     pub(crate) range: [f64; 2],
     /// Axes that have more than one position in the readings.
@@ -57,9 +59,14 @@ impl<'a> Comparison<'a> {
             let at = |arrival: &Arrival| arrival.positions[axis];
             arrivals.iter().any(|a| !is_same(at(a), at(&arrivals[0])))
         });
+        let of_pass =
+            |a: &Arrival, b: &Arrival| a.cycle == b.cycle && is_same(a.direction, b.direction);
+        let passes = arrivals.chunk_by(of_pass).enumerate();
+        let passes = passes.flat_map(|(number, pass)| std::iter::repeat_n(number, pass.len()));
         let mut comparison = Self {
             machine,
             kind,
+            passes: passes.collect(),
             range: [0.0; 2],
             difference_um: difference.collect(),
             points: points.collect(),

@@ -45,13 +45,23 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>, look: &Look<'_>) -> Model<'a> {
         true => Vec::new(),
         false => wandering(plain, &[]),
     };
-    let beside = match of_causes.causes.is_empty() || is_complete {
-        true => Vec::new(),
-        false => wandering(plain, &of_causes.causes),
-    };
     let mut models = Vec::new();
-    if !beside.is_empty() {
-        models.push(with_causes(plain, beside, look));
+    if !is_complete {
+        // A form of few parameters that leaves much of what wanders may be right; one of any form imitates it.
+        let mut suspects = search(&plain.listed, &[], look.level);
+        let mut holding = suspects.clone();
+        without_imitations(plain, &mut holding, look);
+        suspects.retain(|cause| {
+            let is_of_any_form = plain.listed.candidates[cause.candidate].is_of_any_form();
+            !is_of_any_form || holding.contains(cause)
+        });
+        models.extend(beside(plain, suspects, look));
+        if models
+            .iter()
+            .all(|m| !is_same(&m.causes, &of_causes.causes))
+        {
+            models.extend(beside(plain, of_causes.causes.clone(), look));
+        }
     }
     // Where causes explain all, what wanders must do it alone to be better.
     let explains = |m: &Model<'_>| !m.causes.is_empty() && !is_left(m, look);
@@ -59,7 +69,7 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>, look: &Look<'_>) -> Model<'a> {
     if !alone.is_empty() {
         models.push(only(plain, alone.clone()));
         if !is_explained {
-            models.push(with_causes(plain, alone, look));
+            models.extend(with_causes(plain, alone, look));
         }
     }
     // The first of those that are as good.
@@ -94,16 +104,38 @@ fn only<'a>(plain: &Problem<'a>, wandering: Vec<Wandering>) -> Model<'a> {
     }
 }
 
-/// Causes beside what wanders, what wanders beside those, and the causes once more.
-fn with_causes<'a>(plain: &Problem<'a>, first: Vec<Wandering>, look: &Look<'_>) -> Model<'a> {
-    let model = only(plain, first);
-    let found = causes(&model.problem, look);
-    if found.is_empty() {
-        return only(plain, wandering(plain, &[]));
+/// Causes with what wanders beside them, without those that are not significant there or imitate what is left; none if
+/// nothing wanders.
+fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>, look: &Look<'_>) -> Option<Model<'a>> {
+    loop {
+        let found = causes.len();
+        let mut model = only(plain, wandering(plain, &causes));
+        if causes.is_empty() || model.wandering.is_empty() {
+            return None;
+        }
+        drop_superfluous(&model.problem.listed, &mut causes, look.level);
+        without_imitations(&model.problem, &mut causes, look);
+        if causes.len() == found {
+            model.causes = causes;
+            return Some(model);
+        }
     }
-    let mut model = only(plain, wandering(plain, &found));
-    model.causes = causes(&model.problem, look);
-    model
+}
+
+/// The causes that are found where something wanders, with what wanders beside them.
+fn with_causes<'a>(
+    plain: &Problem<'a>,
+    first: Vec<Wandering>,
+    look: &Look<'_>,
+) -> Option<Model<'a>> {
+    let found = causes(&plain.beside(&first), look);
+    beside(plain, found, look)
+}
+
+/// Whether two models have the same causes.
+fn is_same(first: &[Chosen], second: &[Chosen]) -> bool {
+    let numbers = |causes: &[Chosen]| causes.iter().map(|c| c.candidate).collect::<Vec<_>>();
+    numbers(first) == numbers(second)
 }
 
 /// Whether a test finds anything that the model leaves.
@@ -116,22 +148,18 @@ fn is_left(model: &Model<'_>, look: &Look<'_>) -> bool {
 /// Causes that hold on unused readings, structure beside them that they do not merely imitate. What does not hold
 /// gives its place to the next.
 fn causes(problem: &Problem<'_>, look: &Look<'_>) -> Vec<Chosen> {
-    let Look {
-        families,
-        folds,
-        level,
-    } = *look;
+    let Look { folds, level, .. } = *look;
     let listed = &problem.listed;
     let mut excluded: Vec<usize> = Vec::new();
     for _ in 0..MOST_TRIES {
         let mut chosen = search(listed, &excluded, level);
         let first: Vec<usize> = chosen.iter().map(|c| c.candidate).collect();
-        believed::with_gain(problem, &mut chosen, folds);
-        let left = omnibus(problem, families, &listed.with(&chosen));
+        // Beside what wanders the neighbours of a reading predict it with a cause and without.
+        if !problem.wanders {
+            believed::with_gain(problem, &mut chosen, folds);
+        }
         let found = chosen.len();
-        let squares = |t: &Omnibus| t.drop - t.test.columns as f64;
-        let left = still_left(families, &left, level, squares);
-        believed::without_imitations(problem, &mut chosen, &left);
+        without_imitations(problem, &mut chosen, look);
         if chosen.len() < found {
             drop_superfluous(listed, &mut chosen, level);
         }
@@ -147,6 +175,14 @@ fn causes(problem: &Problem<'_>, look: &Look<'_>) -> Vec<Chosen> {
     Vec::new()
 }
 
+/// Drops causes that merely imitate what is left.
+fn without_imitations(problem: &Problem<'_>, causes: &mut Vec<Chosen>, look: &Look<'_>) {
+    let left = omnibus(problem, look.families, &problem.listed.with(causes));
+    let squares = |t: &Omnibus| t.drop - t.test.columns as f64;
+    let left = still_left(look.families, &left, look.level, squares);
+    believed::without_imitations(problem, causes, &left);
+}
+
 /// Twice the logarithm of the marginal likelihood ratio against the model without anything, less what names cost.
 fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
     let mut sum = 0.0;
@@ -154,7 +190,7 @@ fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
     for own in &model.wandering {
         let (next, ln_price) = projection.beside(&own.columns(plain));
         let ratio = (next.squares() / projection.squares()).max(f64::MIN_POSITIVE);
-        let tried = own.wanderer.lengths(plain.comparison).len();
+        let tried = own.wanderer.spectra(plain.comparison).len();
         sum -= projection.degrees_of_freedom * ratio.ln() + ln_price + 2.0 * (tried as f64).ln();
         projection = next;
     }

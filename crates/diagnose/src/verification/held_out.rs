@@ -26,7 +26,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use crate::Gain;
 use crate::engine::{Chosen, FOLDS, resampled_ratios, without};
 use crate::selection::Projection;
-use crate::verification::arrivals::{Arrival, is_same};
+use crate::verification::arrivals::is_same;
 use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;
 
@@ -55,11 +55,9 @@ pub(crate) fn folds(comparison: &Comparison<'_>) -> Vec<usize> {
 
 /// Each pass cut into parts, numbered.
 fn blocks(comparison: &Comparison<'_>, parts: usize) -> Vec<usize> {
-    let of_pass =
-        |a: &Arrival, b: &Arrival| a.cycle == b.cycle && is_same(a.direction, b.direction);
     let mut numbers = Vec::new();
-    for (pass, arrivals) in comparison.arrivals.chunk_by(of_pass).enumerate() {
-        let count = arrivals.len();
+    for (pass, rows) in comparison.passes.chunk_by(|a, b| a == b).enumerate() {
+        let count = rows.len();
         numbers.extend((0..count).map(|i| pass * parts + i * parts / count));
     }
     numbers

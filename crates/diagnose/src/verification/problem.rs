@@ -22,6 +22,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) comparison: &'a Comparison<'a>,
     /// Whether the prediction is that of a calibration.
     pub(crate) calibrated: bool,
+    /// Whether something that wanders is in the covariance.
+    pub(crate) wanders: bool,
     /// Standard deviation of an arrival that the rows are divided by, µm.
     pub(crate) sigma_um: f64,
     /// The part of its variance that the last digit of the readings has.
@@ -62,6 +64,7 @@ impl<'a> Problem<'a> {
             as_predicted,
             comparison,
             calibrated: given.calibrated,
+            wanders: false,
             sigma_um,
             least_variance: (given.resolution_um / sigma_um).powi(2),
             listed: Listed {
@@ -81,6 +84,7 @@ impl<'a> Problem<'a> {
         };
         Self {
             as_predicted: with(&self.as_predicted),
+            wanders: !columns.is_empty(),
             listed: Listed {
                 base: with(&self.listed.base),
                 candidates: self.listed.candidates.clone(),

@@ -4,7 +4,7 @@ use trueaxis_effects::{Level, Scene};
 
 use crate::engine::{Chosen, Judged, Listed, places as places_by, side, with_uncertainties};
 use crate::fitted::{Against, Fitted, Row};
-use crate::selection::{Fit, Projection, cosine, is_rival};
+use crate::selection::{Fit, Projection, add, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
 use crate::verification::held_out::gain_of;
 use crate::verification::lost_motion::curve;
@@ -19,17 +19,29 @@ pub(crate) fn rms_of_readings_um(problem: &Problem<'_>, column: &[f64]) -> f64 {
     problem.sigma_um * (squares / readings.len() as f64).sqrt()
 }
 
-/// The causes with their values, rivals and gains.
+/// The causes with their values, rivals and gains. `base` is the model without anything, `wandered` what wanders, whitened.
 pub(crate) fn causes(
     problem: &Problem<'_>,
     scene: &Scene,
     chosen: &[Chosen],
-    after: &Projection,
+    (base, after): (&Projection, &Projection),
+    wandered: &[f64],
     folds: &[usize],
 ) -> Vec<Cause> {
     let joint = Fit::new(&problem.listed.base, &problem.listed.columns(chosen));
     let variance =
         (after.squares() / after.degrees_of_freedom.max(1.0)).max(problem.least_variance);
+    // What the causes and what wanders leave.
+    let mut rest: Vec<f64> = joint
+        .effect
+        .iter()
+        .zip(wandered)
+        .map(|(a, b)| a + b)
+        .collect();
+    base.project(&mut rest);
+    for (rest, residual) in rest.iter_mut().zip(&base.residuals) {
+        *rest = residual - *rest;
+    }
     let mut first = 0;
     let mut causes = Vec::new();
     for (k, cause) in chosen.iter().enumerate() {
@@ -57,6 +69,12 @@ pub(crate) fn causes(
                 parameter.unit = "readings";
             }
         }
+        let mut fitted = vec![0.0; base.rows()];
+        for (column, estimate) in columns.iter().zip(&all.estimates) {
+            add(&mut fitted, column, *estimate);
+        }
+        base.project(&mut fitted);
+        let misfit: Vec<f64> = rest.iter().zip(&fitted).map(|(a, b)| a + b).collect();
         let gain = gain_of(problem, chosen, k, folds);
         let effect = candidate.resolved(&own.estimates, cause.shape);
         let curve = match candidate.is_free {
@@ -66,19 +84,19 @@ pub(crate) fn causes(
         causes.push(Cause {
             p_value: judged.p_value,
             delta_bic: judged.score.bic,
-            explained_rms_um: rms_of_readings_um(problem, &judged.fit.explained),
+            explained_rms_um: rms_of_readings_um(problem, &fitted),
             heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
             rivals: rivals(&problem.listed, &chosen[k..=k], &judged),
             curve,
-            fitted: fitted(problem, scene, &judged.beside.model.residuals, &judged.fit),
+            fitted: shown(problem, scene, &misfit, &fitted),
             ..Cause::of(Level::Verification, effect, parameters, covariance)
         });
     }
     causes
 }
 
-/// The misfit without a cause, which leaves `misfit`, and what its fit explains.
-fn fitted(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fit: &Fit) -> Option<Fitted> {
+/// The misfit without a cause, and what its fit explains.
+fn shown(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fitted: &[f64]) -> Option<Fitted> {
     let arrivals = problem.comparison.arrivals.iter().enumerate();
     let row = |(i, arrival): (usize, &Arrival)| {
         let moving = problem.comparison.moving.iter();
@@ -90,7 +108,7 @@ fn fitted(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fit: &Fit) -> Op
                 .collect(),
             direction: arrival.direction,
             misfit: problem.sigma_um * misfit[i],
-            fitted: problem.sigma_um * fit.explained[i],
+            fitted: problem.sigma_um * fitted[i],
             u: problem.sigma_um,
         }
     };

@@ -2,6 +2,8 @@
 //!
 //! Over its argument `x`, 0 to 1, each coordinate is a process with Matérn's covariance in half waves
 //! ([`matern_roots`]), as in the lengths, but without its mean: the base model takes that, or it is an effect of the catalogue.
+//! Rows without a clock do not say how long the machine paused between two passes, in which what drifts goes on: each pass then
+//! has an offset of its own beside.
 //!
 //! | who | what moves | with | coordinates | where |
 //! | --- | --- | --- | --- | --- |
@@ -24,6 +26,25 @@ use crate::verification::comparison::Comparison;
 
 /// Half waves of each coordinate.
 const WAVES: u32 = 12;
+
+/// Standard deviations that are tried of what changes between two passes without a clock, in those of the smooth course:
+/// pauses about as long as passes, and much longer ones.
+const BETWEEN_PASSES: [f64; 2] = [0.5, 5.0];
+
+/// Stops of a pass, on average, below which an offset for each would be noise.
+const LEAST_STOPS: usize = 3;
+
+/// Points of a smooth curve.
+const POINTS: u32 = 33;
+
+/// How it changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Spectrum {
+    /// ℓ, as a part of the range of the argument.
+    pub(crate) length: f64,
+    /// Standard deviation of the offset of a pass, in those of the smooth course.
+    between_passes: f64,
+}
 
 /// What wanders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,23 +129,32 @@ impl Wanderer {
         }
     }
 
-    /// `cos(πx), cos(2πx), ...`.
-    pub(crate) fn basis(x: f64) -> Vec<f64> {
-        half_waves(x, WAVES).collect()
+    /// Passes between which it may change by more than it does within: where no clock shows how long the pauses are.
+    fn passes(self, comparison: &Comparison<'_>) -> usize {
+        let count = comparison.passes.last().map_or(0, |last| last + 1);
+        let has_stops = LEAST_STOPS * count <= comparison.arrivals.len();
+        match self.is_of_time() && !comparison.timed && has_stops {
+            true => count,
+            false => 0,
+        }
+    }
+
+    /// What each coefficient of a coordinate is multiplied by at an argument: `cos(πx), cos(2πx), ...`, and where pauses
+    /// are unknown one for the pass.
+    fn basis(self, comparison: &Comparison<'_>, x: f64, pass: usize) -> Vec<f64> {
+        let of_pass = (0..self.passes(comparison)).map(|k| f64::from(u8::from(k == pass)));
+        half_waves(x, WAVES).chain(of_pass).collect()
     }
 
     /// What a unit of each coefficient does to the readings, coordinate after coordinate.
     pub(crate) fn columns(self, comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
-        let rows = comparison
-            .arrivals
-            .iter()
-            .enumerate()
-            .map(|(row, arrival)| {
-                let basis = Self::basis(self.argument(comparison, arrival));
-                let seen = self.seen(comparison, row);
-                let products = seen.iter().flat_map(|x| basis.iter().map(move |b| x * b));
-                products.collect::<Vec<f64>>()
-            });
+        let rows = comparison.arrivals.iter().zip(&comparison.passes);
+        let rows = rows.enumerate().map(|(row, (arrival, &pass))| {
+            let basis = self.basis(comparison, self.argument(comparison, arrival), pass);
+            let seen = self.seen(comparison, row);
+            let products = seen.iter().flat_map(|x| basis.iter().map(move |b| x * b));
+            products.collect::<Vec<f64>>()
+        });
         let rows: Vec<Vec<f64>> = rows.collect();
         let count = rows.first().map_or(0, Vec::len);
         (0..count)
@@ -132,18 +162,49 @@ impl Wanderer {
             .collect()
     }
 
-    /// `S_k^½` for each column.
-    pub(crate) fn roots(self, comparison: &Comparison<'_>, length: f64) -> Vec<f64> {
-        let coordinates = self.seen(comparison, 0).len();
-        matern_roots(length, WAVES)[1..].repeat(coordinates)
+    /// Standard deviations of the coefficients of one coordinate, `S_k^½` of the waves.
+    pub(crate) fn roots(self, comparison: &Comparison<'_>, spectrum: &Spectrum) -> Vec<f64> {
+        let mut roots = matern_roots(spectrum.length, WAVES)[1..].to_vec();
+        let of_passes = std::iter::repeat_n(spectrum.between_passes, self.passes(comparison));
+        roots.extend(of_passes);
+        roots
     }
 
-    /// Correlation lengths that are tried: over a line as many stops as it has positions.
-    pub(crate) fn lengths(self, comparison: &Comparison<'_>) -> Vec<f64> {
-        correlation_lengths(match self.is_of_time() {
+    /// Where its curve is shown, in the unit of its argument, with the basis there.
+    pub(crate) fn shown(self, comparison: &Comparison<'_>) -> Vec<(f64, Vec<f64>)> {
+        let ([first, last], _) = self.range(comparison);
+        if self.passes(comparison) > 0 {
+            let arrivals = comparison.arrivals.iter().zip(&comparison.passes);
+            let at = |(arrival, &pass): (&Arrival, &usize)| {
+                let basis = self.basis(comparison, arrival.progress, pass);
+                (arrival.time_s, basis)
+            };
+            return arrivals.map(at).collect();
+        }
+        let at = |k: u32| {
+            let x = f64::from(k) / f64::from(POINTS - 1);
+            (first + x * (last - first), self.basis(comparison, x, 0))
+        };
+        (0..POINTS).map(at).collect()
+    }
+
+    /// Spectra that are tried: over a line as many stops as it has positions.
+    pub(crate) fn spectra(self, comparison: &Comparison<'_>) -> Vec<Spectrum> {
+        let lengths = correlation_lengths(match self.is_of_time() {
             true => comparison.arrivals.len(),
             false => places(comparison).iter().max().map_or(0, |last| last + 1),
-        })
+        });
+        let between = match self.passes(comparison) {
+            0 => &BETWEEN_PASSES[..1],
+            _ => &BETWEEN_PASSES,
+        };
+        let of_length = |length| {
+            between.iter().map(move |&between_passes| Spectrum {
+                length,
+                between_passes,
+            })
+        };
+        lengths.into_iter().flat_map(of_length).collect()
     }
 
     /// Range of its argument, and the unit: s, readings, mm or deg.

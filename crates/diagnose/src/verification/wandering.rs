@@ -3,7 +3,7 @@
 use crate::engine::{Chosen, SMOOTH_LEVEL, Smooth};
 use crate::selection::DECISIVE;
 use crate::verification::problem::Problem;
-use crate::verification::wanderer::{Wanderer, wanderers};
+use crate::verification::wanderer::{Spectrum, Wanderer, wanderers};
 
 /// More that wander at once are not told apart.
 const MOST: usize = 2;
@@ -12,8 +12,7 @@ const MOST: usize = 2;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Wandering {
     pub(crate) wanderer: Wanderer,
-    /// ℓ, as a part of the range of the argument.
-    pub(crate) length: f64,
+    pub(crate) spectrum: Spectrum,
     /// w, in standard deviations of an arrival.
     pub(crate) width: f64,
     pub(crate) evidence: f64,
@@ -87,12 +86,15 @@ fn judge(
     let comparison = problem.comparison;
     let columns = wanderer.columns(comparison).into_iter();
     let columns: Vec<Vec<f64>> = columns.map(|c| problem.whiten(&c)).collect();
-    let lengths = wanderer.lengths(comparison);
-    let roots = |length| wanderer.roots(comparison, length);
-    let smooth = Smooth::new(&problem.listed.with(causes), &columns, &lengths, roots)?;
+    let spectra = wanderer.spectra(comparison);
+    let roots = spectra
+        .iter()
+        .map(|s| repeated(&wanderer.roots(comparison, s), columns.len()));
+    let roots: Vec<Vec<f64>> = roots.collect();
+    let smooth = Smooth::new(&problem.listed.with(causes), &columns, &roots)?;
     Some(Wandering {
         wanderer,
-        length: smooth.length,
+        spectrum: spectra[smooth.spectrum],
         width: smooth.width,
         evidence: smooth.evidence,
         p_value: (family as f64 * smooth.p_value).min(1.0),
@@ -100,12 +102,18 @@ fn judge(
     })
 }
 
+/// Those of one coordinate for all of them.
+fn repeated(of_one: &[f64], count: usize) -> Vec<f64> {
+    of_one.iter().copied().cycle().take(count).collect()
+}
+
 impl Wandering {
     /// What a standard deviation beforehand of each coefficient does to the whitened readings.
     pub(crate) fn columns(&self, problem: &Problem<'_>) -> Vec<Vec<f64>> {
-        let columns = self.wanderer.columns(problem.comparison).into_iter();
-        let roots = self.wanderer.roots(problem.comparison, self.length);
-        let scaled = columns.zip(roots).map(|(column, root)| {
+        let columns = self.wanderer.columns(problem.comparison);
+        let roots = self.wanderer.roots(problem.comparison, &self.spectrum);
+        let roots = repeated(&roots, columns.len());
+        let scaled = columns.into_iter().zip(roots).map(|(column, root)| {
             let column = column.iter().map(|x| x * self.width * root);
             problem.whiten(&column.collect::<Vec<f64>>())
         });
