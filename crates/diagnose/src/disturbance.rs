@@ -86,7 +86,7 @@ impl Wandering {
             (_, _, Layer::Machine) => "the machine".to_owned(),
             (_, _, Layer::Setup) => "all tripods".to_owned(),
             (_, _, Layer::Instrument) if self.level == Level::Verification => {
-                "the reading instrument".to_owned()
+                "the zero of the reading instrument".to_owned()
             }
             (_, _, Layer::Instrument) => "the air (scale of the lengths)".to_owned(),
         };

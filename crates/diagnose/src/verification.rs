@@ -147,10 +147,14 @@ fn diagnose_entry(
     }
     let base = base_columns(&comparison, calibration.is_some());
     let Some(resolution_um) = resolution_um(&comparison) else {
-        outcome.notices.push(format!(
-            "{}: all readings are equal; nothing can be said",
-            verification.name
-        ));
+        let why = match comparison.arrivals.len() {
+            0 | 1 => "there are fewer than two stops",
+            _ => "all readings are equal",
+        };
+        let name = &verification.name;
+        outcome
+            .notices
+            .push(format!("{name}: {why}; nothing can be said"));
         return;
     };
     let posed = |sigma_um: f64| {

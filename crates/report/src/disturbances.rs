@@ -20,7 +20,7 @@ impl DisturbanceView {
         let curve = of.curve.as_deref().unwrap_or_default();
         Self {
             name: of.name(),
-            figures: smooth(k, curve, &argument(of)),
+            figures: smooth(k, curve, &argument(of), coordinates(of)),
         }
     }
 
@@ -37,15 +37,27 @@ fn argument(of: &Disturbance) -> String {
     ) {
         ("readings", _) => "number of the reading".to_owned(),
         (_, [time]) if time == "time" => "time in s".to_owned(),
-        (_, with) => format!("{} in mm or °", with.join(" and ")),
+        ("deg", [angle]) if of.subject.is_empty() => format!("{angle} in °"),
+        ("deg", _) => "position in °".to_owned(),
+        _ => "position in mm".to_owned(),
     }
 }
 
 /// What wanders of a station or the machine; lost motion and the scale of the air have one coordinate.
 const COORDINATES: [&str; 4] = ["x", "y", "z", "dead path"];
 
+/// An axis that grows.
+const OF_SCALE: [&str; 2] = ["middle of the line", "length of the line"];
+
+fn coordinates(of: &Disturbance) -> &'static [&'static str] {
+    match of.subject.contains_key("axis") {
+        true => &OF_SCALE,
+        false => &COORDINATES,
+    }
+}
+
 /// The course of a disturbance of one argument, a figure with its 95 % band for each coordinate, all to one scale.
-fn smooth(k: usize, curve: &[CurvePoint], x_label: &str) -> Vec<Figure> {
+fn smooth(k: usize, curve: &[CurvePoint], x_label: &str, names: &[&str]) -> Vec<Figure> {
     let count = curve.first().map_or(0, |point| point.value_um.len());
     if curve.iter().any(|point| point.at.len() != 1) {
         return Vec::new();
@@ -61,7 +73,7 @@ fn smooth(k: usize, curve: &[CurvePoint], x_label: &str) -> Vec<Figure> {
     let bounds = (0..count).flat_map(|c| of(c, -1.0).into_iter().chain(of(c, 1.0)));
     let [low, high] = range(bounds.map(|[_, value]| value));
     let [from, to] = range(curve.iter().map(|point| point.at[0]));
-    let named = COORDINATES.iter().take(count).enumerate();
+    let named = names.iter().take(count).enumerate();
     let figure = |(c, name): (usize, &&str)| {
         let frame = Frame {
             title: if count == 1 { "" } else { name },

@@ -1,7 +1,7 @@
 //! A diagnosis in a dozen lines.
 
 use trueaxis_diagnose::{Cause, Diagnosis, Disturbance, LevelReport, Place, Unexplained, Verdict};
-use trueaxis_effects::{Level, Scene};
+use trueaxis_effects::{Layer, Level, Scene};
 
 use crate::diagnose::layout::labelled;
 use crate::diagnose::{causes, in_words};
@@ -80,7 +80,7 @@ fn wanders(disturbance: &Disturbance, scene: &Scene) -> Vec<String> {
     let mut lines = vec![
         String::new(),
         format!(
-            "{} wanders: {:.2} µm rms, {} of the misfit in squares",
+            "wanders: {}: {:.2} µm rms, {} of the misfit in squares",
             disturbance.whose.in_words(scene),
             disturbance.rms_um,
             in_words::percent(disturbance.share)
@@ -96,7 +96,14 @@ fn wanders(disturbance: &Disturbance, scene: &Scene) -> Vec<String> {
     if !rivals.is_empty() {
         lines.extend(labelled("or", &rivals.join("; ")));
     }
-    lines.extend(labelled("to do", to_do(disturbance.whose.varies_with)));
+    let whose = &disturbance.whose;
+    let to_do = match (whose.layer, whose.subject.axis, whose.varies_with) {
+        (Layer::Machine, Some(_), ["time"]) => {
+            "log the temperature of the axis and of its scale: what grows and shrinks with time is mostly warm"
+        }
+        (.., varies_with) => to_do(varies_with),
+    };
+    lines.extend(labelled("to do", to_do));
     lines
 }
 
@@ -159,9 +166,15 @@ fn off(level: &LevelReport) -> Vec<String> {
         "predicted to {:.2} µm rms, {floor} {:.2} µm",
         level.before.rms_um, level.noise_floor_um
     );
-    if level.unexplained.is_some() || !level.shares.causes.is_empty() {
+    let shares = &level.shares;
+    let found = match (shares.causes.is_empty(), shares.disturbances.is_empty()) {
+        (false, true) => "the causes",
+        (true, false) => "what wanders",
+        _ => "all that was found",
+    };
+    if level.unexplained.is_some() || !shares.causes.is_empty() || !shares.disturbances.is_empty() {
         if level.after.rms_um < level.before.rms_um {
-            text += &format!("; with the causes {:.2} µm", level.after.rms_um);
+            text += &format!("; with {found} {:.2} µm", level.after.rms_um);
         }
         let places = standing_out(level);
         if !places.is_empty() {

@@ -37,7 +37,8 @@ pub(crate) fn chance(above: usize, covariance: DMatrix<f64>, limits: &[f64]) -> 
             .filter(|(d, limit)| d.abs() > **limit);
         beyond.count() >= above
     });
-    as_many.count() as f64 / DRAWS as f64
+    // The reading itself is one more draw (Davison and Hinkley 1997, 4.2).
+    (as_many.count() + 1) as f64 / (DRAWS + 1) as f64
 }
 
 /// `L` with `L Lᵀ` the covariance, which may be singular: Cholesky, the largest variance that is left first.

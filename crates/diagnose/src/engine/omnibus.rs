@@ -161,7 +161,7 @@ pub(crate) fn is_imitation(
         false => TOO_MUCH_LEFT,
     };
     left.iter().any(|(family, left)| {
-        part_within(base, &family.columns, fit) * left > too_much * fit.drop()
+        part_within(base, &family.columns, fit) * left > too_much * fit.gained()
     })
 }
 
@@ -169,5 +169,5 @@ pub(crate) fn is_imitation(
 fn part_within(base: &Projection, columns: &[Vec<f64>], fit: &Fit) -> f64 {
     let mut rest = fit.effect.clone();
     base.extended(columns).project(&mut rest);
-    1.0 - dot(&fit.effect, &rest) / fit.drop().max(f64::MIN_POSITIVE)
+    1.0 - dot(&fit.effect, &rest) / fit.gained().max(f64::MIN_POSITIVE)
 }

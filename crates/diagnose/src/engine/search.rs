@@ -252,7 +252,7 @@ fn refined<D: Measured>(
     let columns = data.columns(without);
     let at = |shape: f64| Fit::new(D::projection(without), &columns(&suspect.hypothesis, shape));
     let is_close = |low: f64, high: f64| high - low <= REFINED * ends[1];
-    let shape = golden_section(ends, is_close, |shape| at(shape).drop());
+    let shape = golden_section(ends, is_close, |shape| at(shape).gained());
     let fit = at(shape);
     let refined = Suspect::new(suspect.hypothesis, (shape, suspect.u_shape), &fit);
     (refined, fit)

@@ -48,7 +48,7 @@ impl Fit {
     }
 
     /// The drop of the sum of squares.
-    pub(crate) fn drop(&self) -> f64 {
+    pub(crate) fn gained(&self) -> f64 {
         dot(&self.effect, &self.explained)
     }
 
@@ -80,7 +80,7 @@ impl Fit {
 
 /// Cosine between what two hypotheses explain.
 pub(crate) fn cosine(a: &Fit, b: &Fit) -> f64 {
-    let lengths = a.drop() * b.drop();
+    let lengths = a.gained() * b.gained();
     if lengths > 0.0 {
         dot(&a.effect, &b.explained) / lengths.sqrt()
     } else {

@@ -7,7 +7,7 @@
 //! share of cause k = max(0, φ_k - columns of k)/S₀      noise = ν/S₀      unexplained = the rest
 //! ```
 //!
-//! A disturbance takes what causes leave: it enters after all of them, with the prior of its coefficients, and counts as
+//! A disturbance takes what causes and stronger disturbances leave: it enters after them, with the prior of its coefficients, and counts as
 //! many columns as the data take of them (`Σ x/(1 + x)`). `ν` are the degrees of freedom that are left. Where no test
 //! finds anything left, the rest is noise.
 
@@ -75,17 +75,14 @@ impl Shares {
             (without.0 - with.0) - (without.1 - with.1)
         };
         let causes = parts.iter().filter(|p| matches!(p, Part::Free(_))).count();
-        let of_causes = (1 << causes) - 1;
-        // Over all orders of its own kind.
         let share = |k: usize| {
-            let (own, before) = match k < causes {
-                true => (of_causes, 0),
-                false => (subsets.len() - 1 - of_causes, of_causes),
-            };
-            let count = own.count_ones() as usize;
-            let without = (0..subsets.len()).filter(|s| s >> k & 1 == 0 && s & !own == before);
+            if k >= causes {
+                // After all causes and the disturbances before it.
+                return (gained((1 << k) - 1, k) / all).max(0.0);
+            }
+            let without = (0..1 << causes).filter(|subset: &usize| subset >> k & 1 == 0);
             let mean: f64 = without
-                .map(|s| gained(s, k) * order_weight((s & own).count_ones(), count))
+                .map(|subset| gained(subset, k) * order_weight(subset.count_ones(), causes))
                 .sum();
             (mean / all).max(0.0)
         };

@@ -28,6 +28,8 @@ pub(crate) struct Comparison<'a> {
     pub(crate) timed: bool,
     /// For each reading the number of its pass: readings of one cycle in one direction that follow each other.
     pub(crate) passes: Vec<usize>,
+    /// Of a ball bar its angle, rad, -π to π.
+    pub(crate) around: Vec<f64>,
     /// First and last position of [`Comparison::axis`], mm or rad.
     pub(crate) range: [f64; 2],
     /// Axes that have more than one position in the readings.
@@ -52,6 +54,7 @@ impl<'a> Comparison<'a> {
         let points = arrivals
             .iter()
             .map(|a| MeasuredPoint::new(machine, kind, &a.positions));
+        let points: Vec<MeasuredPoint> = points.collect();
         let difference = arrivals.iter().map(|a| {
             a.value_um - predicted_reading_um(machine, kind, errors, &a.positions, &a.positions)
         });
@@ -69,7 +72,8 @@ impl<'a> Comparison<'a> {
             passes: passes.collect(),
             range: [0.0; 2],
             difference_um: difference.collect(),
-            points: points.collect(),
+            around: around(&points),
+            points,
             moving: moving.collect(),
             parked_elsewhere: Vec::new(),
             timed: are_timed(&verification.readings),
@@ -161,4 +165,17 @@ impl<'a> Comparison<'a> {
         cycles.dedup();
         cycles
     }
+}
+
+/// Angle of the bar in the plane of its first directions; of a ball on an axis of rotation whose
+/// centre lies on the axis, that of the axis.
+fn around(points: &[MeasuredPoint]) -> Vec<f64> {
+    let first = points.first().map(|p| p.along).unwrap_or_default();
+    let across = points.iter().map(|p| p.along - first * first.dot(&p.along));
+    let second = across
+        .max_by(|a, b| a.norm().total_cmp(&b.norm()))
+        .unwrap_or_default();
+    let second = second.try_normalize(f64::EPSILON).unwrap_or_default();
+    let angle = |along: nalgebra::Vector3<f64>| along.dot(&second).atan2(along.dot(&first));
+    points.iter().map(|p| angle(p.along)).collect()
 }

@@ -47,18 +47,19 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>, look: &Look<'_>) -> Model<'a> {
     };
     let mut models = Vec::new();
     if !is_complete {
-        // A form of few parameters that leaves much of what wanders may be right; one of any form imitates it.
+        // A form of one parameter that leaves much of what wanders may be right; others imitate it.
         let mut suspects = search(&plain.listed, &[], look.level);
         let mut holding = suspects.clone();
         without_imitations(plain, &mut holding, look);
         suspects.retain(|cause| {
-            let is_of_any_form = plain.listed.candidates[cause.candidate].is_of_any_form();
-            !is_of_any_form || holding.contains(cause)
+            let candidate = &plain.listed.candidates[cause.candidate];
+            let is_simple = candidate.plausible.len() == 1 && !candidate.is_of_any_form();
+            is_simple || holding.contains(cause)
         });
         models.extend(beside(plain, suspects, look));
         if models
             .iter()
-            .all(|m| !is_same(&m.causes, &of_causes.causes))
+            .all(|m| !have_same(&m.causes, &of_causes.causes))
         {
             models.extend(beside(plain, of_causes.causes.clone(), look));
         }
@@ -69,6 +70,10 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>, look: &Look<'_>) -> Model<'a> {
     if !alone.is_empty() {
         models.push(only(plain, alone.clone()));
         if !is_explained {
+            // A cause may be what the second one has taken.
+            if let [first, _, ..] = alone.as_slice() {
+                models.extend(with_causes(plain, vec![first.clone()], look));
+            }
             models.extend(with_causes(plain, alone, look));
         }
     }
@@ -133,7 +138,7 @@ fn with_causes<'a>(
 }
 
 /// Whether two models have the same causes.
-fn is_same(first: &[Chosen], second: &[Chosen]) -> bool {
+fn have_same(first: &[Chosen], second: &[Chosen]) -> bool {
     let numbers = |causes: &[Chosen]| causes.iter().map(|c| c.candidate).collect::<Vec<_>>();
     numbers(first) == numbers(second)
 }
@@ -190,7 +195,7 @@ fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
     for own in &model.wandering {
         let (next, ln_price) = projection.beside(&own.columns(plain));
         let ratio = (next.squares() / projection.squares()).max(f64::MIN_POSITIVE);
-        let tried = own.wanderer.spectra(plain.comparison).len();
+        let tried = own.wanderer.lengths(plain.comparison).len();
         sum -= projection.degrees_of_freedom * ratio.ln() + ln_price + 2.0 * (tried as f64).ln();
         projection = next;
     }
@@ -216,12 +221,12 @@ fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>, look: &Look<'_>) -> 
         let listed = &model.problem.listed;
         let wanders_on = |k: usize| {
             let hypothesis = listed.hypothesis(&model.causes[k]);
-            let is_same = |own: &Wandering| match own.wanderer {
+            let is_its_course = |own: &Wandering| match own.wanderer {
                 Wanderer::Instrument | Wanderer::Machine => hypothesis.is_of_time(),
                 Wanderer::Scale => hypothesis.effect.id == "axis_expansion",
                 Wanderer::Position | Wanderer::Sides => false,
             };
-            let Some(own) = model.wandering.iter().find(|own| is_same(own)) else {
+            let Some(own) = model.wandering.iter().find(|own| is_its_course(own)) else {
                 return false;
             };
             let explained = listed.judge(&model.causes, k).map_or(0.0, |judged| {

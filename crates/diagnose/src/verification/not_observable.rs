@@ -1,6 +1,7 @@
 //! Effects that a verification cannot show. They may be there all the same.
 
 use trueaxis_effects::{Effect, Scene, Shape, Subject};
+use trueaxis_files::round;
 use trueaxis_kinematics::AxisKind;
 
 use crate::NotObservable;
@@ -106,7 +107,10 @@ fn too_short(
     Some(NotObservable {
         effect: effect.id,
         subject: in_words(subject, scene),
-        reason: format!("{name}: periods below {shortest:.4} {unit}, two steps of the readings"),
+        reason: format!(
+            "{name}: periods below {} {unit}, two steps of the readings",
+            round(shortest, 4)
+        ),
         bias_per_unit: Vec::new(),
         measure:
             "read a short stretch in steps of a tenth of the screw pitch or of the grating period"

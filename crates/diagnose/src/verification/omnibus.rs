@@ -70,7 +70,7 @@ fn position_columns(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
     match comparison.kind {
         VerificationKind::Positioning { .. } => comparison.waves_of_position(WAVES),
         VerificationKind::Ballbar { .. } => {
-            let angles = around(comparison);
+            let angles = &comparison.around;
             let wave = |k: usize, f: fn(f64) -> f64| {
                 angles.iter().map(|angle| f(k as f64 * angle)).collect()
             };
@@ -79,26 +79,6 @@ fn position_columns(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
                 .collect()
         }
     }
-}
-
-/// Angle of the bar in the plane of its first directions; of a ball on an axis of rotation whose
-/// centre lies on the axis, that of the axis.
-fn around(comparison: &Comparison<'_>) -> Vec<f64> {
-    let first = comparison
-        .points
-        .first()
-        .map(|p| p.along)
-        .unwrap_or_default();
-    let across = comparison
-        .points
-        .iter()
-        .map(|p| p.along - first * first.dot(&p.along));
-    let second = across
-        .max_by(|a, b| a.norm().total_cmp(&b.norm()))
-        .unwrap_or_default();
-    let second = second.try_normalize(f64::EPSILON).unwrap_or_default();
-    let angle = |along: nalgebra::Vector3<f64>| along.dot(&second).atan2(along.dot(&first));
-    comparison.points.iter().map(|p| angle(p.along)).collect()
 }
 
 /// The tests of a model; p-values family-wise over all of them.

@@ -5,7 +5,7 @@
 
 use crate::verification::comparison::Comparison;
 
-/// Below this part of the largest reading, readings are equal.
+/// Readings that differ by less than this part of them are equal.
 const EQUAL: f64 = 1e-9;
 
 /// Standard uncertainty of a reading from its last digit, µm: the smallest difference of any two readings stands for that
@@ -13,10 +13,10 @@ const EQUAL: f64 = 1e-9;
 pub(crate) fn resolution_um(comparison: &Comparison<'_>) -> Option<f64> {
     let mut values: Vec<f64> = comparison.arrivals.iter().map(|a| a.value_um).collect();
     values.sort_by(f64::total_cmp);
-    let largest = values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let gaps = values.windows(2).map(|pair| pair[1] - pair[0]);
-    let least = gaps
-        .filter(|gap| *gap > EQUAL * largest)
-        .min_by(f64::total_cmp);
+    let gaps = values.windows(2).filter_map(|pair| {
+        let (gap, larger) = (pair[1] - pair[0], pair[0].abs().max(pair[1].abs()));
+        (gap > EQUAL * larger).then_some(gap)
+    });
+    let least = gaps.min_by(f64::total_cmp);
     least.map(|gap| gap / 12_f64.sqrt())
 }

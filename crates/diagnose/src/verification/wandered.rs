@@ -17,6 +17,9 @@ pub(crate) fn wandered(
     after: &Projection,
     gain: Option<Gain>,
 ) -> Vec<Disturbance> {
+    // No less than the last digit of the readings has.
+    let least_um = problem.sigma_um * problem.least_variance.sqrt();
+    let noise_um = problem.rms_um(after).max(least_um);
     let report = |own: &Wandering| {
         let comparison = problem.comparison;
         let columns = own.columns(problem);
@@ -30,11 +33,11 @@ pub(crate) fn wandered(
             rms_um: rms_of_readings_um(problem, &course(problem, own, after)),
             share: 0.0,
             correlation_length: CorrelationLength {
-                value: own.spectrum.length * (range[1] - range[0]),
+                value: own.length * (range[1] - range[0]),
                 unit,
             },
             heldout_gain: gain.map(|gain| 1.0 - gain.heldout_rms_ratio),
-            curve: curve(problem, own, &posterior, problem.rms_um(after)),
+            curve: curve(problem, own, &posterior, noise_um),
             rivals: own.rivals.iter().map(|w| w.whose(comparison)).collect(),
         }
     };
@@ -60,7 +63,7 @@ fn curve(
     posterior: &Posterior,
     noise_um: f64,
 ) -> Vec<CurvePoint> {
-    let roots = own.wanderer.roots(problem.comparison, &own.spectrum);
+    let roots = own.wanderer.roots(problem.comparison, own.length);
     let shown = own.wanderer.shown(problem.comparison).into_iter();
     let point = |(at, basis): (f64, Vec<f64>)| {
         let scaled = basis.iter().zip(&roots).map(|(b, r)| b * r * own.width);

@@ -9,9 +9,14 @@
 //! | --- | --- | --- | --- | --- |
 //! | instrument | its zero | time | 1 | everywhere |
 //! | machine | the point measured | time | 3 | ball bars; on a line it is the zero of the instrument under another name |
-//! | axis | its scale, from one end of the positions to the other | time | 1 | lines |
+//! | axis | it grows and shrinks: the middle of its positions, and one end against the other | time | 2 | lines |
 //! | axis | its displacement along itself | position | 1 | lines against a calibration; else the mean curve takes it |
-//! | axis | its lost motion | position, by side of approach | 1 | lines of rotary axes; of linear axes it is a cause |
+//! | machine | the ball, towards the centre | angle of the bar | 1 | ball bars |
+//! | axis | its lost motion | position, by side of approach | 1 | lines of rotary axes from both sides; of linear axes it is a cause |
+//!
+//! A bar that goes round once does not tell time from angle: then both are given.
+
+use std::f64::consts::TAU;
 
 use trueaxis_campaign::VerificationKind;
 use trueaxis_effects::{Layer, Level, Subject};
@@ -24,27 +29,21 @@ use crate::verification::arrivals::Arrival;
 use crate::verification::base::places;
 use crate::verification::comparison::Comparison;
 
-/// Half waves of each coordinate.
-const WAVES: u32 = 12;
+/// Half waves of each coordinate, at most: five times those of the shortest correlation length. What is cut off would be
+/// taken for the course of something else.
+const MOST_WAVES: usize = 40;
 
-/// Standard deviations that are tried of what changes between two passes without a clock, in those of the smooth course:
-/// pauses about as long as passes, and much longer ones.
-const BETWEEN_PASSES: [f64; 2] = [0.5, 5.0];
+/// Standard deviation of what changes between two passes without a clock, in those of the smooth course.
+const BETWEEN_PASSES: f64 = 0.5;
 
 /// Stops of a pass, on average, below which an offset for each would be noise.
 const LEAST_STOPS: usize = 3;
 
+/// Passes above which their offsets are a course by themselves.
+const MOST_PASSES: usize = 60;
+
 /// Points of a smooth curve.
 const POINTS: u32 = 33;
-
-/// How it changes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Spectrum {
-    /// ℓ, as a part of the range of the argument.
-    pub(crate) length: f64,
-    /// Standard deviation of the offset of a pass, in those of the smooth course.
-    between_passes: f64,
-}
 
 /// What wanders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,16 +61,18 @@ pub(crate) enum Wanderer {
 /// All that a comparison may show beside its base model.
 pub(crate) fn wanderers(comparison: &Comparison<'_>, calibrated: bool) -> Vec<Wanderer> {
     use Wanderer::{Instrument, Machine, Position, Scale, Sides};
-    match comparison.kind {
-        VerificationKind::Ballbar { .. } => vec![Instrument, Machine],
-        VerificationKind::Positioning { axis, .. } => {
-            let is_rotary = comparison.machine.axes()[*axis].kind() == AxisKind::Rotary;
-            let mut all = vec![Instrument, Scale];
-            all.extend(calibrated.then_some(Position));
-            all.extend(is_rotary.then_some(Sides));
-            all
-        }
-    }
+    let axis = match *comparison.kind {
+        VerificationKind::Ballbar { .. } => return vec![Position, Instrument, Machine],
+        VerificationKind::Positioning { axis, .. } => axis,
+    };
+    let is_rotary = comparison.machine.axes()[axis].kind() == AxisKind::Rotary;
+    let moves = comparison.moving.contains(&axis);
+    let comes_from = |side: f64| comparison.arrivals.iter().any(|a| a.direction * side > 0.0);
+    let mut all = vec![Instrument];
+    all.extend(moves.then_some(Scale));
+    all.extend((moves && calibrated).then_some(Position));
+    all.extend((moves && is_rotary && comes_from(1.0) && comes_from(-1.0)).then_some(Sides));
+    all
 }
 
 impl Wanderer {
@@ -83,9 +84,11 @@ impl Wanderer {
             subject: Subject::default(),
             varies_with,
         };
+        // A ball bar shows more than one axis.
+        let axis = is_line(comparison).then(|| comparison.axis());
         let of_axis = |varies_with| Wandering {
             subject: Subject {
-                axis: Some(comparison.axis()),
+                axis,
                 ..Subject::default()
             },
             ..of(Layer::Machine, varies_with)
@@ -101,8 +104,7 @@ impl Wanderer {
 
     /// The same columns under another name.
     pub(crate) fn twin(self, comparison: &Comparison<'_>) -> Option<Self> {
-        let is_line = matches!(comparison.kind, VerificationKind::Positioning { .. });
-        (is_line && self == Self::Instrument).then_some(Self::Machine)
+        (is_line(comparison) && self == Self::Instrument).then_some(Self::Machine)
     }
 
     /// Whether a course in time is all that it is.
@@ -111,10 +113,26 @@ impl Wanderer {
     }
 
     /// The course of an arrival, 0 to 1.
-    fn argument(self, comparison: &Comparison<'_>, arrival: &Arrival) -> f64 {
+    fn argument(self, comparison: &Comparison<'_>, row: usize) -> f64 {
+        let arrival = &comparison.arrivals[row];
         match self.is_of_time() {
             true => arrival.progress,
-            false => comparison.travelled(arrival),
+            false if is_line(comparison) => comparison.travelled(arrival),
+            false => 0.5 + comparison.around[row] / TAU,
+        }
+    }
+
+    /// Half waves of each coordinate.
+    fn waves(self, comparison: &Comparison<'_>) -> u32 {
+        let waves = MOST_WAVES.min(self.stops(comparison) / 2);
+        u32::try_from(waves).unwrap_or(u32::MAX)
+    }
+
+    /// Different arguments: over a line as many as it has positions.
+    fn stops(self, comparison: &Comparison<'_>) -> usize {
+        match self.is_of_time() || !is_line(comparison) {
+            true => comparison.arrivals.len(),
+            false => places(comparison).iter().max().map_or(0, |last| last + 1),
         }
     }
 
@@ -124,7 +142,8 @@ impl Wanderer {
         match self {
             Self::Instrument | Self::Position => vec![1.0],
             Self::Machine => comparison.points[row].along.as_slice().to_vec(),
-            Self::Scale => vec![comparison.travelled(arrival) - 0.5],
+            // Nobody knows the point from which it grows.
+            Self::Scale => vec![1.0, comparison.travelled(arrival) - 0.5],
             Self::Sides => vec![0.5 * arrival.sides[comparison.axis()]],
         }
     }
@@ -133,7 +152,7 @@ impl Wanderer {
     fn passes(self, comparison: &Comparison<'_>) -> usize {
         let count = comparison.passes.last().map_or(0, |last| last + 1);
         let has_stops = LEAST_STOPS * count <= comparison.arrivals.len();
-        match self.is_of_time() && !comparison.timed && has_stops {
+        match self.is_of_time() && !comparison.timed && has_stops && count <= MOST_PASSES {
             true => count,
             false => 0,
         }
@@ -143,14 +162,15 @@ impl Wanderer {
     /// are unknown one for the pass.
     fn basis(self, comparison: &Comparison<'_>, x: f64, pass: usize) -> Vec<f64> {
         let of_pass = (0..self.passes(comparison)).map(|k| f64::from(u8::from(k == pass)));
-        half_waves(x, WAVES).chain(of_pass).collect()
+        half_waves(x, self.waves(comparison))
+            .chain(of_pass)
+            .collect()
     }
 
     /// What a unit of each coefficient does to the readings, coordinate after coordinate.
     pub(crate) fn columns(self, comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
-        let rows = comparison.arrivals.iter().zip(&comparison.passes);
-        let rows = rows.enumerate().map(|(row, (arrival, &pass))| {
-            let basis = self.basis(comparison, self.argument(comparison, arrival), pass);
+        let rows = comparison.passes.iter().enumerate().map(|(row, &pass)| {
+            let basis = self.basis(comparison, self.argument(comparison, row), pass);
             let seen = self.seen(comparison, row);
             let products = seen.iter().flat_map(|x| basis.iter().map(move |b| x * b));
             products.collect::<Vec<f64>>()
@@ -163,11 +183,15 @@ impl Wanderer {
     }
 
     /// Standard deviations of the coefficients of one coordinate, `S_k^½` of the waves.
-    pub(crate) fn roots(self, comparison: &Comparison<'_>, spectrum: &Spectrum) -> Vec<f64> {
-        let mut roots = matern_roots(spectrum.length, WAVES)[1..].to_vec();
-        let of_passes = std::iter::repeat_n(spectrum.between_passes, self.passes(comparison));
-        roots.extend(of_passes);
+    pub(crate) fn roots(self, comparison: &Comparison<'_>, length: f64) -> Vec<f64> {
+        let mut roots = matern_roots(length, self.waves(comparison))[1..].to_vec();
+        roots.extend(std::iter::repeat_n(BETWEEN_PASSES, self.passes(comparison)));
         roots
+    }
+
+    /// Correlation lengths that are tried.
+    pub(crate) fn lengths(self, comparison: &Comparison<'_>) -> Vec<f64> {
+        correlation_lengths(self.stops(comparison))
     }
 
     /// Where its curve is shown, in the unit of its argument, with the basis there.
@@ -188,25 +212,6 @@ impl Wanderer {
         (0..POINTS).map(at).collect()
     }
 
-    /// Spectra that are tried: over a line as many stops as it has positions.
-    pub(crate) fn spectra(self, comparison: &Comparison<'_>) -> Vec<Spectrum> {
-        let lengths = correlation_lengths(match self.is_of_time() {
-            true => comparison.arrivals.len(),
-            false => places(comparison).iter().max().map_or(0, |last| last + 1),
-        });
-        let between = match self.passes(comparison) {
-            0 => &BETWEEN_PASSES[..1],
-            _ => &BETWEEN_PASSES,
-        };
-        let of_length = |length| {
-            between.iter().map(move |&between_passes| Spectrum {
-                length,
-                between_passes,
-            })
-        };
-        lengths.into_iter().flat_map(of_length).collect()
-    }
-
     /// Range of its argument, and the unit: s, readings, mm or deg.
     pub(crate) fn range(self, comparison: &Comparison<'_>) -> ([f64; 2], &'static str) {
         if self.is_of_time() {
@@ -215,10 +220,17 @@ impl Wanderer {
             let last = times.fold(f64::NEG_INFINITY, f64::max);
             return ([first, last], comparison.unit_of_time());
         }
+        if !is_line(comparison) {
+            return ([-180.0, 180.0], "deg");
+        }
         let ends = comparison.range;
         match comparison.machine.axes()[comparison.axis()].kind() {
             AxisKind::Linear => (ends, "mm"),
             AxisKind::Rotary => (ends.map(f64::to_degrees), "deg"),
         }
     }
+}
+
+fn is_line(comparison: &Comparison<'_>) -> bool {
+    matches!(comparison.kind, VerificationKind::Positioning { .. })
 }

@@ -3,7 +3,7 @@
 use crate::engine::{Chosen, SMOOTH_LEVEL, Smooth};
 use crate::selection::DECISIVE;
 use crate::verification::problem::Problem;
-use crate::verification::wanderer::{Spectrum, Wanderer, wanderers};
+use crate::verification::wanderer::{Wanderer, wanderers};
 
 /// More that wander at once are not told apart.
 const MOST: usize = 2;
@@ -12,7 +12,8 @@ const MOST: usize = 2;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Wandering {
     pub(crate) wanderer: Wanderer,
-    pub(crate) spectrum: Spectrum,
+    /// ℓ, as a part of the range of the argument.
+    pub(crate) length: f64,
     /// w, in standard deviations of an arrival.
     pub(crate) width: f64,
     pub(crate) evidence: f64,
@@ -86,15 +87,15 @@ fn judge(
     let comparison = problem.comparison;
     let columns = wanderer.columns(comparison).into_iter();
     let columns: Vec<Vec<f64>> = columns.map(|c| problem.whiten(&c)).collect();
-    let spectra = wanderer.spectra(comparison);
-    let roots = spectra
+    let lengths = wanderer.lengths(comparison);
+    let roots = lengths
         .iter()
-        .map(|s| repeated(&wanderer.roots(comparison, s), columns.len()));
+        .map(|&length| repeated(&wanderer.roots(comparison, length), columns.len()));
     let roots: Vec<Vec<f64>> = roots.collect();
     let smooth = Smooth::new(&problem.listed.with(causes), &columns, &roots)?;
     Some(Wandering {
         wanderer,
-        spectrum: spectra[smooth.spectrum],
+        length: lengths[smooth.spectrum],
         width: smooth.width,
         evidence: smooth.evidence,
         p_value: (family as f64 * smooth.p_value).min(1.0),
@@ -111,7 +112,7 @@ impl Wandering {
     /// What a standard deviation beforehand of each coefficient does to the whitened readings.
     pub(crate) fn columns(&self, problem: &Problem<'_>) -> Vec<Vec<f64>> {
         let columns = self.wanderer.columns(problem.comparison);
-        let roots = self.wanderer.roots(problem.comparison, &self.spectrum);
+        let roots = self.wanderer.roots(problem.comparison, self.length);
         let roots = repeated(&roots, columns.len());
         let scaled = columns.into_iter().zip(roots).map(|(column, root)| {
             let column = column.iter().map(|x| x * self.width * root);
