@@ -79,6 +79,7 @@ mod tests {
             let sigma = (expected * (1.0 - expected) / DRAWS as f64).sqrt();
             assert!((found - expected).abs() < 3.0 * sigma, "{found} {expected}");
         }
-        assert!(independent(0) > 0.99 && independent(21) < 1e-9);
+        // No fewer than the reading itself.
+        assert!(independent(0) > 0.99 && independent(21) < 1.5 / DRAWS as f64);
     }
 }
