@@ -93,6 +93,7 @@ pub use files::read_error::{CovarianceProblem, ReadError};
 pub use machine::approach::Approach;
 pub use machine::calibrated_machine::CalibratedMachine;
 pub use machine::compare::Difference;
+pub use machine::pivoted_cholesky::pivoted_cholesky;
 pub use machine::predict::Prediction;
 pub use machine::readings::{
     MeasuredPoint, ball_bar_set_up, carrier, measured_home_mm, positioning_lines,

@@ -4,6 +4,7 @@ pub(crate) mod approach;
 pub(crate) mod calibrated_machine;
 pub(crate) mod compare;
 pub(crate) mod curve;
+pub(crate) mod pivoted_cholesky;
 pub(crate) mod predict;
 pub(crate) mod readings;
 pub(crate) mod remainder;

@@ -56,7 +56,8 @@ use crate::verification::noise_floor::noise_floor_um;
 use crate::verification::prediction_error::prediction_directions;
 use crate::verification::problem::{Given, Problem};
 use crate::verification::resolution::resolution_um;
-use crate::verification::wandered::wandered;
+use crate::verification::wandered::{Course, wandered};
+use crate::verification::wandering::Wandering;
 use crate::{LevelReport, Misfit, Shares, Unexplained};
 
 /// False alarms of all verifications of a campaign together: once for the causes, once for the omnibus
@@ -256,9 +257,13 @@ fn judge_entry(plain: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> En
     let chosen: Vec<Chosen> = ranked.into_iter().map(|(_, cause)| cause).collect();
     let after = problem.listed.with(&chosen);
     let tests_after = omnibus::omnibus(problem, &families, &after);
+    let courses = wandering
+        .iter()
+        .map(|own| (own, Course::new(problem, own, &after)));
+    let courses: Vec<(&Wandering, Course)> = courses.collect();
     let mut course = vec![0.0; before.rows()];
-    for own in &wandering {
-        add(&mut course, &wandered::course(problem, own, &after), 1.0);
+    for (_, own) in &courses {
+        add(&mut course, &own.whitened, 1.0);
     }
     let causes = report::causes(problem, scene, &chosen, (before, &after), &course, &folds);
     let unexplained = unexplained(problem, &after, &tests_after, level);
@@ -272,7 +277,7 @@ fn judge_entry(plain: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> En
     let is_plain = chosen.is_empty() && wandering.is_empty();
     let is_single = chosen.len() + wandering.len() == 1;
     let gain = gain.map(|bounded| bounded.gain).filter(|_| !is_plain);
-    let disturbances = wandered(problem, &wandering, &after, gain.filter(|_| is_single));
+    let disturbances = wandered(problem, &courses, &after, gain.filter(|_| is_single));
     let misfit = |model, held: &held_out::HeldOut| Misfit {
         rms_um: problem.rms_um(model),
         heldout_rms_um: held.rms().map(|rms| rms * problem.sigma_um),

@@ -20,7 +20,7 @@ impl DisturbanceView {
         let curve = of.curve.as_deref().unwrap_or_default();
         Self {
             name: of.name(),
-            figures: smooth(k, curve, &argument(of), coordinates(of)),
+            figures: smooth(k, curve, argument(of), coordinates(of)),
         }
     }
 
@@ -30,16 +30,12 @@ impl DisturbanceView {
 }
 
 /// What its course is over, with the unit.
-fn argument(of: &Disturbance) -> String {
-    match (
-        of.correlation_length.unit.as_str(),
-        of.varies_with.as_slice(),
-    ) {
-        ("readings", _) => "number of the reading".to_owned(),
-        (_, [time]) if time == "time" => "time in s".to_owned(),
-        ("deg", [angle]) if of.subject.is_empty() => format!("{angle} in °"),
-        ("deg", _) => "position in °".to_owned(),
-        _ => "position in mm".to_owned(),
+fn argument(of: &Disturbance) -> &'static str {
+    match of.correlation_length.unit.as_str() {
+        "readings" => "number of the reading",
+        _ if of.varies_with == ["time"] => "time in s",
+        "deg" => "position in °",
+        _ => "position in mm",
     }
 }
 

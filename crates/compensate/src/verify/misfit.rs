@@ -7,10 +7,11 @@
 //! d ~ N(0, M (C_p + diag u_r²) M)     E_n = d / √(U_r² + U_p²)     p = P(number above 1 ≥ that of the readings)
 //! ```
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
+use trueaxis_calibrate::pivoted_cholesky;
 
 /// Draws: a probability of 1 % is known to 0.16 %.
 const DRAWS: usize = 4000;
@@ -23,7 +24,9 @@ pub(crate) fn chance(above: usize, covariance: DMatrix<f64>, limits: &[f64]) -> 
     if above == 0 {
         return 1.0;
     }
-    let factor = factor(covariance);
+    let (n, least) = (covariance.nrows(), ROUNDING * covariance.diagonal().max());
+    let columns = pivoted_cholesky(covariance, least);
+    let factor = DMatrix::from_fn(n, columns.len(), |row, column| columns[column][row]);
     // Another seed would change the probability by its uncertainty.
     let mut rng = ChaCha8Rng::seed_from_u64(17);
     let normal = DMatrix::from_fn(factor.ncols(), DRAWS, |_, _| -> f64 {
@@ -39,23 +42,6 @@ pub(crate) fn chance(above: usize, covariance: DMatrix<f64>, limits: &[f64]) -> 
     });
     // The reading itself is one more draw (Davison and Hinkley 1997, 4.2).
     (as_many.count() + 1) as f64 / (DRAWS + 1) as f64
-}
-
-/// `L` with `L Lᵀ` the covariance, which may be singular: Cholesky, the largest variance that is left first.
-fn factor(mut left: DMatrix<f64>) -> DMatrix<f64> {
-    let n = left.nrows();
-    let least = ROUNDING * left.diagonal().max();
-    let mut columns: Vec<DVector<f64>> = Vec::new();
-    while columns.len() < n {
-        let (pivot, variance) = left.diagonal().argmax();
-        if variance <= least {
-            break;
-        }
-        let column = left.column(pivot) / variance.sqrt();
-        left.ger(-1.0, &column, &column, 1.0);
-        columns.push(column);
-    }
-    DMatrix::from_fn(n, columns.len(), |row, column| columns[column][row])
 }
 
 #[cfg(test)]

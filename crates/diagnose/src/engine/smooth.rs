@@ -79,6 +79,19 @@ impl Smooth {
     }
 }
 
+/// Twice the logarithm of the marginal likelihood ratio of one of `tried` processes, scaled to its prior, against a model
+/// without it, and the model with it.
+pub(crate) fn beside_one_of(
+    model: &Projection,
+    columns: &[Vec<f64>],
+    tried: usize,
+) -> (f64, Projection) {
+    let (with, ln_price) = model.beside(columns);
+    let ratio = (with.squares() / model.squares()).max(f64::MIN_POSITIVE);
+    let evidence = -(model.degrees_of_freedom * ratio.ln() + ln_price + 2.0 * (tried as f64).ln());
+    (evidence, with)
+}
+
 /// Coefficients with the prior `N(0, I)` given the data: mean and covariance, in variances of the noise.
 pub(crate) struct Posterior {
     pub(crate) mean: Vec<f64>,

@@ -8,7 +8,7 @@ use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::disturbance::{Wanderer, With};
 use crate::lengths::wandering::Judged;
-use crate::selection::dot;
+use crate::selection::{combined, dot};
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Wandering};
 
 /// Points of a curve, all occupations together.
@@ -120,12 +120,7 @@ impl Coefficients {
         let in_mm = own.columns_mm(base, &adjusted.solution);
         let columns = base.whitened_columns(own, &adjusted.whitened, &adjusted.solution);
         let posterior = Posterior::new(&adjusted.projection, &columns);
-        let mut sums_mm = vec![0.0; base.readings.len()];
-        for (column, mean) in in_mm.iter().zip(&posterior.mean) {
-            for (sum, x) in sums_mm.iter_mut().zip(column) {
-                *sum += mean * x;
-            }
-        }
+        let sums_mm = combined(base.readings.len(), &in_mm, &posterior.mean);
         let unit_um = unit_um(base, adjusted, own.wanderer);
         let roots = own.wanderer.roots_of_spectrum(base, own.length);
         Self {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use trueaxis_multilateration::Noise;
 
 use crate::Error;
-use crate::engine::{SMOOTH_LEVEL, Smooth, Suspect};
+use crate::engine::{SMOOTH_LEVEL, Smooth, Suspect, beside_one_of};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::disturbance::{Disturbance, Wanderer, wanderers};
@@ -158,10 +158,9 @@ pub(super) fn of_wandering(
     for judged in wandering {
         let own = &judged.disturbance;
         let columns = base.whitened_columns(own, &plain.whitened, &plain.solution);
-        let (next, ln_price) = projection.beside(&columns);
-        let ratio = (next.squares() / projection.squares()).max(f64::MIN_POSITIVE);
         let tried = own.wanderer.lengths(base).len() * own.wanderer.of_kind(base);
-        sum -= projection.degrees_of_freedom * ratio.ln() + ln_price + 2.0 * (tried as f64).ln();
+        let (evidence, next) = beside_one_of(&projection, &columns, tried);
+        sum += evidence;
         projection = next;
     }
     (sum, projection)

@@ -315,6 +315,15 @@ impl Taken {
     }
 }
 
+/// `X c` of columns with so many rows.
+pub(crate) fn combined(rows: usize, columns: &[Vec<f64>], coefficients: &[f64]) -> Vec<f64> {
+    let mut sum = vec![0.0; rows];
+    for (column, coefficient) in columns.iter().zip(coefficients) {
+        add(&mut sum, column, *coefficient);
+    }
+    sum
+}
+
 /// `sum += factor · x`.
 #[inline(always)]
 pub(crate) fn add(sum: &mut [f64], x: &[f64], factor: f64) {

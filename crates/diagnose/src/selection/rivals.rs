@@ -5,7 +5,7 @@ use std::ops::Range;
 use trueaxis_leastsquares::dot;
 
 use crate::selection::fixed_scan::gram;
-use crate::selection::projection::add;
+use crate::selection::projection::combined;
 use crate::selection::{Projection, Score};
 
 /// A hypothesis fitted at one shape.
@@ -32,10 +32,7 @@ impl Fit {
             .map(|c| dot(c, &projection.residuals))
             .collect();
         let estimates = gram.estimates(&s);
-        let mut effect = vec![0.0; projection.rows()];
-        for (column, estimate) in columns.iter().zip(&estimates) {
-            add(&mut effect, column, *estimate);
-        }
+        let effect = combined(projection.rows(), columns, &estimates);
         let mut explained = effect.clone();
         projection.project(&mut explained);
         Self {

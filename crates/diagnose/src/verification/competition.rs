@@ -4,7 +4,7 @@
 //! begins with what wanders; a third has nothing else. The one with the most evidence is taken: each further name costs
 //! [`DECISIVE`], and what can be anything twice that.
 
-use crate::engine::{Chosen, Family, Listed, Omnibus, still_left};
+use crate::engine::{Chosen, Family, Listed, Omnibus, beside_one_of, still_left};
 use crate::selection::DECISIVE;
 use crate::verification::believed;
 use crate::verification::held_out::{gain, held_out};
@@ -37,8 +37,7 @@ const MOST_TRIES: usize = 3;
 pub(crate) fn compete<'a>(plain: &Problem<'a>, look: &Look<'_>) -> Model<'a> {
     let of_causes = Model {
         causes: causes(plain, look),
-        problem: plain.beside(&[]),
-        wandering: Vec::new(),
+        ..only(plain, Vec::new())
     };
     let is_complete = !is_left(&of_causes, look);
     let alone = match of_causes.causes.is_empty() && is_complete {
@@ -66,7 +65,7 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>, look: &Look<'_>) -> Model<'a> {
     }
     // Where causes explain all, what wanders must do it alone to be better.
     let explains = |m: &Model<'_>| !m.causes.is_empty() && !is_left(m, look);
-    let is_explained = explains(&of_causes) || models.iter().any(explains);
+    let is_explained = is_complete && !of_causes.causes.is_empty() || models.iter().any(explains);
     if !alone.is_empty() {
         models.push(only(plain, alone.clone()));
         if !is_explained {
@@ -114,8 +113,11 @@ fn only<'a>(plain: &Problem<'a>, wandering: Vec<Wandering>) -> Model<'a> {
 fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>, look: &Look<'_>) -> Option<Model<'a>> {
     loop {
         let found = causes.len();
+        if found == 0 {
+            return None;
+        }
         let mut model = only(plain, wandering(plain, &causes));
-        if causes.is_empty() || model.wandering.is_empty() {
+        if model.wandering.is_empty() {
             return None;
         }
         drop_superfluous(&model.problem.listed, &mut causes, look.level);
@@ -193,10 +195,9 @@ fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
     let mut sum = 0.0;
     let mut projection = plain.listed.base.clone();
     for own in &model.wandering {
-        let (next, ln_price) = projection.beside(&own.columns(plain));
-        let ratio = (next.squares() / projection.squares()).max(f64::MIN_POSITIVE);
         let tried = own.wanderer.lengths(plain.comparison).len();
-        sum -= projection.degrees_of_freedom * ratio.ln() + ln_price + 2.0 * (tried as f64).ln();
+        let (evidence, next) = beside_one_of(&projection, &own.columns(plain), tried);
+        sum += evidence;
         projection = next;
     }
     let listed = Listed {

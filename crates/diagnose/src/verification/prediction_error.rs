@@ -8,8 +8,8 @@
 //! what is left is far below the noise. As unknowns with the pseudo-observations `0 = x ± 1` they join
 //! the base model, which is the same as adding `K` to the covariance of the readings.
 
-use nalgebra::{DMatrix, DVector};
-use trueaxis_calibrate::CalibratedMachine;
+use nalgebra::DVector;
+use trueaxis_calibrate::{CalibratedMachine, pivoted_cholesky};
 
 use crate::verification::base::stands;
 use crate::verification::comparison::Comparison;
@@ -36,19 +36,4 @@ pub(crate) fn prediction_directions(
     let of_stands = pivoted_cholesky(prediction, NEGLIGIBLE * noise_um * noise_um);
     let spread = |column: &DVector<f64>| stands.iter().map(|&stand| column[stand]).collect();
     of_stands.iter().map(spread).collect()
-}
-
-/// Columns `L` with `K ≈ L Lᵀ`; no diagonal element of the rest exceeds `limit`.
-fn pivoted_cholesky(mut rest: DMatrix<f64>, limit: f64) -> Vec<DVector<f64>> {
-    let mut columns = Vec::new();
-    for _ in 0..rest.nrows() {
-        let (pivot, largest) = rest.diagonal().argmax();
-        if largest <= limit || largest.is_nan() {
-            break;
-        }
-        let column = rest.column(pivot) / largest.sqrt();
-        rest -= &column * column.transpose();
-        columns.push(column);
-    }
-    columns
 }

@@ -4,7 +4,7 @@ use trueaxis_effects::{Level, Scene};
 
 use crate::engine::{Chosen, Judged, Listed, places as places_by, side, with_uncertainties};
 use crate::fitted::{Against, Fitted, Row};
-use crate::selection::{Fit, Projection, add, cosine, is_rival};
+use crate::selection::{Fit, Projection, combined, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
 use crate::verification::held_out::gain_of;
 use crate::verification::lost_motion::curve;
@@ -69,10 +69,7 @@ pub(crate) fn causes(
                 parameter.unit = "readings";
             }
         }
-        let mut fitted = vec![0.0; base.rows()];
-        for (column, estimate) in columns.iter().zip(&all.estimates) {
-            add(&mut fitted, column, *estimate);
-        }
+        let mut fitted = combined(base.rows(), columns, &all.estimates);
         base.project(&mut fitted);
         let misfit: Vec<f64> = rest.iter().zip(&fitted).map(|(a, b)| a + b).collect();
         let gain = gain_of(problem, chosen, k, folds);

@@ -3,7 +3,7 @@
 use trueaxis_effects::Level;
 
 use crate::engine::Posterior;
-use crate::selection::{Projection, add};
+use crate::selection::{Projection, combined};
 use crate::verification::problem::Problem;
 use crate::verification::report::rms_of_readings_um;
 use crate::verification::wandering::Wandering;
@@ -13,46 +13,52 @@ use crate::{CorrelationLength, CurvePoint, Disturbance, Gain};
 /// there is nothing else that gains.
 pub(crate) fn wandered(
     problem: &Problem<'_>,
-    wandering: &[Wandering],
+    courses: &[(&Wandering, Course)],
     after: &Projection,
     gain: Option<Gain>,
 ) -> Vec<Disturbance> {
     // No less than the last digit of the readings has.
     let least_um = problem.sigma_um * problem.least_variance.sqrt();
     let noise_um = problem.rms_um(after).max(least_um);
-    let report = |own: &Wandering| {
+    let report = |(own, course): &(&Wandering, Course)| {
         let comparison = problem.comparison;
-        let columns = own.columns(problem);
-        let posterior = Posterior::new(after, &columns);
         let (range, unit) = own.wanderer.range(comparison);
         Disturbance {
             level: Level::Verification,
             data: String::new(),
             whose: own.wanderer.whose(comparison),
             p_value: own.p_value,
-            rms_um: rms_of_readings_um(problem, &course(problem, own, after)),
+            rms_um: rms_of_readings_um(problem, &course.whitened),
             share: 0.0,
             correlation_length: CorrelationLength {
                 value: own.length * (range[1] - range[0]),
                 unit,
             },
             heldout_gain: gain.map(|gain| 1.0 - gain.heldout_rms_ratio),
-            curve: curve(problem, own, &posterior, noise_um),
+            curve: curve(problem, own, &course.posterior, noise_um),
             rivals: own.rivals.iter().map(|w| w.whose(comparison)).collect(),
         }
     };
-    wandering.iter().map(report).collect()
+    courses.iter().map(report).collect()
 }
 
-/// What one does to the whitened readings.
-pub(crate) fn course(problem: &Problem<'_>, own: &Wandering, after: &Projection) -> Vec<f64> {
-    let columns = own.columns(problem);
-    let posterior = Posterior::new(after, &columns);
-    let mut sum = vec![0.0; after.rows()];
-    for (column, mean) in columns.iter().zip(&posterior.mean) {
-        add(&mut sum, column, *mean);
+/// What wanders, as the readings show it.
+pub(crate) struct Course {
+    posterior: Posterior,
+    /// What it does to the whitened readings.
+    pub(crate) whitened: Vec<f64>,
+}
+
+impl Course {
+    /// Of something in the covariance of a problem; `after` has the causes in the model, too.
+    pub(crate) fn new(problem: &Problem<'_>, own: &Wandering, after: &Projection) -> Self {
+        let columns = own.columns(problem);
+        let posterior = Posterior::new(after, &columns);
+        Self {
+            whitened: combined(after.rows(), &columns, &posterior.mean),
+            posterior,
+        }
     }
-    sum
 }
 
 /// Each coordinate over the range of the argument with its standard uncertainty, from its mean. `noise_um` is the standard

@@ -182,11 +182,11 @@ impl Wanderer {
             .collect()
     }
 
-    /// Standard deviations of the coefficients of one coordinate, `S_k^½` of the waves.
+    /// Standard deviations of the coefficients, coordinate after coordinate; `S_k^½` of the waves.
     pub(crate) fn roots(self, comparison: &Comparison<'_>, length: f64) -> Vec<f64> {
         let mut roots = matern_roots(length, self.waves(comparison))[1..].to_vec();
         roots.extend(std::iter::repeat_n(BETWEEN_PASSES, self.passes(comparison)));
-        roots
+        roots.repeat(self.seen(comparison, 0).len())
     }
 
     /// Correlation lengths that are tried.

@@ -26,7 +26,11 @@ pub(crate) struct Wandering {
 pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<Wandering> {
     let all = wanderers(plain.comparison, plain.calibrated);
     let mut own: Vec<Wandering> = Vec::new();
-    while own.len() < MOST {
+    // Each round adds one; one that another makes superfluous gives its place free once.
+    for _ in 0..2 * MOST {
+        if own.len() == MOST {
+            break;
+        }
         let here = plain.beside(&own);
         let is_other = |w: &&Wanderer| own.iter().all(|o| o.wanderer != **w);
         let others = all.iter().filter(is_other);
@@ -90,7 +94,7 @@ fn judge(
     let lengths = wanderer.lengths(comparison);
     let roots = lengths
         .iter()
-        .map(|&length| repeated(&wanderer.roots(comparison, length), columns.len()));
+        .map(|&length| wanderer.roots(comparison, length));
     let roots: Vec<Vec<f64>> = roots.collect();
     let smooth = Smooth::new(&problem.listed.with(causes), &columns, &roots)?;
     Some(Wandering {
@@ -103,17 +107,11 @@ fn judge(
     })
 }
 
-/// Those of one coordinate for all of them.
-fn repeated(of_one: &[f64], count: usize) -> Vec<f64> {
-    of_one.iter().copied().cycle().take(count).collect()
-}
-
 impl Wandering {
     /// What a standard deviation beforehand of each coefficient does to the whitened readings.
     pub(crate) fn columns(&self, problem: &Problem<'_>) -> Vec<Vec<f64>> {
         let columns = self.wanderer.columns(problem.comparison);
         let roots = self.wanderer.roots(problem.comparison, self.length);
-        let roots = repeated(&roots, columns.len());
         let scaled = columns.into_iter().zip(roots).map(|(column, root)| {
             let column = column.iter().map(|x| x * self.width * root);
             problem.whiten(&column.collect::<Vec<f64>>())
