@@ -175,8 +175,11 @@ impl Diagnosis {
             mut disturbances,
         } = entry;
         for (cause, share) in causes.iter_mut().zip(&report.shares.causes) {
-            cause.data.clone_from(&report.data);
-            cause.share = Some(*share);
+            // What several verifications have in common has both already.
+            if cause.data.is_empty() {
+                cause.data.push(report.data.clone());
+                cause.share = Some(*share);
+            }
         }
         for (own, share) in disturbances.iter_mut().zip(&report.shares.disturbances) {
             own.data.clone_from(&report.data);
@@ -194,6 +197,7 @@ impl Diagnosis {
             self.unexplained.clone_from(&report.unexplained);
         }
         self.levels.push(report);
+        causes.retain(|own| own.data.len() < 2 || !self.causes.iter().any(|known| known.is(own)));
         self.causes.extend(causes);
         self.disturbances.extend(disturbances);
     }

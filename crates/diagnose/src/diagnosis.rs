@@ -199,8 +199,8 @@ pub struct Cause {
     pub effect: ResolvedEffect,
     /// Where it was found.
     pub level: Level,
-    /// The data in which it was found, as [`LevelReport::data`].
-    pub data: String,
+    /// The data in which it was found, as [`LevelReport::data`]: several where verifications have it in common.
+    pub data: Vec<String>,
     /// Probability that noise alone looks as much like any effect (family-wise).
     pub p_value: f64,
     /// BIC against the model without it, the other causes in it; negative is better.
@@ -356,6 +356,14 @@ impl Cause {
             range,
             unit: first.unit,
         })
+    }
+
+    /// Whether it is the same effect on the same subject in the same data.
+    pub(crate) fn is(&self, other: &Self) -> bool {
+        let (own, others) = (&self.effect, &other.effect);
+        own.effect.id == others.effect.id
+            && own.subject == others.subject
+            && (self.level, &self.data) == (other.level, &other.data)
     }
 
     /// Its layer.

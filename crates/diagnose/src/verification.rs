@@ -4,16 +4,16 @@
 //! measured - predicted = base model + causes + noise
 //! ```
 //!
-//! Each verification of the campaign is judged by itself: the prediction ([`comparison`]) with its own
+//! Each verification of the campaign is first judged by itself ([`mod@series`]): the prediction ([`comparison`]) with its own
 //! errors ([`prediction_error`]), what the measurement leaves open ([`base`]), the noise that the repeats
 //! show ([`noise_floor`]), causes one at a time ([`search`]), whether they help on readings that were not
 //! used ([`held_out`]), what wanders beside them or instead of them ([`wandering`], [`competition`]), and
-//! whether anything is left ([`omnibus`]). The paper's Figs. 10, 12 and 16 are
-//! this comparison.
+//! whether anything is left ([`omnibus`]). Then all together ([`together`]): what the machine does in one line it does in the
+//! others, with one size. The paper's Figs. 10, 12 and 16 are this comparison.
 //!
 //! Without a calibration the prediction is an ideal machine; a line then tells what differs between
 //! directions, cycles and lines, but not what its mean curve is made of. Arrivals are taken as
-//! independent. Lines in different files are not joined.
+//! independent.
 
 mod arrivals;
 pub(crate) mod base;
@@ -25,6 +25,7 @@ mod competition;
 mod gross_errors;
 mod held_out;
 mod hypotheses;
+mod joined;
 mod lost_motion;
 mod noise_floor;
 mod not_observable;
@@ -34,31 +35,31 @@ mod problem;
 mod report;
 mod resolution;
 mod search;
+mod series;
+mod stack;
+mod together;
 mod wandered;
 mod wanderer;
 mod wandering;
 
 use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{Campaign, Verification, VerificationKind};
-use trueaxis_effects::{Level, Scene};
+use trueaxis_effects::Scene;
 use trueaxis_kinematics::{Ideal, Machine};
 
 use crate::components::diagnose_line_curve;
-use crate::engine::{Chosen, Omnibus, without};
-use crate::said::{Entry, Said};
-use crate::selection::{Part, Projection, add};
+use crate::said::Said;
 use crate::verification::arrivals::is_same;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
-use crate::verification::competition::{Look, Model, compete};
 use crate::verification::gross_errors::gross_errors;
+use crate::verification::joined::join;
 use crate::verification::noise_floor::noise_floor_um;
 use crate::verification::prediction_error::prediction_directions;
 use crate::verification::problem::{Given, Problem};
 use crate::verification::resolution::resolution_um;
-use crate::verification::wandered::{Course, wandered};
-use crate::verification::wandering::Wandering;
-use crate::{LevelReport, Misfit, Shares, Unexplained};
+use crate::verification::series::Series;
+use crate::verification::together::together;
 
 /// False alarms of all verifications of a campaign together: once for the causes, once for the omnibus
 /// tests.
@@ -86,51 +87,70 @@ pub(crate) fn diagnose_verification(
                 .to_owned(),
         );
     }
-    let level = LEVEL / campaign.verification.len().max(1) as f64;
-    for verification in &campaign.verification {
-        diagnose_entry(
-            campaign,
-            machine,
-            verification,
-            calibration,
-            scene,
-            Asked {
-                level,
-                explain_curves,
-            },
-            &mut outcome,
-        );
-    }
+    let given = campaign.verification.iter();
+    let kept: Vec<Verification> = given
+        .map(|verification| without_gross_errors(machine, verification, calibration, &mut outcome))
+        .collect();
+    let comparisons = kept.iter().map(|verification| {
+        let mut comparison = compared(machine, verification, calibration);
+        if calibration.is_some() {
+            comparison.parked_elsewhere = parked_elsewhere(campaign, verification);
+        }
+        (verification.name.as_str(), comparison)
+    });
+    let comparisons: Vec<(&str, Comparison<'_>)> = comparisons.collect();
+    // Each by itself, and all together where there are several.
+    let looks = comparisons.len() + usize::from(comparisons.len() > 1);
+    let asked = Asked {
+        calibration,
+        scene,
+        explain_curves,
+        level: LEVEL / looks.max(1) as f64,
+    };
+    let judged = comparisons
+        .iter()
+        .filter_map(|(name, comparison)| judged(name, comparison, asked, &mut outcome));
+    let mut all: Vec<Series<'_>> = judged.collect();
+    let shared = together(&mut all, calibration, scene);
+    let entry = |(number, series): (usize, &Series<'_>)| {
+        let first: Vec<usize> = shared.iter().filter_map(|s| s.candidates[number]).collect();
+        series.entry(scene, &first)
+    };
+    outcome.entries = all.iter().enumerate().map(entry).collect();
+    join(&mut outcome.entries, &shared, &all);
     outcome
 }
 
-/// What is asked of one verification.
+/// What is asked of each verification.
 #[derive(Clone, Copy)]
-struct Asked {
-    /// Its part of the false alarms.
-    level: f64,
+struct Asked<'a> {
+    calibration: Option<&'a CalibratedMachine>,
+    scene: &'a Scene,
     /// Whether to say what its mean curve consists of.
     explain_curves: bool,
+    /// Its part of the false alarms.
+    level: f64,
 }
 
-fn diagnose_entry(
-    campaign: &Campaign,
+fn compared<'a>(
+    machine: &'a Machine,
+    verification: &'a Verification,
+    calibration: Option<&CalibratedMachine>,
+) -> Comparison<'a> {
+    match calibration {
+        Some(calibration) => Comparison::new(machine, verification, calibration),
+        None => Comparison::new(machine, verification, &Ideal),
+    }
+}
+
+/// The readings without those that contradict all others, which are said.
+fn without_gross_errors(
     machine: &Machine,
     verification: &Verification,
     calibration: Option<&CalibratedMachine>,
-    scene: &Scene,
-    asked: Asked,
     outcome: &mut Said,
-) {
-    let Asked {
-        level,
-        explain_curves,
-    } = asked;
-    let compared = |verification| match calibration {
-        Some(calibration) => Comparison::new(machine, verification, calibration),
-        None => Comparison::new(machine, verification, &Ideal),
-    };
-    let gross = gross_errors(verification, &compared(verification));
+) -> Verification {
+    let gross = gross_errors(verification, &compared(machine, verification, calibration));
     let mut kept = verification.clone();
     for (row, _) in gross.iter().rev() {
         kept.readings.remove(*row);
@@ -142,24 +162,35 @@ fn diagnose_entry(
         ));
         outcome.rejected.push(rejected);
     }
-    let mut comparison = compared(&kept);
-    if calibration.is_some() {
-        comparison.parked_elsewhere = parked_elsewhere(campaign, &kept);
-    }
-    let base = base_columns(&comparison, calibration.is_some());
-    let Some(resolution_um) = resolution_um(&comparison) else {
+    kept
+}
+
+/// One verification judged by itself; none where nothing can be said, which is said.
+fn judged<'a>(
+    name: &'a str,
+    comparison: &'a Comparison<'a>,
+    asked: Asked<'_>,
+    outcome: &mut Said,
+) -> Option<Series<'a>> {
+    let Asked {
+        calibration,
+        scene,
+        explain_curves,
+        level,
+    } = asked;
+    let base = base_columns(comparison, calibration.is_some());
+    let Some(resolution_um) = resolution_um(comparison) else {
         let why = match comparison.arrivals.len() {
             0 | 1 => "there are fewer than two stops",
             _ => "all readings are equal",
         };
-        let name = &verification.name;
         outcome
             .notices
             .push(format!("{name}: {why}; nothing can be said"));
-        return;
+        return None;
     };
     let posed = |sigma_um: f64| {
-        let directions = calibration.map(|c| prediction_directions(&comparison, c, sigma_um));
+        let directions = calibration.map(|c| prediction_directions(&[comparison], c, sigma_um));
         let given = Given {
             calibrated: calibration.is_some(),
             sigma_um,
@@ -167,43 +198,42 @@ fn diagnose_entry(
             base: &base,
             prediction: &directions.unwrap_or_default(),
         };
-        Problem::new(&comparison, scene, &given)
+        Problem::new(comparison, scene, &given)
     };
-    let floor_um = noise_floor_um(&comparison).map(|floor| floor.max(resolution_um));
+    let floor_um = noise_floor_um(comparison).map(|floor| floor.max(resolution_um));
     let curve = match calibration {
         None if explain_curves => {
-            diagnose_line_curve(&comparison, floor_um, machine, &verification.name)
+            diagnose_line_curve(comparison, floor_um, comparison.machine, name)
         }
         _ => None,
     };
     let is_explained = curve.is_some();
     outcome.curves.extend(curve.into_iter().flatten());
     // Without repeats the base model's misfit stands for the noise at first.
-    let mut problem = posed(floor_um.unwrap_or(1.0));
-    let name = &verification.name;
-    if problem.listed.base.degrees_of_freedom < LEAST_DEGREES_OF_FREEDOM {
+    let plain = posed(floor_um.unwrap_or(1.0));
+    if plain.listed.base.degrees_of_freedom < LEAST_DEGREES_OF_FREEDOM {
         outcome.notices.push(format!(
             "{name}: {} arrivals leave {:.0} degrees of freedom beside the base model; nothing can be said (at least {LEAST_DEGREES_OF_FREEDOM:.0} are needed: repeat the cycle)",
-            problem.readings(),
-            problem.listed.base.degrees_of_freedom,
+            plain.readings(),
+            plain.listed.base.degrees_of_freedom,
         ));
-        return;
+        return None;
     }
-    let mut found = judge_entry(&problem, scene, name, level);
+    let mut found = Series::new(name, plain, level);
     if floor_um.is_none() {
         // Then what is left with the causes in the model.
         for _ in 0..2 {
-            problem = posed(found.report.after.rms_um.max(resolution_um));
-            found = judge_entry(&problem, scene, name, level);
+            let left_um = found.left_um().max(resolution_um);
+            found = Series::new(name, posed(left_um), level);
         }
-        found.report.noise_floor_um = found.report.after.rms_um.max(resolution_um);
+        found.noise_floor_um = found.left_um().max(resolution_um);
     }
-    let unseen = not_observable::not_observable(&problem, scene, name, calibration.is_some());
+    let unseen = not_observable::not_observable(&found.plain, scene, name, calibration.is_some());
     // What the mean curve absorbs was looked for in the curve itself.
     let in_curve = |id: &str| is_explained && ["scale_error", "cyclic_error"].contains(&id);
     let unseen = unseen.into_iter().filter(|u| !in_curve(u.effect));
     outcome.not_observable.extend(unseen);
-    outcome.entries.push(found);
+    Some(found)
 }
 
 /// Axes that stand elsewhere at the readings of a line than in all steps that its axis was calibrated at.
@@ -228,103 +258,4 @@ fn parked_elsewhere(campaign: &Campaign, verification: &Verification) -> Vec<usi
     (0..campaign.machine.axes().len())
         .filter(elsewhere)
         .collect()
-}
-
-/// Finds and judges the causes of one verification.
-fn judge_entry(plain: &Problem<'_>, scene: &Scene, name: &str, level: f64) -> Entry {
-    let families = omnibus::families(plain);
-    let folds = held_out::folds(plain.comparison);
-    let before = &plain.listed.base;
-    let tests = omnibus::omnibus(plain, &families, before);
-    let look = Look {
-        families: &families,
-        folds: &folds,
-        level,
-    };
-    let Model {
-        problem,
-        wandering,
-        causes: chosen,
-    } = compete(plain, &look);
-    let problem = &problem;
-
-    // The one without which most is left comes first.
-    let left_without = |k: usize| problem.listed.with(&without(&chosen, k)).squares();
-    let mut ranked: Vec<(f64, Chosen)> = (0..chosen.len())
-        .map(|k| (left_without(k), chosen[k]))
-        .collect();
-    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let chosen: Vec<Chosen> = ranked.into_iter().map(|(_, cause)| cause).collect();
-    let after = problem.listed.with(&chosen);
-    let tests_after = omnibus::omnibus(problem, &families, &after);
-    let courses = wandering
-        .iter()
-        .map(|own| (own, Course::new(problem, own, &after)));
-    let courses: Vec<(&Wandering, Course)> = courses.collect();
-    let mut course = vec![0.0; before.rows()];
-    for (_, own) in &courses {
-        add(&mut course, &own.whitened, 1.0);
-    }
-    let causes = report::causes(problem, scene, &chosen, (before, &after), &course, &folds);
-    let unexplained = unexplained(problem, &after, &tests_after, level);
-    let of_causes = chosen.iter().map(std::slice::from_ref);
-    let of_causes = of_causes.map(|cause| Part::Free(problem.listed.columns(cause)));
-    let smooth = wandering.iter().map(|w| Part::Smooth(w.columns(plain)));
-    let parts: Vec<Part> = of_causes.chain(smooth).collect();
-    let held_before = held_out::held_out(plain, &[], &folds);
-    let held_after = held_out::held_out(problem, &chosen, &folds);
-    let gain = held_out::gain(problem, &held_before, &held_after);
-    let is_plain = chosen.is_empty() && wandering.is_empty();
-    let is_single = chosen.len() + wandering.len() == 1;
-    let gain = gain.map(|bounded| bounded.gain).filter(|_| !is_plain);
-    let disturbances = wandered(problem, &courses, &after, gain.filter(|_| is_single));
-    let misfit = |model, held: &held_out::HeldOut| Misfit {
-        rms_um: problem.rms_um(model),
-        heldout_rms_um: held.rms().map(|rms| rms * problem.sigma_um),
-    };
-    Entry {
-        report: LevelReport {
-            level: Level::Verification,
-            data: name.to_owned(),
-            noise_floor_um: problem.sigma_um,
-            before: misfit(before, &held_before),
-            after: misfit(&after, &held_after),
-            gain,
-            shares: Shares::of_parts(before, &parts, unexplained.is_some()),
-            unexplained,
-            tests: tests.into_iter().map(|t| t.test).collect(),
-            tests_after: tests_after.into_iter().map(|t| t.test).collect(),
-            places: report::places(problem, before, &after),
-        },
-        causes,
-        disturbances,
-    }
-}
-
-/// Structure that the causes leave.
-fn unexplained(
-    problem: &Problem<'_>,
-    after: &Projection,
-    tests: &[Omnibus],
-    level: f64,
-) -> Option<Unexplained> {
-    let clear = || tests.iter().filter(|t| t.test.p_value < level);
-    // Squares beyond what noise leaves in the columns of the clearest test.
-    let excess = clear().map(|t| {
-        let columns = t.test.columns as f64;
-        let rest = after.squares() - t.drop;
-        t.drop - columns * rest / (after.degrees_of_freedom - columns).max(1.0)
-    });
-    let excess = excess.reduce(f64::max)?;
-    let varies_with: Vec<&'static str> = clear().map(|t| t.test.varies_with).collect();
-    let period = clear().find_map(|t| t.test.detail.as_deref());
-    let period = period.map_or_else(String::new, |p| format!(", with a period near {p}"));
-    Some(Unexplained {
-        level: Level::Verification,
-        data: String::new(),
-        rms_um: problem.sigma_um * (excess.max(0.0) / problem.readings() as f64).sqrt(),
-        share: 0.0,
-        note: format!("it varies with {}{period}", varies_with.join(" and ")),
-        varies_with,
-    })
 }

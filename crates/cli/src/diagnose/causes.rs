@@ -32,7 +32,7 @@ pub(crate) fn of_misfit(
         ", or another"
     };
     let mut lines = vec![format!("cause{rank}: {name}{or_another}")];
-    lines.extend(labelled("seen in", &cause.data));
+    lines.extend(labelled("seen in", &cause.data.join(", ")));
     lines.extend(labelled("what", explanation.cause));
     let mut size = in_words::parameters(&cause.parameters);
     if let Some(share) = cause.share {
@@ -133,7 +133,11 @@ fn size_um(change: &Change) -> f64 {
 }
 
 /// What was gained on unused data.
-pub(crate) fn gained(level: &LevelReport) -> Vec<String> {
+pub(crate) fn gained(level: &LevelReport, of_several: bool) -> Vec<String> {
+    let data = match of_several {
+        true => format!("{}: ", level.data),
+        false => String::new(),
+    };
     let Some(gain) = &level.gain else {
         let between_runs = level.tests.iter().all(|test| test.varies_with == "run");
         let text = match between_runs {
@@ -142,7 +146,7 @@ pub(crate) fn gained(level: &LevelReport) -> Vec<String> {
             }
             false => "not measured: too few repeats to leave some out",
         };
-        return labelled("gained", text);
+        return labelled("gained", &(data + text));
     };
     let [low, high] = gain.interval;
     let mut text = if gain.is_claimed() {
@@ -168,7 +172,7 @@ pub(crate) fn gained(level: &LevelReport) -> Vec<String> {
             out.ratio
         );
     }
-    labelled("gained", &text)
+    labelled("gained", &(data + &text))
 }
 
 /// Amplitude and phase where they are known, without the sine and cosine that say the same.
@@ -201,7 +205,7 @@ pub(crate) fn of_curve(cause: &Cause, scene: &Scene) -> String {
         true => String::new(),
         false => format!(" (or {})", rivals.join(" or ")),
     };
-    let data = match cause.data.as_str() {
+    let data = match cause.data.join(", ").as_str() {
         "error curves" => String::new(),
         data => format!("{data}: "),
     };

@@ -33,14 +33,13 @@ pub(crate) fn lines(diagnosis: &Diagnosis) -> Vec<String> {
         // The calibration was done again without all causes together: told once.
         let first = k == 0 || misfits[k - 1].data != cause.data;
         lines.extend(causes::of_misfit(cause, rank, first, &diagnosis.scene));
-        let last_of_level = misfits[k + 1..].iter().all(|c| c.data != cause.data);
-        let level = diagnosis.levels.iter().find(|l| l.data == cause.data);
-        lines.extend(
-            level
-                .filter(|_| last_of_level)
-                .into_iter()
-                .flat_map(causes::gained),
-        );
+        let is_last = |level: &&LevelReport| {
+            let mut later = misfits[k + 1..].iter();
+            cause.data.contains(&level.data) && later.all(|c| !c.data.contains(&level.data))
+        };
+        let of_several = cause.data.len() > 1;
+        let levels = diagnosis.levels.iter().filter(is_last);
+        lines.extend(levels.flat_map(|level| causes::gained(level, of_several)));
     }
     for disturbance in &diagnosis.disturbances {
         lines.extend(wanders(disturbance, &diagnosis.scene));

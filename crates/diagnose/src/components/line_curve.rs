@@ -93,7 +93,7 @@ pub(crate) fn diagnose_line_curve(
     }
     let mut causes = Search::new(&scene, vec![set]).causes();
     for cause in &mut causes {
-        cause.data = format!("mean curve of {name}");
+        cause.data = vec![format!("mean curve of {name}")];
     }
     Some(causes)
 }

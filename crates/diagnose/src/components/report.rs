@@ -39,7 +39,7 @@ pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
     let covariance = (0..n * n).map(|k| estimate.covariance[(k / n, k % n)]);
     let effect = hypothesis.resolved(estimate.parameters.clone(), estimate.shape);
     Cause {
-        data: "error curves".to_owned(),
+        data: vec!["error curves".to_owned()],
         p_value: found.p_value,
         delta_bic: found.score.bic,
         explained_rms_um: rms_um,

@@ -49,7 +49,7 @@ impl Cause {
         Self {
             effect,
             level,
-            data: String::new(),
+            data: Vec::new(),
             p_value: 1.0,
             delta_bic: 0.0,
             explained_rms_um: 0.0,

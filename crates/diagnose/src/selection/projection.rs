@@ -101,6 +101,35 @@ impl Projection {
         Self::of_nothing(observations).extended(base)
     }
 
+    /// That of several systems below each other, of each its first `rows` in units of `scale`; the rest of its rows are
+    /// observations of nothing (dense ones without groups).
+    pub(crate) fn stacked<'p>(parts: impl Iterator<Item = (&'p Self, usize, f64)> + Clone) -> Self {
+        let widths = parts.clone().map(|(part, ..)| part.shared_width);
+        let mut stack = Self {
+            own_width: widths.max().unwrap_or(0),
+            groups: 0,
+            ..Self::of_nothing(Vec::new())
+        };
+        for (part, rows, scale) in parts {
+            let residuals = part.residuals[..rows].iter().map(|r| r / scale);
+            stack.residuals.extend(residuals);
+            stack.squares += part.squares / (scale * scale);
+            stack.degrees_of_freedom += part.degrees_of_freedom - (part.rows() - rows) as f64;
+            stack.taken += part.taken;
+            stack.is_soft |= part.is_soft;
+            stack
+                .group_of_row
+                .resize(stack.residuals.len(), stack.groups);
+            stack.groups += 1;
+            for row in 0..rows {
+                let end = stack.own.len() + stack.own_width;
+                stack.own.extend(part.shared_row(row));
+                stack.own.resize(end, 0.0);
+            }
+        }
+        stack
+    }
+
     /// That of an eliminated system: `Σ = I`.
     pub(crate) fn arrowhead(parts: Arrowhead) -> Self {
         Self {

@@ -100,7 +100,7 @@ fn helps(plain: &Problem<'_>, model: &Model<'_>, look: &Look<'_>) -> bool {
 }
 
 /// Only what wanders.
-fn only<'a>(plain: &Problem<'a>, wandering: Vec<Wandering>) -> Model<'a> {
+pub(crate) fn only<'a>(plain: &Problem<'a>, wandering: Vec<Wandering>) -> Model<'a> {
     Model {
         problem: plain.beside(&wandering),
         wandering,
@@ -183,7 +183,7 @@ fn causes(problem: &Problem<'_>, look: &Look<'_>) -> Vec<Chosen> {
 }
 
 /// Drops causes that merely imitate what is left.
-fn without_imitations(problem: &Problem<'_>, causes: &mut Vec<Chosen>, look: &Look<'_>) {
+pub(crate) fn without_imitations(problem: &Problem<'_>, causes: &mut Vec<Chosen>, look: &Look<'_>) {
     let left = omnibus(problem, look.families, &problem.listed.with(causes));
     let squares = |t: &Omnibus| t.drop - t.test.columns as f64;
     let left = still_left(look.families, &left, look.level, squares);

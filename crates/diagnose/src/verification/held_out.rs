@@ -165,14 +165,10 @@ pub(crate) struct BoundedGain {
     pub(crate) upper_bound: f64,
 }
 
-/// What causes gain on readings that the models were not fitted to: `after` against `before`.
-pub(crate) fn gain(
-    problem: &Problem<'_>,
-    before: &HeldOut,
-    after: &HeldOut,
-) -> Option<BoundedGain> {
+/// Squares before, after, and those expected of noise alone, of each block of readings.
+fn squares_of_blocks(problem: &Problem<'_>, before: &HeldOut, after: &HeldOut) -> Vec<[f64; 3]> {
     let numbers = blocks(problem.comparison, FOLDS);
-    let mut sums = vec![[0.0; 3]; numbers.iter().max()? + 1];
+    let mut sums = vec![[0.0; 3]; numbers.iter().max().map_or(0, |last| last + 1)];
     for (row, &block) in numbers.iter().enumerate() {
         if let (Some(a), Some(b)) = (before.errors[row], after.errors[row]) {
             sums[block][0] += a * a;
@@ -180,6 +176,20 @@ pub(crate) fn gain(
             sums[block][2] += before.expected[row];
         }
     }
+    sums
+}
+
+/// What causes gain on readings that the models were not fitted to: `after` against `before`.
+pub(crate) fn gain(
+    problem: &Problem<'_>,
+    before: &HeldOut,
+    after: &HeldOut,
+) -> Option<BoundedGain> {
+    gain_of_blocks(&squares_of_blocks(problem, before, after))
+}
+
+/// The same from the squares of all blocks.
+pub(crate) fn gain_of_blocks(sums: &[[f64; 3]]) -> Option<BoundedGain> {
     let total = |k: usize| sums.iter().map(|s| s[k]).sum::<f64>();
     let (before, after, noise) = (total(0), total(1), total(2));
     if before <= 0.0 {
@@ -212,6 +222,16 @@ pub(crate) fn gain_of(
     k: usize,
     folds: &[usize],
 ) -> Option<BoundedGain> {
+    gain_of_blocks(&blocks_of(problem, causes, k, folds))
+}
+
+/// The squares of blocks without one cause, and with it.
+pub(crate) fn blocks_of(
+    problem: &Problem<'_>,
+    causes: &[Chosen],
+    k: usize,
+    folds: &[usize],
+) -> Vec<[f64; 3]> {
     let before = held_out(problem, &without(causes, k), folds);
-    gain(problem, &before, &held_out(problem, causes, folds))
+    squares_of_blocks(problem, &before, &held_out(problem, causes, folds))
 }

@@ -17,23 +17,27 @@ use crate::verification::comparison::Comparison;
 /// Variance of a prediction, in variances of an arrival, that may be left out.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// The columns of `P` over the readings, µm; none if the calibration has no uncertainties.
+/// The columns of `P` over the readings of one comparison after the other, µm; none if the calibration has no uncertainties.
 pub(crate) fn prediction_directions(
-    comparison: &Comparison<'_>,
+    comparisons: &[&Comparison<'_>],
     machine: &CalibratedMachine,
     noise_um: f64,
 ) -> Vec<Vec<f64>> {
     if !machine.has_uncertainties {
         return Vec::new();
     }
-    let stands = stands(comparison);
-    let count = stands.iter().max().map_or(0, |max| max + 1);
-    let mut readings: Vec<(_, &[f64])> = vec![(comparison.kind, &[]); count];
-    for (arrival, &stand) in comparison.arrivals.iter().zip(&stands) {
-        readings[stand].1 = &arrival.positions;
+    let (mut readings, mut of_arrivals): (Vec<(_, &[f64])>, Vec<usize>) = Default::default();
+    for comparison in comparisons {
+        let (first, stands) = (readings.len(), stands(comparison));
+        let count = stands.iter().max().map_or(0, |max| max + 1);
+        readings.resize(first + count, (comparison.kind, &[]));
+        for (arrival, stand) in comparison.arrivals.iter().zip(stands) {
+            readings[first + stand].1 = &arrival.positions;
+            of_arrivals.push(first + stand);
+        }
     }
     let prediction = machine.covariance_of_readings(&readings);
     let of_stands = pivoted_cholesky(prediction, NEGLIGIBLE * noise_um * noise_um);
-    let spread = |column: &DVector<f64>| stands.iter().map(|&stand| column[stand]).collect();
+    let spread = |column: &DVector<f64>| of_arrivals.iter().map(|&stand| column[stand]).collect();
     of_stands.iter().map(spread).collect()
 }

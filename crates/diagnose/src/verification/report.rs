@@ -2,7 +2,9 @@
 
 use trueaxis_effects::{Level, Scene};
 
-use crate::engine::{Chosen, Judged, Listed, places as places_by, side, with_uncertainties};
+use crate::engine::{
+    Candidate, Chosen, Judged, Listed, places as places_by, side, with_uncertainties,
+};
 use crate::fitted::{Against, Fitted, Row};
 use crate::selection::{Fit, Projection, combined, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
@@ -49,22 +51,12 @@ pub(crate) fn causes(
         let columns = candidate.columns(cause.shape);
         let all = joint.part(first..first + columns.len());
         first += columns.len();
-        let count = candidate.plausible.len();
-        let own = all.part(0..count);
         let Some(judged) = problem.listed.judge(chosen, k) else {
             continue;
         };
-        let covariance: Vec<f64> = own.covariance.iter().map(|c| c * variance).collect();
-        // What these lines do not show has no uncertainty.
-        let u = |i: usize| match own.seen[i] {
-            true => covariance[i * count + i].max(0.0).sqrt(),
-            false => f64::INFINITY,
-        };
-        let shape = (cause.shape, cause.u_shape);
-        let mut parameters =
-            with_uncertainties(scene, &candidate.hypothesis, &own.estimates, u, shape);
+        let mut sized = sized(scene, candidate, cause, &all, variance);
         // Without a clock times count readings.
-        for parameter in &mut parameters[count..] {
+        for parameter in &mut sized.parameters[candidate.plausible.len()..] {
             if parameter.unit == "s" && !problem.comparison.timed {
                 parameter.unit = "readings";
             }
@@ -73,7 +65,6 @@ pub(crate) fn causes(
         base.project(&mut fitted);
         let misfit: Vec<f64> = rest.iter().zip(&fitted).map(|(a, b)| a + b).collect();
         let gain = gain_of(problem, chosen, k, folds);
-        let effect = candidate.resolved(&own.estimates, cause.shape);
         let curve = match candidate.is_free {
             true => curve(problem.comparison, columns, &all, variance),
             false => Vec::new(),
@@ -86,10 +77,32 @@ pub(crate) fn causes(
             rivals: rivals(&problem.listed, &chosen[k..=k], &judged),
             curve,
             fitted: shown(problem, scene, &misfit, &fitted),
-            ..Cause::of(Level::Verification, effect, parameters, covariance)
+            ..sized
         });
     }
     causes
+}
+
+/// A cause with its parameters from a fit of its columns to observations of this variance.
+pub(crate) fn sized(
+    scene: &Scene,
+    candidate: &Candidate,
+    cause: &Chosen,
+    fit: &Fit,
+    variance: f64,
+) -> Cause {
+    let count = candidate.plausible.len();
+    let own = fit.part(0..count);
+    let covariance: Vec<f64> = own.covariance.iter().map(|c| c * variance).collect();
+    // What these lines do not show has no uncertainty.
+    let u = |i: usize| match own.seen[i] {
+        true => covariance[i * count + i].max(0.0).sqrt(),
+        false => f64::INFINITY,
+    };
+    let shape = (cause.shape, cause.u_shape);
+    let parameters = with_uncertainties(scene, &candidate.hypothesis, &own.estimates, u, shape);
+    let effect = candidate.resolved(&own.estimates, cause.shape);
+    Cause::of(Level::Verification, effect, parameters, covariance)
 }
 
 /// The misfit without a cause, and what its fit explains.
@@ -123,7 +136,7 @@ const UNDECIDED: f64 = 0.1;
 
 /// What explains the data nearly as well as a cause, all against the model with the other causes. A
 /// form that holds the cause and more is a rival only as long as it is undecided whether there is more.
-fn rivals(listed: &Listed, cause: &[Chosen], judged: &Judged) -> Vec<Rival> {
+pub(crate) fn rivals(listed: &Listed, cause: &[Chosen], judged: &Judged) -> Vec<Rival> {
     let (model, own) = (&judged.beside.model, &judged.score);
     let cause_columns = listed.columns(cause);
     listed.rivals(judged, |score, other, columns| {

@@ -18,10 +18,20 @@ const CONTAINED: f64 = 1e-6;
 
 /// The causes of what the base model leaves, the strongest first.
 pub(crate) fn search(listed: &Listed, excluded: &[usize], level: f64) -> Vec<Chosen> {
-    let mut causes: Vec<Chosen> = Vec::new();
+    search_beside(listed, Vec::new(), excluded, level)
+}
+
+/// The same beside causes that are known, without those that become superfluous.
+pub(crate) fn search_beside(
+    listed: &Listed,
+    mut causes: Vec<Chosen>,
+    excluded: &[usize],
+    level: f64,
+) -> Vec<Chosen> {
+    let most = causes.len() + MOST_CAUSES;
     // Each round adds a cause; one that another makes superfluous gives its place free once.
     for _ in 0..2 * MOST_CAUSES {
-        if causes.len() == MOST_CAUSES {
+        if causes.len() == most {
             break;
         }
         let Some(next) = best(listed, &causes, excluded, level) else {
@@ -83,7 +93,7 @@ fn best(listed: &Listed, causes: &[Chosen], excluded: &[usize], level: f64) -> O
 }
 
 /// The leader, or the smaller form that it contains if it has nothing significant beyond it.
-fn simplest<'s>(
+pub(crate) fn simplest<'s>(
     listed: &Listed,
     beside: &Beside,
     scores: &'s [Score],

@@ -1,0 +1,122 @@
+//! A cause that several series have in common, as the outcome says it: once, with all its data.
+
+use trueaxis_effects::{ResolvedEffect, Scene};
+
+use crate::engine::{Chosen, Listed, without};
+use crate::said::Entry;
+use crate::selection::Fit;
+use crate::verification::held_out::{blocks_of, gain_of_blocks};
+use crate::verification::report::{rivals, sized};
+use crate::verification::series::Series;
+use crate::verification::together::Shared;
+use crate::{Cause, Fitted};
+
+/// With the size that all series have in common, its variance multiplied by `scatter`; what each shows of it is to be
+/// filled in ([`join`]).
+pub(crate) fn joint_cause(
+    listed: &Listed,
+    scene: &Scene,
+    causes: &[Chosen],
+    k: usize,
+    scatter: f64,
+) -> Option<Cause> {
+    let judged = listed.judge(causes, k)?;
+    let candidate = &listed.candidates[causes[k].candidate];
+    let after = listed.with(causes);
+    let variance = scatter * after.squares() / after.degrees_of_freedom.max(1.0);
+    let fit = Fit::new(
+        &listed.with(&without(causes, k)),
+        &listed.columns(&causes[k..=k]),
+    );
+    Some(Cause {
+        p_value: judged.p_value,
+        delta_bic: judged.score.bic,
+        rivals: rivals(listed, &causes[k..=k], &judged),
+        ..sized(scene, candidate, &causes[k], &fit, variance)
+    })
+}
+
+/// Puts each shared cause into the entries of all series that show it, in place of what each says of it.
+pub(crate) fn join(entries: &mut [Entry], shared: &[Shared], all: &[Series<'_>]) {
+    for shared in shared {
+        let place = |number: usize| {
+            let causes = &entries[number].causes;
+            let is_it = |cause: &Cause| is_same(&cause.effect, &shared.cause.effect);
+            Some((number, causes.iter().position(is_it)?))
+        };
+        let shown = (0..entries.len()).filter(|&number| shared.candidates[number].is_some());
+        let places: Vec<(usize, usize)> = shown.filter_map(place).collect();
+        let of_each = |&(number, k): &(usize, usize)| {
+            let (entry, series) = (&entries[number], &all[number]);
+            (
+                entry,
+                &entry.causes[k],
+                entry.report.shares.causes[k],
+                series,
+            )
+        };
+        let of_each: Vec<_> = places.iter().map(of_each).collect();
+        if of_each.len() < 2 {
+            continue;
+        }
+        let readings = |series: &Series<'_>| series.plain.readings() as f64;
+        let squares = |series: &Series<'_>| series.plain.listed.base.squares();
+        let mean = |value: &dyn Fn(&Cause, f64) -> f64, weight: &dyn Fn(&Series<'_>) -> f64| {
+            let all = of_each.iter();
+            let sum: f64 = all
+                .clone()
+                .map(|(_, c, share, s)| value(c, *share) * weight(s))
+                .sum();
+            sum / all.map(|(.., s)| weight(s)).sum::<f64>()
+        };
+        let blocks = of_each
+            .iter()
+            .zip(&places)
+            .flat_map(|((.., series), (number, _))| {
+                let causes = &series.model.causes;
+                let k = causes
+                    .iter()
+                    .position(|c| Some(c.candidate) == shared.candidates[*number]);
+                k.map_or_else(Vec::new, |k| {
+                    blocks_of(&series.model.problem, causes, k, &series.folds)
+                })
+            });
+        let gain = gain_of_blocks(&blocks.collect::<Vec<_>>());
+        let cause = Cause {
+            data: of_each
+                .iter()
+                .map(|(entry, ..)| entry.report.data.clone())
+                .collect(),
+            explained_rms_um: mean(&|c, _| c.explained_rms_um.powi(2), &readings).sqrt(),
+            share: Some(mean(&|_, share| share, &squares)),
+            heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
+            fitted: panels(of_each.iter().map(|(entry, cause, ..)| (*entry, *cause))),
+            ..shared.cause.clone()
+        };
+        for (number, k) in places {
+            entries[number].causes[k] = cause.clone();
+        }
+    }
+}
+
+fn is_same(a: &ResolvedEffect, b: &ResolvedEffect) -> bool {
+    a.effect.id == b.effect.id && a.subject == b.subject
+}
+
+/// A panel for each series, the one that shows most of the cause first.
+fn panels<'e>(of_each: impl Iterator<Item = (&'e Entry, &'e Cause)>) -> Option<Fitted> {
+    let mut panels: Vec<(f64, Fitted)> = of_each
+        .filter_map(|(entry, cause)| {
+            let fitted = cause.fitted.clone()?;
+            let of = entry.report.data.clone();
+            Some((cause.explained_rms_um, Fitted { of, ..fitted }))
+        })
+        .collect();
+    panels.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut panels = panels.into_iter().map(|(_, panel)| panel);
+    let first = panels.next()?;
+    Some(Fitted {
+        beside: panels.collect(),
+        ..first
+    })
+}

@@ -1,0 +1,180 @@
+//! One series of readings with its causes, and what wanders beside them.
+
+use trueaxis_effects::{Level, Scene};
+
+use crate::engine::{Chosen, Family, Omnibus, without};
+use crate::said::Entry;
+use crate::selection::{Part, Projection, add};
+use crate::verification::competition::{Look, Model, compete, only};
+use crate::verification::held_out::{self, HeldOut};
+use crate::verification::omnibus;
+use crate::verification::problem::Problem;
+use crate::verification::report;
+use crate::verification::wandered::{Course, wandered};
+use crate::verification::wandering::{Wandering, wandering};
+use crate::{LevelReport, Misfit, Shares, Unexplained};
+
+/// The readings of one verification: a line or the sweeps of a ball bar.
+pub(crate) struct Series<'a> {
+    pub(crate) name: &'a str,
+    /// The base model without anything.
+    pub(crate) plain: Problem<'a>,
+    pub(crate) families: Vec<Family>,
+    pub(crate) folds: Vec<usize>,
+    /// Of false alarms.
+    pub(crate) level: f64,
+    pub(crate) model: Model<'a>,
+    /// Standard deviation of an arrival that is stated, µm.
+    pub(crate) noise_floor_um: f64,
+}
+
+impl<'a> Series<'a> {
+    /// Finds the causes of a verification, and what wanders beside them or instead of them.
+    pub(crate) fn new(name: &'a str, plain: Problem<'a>, level: f64) -> Self {
+        let families = omnibus::families(&plain);
+        let folds = held_out::folds(plain.comparison);
+        let look = Look {
+            families: &families,
+            folds: &folds,
+            level,
+        };
+        let model = compete(&plain, &look);
+        Self {
+            name,
+            noise_floor_um: plain.sigma_um,
+            families,
+            folds,
+            level,
+            model,
+            plain,
+        }
+    }
+
+    pub(crate) fn look(&self) -> Look<'_> {
+        Look {
+            families: &self.families,
+            folds: &self.folds,
+            level: self.level,
+        }
+    }
+
+    /// The model that its causes make.
+    pub(crate) fn after(&self) -> Projection {
+        self.model.problem.listed.with(&self.model.causes)
+    }
+
+    /// Rms for one degree of freedom of what its model leaves, µm.
+    pub(crate) fn left_um(&self) -> f64 {
+        self.plain.rms_um(&self.after())
+    }
+
+    /// Other causes, with what wanders beside them.
+    pub(crate) fn set_causes(&mut self, causes: Vec<Chosen>) {
+        let of = |causes: &[Chosen]| {
+            let mut numbers: Vec<usize> = causes.iter().map(|c| c.candidate).collect();
+            numbers.sort_unstable();
+            numbers
+        };
+        if of(&causes) != of(&self.model.causes) {
+            self.model = only(&self.plain, wandering(&self.plain, &causes));
+        }
+        self.model.causes = causes;
+    }
+
+    /// What is said of it; the `first` of its causes come first, then the one without which most is left.
+    pub(crate) fn entry(&self, scene: &Scene, first: &[usize]) -> Entry {
+        let Self {
+            plain, families, ..
+        } = self;
+        let Model {
+            problem,
+            wandering,
+            causes: chosen,
+        } = &self.model;
+        let folds = &self.folds;
+        let before = &plain.listed.base;
+        let tests = omnibus::omnibus(plain, families, before);
+        let left_without = |k: usize| {
+            let left = problem.listed.with(&without(chosen, k)).squares();
+            let place = first.iter().position(|own| *own == chosen[k].candidate);
+            (place.unwrap_or(first.len()), left)
+        };
+        let mut ranked: Vec<((usize, f64), Chosen)> = (0..chosen.len())
+            .map(|k| (left_without(k), chosen[k]))
+            .collect();
+        ranked.sort_by(|(a, _), (b, _)| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+        let chosen: Vec<Chosen> = ranked.into_iter().map(|(_, cause)| cause).collect();
+        let after = problem.listed.with(&chosen);
+        let tests_after = omnibus::omnibus(problem, families, &after);
+        let courses = wandering
+            .iter()
+            .map(|own| (own, Course::new(problem, own, &after)));
+        let courses: Vec<(&Wandering, Course)> = courses.collect();
+        let mut course = vec![0.0; before.rows()];
+        for (_, own) in &courses {
+            add(&mut course, &own.whitened, 1.0);
+        }
+        let causes = report::causes(problem, scene, &chosen, (before, &after), &course, folds);
+        let unexplained = unexplained(problem, &after, &tests_after, self.level);
+        let of_causes = chosen.iter().map(std::slice::from_ref);
+        let of_causes = of_causes.map(|cause| Part::Free(problem.listed.columns(cause)));
+        let smooth = wandering.iter().map(|w| Part::Smooth(w.columns(plain)));
+        let parts: Vec<Part> = of_causes.chain(smooth).collect();
+        let held_before = held_out::held_out(plain, &[], folds);
+        let held_after = held_out::held_out(problem, &chosen, folds);
+        let gain = held_out::gain(problem, &held_before, &held_after);
+        let is_plain = chosen.is_empty() && wandering.is_empty();
+        let is_single = chosen.len() + wandering.len() == 1;
+        let gain = gain.map(|bounded| bounded.gain).filter(|_| !is_plain);
+        let disturbances = wandered(problem, &courses, &after, gain.filter(|_| is_single));
+        let misfit = |model, held: &HeldOut| Misfit {
+            rms_um: problem.rms_um(model),
+            heldout_rms_um: held.rms().map(|rms| rms * problem.sigma_um),
+        };
+        Entry {
+            report: LevelReport {
+                level: Level::Verification,
+                data: self.name.to_owned(),
+                noise_floor_um: self.noise_floor_um,
+                before: misfit(before, &held_before),
+                after: misfit(&after, &held_after),
+                gain,
+                shares: Shares::of_parts(before, &parts, unexplained.is_some()),
+                unexplained,
+                tests: tests.into_iter().map(|t| t.test).collect(),
+                tests_after: tests_after.into_iter().map(|t| t.test).collect(),
+                places: report::places(problem, before, &after),
+            },
+            causes,
+            disturbances,
+        }
+    }
+}
+
+/// Structure that the causes leave.
+fn unexplained(
+    problem: &Problem<'_>,
+    after: &Projection,
+    tests: &[Omnibus],
+    level: f64,
+) -> Option<Unexplained> {
+    let clear = || tests.iter().filter(|t| t.test.p_value < level);
+    // Squares beyond what noise leaves in the columns of the clearest test.
+    let excess = clear().map(|t| {
+        let columns = t.test.columns as f64;
+        let rest = after.squares() - t.drop;
+        t.drop - columns * rest / (after.degrees_of_freedom - columns).max(1.0)
+    });
+    let excess = excess.reduce(f64::max)?;
+    let varies_with: Vec<&'static str> = clear().map(|t| t.test.varies_with).collect();
+    let period = clear().find_map(|t| t.test.detail.as_deref());
+    let period = period.map_or_else(String::new, |p| format!(", with a period near {p}"));
+    Some(Unexplained {
+        level: Level::Verification,
+        data: String::new(),
+        rms_um: problem.sigma_um * (excess.max(0.0) / problem.readings() as f64).sqrt(),
+        share: 0.0,
+        note: format!("it varies with {}{period}", varies_with.join(" and ")),
+        varies_with,
+    })
+}

@@ -1,0 +1,244 @@
+//! All series of readings as one system, below each other.
+//!
+//! ```text
+//! y = [ y_1/s_1 ]   M = block diagonal of the M_f   X = [ X_1/s_1 ]
+//!     [   ...   ]                                       [   ...   ]
+//! ```
+//!
+//! `M_f` leaves what the base model of a series, what wanders in it and what it alone shows absorb; `s_f` is the standard
+//! deviation of a reading that its own causes leave. The errors of the prediction are those of one calibration: they join
+//! the covariance of all series together. A hypothesis has one column for each parameter over all of them.
+
+use trueaxis_calibrate::CalibratedMachine;
+use trueaxis_effects::Shape;
+
+use crate::engine::{Candidate, Chosen, Listed, without};
+use crate::selection::{Fit, Hypothesis, Projection, combined, dot};
+use crate::verification::prediction_error::prediction_directions;
+use crate::verification::series::Series;
+
+/// The system and what may be common to its series.
+pub(crate) struct Stack<'s> {
+    pub(crate) listed: Listed,
+    /// Of each hypothesis its number in each series that shows it.
+    pub(crate) members: Vec<Vec<Option<usize>>>,
+    /// `s_f`, µm.
+    scales_um: Vec<f64>,
+    all: &'s [Series<'s>],
+}
+
+/// Whether an effect of a series is the same in another: it belongs to the machine or to the way in which it is read, not
+/// to the time of one series or to the range of its positions.
+pub(crate) fn is_of_all(candidate: &Candidate) -> bool {
+    let Hypothesis { effect, .. } = candidate.hypothesis;
+    let is_of_its_clock = candidate.hypothesis.is_of_time() || effect.id == "axis_expansion";
+    let has_shape_of_all = matches!(effect.shape, Shape::Fixed | Shape::Period | Shape::Waves);
+    has_shape_of_all && !is_of_its_clock && !candidate.is_free
+}
+
+impl<'s> Stack<'s> {
+    /// Of all series; of each the causes `own` are its own.
+    pub(crate) fn new(
+        all: &'s [Series<'s>],
+        own: &[Vec<Chosen>],
+        is_wanted: impl Fn(&Hypothesis) -> bool,
+        calibration: Option<&CalibratedMachine>,
+    ) -> Self {
+        let scales_um: Vec<f64> = all.iter().map(scale_um).collect();
+        let with_own = all.iter().zip(own).map(|(series, own)| {
+            let problem = &series.model.problem;
+            problem.as_predicted.extended(&problem.listed.columns(own))
+        });
+        let parts: Vec<Projection> = with_own.collect();
+        let rows = all.iter().map(|series| series.plain.readings());
+        let scales = all.iter().zip(&scales_um);
+        let scales = scales.map(|(series, scale)| scale / series.plain.sigma_um);
+        let numbered = parts.iter().zip(rows).zip(scales);
+        let mut base = Projection::stacked(numbered.map(|((part, rows), s)| (part, rows, s)));
+        if let Some(calibration) = calibration {
+            let comparisons: Vec<_> = all.iter().map(|series| series.plain.comparison).collect();
+            let finest_um = scales_um.iter().copied().fold(f64::INFINITY, f64::min);
+            let directions = prediction_directions(&comparisons, calibration, finest_um);
+            let of_rows = all.iter().zip(&scales_um);
+            let of_rows = of_rows.flat_map(|(s, &um)| std::iter::repeat_n(um, s.plain.readings()));
+            let of_rows: Vec<f64> = of_rows.collect();
+            let whitened = directions.iter().map(|column| {
+                let column = column.iter().zip(&of_rows);
+                column.map(|(x, um)| x / um).collect()
+            });
+            let whitened: Vec<Vec<f64>> = whitened.collect();
+            if !whitened.is_empty() {
+                base = base.beside(&whitened).0;
+            }
+        }
+        let mut stack = Self {
+            listed: Listed {
+                base,
+                candidates: Vec::new().into(),
+            },
+            members: Vec::new(),
+            scales_um,
+            all,
+        };
+        let mut candidates: Vec<Candidate> = Vec::new();
+        for series in all {
+            for candidate in series.plain.listed.candidates.iter() {
+                let hypothesis = &candidate.hypothesis;
+                let is_listed = |other: &Candidate| other.hypothesis.is(hypothesis);
+                if is_of_all(candidate)
+                    && is_wanted(hypothesis)
+                    && !candidates.iter().any(is_listed)
+                {
+                    let (candidate, members) = stack.joined(hypothesis);
+                    candidates.push(candidate);
+                    stack.members.push(members);
+                }
+            }
+        }
+        stack.listed.candidates = candidates.into();
+        stack
+    }
+
+    /// One hypothesis over all series, with the shapes of the series that tries most.
+    fn joined(&self, hypothesis: &Hypothesis) -> (Candidate, Vec<Option<usize>>) {
+        let members: Vec<Option<usize>> = self
+            .all
+            .iter()
+            .map(|series| {
+                let mut candidates = series.plain.listed.candidates.iter();
+                candidates.position(|c| is_of_all(c) && c.hypothesis.is(hypothesis))
+            })
+            .collect();
+        let own = self.all.iter().zip(&members);
+        let own = own.filter_map(|(s, number)| Some(&s.plain.listed.candidates[(*number)?]));
+        let largest = own.max_by_key(|candidate| candidate.shapes.len());
+        let (shapes, plausible) = largest.map_or_else(Default::default, |candidate| {
+            (candidate.shapes.clone(), candidate.plausible.clone())
+        });
+        let columns = |&shape: &f64| -> Vec<Vec<f64>> {
+            let parameters = 0..plausible.len();
+            parameters
+                .map(|k| self.column(hypothesis, &members, k, shape))
+                .collect()
+        };
+        let candidate = Candidate {
+            hypothesis: *hypothesis,
+            columns: shapes.iter().map(columns).collect(),
+            shapes,
+            plausible,
+            is_free: false,
+        };
+        (candidate, members)
+    }
+
+    /// What a unit of a parameter does to all readings.
+    fn column(
+        &self,
+        Hypothesis {
+            effect, subject, ..
+        }: &Hypothesis,
+        members: &[Option<usize>],
+        parameter: usize,
+        shape: f64,
+    ) -> Vec<f64> {
+        let mut whole = Vec::with_capacity(self.listed.base.rows());
+        for ((series, member), scale_um) in self.all.iter().zip(members).zip(&self.scales_um) {
+            let comparison = series.plain.comparison;
+            match member {
+                Some(_) => {
+                    let column = comparison.column(effect, subject, parameter, shape);
+                    whole.extend(column.iter().map(|x| x / scale_um));
+                }
+                None => whole.resize(whole.len() + series.plain.readings(), 0.0),
+            }
+        }
+        whole
+    }
+
+    /// The rows of a series.
+    fn rows(&self, number: usize) -> std::ops::Range<usize> {
+        let count = |series: &Series<'_>| series.plain.readings();
+        let first = self.all[..number].iter().map(count).sum();
+        first..first + count(&self.all[number])
+    }
+
+    /// Every cause of the machine that a series named, once.
+    pub(crate) fn named(&self) -> Vec<Chosen> {
+        let mut all: Vec<Chosen> = Vec::new();
+        for (number, members) in self.members.iter().enumerate() {
+            let mut shapes = (0..self.all.len()).filter_map(|k| self.own_shape(number, k));
+            if members.iter().any(Option::is_some)
+                && let Some(shape) = shapes.next()
+            {
+                all.push(Chosen {
+                    candidate: number,
+                    shape,
+                    u_shape: 0.0,
+                });
+            }
+        }
+        all
+    }
+
+    /// The shape at which a series named a hypothesis.
+    fn own_shape(&self, candidate: usize, series: usize) -> Option<f64> {
+        let member = self.members[candidate][series]?;
+        let mut causes = self.all[series].model.causes.iter();
+        causes.find(|c| c.candidate == member).map(|c| c.shape)
+    }
+
+    /// The columns of a cause with a size of its own, and where it was named a shape of its own, in each series.
+    pub(crate) fn apart(&self, cause: &Chosen) -> Vec<Vec<Vec<f64>>> {
+        let candidate = &self.listed.candidates[cause.candidate];
+        let of_series = |number: usize| {
+            let shape = self.own_shape(cause.candidate, number);
+            let columns = candidate.columns(shape.unwrap_or(cause.shape)).iter();
+            let rows = self.rows(number);
+            let own = columns.map(|column| {
+                let mut own = vec![0.0; column.len()];
+                own[rows.clone()].copy_from_slice(&column[rows.clone()]);
+                own
+            });
+            own.collect()
+        };
+        (0..self.all.len()).map(of_series).collect()
+    }
+
+    /// The causes of each series: its own and those that it shows of all.
+    pub(crate) fn of_each(&self, own: &[Vec<Chosen>], causes: &[Chosen]) -> Vec<Vec<Chosen>> {
+        let mut all = own.to_vec();
+        for (k, cause) in causes.iter().enumerate() {
+            let model = self.listed.with(&without(causes, k));
+            let columns = self.listed.columns(&causes[k..=k]);
+            let estimates = Fit::new(&model, &columns).estimates;
+            for (number, of_series) in all.iter_mut().enumerate() {
+                let rows = self.rows(number);
+                let mut made = combined(model.rows(), &columns, &estimates);
+                let outside = |row: usize| !rows.contains(&row);
+                (0..made.len())
+                    .filter(|&row| outside(row))
+                    .for_each(|row| made[row] = 0.0);
+                let mut left = made.clone();
+                model.project(&mut left);
+                // More than its columns explain of noise.
+                let is_shown = dot(&made, &left) > columns.len() as f64;
+                if let Some(candidate) = self.members[cause.candidate][number].filter(|_| is_shown)
+                {
+                    of_series.push(Chosen {
+                        candidate,
+                        ..*cause
+                    });
+                }
+            }
+        }
+        all
+    }
+}
+
+/// Standard deviation of a reading that the causes of a series leave, µm.
+fn scale_um(series: &Series<'_>) -> f64 {
+    let plain = &series.plain;
+    series
+        .left_um()
+        .max(plain.sigma_um * plain.least_variance.sqrt())
+}
