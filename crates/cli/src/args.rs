@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use nalgebra::Point3;
-use trueaxis_compensate::Format;
+use trueaxis_compensate::{Format, TableSign};
 
 use crate::output::{OutputError, Results};
 
@@ -174,6 +174,11 @@ pub(crate) struct ExportArgs {
     /// contain them (all formats but marlin and klipper).
     #[arg(long, value_name = "OLD")]
     pub(crate) onto: Option<PathBuf>,
+
+    /// Only for heidenhain, which cannot do without: what the control makes of a positive value; without
+    /// it the message says how to find out.
+    #[arg(long, value_name = "SIGN", value_parser = sign_parser())]
+    pub(crate) sign: Option<TableSign>,
 }
 
 #[derive(Debug, ClapArgs)]
@@ -219,6 +224,15 @@ pub(crate) struct VerifyArgs {
 }
 
 /// The formats by their names, with what they are.
+fn sign_parser() -> impl TypedValueParser<Value = TableSign> {
+    let named = |sign: TableSign| PossibleValue::new(sign.name()).help(sign.description());
+    PossibleValuesParser::new(TableSign::ALL.map(named)).try_map(|name| {
+        let mut all = TableSign::ALL.into_iter();
+        all.find(|sign| sign.name() == name)
+            .ok_or("there is no such sign")
+    })
+}
+
 fn format_parser() -> impl TypedValueParser<Value = Format> {
     let named = |format: Format| PossibleValue::new(format.name()).help(format.description());
     let named = PossibleValuesParser::new(Format::ALL.map(named));

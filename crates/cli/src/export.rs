@@ -29,6 +29,7 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
             at,
             axis: axis.transpose()?,
             step: args.step,
+            sign: args.sign,
             onto: &old,
         },
     )?;

@@ -55,6 +55,17 @@ pub enum Error {
         /// What it should be.
         expected: String,
     },
+    /// Tables whose sign only a test on the machine tells.
+    #[error(
+        "{format}: no public page that was found says which sign a value in a table has; find out on the machine, with an \
+         axis that is free to move and a table of zeros with +0.050 mm at one point: at that point, read a dial gauge or a \
+         laser with the table off and on; if with it the tool stands 0.050 mm farther in the negative direction of the axis \
+         (against the workpiece, as positions count), give --sign error, if in the positive one, --sign correction"
+    )]
+    NoSign {
+        /// Name of the format.
+        format: &'static str,
+    },
     /// Angles of a machine without a length to compare them with.
     #[error(
         "the machine has no linear axis, on whose travel an angle would make so many µm; give the standard uncertainty of the \

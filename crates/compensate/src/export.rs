@@ -2,8 +2,10 @@
 
 mod announcement;
 mod components;
+mod csv;
 pub(crate) mod etalon;
 mod grid;
+mod heidenhain;
 pub(crate) mod isg;
 mod klipper;
 mod line;
@@ -34,6 +36,8 @@ pub enum Format {
     Etalon,
     /// Siemens SINUMERIK: `$AA_ENC_COMP` and `$AN_CEC`.
     Sinumerik,
+    /// HEIDENHAIN TNC: the columns of `.COM` and `.CMA`.
+    Heidenhain,
     /// Marlin: `M852`.
     Marlin,
     /// Klipper: `SET_SKEW`.
@@ -42,12 +46,13 @@ pub enum Format {
 
 impl Format {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Grid,
         Self::LinuxCnc,
         Self::Isg,
         Self::Etalon,
         Self::Sinumerik,
+        Self::Heidenhain,
         Self::Marlin,
         Self::Klipper,
     ];
@@ -59,6 +64,7 @@ impl Format {
             Self::Isg => &isg::FORMAT,
             Self::Etalon => &etalon::FORMAT,
             Self::Sinumerik => &sinumerik::FORMAT,
+            Self::Heidenhain => &heidenhain::FORMAT,
             Self::Marlin => &marlin::FORMAT,
             Self::Klipper => &klipper::FORMAT,
         }
@@ -134,8 +140,41 @@ pub struct Request<'a> {
     /// Distance of the points of a table, mm for linear and degrees for rotary axes; without it the steps at which the axis
     /// was measured.
     pub step: Option<f64>,
+    /// What the control makes of a value, where no public page says it: [`Format::Heidenhain`] wants it, no other format takes
+    /// it.
+    pub sign: Option<TableSign>,
     /// The files of this format that were active while the machine was measured: the new ones contain them.
     pub onto: &'a [ExportedFile],
+}
+
+/// What the control makes of a positive value in a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TableSign {
+    /// Values are errors, actual minus commanded: a positive one moves the axis in the negative direction.
+    Error,
+    /// Values are corrections: a positive one moves the axis in the positive direction.
+    Correction,
+}
+
+impl TableSign {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Error, Self::Correction];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Correction => "correction",
+        }
+    }
+
+    /// What it means, in a line.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Error => "a positive value moves the axis in the negative direction",
+            Self::Correction => "a positive value moves the axis in the positive direction",
+        }
+    }
 }
 
 /// A file for the control.
@@ -182,6 +221,13 @@ pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
     if !request.onto.is_empty() {
         format.old_files(std::iter::empty())?;
     }
+    if request.sign.is_some() && format != Format::Heidenhain {
+        return Err(Error::Unsuitable {
+            format: format.name(),
+            takes: "no sign",
+            lacks: format!("only {} leaves that choice", Format::Heidenhain.name()),
+        });
+    }
     let tables = (format.description_of().tables)(request)?;
     Ok(Export {
         announcement: Announcement::new(request, tables.rule.as_ref())?,
@@ -208,11 +254,18 @@ impl Request<'_> {
         }
     }
 
-    /// Those of them that are linear.
-    fn linear_axes(&self) -> Result<Vec<usize>, Error> {
+    /// Those of them that are linear, of which the format wants one at least.
+    fn linear_axes(&self, format: &'static str) -> Result<Vec<usize>, Error> {
         let all = self.machine.machine().axes();
         let mut axes = self.axes()?;
         axes.retain(|&axis| all[axis].kind() == AxisKind::Linear);
+        if axes.is_empty() {
+            return Err(Error::Unsuitable {
+                format,
+                takes: "errors over linear axes",
+                lacks: "none of those asked for is linear and was measured".to_owned(),
+            });
+        }
         Ok(axes)
     }
 

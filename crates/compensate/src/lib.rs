@@ -35,7 +35,9 @@ mod verify;
 
 pub use correct::{Corrected, axis_deviations, correct};
 pub use error::Error;
-pub use export::{Announcement, Export, ExportedFile, Format, LineFigures, Request, Sizes, export};
+pub use export::{
+    Announcement, Export, ExportedFile, Format, LineFigures, Request, Sizes, TableSign, export,
+};
 pub use freedom::Moved;
 pub use import::{DeclaredCovariance, DeclaredUncertainty, Import, Imported, import};
 pub use remains::{Left, Remains, remains};

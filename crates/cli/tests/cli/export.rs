@@ -18,6 +18,14 @@ fn export(folder: &TempDir, format: &str, options: &[&str]) -> Outcome {
     run(folder.path(), &[&args, options].concat())
 }
 
+/// What the format cannot do without.
+fn sign_of(format: &str) -> &'static [&'static str] {
+    match format {
+        "heidenhain" => &["--sign", "correction"],
+        _ => &[],
+    }
+}
+
 #[test]
 fn every_format_writes_its_files() {
     let folder = calibrated();
@@ -33,9 +41,21 @@ fn every_format_writes_its_files() {
         ("isg", &["volcomp.csv"], true),
         ("etalon", &["etalon.txt"], true),
         ("sinumerik", &["AX_EEC.INI", "NC_CEC.INI"], true),
+        (
+            "heidenhain",
+            &[
+                "README.txt",
+                "X.com.csv",
+                "Y.com.csv",
+                "Z.com.csv",
+                "config.cma.csv",
+            ],
+            true,
+        ),
         ("marlin", &["skew.gcode"], false),
         ("klipper", &["skew.cfg"], false),
     ] {
+        let at = [&at[..], sign_of(format)].concat();
         let outcome = export(&folder, format, &at);
         outcome.assert_good();
         assert_eq!(outcome.stdout, "");
@@ -85,6 +105,12 @@ fn what_cannot_be_made_is_refused_and_nothing_is_written() {
             "axis W was not measured; measured are X, Y, Z",
         ),
         ("isg", ["--step", "0"], "expected a number above zero"),
+        (
+            "heidenhain",
+            ["--axis", "X"],
+            "if in the positive one, --sign correction",
+        ),
+        ("grid", ["--sign", "error"], "grid takes no sign"),
         ("fanuc", ["--axis", "X"], "possible values: grid, linuxcnc"),
     ] {
         let outcome = export(&folder, format, &options);
@@ -140,10 +166,11 @@ fn old_tables_are_kept() {
     let outcome = export(&folder, "klipper", &["--onto", "old"]);
     outcome.assert_failed("no old ones", 2, &["klipper takes no old tables"]);
     // A folder of the format's own files, and one file.
-    for format in ["isg", "etalon", "sinumerik", "grid"] {
-        export(&folder, format, &["--out", "tables"]).assert_good();
+    for format in ["isg", "etalon", "sinumerik", "heidenhain", "grid"] {
+        let out = ["--out", "tables"];
+        export(&folder, format, &[&out, sign_of(format)].concat()).assert_good();
         let onto = ["--onto", "tables", "--out", "sum"];
-        export(&folder, format, &onto).assert_good();
+        export(&folder, format, &[&onto, sign_of(format)].concat()).assert_good();
     }
     let onto = ["--onto", "tables/etalon.txt", "--out", "sum"];
     export(&folder, "etalon", &onto).assert_good();

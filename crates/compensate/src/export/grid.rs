@@ -11,7 +11,7 @@ use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 use crate::export::line::positions;
 use crate::export::named_errors::wrong;
 use crate::export::{
-    Description, ExportedFile, OldFiles, Request, Rule, Tables, one_file, rising, round,
+    Description, ExportedFile, OldFiles, Request, Rule, Tables, csv, one_file, rising, round,
 };
 use crate::{Error, Moved, correct};
 
@@ -29,14 +29,7 @@ const SAME: f64 = 1e-6;
 const MOST_ROWS: usize = 1_000_000;
 
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
-    let axes = request.linear_axes()?;
-    if axes.is_empty() {
-        return Err(Error::Unsuitable {
-            format: FORMAT.name,
-            takes: "errors over linear axes",
-            lacks: "none of those asked for is linear and was measured".to_owned(),
-        });
-    }
+    let axes = request.linear_axes(FORMAT.name)?;
     let nodes = axes.iter().map(|&axis| positions(request, axis));
     let nodes = nodes.collect::<Result<Vec<_>, _>>()?;
     let rows = nodes.iter().map(Vec::len).product();
@@ -136,9 +129,7 @@ fn commanded(axes: &[usize], nodes: &[Vec<f64>], row: usize, at_home: &[f64]) ->
 /// What an old table adds.
 fn read_old(old: &ExportedFile, request: &Request<'_>, axes: &[usize]) -> Result<Grid, Error> {
     let count = request.machine.machine().axes().len();
-    let mut lines = (1..).zip(old.text.lines());
-    let (_, header) = lines.next().unwrap_or((1, ""));
-    let header: Vec<&str> = header.split(',').collect();
+    let header = csv::header(old);
     let column = |name: String| {
         let found = header.iter().position(|cell| *cell == name);
         found.ok_or_else(|| wrong(&old.name, 1, &header.join(","), format!("a column {name}")))
@@ -148,16 +139,7 @@ fn read_old(old: &ExportedFile, request: &Request<'_>, axes: &[usize]) -> Result
         Ok([column(name.to_owned())?, column(format!("add_{name}_um"))?])
     });
     let own = own.collect::<Result<Vec<_>, Error>>()?;
-    let mut rows: Vec<Vec<f64>> = Vec::new();
-    for (number, line) in lines {
-        let cells = line.split(',').map(|cell| cell.trim().parse().ok());
-        let cells: Option<Vec<f64>> = cells.collect();
-        let cells = cells.filter(|c| c.len() == header.len() && c.iter().all(|x| x.is_finite()));
-        rows.push(cells.ok_or_else(|| {
-            let expected = format!("{} numbers, as in the header", header.len());
-            wrong(&old.name, number, line, expected)
-        })?);
-    }
+    let rows = csv::rows(old, header.len())?;
     let nodes: Vec<Vec<f64>> = own
         .iter()
         .map(|&[at, _]| rising(rows.iter().map(|row| row[at]), SAME))

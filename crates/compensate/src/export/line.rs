@@ -4,7 +4,7 @@ use trueaxis_calibrate::Approach;
 use trueaxis_campaign::Direction;
 use trueaxis_kinematics::{AxisKind, GeometricErrors};
 
-use crate::export::Request;
+use crate::export::{Request, Rule};
 use crate::{Error, Moved, axis_deviations};
 
 /// Slopes beyond this are no errors of a machine, mm per mm.
@@ -106,22 +106,7 @@ impl Line {
         request: &Request<'_>,
         format: &'static str,
     ) -> Result<f64, Error> {
-        let gaps = self.positions.windows(2).map(|pair| pair[1] - pair[0]);
-        let least = gaps.clone().fold(f64::INFINITY, f64::min);
-        let most = gaps.fold(0.0, f64::max);
-        if most - least <= EQUAL * most && most > 0.0 {
-            return Ok(
-                (self.positions[self.positions.len() - 1] - self.positions[0])
-                    / (self.positions.len() - 1) as f64,
-            );
-        }
-        Err(Error::UnequalSteps {
-            axis: request.name(self.axis).to_owned(),
-            format,
-            least: request.in_file(self.axis, least),
-            most: request.in_file(self.axis, most),
-            unit: request.unit(self.axis),
-        })
+        spacing(request, self.axis, &self.positions, format)
     }
 
     fn check_slopes(&self, request: &Request<'_>, format: &'static str) -> Result<(), Error> {
@@ -158,6 +143,28 @@ pub(crate) fn interpolate(positions: &[f64], value: impl Fn(usize) -> f64, posit
     (1.0 - weight) * value(above - 1) + weight * value(above)
 }
 
+/// The distance of positions of an axis (mm or rad, rising), which must be one.
+pub(crate) fn spacing(
+    request: &Request<'_>,
+    axis: usize,
+    positions: &[f64],
+    format: &'static str,
+) -> Result<f64, Error> {
+    let gaps = positions.windows(2).map(|pair| pair[1] - pair[0]);
+    let least = gaps.clone().fold(f64::INFINITY, f64::min);
+    let most = gaps.fold(0.0, f64::max);
+    if most - least <= EQUAL * most && most > 0.0 {
+        return Ok((positions[positions.len() - 1] - positions[0]) / (positions.len() - 1) as f64);
+    }
+    Err(Error::UnequalSteps {
+        axis: request.name(axis).to_owned(),
+        format,
+        least: request.in_file(axis, least),
+        most: request.in_file(axis, most),
+        unit: request.unit(axis),
+    })
+}
+
 /// The positions of a table.
 pub(crate) fn positions(request: &Request<'_>, axis: usize) -> Result<Vec<f64>, Error> {
     let steps = request.machine.steps(axis);
@@ -188,6 +195,34 @@ pub(crate) fn positions(request: &Request<'_>, axis: usize) -> Result<Vec<f64>, 
     Ok((0..=count)
         .map(|k| first + (last - first) * k as f64 / count as f64)
         .collect())
+}
+
+/// What tables of lines take away: positioning, and straightness of the linear axes by each other.
+pub(crate) struct Sums {
+    lines: Vec<Line>,
+    linear: Vec<bool>,
+}
+
+impl Sums {
+    pub(crate) fn new(request: &Request<'_>, lines: Vec<Line>) -> Self {
+        let axes = request.machine.machine().axes().iter();
+        let linear = axes.map(|axis| axis.kind() == AxisKind::Linear).collect();
+        Self { lines, linear }
+    }
+}
+
+impl Rule for Sums {
+    fn added(&self, commanded: &[f64]) -> Result<Vec<f64>, Error> {
+        let mut added = vec![0.0; commanded.len()];
+        for line in &self.lines {
+            for (of, sum) in added.iter_mut().enumerate() {
+                if of == line.axis || (self.linear[of] && self.linear[line.axis]) {
+                    *sum -= line.at(of, commanded[line.axis]);
+                }
+            }
+        }
+        Ok(added)
+    }
 }
 
 /// Errors of a machine, of whichever kind.

@@ -22,9 +22,9 @@ use std::fmt::Write;
 use trueaxis_kinematics::AxisKind;
 
 use crate::Error;
-use crate::export::line::Line;
+use crate::export::line::{Line, Sums};
 use crate::export::sinumerik::table::Table;
-use crate::export::{Description, ExportedFile, OldFiles, Request, Rule, Tables, round};
+use crate::export::{Description, ExportedFile, OldFiles, Request, Tables, round};
 
 pub(super) const FORMAT: Description = Description {
     name: "sinumerik",
@@ -107,10 +107,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         files,
         notes,
         is_experimental: true,
-        rule: Box::new(Sums {
-            lines,
-            linear: axes.iter().map(|a| a.kind() == AxisKind::Linear).collect(),
-        }),
+        rule: Box::new(Sums::new(request, lines)),
     })
 }
 
@@ -143,23 +140,4 @@ fn lost_motion(request: &Request<'_>, line: &Line) -> Option<String> {
         let (name, unit) = (request.name(line.axis), request.unit(line.axis));
         format!("{name}: $MA_BACKLASH = {backlash} {unit}")
     })
-}
-
-struct Sums {
-    lines: Vec<Line>,
-    linear: Vec<bool>,
-}
-
-impl Rule for Sums {
-    fn added(&self, commanded: &[f64]) -> Result<Vec<f64>, Error> {
-        let mut added = vec![0.0; commanded.len()];
-        for line in &self.lines {
-            for (of, sum) in added.iter_mut().enumerate() {
-                if of == line.axis || (self.linear[of] && self.linear[line.axis]) {
-                    *sum -= line.at(of, commanded[line.axis]);
-                }
-            }
-        }
-        Ok(added)
-    }
 }

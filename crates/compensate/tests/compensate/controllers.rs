@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3, Vector6};
-use trueaxis_compensate::{Export, Format};
+use trueaxis_compensate::{Export, Format, TableSign};
 use trueaxis_kinematics::{
     AxisKind, Branch, GeometricErrors, Ideal, LocationComponent, LocationError, Machine,
     MotionError,
@@ -33,6 +33,7 @@ pub(crate) fn control(
             text("NC_CEC.INI").as_deref(),
             machine,
         ),
+        Format::Heidenhain => heidenhain(export, machine, TableSign::Error),
         Format::Marlin => marlin(&text("skew.gcode").unwrap()),
         Format::Klipper => klipper(&text("skew.cfg").unwrap()),
     }
@@ -217,6 +218,51 @@ fn sinumerik(positioning: &str, cross: Option<&str>, machine: &Machine) -> Contr
             assert!((last - number("MAX")).abs() < 1e-6);
             let value = linear(&points, in_file(&machine, input, q[input]));
             added[output] -= from_file(&machine, output, value);
+        }
+        added
+    })
+}
+
+/// The active line of the `.CMA` says which `.COM` goes by the position of which axis; its columns are for the axes of their
+/// names, the own one with `BACKLASH` for the other direction: the mean of both. A control of either sign.
+pub(crate) fn heidenhain(export: &Export, machine: &Machine, sign: TableSign) -> Control {
+    let lines = |name: &str| {
+        let file = export.files.iter().find(|file| file.name == name).unwrap();
+        let lines = file
+            .text
+            .lines()
+            .map(|line| line.split(',').map(str::to_owned).collect());
+        lines.collect::<Vec<Vec<String>>>()
+    };
+    let cma = lines("config.cma.csv");
+    assert_eq!((cma[0][0].as_str(), cma[1][0].as_str()), ("ACTIVE", "*"));
+    // By the position of an axis, for an axis, at points.
+    let mut tables = Vec::new();
+    for (axis, file) in cma[0].iter().zip(&cma[1]).skip(1) {
+        let com = lines(&format!("{file}.csv"));
+        let cell = |row: &[String], c: usize| row[c].parse::<f64>().unwrap();
+        let backlash = com[0].iter().position(|name| name == "BACKLASH");
+        for (c, name) in com[0]
+            .iter()
+            .enumerate()
+            .skip(1)
+            .filter(|(_, name)| *name != "BACKLASH")
+        {
+            let other = backlash.filter(|_| name == axis).unwrap_or(c);
+            let points = com[1..].iter();
+            let points = points.map(|row| (cell(row, 0), 0.5 * (cell(row, c) + cell(row, other))));
+            let [input, output] = [axis, name].map(|name| machine.axis_index(name).unwrap());
+            tables.push((input, output, points.collect::<Vec<_>>()));
+        }
+    }
+    Box::new(move |q| {
+        let mut added = vec![0.0; q.len()];
+        for (input, output, points) in &tables {
+            let value = linear(points, q[*input]);
+            added[*output] += match sign {
+                TableSign::Error => -value,
+                TableSign::Correction => value,
+            };
         }
         added
     })

@@ -2,11 +2,11 @@
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_calibrate::CalibratedMachine;
-use trueaxis_compensate::{Error, Export, ExportedFile, Format, Request, export};
+use trueaxis_compensate::{Error, Export, ExportedFile, Format, Request, TableSign, export};
 use trueaxis_kinematics::{GeometricErrors, Ideal, MICROMETRE};
 
-use crate::controllers::{Control, control};
-use crate::{FIVE_AXES, TABLE, THREE_AXES, calibrated, request, scenario, tool};
+use crate::controllers::{Control, control, heidenhain};
+use crate::{FIVE_AXES, TABLE, THREE_AXES, calibrated, request, request_of, scenario, tool};
 
 /// Displacement of the tool against where it is commanded, less that at home, mm.
 fn error(
@@ -26,7 +26,7 @@ fn error(
 }
 
 fn made(format: Format, machine: &CalibratedMachine) -> (Export, Control) {
-    let export = export(format, &request(machine)).unwrap();
+    let export = export(format, &request_of(format, machine)).unwrap();
     let control = control(format, &export, machine.machine(), tool());
     (export, control)
 }
@@ -102,6 +102,7 @@ fn positioning_at_t_falls_by_more_than_in_the_paper() {
             Format::Isg,
             Format::Etalon,
             Format::Sinumerik,
+            Format::Heidenhain,
         ] {
             let (_, control) = made(format, &machine);
             for (axis, factor) in paper.iter().enumerate() {
@@ -135,6 +136,43 @@ fn positioning_at_t_falls_by_more_than_in_the_paper() {
             }
         }
     }
+}
+
+/// Nobody knows the sign but who tried it: with that of the control a table takes away what was announced, with the other
+/// one it doubles the errors; without, and for other formats, there is none.
+#[test]
+fn a_sign_that_is_not_public_is_the_users() {
+    let machine = calibrated(&scenario(THREE_AXES), false);
+    let with = |format, sign| {
+        let request = Request {
+            sign,
+            ..request(&machine)
+        };
+        export(format, &request)
+    };
+    for sign in TableSign::ALL {
+        let export = with(Format::Heidenhain, Some(sign)).unwrap();
+        let [before, after] = [export.announcement.before, export.announcement.after];
+        for of_control in TableSign::ALL {
+            let control = heidenhain(&export, machine.machine(), of_control);
+            let found = largest(&machine, &control);
+            let expected = match of_control == sign {
+                true => after.max_mm,
+                false => 2.0 * before.max_mm,
+            };
+            println!("{sign:?} {of_control:?}: {:.2} µm", found / MICROMETRE);
+            let off = (found - expected).abs() / expected;
+            assert!(off < if of_control == sign { 1e-3 } else { 0.2 }, "{off}");
+        }
+        let readme = export.files.iter().find(|file| file.name == "README.txt");
+        let readme = &readme.unwrap().text;
+        assert!(readme.starts_with("Experimental"), "{readme}");
+        assert!(readme.contains(sign.description()), "{readme}");
+    }
+    let refused = with(Format::Heidenhain, None).unwrap_err().to_string();
+    assert!(refused.contains("give --sign error"), "{refused}");
+    let refused = with(Format::Grid, Some(TableSign::Error)).unwrap_err();
+    assert!(matches!(refused, Error::Unsuitable { .. }), "{refused}");
 }
 
 /// Nothing is added at home: no jump when it is switched on.
@@ -171,6 +209,32 @@ fn lost_motion_has_columns_of_its_own() {
     let declared = scenario.errors["Y"].lost_motion_um.unwrap();
     // Its standard uncertainty is some 0.3 µm.
     assert!((lost + declared).abs() < 1.2, "{lost} {declared}");
+    let (export, _) = made(Format::Heidenhain, &machine);
+    let file = export.files.iter().find(|file| file.name == "Y.com.csv");
+    let mut lines = file.unwrap().text.lines();
+    assert_eq!(lines.next(), Some("AXISPOS,BACKLASH,X,Y,Z"));
+    let of_columns = lines.map(|line| {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        cells[3] - cells[1]
+    });
+    let of_columns: Vec<f64> = of_columns.collect();
+    let mean = of_columns.iter().sum::<f64>() / of_columns.len() as f64 / MICROMETRE;
+    assert!((mean - lost).abs() < 1e-3, "{mean} {lost}");
+    // An old table without that column is for both directions.
+    let old = [ExportedFile {
+        name: "Y.com.csv".to_owned(),
+        text: "AXISPOS,Y\n0,0.01\n".to_owned(),
+    }];
+    let onto = Request {
+        onto: &old,
+        ..request_of(Format::Heidenhain, &machine)
+    };
+    let onto = trueaxis_compensate::export(Format::Heidenhain, &onto).unwrap();
+    let [alone, both] = [&export, &onto].map(|export| {
+        let control = control(Format::Heidenhain, export, machine.machine(), tool());
+        control(&[0.0, 100.0, 0.0, 0.0, 0.0])[1]
+    });
+    assert!((alone - both - 0.01).abs() < 1e-6, "{alone} {both}");
     // The other control has a parameter for it.
     let notes = export_notes(&machine, Format::Sinumerik);
     assert!(notes.contains("$MA_BACKLASH"), "{notes}");
@@ -184,8 +248,13 @@ fn export_notes(machine: &CalibratedMachine, format: Format) -> String {
 #[test]
 fn what_a_machine_lacks_is_refused() {
     let table = calibrated(&scenario(TABLE), false);
-    for format in [Format::Grid, Format::Marlin, Format::Klipper] {
-        let refused = export(format, &request(&table));
+    for format in [
+        Format::Grid,
+        Format::Heidenhain,
+        Format::Marlin,
+        Format::Klipper,
+    ] {
+        let refused = export(format, &request_of(format, &table));
         assert!(
             matches!(refused, Err(Error::Unsuitable { .. })),
             "{refused:?}"
@@ -204,23 +273,25 @@ fn what_a_control_cannot_hold_is_refused() {
             format,
             &Request {
                 step: Some(step),
-                ..request(&machine)
+                ..request_of(format, &machine)
             },
         )
     };
     // 441 lines.
-    let refused = with(Format::LinuxCnc, 1.0).unwrap_err();
-    assert!(
-        matches!(
-            refused,
-            Error::TooManyPoints {
-                points: 441,
-                most: 256,
-                ..
-            }
-        ),
-        "{refused}"
-    );
+    for format in [Format::LinuxCnc, Format::Heidenhain] {
+        let refused = with(format, 1.0).unwrap_err();
+        assert!(
+            matches!(
+                refused,
+                Error::TooManyPoints {
+                    points: 441,
+                    most: 256,
+                    ..
+                }
+            ),
+            "{refused}"
+        );
+    }
     let refused = with(Format::Grid, 1.0).unwrap_err();
     assert!(matches!(refused, Error::TooManyPoints { .. }), "{refused}");
     let refused = with(Format::Sinumerik, 33.0).unwrap_err().to_string();

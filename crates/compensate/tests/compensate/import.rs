@@ -50,6 +50,7 @@ fn exported(format: Format, machine: &CalibratedMachine) -> String {
         at: tool(),
         axis: None,
         step: None,
+        sign: None,
         onto: &[],
     };
     export(format, &request).unwrap().files[0].text.clone()

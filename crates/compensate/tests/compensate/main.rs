@@ -19,7 +19,7 @@ use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use trueaxis_calibrate::{CalibratedMachine, Settings, calibrate};
-use trueaxis_compensate::Request;
+use trueaxis_compensate::{Format, Request, TableSign};
 use trueaxis_simulate::{Scenario, simulate};
 
 const THREE_AXES: &str = include_str!("../../../../campaigns/fxyz/scenario.json");
@@ -38,7 +38,16 @@ fn request(machine: &CalibratedMachine) -> Request<'_> {
         at: tool(),
         axis: None,
         step: None,
+        sign: None,
         onto: &[],
+    }
+}
+
+/// The same for a format, with a sign if it wants one.
+fn request_of(format: Format, machine: &CalibratedMachine) -> Request<'_> {
+    Request {
+        sign: (format == Format::Heidenhain).then_some(TableSign::Error),
+        ..request(machine)
     }
 }
 

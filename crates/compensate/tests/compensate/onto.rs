@@ -6,9 +6,15 @@ use trueaxis_kinematics::MICROMETRE;
 use trueaxis_simulate::simulate;
 
 use crate::controllers::control;
-use crate::{FIVE_AXES, THREE_AXES, calibrated, poses, request, scenario, tool};
+use crate::{FIVE_AXES, THREE_AXES, calibrated, poses, request, request_of, scenario, tool};
 
-const FORMATS: [Format; 4] = [Format::Grid, Format::Isg, Format::Etalon, Format::Sinumerik];
+const FORMATS: [Format; 5] = [
+    Format::Grid,
+    Format::Isg,
+    Format::Etalon,
+    Format::Sinumerik,
+    Format::Heidenhain,
+];
 
 /// What an old calibration of the same machine, with other noise, made, at its own spacing.
 fn old(format: Format, text: &str) -> Export {
@@ -20,13 +26,13 @@ fn old(format: Format, text: &str) -> Export {
         format,
         &Request {
             step,
-            ..request(&machine)
+            ..request_of(format, &machine)
         },
     )
     .unwrap()
 }
 
-/// Both linear in the tables (`grid`, `sinumerik`: to the digits of the files), or in the errors (`isg`, `etalon`: to the second
+/// Both linear in the tables (`grid`, `sinumerik`, `heidenhain`: to the digits of the files), or in the errors (`isg`, `etalon`: to the second
 /// order, some nm).
 #[test]
 fn the_control_adds_what_both_add() {
@@ -34,10 +40,10 @@ fn the_control_adds_what_both_add() {
         let machine = calibrated(&scenario(text), false);
         for format in FORMATS {
             let old = old(format, text);
-            let new = export(format, &request(&machine)).unwrap();
+            let new = export(format, &request_of(format, &machine)).unwrap();
             let onto = Request {
                 onto: &old.files,
-                ..request(&machine)
+                ..request_of(format, &machine)
             };
             let sum = export(format, &onto).unwrap();
             // It is announced for the machine as measured, with the old ones on.
@@ -74,11 +80,16 @@ fn the_control_adds_what_both_add() {
 #[test]
 fn what_only_the_old_ones_have_stays() {
     let machine = calibrated(&scenario(THREE_AXES), false);
-    for format in [Format::Isg, Format::Etalon, Format::Sinumerik] {
+    for format in [
+        Format::Isg,
+        Format::Etalon,
+        Format::Sinumerik,
+        Format::Heidenhain,
+    ] {
         let old = old(format, THREE_AXES);
         let one = Request {
             axis: Some(0),
-            ..request(&machine)
+            ..request_of(format, &machine)
         };
         let new = export(format, &one).unwrap();
         let sum = Request {
@@ -111,7 +122,7 @@ fn old_tables_that_are_none_are_refused_with_their_place() {
         }];
         let request = Request {
             onto: &old,
-            ..request(&machine)
+            ..request_of(format, &machine)
         };
         export(format, &request).unwrap_err().to_string()
     };
@@ -180,6 +191,30 @@ fn old_tables_that_are_none_are_refused_with_their_place() {
             "grid.csv",
             &grid.replace("440,0,0", "440,0,40"),
             "every node of the grid once",
+        ),
+        (
+            Format::Heidenhain,
+            "U.com.csv",
+            "AXISPOS,U\n0,0\n",
+            "U.com.csv is none",
+        ),
+        (
+            Format::Heidenhain,
+            "X.com.csv",
+            "AXISPOS,U\n0,0\n",
+            "AXISPOS, then once BACKLASH or X, Y, Z",
+        ),
+        (
+            Format::Heidenhain,
+            "X.com.csv",
+            "AXISPOS,X\n20,0\n10,0\n",
+            "X.com.csv line 3",
+        ),
+        (
+            Format::Heidenhain,
+            "X.com.csv",
+            "AXISPOS,X\n0,0\n7,0\n",
+            "heidenhain wants equal distances",
         ),
         (
             Format::Marlin,
