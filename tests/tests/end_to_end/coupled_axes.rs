@@ -78,7 +78,7 @@ fn count(corner_um: f64, seeds: std::ops::Range<u64>) -> Count {
         // Beside it the lengths themselves alarm in 2 % of campaigns.
         let mut causes = diagnosis.causes.iter();
         let cause = causes
-            .find(|cause| cause.data == of_runs.data)
+            .find(|cause| cause.data == [of_runs.data.as_str()])
             .filter(|cause| {
                 let mut rivals = cause.rivals.iter().map(|rival| &rival.effect);
                 along_z(cause).is_some() || rivals.any(|r| r.effect.id == "cross_coupling")
@@ -162,7 +162,7 @@ fn alarms(seeds: std::ops::Range<u64>) -> usize {
                 .iter()
                 .any(|n| n.effect == "cross_coupling" && !n.subject.contains("axis X, by axis Y"))
         );
-        let of_runs = |cause: &Cause| cause.data == diagnosis.levels[1].data;
+        let of_runs = |cause: &Cause| cause.data == [diagnosis.levels[1].data.as_str()];
         let unknown = diagnosis.unexplained.as_ref();
         let is_alarm = diagnosis.causes.iter().any(of_runs)
             || unknown.is_some_and(|unknown| unknown.varies_with == ["run"]);

@@ -253,7 +253,7 @@ fn setting(seed: u64, lambda: f64, form: impl Fn(f64) -> f64) -> Setting {
 fn beyond_the_prediction(calibration: &CalibratedMachine, trace: &Verification) -> Vec<f64> {
     let machine = calibration.machine();
     let comparison = Comparison::new(machine, trace, &trueaxis_kinematics::Ideal);
-    let directions = prediction_directions(&comparison, calibration, SIGMA_UM);
+    let directions = prediction_directions(&[&comparison], calibration, SIGMA_UM);
     let base = base_columns(&comparison, true);
     let given = Given {
         calibrated: true,

@@ -89,7 +89,7 @@ fn a_step_cycle_shows_lost_motion_as_sweeps_do() {
                 rivals.iter().all(|r| *r == "position_dependent_backlash"),
                 "{rivals:?}"
             );
-            assert_eq!(cause.data, "line");
+            assert_eq!(cause.data, ["line"]);
             let lost = &cause.parameters[0];
             assert!((lost.value - 10.0).abs() < 4.0 * lost.u, "{lost:?}");
         }
@@ -249,7 +249,7 @@ fn a_wave_on_a_smooth_curve_is_found_in_a_line_without_calibration() {
         .iter()
         .find(|c| c.effect.effect.id == "cyclic_error")
         .unwrap();
-    assert_eq!(cause.data, "mean curve of line");
+    assert_eq!(cause.data, ["mean curve of line"]);
     let value = |name: &str| {
         cause
             .parameters

@@ -15,6 +15,7 @@ mod lines;
 mod machines;
 mod made_points;
 mod points;
+mod several;
 mod unknown;
 mod unseen;
 
@@ -38,6 +39,11 @@ fn three_axes() -> Machine {
 
 /// What is found in one verification without a calibration.
 fn found(verification: Verification) -> Diagnosis {
+    found_in(vec![verification])
+}
+
+/// The same in several.
+fn found_in(verification: Vec<Verification>) -> Diagnosis {
     let campaign = Campaign {
         name: "verification".into(),
         date: None,
@@ -53,7 +59,7 @@ fn found(verification: Verification) -> Diagnosis {
         steps: Vec::new(),
         lengths: None,
         points: None,
-        verification: vec![verification],
+        verification,
         point_checks: Vec::new(),
         notices: Vec::new(),
     };
