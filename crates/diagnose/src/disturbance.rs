@@ -27,8 +27,8 @@ pub struct Disturbance {
     pub rivals: Vec<Wandering>,
 }
 
-/// What wanders: layer and subject say whose it is. Without a subject it is the machine (layer machine), all tripods
-/// (set-up) or the air (instrument).
+/// What wanders: layer and subject say whose it is. Without a subject it is the machine (layer machine), all tripods or, of
+/// points, the frame of the instrument (set-up), or the air (instrument).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wandering {
     /// Where it was found.
@@ -55,7 +55,8 @@ pub struct CorrelationLength {
 pub struct CurvePoint {
     /// Time or position, in the unit of the correlation length; mm of a free form.
     pub at: f64,
-    /// Each coordinate (x, y, z; of a station its dead path, too), µm: from its mean over a turn, or over the range.
+    /// Each coordinate (x, y, z; of a station its dead path, of the frame of the instrument its rotations by what they move the
+    /// points, rms, too), µm: from its mean over a turn, or over the range.
     pub value_um: Vec<f64>,
     /// Their standard uncertainties, µm.
     pub u_um: Vec<f64>,
@@ -84,6 +85,9 @@ impl Wandering {
                 _ => format!("lost motion of axis {axis_name}"),
             },
             (_, _, Layer::Machine) => "the machine".to_owned(),
+            (_, _, Layer::Setup) if self.level == Level::Points => {
+                "the frame of the instrument".to_owned()
+            }
             (_, _, Layer::Setup) => "all tripods".to_owned(),
             (_, _, Layer::Instrument) if self.level == Level::Verification => {
                 "the zero of the reading instrument".to_owned()

@@ -21,14 +21,18 @@
 //! - [`search`]: lengths and points. One cause joins after the other; each is judged beside the others, gives way to a
 //!   better one, or leaves.
 //! - [`listed`]: what verification and runs choose their causes from, one after the other, in a linear model.
-//! - [`smooth`]: how much a process of unknown form explains.
+//! - [`smooth`]: how much a process of unknown form explains; [`mod@disturbance`]: what wanders in a course that nobody knows,
+//!   in lengths and points ([`mod@wandering`]), where it has more evidence than causes have, or is left beside them
+//!   ([`competition`]); [`mod@wandered`] tells it.
 //! - [`culprit`]: whether two causes are one trouble under two names.
 //! - [`omnibus`]: whether anything is left, and what it varies with; causes that only imitate what is left.
 //! - [`held_out`]: the gain on sweeps that the model was not fitted to.
 //! - [`mod@places`]: where the misfit lives; [`mod@unseen`]: what the data cannot show.
 //! - [`estimated`]: parameters with their uncertainties, shapes included.
 
+mod competition;
 mod culprit;
+pub(crate) mod disturbance;
 mod estimated;
 mod held_out;
 mod hypotheses;
@@ -40,7 +44,10 @@ mod ranking;
 mod search;
 mod smooth;
 mod unseen;
+mod wandered;
+pub(crate) mod wandering;
 
+pub(crate) use competition::{Candidates, Competed, compete, only_wandering, settled};
 pub(crate) use culprit::{Culprit, Culprits};
 pub(crate) use estimated::{cause, with_uncertainties};
 pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
@@ -56,3 +63,5 @@ pub(crate) use ranking::{Ranking, plausible};
 pub(crate) use search::{SHAPE_ERROR, Search, find_causes, settle};
 pub(crate) use smooth::{Posterior, SMOOTH_LEVEL, Smooth, beside_one_of, correlation_lengths};
 pub(crate) use unseen::{in_words, length_scale, unseen, without_trace};
+pub(crate) use wandered::wandered;
+pub(crate) use wandering::{JudgedDisturbance, Wanders, wandered_mm, whitened_columns};

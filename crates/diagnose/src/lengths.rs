@@ -10,8 +10,7 @@
 //! - [`base`] adjusts the lengths ([`adjusted`]), less what the causes found so far do to them, with the full nonlinear
 //!   model; the parameters of the causes follow by block elimination until both rest.
 //! - [`measured`]: what the search for causes ([`crate::engine`]) asks of them.
-//! - [`disturbance`]: what wanders in a course that nobody knows joins the covariance, where it has more evidence
-//!   than causes have, or is left beside them ([`beside`], [`wandering`], [`competition`]; [`wandered`] tells it).
+//! - [`beside`]: what wanders in a course that nobody knows joins the covariance.
 //! - [`omnibus`]: whether anything is left at all, and what it varies with ([`unexplained`]).
 //! - [`left_out`]: gross errors leave before the search, and come back if the causes explain them.
 //! - [`held_out`]: the gain on sweeps, and on whole stations, that the model was not fitted to.
@@ -19,8 +18,6 @@
 mod adjusted;
 mod base;
 mod beside;
-mod competition;
-mod disturbance;
 mod fitted;
 mod held_out;
 mod left_out;
@@ -32,8 +29,6 @@ mod places;
 mod search;
 mod swapped;
 mod unexplained;
-mod wandered;
-mod wandering;
 
 pub(crate) use search::diagnose_lengths;
 pub(crate) use trueaxis_poses::scene_of as scene;

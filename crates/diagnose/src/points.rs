@@ -20,11 +20,13 @@
 //! - [`gross_errors`]: points that contradict all others leave, before the search and beside its causes.
 //! - [`measured`]: what the search for causes ([`crate::engine`]) asks of them. A frame that moves as a whole cannot be
 //!   told from a machine that does: such twins are always given together.
+//! - [`beside`]: what wanders in a course that nobody knows joins the covariance.
 //! - [`omnibus`]: whether anything is left, and what it varies with.
 //! - [`held_out`]: the gain on sweeps that the model was not fitted to.
 //! - [`report`] puts it together; [`fitted`], [`places`] and [`not_observable`] say it in words and units.
 
 mod base;
+mod beside;
 mod fitted;
 mod gross_errors;
 mod held_out;

@@ -125,6 +125,16 @@ pub(crate) struct CorrelationLength {
 }
 
 impl Disturbance {
+    /// Whether the frame in which points are measured wanders.
+    pub(crate) fn is_of_frame(&self) -> bool {
+        self.level == "points" && self.layer == "setup" && !self.is_of("target")
+    }
+
+    /// Whether a field of its subject is given.
+    pub(crate) fn is_of(&self, field: &str) -> bool {
+        self.subject.get(field).is_some_and(Value::is_string)
+    }
+
     /// `disturbance of station S2, with time`; of readings also where, as there may be several files.
     pub(crate) fn name(&self) -> String {
         let with = self.varies_with.join(" and ");
@@ -137,6 +147,7 @@ impl Disturbance {
             (_, Some(axis)) if is_of_readings && with == "time" => {
                 format!("disturbance of the scale of axis {axis}")
             }
+            _ if self.is_of_frame() => "disturbance of the frame of the instrument".to_owned(),
             _ => words::effect("disturbance", &self.subject),
         };
         let at = match is_of_readings {

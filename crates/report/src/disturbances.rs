@@ -39,16 +39,21 @@ fn argument(of: &Disturbance) -> &'static str {
     }
 }
 
-/// What wanders of a station or the machine; lost motion and the scale of the air have one coordinate.
+/// What wanders of a station, a target or the machine; lost motion and the scale of the air have one coordinate.
 const COORDINATES: [&str; 4] = ["x", "y", "z", "dead path"];
+
+/// The frame in which points are measured.
+const OF_FRAME: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
 
 /// An axis that grows.
 const OF_SCALE: [&str; 2] = ["middle of the line", "length of the line"];
 
 fn coordinates(of: &Disturbance) -> &'static [&'static str] {
-    match of.subject.contains_key("axis") {
-        true => &OF_SCALE,
-        false => &COORDINATES,
+    let is_of_axis = of.is_of("axis");
+    match of.varies_with.as_slice() {
+        [with] if with == "time" && is_of_axis => &OF_SCALE,
+        _ if of.is_of_frame() => &OF_FRAME,
+        _ => &COORDINATES,
     }
 }
 

@@ -9,7 +9,7 @@ use crate::selection::{Fit, Hypothesis, Projection, Score, VisitTimes, is_rival}
 /// Data of one kind with their base model.
 pub(crate) trait Measured: Sync {
     /// The base model adjusted with causes.
-    type Model: Sync;
+    type Model: Send + Sync;
 
     /// Family-wise level of the causes.
     const CAUSE_LEVEL: f64;

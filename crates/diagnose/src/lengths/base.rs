@@ -14,9 +14,10 @@ use trueaxis_poses::{
 };
 
 use crate::Error;
-use crate::engine::Suspect;
+use crate::engine::disturbance::Disturbance;
+use crate::engine::{Suspect, wandered_mm};
 use crate::lengths::adjusted::Adjusted;
-use crate::lengths::disturbance::Disturbance;
+
 use crate::lengths::left_out::LeftOut;
 use crate::selection::{Fit, Hypothesis};
 
@@ -150,7 +151,7 @@ impl<'a> Base<'a> {
         let settings = Settings::default();
         let mut solution = near.map_or(&self.start, |near| &near.solution).clone();
         let mut network = self.network.clone();
-        let mut wandered_mm = vec![0.0; self.readings.len()];
+        let mut by_wandering_mm = vec![0.0; self.readings.len()];
         for round in 1..=MAX_ITERATIONS {
             self.correct(&mut network, &solution, &suspects);
             if let Some(noise) = noise {
@@ -160,7 +161,7 @@ impl<'a> Base<'a> {
                 network.noise = self.network.noise;
                 // What wanders is no noise.
                 let add = |network: &mut Network, sign: f64| {
-                    for (reading, mm) in network.readings.iter_mut().zip(&wandered_mm) {
+                    for (reading, mm) in network.readings.iter_mut().zip(&by_wandering_mm) {
                         reading.length_mm += sign * mm;
                     }
                 };
@@ -208,7 +209,7 @@ impl<'a> Base<'a> {
                 return Ok(adjusted);
             }
             if !is_known {
-                wandered_mm = self.wandered_mm(&adjusted, self);
+                by_wandering_mm = wandered_mm(self, &adjusted, self);
             }
             Adjusted {
                 network,

@@ -1,60 +1,168 @@
 //! The lengths with what wanders in their covariance.
 
-use trueaxis_multilateration::{Settings, Solution, Whitened, solve_from};
+use trueaxis_campaign::Direction;
+use trueaxis_effects::Effect;
+use trueaxis_multilateration::{Noise, Settings, Solution, Whitened, solve_from};
+use trueaxis_poses::LengthCircumstances as Reading;
 
 use crate::Error;
+use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With};
+use crate::engine::{Suspect, Wanders};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
-use crate::lengths::disturbance::Disturbance;
-use crate::selection::{Projection, dot};
+use crate::lengths::omnibus::travelled;
+use crate::selection::Projection;
 
-impl Base<'_> {
-    /// The same lengths with what wanders in their covariance.
-    pub(crate) fn beside(&self, disturbances: Vec<Disturbance>) -> Self {
+impl Wanders for Base<'_> {
+    type Noise = Noise;
+
+    const ROWS: usize = 1;
+
+    fn wanderers(&self) -> Vec<Wanderer> {
+        let scene = &self.scene;
+        let mut all = vec![(Who::Machine, With::Occupation)];
+        if scene.targets.iter().any(|target| target.carrier.is_none()) {
+            all.push((Who::Tripods, With::Occupation));
+        }
+        all.push((Who::Air, With::Occupation));
+        for station in 0..scene.stations.len() {
+            all.push((Who::Station(station), With::Occupation));
+            all.push((Who::Station(station), With::Position));
+        }
+        for target in 0..scene.targets.len() {
+            all.push((Who::Target(target), With::Campaign));
+            all.push((Who::Target(target), With::Position));
+        }
+        let back = |r: &&Reading| r.direction == Direction::Backward;
+        let mut both: Vec<usize> = self.readings.iter().filter(back).map(|r| r.axis).collect();
+        both.sort_unstable();
+        both.dedup();
+        all.extend(both.into_iter().map(|axis| (Who::Axis(axis), With::Sides)));
+        let wanderer = |(who, with)| Wanderer { who, with };
+        all.into_iter().map(wanderer).collect()
+    }
+
+    fn twin(&self, wanderer: Wanderer) -> Option<Wanderer> {
+        let has_bed = self.scene.targets.iter().any(|t| t.carrier.is_none());
+        (wanderer.who == Who::Machine && !has_bed).then_some(Wanderer {
+            who: Who::Tripods,
+            ..wanderer
+        })
+    }
+
+    fn here(&self) -> Vec<Here> {
+        let [first, last] = self.span_s;
+        let here = |reading: &Reading| Here {
+            station: reading.station,
+            target: reading.target,
+            axis: Some(reading.axis),
+            time_s: reading.time_s,
+            occupation: reading.occupation_progress,
+            campaign: (reading.time_s - first) / (last - first).max(f64::MIN_POSITIVE),
+            travelled: travelled(self, reading),
+        };
+        self.readings.iter().map(here).collect()
+    }
+
+    fn stops(&self, with: With) -> usize {
+        let stops = self.network.visits.len();
+        match with {
+            With::Campaign => stops,
+            _ => stops / self.scene.stations.len().max(1),
+        }
+    }
+
+    fn ends(&self, axis: usize) -> [f64; 2] {
+        self.scene.machine.axes()[axis].travel()
+    }
+
+    fn columns_mm(&self, model: &Adjusted, wanderer: Wanderer) -> Vec<Vec<f64>> {
+        self.columns_of(&self.here(), &model.solution, wanderer)
+    }
+
+    /// Rms over the readings that it concerns. Lost motion is twice what it moves.
+    fn units_um(&self, model: &Adjusted, wanderer: Wanderer) -> Vec<f64> {
+        let coordinates = wanderer.coordinates();
+        let Some(&(effect, k)) = coordinates.first() else {
+            return Vec::new();
+        };
+        let subject = wanderer.subject();
+        let squares = self.readings.iter().map(|reading| {
+            let at = self.observation(reading, &model.solution).at;
+            let moved = effect.form(&subject, k, f64::NEG_INFINITY, &at);
+            (moved.point_mm - moved.station_mm).norm_squared() + moved.length_mm.powi(2)
+        });
+        let (count, sum) = squares
+            .filter(|square| *square > 0.0)
+            .fold((0, 0.0), |(count, sum), square| (count + 1, sum + square));
+        let times = match wanderer.with {
+            With::Sides => 2.0,
+            _ => 1.0,
+        };
+        let unit_um = times * 1e3 * (sum / f64::from(count.max(1))).sqrt();
+        vec![unit_um; coordinates.len()]
+    }
+
+    fn whiten(&self, model: &Adjusted, column: &mut Vec<f64>) {
+        model.whitened.whiten(column);
+    }
+
+    fn beside(&self, disturbances: Vec<Disturbance>) -> Self {
         let mut beside = self.clone();
         beside.disturbances = disturbances;
         beside
     }
 
-    /// The projection without causes, what wanders in the covariance.
-    pub(crate) fn before_causes(&self, whitened: &Whitened, solution: &Solution) -> Projection {
-        let bare = Projection::of_network(whitened);
-        self.disturbances.iter().fold(bare, |projection, own| {
-            let columns = self.whitened_columns(own, whitened, solution);
-            projection.beside(&columns).0
+    fn disturbances(&self) -> &[Disturbance] {
+        &self.disturbances
+    }
+
+    fn adjust(&self, suspects: Vec<Suspect>, noise: Option<Noise>) -> Result<Adjusted, Error> {
+        Base::adjust(self, suspects, noise)
+    }
+
+    fn noise(model: &Adjusted) -> Noise {
+        model.network.noise
+    }
+
+    fn variance(noise: &Noise) -> f64 {
+        noise.length_sigma_mm.powi(2) + noise.repeatability_mm.powi(2)
+    }
+
+    fn with(model: &Adjusted, projection: Projection) -> Adjusted {
+        model.with(projection)
+    }
+}
+
+impl Base<'_> {
+    /// What a unit of each coefficient does to the lengths, mm.
+    fn columns_of(&self, all: &[Here], solution: &Solution, wanderer: Wanderer) -> Vec<Vec<f64>> {
+        let subject = wanderer.subject();
+        wanderer.columns(all, |i, coordinates: &[(&Effect, usize)]| {
+            let observation = self.observation(&self.readings[i], solution);
+            let along = |&(effect, k): &(&Effect, usize)| {
+                let moved = effect.form(&subject, k, f64::NEG_INFINITY, &observation.at);
+                [moved.along(&observation.beam)]
+            };
+            coordinates.iter().map(along).collect()
         })
     }
 
-    /// Columns of a disturbance with coefficients of unit variance.
-    pub(crate) fn whitened_columns(
-        &self,
-        disturbance: &Disturbance,
-        whitened: &Whitened,
-        solution: &Solution,
-    ) -> Vec<Vec<f64>> {
-        let mut columns = disturbance.columns_mm(self, solution);
-        columns
-            .iter_mut()
-            .for_each(|column| whitened.whiten(column));
-        columns
-    }
-
-    /// What wanders does to each reading of `at`, as far as these lengths show it (posterior mean), mm.
-    pub(crate) fn wandered_mm(&self, adjusted: &Adjusted, at: &Base<'_>) -> Vec<f64> {
-        let mut sum_mm = vec![0.0; at.readings.len()];
-        for disturbance in &self.disturbances {
-            let Adjusted {
-                whitened, solution, ..
-            } = adjusted;
-            let own = self.whitened_columns(disturbance, whitened, solution);
-            for (own, there) in own.iter().zip(disturbance.columns_mm(at, solution)) {
-                let coefficient = dot(own, &adjusted.projection.residuals);
-                for (sum, x) in sum_mm.iter_mut().zip(&there) {
-                    *sum += coefficient * x;
-                }
-            }
+    /// The projection without causes, what wanders in the covariance.
+    pub(crate) fn before_causes(&self, whitened: &Whitened, solution: &Solution) -> Projection {
+        let mut projection = Projection::of_network(whitened);
+        let all = match self.disturbances.is_empty() {
+            true => Vec::new(),
+            false => self.here(),
+        };
+        for own in &self.disturbances {
+            let mut columns = own.scaled(&all, self.columns_of(&all, solution, own.wanderer));
+            columns
+                .iter_mut()
+                .for_each(|column| whitened.whiten(column));
+            projection = projection.beside(&columns).0;
         }
-        sum_mm
+        projection
     }
 
     /// The model adjusted to what is left of its lengths without what wanders: its poses and stations are then

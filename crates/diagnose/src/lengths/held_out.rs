@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use trueaxis_poses::LengthCircumstances as Reading;
 
 use crate::Error;
-use crate::engine::{FOLDS, HeldOut, Sums, sought_again};
+use crate::engine::{FOLDS, HeldOut, Sums, Wanders, sought_again, wandered_mm};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
@@ -84,14 +84,14 @@ fn held_out<'a>(
         };
         let mut extended = rest.adjust_given(suspects, noise)?;
         let mut before = rest.predicted_misfit_mm(base, &plain);
-        let wandered_mm = rest.wandered_mm(&extended, base);
+        let wanders_mm = wandered_mm(&rest, &extended, base);
         if !rest.disturbances.is_empty() {
-            extended = rest.less(&extended, &rest.wandered_mm(&extended, &rest))?;
+            extended = rest.less(&extended, &wandered_mm(&rest, &extended, &rest))?;
         }
         let mut after = rest.predicted_misfit_mm(base, &extended);
         after
             .iter_mut()
-            .zip(&wandered_mm)
+            .zip(&wanders_mm)
             .for_each(|(misfit, w)| *misfit -= w);
         // A fold holds whole visits, so that these are whitened among themselves.
         adjusted.whitened.whiten(&mut before);

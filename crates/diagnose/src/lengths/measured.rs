@@ -3,10 +3,9 @@
 use trueaxis_effects::{Layer, Scene, Shape};
 
 use crate::Error;
-use crate::engine::{Culprit, Culprits, Measured, Suspect, duration_s, in_equal_ratios};
+use crate::engine::{Culprit, Measured, Suspect, duration_s, in_equal_ratios};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
-use crate::lengths::disturbance::{Wanderer, Who, With};
 use crate::lengths::swapped::swapped;
 use crate::selection::{DECISIVE, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
@@ -137,16 +136,4 @@ impl Measured for Base<'_> {
             false => of_leader.evidence - of_other.evidence < DECISIVE,
         }
     }
-}
-
-/// Whether what wanders is what a cause makes responsible, in time: then the cause may be no more than a part of a
-/// course that it does not describe.
-pub(crate) fn is_of(culprits: &Culprits, wanderer: Wanderer) -> bool {
-    culprits.any(|culprit| match (*culprit, wanderer.who, wanderer.with) {
-        (Culprit::Station(own, _), Who::Station(other), With::Occupation)
-        | (Culprit::Target(own, _), Who::Target(other), With::Campaign) => own == other,
-        (Culprit::EveryOccupation, Who::Machine | Who::Tripods, _) => true,
-        (Culprit::Everything(layer, _), Who::Air, _) => layer == Layer::Instrument,
-        _ => false,
-    })
 }

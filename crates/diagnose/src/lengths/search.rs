@@ -5,10 +5,13 @@ use trueaxis_effects::{Level, Subject};
 use trueaxis_multilateration::{Noise, network_from_campaign};
 use trueaxis_poses::LengthsAdjustment;
 
-use crate::engine::{Found, HeldOut, Omnibus, Suspect, cause, find_causes, of_catalogue, scans};
+use crate::engine::{
+    Candidates, Competed, Found, HeldOut, JudgedDisturbance, Omnibus, Suspect, Wanders, cause,
+    compete, find_causes, of_catalogue, only_wandering, scans, wandered, wandered_mm,
+    whitened_columns,
+};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
-use crate::lengths::competition::{Candidates, Model, compete, only_wandering};
 use crate::lengths::fitted::fitted;
 use crate::lengths::held_out::{held_out_stations, held_out_sweeps};
 use crate::lengths::left_out::{are_in_a_row, still_left_out};
@@ -17,8 +20,6 @@ use crate::lengths::not_observable::not_observable;
 use crate::lengths::omnibus::omnibus;
 use crate::lengths::places::places;
 use crate::lengths::unexplained::unexplained_part;
-use crate::lengths::wandered::wandered;
-use crate::lengths::wandering::Judged;
 use crate::said::{Entry, Said};
 use crate::selection::{Null, Part};
 use crate::{Error, Gain, LevelReport, Misfit, NotObservable, Shares, Unexplained};
@@ -73,7 +74,7 @@ pub(crate) fn diagnose_lengths(
         after,
         unexplained,
     } = named;
-    let wandered_mm = base.wandered_mm(&current, &base);
+    let wandered_mm = wandered_mm(&base, &current, &base);
     let rest = base.less(&current, &wandered_mm)?;
     let scatter_um = noise_floor_um(&base, &rest);
     // Both in the noise that is left at the end.
@@ -97,8 +98,7 @@ pub(crate) fn diagnose_lengths(
     let of_causes = current.suspects.iter();
     let of_causes = of_causes.map(|s| Part::Free(base.columns(&sharp, &s.hypothesis, s.shape)));
     let smooth = base.disturbances.iter();
-    let smooth =
-        smooth.map(|d| Part::Smooth(base.whitened_columns(d, &sharp.whitened, &sharp.solution)));
+    let smooth = smooth.map(|d| Part::Smooth(whitened_columns(&base, &sharp, d)));
     let parts: Vec<Part> = of_causes.chain(smooth).collect();
     let shares = Shares::of_parts(&sharp.projection, &parts, unexplained.is_some());
     let scale = |adjusted: &Adjusted| {
@@ -130,7 +130,13 @@ pub(crate) fn diagnose_lengths(
     let effects_mm = effects_mm(&base, lengths, &current, &wandered_mm);
     let notices = notices(&base);
     let only = found.len() + wandering.len() == 1;
-    let disturbances = wandered(&base, &current, wandering, gain.filter(|_| only));
+    let disturbances = wandered(
+        &base,
+        Level::Lengths,
+        &current,
+        wandering,
+        gain.filter(|_| only),
+    );
     let causes = found.into_iter().map(|found| {
         let suspect = &found.suspect;
         let shown = (
@@ -216,7 +222,7 @@ pub(crate) struct Named<'a> {
     /// The lengths, what wanders in their covariance.
     base: Base<'a>,
     pub(crate) found: Vec<Found>,
-    wandering: Vec<Judged>,
+    wandering: Vec<JudgedDisturbance>,
     pub(crate) adjusted: Adjusted,
     after: Vec<Omnibus>,
     unexplained: Option<Unexplained>,
@@ -232,11 +238,11 @@ impl Named<'_> {
 /// are the tests of what a model without any leaves, in the noise `plain`.
 fn named<'a>(
     base: &Base<'a>,
-    model: Model<'a>,
+    model: Competed<Base<'a>>,
     plain: Noise,
     before: &[Omnibus],
 ) -> Result<Named<'a>, Error> {
-    let Model {
+    let Competed {
         base: here,
         search,
         wandering,

@@ -10,15 +10,17 @@
 
 use nalgebra::{Isometry3, Matrix3, Matrix3x6, Point3, SymmetricEigen, Translation3, Vector3};
 use trueaxis_campaign::{Campaign, Points};
-use trueaxis_effects::{Circumstances, Displaced, ResolvedEffect, Scene};
+use trueaxis_effects::{Circumstances, Displaced, Effect, ResolvedEffect, Scene, Subject};
 use trueaxis_kinematics::{Ideal, best_fit};
 
+use crate::engine::disturbance::Disturbance;
 use crate::points::model::Model;
 use crate::points::noise::Noise;
 use crate::points::readings::{Reading, Readings};
 use crate::selection::Hypothesis;
 
 /// The points of a campaign about one adjustment.
+#[derive(Clone)]
 pub(crate) struct Base<'a> {
     pub(crate) campaign: &'a Campaign,
     pub(crate) scene: &'a Scene,
@@ -35,6 +37,8 @@ pub(crate) struct Base<'a> {
     pub(crate) by_pose: Vec<Matrix3x6<f64>>,
     /// What its place in the shape does to it.
     pub(crate) by_shape: Vec<Matrix3<f64>>,
+    /// What wanders, in the covariance of the points.
+    pub(crate) disturbances: Vec<Disturbance>,
 }
 
 /// A coordinate of a shape that moves by less rests, mm: what is left is of second order.
@@ -113,6 +117,7 @@ impl<'a> Base<'a> {
                 .collect(),
             places_mm: places_mm(&readings, &modelled, &instrument_from_datum),
             instrument_from_datum,
+            disturbances: Vec::new(),
             readings,
         };
         base.turn_rows();
@@ -144,6 +149,11 @@ impl<'a> Base<'a> {
     /// A vector in the instrument's frame along the directions of the rows.
     pub(crate) fn in_rows(&self, v: Vector3<f64>) -> Vector3<f64> {
         self.rows_from_instrument * v
+    }
+
+    /// Rows of a point in the instrument's frame.
+    pub(crate) fn from_rows(&self, row: &[f64]) -> Vector3<f64> {
+        self.rows_from_instrument.transpose() * Vector3::from_column_slice(row)
     }
 
     /// From the directions of the rows to the reference frame.
@@ -195,6 +205,17 @@ impl<'a> Base<'a> {
             }
         }
         columns
+    }
+
+    /// What one unit of a parameter does to the coordinates of the `i`-th point, along the directions of the rows, mm.
+    pub(crate) fn moved_mm(
+        &self,
+        i: usize,
+        (effect, parameter): (&Effect, usize),
+        subject: &Subject,
+    ) -> [f64; 3] {
+        let moved = effect.form(subject, parameter, f64::NEG_INFINITY, &self.at(i));
+        self.in_rows(self.shown_mm(&moved)).into()
     }
 
     /// What effects do to the coordinates of the `i`-th point, in the instrument's frame, mm.

@@ -6,14 +6,14 @@
 
 use std::collections::HashSet;
 
-use crate::engine::{FOLDS, HeldOut, Sums, Suspect, sought_again};
+use crate::engine::{FOLDS, HeldOut, Sums, Suspect, Wanders, sought_again};
 use crate::points::base::Base;
 use crate::points::model::{Model, NO_WEIGHT};
 
 /// With fewer sweeps the rest says too little.
 const LEAST_SWEEPS: usize = 4;
 
-/// Predicts each fold without and with the causes; `None` if nothing can be predicted.
+/// Predicts each fold without anything, and with the causes and what wanders beside them; `None` if nothing can be predicted.
 pub(crate) fn held_out(base: &Base<'_>, model: &Model, causes: &[Suspect]) -> Option<HeldOut> {
     let all = &base.readings.all;
     let sweeps = all.iter().map(|r| r.sweep).max()? + 1;
@@ -21,13 +21,18 @@ pub(crate) fn held_out(base: &Base<'_>, model: &Model, causes: &[Suspect]) -> Op
         return None;
     }
     let folds = FOLDS.min(sweeps);
+    let nothing = base.beside(Vec::new());
     let mut sums: Vec<Sums> = vec![(0, 0.0, 0.0); sweeps];
     for fold in 0..folds {
         let is_held = |i: usize| all[i].sweep % folds == fold;
         let stops = base.readings.stops.iter();
         let held: Vec<bool> = stops.map(|stop| is_held(stop.start)).collect();
-        let plain = Model::with(base, &[], model.noise, Some(&held));
-        let (_, with) = sought_again(base, &plain, causes);
+        let without = |base: &Base<'_>| Model::with(base, &[], model.noise, Some(&held));
+        let plain = without(&nothing);
+        let (_, with) = match base.disturbances.is_empty() {
+            true => sought_again(base, &plain, causes),
+            false => sought_again(base, &without(base), causes),
+        };
         let kept = (0..all.len()).filter(|&i| !is_held(i));
         let known: HashSet<_> = kept.map(|i| (all[i].pose, all[i].shape)).collect();
         for i in (0..all.len()).filter(|&i| is_held(i)) {

@@ -16,7 +16,7 @@ pub(crate) struct Model {
     pub(crate) noise: Noise,
     /// Of each stop: 1, or next to nothing where it is held out.
     weights: Vec<f64>,
-    /// The base model.
+    /// The base model, what wanders in its covariance.
     pub(crate) bare: Projection,
     /// The base model with the causes.
     pub(crate) projection: Projection,
@@ -48,6 +48,10 @@ impl Model {
             bare,
             suspects: Vec::new(),
         };
+        for own in &base.disturbances {
+            let columns = model.whitened(base, &base.wandered_columns_mm(own));
+            model.bare = model.bare.beside(&columns).0;
+        }
         let columns = model.whitened(base, causes_mm);
         model.projection = model.bare.extended(&columns);
         model
@@ -56,10 +60,26 @@ impl Model {
     /// Columns as those of the model.
     pub(crate) fn whitened(&self, base: &Base<'_>, columns_mm: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let mut columns = columns_mm.to_vec();
-        for column in &mut columns {
-            self.noise.whiten(&base.readings, column, &self.weights);
-        }
         columns
+            .iter_mut()
+            .for_each(|column| self.whiten(base, column));
+        columns
+    }
+
+    /// One column.
+    pub(crate) fn whiten(&self, base: &Base<'_>, column: &mut [f64]) {
+        self.noise.whiten(&base.readings, column, &self.weights);
+    }
+
+    /// The same with another projection and no causes.
+    pub(crate) fn with_projection(&self, projection: Projection) -> Self {
+        Self {
+            noise: self.noise,
+            weights: self.weights.clone(),
+            bare: self.bare.clone(),
+            projection,
+            suspects: Vec::new(),
+        }
     }
 
     /// The same with the parameters of its causes, all together.

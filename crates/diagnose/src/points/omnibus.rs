@@ -79,24 +79,24 @@ pub(crate) fn omnibus(model: &Model, families: &[Family]) -> Vec<Omnibus> {
     ))
 }
 
-/// Where the axis of each point stands in the range that it was measured in, 0 to 1.
-fn travelled(base: &Base<'_>) -> Vec<f64> {
-    let position = |r: &Reading| {
-        let axis = r.axis?;
-        Some((axis, base.campaign.steps[r.step].positions[axis]))
-    };
-    let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; base.scene.machine.axes().len()];
-    for (axis, q) in base.readings.all.iter().filter_map(position) {
-        ranges[axis] = [ranges[axis][0].min(q), ranges[axis][1].max(q)];
-    }
+/// Range of the positions at which an axis was measured, mm or rad.
+pub(crate) fn range(base: &Base<'_>, axis: usize) -> [f64; 2] {
+    let own = base.readings.all.iter().filter(|r| r.axis == Some(axis));
+    let at = own.map(|r| base.campaign.steps[r.step].positions[axis]);
+    let nothing = [f64::INFINITY, f64::NEG_INFINITY];
+    at.fold(nothing, |[low, high], q| [low.min(q), high.max(q)])
+}
+
+/// Where the axis of each point stands in that range, 0 to 1.
+pub(crate) fn travelled(base: &Base<'_>) -> Vec<f64> {
+    let axes = 0..base.scene.machine.axes().len();
+    let ranges: Vec<[f64; 2]> = axes.map(|axis| range(base, axis)).collect();
     let part = |r: &Reading| {
-        let (axis, q) = position(r)?;
+        let axis = r.axis?;
         let [low, high] = ranges[axis];
-        (high > low).then(|| (q - low) / (high - low))
+        let position = base.campaign.steps[r.step].positions[axis];
+        (high > low).then(|| (position - low) / (high - low))
     };
-    base.readings
-        .all
-        .iter()
-        .map(|r| part(r).unwrap_or(0.0))
-        .collect()
+    let all = base.readings.all.iter();
+    all.map(|r| part(r).unwrap_or(0.0)).collect()
 }

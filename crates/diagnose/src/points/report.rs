@@ -5,8 +5,9 @@ use trueaxis_campaign::{Campaign, Points};
 use trueaxis_effects::{Level, ResolvedEffect, Scene};
 
 use crate::engine::{
-    Found, HeldOut, Measured, OMNIBUS_LEVEL, Omnibus, Search, Suspect, cause, find_causes,
-    is_imitation, of_catalogue, scans, still_left, unexplained,
+    Candidates, Competed, Found, HeldOut, JudgedDisturbance, Measured, OMNIBUS_LEVEL, Omnibus,
+    Search, Suspect, Wanders, cause, compete, find_causes, is_imitation, of_catalogue, scans,
+    settled, still_left, unexplained, wandered, wandered_mm, whitened_columns,
 };
 use crate::points::base::Base;
 use crate::points::fitted::fitted;
@@ -17,7 +18,7 @@ use crate::points::not_observable::not_observable;
 use crate::points::omnibus::{families, omnibus};
 use crate::points::places::places;
 use crate::said::{Entry, Said};
-use crate::selection::{Fit, Hypothesis, Null};
+use crate::selection::{Fit, Hypothesis, Null, Part};
 use crate::{Error, LevelReport, Misfit, Shares};
 
 /// Degrees of freedom below which nothing can be said.
@@ -40,28 +41,21 @@ pub(crate) fn diagnose_points(
         return Ok((not_judged(&screened.base, freedom), None));
     }
     if plain.noise.mean_um(&screened.base.readings) < RESOLUTION_UM {
-        return said(&screened, points, Believed::nothing(plain));
+        let base = screened.base.clone();
+        return said(&screened, points, Believed::nothing(base, plain));
     }
     let all = of_catalogue(Level::Points, scene, |_| true);
-    let mut search = searched(&screened.base, plain, &all)?;
-    if !search.found.is_empty() {
+    let mut believed = Believed::search(&screened.base, plain, &all)?;
+    if !believed.found.is_empty() {
         // What stood out of everything may have been a part of a cause, or have hidden beneath it.
-        let again = Screened::beside(campaign, points, scene, &suspects(&search.found));
+        let again = Screened::beside(campaign, points, scene, &suspects(&believed.found));
         if again.numbers() != screened.numbers() {
             let plain = Model::estimated(&again.base, &[]);
-            search = searched(&again.base, plain, &all)?;
+            believed = Believed::search(&again.base, plain, &all)?;
         }
         screened = again;
     }
-    let believed = Believed::of(&screened.base, search)?;
     said(&screened, points, believed)
-}
-
-/// The causes of what `plain`, the model without any, leaves.
-fn searched(base: &Base<'_>, plain: Model, all: &[Hypothesis]) -> Result<Search<Model>, Error> {
-    let first = scans(base, &plain, &plain.projection, all).scans;
-    let null = Null::simulated(&plain.projection, &first);
-    find_causes(base, plain, all, &first, &null)
 }
 
 fn suspects(found: &[Found]) -> Vec<Suspect> {
@@ -127,27 +121,54 @@ fn not_judged(base: &Base<'_>, freedom: f64) -> Said {
     }
 }
 
-/// The causes that are believed, and what the model with them leaves and gains.
-struct Believed {
+/// The causes that are believed, what wanders beside them, and what the model with both leaves and gains.
+struct Believed<'a> {
+    /// The points, what wanders in their covariance.
+    base: Base<'a>,
     found: Vec<Found>,
+    wandering: Vec<JudgedDisturbance>,
     model: Model,
     after: Vec<Omnibus>,
     heldout: Option<HeldOut>,
 }
 
-impl Believed {
+impl<'a> Believed<'a> {
     /// No causes, and nothing tested.
-    fn nothing(model: Model) -> Self {
+    fn nothing(base: Base<'a>, model: Model) -> Self {
         Self {
+            base,
             found: Vec::new(),
+            wandering: Vec::new(),
             model,
             after: Vec::new(),
             heldout: None,
         }
     }
 
-    /// The causes of a search but those that predict unused points worse than nothing, or merely imitate what is left.
-    fn of(base: &Base<'_>, search: Search<Model>) -> Result<Self, Error> {
+    /// The causes of what `plain`, the model without anything, leaves, and what wanders.
+    fn search(base: &Base<'a>, plain: Model, all: &[Hypothesis]) -> Result<Self, Error> {
+        let first = scans(base, &plain, &plain.projection, all).scans;
+        let null = Null::simulated(&plain.projection, &first);
+        let before = omnibus(&plain, &families(base, &plain));
+        let search = find_causes(base, plain, all, &first, &null)?;
+        let candidates = Candidates { all, null: &null };
+        let model = compete(base, &before, search, &candidates)?;
+        let count = model.search.found.len();
+        let believed = Self::of(model)?;
+        if believed.found.len() == count {
+            return Ok(believed);
+        }
+        // What took the place of a cause may be something that wanders.
+        Self::of(settled(base, suspects(&believed.found), &candidates)?)
+    }
+
+    /// The causes of a model but those that predict unused points worse than nothing, or merely imitate what is left.
+    fn of(model: Competed<Base<'a>>) -> Result<Self, Error> {
+        let Competed {
+            base,
+            search,
+            wandering,
+        } = model;
         let Search {
             mut found,
             adjusted: mut model,
@@ -155,7 +176,7 @@ impl Believed {
         } = search;
         loop {
             let count = found.len();
-            let families = families(base, &model);
+            let families = families(&base, &model);
             let after = omnibus(&model, &families);
             let left = still_left(&families, &after, OMNIBUS_LEVEL, |t| t.excess);
             let is_one = |cause: &Found| {
@@ -170,13 +191,16 @@ impl Believed {
             let first = found.iter().position(is_one);
             found.truncate(first.unwrap_or(count));
             if found.len() == count {
-                let heldout = match found.is_empty() {
+                let is_plain = found.is_empty() && wandering.is_empty();
+                let heldout = match is_plain {
                     true => None,
-                    false => held_out(base, &model, &suspects(&found)),
+                    false => held_out(&base, &model, &suspects(&found)),
                 };
-                if heldout.is_none_or(|h| !h.is_loss()) {
+                if found.is_empty() || heldout.is_none_or(|h| !h.is_loss()) {
                     return Ok(Self {
+                        base,
                         found,
+                        wandering,
                         model,
                         after,
                         heldout,
@@ -196,17 +220,20 @@ impl Believed {
 fn said(
     screened: &Screened<'_>,
     points: &Points,
-    believed: Believed,
+    believed: Believed<'_>,
 ) -> Result<(Said, Option<Campaign>), Error> {
-    let (base, gross) = (&screened.base, &screened.gross);
+    let gross = &screened.gross;
     let Believed {
+        base,
         found,
+        wandering,
         model,
         after,
         heldout,
     } = believed;
+    let base = &base;
     // Both in the noise that is left at the end.
-    let sharp = Model::with(base, &[], model.noise, None);
+    let sharp = Model::with(&base.beside(Vec::new()), &[], model.noise, None);
     let noise_um = model.noise.mean_um(&base.readings);
     let (before_um, after_um) = (
         noise_um * Model::rms(&sharp.projection),
@@ -222,11 +249,11 @@ fn said(
     let unexplained = is_left.then(left);
     let gain = heldout.map(|h| h.gain(before_um, after_um, noise_um));
     let of_cause = base.columns(&sharp);
-    let columns = model
-        .suspects
-        .iter()
-        .map(|s| of_cause(&s.hypothesis, s.shape));
-    let columns: Vec<Vec<Vec<f64>>> = columns.collect();
+    let columns = model.suspects.iter();
+    let columns = columns.map(|s| Part::Free(of_cause(&s.hypothesis, s.shape)));
+    let smooth = base.disturbances.iter();
+    let smooth = smooth.map(|own| Part::Smooth(whitened_columns(base, &sharp, own)));
+    let parts: Vec<Part> = columns.chain(smooth).collect();
     let misfit = |rms_um: f64, of: fn(&HeldOut) -> f64| Misfit {
         rms_um,
         heldout_rms_um: heldout.as_ref().map(|h| of(h) * noise_um),
@@ -239,13 +266,14 @@ fn said(
         before: misfit(before_um, |h| h.before),
         after: misfit(after_um, |h| h.after),
         gain,
-        shares: Shares::new(&sharp.projection, &columns, is_left),
+        shares: Shares::of_parts(&sharp.projection, &parts, is_left),
         unexplained,
         tests: tests(before),
         tests_after: tests(after),
         places: places(base, &sharp, &model, noise_um),
     };
-    let gain = gain.filter(|_| found.len() == 1);
+    let gain = gain.filter(|_| found.len() + wandering.len() == 1);
+    let disturbances = wandered(base, Level::Points, &model, wandering, gain);
     let effects: Vec<ResolvedEffect> = found.iter().map(|f| f.suspect.resolved()).collect();
     let causes = found.into_iter().map(|found| {
         let effect_um = rms_of_effect_um(base, &found.suspect);
@@ -253,12 +281,13 @@ fn said(
         Ok(cause(base, Level::Points, &model, found, gain, shown))
     });
     let causes = causes.collect::<Result<_, Error>>()?;
-    let corrected = (!effects.is_empty() || !gross.is_empty())
-        .then(|| corrected(base, points, gross, &effects));
+    let is_changed = !effects.is_empty() || !disturbances.is_empty() || !gross.is_empty();
+    let wandered_mm = wandered_mm(base, &model, base);
+    let corrected = is_changed.then(|| corrected(base, points, gross, &effects, &wandered_mm));
     let entry = Entry {
         report,
         causes,
-        disturbances: Vec::new(),
+        disturbances,
     };
     let said = Said {
         entries: vec![entry],
@@ -306,16 +335,18 @@ fn notices(screened: &Screened<'_>) -> Vec<String> {
     notices
 }
 
-/// The campaign without gross errors and without what the causes do to the coordinates.
+/// The campaign without gross errors and without what the causes, and what wanders (rows, mm), do to the coordinates.
 fn corrected(
     base: &Base<'_>,
     points: &Points,
     gross: &[Gross],
     effects: &[ResolvedEffect],
+    wandered_mm: &[f64],
 ) -> Campaign {
     let mut moved_mm = vec![Vector3::zeros(); points.readings.len()];
     for (i, reading) in base.readings.all.iter().enumerate() {
-        moved_mm[reading.number] = base.effect_mm(i, effects);
+        let wandered_mm = base.from_rows(&wandered_mm[3 * i..3 * i + 3]);
+        moved_mm[reading.number] = base.effect_mm(i, effects) + wandered_mm;
     }
     let is_kept = |number: &usize| gross.iter().all(|g| g.number != *number);
     let mut kept = Points::default();

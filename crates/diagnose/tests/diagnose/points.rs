@@ -1,8 +1,8 @@
 //! Points campaigns: every effect of the level, clean ones, gross errors, and what cannot be judged.
 
 use nalgebra::Vector3;
-use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose};
-use trueaxis_effects::{Level, ResolvedEffect};
+use trueaxis_diagnose::{Diagnosis, Settings, Verdict, Wandering, diagnose};
+use trueaxis_effects::{Layer, Level, ResolvedEffect};
 
 use crate::made_points::{Hidden, PERIOD_MM, Plan, made};
 use crate::{counts, generator, report};
@@ -355,16 +355,47 @@ fn unlike_directions_make_few_alarms() {
     }
 }
 
-/// A hall that breathes, a holder that sways, a stage that is wavy: of no catalogue.
+/// A hall that breathes (and the frame of the instrument with it), a holder that sways, a stage that is wavy: of no
+/// catalogue, and what wanders is said. Of a target nothing is seen that goes across the plane of the three, and along the line
+/// to another target it may as well be that one: fewer are found, and fewer with the right target.
 #[test]
 #[ignore = "study: 120 campaigns of points with what no effect is"]
 fn what_is_in_no_catalogue_is_not_named() {
     let from = std::env::var("SEED").map_or(1000, |s| s.parse().unwrap());
     for id in ["breathing", "swaying_target", "wavy_stage"] {
         for plan in [Plan::THREE_AXES, Plan::ROTARY] {
-            let count = count(&plan, id, 1.0, from..from + 20);
-            report(&format!("{id}, rotary {}: {count:?}", plan.is_rotary));
-            assert!(count.wrong <= 1 && count.unknown >= 17, "{id}: {count:?}");
+            let mut count = Count::default();
+            let (mut whose, mut gained) = (0, 0);
+            for seed in from..from + 20 {
+                let hidden = Hidden::draw(id, 1.0, &plan, &mut generator(seed, 3));
+                let campaign = made(&plan, std::slice::from_ref(&hidden), seed);
+                let found = diagnose(&campaign, &without_curves()).unwrap();
+                count.add(&found, &hidden, &plan);
+                let is_it = |w: &Wandering| match id {
+                    "breathing" => w.layer == Layer::Setup && w.subject.target.is_none(),
+                    _ => w.subject.target == Some(hidden.target),
+                };
+                let with = if id == "wavy_stage" {
+                    "position"
+                } else {
+                    "time"
+                };
+                let is_right = found.disturbances.first().is_some_and(|d| {
+                    let mut all = d.rivals.iter().chain([&d.whose]);
+                    all.any(|w| is_it(w) && w.varies_with == [with])
+                });
+                whose += usize::from(is_right);
+                let gain = found.levels[0].gain;
+                gained += usize::from(gain.is_some_and(|gain| gain.is_claimed()));
+            }
+            let line = format!(
+                "{id}, rotary {}: {whose} of 20 with its subject, {gained} with a gain: {count:?}",
+                plan.is_rotary
+            );
+            report(&line);
+            assert!(count.wrong <= 1 && count.unknown >= 17, "{line}");
+            let least = if id == "wavy_stage" { 13 } else { 17 };
+            assert!(whose >= least, "{line}");
         }
     }
 }

@@ -9,23 +9,27 @@
 //! A cause in time that leaves a tenth of what it explains to a disturbance of the same thing does not describe how
 //! that thing moves, and loses its name ([`is_of`]).
 
+use trueaxis_effects::Layer;
+
 use crate::Error;
-use crate::engine::{Culprits, Found, Omnibus, Search, Suspect, find_causes, scan, scans, settle};
-use crate::lengths::adjusted::Adjusted;
-use crate::lengths::base::Base;
-use crate::lengths::measured::is_of;
-use crate::lengths::wandering::{Judged, disturbances, least, of_wandering, wandering};
+use crate::engine::disturbance::{Wanderer, Who, With};
+use crate::engine::wandering::{
+    JudgedDisturbance, Wanders, disturbances, least, of_wandering, wandering,
+};
+use crate::engine::{
+    Culprit, Culprits, Found, Omnibus, Search, Suspect, find_causes, scan, scans, settle,
+};
 use crate::selection::{DECISIVE, Hypothesis, Null, rank};
 
 /// Without causes and with omnibus tests above this nothing wanders that would be significant.
 const WORTH_A_LOOK: f64 = 0.05;
 
 /// Causes, and what wanders beside them.
-pub(crate) struct Model<'a> {
-    /// The lengths, what wanders in their covariance.
-    pub(crate) base: Base<'a>,
-    pub(crate) search: Search<Adjusted>,
-    pub(crate) wandering: Vec<Judged>,
+pub(crate) struct Competed<D: Wanders> {
+    /// The data, what wanders in their covariance.
+    pub(crate) base: D,
+    pub(crate) search: Search<D::Model>,
+    pub(crate) wandering: Vec<JudgedDisturbance>,
 }
 
 /// What is needed to look for causes.
@@ -36,14 +40,14 @@ pub(crate) struct Candidates<'a> {
 
 /// The model with the most evidence. `search` are the causes that were found without disturbances, `before` the tests
 /// of what a model without any leaves.
-pub(crate) fn compete<'a>(
-    base: &Base<'a>,
+pub(crate) fn compete<D: Wanders>(
+    base: &D,
     before: &[Omnibus],
-    search: Search<Adjusted>,
+    search: Search<D::Model>,
     candidates: &Candidates<'_>,
-) -> Result<Model<'a>, Error> {
+) -> Result<Competed<D>, Error> {
     let is_quiet = before.iter().all(|t| t.test.p_value >= WORTH_A_LOOK);
-    let of_causes = |search| Model {
+    let of_causes = |search| Competed {
         base: base.clone(),
         search,
         wandering: Vec::new(),
@@ -51,7 +55,7 @@ pub(crate) fn compete<'a>(
     if search.found.is_empty() && is_quiet {
         return Ok(of_causes(search));
     }
-    let suspects = search.adjusted.suspects.clone();
+    let suspects = D::suspects(&search.adjusted).to_vec();
     let (alone, beside) = rayon::join(
         || wandering(base, &[]),
         || match suspects.is_empty() {
@@ -97,11 +101,11 @@ pub(crate) fn compete<'a>(
 const PART: f64 = 0.1;
 
 /// The model without causes that do not describe how the thing moves that they make responsible.
-fn described<'a>(
-    base: &Base<'a>,
-    mut model: Model<'a>,
+fn described<D: Wanders>(
+    base: &D,
+    mut model: Competed<D>,
     candidates: &Candidates<'_>,
-) -> Result<Model<'a>, Error> {
+) -> Result<Competed<D>, Error> {
     loop {
         let wanders_on = |found: &Found| {
             model.wandering.iter().any(|judged| {
@@ -112,18 +116,18 @@ fn described<'a>(
         let Some(undescribed) = model.search.found.iter().position(wanders_on) else {
             return Ok(model);
         };
-        let mut suspects = model.search.adjusted.suspects;
+        let mut suspects = D::suspects(&model.search.adjusted).to_vec();
         suspects.remove(undescribed);
         model = settled(base, suspects, candidates)?;
     }
 }
 
 /// Causes as they settle beside what wanders beside them.
-fn settled<'a>(
-    base: &Base<'a>,
+pub(crate) fn settled<D: Wanders>(
+    base: &D,
     suspects: Vec<Suspect>,
     candidates: &Candidates<'_>,
-) -> Result<Model<'a>, Error> {
+) -> Result<Competed<D>, Error> {
     let wandering = wandering(base, &suspects)?;
     if suspects.is_empty() {
         return without_causes(base, wandering);
@@ -133,7 +137,7 @@ fn settled<'a>(
     if found.is_empty() {
         return only_wandering(base);
     }
-    Ok(Model {
+    Ok(Competed {
         base: here,
         search: Search {
             found,
@@ -145,9 +149,13 @@ fn settled<'a>(
 }
 
 /// The model with more evidence, in the noise of the one with less of it; the first if both have as much.
-fn better<'a>(base: &Base<'a>, first: Model<'a>, second: Model<'a>) -> Result<Model<'a>, Error> {
-    let noises = [&first, &second].map(|m| m.search.adjusted.network.noise);
-    let plain = base.adjust(Vec::new(), least(noises.into_iter()))?;
+fn better<D: Wanders>(
+    base: &D,
+    first: Competed<D>,
+    second: Competed<D>,
+) -> Result<Competed<D>, Error> {
+    let noises = [&first, &second].map(|m| D::noise(&m.search.adjusted));
+    let plain = base.adjust(Vec::new(), least::<D>(noises.into_iter()))?;
     let evidences = [&first, &second].map(|model| evidence(base, &plain, model));
     Ok(match evidences[1] > evidences[0] {
         true => second,
@@ -156,16 +164,17 @@ fn better<'a>(base: &Base<'a>, first: Model<'a>, second: Model<'a>) -> Result<Mo
 }
 
 /// Twice the logarithm of the marginal likelihood ratio against the model without anything, less what names cost.
-fn evidence(base: &Base<'_>, plain: &Adjusted, model: &Model<'_>) -> f64 {
+fn evidence<D: Wanders>(base: &D, plain: &D::Model, model: &Competed<D>) -> f64 {
     let (mut sum, projection) = of_wandering(base, plain, &model.wandering);
-    let mut adjusted = plain.with(projection);
+    let mut adjusted = D::with(plain, projection);
     for found in &model.search.found {
         let hypothesis = found.suspect.hypothesis;
-        if let Some(scan) = scan(base, &adjusted, &adjusted.projection, hypothesis) {
-            let score = rank(&adjusted.projection, std::slice::from_ref(&scan));
+        if let Some(scan) = scan(base, &adjusted, D::projection(&adjusted), hypothesis) {
+            let score = rank(D::projection(&adjusted), std::slice::from_ref(&scan));
             sum += score.first().map_or(0.0, |score| score.evidence);
-            let columns = base.columns(&adjusted, &hypothesis, found.suspect.shape);
-            adjusted = adjusted.with(adjusted.projection.extended(&columns));
+            let columns = base.columns(&adjusted)(&hypothesis, found.suspect.shape);
+            let extended = D::projection(&adjusted).extended(&columns);
+            adjusted = D::with(&adjusted, extended);
         }
     }
     let names = model.search.found.len() + 2 * model.wandering.len();
@@ -173,10 +182,13 @@ fn evidence(base: &Base<'_>, plain: &Adjusted, model: &Model<'_>) -> f64 {
 }
 
 /// Only what wanders.
-fn without_causes<'a>(base: &Base<'a>, wandering: Vec<Judged>) -> Result<Model<'a>, Error> {
+fn without_causes<D: Wanders>(
+    base: &D,
+    wandering: Vec<JudgedDisturbance>,
+) -> Result<Competed<D>, Error> {
     let base = base.beside(disturbances(&wandering));
     let adjusted = base.adjust(Vec::new(), None)?;
-    Ok(Model {
+    Ok(Competed {
         base,
         search: Search::without_causes(adjusted),
         wandering,
@@ -184,31 +196,43 @@ fn without_causes<'a>(base: &Base<'a>, wandering: Vec<Judged>) -> Result<Model<'
 }
 
 /// Only what wanders, found without any cause.
-pub(crate) fn only_wandering<'a>(base: &Base<'a>) -> Result<Model<'a>, Error> {
+pub(crate) fn only_wandering<D: Wanders>(base: &D) -> Result<Competed<D>, Error> {
     without_causes(base, wandering(base, &[])?)
 }
 
 /// Causes beside what wanders, what wanders beside those, and both as they settle.
-fn alternated<'a>(
-    base: &Base<'a>,
-    first: Vec<Judged>,
+fn alternated<D: Wanders>(
+    base: &D,
+    first: Vec<JudgedDisturbance>,
     candidates: &Candidates<'_>,
-) -> Result<Model<'a>, Error> {
+) -> Result<Competed<D>, Error> {
     let here = base.beside(disturbances(&first));
     let start = here.adjust(Vec::new(), None)?;
-    let scans = scans(&here, &start, &start.projection, candidates.all).scans;
+    let scans = scans(&here, &start, D::projection(&start), candidates.all).scans;
     let search = find_causes(&here, start, candidates.all, &scans, candidates.null)?;
     if search.found.is_empty() {
-        return Ok(Model {
+        return Ok(Competed {
             base: here,
             search,
             wandering: first,
         });
     }
     let (count, left) = (search.found.len(), search.left);
-    let mut model = settled(base, search.adjusted.suspects, candidates)?;
+    let mut model = settled(base, D::suspects(&search.adjusted).to_vec(), candidates)?;
     if model.search.found.len() == count {
         model.search.left = left;
     }
     Ok(model)
+}
+
+/// Whether what wanders is what a cause makes responsible, in time: then the cause may be no more than a part of a
+/// course that it does not describe.
+fn is_of(culprits: &Culprits, wanderer: Wanderer) -> bool {
+    culprits.any(|culprit| match (*culprit, wanderer.who, wanderer.with) {
+        (Culprit::Station(own, _), Who::Station(other), With::Occupation)
+        | (Culprit::Target(own, _), Who::Target(other), With::Campaign) => own == other,
+        (Culprit::EveryOccupation, Who::Machine | Who::Tripods | Who::Frame, _) => true,
+        (Culprit::Everything(layer, _), Who::Air, _) => layer == Layer::Instrument,
+        _ => false,
+    })
 }

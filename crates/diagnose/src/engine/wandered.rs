@@ -4,10 +4,8 @@ use trueaxis_effects::{Level, Subject};
 use trueaxis_kinematics::AxisKind;
 
 use crate::engine::Posterior;
-use crate::lengths::adjusted::Adjusted;
-use crate::lengths::base::Base;
-use crate::lengths::disturbance::{Wanderer, With};
-use crate::lengths::wandering::Judged;
+use crate::engine::disturbance::{Here, Wanderer, With};
+use crate::engine::wandering::{JudgedDisturbance, Wanders, whitened_columns};
 use crate::selection::{combined, dot};
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Wandering};
 
@@ -15,21 +13,23 @@ use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Wandering};
 const POINTS: usize = 33;
 
 /// The disturbances of a model; `gain` if there is nothing else that gains.
-pub(crate) fn wandered(
-    base: &Base<'_>,
-    adjusted: &Adjusted,
-    judged: Vec<Judged>,
+pub(crate) fn wandered<D: Wanders>(
+    base: &D,
+    level: Level,
+    adjusted: &D::Model,
+    judged: Vec<JudgedDisturbance>,
     gain: Option<Gain>,
 ) -> Vec<Disturbance> {
-    let report = |judged: Judged| {
+    let all = base.here();
+    let report = |judged: JudgedDisturbance| {
         let wanderer = judged.disturbance.wanderer;
-        let coefficients = Coefficients::new(base, adjusted, &judged);
-        let course = coefficients.course(base);
-        let range = range(base, wanderer, course);
+        let coefficients = Coefficients::new(base, &all, adjusted, &judged);
+        let course = coefficients.course();
+        let range = range(base, &all, wanderer, course);
         Disturbance {
-            level: Level::Lengths,
+            level,
             data: String::new(),
-            whose: whose(wanderer, course),
+            whose: whose(level, wanderer, course),
             p_value: judged.p_value,
             rms_um: coefficients.rms_um,
             share: 0.0,
@@ -39,16 +39,20 @@ pub(crate) fn wandered(
             },
             heldout_gain: gain.map(|gain| 1.0 - gain.heldout_rms_ratio),
             curve: coefficients.curve(base, course),
-            rivals: judged.rivals.iter().map(|&w| whose(w, None)).collect(),
+            rivals: judged
+                .rivals
+                .iter()
+                .map(|&w| whose(level, w, None))
+                .collect(),
         }
     };
     judged.into_iter().map(report).collect()
 }
 
 /// What wanders, by its public name; with the position of the axis of one course.
-fn whose(wanderer: Wanderer, course: Option<usize>) -> Wandering {
+fn whose(level: Level, wanderer: Wanderer, course: Option<usize>) -> Wandering {
     Wandering {
-        level: Level::Lengths,
+        level,
         layer: wanderer.layer(),
         subject: Subject {
             axis: course.or(wanderer.subject().axis),
@@ -68,29 +72,33 @@ fn axis_of(wanderer: Wanderer, course: Option<usize>) -> Option<usize> {
 }
 
 /// Its range: s, mm or degrees. Of occupations the longest.
-fn range(base: &Base<'_>, wanderer: Wanderer, course: Option<usize>) -> [f64; 2] {
+fn range<D: Wanders>(
+    base: &D,
+    all: &[Here],
+    wanderer: Wanderer,
+    course: Option<usize>,
+) -> [f64; 2] {
     match axis_of(wanderer, course) {
-        Some(axis) => {
-            let axis = &base.scene.machine.axes()[axis];
-            axis.travel().map(|end| match axis.kind() {
+        Some(axis) => base
+            .ends(axis)
+            .map(|end| match base.scene().machine.axes()[axis].kind() {
                 AxisKind::Linear => end,
                 AxisKind::Rotary => end.to_degrees(),
-            })
-        }
-        None if wanderer.with == With::Campaign => base.span_s,
+            }),
+        None if wanderer.with == With::Campaign => span_s(all.iter()),
         None => {
             let occupations = wanderer
-                .courses(base)
+                .courses(all)
                 .into_iter()
-                .map(|s| occupation_s(base, s));
+                .map(|station| span_s(all.iter().filter(|here| here.station == station)));
             let longest = occupations.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
             longest.unwrap_or_default()
         }
     }
 }
 
-fn unit(base: &Base<'_>, wanderer: Wanderer, course: Option<usize>) -> &'static str {
-    let kind = axis_of(wanderer, course).map(|axis| base.scene.machine.axes()[axis].kind());
+fn unit<D: Wanders>(base: &D, wanderer: Wanderer, course: Option<usize>) -> &'static str {
+    let kind = axis_of(wanderer, course).map(|axis| base.scene().machine.axes()[axis].kind());
     match kind {
         Some(AxisKind::Linear) => "mm",
         Some(AxisKind::Rotary) => "deg",
@@ -98,15 +106,16 @@ fn unit(base: &Base<'_>, wanderer: Wanderer, course: Option<usize>) -> &'static 
     }
 }
 
-/// First and last reading of a station, s.
-fn occupation_s(base: &Base<'_>, station: usize) -> [f64; 2] {
-    let own = || base.readings.iter().filter(|r| r.station == station);
-    let first = own().map(|r| r.time_s).fold(f64::INFINITY, f64::min);
-    [first, own().map(|r| r.time_s).fold(first, f64::max)]
+/// First and last of some readings, s.
+fn span_s<'h>(some: impl Iterator<Item = &'h Here> + Clone) -> [f64; 2] {
+    let times = some.map(|here| here.time_s);
+    let first = times.clone().fold(f64::INFINITY, f64::min);
+    [first, times.fold(first, f64::max)]
 }
 
-/// The coefficients of a disturbance given the lengths, in units of what they have beforehand.
-struct Coefficients {
+/// The coefficients of a disturbance given the data, in units of what they have beforehand.
+struct Coefficients<'h> {
+    all: &'h [Here],
     wanderer: Wanderer,
     posterior: Posterior,
     /// Standard deviation beforehand of the coefficients, µm of displacement.
@@ -114,26 +123,38 @@ struct Coefficients {
     rms_um: f64,
 }
 
-impl Coefficients {
-    fn new(base: &Base<'_>, adjusted: &Adjusted, judged: &Judged) -> Self {
+impl<'h> Coefficients<'h> {
+    fn new<D: Wanders>(
+        base: &D,
+        all: &'h [Here],
+        adjusted: &D::Model,
+        judged: &JudgedDisturbance,
+    ) -> Self {
         let own = &judged.disturbance;
-        let in_mm = own.columns_mm(base, &adjusted.solution);
-        let columns = base.whitened_columns(own, &adjusted.whitened, &adjusted.solution);
-        let posterior = Posterior::new(&adjusted.projection, &columns);
-        let sums_mm = combined(base.readings.len(), &in_mm, &posterior.mean);
-        let unit_um = unit_um(base, adjusted, own.wanderer);
-        let roots = own.wanderer.roots_of_spectrum(base, own.length);
+        let in_mm = own.scaled(all, base.columns_mm(adjusted, own.wanderer));
+        let columns = whitened_columns(base, adjusted, own);
+        let posterior = Posterior::new(D::projection(adjusted), &columns);
+        let rows = in_mm.first().map_or(0, Vec::len);
+        let sums_mm = combined(rows, &in_mm, &posterior.mean);
+        let units_um = base.units_um(adjusted, own.wanderer);
+        let width = own.wanderer.basis(0.0).count();
+        let roots = own.wanderer.roots_of_spectrum(all, own.length);
+        let roots_um = roots.iter().enumerate().map(|(k, root)| {
+            let unit_um = units_um[k / width % units_um.len()];
+            root * own.width * unit_um
+        });
         Self {
+            all,
             wanderer: own.wanderer,
             posterior,
-            roots_um: roots.iter().map(|r| r * own.width * unit_um).collect(),
+            roots_um: roots_um.collect(),
             rms_um: 1e3 * (dot(&sums_mm, &sums_mm) / sums_mm.len() as f64).sqrt(),
         }
     }
 
     /// Of what varies with the positions of several axes the one with which it varies most.
-    fn course(&self, base: &Base<'_>) -> Option<usize> {
-        let courses = self.wanderer.courses(base);
+    fn course(&self) -> Option<usize> {
+        let courses = self.wanderer.courses(self.all);
         let of_one = self.posterior.mean.len() / courses.len().max(1);
         let size = |k: usize| {
             let own = k * of_one..(k + 1) * of_one;
@@ -148,8 +169,8 @@ impl Coefficients {
     }
 
     /// Each coordinate with its standard uncertainty over time, occupation after occupation, or over the positions of `axis`.
-    fn curve(&self, base: &Base<'_>, axis: Option<usize>) -> Vec<CurvePoint> {
-        let courses = self.wanderer.courses(base);
+    fn curve<D: Wanders>(&self, base: &D, axis: Option<usize>) -> Vec<CurvePoint> {
+        let courses = self.wanderer.courses(self.all);
         let shown: Vec<usize> = match axis {
             Some(axis) => courses
                 .iter()
@@ -162,8 +183,11 @@ impl Coefficients {
         let mut curve = Vec::new();
         for course in shown {
             let ends = match self.wanderer.with {
-                With::Occupation => occupation_s(base, courses[course]),
-                _ => range(base, self.wanderer, axis),
+                With::Occupation => {
+                    let own = self.all.iter();
+                    span_s(own.filter(|here| here.station == courses[course]))
+                }
+                _ => range(base, self.all, self.wanderer, axis),
             };
             for point in 0..points {
                 let x = point as f64 / (points - 1) as f64;
@@ -197,26 +221,4 @@ impl Coefficients {
         };
         (0..coordinates).map(of_coordinate).unzip()
     }
-}
-
-/// How far a unit moves things, µm: rms over the readings that it concerns. Lost motion is twice what it moves.
-fn unit_um(base: &Base<'_>, adjusted: &Adjusted, wanderer: Wanderer) -> f64 {
-    let Some((effect, k)) = wanderer.coordinates().into_iter().next() else {
-        return 0.0;
-    };
-    let subject = wanderer.subject();
-    let squares = base.readings.iter().map(|reading| {
-        let at = base.observation(reading, &adjusted.solution).at;
-        let moved = effect.form(&subject, k, f64::NEG_INFINITY, &at);
-        (moved.point_mm - moved.station_mm).norm_squared() + moved.length_mm.powi(2)
-    });
-    let (count, sum) = squares
-        .filter(|square| *square > 0.0)
-        .fold((0, 0.0), |(count, sum), square| (count + 1, sum + square));
-    let times = if wanderer.with == With::Sides {
-        2.0
-    } else {
-        1.0
-    };
-    times * 1e3 * (sum / f64::from(count.max(1))).sqrt()
 }

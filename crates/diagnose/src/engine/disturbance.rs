@@ -1,0 +1,237 @@
+//! A disturbance: a smooth process of unknown form.
+//!
+//! Something (the machine, the tripods, the air, a station, a target, the lost motion of an axis) moves with time, or
+//! with the position of an axis, in a course that nobody knows. Over the argument `x`, 0 to 1, each coordinate is
+//!
+//! ```text
+//! f(x) = Σ_k b_k cos(kπx)      b_k ~ N(0, w² S_k)      S_k ~ (3/ℓ² + k²π²)⁻²      S_0 + ½ Σ S_k = 1
+//! ```
+//!
+//! a process with Matérn's covariance (ν = 3/2) of correlation length `ℓ` and standard deviation `w` in the basis of
+//! half waves (Solin and Särkkä 2020), so that a dozen columns for each coordinate are all that is needed. `ℓ` is one
+//! of a few, equally likely beforehand, none shorter than three stops: what is shorter is repeatability.
+//!
+//! | who | what moves | with | basis for each coordinate | lengths | points |
+//! | --- | --- | --- | --- | --- | --- |
+//! | machine | three translations | time, in each occupation of a station | 13 (17) | x | the whole campaign |
+//! | all tripods | three translations each | time, in each occupation | 13 | x | |
+//! | frame of the instrument | three translations, three rotations | time | 17 | | x |
+//! | air | the scale of the lengths | time, in each occupation | 13 | x | |
+//! | station | three translations and the dead path | time in its occupation | 13 | x | |
+//! | station | the dead path | position of the axis that runs | 13 | x | |
+//! | target | three translations | time | 17 | x | x |
+//! | target | three translations | position of the axis that runs | 7 | x | x |
+//! | axis | lost motion | position, by side of approach | 9 | x | x |
+//!
+//! An axis over position is none: the base model's free poses take it. Without targets on the bed the machine in time
+//! and all tripods (the frame without its rotations) in time are one thing under two names, and always given as two.
+
+use trueaxis_effects::{Effect, Layer, Scene, Subject, effect};
+use trueaxis_leastsquares::{half_waves, matern_roots};
+
+/// What wanders, and with what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Wanderer {
+    pub(crate) who: Who,
+    pub(crate) with: With,
+}
+
+/// What wanders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Who {
+    Machine,
+    Tripods,
+    /// The frame in which coordinates are measured.
+    Frame,
+    Air,
+    Station(usize),
+    Target(usize),
+    Axis(usize),
+}
+
+/// What it varies with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum With {
+    /// Time in the occupation of a station, each occupation for itself.
+    Occupation,
+    /// Time from the first to the last reading.
+    Campaign,
+    /// Position of the axis that runs, each axis for itself.
+    Position,
+    /// Position of an axis, opposite from the two sides of approach.
+    Sides,
+}
+
+/// A disturbance with its size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Disturbance {
+    pub(crate) wanderer: Wanderer,
+    /// ℓ, as a part of the range of the argument.
+    pub(crate) length: f64,
+    /// w, in the unit of what moves (µm, ppm, arcsec).
+    pub(crate) width: f64,
+}
+
+/// When and where a reading was taken.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Here {
+    pub(crate) station: usize,
+    pub(crate) target: usize,
+    /// The axis that runs.
+    pub(crate) axis: Option<usize>,
+    pub(crate) time_s: f64,
+    /// Progress of time in the occupation, and in the campaign, 0 to 1.
+    pub(crate) occupation: f64,
+    pub(crate) campaign: f64,
+    /// Where the axis is in its range, 0 to 1.
+    pub(crate) travelled: f64,
+}
+
+impl Wanderer {
+    /// Whose it is.
+    pub(crate) fn layer(self) -> Layer {
+        match self.who {
+            Who::Machine | Who::Axis(_) => Layer::Machine,
+            Who::Tripods | Who::Frame | Who::Target(_) => Layer::Setup,
+            Who::Station(_) if self.with == With::Occupation => Layer::Setup,
+            Who::Air | Who::Station(_) => Layer::Instrument,
+        }
+    }
+
+    /// Station, target and axis; none for what concerns all.
+    pub(crate) fn subject(self) -> Subject {
+        match self.who {
+            Who::Machine | Who::Tripods | Who::Frame | Who::Air => Subject::default(),
+            Who::Station(station) => Subject::station(station),
+            Who::Target(target) => Subject::target(target),
+            Who::Axis(axis) => Subject {
+                axis: Some(axis),
+                ..Subject::default()
+            },
+        }
+    }
+
+    /// Number of wanderers of the same kind, which share what is believed beforehand.
+    pub(crate) fn of_kind(self, scene: &Scene) -> usize {
+        match self.who {
+            Who::Machine | Who::Tripods | Who::Frame | Who::Air => 1,
+            Who::Station(_) => scene.stations.len(),
+            Who::Target(_) => scene.targets.len(),
+            Who::Axis(_) => scene.machine.axes().len(),
+        }
+    }
+
+    /// Effects of the catalogue that move it as it moves, with the number of the parameter.
+    pub(crate) fn coordinates(self) -> Vec<(&'static Effect, usize)> {
+        let moved: &[(&str, usize)] = match (self.who, self.with) {
+            (Who::Machine, _) => &[("machine_shift", 3)],
+            (Who::Tripods, _) => &[("station_jump", 3)],
+            // Without a station it has rotations, too.
+            (Who::Frame, _) => &[("station_jump", 6)],
+            (Who::Air, _) => &[("station_scale", 1)],
+            (Who::Station(_), With::Position) => &[("dead_path_jump", 1)],
+            (Who::Station(_), _) => &[("station_jump", 3), ("dead_path_jump", 1)],
+            (Who::Target(_), _) => &[("target_slip", 3)],
+            (Who::Axis(_), _) => &[("backlash", 1)],
+        };
+        let known = moved
+            .iter()
+            .filter_map(|(id, count)| Some((effect(id)?, *count)));
+        known
+            .flat_map(|(effect, count)| (0..count).map(move |k| (effect, k)))
+            .collect()
+    }
+
+    /// Half waves of each coordinate, beside the constant.
+    fn waves(self) -> u32 {
+        match (self.who, self.with) {
+            (Who::Target(_), With::Position) => 6,
+            (_, With::Occupation | With::Position) => 12,
+            (_, With::Campaign) => 16,
+            (_, With::Sides) => 8,
+        }
+    }
+
+    /// Which of several courses a reading belongs to (occupation, axis), and its argument, 0 to 1; none where it is not
+    /// concerned.
+    fn place(self, here: &Here) -> Option<(usize, f64)> {
+        let is_concerned = match self.who {
+            Who::Machine | Who::Tripods | Who::Frame | Who::Air => true,
+            Who::Station(station) => here.station == station,
+            Who::Target(target) => here.target == target,
+            Who::Axis(axis) => here.axis == Some(axis),
+        };
+        let place = match self.with {
+            With::Occupation => (here.station, here.occupation),
+            With::Campaign => (0, here.campaign),
+            With::Position => (here.axis?, here.travelled),
+            With::Sides => (0, here.travelled),
+        };
+        is_concerned.then_some(place)
+    }
+
+    /// The courses that it has: occupations or axes.
+    pub(crate) fn courses(self, all: &[Here]) -> Vec<usize> {
+        let places = all.iter().filter_map(|here| self.place(here));
+        let mut courses: Vec<usize> = places.map(|place| place.0).collect();
+        courses.sort_unstable();
+        courses.dedup();
+        courses
+    }
+
+    /// `S_k^½` for each column.
+    pub(crate) fn roots_of_spectrum(self, all: &[Here], length: f64) -> Vec<f64> {
+        let times = self.courses(all).len() * self.coordinates().len();
+        matern_roots(length, self.waves()).repeat(times)
+    }
+
+    /// `1, cos(πx), ...`.
+    pub(crate) fn basis(self, x: f64) -> impl Iterator<Item = f64> {
+        std::iter::once(1.0).chain(half_waves(x, self.waves()))
+    }
+
+    /// What a unit of each coefficient does, course after course, coordinate after coordinate, in rows of which each reading
+    /// has so many: `unit` is what one of a coordinate (effect, parameter) does to those of a reading.
+    pub(crate) fn columns<const ROWS: usize>(
+        self,
+        all: &[Here],
+        unit: impl Fn(usize, &[(&'static Effect, usize)]) -> Vec<[f64; ROWS]>,
+    ) -> Vec<Vec<f64>> {
+        let courses = self.courses(all);
+        let coordinates = self.coordinates();
+        let width = self.waves() as usize + 1;
+        let count = courses.len() * coordinates.len() * width;
+        let mut columns = vec![vec![0.0; ROWS * all.len()]; count];
+        let mut waves = Vec::with_capacity(width);
+        for (i, here) in all.iter().enumerate() {
+            let Some((course, x)) = self.place(here) else {
+                continue;
+            };
+            let Ok(course) = courses.binary_search(&course) else {
+                continue;
+            };
+            waves.clear();
+            waves.extend(self.basis(x));
+            for (c, moved) in unit(i, &coordinates).into_iter().enumerate() {
+                let first = (course * coordinates.len() + c) * width;
+                for (column, wave) in columns[first..].iter_mut().zip(&waves) {
+                    for (row, along) in moved.into_iter().enumerate() {
+                        column[ROWS * i + row] = wave * along;
+                    }
+                }
+            }
+        }
+        columns
+    }
+}
+
+impl Disturbance {
+    /// Columns of coefficients for a unit of the standard deviation that each has beforehand.
+    pub(crate) fn scaled(&self, all: &[Here], mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        let roots = self.wanderer.roots_of_spectrum(all, self.length);
+        for (column, root) in columns.iter_mut().zip(roots) {
+            column.iter_mut().for_each(|x| *x *= self.width * root);
+        }
+        columns
+    }
+}

@@ -1,0 +1,256 @@
+//! What wanders beside causes.
+//!
+//! A [`Disturbance`] is judged as a cause is, by twice the logarithm of the marginal likelihood ratio ([`Smooth`]), flat
+//! over subjects; its p-value is that of all disturbances together (Bonferroni).
+
+use rayon::prelude::*;
+
+use crate::Error;
+use crate::engine::disturbance::{Disturbance, Here, Wanderer, With};
+use crate::engine::smooth::{SMOOTH_LEVEL, Smooth, beside_one_of, correlation_lengths};
+use crate::engine::{Measured, Suspect};
+use crate::selection::{DECISIVE, Projection, dot};
+
+/// Data beside which something may wander.
+pub(crate) trait Wanders: Measured + Clone + Send {
+    type Noise: Copy + Send + Sync;
+
+    /// Of a reading.
+    const ROWS: usize;
+
+    /// Everything that they may show.
+    fn wanderers(&self) -> Vec<Wanderer>;
+
+    /// The other name of the same columns, if it has one.
+    fn twin(&self, wanderer: Wanderer) -> Option<Wanderer>;
+
+    /// When and where each reading was taken.
+    fn here(&self) -> Vec<Here>;
+
+    /// Stops of a course.
+    fn stops(&self, with: With) -> usize;
+
+    /// Positions of an axis where it has travelled 0 and 1, mm or rad.
+    fn ends(&self, axis: usize) -> [f64; 2];
+
+    /// What a unit of each coefficient does to the rows, mm.
+    fn columns_mm(&self, model: &Self::Model, wanderer: Wanderer) -> Vec<Vec<f64>>;
+
+    /// How far a unit of each coordinate moves things, µm.
+    fn units_um(&self, model: &Self::Model, wanderer: Wanderer) -> Vec<f64>;
+
+    fn whiten(&self, model: &Self::Model, column: &mut Vec<f64>);
+
+    /// The same with what wanders in their covariance.
+    fn beside(&self, disturbances: Vec<Disturbance>) -> Self;
+
+    fn disturbances(&self) -> &[Disturbance];
+
+    /// Adjusts everything with causes, in this noise or in that which is left.
+    fn adjust(
+        &self,
+        suspects: Vec<Suspect>,
+        noise: Option<Self::Noise>,
+    ) -> Result<Self::Model, Error>;
+
+    fn noise(model: &Self::Model) -> Self::Noise;
+
+    fn variance(noise: &Self::Noise) -> f64;
+
+    /// A model with another projection and no causes.
+    fn with(model: &Self::Model, projection: Projection) -> Self::Model;
+}
+
+/// Whitened columns of a disturbance, with coefficients of unit variance.
+pub(crate) fn whitened_columns<D: Wanders>(
+    data: &D,
+    model: &D::Model,
+    own: &Disturbance,
+) -> Vec<Vec<f64>> {
+    let mut columns = own.scaled(&data.here(), data.columns_mm(model, own.wanderer));
+    columns
+        .iter_mut()
+        .for_each(|column| data.whiten(model, column));
+    columns
+}
+
+/// What wanders does to each row of `at`, as far as the data show it (posterior mean), mm.
+pub(crate) fn wandered_mm<D: Wanders>(data: &D, model: &D::Model, at: &D) -> Vec<f64> {
+    let all = at.here();
+    let mut sum_mm = vec![0.0; D::ROWS * all.len()];
+    for own in data.disturbances() {
+        let there = own.scaled(&all, at.columns_mm(model, own.wanderer));
+        for (own, there) in whitened_columns(data, model, own).iter().zip(&there) {
+            let coefficient = dot(own, &D::projection(model).residuals);
+            for (sum, x) in sum_mm.iter_mut().zip(there) {
+                *sum += coefficient * x;
+            }
+        }
+    }
+    sum_mm
+}
+
+/// More that wander at once are not told apart.
+const MOST: usize = 3;
+
+/// A disturbance with its judgement beside the others.
+#[derive(Debug, Clone)]
+pub(crate) struct JudgedDisturbance {
+    pub(crate) disturbance: Disturbance,
+    pub(crate) evidence: f64,
+    pub(crate) p_value: f64,
+    /// What explains as much.
+    pub(crate) rivals: Vec<Wanderer>,
+}
+
+/// What wanders beside causes. Where it would be several single things, it may be one that they have in common: then
+/// that is tried first, too, and the better explanation taken.
+pub(crate) fn wandering<D: Wanders>(
+    base: &D,
+    suspects: &[Suspect],
+) -> Result<Vec<JudgedDisturbance>, Error> {
+    let (first, noise) = one_after_the_other(base, suspects, None)?;
+    let is_common = |wanderer: &Wanderer| wanderer.of_kind(base.scene()) == 1;
+    if first.len() < 2 || first.iter().any(|j| is_common(&j.disturbance.wanderer)) {
+        return Ok(first);
+    }
+    let mut all = vec![(first, noise)];
+    for common in base.wanderers().into_iter().filter(is_common) {
+        all.push(one_after_the_other(base, suspects, Some(common))?);
+    }
+    let noises = all.iter().map(|(_, noise)| *noise);
+    let plain = base.adjust(suspects.to_vec(), least::<D>(noises))?;
+    let scored = all.into_iter().map(|(judged, _)| {
+        let price = 2.0 * DECISIVE * judged.len() as f64;
+        (of_wandering(base, &plain, &judged).0 - price, judged)
+    });
+    let best = scored.max_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(best.map(|best| best.1).unwrap_or_default())
+}
+
+/// What wanders beside causes, one after the other from `first`, each with the size that it has beside the others, and
+/// the noise beside all.
+fn one_after_the_other<D: Wanders>(
+    base: &D,
+    suspects: &[Suspect],
+    first: Option<Wanderer>,
+) -> Result<(Vec<JudgedDisturbance>, D::Noise), Error> {
+    let all = base.wanderers();
+    let mut own: Vec<JudgedDisturbance> = Vec::new();
+    loop {
+        let here = base.beside(disturbances(&own));
+        let adjusted = here.adjust(suspects.to_vec(), None)?;
+        for k in 0..own.len() {
+            let mut others = disturbances(&own);
+            let wanderer = others.remove(k).wanderer;
+            let without = base
+                .beside(others)
+                .adjust(suspects.to_vec(), Some(D::noise(&adjusted)))?;
+            if let Some(again) = judge(base, &without, wanderer, all.len()) {
+                let rivals = std::mem::take(&mut own[k].rivals);
+                own[k] = JudgedDisturbance { rivals, ..again };
+            }
+        }
+        own.retain(|judged| judged.p_value < SMOOTH_LEVEL);
+        if own.len() == MOST {
+            return Ok((own, D::noise(&adjusted)));
+        }
+        let is_next = |w: &Wanderer| match (first, own.is_empty()) {
+            (Some(first), true) => *w == first,
+            _ => own.iter().all(|o| o.disturbance.wanderer != *w),
+        };
+        let others: Vec<Wanderer> = all.iter().copied().filter(is_next).collect();
+        let here = base.beside(disturbances(&own));
+        let adjusted = match own.is_empty() {
+            true => adjusted,
+            false => here.adjust(suspects.to_vec(), None)?,
+        };
+        let judged = judge_all(base, &adjusted, &others, all.len());
+        let Some(next) = judged.first().filter(|next| next.p_value < SMOOTH_LEVEL) else {
+            return Ok((own, D::noise(&adjusted)));
+        };
+        let is_rival = |other: &&JudgedDisturbance| next.evidence - other.evidence < DECISIVE;
+        let rivals = judged.iter().skip(1).filter(is_rival);
+        let rivals: Vec<Wanderer> = rivals.map(|j| j.disturbance.wanderer).collect();
+        let twin = base.twin(next.disturbance.wanderer);
+        own.push(JudgedDisturbance {
+            rivals: twin.into_iter().chain(rivals).collect(),
+            ..next.clone()
+        });
+    }
+}
+
+/// Disturbances of what an adjusted model leaves, the one with the most evidence first.
+fn judge_all<D: Wanders>(
+    base: &D,
+    adjusted: &D::Model,
+    wanderers: &[Wanderer],
+    family: usize,
+) -> Vec<JudgedDisturbance> {
+    let judged = wanderers.par_iter();
+    let mut judged: Vec<JudgedDisturbance> = judged
+        .filter_map(|&wanderer| judge(base, adjusted, wanderer, family))
+        .collect();
+    judged.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    judged
+}
+
+/// A disturbance of what an adjusted model leaves; none if the data do not show it.
+fn judge<D: Wanders>(
+    base: &D,
+    adjusted: &D::Model,
+    wanderer: Wanderer,
+    family: usize,
+) -> Option<JudgedDisturbance> {
+    let mut columns = base.columns_mm(adjusted, wanderer);
+    columns
+        .iter_mut()
+        .for_each(|column| base.whiten(adjusted, column));
+    let lengths = correlation_lengths(base.stops(wanderer.with));
+    let all = base.here();
+    let spectra = lengths
+        .iter()
+        .map(|length| wanderer.roots_of_spectrum(&all, *length));
+    let spectra: Vec<Vec<f64>> = spectra.collect();
+    let smooth = Smooth::new(D::projection(adjusted), &columns, &spectra)?;
+    Some(JudgedDisturbance {
+        disturbance: Disturbance {
+            wanderer,
+            length: lengths[smooth.spectrum],
+            width: smooth.width,
+        },
+        evidence: smooth.evidence - 2.0 * (wanderer.of_kind(base.scene()) as f64).ln(),
+        p_value: (family as f64 * smooth.p_value).min(1.0),
+        rivals: Vec::new(),
+    })
+}
+
+/// Twice the logarithm of the marginal likelihood ratio of what wanders against a model without it, and the
+/// projection with it.
+pub(crate) fn of_wandering<D: Wanders>(
+    base: &D,
+    plain: &D::Model,
+    wandering: &[JudgedDisturbance],
+) -> (f64, Projection) {
+    let mut projection = D::projection(plain).clone();
+    let mut sum = 0.0;
+    for judged in wandering {
+        let own = &judged.disturbance;
+        let columns = whitened_columns(base, plain, own);
+        let lengths = correlation_lengths(base.stops(own.wanderer.with)).len();
+        let tried = lengths * own.wanderer.of_kind(base.scene());
+        let (evidence, next) = beside_one_of(&projection, &columns, tried);
+        sum += evidence;
+        projection = next;
+    }
+    (sum, projection)
+}
+
+/// The noise with the least variance.
+pub(crate) fn least<D: Wanders>(noises: impl Iterator<Item = D::Noise>) -> Option<D::Noise> {
+    noises.min_by(|a, b| D::variance(a).total_cmp(&D::variance(b)))
+}
+
+pub(crate) fn disturbances(wandering: &[JudgedDisturbance]) -> Vec<Disturbance> {
+    wandering.iter().map(|judged| judged.disturbance).collect()
+}

@@ -1,0 +1,144 @@
+//! The points with what wanders in their covariance.
+
+use trueaxis_effects::Effect;
+
+use crate::Error;
+use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With};
+use crate::engine::{Measured, Suspect, Wanders};
+use crate::points::base::Base;
+use crate::points::model::Model;
+use crate::points::noise::Noise;
+use crate::points::omnibus::{range, travelled};
+use crate::points::readings::Reading;
+use crate::selection::Projection;
+
+impl Wanders for Base<'_> {
+    type Noise = Noise;
+
+    const ROWS: usize = 3;
+
+    fn wanderers(&self) -> Vec<Wanderer> {
+        let mut all = vec![(Who::Machine, With::Campaign), (Who::Frame, With::Campaign)];
+        for target in 0..self.scene.targets.len() {
+            all.push((Who::Target(target), With::Campaign));
+            all.push((Who::Target(target), With::Position));
+        }
+        let come_from = |axis: usize, side: f64| {
+            let mut readings = self.readings.all.iter();
+            readings.any(|r| r.axis == Some(axis) && r.side * side > 0.0)
+        };
+        let axes = 0..self.scene.machine.axes().len();
+        let both = axes.filter(|&axis| come_from(axis, 1.0) && come_from(axis, -1.0));
+        all.extend(both.map(|axis| (Who::Axis(axis), With::Sides)));
+        let wanderer = |(who, with)| Wanderer { who, with };
+        all.into_iter().map(wanderer).collect()
+    }
+
+    /// A frame that is only displaced is a machine displaced the other way.
+    fn twin(&self, wanderer: Wanderer) -> Option<Wanderer> {
+        let has_bed = self.readings.all.iter().any(|r| r.pose.is_none());
+        (wanderer.who == Who::Machine && !has_bed).then_some(Wanderer {
+            who: Who::Frame,
+            ..wanderer
+        })
+    }
+
+    fn here(&self) -> Vec<Here> {
+        let travelled = travelled(self);
+        let here = |(reading, travelled): (&Reading, f64)| Here {
+            station: 0,
+            target: reading.target,
+            axis: reading.axis,
+            time_s: reading.time_s,
+            occupation: reading.progress,
+            campaign: reading.progress,
+            travelled,
+        };
+        self.readings.all.iter().zip(travelled).map(here).collect()
+    }
+
+    fn stops(&self, _: With) -> usize {
+        self.readings.stops.len()
+    }
+
+    fn ends(&self, axis: usize) -> [f64; 2] {
+        range(self, axis)
+    }
+
+    fn columns_mm(&self, _: &Model, wanderer: Wanderer) -> Vec<Vec<f64>> {
+        self.columns_of_unit_mm(&self.here(), wanderer)
+    }
+
+    /// Rms over the points that it concerns. Lost motion is twice what it moves.
+    fn units_um(&self, _: &Model, wanderer: Wanderer) -> Vec<f64> {
+        let subject = wanderer.subject();
+        let unit_um = |coordinate: (&'static Effect, usize)| {
+            let squares = (0..self.readings.all.len()).map(|i| {
+                let moved = self.moved_mm(i, coordinate, &subject);
+                moved.iter().map(|x| x * x).sum::<f64>()
+            });
+            let (count, sum) = squares
+                .filter(|square| *square > 0.0)
+                .fold((0, 0.0), |(count, sum), square| (count + 1, sum + square));
+            let times = match wanderer.with {
+                With::Sides => 2.0,
+                _ => 1.0,
+            };
+            times * 1e3 * (sum / f64::from(count.max(1))).sqrt()
+        };
+        wanderer.coordinates().into_iter().map(unit_um).collect()
+    }
+
+    fn whiten(&self, model: &Model, column: &mut Vec<f64>) {
+        model.whiten(self, column);
+    }
+
+    fn beside(&self, disturbances: Vec<Disturbance>) -> Self {
+        let mut beside = self.clone();
+        beside.disturbances = disturbances;
+        beside
+    }
+
+    fn disturbances(&self) -> &[Disturbance] {
+        &self.disturbances
+    }
+
+    fn adjust(&self, suspects: Vec<Suspect>, noise: Option<Noise>) -> Result<Model, Error> {
+        match noise {
+            None => self.refit(suspects),
+            Some(noise) => {
+                let model = Model::with(self, &self.columns_of(&suspects), noise, None);
+                Ok(model.fitted(self, suspects))
+            }
+        }
+    }
+
+    fn noise(model: &Model) -> Noise {
+        model.noise
+    }
+
+    fn variance(noise: &Noise) -> f64 {
+        let parts = noise.own_mm.iter().chain(&noise.return_mm);
+        parts.map(|sigma| sigma * sigma).sum()
+    }
+
+    fn with(model: &Model, projection: Projection) -> Model {
+        model.with_projection(projection)
+    }
+}
+
+impl Base<'_> {
+    fn columns_of_unit_mm(&self, all: &[Here], wanderer: Wanderer) -> Vec<Vec<f64>> {
+        let subject = wanderer.subject();
+        wanderer.columns(all, |i, coordinates: &[(&'static Effect, usize)]| {
+            let moved = coordinates.iter().map(|&c| self.moved_mm(i, c, &subject));
+            moved.collect()
+        })
+    }
+
+    /// What a disturbance does to the coordinates, with coefficients of unit variance, mm.
+    pub(crate) fn wandered_columns_mm(&self, own: &Disturbance) -> Vec<Vec<f64>> {
+        let all = self.here();
+        own.scaled(&all, self.columns_of_unit_mm(&all, own.wanderer))
+    }
+}
