@@ -67,18 +67,18 @@ pub(crate) fn compete<D: Wanders>(
     if alone.is_empty() && beside.is_empty() {
         return Ok(of_causes(search));
     }
-    let wandering_first = || alternated(base, alone.clone(), candidates);
+    let alternated = |first| described(base, alternated(base, first, candidates)?, candidates);
+    let wandering_first = || alternated(alone.clone());
     if suspects.is_empty() {
         let only = without_causes(base, alone.clone())?;
-        let model = better(base, wandering_first()?, only)?;
-        return described(base, model, candidates);
+        return better(base, wandering_first()?, only);
     }
     // Where causes explain all, what wanders must do it alone to be better.
     let is_complete = beside.is_empty() && search.left <= 0.0;
     let (causes_first, ahead) = rayon::join(
         || match beside.is_empty() {
             true => Ok(of_causes(search)),
-            false => alternated(base, beside, candidates),
+            false => alternated(beside),
         },
         || (!is_complete && !alone.is_empty()).then(wandering_first),
     );
@@ -93,7 +93,7 @@ pub(crate) fn compete<D: Wanders>(
         let wandering_first = ahead.unwrap_or_else(wandering_first)?;
         model = better(base, model, wandering_first)?;
     }
-    described(base, model, candidates)
+    Ok(model)
 }
 
 /// A cause is no more than a part of what wanders if this part of what it explains is left to a disturbance of the

@@ -21,7 +21,7 @@
 //! | station | the dead path | position of the axis that runs | 13 | x | |
 //! | target | three translations | time | 17 | x | x |
 //! | target | three translations | position of the axis that runs | 7 | x | x |
-//! | axis | lost motion | position, by side of approach | 9 | x | x |
+//! | axis | lost motion, without its mean | position, by side of approach | 8 | x | x |
 //!
 //! An axis over position is none: the base model's free poses take it. Without targets on the bed the machine in time
 //! and all tripods (the frame without its rotations) in time are one thing under two names, and always given as two.
@@ -182,12 +182,19 @@ impl Wanderer {
     /// `S_k^½` for each column.
     pub(crate) fn roots_of_spectrum(self, all: &[Here], length: f64) -> Vec<f64> {
         let times = self.courses(all).len() * self.coordinates().len();
-        matern_roots(length, self.waves()).repeat(times)
+        let roots = matern_roots(length, self.waves());
+        roots[usize::from(!self.has_mean())..].repeat(times)
     }
 
-    /// `1, cos(πx), ...`.
+    /// The mean of lost motion is lost motion: an effect of the catalogue.
+    pub(crate) fn has_mean(self) -> bool {
+        self.with != With::Sides
+    }
+
+    /// `1` where it has a mean, `cos(πx), ...`.
     pub(crate) fn basis(self, x: f64) -> impl Iterator<Item = f64> {
-        std::iter::once(1.0).chain(half_waves(x, self.waves()))
+        let mean = self.has_mean().then_some(1.0);
+        mean.into_iter().chain(half_waves(x, self.waves()))
     }
 
     /// What a unit of each coefficient does, course after course, coordinate after coordinate, in rows of which each reading
@@ -199,7 +206,7 @@ impl Wanderer {
     ) -> Vec<Vec<f64>> {
         let courses = self.courses(all);
         let coordinates = self.coordinates();
-        let width = self.waves() as usize + 1;
+        let width = self.basis(0.0).count();
         let count = courses.len() * coordinates.len() * width;
         let mut columns = vec![vec![0.0; ROWS * all.len()]; count];
         let mut waves = Vec::with_capacity(width);

@@ -203,10 +203,10 @@ impl<'h> Coefficients<'h> {
     }
 
     /// All coordinates at a place of a course, 0 to 1, and their standard uncertainties, µm: from their mean over the
-    /// course, since the base model takes that for the place of a station or a target. Lost motion has a mean.
+    /// course, since the base model takes that for the place of a station or a target.
     fn at(&self, course: usize, x: f64) -> (Vec<f64>, Vec<f64>) {
         let mut basis: Vec<f64> = self.wanderer.basis(x).collect();
-        if self.wanderer.with != With::Sides {
+        if self.wanderer.has_mean() {
             basis[0] = 0.0;
         }
         let width = basis.len();
