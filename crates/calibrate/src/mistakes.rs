@@ -92,9 +92,14 @@ impl<'a> Mistakes<'a> {
         (!words.is_empty()).then(|| words.join("; or "))
     }
 
-    /// The mistakes after which the campaign fits, the best first: of those made in the largest part.
+    /// The mistakes after which the campaign fits, the best first: of those made in the largest part. None if the
+    /// campaign fits already with fewer steps: then only lengths at the others are wrong, and no part as a whole.
     fn explanations(&self, within: &Scope) -> Vec<Mistake> {
         let small = thinned(self.campaign);
+        let as_it_is = || (self.calibrate)(&small, &self.as_it_is());
+        if *within == Scope::default() && as_it_is().is_ok_and(|found| Self::fits(&found)) {
+            return Vec::new();
+        }
         let residuals_without = |mistake: Mistake| {
             let calibration = self.good(&mistake.undone(&small))?;
             Some((calibration.adjustment.rms_residual_mm, mistake))

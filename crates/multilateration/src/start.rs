@@ -346,26 +346,18 @@ fn surrounding(cloud: &Cloud) -> Vec<Point3<f64>> {
 fn refine(sightings: &[Sighting], start: Point3<f64>) -> Option<StationFit> {
     let mut position = start;
     let mut dead_path = mean_dead_path(sightings, position);
-    let mut squares = squares_of(sightings, position, dead_path);
+    let mut here = Equations::new(sightings, position, dead_path);
     let mut damping = 1e-3;
     for _ in 0..MAX_ITERATIONS {
-        let mut normal = Matrix4::zeros();
-        let mut right = Vector4::zeros();
-        for s in sightings {
-            let beam = s.point - position;
-            let distance = beam.norm();
-            let u = beam / distance;
-            let row = Vector4::new(-u.x, -u.y, -u.z, -1.0);
-            normal += row * row.transpose();
-            right += row * (s.length_mm - (distance - dead_path));
-        }
-        let damped = normal + Matrix4::from_diagonal(&(normal.diagonal() * damping));
-        let step = damped.cholesky()?.solve(&right);
+        let damping_matrix = Matrix4::from_diagonal(&(here.normal.diagonal() * damping));
+        let step = (here.normal + damping_matrix)
+            .cholesky()?
+            .solve(&here.right);
         let (next, next_dead_path) = (position + step.xyz(), dead_path + step.w);
-        let next_squares = squares_of(sightings, next, next_dead_path);
-        if next_squares < squares {
-            let gain = 1.0 - next_squares / squares;
-            (position, dead_path, squares) = (next, next_dead_path, next_squares);
+        let there = Equations::new(sightings, next, next_dead_path);
+        if there.squares < here.squares {
+            let gain = 1.0 - there.squares / here.squares;
+            (position, dead_path, here) = (next, next_dead_path, there);
             damping *= 0.1;
             if gain < 1e-6 {
                 break;
@@ -376,12 +368,49 @@ fn refine(sightings: &[Sighting], start: Point3<f64>) -> Option<StationFit> {
             damping *= 10.0;
         }
     }
-    let rms_mm = (squares / sightings.len().max(1) as f64).sqrt();
+    let rms_mm = (here.squares / sightings.len().max(1) as f64).sqrt();
     rms_mm.is_finite().then_some(StationFit {
         position,
         dead_path_mm: dead_path,
         rms_mm,
     })
+}
+
+/// `Σ r²`, `JᵀJ` and `Jᵀr` of the lengths to one station, whose rows of `J` are `-(u, 1)` with the unit vectors `u` to the points.
+struct Equations {
+    squares: f64,
+    normal: Matrix4<f64>,
+    right: Vector4<f64>,
+}
+
+impl Equations {
+    fn new(sightings: &[Sighting], position: Point3<f64>, dead_path: f64) -> Self {
+        let mut squares = 0.0;
+        let (mut products, mut sum) = (Matrix3::zeros(), Vector3::zeros());
+        let (mut right, mut residuals) = (Vector3::zeros(), 0.0);
+        for s in sightings {
+            let beam = s.point - position;
+            let distance = beam.norm();
+            let u = beam / distance;
+            let residual = s.length_mm - (distance - dead_path);
+            squares += residual * residual;
+            products += u * u.transpose();
+            sum += u;
+            right += u * residual;
+            residuals += residual;
+        }
+        let mut normal = products.to_homogeneous();
+        normal.fixed_view_mut::<3, 1>(0, 3).copy_from(&sum);
+        normal
+            .fixed_view_mut::<1, 3>(3, 0)
+            .copy_from(&sum.transpose());
+        normal[(3, 3)] = sightings.len() as f64;
+        Self {
+            squares,
+            normal,
+            right: -right.push(residuals),
+        }
+    }
 }
 
 fn mean_dead_path(sightings: &[Sighting], position: Point3<f64>) -> f64 {
@@ -390,13 +419,6 @@ fn mean_dead_path(sightings: &[Sighting], position: Point3<f64>) -> f64 {
         .map(|s| (s.point - position).norm() - s.length_mm)
         .sum();
     sum / sightings.len().max(1) as f64
-}
-
-fn squares_of(sightings: &[Sighting], position: Point3<f64>, dead_path: f64) -> f64 {
-    let squares = sightings
-        .iter()
-        .map(|s| residual_mm(s, position, dead_path).powi(2));
-    squares.sum()
 }
 
 fn residual_mm(s: &Sighting, position: Point3<f64>, dead_path: f64) -> f64 {

@@ -172,9 +172,10 @@ impl CalibratedMachine {
             }
         }
         let mut covariance = &shared * &self.factors.shared * shared.transpose();
+        let steps: Vec<Vec<_>> = rows.iter().map(|row| row.steps().collect()).collect();
         for i in 0..rows.len() {
             for j in 0..=i {
-                let own = self.own(&rows[i], &rows[j]) + between_steps(&rows[i], &rows[j]);
+                let own = self.own(&steps[i], &steps[j]) + between_steps(&rows[i], &rows[j]);
                 covariance[(i, j)] += own;
                 if i != j {
                     covariance[(j, i)] += own;
@@ -226,28 +227,47 @@ impl CalibratedMachine {
     }
 
     /// What two readings have in common of the steps' own errors.
-    fn own(&self, a: &Row, b: &Row) -> f64 {
+    fn own(&self, a: &[&[Influence]], b: &[&[Influence]]) -> f64 {
         let mut sum = 0.0;
-        for &(i, of_a) in &a.results {
-            let Some(own) = self.factors.own.get(i / 6) else {
+        for of_a in a {
+            let step = step_of(&of_a[0]);
+            let Some(own) = self.factors.own.get(step) else {
                 continue;
             };
-            let same_step = b.results.iter().filter(|(j, _)| j / 6 == i / 6);
-            sum += same_step
-                .map(|&(j, of_b)| of_a * of_b * own[(i % 6, j % 6)])
-                .sum::<f64>();
+            for of_b in b.iter().filter(|of_b| step_of(&of_b[0]) == step) {
+                for (i, by_a) in *of_a {
+                    let all = of_b.iter();
+                    sum += all
+                        .map(|(j, by_b)| by_a * by_b * own[(i % 6, j % 6)])
+                        .sum::<f64>();
+                }
+            }
         }
         sum
     }
 }
 
+/// The place of a result and its coefficient, mm per mm or rad.
+type Influence = (usize, f64);
+
+/// The six components of a step come one after the other.
+fn step_of((place, _): &Influence) -> usize {
+    place / 6
+}
+
 /// A reading as a function of the results.
 #[derive(Default)]
 struct Row {
-    /// Places of results and coefficients, mm per mm or rad.
-    results: Vec<(usize, f64)>,
+    results: Vec<Influence>,
     /// For each axis its position and what the interpolation of its six components may be off by, mm.
     interpolated: Vec<(usize, f64, Vector6<f64>)>,
+}
+
+impl Row {
+    /// The results of each step.
+    fn steps(&self) -> impl Iterator<Item = &[Influence]> {
+        self.results.chunk_by(|a, b| step_of(a) == step_of(b))
+    }
 }
 
 /// Where an axis stands at the same place, the interpolation is off by the same.

@@ -90,7 +90,13 @@ fn names_the_cause_replays_it_and_takes_it_out() {
         "5",
     ];
     run(folder, &replay).assert_good();
-    diagnose(folder, "again/campaign.json", &["--out", "second"]).assert_good();
+    // And with the misfit as a failure, if that is asked for.
+    let options = ["--out", "second", "--fail-on-misfit"];
+    diagnose(folder, "again/campaign.json", &options).assert_failed(
+        "a jump",
+        MISFIT,
+        &["reject the model"],
+    );
     let second = json_of(&folder.join("second/diagnosis.json"));
     assert_eq!(second["causes"][0]["effect"], "dead_path_jump");
     assert_eq!(second["causes"][0]["subject"]["station"], "S2");
@@ -147,16 +153,6 @@ fn clean_data_give_two_lines() {
     let file = "rotary-stage/diagnosis.json";
     let args = ["calibrate", &campaign, "--with-effects", file];
     run(folder.path(), &args).assert_failed("no causes", INPUT, &[file, "no effects"]);
-}
-
-#[test]
-fn misfit_fails_on_request() {
-    let folder = tempfile::tempdir().unwrap();
-    let campaign = interrupted(folder.path());
-    let options = ["--out", "out", "--fail-on-misfit"];
-    let outcome = diagnose(folder.path(), &campaign, &options);
-    outcome.assert_failed("a jump", MISFIT, &["reject the model"]);
-    assert!(folder.path().join("out/diagnosis.json").exists());
 }
 
 #[test]
