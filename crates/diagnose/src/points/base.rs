@@ -151,8 +151,8 @@ impl<'a> Base<'a> {
         self.rows_from_instrument * v
     }
 
-    /// Rows of a point in the instrument's frame.
-    pub(crate) fn from_rows(&self, row: &[f64]) -> Vector3<f64> {
+    /// The rows of a point as a vector in the instrument's frame.
+    pub(crate) fn of_rows(&self, row: &[f64]) -> Vector3<f64> {
         self.rows_from_instrument.transpose() * Vector3::from_column_slice(row)
     }
 

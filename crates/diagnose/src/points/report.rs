@@ -345,7 +345,7 @@ fn corrected(
 ) -> Campaign {
     let mut moved_mm = vec![Vector3::zeros(); points.readings.len()];
     for (i, reading) in base.readings.all.iter().enumerate() {
-        let wandered_mm = base.from_rows(&wandered_mm[3 * i..3 * i + 3]);
+        let wandered_mm = base.of_rows(&wandered_mm[3 * i..3 * i + 3]);
         moved_mm[reading.number] = base.effect_mm(i, effects) + wandered_mm;
     }
     let is_kept = |number: &usize| gross.iter().all(|g| g.number != *number);
