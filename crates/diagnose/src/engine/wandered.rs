@@ -179,7 +179,7 @@ impl<'h> Coefficients<'h> {
                 .collect(),
             None => (0..courses.len()).collect(),
         };
-        let points = POINTS.div_ceil(shown.len().max(1));
+        let points = POINTS.div_ceil(shown.len().max(1)).max(2);
         let mut curve = Vec::new();
         for course in shown {
             let ends = match self.wanderer.with {

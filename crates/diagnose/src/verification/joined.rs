@@ -11,19 +11,17 @@ use crate::verification::series::Series;
 use crate::verification::together::Shared;
 use crate::{Cause, Fitted};
 
-/// With the size that all series have in common, its variance multiplied by `scatter`; what each shows of it is to be
+/// With the size that all series have in common, from observations of this variance; what each shows of it is to be
 /// filled in ([`join`]).
 pub(crate) fn joint_cause(
     listed: &Listed,
     scene: &Scene,
     causes: &[Chosen],
     k: usize,
-    scatter: f64,
+    variance: f64,
 ) -> Option<Cause> {
     let judged = listed.judge(causes, k)?;
     let candidate = &listed.candidates[causes[k].candidate];
-    let after = listed.with(causes);
-    let variance = scatter * after.squares() / after.degrees_of_freedom.max(1.0);
     let fit = Fit::new(
         &listed.with(&without(causes, k)),
         &listed.columns(&causes[k..=k]),

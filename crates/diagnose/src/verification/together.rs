@@ -35,7 +35,7 @@ pub(crate) struct Shared {
 /// Probability of sizes that scatter as much, above which it is chance.
 const BY_CHANCE: f64 = 0.01;
 
-/// Part of what a common size explains that sizes of their own may explain beyond it: they scatter by a tenth.
+/// Part of what a common size explains that sizes of their own may explain beyond it: they scatter by a tenth about their mean.
 const ONE_SIZE: f64 = 0.01;
 
 /// Gives each series the causes that it has in the light of all, and says which of them are common to several.
@@ -153,8 +153,8 @@ fn other_forms(listed: &Listed, cause: &Chosen) -> Vec<Hypothesis> {
     forms.map(|candidate| candidate.hypothesis).collect()
 }
 
-/// By what the variance of the common size is to be multiplied, since the sizes of the series scatter by more than their
-/// uncertainties (squared ratio of R. T. Birge, 1932); none if they are different sizes.
+/// The variance of the observations that the uncertainty of the common size follows from: what is left, or where the sizes of
+/// the series scatter by more than that, what this scatter is (R. T. Birge, 1932); none if they are different sizes.
 fn scatter(stack: &Stack<'_>, causes: &[Chosen], k: usize) -> Option<f64> {
     let others = stack.listed.with(&without(causes, k));
     let common = others.extended(&stack.listed.columns(&causes[k..=k]));
@@ -168,11 +168,11 @@ fn scatter(stack: &Stack<'_>, causes: &[Chosen], k: usize) -> Option<f64> {
     )]
     let rank = more.max(0.0) as usize;
     if f_test(drop, common.squares(), rank, common.degrees_of_freedom) > BY_CHANCE {
-        return Some(1.0);
+        return Some(common.squares() / common.degrees_of_freedom.max(1.0));
     }
     let is_one = drop < ONE_SIZE * (others.squares() - common.squares());
     let variance = apart.squares() / apart.degrees_of_freedom.max(1.0);
-    is_one.then(|| (drop / more / variance).max(1.0))
+    is_one.then(|| (drop / more).max(variance))
 }
 
 /// Whether a cause gains on readings of all series that were not used, with a probability of nine in ten, and imitates in
