@@ -223,7 +223,7 @@ pub(crate) struct VerifyArgs {
     pub(crate) fail_on_misfit: bool,
 }
 
-/// The formats by their names, with what they are.
+/// The signs by their names, with what they mean.
 fn sign_parser() -> impl TypedValueParser<Value = TableSign> {
     let named = |sign: TableSign| PossibleValue::new(sign.name()).help(sign.description());
     PossibleValuesParser::new(TableSign::ALL.map(named)).try_map(|name| {
@@ -233,6 +233,7 @@ fn sign_parser() -> impl TypedValueParser<Value = TableSign> {
     })
 }
 
+/// The formats by their names, with what they are.
 fn format_parser() -> impl TypedValueParser<Value = Format> {
     let named = |format: Format| PossibleValue::new(format.name()).help(format.description());
     let named = PossibleValuesParser::new(Format::ALL.map(named));

@@ -360,10 +360,7 @@ impl Cause {
 
     /// Whether it is the same effect on the same subject in the same data.
     pub(crate) fn is(&self, other: &Self) -> bool {
-        let (own, others) = (&self.effect, &other.effect);
-        own.effect.id == others.effect.id
-            && own.subject == others.subject
-            && (self.level, &self.data) == (other.level, &other.data)
+        self.effect.is(&other.effect) && (self.level, &self.data) == (other.level, &other.data)
     }
 
     /// Its layer.

@@ -19,6 +19,11 @@ pub struct ResolvedEffect {
 }
 
 impl ResolvedEffect {
+    /// Whether it is the same effect on the same subject, whatever the values.
+    pub fn is(&self, other: &Self) -> bool {
+        self.effect.id == other.effect.id && self.subject == other.subject
+    }
+
     /// What it does to a reading.
     pub fn displaced(&self, at: &Circumstances<'_>) -> Displaced {
         self.effect

@@ -5,7 +5,7 @@ use trueaxis_kinematics::AxisKind;
 
 use crate::engine::Posterior;
 use crate::engine::disturbance::{Here, Wanderer, With};
-use crate::engine::wandering::{JudgedDisturbance, Wanders, whitened_columns};
+use crate::engine::wandering::{JudgedDisturbance, Wanders, units_um, whitened_columns};
 use crate::selection::{combined, dot};
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Wandering};
 
@@ -136,7 +136,7 @@ impl<'h> Coefficients<'h> {
         let posterior = Posterior::new(D::projection(adjusted), &columns);
         let rows = in_mm.first().map_or(0, Vec::len);
         let sums_mm = combined(rows, &in_mm, &posterior.mean);
-        let units_um = base.units_um(adjusted, own.wanderer);
+        let units_um = units_um(base, adjusted, own.wanderer);
         let width = own.wanderer.basis(0.0).count();
         let roots = own.wanderer.roots_of_spectrum(all, own.length);
         let roots_um = roots.iter().enumerate().map(|(k, root)| {

@@ -4,6 +4,7 @@
 //! over subjects; its p-value is that of all disturbances together (Bonferroni).
 
 use rayon::prelude::*;
+use trueaxis_effects::{Effect, Subject};
 
 use crate::Error;
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, With};
@@ -36,8 +37,13 @@ pub(crate) trait Wanders: Measured + Clone + Send {
     /// What a unit of each coefficient does to the rows, mm.
     fn columns_mm(&self, model: &Self::Model, wanderer: Wanderer) -> Vec<Vec<f64>>;
 
-    /// How far a unit of each coordinate moves things, µm.
-    fn units_um(&self, model: &Self::Model, wanderer: Wanderer) -> Vec<f64>;
+    /// The squares of what a unit of a coordinate moves at each reading, mm².
+    fn moved_squares(
+        &self,
+        model: &Self::Model,
+        coordinate: (&'static Effect, usize),
+        subject: &Subject,
+    ) -> Vec<f64>;
 
     fn whiten(&self, model: &Self::Model, column: &mut Vec<f64>);
 
@@ -61,17 +67,38 @@ pub(crate) trait Wanders: Measured + Clone + Send {
     fn with(model: &Self::Model, projection: Projection) -> Self::Model;
 }
 
+/// How far a unit of each coordinate moves things, rms over the readings that it concerns, µm. Lost motion is twice what it
+/// moves.
+pub(crate) fn units_um<D: Wanders>(data: &D, model: &D::Model, wanderer: Wanderer) -> Vec<f64> {
+    let subject = wanderer.subject();
+    let times = match wanderer.with {
+        With::Sides => 2.0,
+        _ => 1.0,
+    };
+    let unit_um = |coordinate| {
+        let mut squares = data.moved_squares(model, coordinate, &subject);
+        squares.retain(|square| *square > 0.0);
+        times * 1e3 * (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+    };
+    wanderer.coordinates().into_iter().map(unit_um).collect()
+}
+
+/// Whitens columns over the rows.
+fn whitened<D: Wanders>(data: &D, model: &D::Model, mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    columns
+        .iter_mut()
+        .for_each(|column| data.whiten(model, column));
+    columns
+}
+
 /// Whitened columns of a disturbance, with coefficients of unit variance.
 pub(crate) fn whitened_columns<D: Wanders>(
     data: &D,
     model: &D::Model,
     own: &Disturbance,
 ) -> Vec<Vec<f64>> {
-    let mut columns = own.scaled(&data.here(), data.columns_mm(model, own.wanderer));
-    columns
-        .iter_mut()
-        .for_each(|column| data.whiten(model, column));
-    columns
+    let columns = own.scaled(&data.here(), data.columns_mm(model, own.wanderer));
+    whitened(data, model, columns)
 }
 
 /// What wanders does to each row of `at`, as far as the data show it (posterior mean), mm.
@@ -202,10 +229,7 @@ fn judge<D: Wanders>(
     wanderer: Wanderer,
     family: usize,
 ) -> Option<JudgedDisturbance> {
-    let mut columns = base.columns_mm(adjusted, wanderer);
-    columns
-        .iter_mut()
-        .for_each(|column| base.whiten(adjusted, column));
+    let columns = whitened(base, adjusted, base.columns_mm(adjusted, wanderer));
     let lengths = correlation_lengths(base.stops(wanderer.with));
     let all = base.here();
     let spectra = lengths

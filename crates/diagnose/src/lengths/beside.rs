@@ -1,7 +1,7 @@
 //! The lengths with what wanders in their covariance.
 
 use trueaxis_campaign::Direction;
-use trueaxis_effects::Effect;
+use trueaxis_effects::{Effect, Subject};
 use trueaxis_multilateration::{Noise, Settings, Solution, Whitened, solve_from};
 use trueaxis_poses::LengthCircumstances as Reading;
 
@@ -80,27 +80,18 @@ impl Wanders for Base<'_> {
         self.columns_of(&self.here(), &model.solution, wanderer)
     }
 
-    /// Rms over the readings that it concerns. Lost motion is twice what it moves.
-    fn units_um(&self, model: &Adjusted, wanderer: Wanderer) -> Vec<f64> {
-        let coordinates = wanderer.coordinates();
-        let Some(&(effect, k)) = coordinates.first() else {
-            return Vec::new();
-        };
-        let subject = wanderer.subject();
+    fn moved_squares(
+        &self,
+        model: &Adjusted,
+        (effect, k): (&'static Effect, usize),
+        subject: &Subject,
+    ) -> Vec<f64> {
         let squares = self.readings.iter().map(|reading| {
             let at = self.observation(reading, &model.solution).at;
-            let moved = effect.form(&subject, k, f64::NEG_INFINITY, &at);
+            let moved = effect.form(subject, k, f64::NEG_INFINITY, &at);
             (moved.point_mm - moved.station_mm).norm_squared() + moved.length_mm.powi(2)
         });
-        let (count, sum) = squares
-            .filter(|square| *square > 0.0)
-            .fold((0, 0.0), |(count, sum), square| (count + 1, sum + square));
-        let times = match wanderer.with {
-            With::Sides => 2.0,
-            _ => 1.0,
-        };
-        let unit_um = times * 1e3 * (sum / f64::from(count.max(1))).sqrt();
-        vec![unit_um; coordinates.len()]
+        squares.collect()
     }
 
     fn whiten(&self, model: &Adjusted, column: &mut Vec<f64>) {

@@ -1,6 +1,6 @@
 //! The points with what wanders in their covariance.
 
-use trueaxis_effects::Effect;
+use trueaxis_effects::{Effect, Subject};
 
 use crate::Error;
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With};
@@ -69,24 +69,17 @@ impl Wanders for Base<'_> {
         self.columns_of_unit_mm(&self.here(), wanderer)
     }
 
-    /// Rms over the points that it concerns. Lost motion is twice what it moves.
-    fn units_um(&self, _: &Model, wanderer: Wanderer) -> Vec<f64> {
-        let subject = wanderer.subject();
-        let unit_um = |coordinate: (&'static Effect, usize)| {
-            let squares = (0..self.readings.all.len()).map(|i| {
-                let moved = self.moved_mm(i, coordinate, &subject);
-                moved.iter().map(|x| x * x).sum::<f64>()
-            });
-            let (count, sum) = squares
-                .filter(|square| *square > 0.0)
-                .fold((0, 0.0), |(count, sum), square| (count + 1, sum + square));
-            let times = match wanderer.with {
-                With::Sides => 2.0,
-                _ => 1.0,
-            };
-            times * 1e3 * (sum / f64::from(count.max(1))).sqrt()
-        };
-        wanderer.coordinates().into_iter().map(unit_um).collect()
+    fn moved_squares(
+        &self,
+        _: &Model,
+        coordinate: (&'static Effect, usize),
+        subject: &Subject,
+    ) -> Vec<f64> {
+        let squares = (0..self.readings.all.len()).map(|i| {
+            let moved = self.moved_mm(i, coordinate, subject);
+            moved.iter().map(|x| x * x).sum()
+        });
+        squares.collect()
     }
 
     fn whiten(&self, model: &Model, column: &mut Vec<f64>) {

@@ -1,6 +1,6 @@
 //! A cause that several series have in common, as the outcome says it: once, with all its data.
 
-use trueaxis_effects::{ResolvedEffect, Scene};
+use trueaxis_effects::Scene;
 
 use crate::engine::{Chosen, Listed, without};
 use crate::said::Entry;
@@ -39,7 +39,7 @@ pub(crate) fn join(entries: &mut [Entry], shared: &[Shared], all: &[Series<'_>])
     for shared in shared {
         let place = |number: usize| {
             let causes = &entries[number].causes;
-            let is_it = |cause: &Cause| is_same(&cause.effect, &shared.cause.effect);
+            let is_it = |cause: &Cause| cause.effect.is(&shared.cause.effect);
             Some((number, causes.iter().position(is_it)?))
         };
         let shown = (0..entries.len()).filter(|&number| shared.candidates[number].is_some());
@@ -95,10 +95,6 @@ pub(crate) fn join(entries: &mut [Entry], shared: &[Shared], all: &[Series<'_>])
             entries[number].causes[k] = cause.clone();
         }
     }
-}
-
-fn is_same(a: &ResolvedEffect, b: &ResolvedEffect) -> bool {
-    a.effect.id == b.effect.id && a.subject == b.subject
 }
 
 /// A panel for each series, the one that shows most of the cause first.
