@@ -192,6 +192,9 @@ pub struct Place {
     pub after_um: f64,
 }
 
+/// Probability of sizes that scatter as much, below which it is not taken for chance.
+pub(crate) const SIZES_DIFFER: f64 = 0.01;
+
 /// A cause.
 #[derive(Debug, Clone)]
 pub struct Cause {
@@ -222,6 +225,8 @@ pub struct Cause {
     pub changes: Vec<Change>,
     /// Its size as a function of the position, where that has a free form; else empty.
     pub curve: Vec<CurvePoint>,
+    /// For a cause of several data: probability that chance alone lets its sizes in each scatter as much about the common one.
+    pub sizes_p_value: Option<f64>,
     /// For a cause of an error curve: its share of the curve's squares.
     pub share_of_curve: Option<f64>,
     /// The misfit without it beside what it explains of it; none where single readings do not show it.
@@ -356,6 +361,15 @@ impl Cause {
             range,
             unit: first.unit,
         })
+    }
+
+    /// What there is to say about its sizes in several data: that they differ, where chance does not explain it.
+    pub fn note(&self) -> Option<String> {
+        let p_value = self.sizes_p_value.filter(|p| *p < SIZES_DIFFER)?;
+        Some(format!(
+            "its sizes in the data differ by more than chance (p = {p_value:.1e}), though by less than a tenth: U contains \
+             their scatter"
+        ))
     }
 
     /// Whether it is the same effect on the same subject in the same data.

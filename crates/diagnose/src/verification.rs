@@ -26,10 +26,12 @@ mod gross_errors;
 mod held_out;
 mod hypotheses;
 mod joined;
+mod left_out;
 mod lost_motion;
 mod noise_floor;
 mod not_observable;
 mod omnibus;
+mod one_size;
 mod prediction_error;
 mod problem;
 mod report;
@@ -111,7 +113,7 @@ pub(crate) fn diagnose_verification(
         .iter()
         .filter_map(|(name, comparison)| judged(name, comparison, asked, &mut outcome));
     let mut all: Vec<Series<'_>> = judged.collect();
-    let shared = together(&mut all, calibration, scene);
+    let shared = together(&mut all, calibration, scene, asked.level);
     let entry = |(number, series): (usize, &Series<'_>)| {
         let first: Vec<usize> = shared.iter().filter_map(|s| s.candidates[number]).collect();
         series.entry(scene, &first)

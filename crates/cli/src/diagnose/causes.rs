@@ -45,6 +45,9 @@ pub(crate) fn of_misfit(
             .into_iter()
             .flatten(),
     );
+    if let Some(note) = cause.note() {
+        lines.extend(labelled("in each", &note));
+    }
     if let Some(follows) = cause.follows(scene) {
         let where_it_is = if follows.is_plausible {
             "in"

@@ -60,6 +60,7 @@ impl Cause {
             rivals: Vec::new(),
             changes: Vec::new(),
             curve: Vec::new(),
+            sizes_p_value: None,
             share_of_curve: None,
             fitted: None,
         }

@@ -37,6 +37,9 @@ pub(super) struct CauseFile<'a> {
     consequence: &'static str,
     action: &'static str,
     component_change: Ordered<ChangeFile<'a>>,
+    /// What there is to say about its sizes in several data.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    note: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     follows: Option<FollowsFile>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -124,6 +127,7 @@ impl<'a> CauseFile<'a> {
             consequence: explanation.consequence,
             action: explanation.action,
             component_change: Ordered(changes.map(|c| (c.name.clone(), ChangeFile(c))).collect()),
+            note: cause.note(),
             follows: cause.follows(scene).map(|follows| FollowsFile {
                 column: follows.column.to_owned(),
                 plausible: follows.is_plausible,

@@ -23,9 +23,10 @@ pub(crate) struct Model<'a> {
 }
 
 /// How a comparison is looked at.
-pub(crate) struct Look<'l> {
-    pub(crate) families: &'l [Family],
-    pub(crate) folds: &'l [usize],
+pub(crate) struct Look {
+    pub(crate) families: Vec<Family>,
+    /// Of each reading the fold that it is left out with.
+    pub(crate) folds: Vec<usize>,
     /// Of false alarms.
     pub(crate) level: f64,
 }
@@ -34,7 +35,7 @@ pub(crate) struct Look<'l> {
 const MOST_TRIES: usize = 3;
 
 /// The model with the most evidence, if what wanders in it helps on readings that were not used; else that of causes alone.
-pub(crate) fn compete<'a>(plain: &Problem<'a>, look: &Look<'_>) -> Model<'a> {
+pub(crate) fn compete<'a>(plain: &Problem<'a>, look: &Look) -> Model<'a> {
     let of_causes = Model {
         causes: causes(plain, look),
         ..only(plain, Vec::new())
@@ -92,9 +93,9 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>, look: &Look<'_>) -> Model<'a> {
 }
 
 /// Whether what wanders gains on readings that were not used, with a probability of nine in ten.
-fn helps(plain: &Problem<'_>, model: &Model<'_>, look: &Look<'_>) -> bool {
-    let without = held_out(plain, &model.causes, look.folds);
-    let with = held_out(&model.problem, &model.causes, look.folds);
+fn helps(plain: &Problem<'_>, model: &Model<'_>, look: &Look) -> bool {
+    let without = held_out(plain, &model.causes, &look.folds);
+    let with = held_out(&model.problem, &model.causes, &look.folds);
     // What cannot be held out cannot be refuted.
     gain(plain, &without, &with).is_none_or(|gain| gain.upper_bound < 1.0)
 }
@@ -110,7 +111,7 @@ pub(crate) fn only<'a>(plain: &Problem<'a>, wandering: Vec<Wandering>) -> Model<
 
 /// Causes with what wanders beside them, without those that are not significant there or imitate what is left; none if
 /// nothing wanders.
-fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>, look: &Look<'_>) -> Option<Model<'a>> {
+fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>, look: &Look) -> Option<Model<'a>> {
     loop {
         let found = causes.len();
         if found == 0 {
@@ -130,11 +131,7 @@ fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>, look: &Look<'_>) -> 
 }
 
 /// The causes that are found where something wanders, with what wanders beside them.
-fn with_causes<'a>(
-    plain: &Problem<'a>,
-    first: Vec<Wandering>,
-    look: &Look<'_>,
-) -> Option<Model<'a>> {
+fn with_causes<'a>(plain: &Problem<'a>, first: Vec<Wandering>, look: &Look) -> Option<Model<'a>> {
     let found = causes(&plain.beside(&first), look);
     beside(plain, found, look)
 }
@@ -146,16 +143,16 @@ fn have_same(first: &[Chosen], second: &[Chosen]) -> bool {
 }
 
 /// Whether a test finds anything that the model leaves.
-fn is_left(model: &Model<'_>, look: &Look<'_>) -> bool {
+fn is_left(model: &Model<'_>, look: &Look) -> bool {
     let projection = model.problem.listed.with(&model.causes);
-    let tests = omnibus(&model.problem, look.families, &projection);
+    let tests = omnibus(&model.problem, &look.families, &projection);
     tests.iter().any(|t| t.test.p_value < look.level)
 }
 
 /// Causes that hold on unused readings, structure beside them that they do not merely imitate. What does not hold
 /// gives its place to the next.
-fn causes(problem: &Problem<'_>, look: &Look<'_>) -> Vec<Chosen> {
-    let Look { folds, level, .. } = *look;
+fn causes(problem: &Problem<'_>, look: &Look) -> Vec<Chosen> {
+    let level = look.level;
     let listed = &problem.listed;
     let mut excluded: Vec<usize> = Vec::new();
     for _ in 0..MOST_TRIES {
@@ -163,7 +160,7 @@ fn causes(problem: &Problem<'_>, look: &Look<'_>) -> Vec<Chosen> {
         let first: Vec<usize> = chosen.iter().map(|c| c.candidate).collect();
         // Beside what wanders the neighbours of a reading predict it with a cause and without.
         if !problem.wanders {
-            believed::with_gain(problem, &mut chosen, folds);
+            believed::with_gain(problem, &mut chosen, &look.folds);
         }
         let found = chosen.len();
         without_imitations(problem, &mut chosen, look);
@@ -183,10 +180,10 @@ fn causes(problem: &Problem<'_>, look: &Look<'_>) -> Vec<Chosen> {
 }
 
 /// Drops causes that merely imitate what is left.
-pub(crate) fn without_imitations(problem: &Problem<'_>, causes: &mut Vec<Chosen>, look: &Look<'_>) {
-    let left = omnibus(problem, look.families, &problem.listed.with(causes));
+pub(crate) fn without_imitations(problem: &Problem<'_>, causes: &mut Vec<Chosen>, look: &Look) {
+    let left = omnibus(problem, &look.families, &problem.listed.with(causes));
     let squares = |t: &Omnibus| t.drop - t.test.columns as f64;
-    let left = still_left(look.families, &left, look.level, squares);
+    let left = still_left(&look.families, &left, look.level, squares);
     believed::without_imitations(problem, causes, &left);
 }
 
@@ -217,7 +214,7 @@ fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
 const PART: f64 = 0.1;
 
 /// The model without causes that do not describe the course that they give a name.
-fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>, look: &Look<'_>) -> Model<'a> {
+fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>, look: &Look) -> Model<'a> {
     loop {
         let listed = &model.problem.listed;
         let wanders_on = |k: usize| {

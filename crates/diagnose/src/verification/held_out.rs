@@ -4,16 +4,8 @@
 //! block k of the first pass, block k - 1 of the second and so on. So what is left out is next to
 //! nothing that is left in, and yet every cycle, direction and position is known from the rest: a warm-up
 //! that is over after the first cycle could not be predicted from the others. The errors of prediction
-//! of the readings `h` of a fold follow from the projection of all: with `T` the orthonormal columns of
-//! the model,
-//!
-//! ```text
-//! y_h - ŷ_h = (I - T_h T_hᵀ)⁻¹ e_h = e_h + T_h (I - T_hᵀ T_h)⁻¹ T_hᵀ e_h
-//! ```
-//!
-//! exactly as if the model had been fitted to the rest. Readings whose prediction would need unknowns
-//! that only the fold determines are left out. Shapes are chosen anew on the rest of each fold; which
-//! effects there are is known from all data.
+//! of the readings of a fold follow from the projection of all ([`LeftOut`]). Shapes are chosen anew on the rest of each fold;
+//! which effects there are is known from all data.
 //!
 //! With a calibration the prediction is taken as it is: unknowns for its errors would learn from the other
 //! cycles what the calibration did not know.
@@ -21,20 +13,16 @@
 //! The interval of a ratio of rms is that of a bootstrap over these blocks, which keeps what neighbours
 //! have in common. Whole passes would be too few: an effect of one pass is in one draw in three not there.
 
-use nalgebra::{DMatrix, SymmetricEigen};
-
 use crate::Gain;
 use crate::engine::{Chosen, FOLDS, resampled_ratios, without};
 use crate::selection::Projection;
 use crate::verification::arrivals::is_same;
 use crate::verification::comparison::Comparison;
+use crate::verification::left_out::LeftOut;
 use crate::verification::problem::Problem;
 
 const DRAWS: usize = 2000;
 const SEED: u64 = 0x6865_6c64_5f6f_7574;
-
-/// Part of an unknown that the rest of a fold must determine.
-const DETERMINED: f64 = 1e-8;
 
 /// Errors of prediction of the readings, in standard deviations of an arrival.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,18 +35,17 @@ pub(crate) struct HeldOut {
 
 /// Folds of the readings.
 pub(crate) fn folds(comparison: &Comparison<'_>) -> Vec<usize> {
-    let blocks = blocks(comparison, FOLDS);
     // Block b of pass p.
     let fold = |block: usize| (block % FOLDS + block / FOLDS) % FOLDS;
-    blocks.into_iter().map(fold).collect()
+    pass_blocks(comparison).into_iter().map(fold).collect()
 }
 
-/// Each pass cut into parts, numbered.
-fn blocks(comparison: &Comparison<'_>, parts: usize) -> Vec<usize> {
+/// Each pass cut into as many blocks as there are folds; the number of that of each reading.
+pub(crate) fn pass_blocks(comparison: &Comparison<'_>) -> Vec<usize> {
     let mut numbers = Vec::new();
     for (pass, rows) in comparison.passes.chunk_by(|a, b| a == b).enumerate() {
         let count = rows.len();
-        numbers.extend((0..count).map(|i| pass * parts + i * parts / count));
+        numbers.extend((0..count).map(|i| pass * FOLDS + i * FOLDS / count));
     }
     numbers
 }
@@ -91,7 +78,7 @@ pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen], folds: &[usize]
     let count = folds.iter().max().map_or(0, |max| max + 1);
     for fold in 0..count {
         let rows: Vec<usize> = (0..folds.len()).filter(|&row| folds[row] == fold).collect();
-        let fitted = models.iter().map(|model| predict(model, &rows));
+        let fitted = models.iter().map(|model| predict(model, rows.clone()));
         let Some(best) = fitted.min_by(|a, b| a.rest.total_cmp(&b.rest)) else {
             continue;
         };
@@ -111,40 +98,13 @@ struct Predicted {
     rest: f64,
 }
 
-fn predict(model: &Projection, rows: &[usize]) -> Predicted {
-    let (_, width) = model.widths();
-    let t = DMatrix::from_fn(rows.len(), width, |i, k| model.shared_row(rows[i])[k]);
-    let e: Vec<f64> = rows.iter().map(|&row| model.residuals[row]).collect();
-    let eigen = SymmetricEigen::new(DMatrix::identity(width, width) - t.transpose() * &t);
-    let along = &t * &eigen.eigenvectors;
-    let mut errors: Vec<Option<f64>> = e.iter().map(|e| Some(*e)).collect();
-    let mut expected = vec![1.0; rows.len()];
-    for (k, &value) in eigen.eigenvalues.iter().enumerate() {
-        let column = along.column(k);
-        if value < DETERMINED {
-            for (i, error) in errors.iter_mut().enumerate() {
-                if column[i] * column[i] > DETERMINED {
-                    *error = None;
-                }
-            }
-            continue;
-        }
-        let product: f64 = column.iter().zip(&e).map(|(c, e)| c * e).sum();
-        for (i, error) in errors.iter_mut().enumerate() {
-            if let Some(error) = error {
-                *error += column[i] * product / value;
-            }
-            expected[i] += column[i] * column[i] / value;
-        }
-    }
-    let of_fold = errors
-        .iter()
-        .zip(&e)
-        .map(|(error, e)| error.unwrap_or(0.0) * e);
+fn predict(model: &Projection, rows: Vec<usize>) -> Predicted {
+    let left = LeftOut::new(model, rows);
+    let errors = left.errors(&model.residuals);
     Predicted {
-        rest: model.squares() - of_fold.sum::<f64>(),
-        errors,
-        expected,
+        rest: model.squares() - left.product(&errors, &model.residuals),
+        errors: left.determined(errors),
+        expected: left.expected(),
     }
 }
 
@@ -167,7 +127,7 @@ pub(crate) struct BoundedGain {
 
 /// Squares before, after, and those expected of noise alone, of each block of readings.
 fn squares_of_blocks(problem: &Problem<'_>, before: &HeldOut, after: &HeldOut) -> Vec<[f64; 3]> {
-    let numbers = blocks(problem.comparison, FOLDS);
+    let numbers = pass_blocks(problem.comparison);
     let mut sums = vec![[0.0; 3]; numbers.iter().max().map_or(0, |last| last + 1)];
     for (row, &block) in numbers.iter().enumerate() {
         if let (Some(a), Some(b)) = (before.errors[row], after.errors[row]) {
@@ -222,16 +182,6 @@ pub(crate) fn gain_of(
     k: usize,
     folds: &[usize],
 ) -> Option<BoundedGain> {
-    gain_of_blocks(&blocks_of(problem, causes, k, folds))
-}
-
-/// The squares of blocks without one cause, and with it.
-pub(crate) fn blocks_of(
-    problem: &Problem<'_>,
-    causes: &[Chosen],
-    k: usize,
-    folds: &[usize],
-) -> Vec<[f64; 3]> {
     let before = held_out(problem, &without(causes, k), folds);
-    squares_of_blocks(problem, &before, &held_out(problem, causes, folds))
+    gain(problem, &before, &held_out(problem, causes, folds))
 }

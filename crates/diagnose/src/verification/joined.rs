@@ -5,7 +5,6 @@ use trueaxis_effects::Scene;
 use crate::engine::{Chosen, Listed, without};
 use crate::said::Entry;
 use crate::selection::Fit;
-use crate::verification::held_out::{blocks_of, gain_of_blocks};
 use crate::verification::report::{rivals, sized};
 use crate::verification::series::Series;
 use crate::verification::together::Shared;
@@ -67,19 +66,6 @@ pub(crate) fn join(entries: &mut [Entry], shared: &[Shared], all: &[Series<'_>])
                 .sum();
             sum / all.map(|(.., s)| weight(s)).sum::<f64>()
         };
-        let blocks = of_each
-            .iter()
-            .zip(&places)
-            .flat_map(|((.., series), (number, _))| {
-                let causes = &series.model.causes;
-                let k = causes
-                    .iter()
-                    .position(|c| Some(c.candidate) == shared.candidates[*number]);
-                k.map_or_else(Vec::new, |k| {
-                    blocks_of(&series.model.problem, causes, k, &series.folds)
-                })
-            });
-        let gain = gain_of_blocks(&blocks.collect::<Vec<_>>());
         let cause = Cause {
             data: of_each
                 .iter()
@@ -87,7 +73,6 @@ pub(crate) fn join(entries: &mut [Entry], shared: &[Shared], all: &[Series<'_>])
                 .collect(),
             explained_rms_um: mean(&|c, _| c.explained_rms_um.powi(2), &readings).sqrt(),
             share: Some(mean(&|_, share| share, &squares)),
-            heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
             fitted: panels(of_each.iter().map(|(entry, cause, ..)| (*entry, *cause))),
             ..shared.cause.clone()
         };

@@ -2,7 +2,7 @@
 
 use trueaxis_effects::{Level, Scene};
 
-use crate::engine::{Chosen, Family, Omnibus, without};
+use crate::engine::{Chosen, Omnibus, without};
 use crate::said::Entry;
 use crate::selection::{Part, Projection, add};
 use crate::verification::competition::{Look, Model, compete, only};
@@ -19,10 +19,7 @@ pub(crate) struct Series<'a> {
     pub(crate) name: &'a str,
     /// The base model without anything.
     pub(crate) plain: Problem<'a>,
-    pub(crate) families: Vec<Family>,
-    pub(crate) folds: Vec<usize>,
-    /// Of false alarms.
-    pub(crate) level: f64,
+    pub(crate) look: Look,
     pub(crate) model: Model<'a>,
     /// Standard deviation of an arrival that is stated, µm.
     pub(crate) noise_floor_um: f64,
@@ -31,30 +28,18 @@ pub(crate) struct Series<'a> {
 impl<'a> Series<'a> {
     /// Finds the causes of a verification, and what wanders beside them or instead of them.
     pub(crate) fn new(name: &'a str, plain: Problem<'a>, level: f64) -> Self {
-        let families = omnibus::families(&plain);
-        let folds = held_out::folds(plain.comparison);
         let look = Look {
-            families: &families,
-            folds: &folds,
+            families: omnibus::families(&plain),
+            folds: held_out::folds(plain.comparison),
             level,
         };
         let model = compete(&plain, &look);
         Self {
             name,
             noise_floor_um: plain.sigma_um,
-            families,
-            folds,
-            level,
+            look,
             model,
             plain,
-        }
-    }
-
-    pub(crate) fn look(&self) -> Look<'_> {
-        Look {
-            families: &self.families,
-            folds: &self.folds,
-            level: self.level,
         }
     }
 
@@ -83,15 +68,15 @@ impl<'a> Series<'a> {
 
     /// What is said of it; the `first` of its causes come first, then the one without which most is left.
     pub(crate) fn entry(&self, scene: &Scene, first: &[usize]) -> Entry {
-        let Self {
-            plain, families, ..
-        } = self;
+        let Self { plain, look, .. } = self;
+        let Look {
+            families, folds, ..
+        } = look;
         let Model {
             problem,
             wandering,
             causes: chosen,
         } = &self.model;
-        let folds = &self.folds;
         let before = &plain.listed.base;
         let tests = omnibus::omnibus(plain, families, before);
         let left_without = |k: usize| {
@@ -115,7 +100,7 @@ impl<'a> Series<'a> {
             add(&mut course, &own.whitened, 1.0);
         }
         let causes = report::causes(problem, scene, &chosen, (before, &after), &course, folds);
-        let unexplained = unexplained(problem, &after, &tests_after, self.level);
+        let unexplained = unexplained(problem, &after, &tests_after, look.level);
         let of_causes = chosen.iter().map(std::slice::from_ref);
         let of_causes = of_causes.map(|cause| Part::Free(problem.listed.columns(cause)));
         let smooth = wandering.iter().map(|w| Part::Smooth(w.columns(plain)));

@@ -23,9 +23,12 @@ pub(crate) struct Stack<'s> {
     /// Of each hypothesis its number in each series that shows it.
     pub(crate) members: Vec<Vec<Option<usize>>>,
     /// `s_f`, µm.
-    scales_um: Vec<f64>,
-    all: &'s [Series<'s>],
+    pub(crate) scales_um: Vec<f64>,
+    pub(crate) all: &'s [Series<'s>],
 }
+
+/// Part of the mean of what a cause explains that a series must show of it.
+const SHOWN: f64 = 0.1;
 
 /// Whether an effect of a series is the same in another: it belongs to the machine or to the way in which it is read, not
 /// to the time of one series or to the range of its positions.
@@ -156,7 +159,7 @@ impl<'s> Stack<'s> {
     }
 
     /// The rows of a series.
-    fn rows(&self, number: usize) -> std::ops::Range<usize> {
+    pub(crate) fn rows(&self, number: usize) -> std::ops::Range<usize> {
         let count = |series: &Series<'_>| series.plain.readings();
         let first = self.all[..number].iter().map(count).sum();
         first..first + count(&self.all[number])
@@ -164,20 +167,15 @@ impl<'s> Stack<'s> {
 
     /// Every cause of the machine that a series named, once.
     pub(crate) fn named(&self) -> Vec<Chosen> {
-        let mut all: Vec<Chosen> = Vec::new();
-        for (number, members) in self.members.iter().enumerate() {
-            let mut shapes = (0..self.all.len()).filter_map(|k| self.own_shape(number, k));
-            if members.iter().any(Option::is_some)
-                && let Some(shape) = shapes.next()
-            {
-                all.push(Chosen {
-                    candidate: number,
-                    shape,
-                    u_shape: 0.0,
-                });
-            }
-        }
-        all
+        let named = (0..self.members.len()).filter_map(|candidate| {
+            let mut shapes = (0..self.all.len()).filter_map(|k| self.own_shape(candidate, k));
+            Some(Chosen {
+                candidate,
+                shape: shapes.next()?,
+                u_shape: 0.0,
+            })
+        });
+        named.collect()
     }
 
     /// The shape at which a series named a hypothesis.
@@ -187,44 +185,33 @@ impl<'s> Stack<'s> {
         causes.find(|c| c.candidate == member).map(|c| c.shape)
     }
 
+    /// A column over the rows of one series, none of the others.
+    fn of_series(&self, number: usize, column: &[f64]) -> Vec<f64> {
+        let mut own = vec![0.0; column.len()];
+        let rows = self.rows(number);
+        own[rows.clone()].copy_from_slice(&column[rows]);
+        own
+    }
+
     /// The columns of a cause with a size of its own, and where it was named a shape of its own, in each series.
-    pub(crate) fn apart(&self, cause: &Chosen) -> Vec<Vec<Vec<f64>>> {
+    pub(crate) fn apart(&self, cause: &Chosen) -> Vec<Vec<f64>> {
         let candidate = &self.listed.candidates[cause.candidate];
         let of_series = |number: usize| {
             let shape = self.own_shape(cause.candidate, number);
             let columns = candidate.columns(shape.unwrap_or(cause.shape)).iter();
-            let rows = self.rows(number);
-            let own = columns.map(|column| {
-                let mut own = vec![0.0; column.len()];
-                own[rows.clone()].copy_from_slice(&column[rows.clone()]);
-                own
-            });
-            own.collect()
+            columns.map(move |column| self.of_series(number, column))
         };
-        (0..self.all.len()).map(of_series).collect()
+        (0..self.all.len()).flat_map(of_series).collect()
     }
 
     /// The causes of each series: its own and those that it shows of all.
     pub(crate) fn of_each(&self, own: &[Vec<Chosen>], causes: &[Chosen]) -> Vec<Vec<Chosen>> {
         let mut all = own.to_vec();
         for (k, cause) in causes.iter().enumerate() {
-            let model = self.listed.with(&without(causes, k));
-            let columns = self.listed.columns(&causes[k..=k]);
-            let estimates = Fit::new(&model, &columns).estimates;
-            for (number, of_series) in all.iter_mut().enumerate() {
-                let rows = self.rows(number);
-                let mut made = combined(model.rows(), &columns, &estimates);
-                let outside = |row: usize| !rows.contains(&row);
-                (0..made.len())
-                    .filter(|&row| outside(row))
-                    .for_each(|row| made[row] = 0.0);
-                let mut left = made.clone();
-                model.project(&mut left);
-                // More than its columns explain of noise.
-                let is_shown = dot(&made, &left) > columns.len() as f64;
-                if let Some(candidate) = self.members[cause.candidate][number].filter(|_| is_shown)
-                {
-                    of_series.push(Chosen {
+            let members = &self.members[cause.candidate];
+            for (number, is_shown) in self.shows(causes, k).into_iter().enumerate() {
+                if let (Some(candidate), true) = (members[number], is_shown) {
+                    all[number].push(Chosen {
                         candidate,
                         ..*cause
                     });
@@ -232,6 +219,30 @@ impl<'s> Stack<'s> {
             }
         }
         all
+    }
+
+    /// Whether each series shows a cause with the size that all have in common: more than its columns explain of noise, or where
+    /// it is weak in all of them, a part of what it explains in the mean.
+    fn shows(&self, causes: &[Chosen], k: usize) -> Vec<bool> {
+        let model = self.listed.with(&without(causes, k));
+        let columns = self.listed.columns(&causes[k..=k]);
+        let estimates = Fit::new(&model, &columns).estimates;
+        let of_all = combined(model.rows(), &columns, &estimates);
+        let explained = (0..self.all.len()).map(|number| {
+            let made = self.of_series(number, &of_all);
+            let mut left = made.clone();
+            model.project(&mut left);
+            dot(&made, &left)
+        });
+        let explained: Vec<f64> = explained.collect();
+        let shown = explained.iter().zip(&self.members[causes[k].candidate]);
+        let shown: Vec<f64> = shown.filter_map(|(x, member)| member.map(|_| *x)).collect();
+        let mean = shown.iter().sum::<f64>() / shown.len().max(1) as f64;
+        let least = (SHOWN * mean).min(columns.len() as f64);
+        explained
+            .into_iter()
+            .map(|explained| explained > least)
+            .collect()
     }
 }
 

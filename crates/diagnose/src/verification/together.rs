@@ -15,10 +15,10 @@ use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_effects::Scene;
 
 use crate::Cause;
+use crate::diagnosis::SIZES_DIFFER;
 use crate::engine::{Candidate, Chosen, Listed, without};
 use crate::selection::{Hypothesis, f_test};
 use crate::verification::competition::without_imitations;
-use crate::verification::held_out::{blocks_of, gain_of_blocks};
 use crate::verification::joined::joint_cause;
 use crate::verification::search::{contains, drop_superfluous, search_beside, simplest};
 use crate::verification::series::Series;
@@ -32,28 +32,24 @@ pub(crate) struct Shared {
     pub(crate) cause: Cause,
 }
 
-/// Probability of sizes that scatter as much, above which it is chance.
-const BY_CHANCE: f64 = 0.01;
-
 /// Part of what a common size explains that sizes of their own may explain beyond it: they scatter by a tenth about their mean.
 const ONE_SIZE: f64 = 0.01;
 
-/// Gives each series the causes that it has in the light of all, and says which of them are common to several.
+/// Gives each series the causes that it has in the light of all, and says which of them are common to several; `level` is that
+/// of false alarms.
 pub(crate) fn together(
     all: &mut [Series<'_>],
     calibration: Option<&CalibratedMachine>,
     scene: &Scene,
+    level: f64,
 ) -> Vec<Shared> {
     if all.len() < 2 {
         return Vec::new();
     }
     let mut apart: Vec<Hypothesis> = Vec::new();
-    let (causes, shared) = loop {
-        let is_joint = |hypothesis: &Hypothesis| !apart.iter().any(|other| other.is(hypothesis));
-        let own: Vec<Vec<Chosen>> = all.iter().map(|s| its_own(s, is_joint)).collect();
-        let stack = Stack::new(all, &own, is_joint, calibration);
+    let (found, causes) = loop {
+        let (stack, own) = stacked(all, &apart, calibration);
         let named = stack.named();
-        let level = all[0].level;
         let mut found = exchanged(&stack.listed, named.clone(), level);
         if found.len() > 1 {
             // As likely as that one of the series had named it.
@@ -64,43 +60,58 @@ pub(crate) fn together(
         found = search_beside(&stack.listed, found, &[], level);
         let of_each = stack.of_each(&own, &found);
         let is_known = |cause: &Chosen| named.iter().any(|n| n.candidate == cause.candidate);
-        let scatters: Vec<Option<f64>> = (0..found.len())
-            .map(|k| scatter(&stack, &found, k))
-            .collect();
         let doubtful = (0..found.len()).find(|&k| {
-            scatters[k].is_none()
-                || !is_known(&found[k])
-                    && !is_believed(all, &of_each, &stack.members[found[k].candidate])
+            Sizes::new(&stack, &found, k).variance().is_none()
+                || !is_known(&found[k]) && !is_believed(&stack, &of_each, &found[k])
         });
-        if let Some(k) = doubtful {
-            // What it took the place of goes back to its series.
-            let is_found = |n: &Chosen| found.iter().any(|f| f.candidate == n.candidate);
-            let replaced = named
-                .iter()
-                .filter(|n| !is_known(&found[k]) && !is_found(n));
-            let back = replaced.chain([&found[k]]);
-            apart.extend(back.map(|cause| *stack.listed.hypothesis(cause)));
-            apart.extend(other_forms(&stack.listed, &found[k]));
-            continue;
-        }
-        let shared = (0..found.len()).filter_map(|k| {
-            let members = stack.members[found[k].candidate].iter().zip(&of_each);
-            let shown = members.map(|(member, causes)| {
-                member.filter(|number| causes.iter().any(|c| c.candidate == *number))
-            });
-            let candidates: Vec<Option<usize>> = shown.collect();
-            (candidates.iter().flatten().count() > 1).then(|| {
-                let cause = joint_cause(&stack.listed, scene, &found, k, scatters[k]?)?;
-                Some(Shared { candidates, cause })
-            })?
-        });
-        let shared = shared.collect();
-        break (of_each, shared);
+        let Some(k) = doubtful else {
+            break (found, of_each);
+        };
+        // What it took the place of goes back to its series.
+        let is_found = |n: &Chosen| found.iter().any(|f| f.candidate == n.candidate);
+        let replaced = named
+            .iter()
+            .filter(|n| !is_known(&found[k]) && !is_found(n));
+        let back = replaced.chain([&found[k]]);
+        apart.extend(back.map(|cause| *stack.listed.hypothesis(cause)));
+        apart.extend(other_forms(&stack.listed, &found[k]));
     };
-    for (series, causes) in all.iter_mut().zip(causes) {
-        series.set_causes(causes);
+    for (series, causes) in all.iter_mut().zip(&causes) {
+        series.set_causes(causes.clone());
     }
-    shared
+    // With what wanders beside these causes.
+    let (stack, _) = stacked(all, &apart, calibration);
+    let shared = (0..found.len()).filter_map(|k| {
+        let members = stack.members[found[k].candidate].iter().zip(&causes);
+        let shown = members.map(|(member, causes)| {
+            member.filter(|number| causes.iter().any(|c| c.candidate == *number))
+        });
+        let candidates: Vec<Option<usize>> = shown.collect();
+        if candidates.iter().flatten().count() < 2 {
+            return None;
+        }
+        let sizes = Sizes::new(&stack, &found, k);
+        let cause = joint_cause(&stack.listed, scene, &found, k, sizes.variance()?)?;
+        let gain = stack.gain_of(&found[k], &causes);
+        let cause = Cause {
+            heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
+            sizes_p_value: Some(sizes.p_value),
+            ..cause
+        };
+        Some(Shared { candidates, cause })
+    });
+    shared.collect()
+}
+
+/// The system of what may be common, but for hypotheses that stay `apart`, and the causes that each series does not share.
+fn stacked<'s>(
+    all: &'s [Series<'s>],
+    apart: &[Hypothesis],
+    calibration: Option<&CalibratedMachine>,
+) -> (Stack<'s>, Vec<Vec<Chosen>>) {
+    let is_joint = |hypothesis: &Hypothesis| !apart.iter().any(|other| other.is(hypothesis));
+    let own: Vec<Vec<Chosen>> = all.iter().map(|s| its_own(s, is_joint)).collect();
+    (Stack::new(all, &own, is_joint, calibration), own)
 }
 
 /// The causes of a series that it does not have in common with others.
@@ -153,42 +164,61 @@ fn other_forms(listed: &Listed, cause: &Chosen) -> Vec<Hypothesis> {
     forms.map(|candidate| candidate.hypothesis).collect()
 }
 
-/// The variance of the observations that the uncertainty of the common size follows from: what is left, or where the sizes of
-/// the series scatter by more than that, what this scatter is (R. T. Birge, 1932); none if they are different sizes.
-fn scatter(stack: &Stack<'_>, causes: &[Chosen], k: usize) -> Option<f64> {
-    let others = stack.listed.with(&without(causes, k));
-    let common = others.extended(&stack.listed.columns(&causes[k..=k]));
-    let apart = others.extended(&stack.apart(&causes[k]).concat());
-    let more = common.degrees_of_freedom - apart.degrees_of_freedom;
-    let drop = common.squares() - apart.squares();
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a count"
-    )]
-    let rank = more.max(0.0) as usize;
-    if f_test(drop, common.squares(), rank, common.degrees_of_freedom) > BY_CHANCE {
-        return Some(common.squares() / common.degrees_of_freedom.max(1.0));
+/// The sizes of a cause in the series about the one that they have in common.
+struct Sizes {
+    /// Probability that chance alone scatters them as much (F test of a size for each series).
+    p_value: f64,
+    /// What sizes of their own explain beyond the common one, as a part of what that explains.
+    more: f64,
+    /// What the common size leaves, and what the scatter of the sizes or the noise has if they are not one, variances.
+    variances: [f64; 2],
+}
+
+impl Sizes {
+    fn new(stack: &Stack<'_>, causes: &[Chosen], k: usize) -> Self {
+        let others = stack.listed.with(&without(causes, k));
+        let common = others.extended(&stack.listed.columns(&causes[k..=k]));
+        let apart = others.extended(&stack.apart(&causes[k]));
+        let rank = (common.degrees_of_freedom - apart.degrees_of_freedom).max(0.0);
+        let drop = common.squares() - apart.squares();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a count"
+        )]
+        let count = rank as usize;
+        let variance = apart.squares() / apart.degrees_of_freedom.max(1.0);
+        Self {
+            p_value: f_test(drop, common.squares(), count, common.degrees_of_freedom),
+            more: drop / (others.squares() - common.squares()),
+            variances: [
+                common.squares() / common.degrees_of_freedom.max(1.0),
+                (drop / rank.max(1.0)).max(variance),
+            ],
+        }
     }
-    let is_one = drop < ONE_SIZE * (others.squares() - common.squares());
-    let variance = apart.squares() / apart.degrees_of_freedom.max(1.0);
-    is_one.then(|| (drop / more).max(variance))
+
+    /// The variance of the observations that the uncertainty of the common size follows from: what is left, or where the sizes of
+    /// the series scatter by more than that, what this scatter is (R. T. Birge, 1932); none if they are different sizes.
+    fn variance(&self) -> Option<f64> {
+        match self.p_value >= SIZES_DIFFER {
+            true => Some(self.variances[0]),
+            false => (self.more < ONE_SIZE).then_some(self.variances[1]),
+        }
+    }
 }
 
 /// Whether a cause gains on readings of all series that were not used, with a probability of nine in ten, and imitates in
 /// none what is left.
-fn is_believed(all: &[Series<'_>], causes: &[Vec<Chosen>], members: &[Option<usize>]) -> bool {
-    let mut blocks = Vec::new();
-    let mut is_imitation = false;
-    for ((series, causes), member) in all.iter().zip(causes).zip(members) {
-        let Some(k) = causes.iter().position(|c| Some(c.candidate) == *member) else {
-            continue;
-        };
-        let problem = &series.model.problem;
+fn is_believed(stack: &Stack<'_>, causes: &[Vec<Chosen>], cause: &Chosen) -> bool {
+    let members = stack.members[cause.candidate].iter();
+    let of_series = stack.all.iter().zip(causes).zip(members);
+    let imitates = |((series, causes), member): ((&Series<'_>, &Vec<Chosen>), &Option<usize>)| {
         let mut kept = causes.clone();
-        without_imitations(problem, &mut kept, &series.look());
-        is_imitation |= !kept.contains(&causes[k]);
-        blocks.extend(blocks_of(problem, causes, k, &series.folds));
-    }
-    !is_imitation && gain_of_blocks(&blocks).is_none_or(|gain| gain.upper_bound < 1.0)
+        without_imitations(&series.model.problem, &mut kept, &series.look);
+        let is_it = |c: &Chosen| Some(c.candidate) == *member;
+        causes.iter().any(is_it) && !kept.iter().any(is_it)
+    };
+    let gain = || stack.gain_of(cause, causes);
+    !of_series.into_iter().any(imitates) && gain().is_none_or(|gain| gain.upper_bound < 1.0)
 }

@@ -1,0 +1,93 @@
+//! Readings that are left out, predicted by the rest without a further adjustment.
+//!
+//! With `T` the orthonormal columns of a model and `e` what it leaves of an observation vector, the errors of prediction of the
+//! readings `h` are
+//!
+//! ```text
+//! y_h - ŷ_h = (I - T_h T_hᵀ)⁻¹ e_h = e_h + T_h (I - T_hᵀ T_h)⁻¹ T_hᵀ e_h
+//! ```
+//!
+//! exactly as if the model had been fitted to the rest. Readings whose prediction would need unknowns that only they determine
+//! have none.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use crate::selection::Projection;
+
+/// Part of an unknown that the rest must determine.
+const DETERMINED: f64 = 1e-8;
+
+/// A model without some of its rows.
+pub(crate) struct LeftOut {
+    pub(crate) rows: Vec<usize>,
+    /// `T_h` along the eigenvectors of `I - T_hᵀ T_h`.
+    along: DMatrix<f64>,
+    eigenvalues: Vec<f64>,
+}
+
+impl LeftOut {
+    pub(crate) fn new(model: &Projection, rows: Vec<usize>) -> Self {
+        let (_, width) = model.widths();
+        let t = DMatrix::from_fn(rows.len(), width, |i, k| model.shared_row(rows[i])[k]);
+        let eigen = SymmetricEigen::new(DMatrix::identity(width, width) - t.transpose() * &t);
+        Self {
+            rows,
+            along: &t * &eigen.eigenvectors,
+            eigenvalues: eigen.eigenvalues.iter().copied().collect(),
+        }
+    }
+
+    /// Errors of prediction of what the model leaves of a vector over all rows (its projection).
+    pub(crate) fn errors(&self, projected: &[f64]) -> Vec<f64> {
+        let e: Vec<f64> = self.rows.iter().map(|&row| projected[row]).collect();
+        let mut errors = e.clone();
+        for (k, &value) in self.eigenvalues.iter().enumerate() {
+            if value < DETERMINED {
+                continue;
+            }
+            let column = self.along.column(k);
+            let product: f64 = column.iter().zip(&e).map(|(c, e)| c * e).sum();
+            for (error, c) in errors.iter_mut().zip(&column) {
+                *error += c * product / value;
+            }
+        }
+        errors
+    }
+
+    /// What the rows add to the inner product of two projected vectors, one of them given by its errors of prediction.
+    pub(crate) fn product(&self, errors: &[f64], projected: &[f64]) -> f64 {
+        let rows = self.rows.iter().zip(errors);
+        rows.map(|(&row, error)| error * projected[row]).sum()
+    }
+
+    /// The errors of those rows that the rest predicts.
+    pub(crate) fn determined(&self, errors: Vec<f64>) -> Vec<Option<f64>> {
+        let of_rest = self.eigenvalues.iter().enumerate();
+        let only_here: Vec<usize> = of_rest
+            .filter(|(_, value)| **value < DETERMINED)
+            .map(|(k, _)| k)
+            .collect();
+        let is_determined = |i: usize| {
+            let of = |&k: &usize| self.along[(i, k)] * self.along[(i, k)];
+            only_here.iter().all(|k| of(k) <= DETERMINED)
+        };
+        let errors = errors.into_iter().enumerate();
+        errors
+            .map(|(i, error)| is_determined(i).then_some(error))
+            .collect()
+    }
+
+    /// Variances of the errors where the noise has variance one.
+    pub(crate) fn expected(&self) -> Vec<f64> {
+        let mut expected = vec![1.0; self.rows.len()];
+        for (k, &value) in self.eigenvalues.iter().enumerate() {
+            if value < DETERMINED {
+                continue;
+            }
+            for (sum, c) in expected.iter_mut().zip(&self.along.column(k)) {
+                *sum += c * c / value;
+            }
+        }
+        expected
+    }
+}

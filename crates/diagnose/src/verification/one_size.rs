@@ -1,0 +1,154 @@
+//! What a common cause gains on readings that its size was not estimated from.
+//!
+//! Each series alone may show too little of it to predict its own readings; the one size of all does. So a fold is left out of
+//! every series at once, and the size follows from the rest of all. With `x` what a unit of the cause does and `y` the readings,
+//! both in standard deviations, and `M` what the other causes of their series and what wanders leave, the rest has ([`LeftOut`])
+//!
+//! ```text
+//! G = Σ (xᵀ M x - ε_xᵀ (M x)_h)   s = Σ (xᵀ M y - ε_xᵀ (M y)_h)   θ = G⁺ s
+//! ```
+//!
+//! summed over the series, and the errors of prediction are `ε_y - ε_x θ`. A shape is chosen anew on the rest of each fold.
+
+use crate::engine::{Chosen, FOLDS};
+use crate::selection::{Gram, add, dot};
+use crate::verification::held_out::{BoundedGain, gain_of_blocks, pass_blocks};
+use crate::verification::left_out::LeftOut;
+use crate::verification::series::Series;
+use crate::verification::stack::Stack;
+
+/// A series beside its other causes.
+struct Beside<'s> {
+    series: &'s Series<'s>,
+    /// What they leave of its readings.
+    y: Vec<f64>,
+    /// For each shape a column for each parameter.
+    x: Vec<Vec<Column>>,
+    /// Of each fold, what is left out.
+    folds: Vec<LeftOut>,
+    /// From the standard deviations of the series to those of all.
+    scale: f64,
+}
+
+/// What a unit of a parameter does.
+struct Column {
+    whole: Vec<f64>,
+    /// What the other causes leave of it.
+    left: Vec<f64>,
+}
+
+/// A size from the rest of all series.
+struct Sized {
+    shape: usize,
+    size: Vec<f64>,
+}
+
+impl Stack<'_> {
+    /// What a cause with one size for all gains beside the others; `causes` are those of each series.
+    pub(crate) fn gain_of(&self, cause: &Chosen, causes: &[Vec<Chosen>]) -> Option<BoundedGain> {
+        let candidate = &self.listed.candidates[cause.candidate];
+        let shapes: Vec<f64> = match candidate.hypothesis.has_shape() {
+            true => candidate.shapes.clone(),
+            false => vec![cause.shape],
+        };
+        let columns: Vec<&[Vec<f64>]> = shapes.iter().map(|s| candidate.columns(*s)).collect();
+        let showing = (0..self.all.len()).filter_map(|number| {
+            let own = self.members[cause.candidate][number]?;
+            let others = causes[number].iter().filter(|c| c.candidate != own);
+            let others: Vec<Chosen> = others.copied().collect();
+            Some(self.beside(number, &others, &columns))
+        });
+        let showing: Vec<Beside<'_>> = showing.collect();
+        let sizes: Vec<Option<Sized>> = (0..FOLDS).map(|fold| sized(&showing, fold)).collect();
+        let blocks = showing.iter().flat_map(|beside| beside.blocks(&sizes));
+        gain_of_blocks(&blocks.collect::<Vec<_>>())
+    }
+
+    /// A series beside other causes.
+    fn beside(&self, number: usize, others: &[Chosen], shapes: &[&[Vec<f64>]]) -> Beside<'_> {
+        let series = &self.all[number];
+        let problem = &series.model.problem;
+        let model = problem
+            .as_predicted
+            .extended(&problem.listed.columns(others));
+        let projected = |column: &Vec<f64>| {
+            let mut whole = column[self.rows(number)].to_vec();
+            whole.resize(model.rows(), 0.0);
+            let mut left = whole.clone();
+            model.project(&mut left);
+            Column { whole, left }
+        };
+        let of_shape = |columns: &&[Vec<f64>]| columns.iter().map(projected).collect();
+        let scale = problem.sigma_um / self.scales_um[number];
+        let fold = |fold: usize| {
+            let all = series.look.folds.iter().enumerate();
+            let rows = all.filter(|(_, own)| **own == fold).map(|(row, _)| row);
+            LeftOut::new(&model, rows.collect())
+        };
+        Beside {
+            series,
+            y: model.residuals.iter().map(|y| scale * y).collect(),
+            x: shapes.iter().map(of_shape).collect(),
+            folds: (0..FOLDS).map(fold).collect(),
+            scale,
+        }
+    }
+}
+
+impl Beside<'_> {
+    /// The squares without the cause, with it, and those expected of noise alone, of each block of readings.
+    fn blocks(&self, sizes: &[Option<Sized>]) -> Vec<[f64; 3]> {
+        let blocks = pass_blocks(self.series.plain.comparison);
+        let mut sums = vec![[0.0; 3]; blocks.iter().max().map_or(0, |last| last + 1)];
+        for (left, sized) in self.folds.iter().zip(sizes) {
+            let Some(Sized { shape, size }) = sized else {
+                continue;
+            };
+            let before = left.errors(&self.y);
+            let mut after = before.clone();
+            for (x, size) in self.x[*shape].iter().zip(size) {
+                add(&mut after, &left.errors(&x.left), -size);
+            }
+            let before = left.determined(before);
+            let expected = left.expected();
+            for (i, &row) in left.rows.iter().enumerate() {
+                if let Some(before) = before[i] {
+                    let sum = &mut sums[blocks[row]];
+                    sum[0] += before * before;
+                    sum[1] += after[i] * after[i];
+                    sum[2] += expected[i] * self.scale * self.scale;
+                }
+            }
+        }
+        sums
+    }
+}
+
+/// The shape and size that explain most of the rest of a fold; none if the rest does not show it.
+fn sized(all: &[Beside<'_>], fold: usize) -> Option<Sized> {
+    let shapes = all.first()?.x.len();
+    let of_shape = |shape: usize| {
+        let parameters = all[0].x[shape].len();
+        let mut gram = vec![0.0; parameters * parameters];
+        let mut s = vec![0.0; parameters];
+        let mut before = vec![0.0; parameters];
+        for beside in all {
+            let left = &beside.folds[fold];
+            let columns = &beside.x[shape];
+            for (i, x) in columns.iter().enumerate() {
+                let errors = left.errors(&x.left);
+                let rest = |z: &[f64]| dot(&x.whole, z) - left.product(&errors, z);
+                for (k, z) in columns.iter().enumerate() {
+                    gram[i * parameters + k] += rest(&z.left);
+                }
+                s[i] += rest(&beside.y);
+                before[i] += dot(&x.whole, &x.whole);
+            }
+        }
+        let gram = Gram::new(&gram, &before);
+        let size = gram.estimates(&s);
+        (gram.statistic(&s), Sized { shape, size })
+    };
+    let best = (0..shapes).map(of_shape).max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, sized)| sized)
+}
