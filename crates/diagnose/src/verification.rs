@@ -56,10 +56,10 @@ use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
 use crate::verification::gross_errors::gross_errors;
 use crate::verification::joined::join;
-use crate::verification::noise_floor::noise_floor_um;
+use crate::verification::noise_floor::{noise_floor_um, repeats};
 use crate::verification::prediction_error::prediction_directions;
 use crate::verification::problem::{Given, Problem};
-use crate::verification::resolution::resolution_um;
+use crate::verification::resolution::{hidden_um, resolution_um};
 use crate::verification::series::Series;
 use crate::verification::together::together;
 
@@ -191,18 +191,23 @@ fn judged<'a>(
             .push(format!("{name}: {why}; nothing can be said"));
         return None;
     };
+    let scatter_um = noise_floor_um(comparison);
+    let hidden_um = scatter_um.map_or(0.0, |scatter_um| {
+        hidden_um(resolution_um, scatter_um, repeats(comparison))
+    });
+    let floor_um = scatter_um.map(|scatter_um| scatter_um.max(resolution_um).hypot(hidden_um));
     let posed = |sigma_um: f64| {
         let directions = calibration.map(|c| prediction_directions(&[comparison], c, sigma_um));
         let given = Given {
             calibrated: calibration.is_some(),
             sigma_um,
             resolution_um,
+            hidden_um,
             base: &base,
             prediction: &directions.unwrap_or_default(),
         };
         Problem::new(comparison, scene, &given)
     };
-    let floor_um = noise_floor_um(comparison).map(|floor| floor.max(resolution_um));
     let curve = match calibration {
         None if explain_curves => {
             diagnose_line_curve(comparison, floor_um, comparison.machine, name)

@@ -38,8 +38,6 @@ pub(crate) struct Cause {
     pub(crate) curve: Option<Vec<CurvePoint>>,
     #[serde(default)]
     pub(crate) cannot_tell_apart_from: Vec<Rival>,
-    #[serde(default)]
-    pub(crate) note: Option<String>,
     pub(crate) explained_rms_um: Option<f64>,
     #[serde(default)]
     pub(crate) component_change: Map<String, Value>,

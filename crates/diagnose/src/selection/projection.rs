@@ -155,6 +155,14 @@ impl Projection {
         }
     }
 
+    /// The same where each observation has noise of so much more variance than its residuals show.
+    pub(crate) fn with_hidden(self, variance: f64) -> Self {
+        Self {
+            squares: self.squares + variance * self.degrees_of_freedom,
+            ..self
+        }
+    }
+
     /// Number of observations.
     pub(crate) fn rows(&self) -> usize {
         self.residuals.len()

@@ -259,6 +259,7 @@ fn beyond_the_prediction(calibration: &CalibratedMachine, trace: &Verification) 
         calibrated: true,
         sigma_um: SIGMA_UM,
         resolution_um: 0.0,
+        hidden_um: 0.0,
         base: &base,
         prediction: &directions,
     };

@@ -36,6 +36,12 @@ pub(crate) fn noise_floor_um(comparison: &Comparison<'_>) -> Option<f64> {
         .then(|| (left.squares() / degrees_of_freedom).sqrt())
 }
 
+/// Readings at the same commanded positions in the same direction, in the mean.
+pub(crate) fn repeats(comparison: &Comparison<'_>) -> f64 {
+    let cells = cells(comparison).iter().max().map_or(1, |max| max + 1);
+    comparison.arrivals.len() as f64 / cells as f64
+}
+
 /// What repeats do not repeat beyond an offset of each pass, with the model's projection; `None` without enough
 /// repeats. A slope of each pass would make all readings of a pass of three stops look alike.
 pub(crate) fn scatter(comparison: &Comparison<'_>) -> Option<Projection> {

@@ -40,7 +40,9 @@ pub(crate) struct Problem<'a> {
 pub(crate) struct Given<'a> {
     pub(crate) calibrated: bool,
     pub(crate) sigma_um: f64,
+    /// Standard uncertainty from the last digit, and what that hides of the noise.
     pub(crate) resolution_um: f64,
+    pub(crate) hidden_um: f64,
     pub(crate) base: &'a [Vec<f64>],
     /// Of the prediction's own errors.
     pub(crate) prediction: &'a [Vec<f64>],
@@ -58,7 +60,8 @@ impl<'a> Problem<'a> {
             column[direction.len() + k] = 1.0;
             columns.push(column);
         }
-        let base = Projection::dense(observations, &columns);
+        let hidden = (given.hidden_um / sigma_um).powi(2);
+        let base = Projection::dense(observations, &columns).with_hidden(hidden);
         let candidates = candidates(comparison, scene, |column| whiten(&column));
         Self {
             as_predicted,
@@ -66,7 +69,7 @@ impl<'a> Problem<'a> {
             calibrated: given.calibrated,
             wanders: false,
             sigma_um,
-            least_variance: (given.resolution_um / sigma_um).powi(2),
+            least_variance: (given.resolution_um / sigma_um).powi(2) + hidden,
             listed: Listed {
                 base,
                 candidates: candidates.into(),

@@ -20,3 +20,72 @@ pub(crate) fn resolution_um(comparison: &Comparison<'_>) -> Option<f64> {
     let least = gaps.min_by(f64::total_cmp);
     least.map(|gap| gap / 12_f64.sqrt())
 }
+
+/// Terms of the series: the next is below a thousandth of the first.
+const TERMS: u32 = 32;
+
+/// What the last digit (standard uncertainty `resolution_um` of one reading) hides of the noise of a reading where repeats scatter by
+/// `scatter_um`, a standard deviation in µm: they are rounded alike, and a mean of them is less certain than it looks.
+///
+/// Rounding in steps of δ leaves the mean of noise of standard deviation σ off by an amount whose variance over all places is
+///
+/// ```text
+/// v = Σ_k δ²/(2π²k²) exp(-4π²k²σ²/δ²)     v(0) = δ²/12
+/// ```
+///
+/// (B. Widrow, I. Kollár, Quantization Noise, 2008, ch. 4: the characteristic function of the noise at the multiples of 2π/δ). `n`
+/// repeats have it in common. As if it were independent it would have the variance `n v`, of which `v` is seen between places.
+/// From σ = δ/2 on nothing of it is left.
+pub(crate) fn hidden_um(resolution_um: f64, scatter_um: f64, repeats: f64) -> f64 {
+    let rounding = resolution_um * resolution_um;
+    let noise = (scatter_um * scatter_um - rounding).max(0.0);
+    let squared_digit = 12.0 * rounding;
+    let term = |k: u32| {
+        let waves = (std::f64::consts::PI * f64::from(k)).powi(2);
+        squared_digit / (2.0 * waves) * (-4.0 * waves * noise / squared_digit).exp()
+    };
+    let common: f64 = (1..=TERMS).map(term).sum();
+    ((repeats - 1.0).max(0.0) * common).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+
+    /// The mean of so many rounded readings at a place anywhere between two digits: its variance over 4000 places is that of
+    /// the noise that is seen and hidden, over the number of repeats, within four standard errors of such a variance.
+    #[test]
+    fn means_of_rounded_readings_are_as_uncertain_as_said() {
+        let mut generator = ChaCha8Rng::seed_from_u64(12);
+        for sigma in [0.0, 0.1, 0.2, 0.3, 0.5] {
+            let (places, repeats) = (4000, 5);
+            let (mut squares, mut within) = (0.0, 0.0);
+            for _ in 0..places {
+                let place: f64 = generator.random_range(-0.5..0.5);
+                let mut one = || {
+                    let sum: f64 = (0..12).map(|_| generator.random::<f64>()).sum();
+                    (place + sigma * (sum - 6.0)).round()
+                };
+                let readings: Vec<f64> = (0..repeats).map(|_| one()).collect();
+                let mean = readings.iter().sum::<f64>() / f64::from(repeats);
+                squares += (mean - place).powi(2);
+                within += readings.iter().map(|r| (r - mean).powi(2)).sum::<f64>();
+            }
+            let scatter = (within / f64::from(places * (repeats - 1))).sqrt();
+            let resolution = 12_f64.sqrt().recip();
+            let hidden = hidden_um(resolution, scatter, f64::from(repeats));
+            let seen = scatter.max(resolution);
+            let said = (seen * seen + hidden * hidden) / f64::from(repeats);
+            let ratio = squares / f64::from(places) / said;
+            // What is said is on the safe side: between the noise and the digit the larger is not enlarged by the other.
+            let three = 4.0 * (2.0 / f64::from(places)).sqrt();
+            assert!(
+                ratio < 1.0 + three && ratio > 0.7 - three,
+                "{sigma}: {ratio}"
+            );
+        }
+    }
+}
