@@ -12,16 +12,18 @@ mod line;
 mod linuxcnc;
 mod marlin;
 pub(crate) mod named_errors;
+mod old_files;
 mod sinumerik;
 mod skew;
 mod with_old;
 
 use nalgebra::Point3;
 use trueaxis_calibrate::CalibratedMachine;
-use trueaxis_kinematics::AxisKind;
+use trueaxis_kinematics::{AxisKind, Machine};
 
 use crate::Error;
 pub use announcement::{Announcement, LineFigures, Sizes};
+use old_files::OldFiles;
 
 /// A control, or the way in which it is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,22 +82,18 @@ impl Format {
         self.description_of().text
     }
 
-    /// Names of the files of old tables that [`Request::onto`] takes, for the axes of a machine.
+    /// Names of the files of old tables that [`Request::onto`] takes, for a machine.
     ///
     /// # Errors
     /// [`Error::Unsuitable`] for a format without tables.
-    pub fn old_files<'a>(self, axes: impl Iterator<Item = &'a str>) -> Result<Vec<String>, Error> {
-        match self.description_of().old_files {
-            OldFiles::Named(names) => Ok(names.iter().map(|&name| name.to_owned()).collect()),
-            OldFiles::OfEachAxis(ending) => {
-                Ok(axes.map(|axis| format!("{axis}{ending}")).collect())
-            }
-            OldFiles::None => Err(Error::Unsuitable {
-                format: self.name(),
-                takes: "no old tables",
-                lacks: "switch its skew correction off before you measure".to_owned(),
-            }),
-        }
+    pub fn old_files(self, machine: &Machine) -> Result<Vec<String>, Error> {
+        let description = self.description_of();
+        description.old_files.names(description.name, machine)
+    }
+
+    /// Whether a file of that name is meant as one of them; [`export()`] refuses it if it is none.
+    pub fn is_like_an_old_file(self, name: &str) -> bool {
+        self.description_of().old_files.is_like(name)
     }
 }
 
@@ -107,15 +105,6 @@ struct Description {
     text: &'static str,
     old_files: OldFiles,
     tables: fn(&Request<'_>) -> Result<Tables, Error>,
-}
-
-/// The files of tables that are in force, as the format names them.
-enum OldFiles {
-    /// It has no tables.
-    None,
-    Named(&'static [&'static str]),
-    /// Its name and this ending.
-    OfEachAxis(&'static str),
 }
 
 /// The error for a format of one file that got more.
@@ -218,9 +207,11 @@ pub(crate) struct Tables {
 /// # Errors
 /// What the control cannot hold, with the numbers: [`Error`].
 pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
-    if !request.onto.is_empty() {
-        format.old_files(std::iter::empty())?;
-    }
+    let description = format.description_of();
+    let machine = request.machine.machine();
+    description
+        .old_files
+        .check(description.name, machine, request.onto)?;
     if request.sign.is_some() && format != Format::Heidenhain {
         return Err(Error::Unsuitable {
             format: format.name(),
@@ -228,7 +219,7 @@ pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
             lacks: format!("only {} leaves that choice", Format::Heidenhain.name()),
         });
     }
-    let tables = (format.description_of().tables)(request)?;
+    let tables = (description.tables)(request)?;
     Ok(Export {
         announcement: Announcement::new(request, tables.rule.as_ref())?,
         files: tables.files,

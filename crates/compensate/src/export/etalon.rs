@@ -28,7 +28,7 @@ const DECIMALS: usize = 12;
 
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let components = Components::new(request, FORMAT.name)?;
-    let axes = onto(request, &components, FORMAT.name, read::read)?;
+    let axes = onto(request, &components, FORMAT.name, read::read)?.axes;
     let notes = components.notes(request);
     let mut text = String::new();
     // Writing to a String cannot fail.

@@ -307,6 +307,17 @@ fn what_a_control_cannot_hold_is_refused() {
         export(Format::Isg, &no_axis),
         Err(Error::NoSuchAxis { .. })
     ));
+    for format in [Format::Marlin, Format::Klipper] {
+        let one = Request {
+            axis: Some(1),
+            ..request(&machine)
+        };
+        let refused = export(format, &one).unwrap_err().to_string();
+        assert!(
+            refused.contains("X, Y and Z together; Y alone is asked for"),
+            "{refused}"
+        );
+    }
     // One axis: its file alone.
     let one = Request {
         axis: Some(1),

@@ -18,13 +18,31 @@ struct Assigned {
     fields: BTreeMap<String, (usize, String)>,
 }
 
+/// Names behind `$AA_ENC_COMP_` and `$AN_CEC_`.
+const OF_ENCODERS: [&str; 4] = ["STEP", "MIN", "MAX", "IS_MODULO"];
+const OF_SAG: [&str; 8] = [
+    "INPUT_AXIS",
+    "OUTPUT_AXIS",
+    "STEP",
+    "MIN",
+    "MAX",
+    "DIRECTION",
+    "MULT_BY_TABLE",
+    "IS_MODULO",
+];
+
+/// No machine has such errors: beyond this a file is in another unit than mm and degrees.
+const MOST: f64 = 5.0;
+
+/// Lines around the assignments, as they begin.
+const AROUND: [&str; 5] = ["%", "CHANDATA", "M17", "M30", "M02"];
+
 /// The tables of a file, for the axes of a machine.
 pub(crate) fn read(file: &ExportedFile, machine: &Machine) -> Result<Vec<Table>, Error> {
     let mut all: BTreeMap<String, Assigned> = BTreeMap::new();
     for (number, line) in (1..).zip(file.text.lines()) {
-        let content = line.split(';').next().unwrap_or_default().trim();
-        if !content.starts_with('$') {
-            // The header, CHANDATA, M17.
+        let content = without_number(line.split(';').next().unwrap_or_default().trim());
+        if content.is_empty() || AROUND.iter().any(|begin| content.starts_with(begin)) {
             continue;
         }
         let refused = |expected: &str| wrong(&file.name, number, line, expected);
@@ -38,36 +56,61 @@ pub(crate) fn read(file: &ExportedFile, machine: &Machine) -> Result<Vec<Table>,
         let (table, point, field) = match (name, index.as_slice()) {
             ("$AA_ENC_COMP", ["0", point, axis]) => ((*axis).to_owned(), Some(*point), ""),
             ("$AN_CEC", [table, point]) => (format!("${table}"), Some(*point), ""),
-            (name, ["0", axis]) if name.starts_with("$AA_ENC_COMP_") => {
-                ((*axis).to_owned(), None, &name["$AA_ENC_COMP_".len()..])
+            (name, index) => {
+                let of_encoder = name.strip_prefix("$AA_ENC_COMP_");
+                let of_encoder = of_encoder.filter(|field| OF_ENCODERS.contains(field));
+                let of_sag = name.strip_prefix("$AN_CEC_");
+                let of_sag = of_sag.filter(|field| OF_SAG.contains(field));
+                match (of_encoder, of_sag, index) {
+                    (Some(field), _, ["0", axis]) => ((*axis).to_owned(), None, field),
+                    (_, Some(field), [table]) => (format!("${table}"), None, field),
+                    _ => return Err(refused("$AA_ENC_COMP of encoder 0, or $AN_CEC")),
+                }
             }
-            (name, [table]) if name.starts_with("$AN_CEC_") => {
-                (format!("${table}"), None, &name["$AN_CEC_".len()..])
-            }
-            _ => return Err(refused("$AA_ENC_COMP of encoder 0, or $AN_CEC")),
         };
         let table = all.entry(table).or_default();
         table.line = table.line.max(number);
         match point {
             None => {
                 let value = (number, value.to_owned());
-                table.fields.insert(field.to_owned(), value);
+                if table.fields.insert(field.to_owned(), value).is_some() {
+                    return Err(refused("each variable of a table once"));
+                }
             }
             Some(point) => {
                 let value = value.parse().ok().filter(|x: &f64| x.is_finite());
                 let (Ok(point), Some(value)) = (point.parse(), value) else {
                     return Err(refused("a number for a point"));
                 };
+                if value.abs() > MOST {
+                    return Err(refused(
+                        "an error of a machine: the file is in mm and degrees",
+                    ));
+                }
                 if table.values.insert(point, value).is_some() {
                     return Err(refused("each point once"));
                 }
             }
         }
     }
+    if all.is_empty() {
+        let expected = "tables, as $AA_ENC_COMP[0,0,AX1]=0.001 and so on";
+        return Err(wrong(&file.name, 1, "no assignment", expected));
+    }
     let tables = all.iter();
     tables
         .map(|(name, assigned)| assigned.table(&file.name, name, machine))
         .collect()
+}
+
+/// Without the number of the block, as `N10`.
+fn without_number(content: &str) -> &str {
+    let numbered = content.strip_prefix('N').and_then(|rest| {
+        let (number, rest) = rest.split_once(' ')?;
+        let is_number = !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit());
+        is_number.then_some(rest.trim_start())
+    });
+    numbered.unwrap_or(content)
 }
 
 impl Assigned {
