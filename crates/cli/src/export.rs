@@ -30,6 +30,7 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
             axis: axis.transpose()?,
             step: args.step,
             sign: args.sign,
+            levers: args.levers,
             onto: &old,
         },
     )?;
@@ -110,6 +111,13 @@ fn old_tables(
     }
     let read: Vec<&str> = old.iter().map(|file| file.name.as_str()).collect();
     let mut said = format!("the new tables contain the old {}", read.join(", "));
+    let without_end = old.iter().filter(|file| !file.text.ends_with('\n'));
+    for file in without_end {
+        let name = &file.name;
+        said.push_str(&format!(
+            "; the last line of {name} has no end: the file may be cut off"
+        ));
+    }
     if !others.is_empty() {
         said.push_str(&format!("; not read: {}", others.join(", ")));
     }

@@ -107,6 +107,10 @@ struct Description {
     tables: fn(&Request<'_>) -> Result<Tables, Error>,
 }
 
+/// At the top of each file whose rule is known from one source alone, or in part.
+const EXPERIMENTAL: &str =
+    "EXPERIMENTAL: not all of the rule of the control is public; check one measured line";
+
 /// The error for a format of one file that got more.
 fn one_file(format: &'static str, found: usize) -> Error {
     Error::Unsuitable {
@@ -132,6 +136,9 @@ pub struct Request<'a> {
     /// What the control makes of a value, where no public page says it: [`Format::Heidenhain`] wants it, no other format takes
     /// it.
     pub sign: Option<TableSign>,
+    /// Whether the angles of linear axes act on the positions of the others, as products of tables: only [`Format::Sinumerik`]
+    /// has them.
+    pub levers: bool,
     /// The files of this format that were active while the machine was measured: the new ones contain them.
     pub onto: &'a [ExportedFile],
 }
@@ -217,6 +224,13 @@ pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
             format: format.name(),
             takes: "no sign",
             lacks: format!("only {} leaves that choice", Format::Heidenhain.name()),
+        });
+    }
+    if request.levers && format != Format::Sinumerik {
+        return Err(Error::Unsuitable {
+            format: format.name(),
+            takes: "no levers",
+            lacks: format!("only {} multiplies tables", Format::Sinumerik.name()),
         });
     }
     let tables = (description.tables)(request)?;

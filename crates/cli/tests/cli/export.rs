@@ -111,6 +111,16 @@ fn what_cannot_be_made_is_refused_and_nothing_is_written() {
             "if in the positive one, --sign correction",
         ),
         ("grid", ["--sign", "error"], "grid takes no sign"),
+        (
+            "heidenhain",
+            ["--levers", "--sign=error"],
+            "heidenhain takes no levers; only sinumerik multiplies tables",
+        ),
+        (
+            "sinumerik",
+            ["--levers", "--axis=Z"],
+            "acts along another one; these axes have none",
+        ),
         ("fanuc", ["--axis", "X"], "possible values: grid, linuxcnc"),
     ] {
         let outcome = export(&folder, format, &options);
@@ -122,6 +132,35 @@ fn what_cannot_be_made_is_refused_and_nothing_is_written() {
         &["export", "grid", "nowhere/calibration.json"],
     );
     outcome.assert_failed("no file", 3, &["give the path of a calibration.json"]);
+}
+
+/// The tables of the levers, and the trial that goes before them.
+#[test]
+fn levers_are_experimental_in_every_file() {
+    let folder = calibrated();
+    let outcome = export(&folder, "sinumerik", &["--levers", "--out", "tables"]);
+    outcome.assert_good();
+    for says in [
+        "load LEVER_TRIAL.INI first",
+        "16 sag compensation tables",
+        "is experimental",
+    ] {
+        assert!(outcome.stderr.contains(says), "{}", outcome.stderr);
+    }
+    let written = folder.path().join("tables");
+    let files = ["AX_EEC.INI", "LEVER_TRIAL.INI", "NC_CEC.INI"];
+    assert_eq!(file_names(&written), files);
+    for file in files {
+        let text = fs::read_to_string(written.join(file)).unwrap();
+        let second = text.lines().nth(1).unwrap();
+        assert!(second.starts_with("; EXPERIMENTAL"), "{file}: {second}");
+    }
+    let onto = ["--levers", "--onto", "tables", "--out", "sum"];
+    let outcome = export(&folder, "sinumerik", &onto);
+    outcome.assert_good();
+    let says = "contain the old AX_EEC.INI, NC_CEC.INI; not read: LEVER_TRIAL.INI";
+    assert!(outcome.stderr.contains(says), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("16 sag compensation tables"));
 }
 
 #[test]

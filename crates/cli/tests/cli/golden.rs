@@ -55,6 +55,14 @@ fn golden_tables() {
     );
 }
 
+#[test]
+fn golden_help_of_export() {
+    let folder = tempfile::tempdir().unwrap();
+    let outcome = run(folder.path(), &["export", "--help"]);
+    outcome.assert_good();
+    assert_golden("help-export.txt", &outcome.stdout);
+}
+
 /// What is said of old tables that are none.
 #[test]
 fn golden_old_tables() {
@@ -62,12 +70,14 @@ fn golden_old_tables() {
     calibrate_shipped(folder.path(), "fxyz");
     let text = "0 0 0\n440 440.01 440.01\n";
     fs::create_dir(folder.path().join("old")).unwrap();
+    fs::create_dir(folder.path().join("cut")).unwrap();
     for (name, text) in [
         ("X_old.comp", text),
         ("X.com.csv", text),
         ("type1.comp", text),
         ("old/X.comp", text),
         ("old/notes.txt", text),
+        ("cut/X.comp", &text[..20]),
         ("X.comp", "0 0 0\n440 0.01 0.01\n"),
         ("Y.comp", ""),
     ] {
@@ -79,6 +89,7 @@ fn golden_old_tables() {
         ("linuxcnc", "X.comp"),
         ("linuxcnc", "Y.comp"),
         ("linuxcnc", "old"),
+        ("linuxcnc", "cut"),
         ("linuxcnc", "."),
         ("heidenhain", "X_old.comp"),
         ("heidenhain", "X.com.csv"),

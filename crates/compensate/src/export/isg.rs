@@ -16,7 +16,7 @@ use trueaxis_kinematics::{AxisKind, Component};
 use crate::Error;
 use crate::export::components::Components;
 use crate::export::with_old::{WithOld, onto};
-use crate::export::{Description, ExportedFile, OldFiles, Request, Tables, round};
+use crate::export::{Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Tables, round};
 
 pub(super) const FORMAT: Description = Description {
     name: "isg",
@@ -32,7 +32,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let components = Components::new(request, FORMAT.name)?;
     let WithOld { axes, of_the_tool } = onto(request, &components, FORMAT.name, read::read)?;
     let mut notes = components.notes(request);
-    let mut text = String::new();
+    let mut text = format!("// {EXPERIMENTAL}\n");
     for note in &notes {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "// {note}");
