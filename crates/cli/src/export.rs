@@ -22,18 +22,17 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
         None => (Vec::new(), NONE_GIVEN.to_owned()),
         Some(path) => old_tables(&machine, format, path)?,
     };
-    let tables = export(
-        format,
-        &Request {
-            machine: &machine,
-            at,
-            axis: axis.transpose()?,
-            step: args.step,
-            sign: args.sign,
-            levers: args.levers,
-            onto: &old,
-        },
-    )?;
+    let request = Request {
+        machine: &machine,
+        at,
+        axis: axis.transpose()?,
+        step: args.step,
+        sign: args.sign,
+        levers: args.levers,
+        onto: &old,
+    };
+    let folder = args.onto.as_deref().map_or(Path::new(""), folder_of);
+    let tables = export(format, &request).map_err(|error| in_folder(error, folder))?;
     for line in source(&machine) {
         say(&line);
     }
@@ -56,7 +55,18 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
             "no --at: the lines go through the reference point ({x}, {y}, {z}) mm, not through where the machine works"
         ));
     }
-    notice(&said_of_old);
+    if format.old_files(machine.machine()).is_ok() {
+        notice(&said_of_old);
+    } else {
+        notice("right only if the control's own correction was off while the machine was measured");
+    }
+    let (before, after) = (&tables.announcement.before, &tables.announcement.after);
+    if after.rms_mm > before.rms_mm {
+        notice(
+            "with these tables the volumetric error is larger: errors that they leave, as those of rotary axes, partly cancelled \
+             those that they take away; take a format that holds all (isg, etalon), or the tables of single axes (--axis)",
+        );
+    }
     let mut results = Results::new(args.out.as_deref(), &machine.campaign)?;
     for file in &tables.files {
         results.write(&file.name, file.text.as_bytes())?;
@@ -102,10 +112,7 @@ fn old_tables(
     }
     let mut old = Vec::new();
     for name in names {
-        let path = match path.is_file() {
-            true => path.to_owned(),
-            false => path.join(&name),
-        };
+        let path = folder_of(path).join(&name);
         let text = std::fs::read_to_string(&path).map_err(Unreadable::at(&path, ONTO))?;
         old.push(ExportedFile { name, text });
     }
@@ -122,6 +129,32 @@ fn old_tables(
         said.push_str(&format!("; not read: {}", others.join(", ")));
     }
     Ok((old, said))
+}
+
+/// The folder that is given, or that of the file.
+fn folder_of(path: &Path) -> &Path {
+    match path.is_file() {
+        true => path.parent().unwrap_or(path),
+        false => path,
+    }
+}
+
+/// A line of a table that is wrong, with the path of its file.
+pub(crate) fn in_folder(error: Error, folder: &Path) -> Error {
+    match error {
+        Error::Table {
+            file,
+            line,
+            found,
+            expected,
+        } => Error::Table {
+            file: folder.join(file).display().to_string(),
+            line,
+            found,
+            expected,
+        },
+        error => error,
+    }
 }
 
 /// The files of a folder in the order of their names; none of one that is not there.

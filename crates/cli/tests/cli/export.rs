@@ -60,10 +60,14 @@ fn every_format_writes_its_files() {
         outcome.assert_good();
         assert_eq!(outcome.stdout, "");
         assert_eq!(file_names(&written), files, "{format}");
+        let of_old = match format {
+            "marlin" | "klipper" => "if the control's own correction was off",
+            _ => "add these tables to the old ones",
+        };
         for says in [
             "volumetric error, rms",
             "tool point (175.6, 497.5, 312.1) mm at home",
-            "add these tables to the old ones",
+            of_old,
         ] {
             assert!(
                 outcome.stderr.contains(says),
@@ -132,6 +136,24 @@ fn what_cannot_be_made_is_refused_and_nothing_is_written() {
         &["export", "grid", "nowhere/calibration.json"],
     );
     outcome.assert_failed("no file", 3, &["give the path of a calibration.json"]);
+}
+
+/// Errors of rotary axes and of linear ones may cancel each other: tables for the linear ones alone are no gain then.
+#[test]
+fn tables_that_make_it_worse_say_so() {
+    let folder = tempfile::tempdir().unwrap();
+    calibrate_shipped(folder.path(), "five-axis");
+    for (format, is_worse) in [("grid", true), ("isg", false)] {
+        let outcome = export(&folder, format, &["--at", "0,0,100", "--out", "tables"]);
+        outcome.assert_good();
+        let says = "with these tables the volumetric error is larger";
+        assert_eq!(
+            outcome.stderr.contains(says),
+            is_worse,
+            "{}",
+            outcome.stderr
+        );
+    }
 }
 
 /// The tables of the levers, and the trial that goes before them.

@@ -115,6 +115,13 @@ fn what_is_wrong_is_refused_with_its_place() {
     let inside = text.rfind("Gridpoints = {").unwrap() + 40;
     fs::write(current.join("cut.txt"), &text[..inside]).unwrap();
     import(current, "cut.txt", &[]).assert_failed("cut off", 3, &["cut.txt line", "expected"]);
+    let told = import(current, "cut.txt", &["--json"]);
+    let error: Value = serde_json::from_str(&told.stdout).unwrap();
+    let line = 1 + text[..inside].matches('\n').count();
+    assert_eq!(
+        (&error["file"], &error["line"]),
+        (&"cut.txt".into(), &line.into())
+    );
     fs::remove_file(current.join("cut.txt")).unwrap();
     let refused = import(current, "nowhere.txt", &[]);
     refused.assert_failed("no file", 3, &["nowhere.txt cannot be read", "ISG_CSV"]);
