@@ -118,6 +118,14 @@ fn old_tables(
     }
     let read: Vec<&str> = old.iter().map(|file| file.name.as_str()).collect();
     let mut said = format!("the new tables contain the old {}", read.join(", "));
+    // One file of a format may have any name.
+    let (given, not_given): (Vec<&str>, Vec<&str>) = expected
+        .iter()
+        .map(String::as_str)
+        .partition(|name| read.contains(name));
+    if !given.is_empty() && !not_given.is_empty() {
+        said.push_str(&format!("; not given: {}", not_given.join(", ")));
+    }
     let without_end = old.iter().filter(|file| !file.text.ends_with('\n'));
     for file in without_end {
         let name = &file.name;

@@ -90,6 +90,14 @@ fn an_imported_calibration_goes_where_others_do() {
                 .stderr
                 .contains("the calibration has no uncertainties");
             assert_eq!(said, !has_u, "{verb:?}: {}", outcome.stderr);
+            let unknown = "whether any has changed by more than the noise is not known";
+            let says_unknown = outcome.stderr.contains(unknown);
+            assert_eq!(
+                says_unknown,
+                verb[0] == "compare" && !has_u,
+                "{}",
+                outcome.stderr
+            );
             assert!(!outcome.stderr.contains("NaN"), "{}", outcome.stderr);
             assert!(!outcome.stdout.contains("NaN"), "{}", outcome.stdout);
         }

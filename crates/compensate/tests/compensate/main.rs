@@ -9,6 +9,7 @@ mod controllers;
 mod export;
 mod import;
 mod inverse;
+mod iso_230_2;
 mod levers;
 mod onto;
 mod parallel_lines;
