@@ -6,13 +6,13 @@ use crate::export::{ExportedFile, Request, round};
 
 pub(super) const FILE: &str = "LEVER_TRIAL.INI";
 
-/// The same everywhere, mm.
+/// Of the table of the angle, the same everywhere, mm.
 const FACTOR: f64 = 0.1;
 
-/// Of the position of the axis that is the lever.
-const SHARE: f64 = 1e-3;
+/// Of the table of the lever, at its far end, mm.
+const AT_FAR_END: f64 = 0.4;
 
-/// The tables of a product with small values: a constant for the angle, and a thousandth of the lever.
+/// The tables of a product with small values: a constant for the angle, and a small share of the lever.
 pub(super) fn file(request: &Request<'_>, product: &Product) -> ExportedFile {
     let Product { factor, lever } = product;
     let count = factor.values.len() - 1;
@@ -21,19 +21,19 @@ pub(super) fn file(request: &Request<'_>, product: &Product) -> ExportedFile {
         values: vec![FACTOR; 2],
         ..factor.clone()
     };
-    let thousandth = Table {
-        values: lever.values.iter().map(|x| SHARE * x).collect(),
+    let ends = [lever.min, lever.min + lever.step];
+    let far = match ends[0].abs() > ends[1].abs() {
+        true => ends[0],
+        false => ends[1],
+    };
+    let share = AT_FAR_END / far.abs();
+    let small = Table {
+        values: lever.values.iter().map(|x| share * x).collect(),
         ..lever.clone()
     };
     let (by, of) = (request.name(lever.input), request.name(factor.output));
-    let ends = [lever.min, lever.min + lever.step];
-    let far = if ends[0].abs() > ends[1].abs() {
-        ends[0]
-    } else {
-        ends[1]
-    };
-    let alone = round(FACTOR * SHARE * far, 4);
-    let with_lever = round(SHARE * far + FACTOR * SHARE * far, 4);
+    let alone = round(FACTOR * share * far, 4);
+    let with_lever = round(share * far + FACTOR * share * far, 4);
     let mut text = format!(
         "%_N_NC_CEC_INI\n\
          ; EXPERIMENTAL: a trial of $AN_CEC_MULT_BY_TABLE, not a compensation; it replaces the tables 0 and 1. No tool in the spindle,\n\
@@ -46,7 +46,7 @@ pub(super) fn file(request: &Request<'_>, product: &Product) -> ExportedFile {
         -alone, -with_lever
     );
     constant.write(&mut text, 0, Some(1));
-    thousandth.write(&mut text, 1, None);
+    small.write(&mut text, 1, None);
     text.push_str("M17\n");
     ExportedFile {
         name: FILE.to_owned(),
