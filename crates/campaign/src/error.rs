@@ -192,7 +192,7 @@ pub enum Problem {
         expected: usize,
     },
     /// A header without rows.
-    #[error("there are no rows below the header; expected one for each reading")]
+    #[error("there are no rows below the header; expected one at least")]
     NoRows,
 
     // What the rows say together.

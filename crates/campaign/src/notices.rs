@@ -22,6 +22,17 @@ pub(crate) fn clock_going_back(
     None
 }
 
+/// A file that was cut off within its last number is a table like others.
+pub(crate) fn without_line_end(file_name: &str, text: &str) -> Option<String> {
+    let notice = || {
+        format!(
+            "{file_name}: the last line has no end; was the file saved completely? Look at its last number"
+        )
+    };
+    let has_end = text.trim_end_matches([' ', '\t']).ends_with('\n');
+    (!has_end).then(notice)
+}
+
 /// Reflectors whose names differ only in case, blanks and punctuation: perhaps one, written in two ways.
 pub(crate) fn similar_reflectors(targets: &[Target]) -> Vec<String> {
     let letters = |name: &str| -> String {

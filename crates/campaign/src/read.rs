@@ -103,7 +103,10 @@ impl<'t> Folder<'_, 't> {
         check_rows(&file, name, campaign, stops, readings, steps)?;
         let notices = plausibility::check_lengths(&file, name, campaign, &lengths)?;
         let copies = plausibility::check_copies(&file, name, campaign, stops, readings)?;
-        campaign.notices.extend(notices.into_iter().chain(copies));
+        let cut = notices::without_line_end(name, &text);
+        campaign
+            .notices
+            .extend(notices.into_iter().chain(copies).chain(cut));
         campaign.lengths = Some(lengths);
         Ok(())
     }
@@ -117,7 +120,10 @@ impl<'t> Folder<'_, 't> {
         check_rows(&file, name, campaign, stops, readings, steps)?;
         let notices = plausibility::check_points(&file, name, campaign, &points)?;
         let copies = plausibility::check_copies(&file, name, campaign, stops, readings)?;
-        campaign.notices.extend(notices.into_iter().chain(copies));
+        let cut = notices::without_line_end(name, &text);
+        campaign
+            .notices
+            .extend(notices.into_iter().chain(copies).chain(cut));
         campaign.points = Some(points);
         Ok(())
     }
@@ -150,8 +156,9 @@ impl<'t> Folder<'_, 't> {
             let timed = rows
                 .iter()
                 .filter_map(|&(time_s, line)| Some((time_s?, line)));
-            let notice = notices::clock_going_back(&entry.readings, timed);
-            campaign.notices.extend(notice);
+            let clock = notices::clock_going_back(&entry.readings, timed);
+            let cut = notices::without_line_end(&entry.readings, &text);
+            campaign.notices.extend(clock.into_iter().chain(cut));
         }
         Ok(())
     }

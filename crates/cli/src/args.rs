@@ -179,6 +179,12 @@ pub(crate) struct ExportArgs {
     /// it the message says how to find out.
     #[arg(long, value_name = "SIGN", value_parser = sign_parser())]
     pub(crate) sign: Option<TableSign>,
+
+    /// Only for sinumerik, experimental: products of tables, the angles of the linear axes times the
+    /// positions of the others, so that the tables are right beside their lines, too; also writes a
+    /// small trial to be loaded first.
+    #[arg(long)]
+    pub(crate) levers: bool,
 }
 
 #[derive(Debug, ClapArgs)]

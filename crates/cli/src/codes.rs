@@ -248,6 +248,7 @@ fn of_compensate(error: &Compensate) -> &'static str {
         Compensate::UnequalSteps { .. } => "E606",
         Compensate::TooManyPoints { .. } => "E607",
         Compensate::Slope { .. } => "E608",
+        Compensate::NoOldTable { .. } => "E609",
         Compensate::NoSign { .. } => "E615",
     }
 }

@@ -117,6 +117,9 @@ fn unit(difference: &Difference) -> (f64, &'static str) {
 /// What it amounts to.
 fn summary(differences: &[Difference]) -> String {
     let curves = by_name(differences);
+    if differences.iter().any(|d| d.u.is_nan()) {
+        return "whether any has changed by more than the noise is not known: a calibration has no uncertainties".to_owned();
+    }
     let changed = curves
         .iter()
         .filter(|curve| curve.iter().any(Difference::is_beyond_noise));

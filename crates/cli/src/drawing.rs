@@ -1,5 +1,6 @@
 //! An error drawn on the line of the file where it is, with a mark below.
 
+use std::borrow::Cow;
 use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -27,6 +28,7 @@ impl Spot {
     /// `None` if the error is in no line of a file.
     pub(crate) fn of(error: &anyhow::Error) -> Option<Self> {
         let place = error.chain().find_map(place)?;
+        let place = place.as_ref();
         let file = place.file.as_ref()?;
         if fs::metadata(file).ok()?.len() > LARGEST {
             return None;
@@ -60,11 +62,18 @@ impl Spot {
 }
 
 /// The file that an error is in.
-pub(crate) fn file(error: &anyhow::Error) -> Option<&Path> {
-    error.chain().find_map(place)?.file.as_deref()
+pub(crate) fn file(error: &anyhow::Error) -> Option<PathBuf> {
+    error.chain().find_map(place)?.file.clone()
 }
 
-fn place<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<&'e Place> {
+fn place<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<Cow<'e, Place>> {
+    if let Some(trueaxis_compensate::Error::Table { file, line, .. }) = cause.downcast_ref() {
+        return Some(Cow::Owned(*Place::line(Path::new(file), *line)));
+    }
+    place_of_document(cause).map(Cow::Borrowed)
+}
+
+fn place_of_document<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<&'e Place> {
     if let Some(error) = cause.downcast_ref::<ReadError>() {
         return match error {
             ReadError::Document(error) => Some(&error.place),
@@ -97,6 +106,9 @@ fn place<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<&'e Place> 
 
 /// What was found, where the separators of the file are not known.
 fn word<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<&'e str> {
+    if let Some(trueaxis_compensate::Error::Table { found, .. }) = cause.downcast_ref() {
+        return Some(found);
+    }
     match &cause.downcast_ref::<trueaxis_import::Error>()?.problem {
         trueaxis_import::Problem::Cell { found, .. } => Some(found),
         trueaxis_import::Problem::NoSuchColumn { name, .. } => Some(name),

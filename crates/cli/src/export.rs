@@ -18,21 +18,21 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
     let format = args.format;
     let axis = args.axis.as_deref().map(|name| index(&machine, name));
     let at = args.at.unwrap_or(machine.reference_point_mm());
-    let old = match &args.onto {
-        None => Vec::new(),
+    let (old, said_of_old) = match &args.onto {
+        None => (Vec::new(), NONE_GIVEN.to_owned()),
         Some(path) => old_tables(&machine, format, path)?,
     };
-    let tables = export(
-        format,
-        &Request {
-            machine: &machine,
-            at,
-            axis: axis.transpose()?,
-            step: args.step,
-            sign: args.sign,
-            onto: &old,
-        },
-    )?;
+    let request = Request {
+        machine: &machine,
+        at,
+        axis: axis.transpose()?,
+        step: args.step,
+        sign: args.sign,
+        levers: args.levers,
+        onto: &old,
+    };
+    let folder = args.onto.as_deref().map_or(Path::new(""), folder_of);
+    let tables = export(format, &request).map_err(|error| in_folder(error, folder))?;
     for line in source(&machine) {
         say(&line);
     }
@@ -55,9 +55,16 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
             "no --at: the lines go through the reference point ({x}, {y}, {z}) mm, not through where the machine works"
         ));
     }
-    if old.is_empty() {
+    if format.old_files(machine.machine()).is_ok() {
+        notice(&said_of_old);
+    } else {
+        notice("right only if the control's own correction was off while the machine was measured");
+    }
+    let (before, after) = (&tables.announcement.before, &tables.announcement.after);
+    if after.rms_mm > before.rms_mm {
         notice(
-            "a control that compensated while it was measured must keep doing so: add these tables to the old ones (--onto)",
+            "with these tables the volumetric error is larger: errors that they leave, as those of rotary axes, partly cancelled \
+             those that they take away; take a format that holds all (isg, etalon), or the tables of single axes (--axis)",
         );
     }
     let mut results = Results::new(args.out.as_deref(), &machine.campaign)?;
@@ -76,41 +83,103 @@ pub(crate) struct NoOldTables {
     names: String,
 }
 
+const NONE_GIVEN: &str = "a control that compensated while it was measured must keep doing so: add these tables to the old ones (--onto)";
+
 const ONTO: &str = "--onto wants the folder of the old tables, or a file";
 
-/// A file, or those in a folder that have the names of the format.
+/// A file, or those in a folder that have the names of the format; and which these are, with what else is in the folder.
 fn old_tables(
     machine: &CalibratedMachine,
     format: Format,
     path: &Path,
-) -> anyhow::Result<Vec<ExportedFile>> {
-    let axes = machine.machine().axes().iter().map(|axis| axis.name());
-    let names = format.old_files(axes)?;
-    let files: Vec<(String, PathBuf)> = match path.file_name() {
-        Some(name) if path.is_file() => {
-            vec![(name.to_string_lossy().into_owned(), path.to_owned())]
+) -> anyhow::Result<(Vec<ExportedFile>, String)> {
+    let unreadable = Unreadable::at(path, ONTO);
+    let expected = format.old_files(machine.machine())?;
+    let (names, others) = match path.file_name() {
+        Some(name) if path.is_file() => (vec![name.to_string_lossy().into_owned()], Vec::new()),
+        _ => {
+            let all = names_in(path).map_err(unreadable)?;
+            all.into_iter()
+                .partition(|name| format.is_like_an_old_file(name))
         }
-        _ => names
-            .iter()
-            .map(|name| (name.clone(), path.join(name)))
-            .collect(),
     };
-    let mut old = Vec::new();
-    for (name, path) in files {
-        match std::fs::read_to_string(&path) {
-            Ok(text) => old.push(ExportedFile { name, text }),
-            Err(source) if source.kind() == std::io::ErrorKind::NotFound => {}
-            Err(source) => return Err(Unreadable::at(&path, ONTO)(source).into()),
-        }
-    }
-    match old.is_empty() {
-        true => Err(NoOldTables {
+    if names.is_empty() {
+        return Err(NoOldTables {
             folder: path.to_owned(),
-            names: names.join(", "),
+            names: expected.join(", "),
         }
-        .into()),
-        false => Ok(old),
+        .into());
     }
+    let mut old = Vec::new();
+    for name in names {
+        let path = folder_of(path).join(&name);
+        let text = std::fs::read_to_string(&path).map_err(Unreadable::at(&path, ONTO))?;
+        old.push(ExportedFile { name, text });
+    }
+    let read: Vec<&str> = old.iter().map(|file| file.name.as_str()).collect();
+    let mut said = format!("the new tables contain the old {}", read.join(", "));
+    // One file of a format may have any name.
+    let (given, not_given): (Vec<&str>, Vec<&str>) = expected
+        .iter()
+        .map(String::as_str)
+        .partition(|name| read.contains(name));
+    if !given.is_empty() && !not_given.is_empty() {
+        said.push_str(&format!("; not given: {}", not_given.join(", ")));
+    }
+    let without_end = old.iter().filter(|file| !file.text.ends_with('\n'));
+    for file in without_end {
+        let name = &file.name;
+        said.push_str(&format!(
+            "; the last line of {name} has no end: the file may be cut off"
+        ));
+    }
+    if !others.is_empty() {
+        said.push_str(&format!("; not read: {}", others.join(", ")));
+    }
+    Ok((old, said))
+}
+
+/// The folder that is given, or that of the file.
+fn folder_of(path: &Path) -> &Path {
+    match path.is_file() {
+        true => path.parent().unwrap_or(path),
+        false => path,
+    }
+}
+
+/// A line of a table that is wrong, with the path of its file.
+pub(crate) fn in_folder(error: Error, folder: &Path) -> Error {
+    match error {
+        Error::Table {
+            file,
+            line,
+            found,
+            expected,
+        } => Error::Table {
+            file: folder.join(file).display().to_string(),
+            line,
+            found,
+            expected,
+        },
+        error => error,
+    }
+}
+
+/// The files of a folder in the order of their names; none of one that is not there.
+fn names_in(folder: &Path) -> std::io::Result<Vec<String>> {
+    let entries = match std::fs::read_dir(folder) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries?,
+    };
+    let mut names = Vec::new();
+    for entry in entries {
+        let entry = entry?;
+        if entry.path().is_file() {
+            names.push(entry.file_name().to_string_lossy().into_owned());
+        }
+    }
+    names.sort();
+    Ok(names)
 }
 
 fn index(machine: &CalibratedMachine, name: &str) -> Result<usize, Error> {

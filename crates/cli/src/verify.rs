@@ -13,7 +13,7 @@ use trueaxis_kinematics::ARCSEC;
 use crate::args::VerifyArgs;
 use crate::exit::Exit;
 use crate::predict::source;
-use crate::talk::say;
+use crate::talk::{notice, say};
 use crate::traceability::{of_calibration, traced};
 
 pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
@@ -49,6 +49,7 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     for found in &parallel {
         angles(&machine, found).iter().for_each(|line| say(line));
     }
+    campaign.notices.iter().for_each(|text| notice(text));
     results.end(args.result.json.then_some(&text))?;
     let is_refused = verified.iter().any(Verified::is_misfit);
     Ok(match is_refused && args.fail_on_misfit {

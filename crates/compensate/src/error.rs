@@ -55,6 +55,18 @@ pub enum Error {
         /// What it should be.
         expected: String,
     },
+    /// A file that is no table of the format, where its old ones are asked for.
+    #[error(
+        "{file} is no old table of {format} for this machine; expected {expected}: the name says for which axis it is"
+    )]
+    NoOldTable {
+        /// Name of the file.
+        file: String,
+        /// Name of the format.
+        format: &'static str,
+        /// Names of those that it has.
+        expected: String,
+    },
     /// Tables whose sign only a test on the machine tells.
     #[error(
         "{format}: no public page that was found says which sign a value in a table has; find out on the machine, with an \

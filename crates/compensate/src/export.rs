@@ -12,16 +12,18 @@ mod line;
 mod linuxcnc;
 mod marlin;
 pub(crate) mod named_errors;
+mod old_files;
 mod sinumerik;
 mod skew;
 mod with_old;
 
 use nalgebra::Point3;
 use trueaxis_calibrate::CalibratedMachine;
-use trueaxis_kinematics::AxisKind;
+use trueaxis_kinematics::{AxisKind, Machine};
 
 use crate::Error;
 pub use announcement::{Announcement, LineFigures, Sizes};
+use old_files::OldFiles;
 
 /// A control, or the way in which it is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,22 +82,18 @@ impl Format {
         self.description_of().text
     }
 
-    /// Names of the files of old tables that [`Request::onto`] takes, for the axes of a machine.
+    /// Names of the files of old tables that [`Request::onto`] takes, for a machine.
     ///
     /// # Errors
     /// [`Error::Unsuitable`] for a format without tables.
-    pub fn old_files<'a>(self, axes: impl Iterator<Item = &'a str>) -> Result<Vec<String>, Error> {
-        match self.description_of().old_files {
-            OldFiles::Named(names) => Ok(names.iter().map(|&name| name.to_owned()).collect()),
-            OldFiles::OfEachAxis(ending) => {
-                Ok(axes.map(|axis| format!("{axis}{ending}")).collect())
-            }
-            OldFiles::None => Err(Error::Unsuitable {
-                format: self.name(),
-                takes: "no old tables",
-                lacks: "switch its skew correction off before you measure".to_owned(),
-            }),
-        }
+    pub fn old_files(self, machine: &Machine) -> Result<Vec<String>, Error> {
+        let description = self.description_of();
+        description.old_files.names(description.name, machine)
+    }
+
+    /// Whether a file of that name is meant as one of them; [`export()`] refuses it if it is none.
+    pub fn is_like_an_old_file(self, name: &str) -> bool {
+        self.description_of().old_files.is_like(name)
     }
 }
 
@@ -109,14 +107,9 @@ struct Description {
     tables: fn(&Request<'_>) -> Result<Tables, Error>,
 }
 
-/// The files of tables that are in force, as the format names them.
-enum OldFiles {
-    /// It has no tables.
-    None,
-    Named(&'static [&'static str]),
-    /// Its name and this ending.
-    OfEachAxis(&'static str),
-}
+/// At the top of each file whose rule is known from one source alone, or in part.
+const EXPERIMENTAL: &str =
+    "EXPERIMENTAL: not all of the rule of the control is public; check one measured line";
 
 /// The error for a format of one file that got more.
 fn one_file(format: &'static str, found: usize) -> Error {
@@ -143,6 +136,9 @@ pub struct Request<'a> {
     /// What the control makes of a value, where no public page says it: [`Format::Heidenhain`] wants it, no other format takes
     /// it.
     pub sign: Option<TableSign>,
+    /// Whether the angles of linear axes act on the positions of the others, as products of tables: only [`Format::Sinumerik`]
+    /// has them.
+    pub levers: bool,
     /// The files of this format that were active while the machine was measured: the new ones contain them.
     pub onto: &'a [ExportedFile],
 }
@@ -218,9 +214,11 @@ pub(crate) struct Tables {
 /// # Errors
 /// What the control cannot hold, with the numbers: [`Error`].
 pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
-    if !request.onto.is_empty() {
-        format.old_files(std::iter::empty())?;
-    }
+    let description = format.description_of();
+    let machine = request.machine.machine();
+    description
+        .old_files
+        .check(description.name, machine, request.onto)?;
     if request.sign.is_some() && format != Format::Heidenhain {
         return Err(Error::Unsuitable {
             format: format.name(),
@@ -228,7 +226,14 @@ pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
             lacks: format!("only {} leaves that choice", Format::Heidenhain.name()),
         });
     }
-    let tables = (format.description_of().tables)(request)?;
+    if request.levers && format != Format::Sinumerik {
+        return Err(Error::Unsuitable {
+            format: format.name(),
+            takes: "no levers",
+            lacks: format!("only {} multiplies tables", Format::Sinumerik.name()),
+        });
+    }
+    let tables = (description.tables)(request)?;
     Ok(Export {
         announcement: Announcement::new(request, tables.rule.as_ref())?,
         files: tables.files,

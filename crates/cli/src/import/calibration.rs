@@ -11,6 +11,7 @@ use trueaxis_files::Format;
 
 use crate::args::positive;
 use crate::exit::Exit;
+use crate::export::in_folder;
 use crate::given_file::{Unreadable, read_text};
 use crate::output::Results;
 use crate::talk::{notice, say};
@@ -56,6 +57,7 @@ pub(crate) fn run(args: &ImportCalibrationArgs) -> anyhow::Result<Exit> {
         error.place.file = Some(args.machine.clone());
         error
     })?;
+    let folder = args.file.parent().unwrap_or(&args.file);
     let imported = import(&Import {
         file,
         text: &text,
@@ -65,7 +67,8 @@ pub(crate) fn run(args: &ImportCalibrationArgs) -> anyhow::Result<Exit> {
             um,
             arcsec: args.u_arcsec,
         }),
-    })?;
+    })
+    .map_err(|error| in_folder(error, folder))?;
     let text = trueaxis_files::to_json(&imported.calibration)?;
     let stem = args.file.file_stem().unwrap_or_default();
     let mut results = Results::new(args.out.as_deref(), &stem.to_string_lossy())?;

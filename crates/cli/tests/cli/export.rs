@@ -60,10 +60,14 @@ fn every_format_writes_its_files() {
         outcome.assert_good();
         assert_eq!(outcome.stdout, "");
         assert_eq!(file_names(&written), files, "{format}");
+        let of_old = match format {
+            "marlin" | "klipper" => "if the control's own correction was off",
+            _ => "add these tables to the old ones",
+        };
         for says in [
             "volumetric error, rms",
             "tool point (175.6, 497.5, 312.1) mm at home",
-            "add these tables to the old ones",
+            of_old,
         ] {
             assert!(
                 outcome.stderr.contains(says),
@@ -111,6 +115,16 @@ fn what_cannot_be_made_is_refused_and_nothing_is_written() {
             "if in the positive one, --sign correction",
         ),
         ("grid", ["--sign", "error"], "grid takes no sign"),
+        (
+            "heidenhain",
+            ["--levers", "--sign=error"],
+            "heidenhain takes no levers; only sinumerik multiplies tables",
+        ),
+        (
+            "sinumerik",
+            ["--levers", "--axis=Z"],
+            "acts along another one; these axes have none",
+        ),
         ("fanuc", ["--axis", "X"], "possible values: grid, linuxcnc"),
     ] {
         let outcome = export(&folder, format, &options);
@@ -122,6 +136,53 @@ fn what_cannot_be_made_is_refused_and_nothing_is_written() {
         &["export", "grid", "nowhere/calibration.json"],
     );
     outcome.assert_failed("no file", 3, &["give the path of a calibration.json"]);
+}
+
+/// Errors of rotary axes and of linear ones may cancel each other: tables for the linear ones alone are no gain then.
+#[test]
+fn tables_that_make_it_worse_say_so() {
+    let folder = tempfile::tempdir().unwrap();
+    calibrate_shipped(folder.path(), "five-axis");
+    for (format, is_worse) in [("grid", true), ("isg", false)] {
+        let outcome = export(&folder, format, &["--at", "0,0,100", "--out", "tables"]);
+        outcome.assert_good();
+        let says = "with these tables the volumetric error is larger";
+        assert_eq!(
+            outcome.stderr.contains(says),
+            is_worse,
+            "{}",
+            outcome.stderr
+        );
+    }
+}
+
+/// The tables of the levers, and the trial that goes before them.
+#[test]
+fn levers_are_experimental_in_every_file() {
+    let folder = calibrated();
+    let outcome = export(&folder, "sinumerik", &["--levers", "--out", "tables"]);
+    outcome.assert_good();
+    for says in [
+        "load LEVER_TRIAL.INI first",
+        "16 sag compensation tables",
+        "is experimental",
+    ] {
+        assert!(outcome.stderr.contains(says), "{}", outcome.stderr);
+    }
+    let written = folder.path().join("tables");
+    let files = ["AX_EEC.INI", "LEVER_TRIAL.INI", "NC_CEC.INI"];
+    assert_eq!(file_names(&written), files);
+    for file in files {
+        let text = fs::read_to_string(written.join(file)).unwrap();
+        let second = text.lines().nth(1).unwrap();
+        assert!(second.starts_with("; EXPERIMENTAL"), "{file}: {second}");
+    }
+    let onto = ["--levers", "--onto", "tables", "--out", "sum"];
+    let outcome = export(&folder, "sinumerik", &onto);
+    outcome.assert_good();
+    let says = "contain the old AX_EEC.INI, NC_CEC.INI; not read: LEVER_TRIAL.INI";
+    assert!(outcome.stderr.contains(says), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("16 sag compensation tables"));
 }
 
 #[test]

@@ -90,6 +90,14 @@ fn an_imported_calibration_goes_where_others_do() {
                 .stderr
                 .contains("the calibration has no uncertainties");
             assert_eq!(said, !has_u, "{verb:?}: {}", outcome.stderr);
+            let unknown = "whether any has changed by more than the noise is not known";
+            let says_unknown = outcome.stderr.contains(unknown);
+            assert_eq!(
+                says_unknown,
+                verb[0] == "compare" && !has_u,
+                "{}",
+                outcome.stderr
+            );
             assert!(!outcome.stderr.contains("NaN"), "{}", outcome.stderr);
             assert!(!outcome.stdout.contains("NaN"), "{}", outcome.stdout);
         }
@@ -111,8 +119,17 @@ fn what_is_wrong_is_refused_with_its_place() {
     let current = folder.path();
     let names = file_names(current);
     let text = fs::read_to_string(current.join("tables/etalon.txt")).unwrap();
-    fs::write(current.join("cut.txt"), &text[..text.len() / 2]).unwrap();
+    // In the points of an error, not between two.
+    let inside = text.rfind("Gridpoints = {").unwrap() + 40;
+    fs::write(current.join("cut.txt"), &text[..inside]).unwrap();
     import(current, "cut.txt", &[]).assert_failed("cut off", 3, &["cut.txt line", "expected"]);
+    let told = import(current, "cut.txt", &["--json"]);
+    let error: Value = serde_json::from_str(&told.stdout).unwrap();
+    let line = 1 + text[..inside].matches('\n').count();
+    assert_eq!(
+        (&error["file"], &error["line"]),
+        (&"cut.txt".into(), &line.into())
+    );
     fs::remove_file(current.join("cut.txt")).unwrap();
     let refused = import(current, "nowhere.txt", &[]);
     refused.assert_failed("no file", 3, &["nowhere.txt cannot be read", "ISG_CSV"]);

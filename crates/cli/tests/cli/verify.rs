@@ -122,6 +122,19 @@ fn readings_that_agree() {
     assert_eq!(outcome.code, Some(6), "{}", outcome.stderr);
 }
 
+/// What is unusual in the campaign is said here, too.
+#[test]
+fn readings_that_may_be_cut_off() {
+    let folder = prepared(1.0);
+    let path = folder.path().join("verification/li_x.csv");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, &text[..text.len() - 2]).unwrap();
+    let outcome = verify(folder.path(), &[]);
+    outcome.assert_good();
+    let says = "notice: li_x.csv: the last line has no end";
+    assert!(outcome.stderr.contains(says), "{}", outcome.stderr);
+}
+
 #[test]
 fn readings_that_do_not() {
     let folder = prepared(2.0);

@@ -108,7 +108,10 @@ impl Components {
                 .branch(branch)
                 .iter()
                 .map(|&axis| request.name(axis));
-            axes.collect::<Vec<_>>().join(" ")
+            match axes.collect::<Vec<_>>().as_slice() {
+                [] => "on it".to_owned(),
+                axes => axes.join(" "),
+            }
         };
         use trueaxis_kinematics::Branch;
         vec![

@@ -14,7 +14,7 @@ use trueaxis_kinematics::Component;
 use crate::Error;
 use crate::export::components::Components;
 use crate::export::with_old::onto;
-use crate::export::{Description, ExportedFile, OldFiles, Request, Tables, round};
+use crate::export::{Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Tables, round};
 
 pub(super) const FORMAT: Description = Description {
     name: "etalon",
@@ -28,9 +28,9 @@ const DECIMALS: usize = 12;
 
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let components = Components::new(request, FORMAT.name)?;
-    let axes = onto(request, &components, FORMAT.name, read::read)?;
+    let axes = onto(request, &components, FORMAT.name, read::read)?.axes;
     let notes = components.notes(request);
-    let mut text = String::new();
+    let mut text = format!("// {EXPERIMENTAL}\n");
     // Writing to a String cannot fail.
     for note in &notes {
         let _ = writeln!(text, "// {note}");

@@ -28,6 +28,16 @@ const SAME: f64 = 1e-6;
 /// Rows beyond this are no table.
 const MOST_ROWS: usize = 1_000_000;
 
+/// Columns of the error of the tool.
+const OF_ERRORS: [&str; 6] = [
+    "ex_um",
+    "ey_um",
+    "ez_um",
+    "ea_arcsec",
+    "eb_arcsec",
+    "ec_arcsec",
+];
+
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let axes = request.linear_axes(FORMAT.name)?;
     let nodes = axes.iter().map(|&axis| positions(request, axis));
@@ -70,7 +80,8 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let Grid { nodes, values, .. } = written.as_ref().unwrap_or(&own);
 
     let mut text = names.join(",");
-    text.push_str(",ex_um,ey_um,ez_um,ea_arcsec,eb_arcsec,ec_arcsec");
+    text.push(',');
+    text.push_str(&OF_ERRORS.join(","));
     // Writing to a String cannot fail.
     names.iter().for_each(|name| {
         let _ = write!(text, ",add_{name}_um");
@@ -126,10 +137,38 @@ fn commanded(axes: &[usize], nodes: &[Vec<f64>], row: usize, at_home: &[f64]) ->
     commanded
 }
 
+/// What is not read must not be there: columns of other axes.
+fn check_header(
+    old: &ExportedFile,
+    header: &[&str],
+    request: &Request<'_>,
+    axes: &[usize],
+) -> Result<(), Error> {
+    let of_axes = axes.iter().flat_map(|&axis| {
+        let name = request.name(axis);
+        [name.to_owned(), format!("add_{name}_um")]
+    });
+    let known: Vec<String> = of_axes.chain(OF_ERRORS.map(str::to_owned)).collect();
+    let is_one = |(k, name): (usize, &&str)| {
+        known.iter().any(|known| known == name) && !header[..k].contains(name)
+    };
+    match header.iter().enumerate().find(|&found| !is_one(found)) {
+        None => Ok(()),
+        Some((_, name)) => {
+            let expected = format!(
+                "each column once, of the axes that the grid is for: {}",
+                known.join(", ")
+            );
+            Err(wrong(&old.name, 1, name, expected))
+        }
+    }
+}
+
 /// What an old table adds.
 fn read_old(old: &ExportedFile, request: &Request<'_>, axes: &[usize]) -> Result<Grid, Error> {
     let count = request.machine.machine().axes().len();
     let header = csv::header(old);
+    check_header(old, &header, request, axes)?;
     let column = |name: String| {
         let found = header.iter().position(|cell| *cell == name);
         found.ok_or_else(|| wrong(&old.name, 1, &header.join(","), format!("a column {name}")))

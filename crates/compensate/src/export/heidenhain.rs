@@ -31,11 +31,20 @@ use crate::export::{
 pub(super) const FORMAT: Description = Description {
     name: "heidenhain",
     text: "HEIDENHAIN TNC: columns of .COM and .CMA to be entered; wants --sign (experimental)",
-    old_files: OldFiles::OfEachAxis(ENDING),
+    old_files: OldFiles::OfAxes {
+        ending: ENDING,
+        linear_alone: true,
+        of_all: None,
+        beside: &[ASSIGNMENT, README],
+    },
     tables,
 };
 
 const ENDING: &str = ".com.csv";
+
+const ASSIGNMENT: &str = "config.cma.csv";
+
+const README: &str = "README.txt";
 
 const AXISPOS: &str = "AXISPOS";
 
@@ -58,18 +67,6 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let mut linear: Vec<usize> = (0..axes.len()).collect();
     linear.retain(|&axis| axes[axis].kind() == AxisKind::Linear);
     let names: Vec<&str> = linear.iter().map(|&axis| request.name(axis)).collect();
-    // Its own folder has other files, too.
-    let is_stray = |old: &ExportedFile| match old.name.strip_suffix(ENDING) {
-        Some(axis) => !names.contains(&axis),
-        None => request.onto.len() == 1,
-    };
-    if let Some(old) = request.onto.iter().find(|&old| is_stray(old)) {
-        return Err(Error::Unsuitable {
-            format: FORMAT.name,
-            takes: "old tables named after linear axes, as X.com.csv",
-            lacks: format!("{} is none", old.name),
-        });
-    }
     let (mut files, mut lines, mut moving) = (Vec::new(), Vec::new(), Vec::new());
     for &axis in &linear {
         let name = request.name(axis);
@@ -103,7 +100,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         moving.push(name);
     }
     files.push(ExportedFile {
-        name: "config.cma.csv".to_owned(),
+        name: ASSIGNMENT.to_owned(),
         text: format!(
             "ACTIVE,{}\n*,{}.com\n",
             moving.join(","),
@@ -112,7 +109,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     });
     let notes = notes(request, sign, linear.len() < axes.len());
     files.push(ExportedFile {
-        name: "README.txt".to_owned(),
+        name: README.to_owned(),
         text: format!(
             "Experimental: the rule of the control is known in part, from one public manual.\n\
              Run one line at low feed, measure it, and only then trust the tables.\n\n- {}\n",

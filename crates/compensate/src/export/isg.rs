@@ -15,8 +15,8 @@ use trueaxis_kinematics::{AxisKind, Component};
 
 use crate::Error;
 use crate::export::components::Components;
-use crate::export::with_old::onto;
-use crate::export::{Description, ExportedFile, OldFiles, Request, Tables, round};
+use crate::export::with_old::{WithOld, onto};
+use crate::export::{Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Tables, round};
 
 pub(super) const FORMAT: Description = Description {
     name: "isg",
@@ -30,22 +30,25 @@ const DECIMALS: i32 = 10;
 
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let components = Components::new(request, FORMAT.name)?;
-    let axes = onto(request, &components, FORMAT.name, read::read)?;
+    let WithOld { axes, of_the_tool } = onto(request, &components, FORMAT.name, read::read)?;
     let mut notes = components.notes(request);
-    let mut text = String::new();
+    let mut text = format!("// {EXPERIMENTAL}\n");
     for note in &notes {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "// {note}");
     }
     let number = |value: f64| round(value, DECIMALS).to_string();
     let mut blocks = Vec::new();
-    let locations: Vec<_> = axes.iter().flat_map(|axis| &axis.locations).collect();
-    if !locations.is_empty() {
-        let names: Vec<&str> = locations.iter().map(|(name, _)| name.as_str()).collect();
-        let values: Vec<String> = locations.iter().map(|(_, value)| number(*value)).collect();
-        blocks.push(format!("{}\n{}\n", names.join(" "), values.join(" ")));
+    let locations = axes.iter().flat_map(|axis| &axis.locations);
+    let mut records = 0;
+    for constants in [of_the_tool.iter().collect(), locations.collect::<Vec<_>>()] {
+        if !constants.is_empty() {
+            let names: Vec<&str> = constants.iter().map(|(name, _)| name.as_str()).collect();
+            let values: Vec<String> = constants.iter().map(|(_, value)| number(*value)).collect();
+            blocks.push(format!("{}\n{}\n", names.join(" "), values.join(" ")));
+            records += 1;
+        }
     }
-    let mut records = usize::from(!locations.is_empty());
     for axis in &axes {
         let geometry = &request.machine.machine().axes()[axis.axis];
         let name = geometry.name();

@@ -8,11 +8,13 @@
 //! `matrixkins` (three linear axes X, Y, Z): `joint = C axis`; here ones on the diagonal, because the files hold the
 //! scale, and off it the mean slopes of the lines through the point.
 //!
-//! A file that was active while the machine was measured ([`Request::onto`]) is contained in the new one: at the points of both,
-//! the deviations of both.
+//! Files that were active while the machine was measured ([`Request::onto`]) are contained in the new ones: at the points of
+//! both, the deviations of both; the product of both matrices.
 //!
 //! Sources: `usrmotLoadComp` in `src/emc/motion/usrmotintf.cc`, `src/hal/components/matrixkins.comp`, and the chapter
 //! "INI Configuration" of the manual.
+
+mod matrix;
 
 use std::fmt::Write;
 
@@ -25,14 +27,24 @@ use crate::export::{Description, ExportedFile, OldFiles, Request, Rule, Tables, 
 pub(super) const FORMAT: Description = Description {
     name: "linuxcnc",
     text: "LinuxCNC: a COMP_FILE for each axis (type 0), and the matrix of matrixkins",
-    old_files: OldFiles::OfEachAxis(".comp"),
+    old_files: OldFiles::OfAxes {
+        ending: ENDING,
+        linear_alone: false,
+        of_all: Some(matrix::FILE),
+        beside: &[],
+    },
     tables,
 };
+
+const ENDING: &str = ".comp";
 
 const MOST_LINES: usize = 256;
 
 /// Positions this close are one, mm or degrees.
 const SAME: f64 = 1e-6;
+
+/// No machine has such deviations: what is beyond is no actual position, mm or degrees.
+const MOST_DEVIATION: f64 = 5.0;
 
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let mut files = Vec::new();
@@ -41,13 +53,21 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             .to_owned(),
         request.origin(),
     ];
+    let asked = request.axes()?;
+    let old = |name: &str| request.onto.iter().find(|old| old.name == name);
     let mut lines = Vec::new();
-    for axis in request.axes()? {
-        let line = Line::new(request, axis, FORMAT.name)?;
-        let name = format!("{}.comp", request.name(axis));
-        let old = request.onto.iter().find(|old| old.name == name);
-        let old = old.map_or_else(|| Ok(Vec::new()), triplets)?;
-        let triplets = summed(request, &line, &old);
+    for axis in 0..request.machine.machine().axes().len() {
+        let name = format!("{}{ENDING}", request.name(axis));
+        let old = old(&name).map(triplets).transpose()?;
+        let is_asked = asked.contains(&axis);
+        let new = is_asked.then(|| Line::new(request, axis, FORMAT.name));
+        let new = new.transpose()?;
+        let triplets = match (&new, old) {
+            (Some(line), old) => summed(request, line, &old.unwrap_or_default()),
+            // What is there for other axes stays.
+            (None, Some(old)) => old,
+            (None, None) => continue,
+        };
         if triplets.len() > MOST_LINES {
             return Err(Error::TooManyPoints {
                 what: format!("axis {}", request.name(axis)),
@@ -63,20 +83,26 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             let _ = writeln!(text, "{nominal} {forward} {backward}");
         }
         files.push(ExportedFile { name, text });
-        lines.push(line);
+        lines.extend(new);
     }
-    // The matrix has no use for a part of the axes.
-    let skew = request
-        .axis
-        .is_none()
-        .then(|| Skew::new(request, FORMAT.name).ok())
-        .flatten();
-    if let Some(skew) = &skew {
+    // One axis alone has no squareness.
+    let skew = Skew::new(request, FORMAT.name).ok();
+    let new = skew.as_ref().map(matrix::of_skew);
+    let old = old(matrix::FILE).map(matrix::read).transpose()?;
+    let joined = match (old, new) {
+        (Some(old), Some(new)) => Some(old * new),
+        (one, other) => one.or(other),
+    };
+    if let Some(joined) = joined {
         files.push(ExportedFile {
-            name: "matrixkins.hal".to_owned(),
-            text: matrix(request, skew),
+            name: matrix::FILE.to_owned(),
+            text: matrix::text(&request.origin(), &joined),
         });
-        notes.push("matrixkins.hal: [KINS] KINEMATICS = matrixkins, then source this file; add to it what an old one has off its diagonal".to_owned());
+        notes.push(format!(
+            "{}: [KINS] KINEMATICS = matrixkins, then source this file; if a matrix was active while the machine was measured, give \
+             its file with --onto",
+            matrix::FILE
+        ));
     }
     Ok(Tables {
         files,
@@ -89,27 +115,36 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
 /// `nominal forward reverse` of an old file, rising.
 fn triplets(old: &ExportedFile) -> Result<Vec<[f64; 3]>, Error> {
     let mut all: Vec<[f64; 3]> = Vec::new();
-    for (number, line) in old.text.lines().enumerate() {
+    for (number, line) in (1..).zip(old.text.lines()) {
+        let refused = |expected: &str| wrong(&old.name, number, line, expected);
         let cells: Vec<f64> = line
             .split_whitespace()
             .map_while(|cell| cell.parse().ok())
             .filter(|x: &f64| x.is_finite())
             .collect();
         let &[nominal, forward, backward] = cells.as_slice() else {
-            return Err(wrong(
-                &old.name,
-                number + 1,
-                line,
-                "three numbers; the control reads no further",
-            ));
+            return Err(refused("three numbers; the control reads no further"));
         };
         if all.last().is_some_and(|last| nominal <= last[0]) {
-            let expected = "a position above the one before";
-            return Err(wrong(&old.name, number + 1, line, expected));
+            return Err(refused("a position above the one before"));
+        }
+        let largest = (forward - nominal).abs().max((backward - nominal).abs());
+        if largest > MOST_DEVIATION {
+            return Err(refused(
+                "actual positions behind the nominal one, as COMP_FILE_TYPE = 0 has them (a file of type 1 has differences)",
+            ));
         }
         all.push([nominal, forward, backward]);
     }
-    Ok(all)
+    match all.is_empty() {
+        true => Err(wrong(
+            &old.name,
+            1,
+            "no lines",
+            "position, forward, reverse in each line",
+        )),
+        false => Ok(all),
+    }
 }
 
 /// What an axis reaches, with the old table: the control adds what both subtract. mm or degrees.
@@ -129,25 +164,6 @@ fn summed(request: &Request<'_>, line: &Line, old: &[[f64; 3]]) -> Vec<[f64; 3]>
     };
     let at = |&q: &f64| [q, q + deviation(0, q), q + deviation(1, q)];
     nominal.iter().map(at).collect()
-}
-
-fn matrix(request: &Request<'_>, skew: &Skew) -> String {
-    let mut text = format!("# {}\n", request.origin());
-    for (row, letter) in ["x", "y", "z"].into_iter().enumerate() {
-        for (column, other) in ["x", "y", "z"].into_iter().enumerate() {
-            let value = if row == column {
-                1.0
-            } else {
-                -skew.slopes[row][column]
-            };
-            let _ = writeln!(
-                text,
-                "setp matrixkins.C_{letter}{other} {}",
-                round(value, 10)
-            );
-        }
-    }
-    text
 }
 
 struct Joints {

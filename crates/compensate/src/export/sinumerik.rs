@@ -6,16 +6,21 @@
 //! `$AA_ENC_COMP` makes the axis move in the negative direction, so the value is the deviation, actual minus commanded;
 //! `$AN_CEC` is written with the same sign.
 //!
-//! Tables that were active while the machine was measured ([`Request::onto`]) are contained in the new ones: what is for the same
-//! axes is added up at the points of both, others stay. `$AN_CEC_MULT_BY_TABLE`, which could make an angle times a lever,
-//! stays 0: its product is added to the compensation value, and whether the two factors, of which one is the lever, are added
-//! besides is in none of the pages that were found.
+//! With [`Request::levers`] the angles of the linear axes act on the positions of the others: products of two tables
+//! (`levers.rs`).
 //!
-//! Sources: "Function Manual, Extended Functions, K3: Compensations" (840D sl, 828D), "Function Manual" (808D); the sign of
-//! `$AN_CEC` is in none of the pages that were found, so these tables are experimental: `$SN_CEC_TABLE_WEIGHT` turns them.
+//! Tables that were active while the machine was measured ([`Request::onto`]) are contained in the new ones: what is for the same
+//! axes is added up at the points of both, others stay, products with both of their tables.
+//!
+//! Sources: "Function Manual, Extended Functions, K3: Compensations" (840D sl, 828D; 03/2013, pages 245, 248, 249, 252), "Function
+//! Manual" (808D; 802D sl, 11/2012); the sign of `$AN_CEC` is in none of the pages that were found, so these tables are
+//! experimental: `$SN_CEC_TABLE_WEIGHT` turns them.
 
+mod levers;
 mod read;
+mod sag;
 mod table;
+mod trial;
 
 use std::fmt::Write;
 
@@ -23,8 +28,12 @@ use trueaxis_kinematics::AxisKind;
 
 use crate::Error;
 use crate::export::line::{Line, Sums};
-use crate::export::sinumerik::table::Table;
-use crate::export::{Description, ExportedFile, OldFiles, Request, Tables, round};
+use crate::export::sinumerik::levers::{Lever, WithLevers};
+use crate::export::sinumerik::sag::{Placed, Sag};
+use crate::export::sinumerik::table::{Kind, Table};
+use crate::export::{
+    Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Rule, Tables, round,
+};
 
 pub(super) const FORMAT: Description = Description {
     name: "sinumerik",
@@ -45,7 +54,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             .to_owned(),
     ];
     let mut lines = Vec::new();
-    let mut tables = Vec::new();
+    let mut sag = Sag::default();
     for axis in request.axes()? {
         let line = Line::new(request, axis, FORMAT.name)?;
         let step = line.spacing(request, FORMAT.name)?;
@@ -58,8 +67,11 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         });
         for output in std::iter::once(axis).chain(others) {
             let values = (0..line.positions.len()).map(|k| value(request, &line, output, k));
-            tables.push(Table {
-                is_encoder: output == axis,
+            sag.tables.push(Table {
+                kind: match output == axis {
+                    true => Kind::Encoder,
+                    false => Kind::Sag,
+                },
                 input: axis,
                 output,
                 min: request.in_file(axis, line.positions[0]),
@@ -70,17 +82,24 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         notes.extend(lost_motion(request, &line));
         lines.push(line);
     }
+    let levers = match request.levers {
+        true => Lever::all(request, &lines, FORMAT.name)?,
+        false => Vec::new(),
+    };
+    sag.products = levers.iter().map(|lever| lever.product(request)).collect();
+    let trial = sag.products.first();
+    let trial = trial.map(|product| trial::file(request, product));
     for file in request.onto {
-        for old in read::read(file, request.machine.machine())? {
-            match tables.iter_mut().find(|new| new.is_like(&old)) {
-                Some(new) => *new = new.with(&old, request.name(old.input), FORMAT.name)?,
-                None => tables.push(old),
-            }
+        let old = read::read(file, request.machine.machine())?;
+        for table in old.tables {
+            sag.add(table, request, FORMAT.name)?;
+        }
+        for product in old.products {
+            sag.add_product(product, request, FORMAT.name)?;
         }
     }
-    let [encoder, cross]: [Vec<&Table>; 2] =
-        [true, false].map(|is| tables.iter().filter(|t| t.is_encoder == is).collect());
-    for table in &encoder {
+    let [encoder, cross] = sag.numbered(request, FORMAT.name)?;
+    for Placed { table, .. } in &encoder {
         notes.push(format!(
             "AX{} is {}: $MA_MM_ENC_COMP_MAX_POINTS at least {}",
             table.input + 1,
@@ -98,30 +117,67 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             text: text("%_N_NC_CEC_INI", request, &cross),
         });
         notes.push(format!(
-            "{} sag compensation tables; $MN_MM_CEC_MAX_POINTS for each, $MA_CEC_ENABLE, $SN_CEC_TABLE_ENABLE",
+            "{} sag compensation tables; $MN_MM_CEC_MAX_POINTS for each, $MA_CEC_ENABLE, $SN_CEC_TABLE_ENABLE; a 828D has eight tables \
+             of 200 points",
             cross.len()
         ));
     }
+    if request.levers && axes.iter().any(|axis| axis.kind() == AxisKind::Rotary) {
+        let rest = "levers: right with the rotary axes at home; what their errors do beside is in no table";
+        notes.push(rest.to_owned());
+    }
+    if let Some(trial) = trial {
+        notes.push(format!(
+            "levers: that a table behind $AN_CEC_MULT_BY_TABLE does not act by itself follows from one example of the manual; load \
+             {} first and read off what it says, for a lever of hundreds of mm that acts by itself would move the axis by all of it",
+            trial.name
+        ));
+        files.push(trial);
+    }
     notes.push(request.origin());
+    let lines = Sums::new(request, lines);
+    let rule: Box<dyn Rule> = match request.levers {
+        true => Box::new(WithLevers { lines, levers }),
+        false => Box::new(lines),
+    };
     Ok(Tables {
         files,
         notes,
         is_experimental: true,
-        rule: Box::new(Sums::new(request, lines)),
+        rule,
     })
 }
 
 /// The file of some tables.
-fn text(name: &str, request: &Request<'_>, tables: &[&Table]) -> String {
-    let mut text = format!("{name}\n; {}\nCHANDATA(1)\n", request.origin());
-    for (number, table) in tables.iter().enumerate() {
+fn text(name: &str, request: &Request<'_>, tables: &[Placed<'_>]) -> String {
+    let mut text = format!(
+        "{name}\n; {EXPERIMENTAL}\n; {}\nCHANDATA(1)\n",
+        request.origin()
+    );
+    for (number, placed) in tables.iter().enumerate() {
+        let Placed {
+            table,
+            multiplied_by,
+        } = placed;
         let (of, by) = (request.name(table.output), request.name(table.input));
         // Writing to a String cannot fail.
-        let _ = match table.is_encoder {
-            true => writeln!(text, "; {of}"),
-            false => writeln!(text, "; {of} by {by}"),
+        let _ = match (table.kind, multiplied_by) {
+            (Kind::Encoder, _) => writeln!(text, "; {of}"),
+            (Kind::Sag, _) => writeln!(text, "; {of} by {by}"),
+            (Kind::Factor, Some(lever)) => {
+                let along = request.name(tables[*lever].table.input);
+                writeln!(
+                    text,
+                    "; {of} by {by}, for each mm of {along}: times table {}",
+                    lever + 1
+                )
+            }
+            (Kind::Factor, None) => writeln!(
+                text,
+                "; {by} as a lever for {of}: a factor, no compensation"
+            ),
         };
-        table.write(&mut text, number);
+        table.write(&mut text, number, *multiplied_by);
     }
     text.push_str("M17\n");
     text

@@ -19,8 +19,15 @@ pub(crate) struct Skew {
 }
 
 impl Skew {
-    /// For machines with linear axes X, Y, Z along the reference directions.
+    /// For machines with linear axes X, Y, Z along the reference directions, if none is asked for alone.
     pub(crate) fn new(request: &Request<'_>, format: &'static str) -> Result<Self, Error> {
+        if let Some(axis) = request.axis {
+            return Err(Error::Unsuitable {
+                format,
+                takes: "the squareness of X, Y and Z together",
+                lacks: format!("{} alone is asked for", request.name(axis)),
+            });
+        }
         let machine = request.machine.machine();
         let index = |i: usize| {
             let name = ["X", "Y", "Z"][i];

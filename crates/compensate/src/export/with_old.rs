@@ -14,19 +14,33 @@ use crate::export::{Request, one_file, rising};
 /// Positions this close are one, mm or rad.
 const SAME: f64 = 1e-9;
 
-/// The errors that files of named errors get: those of `request`, with the old ones if there are any.
+/// What files of named errors get.
+pub(crate) struct WithOld {
+    pub(crate) axes: Vec<AxisComponents>,
+    /// What stays as it is in the old one: no errors.
+    pub(crate) of_the_tool: Vec<(String, f64)>,
+}
+
+/// The errors of `request`, with the old ones if there are any.
 pub(crate) fn onto(
     request: &Request<'_>,
     components: &Components,
     format: &'static str,
     read: fn(&str, &str) -> Result<NamedErrors, Error>,
-) -> Result<Vec<AxisComponents>, Error> {
+) -> Result<WithOld, Error> {
     match request.onto {
-        [] => Ok(components.axes.clone()),
+        [] => Ok(WithOld {
+            axes: components.axes.clone(),
+            of_the_tool: Vec::new(),
+        }),
         [old] => {
             let machine = request.machine.machine();
-            let old = read(&old.name, &old.text)?.of_machine(machine)?;
-            Ok(with_old(machine, &components.axes, &old))
+            let read = read(&old.name, &old.text)?;
+            let old = read.of_machine(machine)?;
+            Ok(WithOld {
+                axes: with_old(machine, &components.axes, &old),
+                of_the_tool: read.of_the_tool,
+            })
         }
         more => Err(one_file(format, more.len())),
     }

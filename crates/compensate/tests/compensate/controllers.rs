@@ -1,6 +1,8 @@
 //! Small models of what controls make of their files, written from their descriptions: what they add to the commanded
 //! positions (mm, rad; axes X, Y, Z first).
 
+mod sinumerik;
+
 use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3, Vector6};
@@ -9,6 +11,8 @@ use trueaxis_kinematics::{
     AxisKind, Branch, GeometricErrors, Ideal, LocationComponent, LocationError, Machine,
     MotionError,
 };
+
+pub(crate) use sinumerik::{Products, sinumerik};
 
 /// What a control adds.
 pub(crate) type Control = Box<dyn Fn(&[f64]) -> Vec<f64>>;
@@ -28,11 +32,7 @@ pub(crate) fn control(
         Format::LinuxCnc => linuxcnc(export, machine),
         Format::Isg => with_errors(isg(&text("volcomp.csv").unwrap(), machine), machine, tool),
         Format::Etalon => with_errors(etalon(&text("etalon.txt").unwrap(), machine), machine, tool),
-        Format::Sinumerik => sinumerik(
-            &text("AX_EEC.INI").unwrap(),
-            text("NC_CEC.INI").as_deref(),
-            machine,
-        ),
+        Format::Sinumerik => sinumerik(export, machine, Products::Alone),
         Format::Heidenhain => heidenhain(export, machine, TableSign::Error),
         Format::Marlin => marlin(&text("skew.gcode").unwrap()),
         Format::Klipper => klipper(&text("skew.cfg").unwrap()),
@@ -166,60 +166,6 @@ fn linuxcnc(export: &Export, machine: &Machine) -> Control {
             joint + table.map_or(0.0, |table| linear(table, in_file(&machine, axis, joint)))
         });
         motor.zip(q).map(|(motor, q)| motor - q).collect()
-    })
-}
-
-/// A positive value moves the axis in the negative direction, in both kinds of tables.
-fn sinumerik(positioning: &str, cross: Option<&str>, machine: &Machine) -> Control {
-    let machine = machine.clone();
-    let mut tables: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
-    for line in positioning.lines().chain(cross.unwrap_or_default().lines()) {
-        let Some((left, right)) = line.split_once('=') else {
-            continue;
-        };
-        let (name, index) = left.trim_end_matches(']').split_once('[').unwrap();
-        let index: Vec<&str> = index.split(',').collect();
-        // Of `$AA_ENC_COMP[e,N,AX]`, `$AA_ENC_COMP_STEP[e,AX]`, `$AN_CEC[t,N]`, `$AN_CEC_STEP[t]`.
-        let (table, key) = match (name, index.as_slice()) {
-            ("$AA_ENC_COMP", [_, n, axis]) => (format!("enc {axis}"), (*n).to_owned()),
-            ("$AN_CEC", [t, n]) => (format!("cec {t}"), (*n).to_owned()),
-            (name, [_, axis]) if name.starts_with("$AA_ENC_COMP_") => {
-                (format!("enc {axis}"), name[13..].to_owned())
-            }
-            (name, [t]) => (format!("cec {t}"), name[8..].to_owned()),
-            _ => panic!("{line}"),
-        };
-        tables
-            .entry(table)
-            .or_default()
-            .insert(key, right.to_owned());
-    }
-    Box::new(move |q| {
-        let mut added = vec![0.0; q.len()];
-        let axis = |name: &str| {
-            name.trim_matches(['(', ')'])
-                .strip_prefix("AX")
-                .unwrap()
-                .parse::<usize>()
-                .unwrap()
-                - 1
-        };
-        for (name, table) in &tables {
-            let number = |key: &str| table[key].parse::<f64>().unwrap();
-            let (input, output) = match name.strip_prefix("enc ") {
-                Some(own) => (axis(own), axis(own)),
-                None => (axis(&table["INPUT_AXIS"]), axis(&table["OUTPUT_AXIS"])),
-            };
-            let (min, step) = (number("MIN"), number("STEP"));
-            let numbered = (0_u32..).take_while(|n| table.contains_key(&n.to_string()));
-            let points = numbered.map(|n| (min + step * f64::from(n), number(&n.to_string())));
-            let points: Vec<(f64, f64)> = points.collect();
-            let last = points[points.len() - 1].0;
-            assert!((last - number("MAX")).abs() < 1e-6);
-            let value = linear(&points, in_file(&machine, input, q[input]));
-            added[output] -= from_file(&machine, output, value);
-        }
-        added
     })
 }
 

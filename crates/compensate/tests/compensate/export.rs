@@ -9,7 +9,7 @@ use crate::controllers::{Control, control, heidenhain};
 use crate::{FIVE_AXES, TABLE, THREE_AXES, calibrated, request, request_of, scenario, tool};
 
 /// Displacement of the tool against where it is commanded, less that at home, mm.
-fn error(
+pub(crate) fn error(
     machine: &CalibratedMachine,
     errors: &impl GeometricErrors,
     control: &Control,
@@ -32,7 +32,7 @@ fn made(format: Format, machine: &CalibratedMachine) -> (Export, Control) {
 }
 
 /// The largest error over the volume that the announcement looks at, mm.
-fn largest(machine: &CalibratedMachine, control: &Control) -> f64 {
+pub(crate) fn largest(machine: &CalibratedMachine, control: &Control) -> f64 {
     let places = machine.places(11, tool());
     let at = |i: usize| error(machine, machine, control, &places.at(i)).norm();
     (0..places.count()).map(at).fold(0.0, f64::max)
@@ -307,6 +307,17 @@ fn what_a_control_cannot_hold_is_refused() {
         export(Format::Isg, &no_axis),
         Err(Error::NoSuchAxis { .. })
     ));
+    for format in [Format::Marlin, Format::Klipper] {
+        let one = Request {
+            axis: Some(1),
+            ..request(&machine)
+        };
+        let refused = export(format, &one).unwrap_err().to_string();
+        assert!(
+            refused.contains("X, Y and Z together; Y alone is asked for"),
+            "{refused}"
+        );
+    }
     // One axis: its file alone.
     let one = Request {
         axis: Some(1),

@@ -51,6 +51,7 @@ fn exported(format: Format, machine: &CalibratedMachine) -> String {
         axis: None,
         step: None,
         sign: None,
+        levers: false,
         onto: &[],
     };
     export(format, &request).unwrap().files[0].text.clone()

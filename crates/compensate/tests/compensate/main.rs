@@ -9,6 +9,8 @@ mod controllers;
 mod export;
 mod import;
 mod inverse;
+mod iso_230_2;
+mod levers;
 mod onto;
 mod parallel_lines;
 mod point_checks;
@@ -39,6 +41,7 @@ fn request(machine: &CalibratedMachine) -> Request<'_> {
         axis: None,
         step: None,
         sign: None,
+        levers: false,
         onto: &[],
     }
 }

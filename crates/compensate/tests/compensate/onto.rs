@@ -8,8 +8,9 @@ use trueaxis_simulate::simulate;
 use crate::controllers::control;
 use crate::{FIVE_AXES, THREE_AXES, calibrated, poses, request, request_of, scenario, tool};
 
-const FORMATS: [Format; 5] = [
+const FORMATS: [Format; 6] = [
     Format::Grid,
+    Format::LinuxCnc,
     Format::Isg,
     Format::Etalon,
     Format::Sinumerik,
@@ -32,8 +33,8 @@ fn old(format: Format, text: &str) -> Export {
     .unwrap()
 }
 
-/// Both linear in the tables (`grid`, `sinumerik`, `heidenhain`: to the digits of the files), or in the errors (`isg`, `etalon`: to the second
-/// order, some nm).
+/// Both linear in the tables (`grid`, `sinumerik`, `heidenhain`: to the digits of the files), or in the errors (`isg`, `etalon`) or one
+/// behind the other (`linuxcnc`: files behind matrices): to the second order, some nm.
 #[test]
 fn the_control_adds_what_both_add() {
     for text in [THREE_AXES, FIVE_AXES] {
@@ -66,9 +67,11 @@ fn the_control_adds_what_both_add() {
                 largest / MICROMETRE,
                 added / MICROMETRE
             );
-            // An old correction of half the size is moved along the slopes of the new errors: squareness and pitch, below 3e-4.
+            // An old correction of half the size is moved along the slopes of the new errors: squareness and pitch, below
+            // 3e-4; the matrices of linuxcnc move the corrections of each other's files, too, the new along the old.
             let limit = match format {
                 Format::Isg | Format::Etalon => 0.5 * added * 3e-4,
+                Format::LinuxCnc => added * 3e-4,
                 _ => 4e-4 * MICROMETRE,
             };
             assert!(largest < limit && added > 10.0 * MICROMETRE);
@@ -81,6 +84,7 @@ fn the_control_adds_what_both_add() {
 fn what_only_the_old_ones_have_stays() {
     let machine = calibrated(&scenario(THREE_AXES), false);
     for format in [
+        Format::LinuxCnc,
         Format::Isg,
         Format::Etalon,
         Format::Sinumerik,
@@ -150,6 +154,36 @@ fn old_tables_that_are_none_are_refused_with_their_place() {
         ),
         (
             Format::Sinumerik,
+            "X.comp",
+            "0 0 0\n440 440 440\n",
+            "X.comp line 1: \"0 0 0\"; expected an assignment",
+        ),
+        (
+            Format::Sinumerik,
+            "AX_EEC.INI",
+            "%_N_AX_EEC_INI\nCHANDATA(1)\nM17\n",
+            "\"no assignment\"; expected tables",
+        ),
+        (
+            Format::Sinumerik,
+            "AX_EEC.INI",
+            &format!("N10 {enc}$AA_ENC_COMP_WEIGHT[0,AX1]=1\n"),
+            "AX_EEC.INI line 6",
+        ),
+        (
+            Format::Sinumerik,
+            "AX_EEC.INI",
+            &format!("{enc}$AA_ENC_COMP_MIN[0,AX1]=0\n"),
+            "each variable of a table once",
+        ),
+        (
+            Format::Sinumerik,
+            "AX_EEC.INI",
+            &enc.replace("=0.01\n", "=10\n"),
+            "the file is in mm and degrees",
+        ),
+        (
+            Format::Sinumerik,
             "AX_EEC.INI",
             &enc[..80],
             "_MIN of the table; the file may be cut off",
@@ -189,6 +223,60 @@ fn old_tables_that_are_none_are_refused_with_their_place() {
         (
             Format::Grid,
             "grid.csv",
+            &grid.replace("add_Z_um", "add_Z_um,add_C_um"),
+            "\"add_C_um\"; expected each column once",
+        ),
+        (
+            Format::Grid,
+            "grid.csv",
+            &grid.replace("add_Z_um", "add_Z_um,X"),
+            "\"X\"; expected each column once",
+        ),
+        (
+            Format::LinuxCnc,
+            "x.comp",
+            "0 0 0\n",
+            "x.comp is no old table of linuxcnc for this machine; expected X.comp, Y.comp, Z.comp, matrixkins.hal",
+        ),
+        (
+            Format::LinuxCnc,
+            "X.comp",
+            "",
+            "\"no lines\"; expected position, forward, reverse",
+        ),
+        (
+            Format::LinuxCnc,
+            "X.comp",
+            "0 0 0\n440 0.01 0.01\n",
+            "X.comp line 2: \"440 0.01 0.01\"; expected actual positions",
+        ),
+        (
+            Format::LinuxCnc,
+            "matrixkins.hal",
+            "# none\n",
+            "\"no cell\"; expected `setp",
+        ),
+        (
+            Format::LinuxCnc,
+            "matrixkins.hal",
+            "setp matrixkins.C_xx 1\nloadrt matrixkins\n",
+            "matrixkins.hal line 2",
+        ),
+        (
+            Format::LinuxCnc,
+            "matrixkins.hal",
+            "setp matrixkins.C_xy 0\nsetp matrixkins.C_xy 0\n",
+            "each cell once",
+        ),
+        (
+            Format::LinuxCnc,
+            "matrixkins.hal",
+            "setp matrixkins.C_xx 0\nsetp matrixkins.C_xy 1\n",
+            "a matrix near that of a machine without errors",
+        ),
+        (
+            Format::Grid,
+            "grid.csv",
             &grid.replace("440,0,0", "440,0,40"),
             "every node of the grid once",
         ),
@@ -196,7 +284,13 @@ fn old_tables_that_are_none_are_refused_with_their_place() {
             Format::Heidenhain,
             "U.com.csv",
             "AXISPOS,U\n0,0\n",
-            "U.com.csv is none",
+            "U.com.csv is no old table of heidenhain for this machine; expected X.com.csv, Y.com.csv, Z.com.csv",
+        ),
+        (
+            Format::Heidenhain,
+            "README.txt",
+            "",
+            "README.txt is no old table of heidenhain",
         ),
         (
             Format::Heidenhain,
@@ -239,4 +333,38 @@ fn old_tables_that_are_none_are_refused_with_their_place() {
         export(Format::Isg, &request),
         Err(Error::Unsuitable { .. })
     ));
+    // Among others, too, and for heidenhain with the files beside the tables.
+    for format in [Format::LinuxCnc, Format::Heidenhain] {
+        let mut files = old(format, THREE_AXES).files;
+        files.push(ExportedFile {
+            name: "U.comp".to_owned(),
+            text: String::new(),
+        });
+        let request = Request {
+            onto: &files,
+            ..request_of(format, &machine)
+        };
+        let refused = export(format, &request).unwrap_err();
+        assert!(
+            matches!(&refused, Error::NoOldTable { file, .. } if file == "U.comp"),
+            "{refused}"
+        );
+    }
+}
+
+/// What an old file says of the tool is no error, and stays.
+#[test]
+fn the_tool_of_the_old_table_stays() {
+    let machine = calibrated(&scenario(THREE_AXES), false);
+    let old = [ExportedFile {
+        name: "volcomp.csv".to_owned(),
+        text: "P0X P0Y P0Z\n1.5 0 -120\n#\nX EXX\n0 0\n440 0.01\n".to_owned(),
+    }];
+    let onto = Request {
+        onto: &old,
+        ..request(&machine)
+    };
+    let export = export(Format::Isg, &onto).unwrap();
+    let text = &export.files[0].text;
+    assert!(text.contains("\nP0X P0Y P0Z\n1.5 0 -120\n#\n"), "{text}");
 }

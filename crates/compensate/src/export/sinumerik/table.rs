@@ -9,16 +9,30 @@ use crate::export::round;
 /// Decimals of mm and degrees.
 const DECIMALS: i32 = 7;
 
+/// Decimals of factors: an angle of 1e-11 rad on 1 m is far below a nanometre.
+const DECIMALS_OF_FACTORS: i32 = 11;
+
 /// Distances below this are none, mm or degrees.
 const NONE: f64 = 1e-6;
 
 /// More points than any control has memory for.
 const MOST_POINTS: usize = 5000;
 
-/// Values by the position of one axis for an axis, the same (`$AA_ENC_COMP`) or another one (`$AN_CEC`); mm and degrees.
+/// What a table is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// `$AA_ENC_COMP`: the axis by its own position.
+    Encoder,
+    /// `$AN_CEC`.
+    Sag,
+    /// `$AN_CEC` that multiplies another one or is multiplied with it.
+    Factor,
+}
+
+/// Values by the position of one axis for an axis; mm and degrees.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Table {
-    pub(crate) is_encoder: bool,
+    pub(crate) kind: Kind,
     pub(crate) input: usize,
     pub(crate) output: usize,
     pub(crate) min: f64,
@@ -29,7 +43,7 @@ pub(crate) struct Table {
 impl Table {
     /// Whether two are for the same axes.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
-        let of = |table: &Self| (table.is_encoder, table.input, table.output);
+        let of = |table: &Self| (table.kind, table.input, table.output);
         of(self) == of(other)
     }
 
@@ -60,14 +74,8 @@ impl Table {
             reason = "whole and positive; what is too large is too many points"
         )]
         let points = intervals.min(1e9) as usize + 1;
-        if points > MOST_POINTS {
-            return Err(Error::TooManyPoints {
-                what: format!("axis {name}, the old and the new table in one"),
-                format,
-                points,
-                most: MOST_POINTS,
-            });
-        }
+        let both = || format!("axis {name}, the old and the new table in one");
+        check_points(points, format, both)?;
         let at = |k: usize| {
             let position = min + step * k as f64;
             self.at(position) + other.at(position)
@@ -80,19 +88,37 @@ impl Table {
         })
     }
 
-    /// Its assignments; `number` is that of a `$AN_CEC` table.
-    pub(crate) fn write(&self, text: &mut String, number: usize) {
+    /// Whether a control has room for it.
+    pub(crate) fn check(&self, name: &str, format: &'static str) -> Result<(), Error> {
+        check_points(self.values.len(), format, || format!("axis {name}"))
+    }
+
+    /// The largest value, either sign.
+    pub(crate) fn largest(&self) -> f64 {
+        self.values.iter().fold(0.0, |most, x| x.abs().max(most))
+    }
+
+    /// Its assignments; `number` is that of a `$AN_CEC` table from 0, `multiplied_by` that of the table behind
+    /// `$AN_CEC_MULT_BY_TABLE`.
+    pub(crate) fn write(&self, text: &mut String, number: usize, multiplied_by: Option<usize>) {
+        let is_encoder = self.kind == Kind::Encoder;
+        let decimals = match self.kind {
+            Kind::Factor => DECIMALS_OF_FACTORS,
+            _ => DECIMALS,
+        };
+        // The control counts from 1 here, and 0 is none.
+        let multiply = multiplied_by.map_or(0, |number| number + 1);
         let (input, output) = (self.input + 1, self.output + 1);
         let [min, max, step] = [self.min, self.max(), self.step].map(|x| round(x, 9));
         for (k, value) in self.values.iter().enumerate() {
-            let value = round(*value, DECIMALS);
+            let value = round(*value, decimals);
             // Writing to a String cannot fail.
-            let _ = match self.is_encoder {
+            let _ = match is_encoder {
                 true => writeln!(text, "$AA_ENC_COMP[0,{k},AX{input}]={value}"),
                 false => writeln!(text, "$AN_CEC[{number},{k}]={value}"),
             };
         }
-        let _ = match self.is_encoder {
+        let _ = match is_encoder {
             true => write!(
                 text,
                 "$AA_ENC_COMP_STEP[0,AX{input}]={step}\n$AA_ENC_COMP_MIN[0,AX{input}]={min}\n\
@@ -102,10 +128,26 @@ impl Table {
                 text,
                 "$AN_CEC_INPUT_AXIS[{number}]=(AX{input})\n$AN_CEC_OUTPUT_AXIS[{number}]=(AX{output})\n\
                  $AN_CEC_STEP[{number}]={step}\n$AN_CEC_MIN[{number}]={min}\n$AN_CEC_MAX[{number}]={max}\n\
-                 $AN_CEC_DIRECTION[{number}]=0\n$AN_CEC_MULT_BY_TABLE[{number}]=0\n$AN_CEC_IS_MODULO[{number}]=0\n"
+                 $AN_CEC_DIRECTION[{number}]=0\n$AN_CEC_MULT_BY_TABLE[{number}]={multiply}\n$AN_CEC_IS_MODULO[{number}]=0\n"
             ),
         };
     }
+}
+
+fn check_points(
+    points: usize,
+    format: &'static str,
+    what: impl FnOnce() -> String,
+) -> Result<(), Error> {
+    if points <= MOST_POINTS {
+        return Ok(());
+    }
+    Err(Error::TooManyPoints {
+        what: what(),
+        format,
+        points,
+        most: MOST_POINTS,
+    })
 }
 
 /// The largest distance of which both are multiples.

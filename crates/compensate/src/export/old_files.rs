@@ -1,0 +1,90 @@
+//! Which files hold the tables that were in force, by their names.
+
+use trueaxis_kinematics::{AxisKind, Machine};
+
+use crate::Error;
+use crate::export::{ExportedFile, names};
+
+/// The files of old tables, as a format names them.
+pub(super) enum OldFiles {
+    /// It has no tables.
+    None,
+    /// One file alone may have any name.
+    Named(&'static [&'static str]),
+    /// One for each axis, by its name and an ending.
+    OfAxes {
+        ending: &'static str,
+        linear_alone: bool,
+        /// One for all of them.
+        of_all: Option<&'static str>,
+        /// The format's own files that hold no table.
+        beside: &'static [&'static str],
+    },
+}
+
+impl OldFiles {
+    /// Those of a machine.
+    pub(super) fn names(
+        &self,
+        format: &'static str,
+        machine: &Machine,
+    ) -> Result<Vec<String>, Error> {
+        match self {
+            Self::Named(names) => Ok(names.iter().map(|&name| name.to_owned()).collect()),
+            Self::OfAxes {
+                ending,
+                linear_alone,
+                of_all,
+                ..
+            } => {
+                let has_one = |kind: AxisKind| !*linear_alone || matches!(kind, AxisKind::Linear);
+                let axes = machine.axes().iter().filter(|axis| has_one(axis.kind()));
+                let of_axes = axes.map(|axis| format!("{}{ending}", axis.name()));
+                Ok(of_axes.chain(of_all.map(str::to_owned)).collect())
+            }
+            Self::None => Err(Error::Unsuitable {
+                format,
+                takes: "no old tables",
+                lacks: "switch its skew correction off before you measure".to_owned(),
+            }),
+        }
+    }
+
+    /// Whether a file of that name is meant for one of them, with the name of an axis or a wrong one.
+    pub(super) fn is_like(&self, name: &str) -> bool {
+        let matches = |end: &str| name.to_lowercase().ends_with(&end.to_lowercase());
+        match self {
+            Self::None => false,
+            Self::Named(names) => names.contains(&name),
+            Self::OfAxes { ending, of_all, .. } => matches(ending) || *of_all == Some(name),
+        }
+    }
+
+    /// None is left aside without a word.
+    pub(super) fn check(
+        &self,
+        format: &'static str,
+        machine: &Machine,
+        given: &[ExportedFile],
+    ) -> Result<(), Error> {
+        if given.is_empty() {
+            return Ok(());
+        }
+        let names_of_all = self.names(format, machine)?;
+        let Self::OfAxes { beside, .. } = self else {
+            return Ok(());
+        };
+        let is_one = |file: &&ExportedFile| names_of_all.contains(&file.name);
+        let is_beside = |file: &ExportedFile| beside.contains(&file.name.as_str());
+        let stray = given.iter().find(|file| !is_one(file) && !is_beside(file));
+        // Its own files without a table say nothing alone.
+        let stray = stray.or_else(|| given.first().filter(|_| !given.iter().any(|f| is_one(&f))));
+        stray.map_or(Ok(()), |file| {
+            Err(Error::NoOldTable {
+                file: file.name.clone(),
+                format,
+                expected: names(names_of_all.iter().map(String::as_str)),
+            })
+        })
+    }
+}
