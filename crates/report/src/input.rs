@@ -16,6 +16,9 @@ use crate::verification::Verification;
 /// The results of which at least one must be there.
 pub(crate) const RESULTS: [&str; 3] = ["calibration.json", "diagnosis.json", "verification.json"];
 
+/// Within this, µm, residuals have the rms of the calibration: both are rounded to a ten-thousandth.
+const ROUNDING_UM: f64 = 1e-3;
+
 /// What is in the folder; each file is optional.
 pub(crate) struct Input {
     pub(crate) calibration: Option<Document<Calibration>>,
@@ -77,7 +80,12 @@ impl Input {
         let is_other = |of: &Document<Verification>| of.parts.calibration != *campaign;
         let says = "verification.json is of another calibration and left out.";
         leave_out(&mut self.verification, left_out, is_other, says);
-        let is_other = |of: &Residuals| of.used() != calibration.parts.adjustment.observations;
+        let adjustment = &calibration.parts.adjustment;
+        // A point may be the mean of several readings: there are more residuals than observations.
+        let is_other = |of: &Residuals| match (of.of_points, adjustment.rms_residual_um) {
+            (true, Some(rms_um)) => (of.rms_um() - rms_um).abs() > ROUNDING_UM,
+            _ => of.used() != adjustment.observations,
+        };
         let says = "residuals.csv is not of this calibration and left out.";
         leave_out(&mut self.residuals, left_out, is_other, says);
     }

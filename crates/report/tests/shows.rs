@@ -260,6 +260,32 @@ fn readings_stand_beside_their_prediction() {
     );
 }
 
+/// Points have coordinates where lengths have stations, and the rms says whether they are of this calibration.
+#[test]
+fn coordinates_have_their_residuals() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = "row,coordinate,target,run,time_s,X,residual_um,standardized,redundancy,used\n\
+                 2,x,P,x,0,0,3,1.0,0.3,1\n2,y,P,x,0,0,-3,-1.0,0.3,1\n2,z,P,x,0,0,3,4.1,0.05,1\n\
+                 3,x,P,x,9,100,-3,1.0,0.3,1\n3,y,P,x,9,100,3,-1.0,0.3,1\n3,z,P,x,9,100,-3,0.1,0.05,1\n";
+    std::fs::write(folder.path().join("residuals.csv"), table).unwrap();
+    let mut calibration = calibration();
+    calibration["adjustment"]["rms_residual_um"] = json!(3.0);
+    let shown = page(folder.path(), &[("calibration.json", &calibration)]);
+    has(
+        &shown,
+        &[
+            "in time, by coordinate",
+            "rms by coordinate and target",
+            "line 2: z of P, 3.00 µm, 4.10 standard deviations",
+            "2 coordinates show less than a tenth of an error",
+            "coordinates are not screened",
+        ],
+    );
+    calibration["adjustment"]["rms_residual_um"] = json!(3.1);
+    let shown = page(folder.path(), &[("calibration.json", &calibration)]);
+    has(&shown, &["residuals.csv is not of this calibration"]);
+}
+
 /// Many lengths make neither a large page nor one that hides what stands out.
 #[test]
 fn many_residuals_are_thinned() {

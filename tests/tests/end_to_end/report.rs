@@ -34,10 +34,7 @@ fn results(folder: &Path) -> Calibration {
     });
     for (name, text) in [
         ("calibration.json", calibration.to_json()),
-        (
-            "residuals.csv",
-            calibration.residuals_csv(&campaign).unwrap(),
-        ),
+        ("residuals.csv", calibration.residuals_csv(&campaign)),
         ("diagnosis.json", diagnosis.to_json()),
         ("volume.json", volume.to_json(&machine)),
     ] {
