@@ -6,7 +6,7 @@ use crate::calibration::Machine;
 use crate::numbers::{fixed, normal_quantile, rough};
 use crate::page::Figure;
 use crate::residuals::{Residuals, Row};
-use crate::svg::plot::{Frame, Plot};
+use crate::svg::plot::{Frame, Plot, series_mark};
 use crate::svg::ticks::{Scale, range};
 
 /// Above this many lengths each figure shows every n-th dot, and all that stand out.
@@ -20,7 +20,6 @@ const MANY: usize = 100_000;
 const FAR: f64 = 3.5;
 const MOST_NAMED: usize = 200;
 
-const COLOURS: usize = 6;
 const WIDE: [f64; 2] = [900.0, 280.0];
 const SMALL: [f64; 2] = [340.0, 230.0];
 
@@ -35,6 +34,8 @@ pub(crate) struct Evidence {
     by: &'static str,
     observed: &'static str,
     legend: Vec<String>,
+    /// The class of the mark of each.
+    marks: Vec<String>,
     /// Every how many-th dot is drawn, where not all are.
     thinned: Option<usize>,
     count: usize,
@@ -79,6 +80,7 @@ impl Evidence {
                 false => "lengths",
             },
             legend: residuals.series.clone(),
+            marks: (0..residuals.series.len()).map(mark).collect(),
             thinned: (every > 1).then_some(every),
             count: residuals.rows.len(),
             reliability: redundancy(residuals),
@@ -89,6 +91,12 @@ impl Evidence {
         let single = [&self.time, &self.by_series, &self.quantiles];
         single.into_iter().chain(&self.over_position)
     }
+}
+
+/// The class of the mark of a series in a legend.
+fn mark(series: usize) -> String {
+    let (colour, is_cross) = series_mark(series);
+    format!("i{colour}{}", if is_cross { " x" } else { "" })
 }
 
 /// What tells the series apart.
@@ -149,10 +157,7 @@ fn in_time(residuals: &Residuals, every: usize) -> Figure {
     let at = |row: &Row| [row.time_s, row.residual_um.clamp(-half, half)];
     for series in 0..residuals.series.len() {
         let of_series = shown(residuals, every).filter(|(_, row)| row.used && row.series == series);
-        plot.dots(
-            &format!("p{}", series % COLOURS),
-            of_series.map(|(_, row)| at(row)),
-        );
+        plot.series(series, of_series.map(|(_, row)| at(row)));
     }
     let removed = residuals.rows.iter().filter(|row| !row.used);
     plot.dots("out", removed.map(at));
@@ -346,10 +351,7 @@ fn over_position(
     let mut plot = Plot::new(&frame, x, of_used(residuals));
     for series in 0..residuals.series.len() {
         let of_series = points.iter().filter(|(of, _)| *of == series);
-        plot.dots(
-            &format!("p{}", series % COLOURS),
-            of_series.map(|(_, point)| *point),
-        );
+        plot.series(series, of_series.map(|(_, point)| *point));
     }
     draw_noise(&mut plot, residuals, from, to);
     Some(Figure::new(&format!("residuals-{name}"), plot.finish()))

@@ -305,7 +305,7 @@ fn many_residuals_are_thinned() {
             table,
             "{},S{},P,x,{k},{},{residual},{residual},0.5,1",
             k + 2,
-            k % 4,
+            k % 7,
             k % 400
         )
         .unwrap();
@@ -320,7 +320,10 @@ fn many_residuals_are_thinned() {
         &[
             "Of 120000 lengths",
             "show one in 12,",
-            "line 77779: S1 to P",
+            "line 77779: S0 to P",
+            // Colours are six; the seventh station has crosses.
+            "<i class=\"i0 x\"></i>S6",
+            "class=\"p0 x\"",
         ],
     );
 }
