@@ -24,6 +24,7 @@ pub(crate) struct Input {
     pub(crate) calibration: Option<Document<Calibration>>,
     pub(crate) diagnosis: Option<Document<Diagnosis>>,
     pub(crate) volume: Option<Value>,
+    pub(crate) montecarlo: Option<Value>,
     pub(crate) verification: Option<Document<Verification>>,
     pub(crate) residuals: Option<Residuals>,
     /// Files that do not belong to the others, in words.
@@ -42,6 +43,7 @@ impl Input {
             calibration: read_parts(folder, "calibration")?,
             diagnosis: read_parts(folder, "diagnosis")?,
             volume: read_json(folder, "volume")?.map(|(_, value)| value),
+            montecarlo: read_json(folder, "montecarlo")?.map(|(_, value)| value),
             verification: read_parts(folder, "verification")?,
             residuals: Residuals::read(&folder.join("residuals.csv"))?,
             left_out: Vec::new(),
@@ -74,9 +76,11 @@ impl Input {
         let says = "diagnosis.json is of another campaign and left out.";
         leave_out(&mut self.diagnosis, left_out, is_other, says);
         let is_other =
-            |volume: &Value| volume["campaign"].as_str().is_some_and(|of| of != campaign);
+            |result: &Value| result["campaign"].as_str().is_some_and(|of| of != campaign);
         let says = "volume.json is of another campaign and left out.";
         leave_out(&mut self.volume, left_out, is_other, says);
+        let says = "montecarlo.json is of another campaign and left out.";
+        leave_out(&mut self.montecarlo, left_out, is_other, says);
         let is_other = |of: &Document<Verification>| of.parts.calibration != *campaign;
         let says = "verification.json is of another calibration and left out.";
         leave_out(&mut self.verification, left_out, is_other, says);
@@ -106,6 +110,9 @@ impl Input {
         let is_of_others = |of: &Document<_>| contradict(&checksums(&of.raw), &of_campaign);
         let says = "diagnosis.json is of other measurements and left out; make it again.";
         leave_out(&mut self.diagnosis, left_out, is_of_others, says);
+        let is_of_others = |of: &Value| contradict(&checksums(of), &of_campaign);
+        let says = "montecarlo.json is of other measurements and left out; make it again.";
+        leave_out(&mut self.montecarlo, left_out, is_of_others, says);
         let says = "volume.json is of another calibration and left out; make it again.";
         leave_out(&mut self.volume, left_out, is_other, says);
         let says = "verification.json is of another calibration and left out; make it again.";

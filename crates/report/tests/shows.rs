@@ -172,16 +172,20 @@ fn what_rests_on_other_files_is_left_out() {
     let mut volume = json!({ "format": "trueaxis-volume", "version": 1, "campaign": "two axes", "places": 8,
         "before": { "zeroed_at_home": { "rms_um": {} }, "best_fit": {} }, "after": {} });
     volume["traceability"] = of("calibration.json", "34cd");
+    let mut montecarlo = json!({ "format": "trueaxis-montecarlo", "version": 1, "campaign": "two axes", "trials": 500, "seed": 17 });
+    montecarlo["traceability"] = of("lengths.csv", "12ab");
     let files = [
         ("calibration.json", &calibration),
         ("diagnosis.json", &diagnosis),
         ("volume.json", &volume),
+        ("montecarlo.json", &montecarlo),
     ];
     let shown = page(folder.path(), &files);
     has(
         &shown,
         &[
             "backlash",
+            "500 trials, seed 17",
             "volume.json is of another calibration and left out",
         ],
     );
@@ -191,6 +195,11 @@ fn what_rests_on_other_files_is_left_out() {
         &shown,
         &["diagnosis.json is of other measurements and left out"],
     );
+    montecarlo["traceability"] = of("lengths.csv", "56ef");
+    let shown = page(folder.path(), &[("montecarlo.json", &montecarlo)]);
+    let says = "montecarlo.json is of other measurements and left out";
+    has(&shown, &[says]);
+    assert!(!shown.contains("seed 17"));
     assert!(!shown.contains("backlash"));
 }
 
