@@ -108,7 +108,10 @@ impl Components {
                 .branch(branch)
                 .iter()
                 .map(|&axis| request.name(axis));
-            axes.collect::<Vec<_>>().join(" ")
+            match axes.collect::<Vec<_>>() {
+                none if none.is_empty() => "none".to_owned(),
+                names => names.join(" "),
+            }
         };
         use trueaxis_kinematics::Branch;
         vec![
