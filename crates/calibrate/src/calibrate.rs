@@ -72,8 +72,7 @@ pub(crate) fn calibrate_in_parts<'a>(
         calibrate_as_given(campaign, settings).map_err(|error| mistakes.explained(error))?;
     let lost = mistakes.lost_sweeps(&calibration);
     calibration.notices.extend(lost);
-    let lengths = parts.measured.lengths.as_ref();
-    calibration.residuals = lengths.map_or_else(Vec::new, LengthsAdjustment::residuals);
+    calibration.residuals = parts.measured.residuals();
     Ok((calibration, parts))
 }
 

@@ -54,9 +54,8 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
         extra.push((OutputCovariance::MATRIX_FILE, covariance.to_npy()));
         extra.push((COVARIANCE_INDEX, index));
     }
-    if let Some(residuals) = calibration.residuals_csv(&campaign) {
-        extra.push((Calibration::RESIDUALS_FILE, residuals.into_bytes()));
-    }
+    let residuals = calibration.residuals_csv(&campaign);
+    extra.push((Calibration::RESIDUALS_FILE, residuals.into_bytes()));
     calibration.traceability.inputs = checksums(&args.campaign)?;
     let mut results = args.result.folder(&campaign.name)?;
     let text = calibration.to_json();

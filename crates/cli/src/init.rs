@@ -24,11 +24,12 @@ pub(crate) fn run(args: &InitArgs) -> anyhow::Result<Exit> {
     let map = args.folder.join("import.toml");
     let table = plan.table(args.points);
     let schema = args.folder.join("campaign.schema.json");
+    // The first one that is there already is named: the campaign is what somebody would miss.
     output::write_all_new(&[
-        (&schema, trueaxis_campaign::schema()),
         (&campaign, campaign_text(plan.campaign, &name, args.points)),
         (&template, table.clone()),
         (&map, plan.map(args.points)),
+        (&schema, trueaxis_campaign::schema()),
     ])?;
     let line = |path: &Path, what: &str| say(&format!("written: {}: {what}", path.display()));
     line(

@@ -5,7 +5,8 @@ use trueaxis_calibrate::{NumberedResult, Output, Unit, calibrate_for_replay};
 use trueaxis_campaign::{Campaign, checksums, read};
 use trueaxis_files::counted;
 use trueaxis_montecarlo::{
-    FirstOrder, Outcome, Propagation, Settings, Trials, Validation, propagate, validate,
+    FirstOrder, Outcome, Propagation, Settings, Trials, Validation, chance_of_ratio, propagate,
+    validate,
 };
 
 use crate::args::MontecarloArgs;
@@ -191,23 +192,35 @@ fn lines(propagation: &Propagation, compared: &[Compared<'_>]) -> Vec<String> {
         ));
     }
     lines.push(String::new());
-    lines.extend(verdict(compared));
+    lines.extend(verdict(compared, propagation.trials));
     lines
 }
 
+/// Below this probability the largest difference is not by chance.
+const SURPRISE: f64 = 0.01;
+
 /// How first order and Monte Carlo agree.
-fn verdict(compared: &[Compared<'_>]) -> Vec<String> {
+fn verdict(compared: &[Compared<'_>], trials: usize) -> Vec<String> {
     let ratio = |one: &&Compared<'_>| one.monte_carlo.u / one.first_order.u - 1.0;
     let mut lines = Vec::new();
     let worst = compared
         .iter()
         .max_by(|a, b| ratio(a).abs().total_cmp(&ratio(b).abs()));
     if let Some(worst) = worst {
+        let chance = chance_of_ratio(1.0 + ratio(&worst), trials, compared.len());
+        let counts = format!(
+            "the largest of {} by {}",
+            counted(compared.len(), "result"),
+            counted(trials, "trial")
+        );
+        let judged = match chance < SURPRISE {
+            true => format!("more than chance makes {counts} (p at most {chance:.0e})"),
+            false => format!("no more than chance makes {counts}"),
+        };
         lines.push(format!(
-            "u by trials against first order: {:+.1} % at most ({}), {:.1} standard errors of the trials",
+            "u by trials against first order: {:+.1} % at most ({}), {judged}",
             100.0 * ratio(&worst),
             in_words(&worst.result.output),
-            ratio(&worst).abs() * worst.first_order.u / worst.monte_carlo.scatter.u
         ));
     }
     let count = |outcome: Outcome| {

@@ -182,6 +182,11 @@ fn step_pose(
 }
 
 impl BodyPoses {
+    /// `Π / n`: the shape from the points of one step, turned home.
+    pub fn shape_from_points(&self) -> DMatrix<f64> {
+        &self.shape.projection / self.shape.steps
+    }
+
     /// What errors of the points do to the poses.
     pub fn noise(&self, noise: &BodyNoise<'_>) -> BodyPoseNoise {
         let turns = |i: usize| self.steps[i].home_from_points;

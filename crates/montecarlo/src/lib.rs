@@ -79,4 +79,4 @@ pub use settings::{Settings, Trials};
 pub use stability::{OutputStability, Stability};
 pub use summary::{Scatter, Summary};
 pub use tolerance::numerical_tolerance;
-pub use validate::{FirstOrder, Outcome, Validation, validate};
+pub use validate::{FirstOrder, Outcome, Validation, chance_of_ratio, validate};

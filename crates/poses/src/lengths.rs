@@ -22,6 +22,5 @@ pub use circumstances::{
 };
 pub use effects::EffectsOnLengths;
 pub use reflectors::ReflectorConstant;
-pub use residuals::LengthResidual;
 pub use scale::{ScaleBasis, ScaleResult};
 pub use side_difference::SideDifference;

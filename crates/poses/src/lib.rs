@@ -53,15 +53,16 @@ mod measure;
 mod points;
 mod poses;
 mod report;
+mod residual;
 mod settings;
 mod trials;
 mod words;
 
 pub use error::Error;
 pub use lengths::{
-    EffectsOnLengths, LengthCircumstances, LengthResidual, LengthsAdjustment, Observation,
-    ReflectorConstant, ScaleBasis, ScaleResult, SideDifference, constant_feed_per_s,
-    length_circumstances, scene_of, temperature_histories,
+    EffectsOnLengths, LengthCircumstances, LengthsAdjustment, Observation, ReflectorConstant,
+    ScaleBasis, ScaleResult, SideDifference, constant_feed_per_s, length_circumstances, scene_of,
+    temperature_histories,
 };
 pub use measure::{MeasuredPoses, NoiseByEquations, measure};
 pub use poses::{PoseNoise, PoseObservation, Poses, TargetBody, ThroughSources, turned_about};
@@ -69,6 +70,7 @@ pub use report::{
     AdjustmentReport, InterruptedOccupation, KnownMisfit, NoiseReport, PartReport, RejectedLength,
     StepMisfit,
 };
+pub use residual::Residual;
 pub use settings::{Method, Settings};
 pub use trials::{PoseTrials, Trial, TrialWorkspace};
 pub use trueaxis_multilateration::{NoiseBasis, Station};

@@ -13,6 +13,7 @@ use crate::points::report::points_report;
 use crate::points::{MeasuredPoints, points_from_coordinates, rigidity};
 use crate::poses::{PoseNoise, Poses};
 use crate::report::{AdjustmentReport, KnownMisfit, StepMisfit};
+use crate::residual::Residual;
 use crate::settings::{Method, Settings};
 
 /// The poses of a campaign with what was adjusted beside them.
@@ -35,6 +36,8 @@ pub struct MeasuredPoses<'a> {
     pub lengths: Option<LengthsAdjustment<'a>>,
     /// The points, and the equations by which the poses follow from them; `None` for the joint adjustment.
     pub(crate) points: Option<(MeasuredPoints, PointEquations)>,
+    /// What rigid motions leave of measured coordinates; empty where lengths were measured.
+    point_residuals: Vec<Residual>,
     /// What a user must know before using the poses.
     pub notices: Vec<String>,
 }
@@ -120,6 +123,7 @@ fn from_lengths<'a>(
         by_equations,
         lengths: Some(lengths),
         points,
+        point_residuals: Vec::new(),
         notices,
     })
 }
@@ -146,7 +150,19 @@ fn from_points<'a>(
     };
     let points = points_from_coordinates(campaign, points, settings.by_direction);
     let mut found = poses_from_points(campaign, &points, method)?;
-    let (adjustment, notices) = points_report(campaign, settings.by_direction, &points, &found);
+    let mut point_residuals = found.equations.residuals(&points);
+    let (adjustment, notices) = points_report(
+        campaign,
+        settings.by_direction,
+        &points,
+        (&found, &point_residuals),
+    );
+    // Undeclared, the noise is what the residuals say.
+    if !adjustment.noise_declared && adjustment.uncertainty_factor > 0.0 {
+        for residual in &mut point_residuals {
+            residual.standardized /= adjustment.uncertainty_factor;
+        }
+    }
     let misfits = rigidity::misfits(campaign, &found, adjustment.noise_declared);
     found.poses.follow(&adjustment);
     Ok(MeasuredPoses {
@@ -159,6 +175,7 @@ fn from_points<'a>(
         by_equations: None,
         lengths: None,
         points: Some((points, found.equations)),
+        point_residuals,
         notices,
     })
 }
@@ -177,6 +194,16 @@ impl Poses {
 }
 
 impl MeasuredPoses<'_> {
+    /// The residuals of all lengths, or of all coordinates that led to poses, in measuring order. Those of
+    /// coordinates are in units of the declared noise where all of it is declared.
+    pub fn residuals(&self) -> Vec<Residual> {
+        let lengths = self.lengths.as_ref();
+        lengths.map_or_else(
+            || self.point_residuals.clone(),
+            LengthsAdjustment::residuals,
+        )
+    }
+
     /// The constants of the reflectors; none where they were not determined and for a points campaign.
     pub fn reflectors(&self) -> Vec<ReflectorConstant> {
         let lengths = self.lengths.as_ref();

@@ -3,8 +3,10 @@
 mod coordinates;
 pub(crate) mod equations;
 mod measured;
+mod repeats;
 pub(crate) mod report;
+mod residuals;
 pub(crate) mod rigidity;
 
 pub(crate) use coordinates::points_from_coordinates;
-pub(crate) use measured::{MeasuredPoints, PointGroup, PointNoise};
+pub(crate) use measured::{GroupReading, MeasuredPoints, PointGroup, PointNoise};

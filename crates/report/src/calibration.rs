@@ -55,6 +55,7 @@ pub(crate) enum Kind {
 pub(crate) struct Adjustment {
     pub(crate) observations: usize,
     pub(crate) degrees_of_freedom: usize,
+    pub(crate) rms_residual_um: Option<f64>,
     pub(crate) p_value: Option<f64>,
     pub(crate) sigma0: Option<f64>,
 }

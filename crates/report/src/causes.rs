@@ -8,7 +8,7 @@ use crate::fitted_figure::fitted_figures;
 use crate::numbers::{decimals, fixed, rough, signed};
 use crate::page::Figure;
 use crate::svg::Drawing;
-use crate::svg::plot::{Frame, Plot};
+use crate::svg::plot::{COLOURS, Frame, Plot};
 use crate::svg::ticks::{Scale, range};
 use crate::words;
 
@@ -116,7 +116,7 @@ fn parts(level: &Level, names: &[String]) -> Vec<(String, f64, String)> {
     let named = names.iter().cloned();
     let named = named.chain((0..).map(|k| format!("cause {}", k + 1)));
     let of_causes = shares.causes.iter().zip(named).enumerate();
-    let of_causes = of_causes.map(|(k, (share, name))| (name, *share, format!("f{}", k % 6)));
+    let of_causes = of_causes.map(|(k, (share, name))| (name, *share, format!("f{}", k % COLOURS)));
     let smooth: f64 = shares.disturbances.iter().sum();
     let others = [
         ("disturbances", smooth, "fd"),

@@ -1,4 +1,4 @@
-//! Figures of the residuals: what the adjustment left of the lengths.
+//! Figures of the residuals: what is left of the lengths, or of the coordinates of points.
 
 use serde::Serialize;
 
@@ -6,7 +6,7 @@ use crate::calibration::Machine;
 use crate::numbers::{fixed, normal_quantile, rough};
 use crate::page::Figure;
 use crate::residuals::{Residuals, Row};
-use crate::svg::plot::{Frame, Plot};
+use crate::svg::plot::{Frame, Plot, series_mark};
 use crate::svg::ticks::{Scale, range};
 
 /// Above this many lengths each figure shows every n-th dot, and all that stand out.
@@ -20,7 +20,6 @@ const MANY: usize = 100_000;
 const FAR: f64 = 3.5;
 const MOST_NAMED: usize = 200;
 
-const COLOURS: usize = 6;
 const WIDE: [f64; 2] = [900.0, 280.0];
 const SMALL: [f64; 2] = [340.0, 230.0];
 
@@ -28,13 +27,18 @@ const SMALL: [f64; 2] = [340.0, 230.0];
 #[derive(Serialize)]
 pub(crate) struct Evidence {
     time: Figure,
-    by_station: Figure,
+    by_series: Figure,
     quantiles: Figure,
     over_position: Vec<Figure>,
+    /// What the legend names and what the residuals are of: stations and lengths, or coordinates.
+    by: &'static str,
+    observed: &'static str,
     legend: Vec<String>,
+    /// The class of the mark of each.
+    marks: Vec<String>,
     /// Every how many-th dot is drawn, where not all are.
     thinned: Option<usize>,
-    lengths: usize,
+    count: usize,
     reliability: Option<Redundancy>,
 }
 
@@ -42,7 +46,7 @@ pub(crate) struct Evidence {
 struct Redundancy {
     least: String,
     median: String,
-    /// Lengths of which less than a tenth of an error would show.
+    /// Those of which less than a tenth of an error would show.
     hardly_checked: usize,
 }
 
@@ -65,21 +69,50 @@ impl Evidence {
             |axis: usize| machine.is_some_and(|machine| machine.is_rotary(&residuals.axes[axis]));
         Some(Self {
             time: in_time(residuals, every),
-            by_station: by_station(residuals),
+            by_series: by_series(residuals),
             quantiles: quantiles(residuals),
             over_position: axes
                 .filter_map(|axis| over_position(residuals, axis, every, is_rotary(axis)))
                 .collect(),
-            legend: residuals.stations.clone(),
+            by: by(residuals),
+            observed: match residuals.of_points {
+                true => "coordinates",
+                false => "lengths",
+            },
+            legend: residuals.series.clone(),
+            marks: (0..residuals.series.len()).map(mark).collect(),
             thinned: (every > 1).then_some(every),
-            lengths: residuals.rows.len(),
+            count: residuals.rows.len(),
             reliability: redundancy(residuals),
         })
     }
 
     pub(crate) fn figures(&self) -> impl Iterator<Item = &Figure> {
-        let single = [&self.time, &self.by_station, &self.quantiles];
+        let single = [&self.time, &self.by_series, &self.quantiles];
         single.into_iter().chain(&self.over_position)
+    }
+}
+
+/// The class of the mark of a series in a legend.
+fn mark(series: usize) -> String {
+    let (colour, is_cross) = series_mark(series);
+    format!("i{colour}{}", if is_cross { " x" } else { "" })
+}
+
+/// What tells the series apart.
+fn by(residuals: &Residuals) -> &'static str {
+    match residuals.of_points {
+        true => "coordinate",
+        false => "station",
+    }
+}
+
+/// A length or a coordinate in words.
+fn observed(residuals: &Residuals, series: usize, target: usize) -> String {
+    let (series, target) = (&residuals.series[series], &residuals.targets[target]);
+    match residuals.of_points {
+        true => format!("{series} of {target}"),
+        false => format!("{series} to {target}"),
     }
 }
 
@@ -122,13 +155,9 @@ fn in_time(residuals: &Residuals, every: usize) -> Figure {
     let from = from.max(0.0).min(to);
     let mut plot = Plot::new(&frame, Scale::new(from, to, 8), y);
     let at = |row: &Row| [row.time_s, row.residual_um.clamp(-half, half)];
-    for station in 0..residuals.stations.len() {
-        let of_station =
-            shown(residuals, every).filter(|(_, row)| row.used && row.station == station);
-        plot.dots(
-            &format!("p{}", station % COLOURS),
-            of_station.map(|(_, row)| at(row)),
-        );
+    for series in 0..residuals.series.len() {
+        let of_series = shown(residuals, every).filter(|(_, row)| row.used && row.series == series);
+        plot.series(series, of_series.map(|(_, row)| at(row)));
     }
     let removed = residuals.rows.iter().filter(|row| !row.used);
     plot.dots("out", removed.map(at));
@@ -139,10 +168,9 @@ fn in_time(residuals: &Residuals, every: usize) -> Figure {
         .filter(|row| !row.used || row.standardized.abs() > FAR);
     for row in far.take(MOST_NAMED) {
         let text = format!(
-            "line {}: {} to {}, {} µm, {} standard deviations{}",
+            "line {}: {}, {} µm, {} standard deviations{}",
             row.line,
-            residuals.stations[row.station],
-            residuals.targets[row.target],
+            observed(residuals, row.series, row.target),
             rough(row.residual_um),
             rough(row.standardized),
             if row.used { "" } else { ", removed" }
@@ -152,16 +180,17 @@ fn in_time(residuals: &Residuals, every: usize) -> Figure {
     Figure::new("residuals-time", plot.finish())
 }
 
-/// Rms of the standardized residuals of each target from each station, with the range that noise alone leaves it.
-fn by_station(residuals: &Residuals) -> Figure {
-    let (stations, targets) = (residuals.stations.len(), residuals.targets.len());
-    let mut sums = vec![(0.0, 0_usize); stations * targets];
+/// Rms of the standardized residuals of each target from each station, or of each coordinate, with the range that
+/// noise alone leaves it.
+fn by_series(residuals: &Residuals) -> Figure {
+    let (series, targets) = (residuals.series.len(), residuals.targets.len());
+    let mut sums = vec![(0.0, 0_usize); series * targets];
     for row in residuals
         .rows
         .iter()
         .filter(|row| row.used && row.standardized.is_finite())
     {
-        let (squares, count) = &mut sums[row.station * targets + row.target];
+        let (squares, count) = &mut sums[row.series * targets + row.target];
         *squares += row.standardized * row.standardized;
         *count += 1;
     }
@@ -185,33 +214,32 @@ fn by_station(residuals: &Residuals) -> Figure {
         .flat_map(|(_, _, rms, half)| [*rms, 1.0 - half, 1.0 + half]);
     let [low, high] = range(bounds);
     let frame = Frame {
-        title: "rms by station and target",
-        x_label: "station",
+        title: &format!("rms by {} and target", by(residuals)),
+        x_label: by(residuals),
         y_label: "rms (1 if noise alone)",
         size: SMALL,
     };
-    let mut x = Scale::new(-0.5, stations as f64 - 0.5, 5);
+    let mut x = Scale::new(-0.5, series as f64 - 0.5, 5);
     let most = 8;
-    let every = stations.div_ceil(most).max(1);
-    let named = residuals.stations.iter().enumerate().step_by(every);
+    let every = series.div_ceil(most).max(1);
+    let named = residuals.series.iter().enumerate().step_by(every);
     x.ticks = named.map(|(k, name)| (k as f64, short(name))).collect();
     let mut plot = Plot::new(&frame, x, Scale::new(low.max(0.0), high, 5));
-    for (station, target, rms, half) in rms {
+    for (series, target, rms, half) in rms {
         let spread = 0.7 * ((target as f64 + 0.5) / targets as f64 - 0.5);
-        let x = station as f64 + spread;
+        let x = series as f64 + spread;
         plot.line("range", &[[x, 1.0 - half], [x, 1.0 + half]]);
         plot.dots("m0", std::iter::once([x, rms]));
         let text = format!(
-            "{} to {}: {} (noise alone: {} to {})",
-            residuals.stations[station],
-            residuals.targets[target],
+            "{}: {} (noise alone: {} to {})",
+            observed(residuals, series, target),
             fixed(rms, 2),
             fixed(1.0 - half, 2),
             fixed(1.0 + half, 2)
         );
         plot.hover([x, rms], &text);
     }
-    Figure::new("residuals-stations", plot.finish())
+    Figure::new(&format!("residuals-{}s", by(residuals)), plot.finish())
 }
 
 /// A name that has room under a tick.
@@ -257,11 +285,14 @@ fn quantiles(residuals: &Residuals) -> Figure {
         Scale::new(-half, half, 6),
         Scale::new(-half, half, 6),
     );
+    // As many residuals are independent as there are degrees of freedom: the sum of the redundancy numbers.
+    let redundancy = residuals.rows.iter().filter_map(|row| row.redundancy);
+    let independent = redundancy.sum::<f64>().clamp(1.0, count.max(1) as f64);
     // Pointwise 95 % range of an order statistic (asymptotic).
     let spread = |k: usize, z: f64| {
         let p = probability(k);
         let density = (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt();
-        1.96 * (p * (1.0 - p) / count as f64).sqrt() / density
+        1.96 * (p * (1.0 - p) / independent).sqrt() / density
     };
     let edge = |sign: f64| -> Vec<[f64; 2]> {
         let points = kept.iter().zip(&expected);
@@ -303,7 +334,7 @@ fn over_position(
     };
     let points: Vec<(usize, [f64; 2])> = shown(residuals, every)
         .filter(|(_, row)| row.used && moves(row.run))
-        .map(|(k, row)| (row.station, [residuals.positions(k)[axis], row.residual_um]))
+        .map(|(k, row)| (row.series, [residuals.positions(k)[axis], row.residual_um]))
         .collect();
     if points.is_empty() {
         return None;
@@ -318,12 +349,9 @@ fn over_position(
     };
     let x = Scale::positions(is_rotary, from, to, 5);
     let mut plot = Plot::new(&frame, x, of_used(residuals));
-    for station in 0..residuals.stations.len() {
-        let of_station = points.iter().filter(|(of, _)| *of == station);
-        plot.dots(
-            &format!("p{}", station % COLOURS),
-            of_station.map(|(_, point)| *point),
-        );
+    for series in 0..residuals.series.len() {
+        let of_series = points.iter().filter(|(of, _)| *of == series);
+        plot.series(series, of_series.map(|(_, point)| *point));
     }
     draw_noise(&mut plot, residuals, from, to);
     Some(Figure::new(&format!("residuals-{name}"), plot.finish()))

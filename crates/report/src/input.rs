@@ -16,11 +16,15 @@ use crate::verification::Verification;
 /// The results of which at least one must be there.
 pub(crate) const RESULTS: [&str; 3] = ["calibration.json", "diagnosis.json", "verification.json"];
 
+/// Within this, µm, residuals have the rms of the calibration: both are rounded to a ten-thousandth.
+const ROUNDING_UM: f64 = 1e-3;
+
 /// What is in the folder; each file is optional.
 pub(crate) struct Input {
     pub(crate) calibration: Option<Document<Calibration>>,
     pub(crate) diagnosis: Option<Document<Diagnosis>>,
     pub(crate) volume: Option<Value>,
+    pub(crate) montecarlo: Option<Value>,
     pub(crate) verification: Option<Document<Verification>>,
     pub(crate) residuals: Option<Residuals>,
     /// Files that do not belong to the others, in words.
@@ -39,6 +43,7 @@ impl Input {
             calibration: read_parts(folder, "calibration")?,
             diagnosis: read_parts(folder, "diagnosis")?,
             volume: read_json(folder, "volume")?.map(|(_, value)| value),
+            montecarlo: read_json(folder, "montecarlo")?.map(|(_, value)| value),
             verification: read_parts(folder, "verification")?,
             residuals: Residuals::read(&folder.join("residuals.csv"))?,
             left_out: Vec::new(),
@@ -71,13 +76,20 @@ impl Input {
         let says = "diagnosis.json is of another campaign and left out.";
         leave_out(&mut self.diagnosis, left_out, is_other, says);
         let is_other =
-            |volume: &Value| volume["campaign"].as_str().is_some_and(|of| of != campaign);
+            |result: &Value| result["campaign"].as_str().is_some_and(|of| of != campaign);
         let says = "volume.json is of another campaign and left out.";
         leave_out(&mut self.volume, left_out, is_other, says);
+        let says = "montecarlo.json is of another campaign and left out.";
+        leave_out(&mut self.montecarlo, left_out, is_other, says);
         let is_other = |of: &Document<Verification>| of.parts.calibration != *campaign;
         let says = "verification.json is of another calibration and left out.";
         leave_out(&mut self.verification, left_out, is_other, says);
-        let is_other = |of: &Residuals| of.used() != calibration.parts.adjustment.observations;
+        let adjustment = &calibration.parts.adjustment;
+        // A point may be the mean of several readings: there are more residuals than observations.
+        let is_other = |of: &Residuals| match (of.of_points, adjustment.rms_residual_um) {
+            (true, Some(rms_um)) => (of.rms_um() - rms_um).abs() > ROUNDING_UM,
+            _ => of.used() != adjustment.observations,
+        };
         let says = "residuals.csv is not of this calibration and left out.";
         leave_out(&mut self.residuals, left_out, is_other, says);
     }
@@ -98,6 +110,9 @@ impl Input {
         let is_of_others = |of: &Document<_>| contradict(&checksums(&of.raw), &of_campaign);
         let says = "diagnosis.json is of other measurements and left out; make it again.";
         leave_out(&mut self.diagnosis, left_out, is_of_others, says);
+        let is_of_others = |of: &Value| contradict(&checksums(of), &of_campaign);
+        let says = "montecarlo.json is of other measurements and left out; make it again.";
+        leave_out(&mut self.montecarlo, left_out, is_of_others, says);
         let says = "volume.json is of another calibration and left out; make it again.";
         leave_out(&mut self.volume, left_out, is_other, says);
         let says = "verification.json is of another calibration and left out; make it again.";

@@ -1,8 +1,9 @@
 //! One page of HTML that shows what a calibration found, on what evidence, and what a diagnosis says of it.
 //!
 //! Noun in: the files of a folder ([`report()`] reads `calibration.json`, `residuals.csv`, `diagnosis.json`,
-//! `volume.json` and `verification.json`, each if it is there). Noun out: a [`Report`], the page and its figures as SVG. Positions are mm or
-//! degrees, errors µm and arcsec, as in the files; bands and U are for 95 %, k = 2 or Student's factor
+//! `volume.json`, `verification.json` and, for its seed, `montecarlo.json`, each if it is there). Noun out: a [`Report`],
+//! the page and its figures as SVG. Positions are mm or degrees, errors µm and arcsec, as in the files; bands and U are for
+//! 95 %, k = 2 or Student's factor
 //!
 //! ```text
 //! U = max(2, t₀.₉₇₅(dof)) u

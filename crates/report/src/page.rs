@@ -59,6 +59,7 @@ pub(crate) struct Page<'a> {
     calibration: Option<&'a Value>,
     diagnosis: Option<&'a Value>,
     volume: Option<&'a Value>,
+    montecarlo: Option<&'a Value>,
     /// Parts of the budgets that there are, by their field, with what they are called.
     budget_parts: Vec<[&'static str; 2]>,
     figure_style: &'static str,
@@ -124,6 +125,7 @@ impl<'a> Page<'a> {
             calibration: input.calibration.as_ref().map(|document| &document.raw),
             diagnosis: input.diagnosis.as_ref().map(|document| &document.raw),
             volume: input.volume.as_ref(),
+            montecarlo: input.montecarlo.as_ref(),
             budget_parts: match &input.calibration {
                 Some(document) => budget_parts(&document.raw),
                 None => Vec::new(),

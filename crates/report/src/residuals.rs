@@ -1,15 +1,17 @@
-//! `residuals.csv`: what the adjustment left of each length.
+//! `residuals.csv`: what is left of each length, or of each coordinate of a point.
 
 use std::path::Path;
 
 use crate::Error;
 use crate::input::read_text;
 
-/// The residuals of all lengths, in measuring order.
+/// The residuals of all lengths or coordinates, in measuring order.
 #[derive(Debug, Default)]
 pub(crate) struct Residuals {
-    /// Names of the stations, targets and axes that rows point to.
-    pub(crate) stations: Vec<String>,
+    /// Whether they are of coordinates.
+    pub(crate) of_points: bool,
+    /// Names of the stations, or of the coordinates, and of targets, runs and axes that rows point to.
+    pub(crate) series: Vec<String>,
     pub(crate) targets: Vec<String>,
     pub(crate) runs: Vec<String>,
     pub(crate) axes: Vec<String>,
@@ -20,9 +22,9 @@ pub(crate) struct Residuals {
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Row {
-    /// Line of `lengths.csv`.
+    /// Line of the file of lengths or points.
     pub(crate) line: usize,
-    pub(crate) station: usize,
+    pub(crate) series: usize,
     pub(crate) target: usize,
     pub(crate) run: usize,
     pub(crate) time_s: f64,
@@ -59,6 +61,7 @@ impl Residuals {
             .checked_sub(BEFORE + BEHIND)
             .ok_or_else(too_few)?;
         let mut residuals = Self {
+            of_points: header.get(1) == Some("coordinate"),
             axes: (0..axes).map(|k| header[BEFORE + k].to_owned()).collect(),
             ..Self::default()
         };
@@ -67,7 +70,7 @@ impl Residuals {
             let number = |k: usize| record[k].parse::<f64>().unwrap_or(f64::NAN);
             let row = Row {
                 line: record[0].parse().unwrap_or_default(),
-                station: index(&mut residuals.stations, &record[1]),
+                series: index(&mut residuals.series, &record[1]),
                 target: index(&mut residuals.targets, &record[2]),
                 run: index(&mut residuals.runs, &record[3]),
                 time_s: number(4),
@@ -81,6 +84,12 @@ impl Residuals {
             residuals.positions.extend(positions);
         }
         Ok(residuals)
+    }
+
+    /// Rms of all residuals, µm.
+    pub(crate) fn rms_um(&self) -> f64 {
+        let squares: f64 = self.rows.iter().map(|row| row.residual_um.powi(2)).sum();
+        (squares / self.rows.len().max(1) as f64).sqrt()
     }
 
     /// How many of the lengths were used.

@@ -3,6 +3,8 @@
 //! Marks have classes; colours come from a style sheet, so that the page shows them dark or light. A file of its
 //! own carries the light ones ([`Drawing::alone`]). All text is escaped.
 
+#[cfg(test)]
+mod colours;
 pub(crate) mod plot;
 pub(crate) mod ticks;
 
@@ -79,9 +81,30 @@ impl Drawing {
 
     /// Dots as one element: thousands of them stay small.
     pub(crate) fn dots(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+        self.marks(class, [0.0, 0.0], "h0", points);
+    }
+
+    /// Crosses, as one element, too.
+    pub(crate) fn crosses(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+        self.marks(class, [-2.0, -2.0], "l4 4m0-4l-4 4", points);
+    }
+
+    /// The same mark at each point, drawn from so far beside it.
+    fn marks(
+        &mut self,
+        class: &str,
+        from: [f64; 2],
+        mark: &str,
+        points: impl Iterator<Item = [f64; 2]>,
+    ) {
         let mut d = String::new();
         for [x, y] in points {
-            let _ = write!(d, "M{} {}h0", coordinate(x), coordinate(y));
+            let _ = write!(
+                d,
+                "M{} {}{mark}",
+                coordinate(x + from[0]),
+                coordinate(y + from[1])
+            );
         }
         if !d.is_empty() {
             self.element(format_args!(r#"path class="{class}" d="{d}""#));

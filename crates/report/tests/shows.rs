@@ -172,16 +172,20 @@ fn what_rests_on_other_files_is_left_out() {
     let mut volume = json!({ "format": "trueaxis-volume", "version": 1, "campaign": "two axes", "places": 8,
         "before": { "zeroed_at_home": { "rms_um": {} }, "best_fit": {} }, "after": {} });
     volume["traceability"] = of("calibration.json", "34cd");
+    let mut montecarlo = json!({ "format": "trueaxis-montecarlo", "version": 1, "campaign": "two axes", "trials": 500, "seed": 17 });
+    montecarlo["traceability"] = of("lengths.csv", "12ab");
     let files = [
         ("calibration.json", &calibration),
         ("diagnosis.json", &diagnosis),
         ("volume.json", &volume),
+        ("montecarlo.json", &montecarlo),
     ];
     let shown = page(folder.path(), &files);
     has(
         &shown,
         &[
             "backlash",
+            "500 trials, seed 17",
             "volume.json is of another calibration and left out",
         ],
     );
@@ -191,6 +195,11 @@ fn what_rests_on_other_files_is_left_out() {
         &shown,
         &["diagnosis.json is of other measurements and left out"],
     );
+    montecarlo["traceability"] = of("lengths.csv", "56ef");
+    let shown = page(folder.path(), &[("montecarlo.json", &montecarlo)]);
+    let says = "montecarlo.json is of other measurements and left out";
+    has(&shown, &[says]);
+    assert!(!shown.contains("seed 17"));
     assert!(!shown.contains("backlash"));
 }
 
@@ -260,6 +269,32 @@ fn readings_stand_beside_their_prediction() {
     );
 }
 
+/// Points have coordinates where lengths have stations, and the rms says whether they are of this calibration.
+#[test]
+fn coordinates_have_their_residuals() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = "row,coordinate,target,run,time_s,X,residual_um,standardized,redundancy,used\n\
+                 2,x,P,x,0,0,3,1.0,0.3,1\n2,y,P,x,0,0,-3,-1.0,0.3,1\n2,z,P,x,0,0,3,4.1,0.05,1\n\
+                 3,x,P,x,9,100,-3,1.0,0.3,1\n3,y,P,x,9,100,3,-1.0,0.3,1\n3,z,P,x,9,100,-3,0.1,0.05,1\n";
+    std::fs::write(folder.path().join("residuals.csv"), table).unwrap();
+    let mut calibration = calibration();
+    calibration["adjustment"]["rms_residual_um"] = json!(3.0);
+    let shown = page(folder.path(), &[("calibration.json", &calibration)]);
+    has(
+        &shown,
+        &[
+            "in time, by coordinate",
+            "rms by coordinate and target",
+            "line 2: z of P, 3.00 µm, 4.10 standard deviations",
+            "2 coordinates show less than a tenth of an error",
+            "coordinates are not screened",
+        ],
+    );
+    calibration["adjustment"]["rms_residual_um"] = json!(3.1);
+    let shown = page(folder.path(), &[("calibration.json", &calibration)]);
+    has(&shown, &["residuals.csv is not of this calibration"]);
+}
+
 /// Many lengths make neither a large page nor one that hides what stands out.
 #[test]
 fn many_residuals_are_thinned() {
@@ -279,7 +314,7 @@ fn many_residuals_are_thinned() {
             table,
             "{},S{},P,x,{k},{},{residual},{residual},0.5,1",
             k + 2,
-            k % 4,
+            k % 7,
             k % 400
         )
         .unwrap();
@@ -294,7 +329,10 @@ fn many_residuals_are_thinned() {
         &[
             "Of 120000 lengths",
             "show one in 12,",
-            "line 77779: S1 to P",
+            "line 77779: S0 to P",
+            // Colours are six; the seventh station has crosses.
+            "<i class=\"i0 x\"></i>S6",
+            "class=\"p0 x\"",
         ],
     );
 }

@@ -59,6 +59,37 @@ addEventListener("load", () => {
     }
     return found;
   };
+  // The page on paper: with the rules for print, in columns as large as a sheet between its margins, one beside the
+  // other. What is cut has a part in each of two columns.
+  const onPaper = (frame) => {
+    const page = frame.contentDocument, mm = 96 / 25.4;
+    let rules = "", margins = [];
+    for (const sheet of page.styleSheets) {
+      for (const media of [...sheet.cssRules].filter((rule) => rule.media)) {
+        if (media.media.mediaText.includes("screen")) media.media.mediaText = "not all";
+        if (media.media.mediaText !== "print") continue;
+        for (const rule of media.cssRules) {
+          if (rule instanceof frame.contentWindow.CSSPageRule) margins = rule.style.margin.split(" ").map(parseFloat);
+          else rules += rule.cssText.replace(/break-before: page/g, "break-before: column");
+        }
+      }
+    }
+    const [width, height] = [(210 - 2 * margins[1]) * mm, (297 - 2 * margins[0]) * mm];
+    frame.style.width = width + "px";
+    const style = page.createElement("style");
+    style.textContent = `${rules}main{width:${width}px;height:${height}px;columns:${width}px;column-gap:40px;column-fill:auto}`;
+    page.head.append(style);
+    const found = { cut: [], figures: 0, sheets: Math.round((page.querySelector("main").scrollWidth + 40) / (width + 40)) };
+    for (const part of page.querySelectorAll("figure,svg.figure,table:not(.long,.said),.cause,h2,h3")) {
+      const boxes = [...part.getClientRects()].filter((box) => box.height > 0);
+      const on = new Set(boxes.map((box) => Math.floor((box.left + 1) / (width + 40))));
+      const over = boxes.some((box) => box.top < -1 || box.bottom > height + 1 || box.width > width + 1);
+      if (part.matches("svg.figure") && boxes.length) found.figures += 1;
+      if (on.size > 1 || over) found.cut.push(part.id || part.getAttribute("aria-label") || part.textContent.trim().slice(0, 60));
+    }
+    return found;
+  };
   const frames = [...document.querySelectorAll("iframe")];
-  document.getElementById("found").textContent = JSON.stringify(frames.map(look));
+  const paper = frames.pop();
+  document.getElementById("found").textContent = JSON.stringify([...frames.map(look), onPaper(paper)]);
 });

@@ -7,7 +7,7 @@ use trueaxis_kinematics::{
     AxisKind, Component, LocationComponent, LocationError, Machine, MotionError,
 };
 use trueaxis_poses::{
-    AdjustmentReport, KnownMisfit, LengthResidual, Method, ReflectorConstant, ScaleResult,
+    AdjustmentReport, KnownMisfit, Method, ReflectorConstant, Residual, ScaleResult,
     SideDifference, StepMisfit,
 };
 
@@ -56,8 +56,8 @@ pub struct Calibration {
     pub misfits: Vec<StepMisfit>,
     /// Known lengths and dead paths that contradict the lengths.
     pub known_misfits: Vec<KnownMisfit>,
-    /// What the adjustment leaves of each length, in measuring order; empty for a points campaign.
-    pub residuals: Vec<LengthResidual>,
+    /// What is left of each length, or of each coordinate of a points campaign, in measuring order.
+    pub residuals: Vec<Residual>,
     /// Distances between targets that differ from nominal.
     pub triangle: Vec<TriangleSide>,
     /// Effects that were taken out of the lengths, with the uncertainties that entered.

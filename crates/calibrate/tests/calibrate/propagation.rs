@@ -6,6 +6,7 @@
 
 mod chains;
 mod lengths;
+mod point_residuals;
 mod points;
 mod stations_known;
 

@@ -14,6 +14,8 @@ pub struct UnitMistake {
     pub columns: String,
     /// The unit that the values seem to have.
     pub looks_like: &'static str,
+    /// The symbol of that unit, as in the map of an import.
+    pub symbol: &'static str,
     /// The unit of the format.
     pub expected: &'static str,
     /// What to multiply the values by.
@@ -39,13 +41,14 @@ impl fmt::Display for UnitMistake {
         let Self {
             columns,
             looks_like,
+            symbol,
             expected,
             factor,
         } = self;
         write!(
             f,
             "the values of {columns} look like {looks_like}, expected {expected}: multiply them \
-             by {factor}"
+             by {factor}, or say `unit = \"{symbol}\"` in the map of `trueaxis import`"
         )
     }
 }
@@ -92,24 +95,29 @@ impl Hypothesis {
 #[derive(Clone, Copy)]
 struct Unit {
     name: &'static str,
+    symbol: &'static str,
     factor: f64,
 }
 
 impl Unit {
-    const fn new(name: &'static str, factor: f64) -> Self {
-        Self { name, factor }
+    const fn new(name: &'static str, symbol: &'static str, factor: f64) -> Self {
+        Self {
+            name,
+            symbol,
+            factor,
+        }
     }
 }
 
 /// Largest factor first: of two factors that both explain lengths which change too little, the
 /// larger one makes them change like the targets.
 const LENGTH_UNITS: [Unit; 3] = [
-    Unit::new("metres", 1000.0),
-    Unit::new("inches", 25.4),
-    Unit::new("micrometres", 1e-3),
+    Unit::new("metres", "m", 1000.0),
+    Unit::new("inches", "in", 25.4),
+    Unit::new("micrometres", "um", 1e-3),
 ];
 
-const ANGLE_UNITS: [Unit; 1] = [Unit::new("radians", 180.0 / PI)];
+const ANGLE_UNITS: [Unit; 1] = [Unit::new("radians", "rad", 180.0 / PI)];
 
 /// No tracker reaches farther than this, mm: an axis that moves more is given in another unit.
 const LONGEST_AXIS_MM: f64 = 1e5;
@@ -160,6 +168,7 @@ fn measured(
         mistake: Some(Box::new(UnitMistake {
             columns: columns.clone(),
             looks_like: unit.name,
+            symbol: unit.symbol,
             expected: "mm",
             factor: unit.factor,
         })),
@@ -216,6 +225,7 @@ fn of_these_columns(campaign: &Campaign, columns: &[usize]) -> Vec<Hypothesis> {
             hypothesis.mistake = Some(Box::new(UnitMistake {
                 columns: names.join(", "),
                 looks_like: unit.name,
+                symbol: unit.symbol,
                 expected: first.kind().position_unit(),
                 factor: unit.factor,
             }));

@@ -79,7 +79,9 @@ fn lengths_of_three_axes() {
         Case {
             name: "one column in inches",
             damage: |f| f.scale("lengths.csv", "X", 1.0 / INCH_MM),
-            says: &["values of X look like inches, expected mm: multiply them by 25.4"],
+            says: &[
+                "values of X look like inches, expected mm: multiply them by 25.4, or say `unit = \"in\"`",
+            ],
         },
         Case {
             name: "all columns in metres",

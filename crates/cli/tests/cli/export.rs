@@ -75,6 +75,9 @@ fn every_format_writes_its_files() {
                 outcome.stderr
             );
         }
+        if ["isg", "etalon"].contains(&format) {
+            assert!(outcome.stderr.contains("tool X Y Z; workpiece none"));
+        }
         assert_eq!(
             outcome.stderr.contains("experimental"),
             is_experimental,

@@ -205,9 +205,12 @@ fn nothing_is_overwritten_or_left_half_done() {
         USAGE,
         &["cannot be written"],
     );
+    // The campaign is what matters; without it the template.
     run(folder.path(), &["init", "new"]).assert_good();
+    let again = run(folder.path(), &["init", "new", "--type", "rotary-stage"]);
+    again.assert_failed("again", USAGE, &["new/campaign.json", there]);
     fs::remove_file(folder.path().join("new/campaign.json")).unwrap();
     let again = run(folder.path(), &["init", "new", "--type", "rotary-stage"]);
-    again.assert_failed("again", USAGE, &["campaign.schema.json", there]);
+    again.assert_failed("again", USAGE, &["new/lengths-template.csv", there]);
     assert!(!folder.path().join("new/campaign.json").exists());
 }

@@ -171,7 +171,7 @@ fn what_many_lines_hardly_show_is_found_in_all() {
 fn sizes_that_scatter_a_little_are_one_that_says_so() {
     let of = |number, times: f64| line(3, number, None, times * lost_um(170.0), 0.0);
     let found = found_in(vec![of(0, 0.97), of(1, 1.03)]);
-    let cause = only(&found, 2).expect(&summary(&found));
+    let cause = only(&found, 2).unwrap_or_else(|| panic!("{}", summary(&found)));
     let note = cause.note().expect("sizes that differ");
     assert!(note.contains("differ by more than chance"), "{note}");
     let size = &cause.parameters[0];
@@ -181,7 +181,7 @@ fn sizes_that_scatter_a_little_are_one_that_says_so() {
     );
     // Of alike ones there is nothing to say.
     let found = found_in(vec![of(0, 1.0), of(1, 1.0)]);
-    let cause = only(&found, 2).expect(&summary(&found));
+    let cause = only(&found, 2).unwrap_or_else(|| panic!("{}", summary(&found)));
     assert_eq!(cause.note(), None);
 }
 

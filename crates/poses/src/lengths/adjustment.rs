@@ -261,6 +261,8 @@ impl<'a> LengthsAdjustment<'a> {
             noise: self.point_noise(&whole, sources, (network, solution)),
             instrument: PointNoise::default(),
             relative_covariance: self.screened.noise.relative_covariance,
+            readings: Vec::new(),
+            repeatability_variance_mm2: 0.0,
             repeat_scatter: (0.0, 0),
         }
     }

@@ -6,7 +6,8 @@ use nalgebra::{DMatrix, Matrix2, Point3, Vector3};
 use trueaxis_campaign::{Campaign, Direction, Points};
 use trueaxis_kinematics::{Ideal, MICROMETRE, best_fit};
 
-use crate::points::{MeasuredPoints, PointGroup, PointNoise};
+use crate::points::repeats::scatter_of_repeats;
+use crate::points::{GroupReading, MeasuredPoints, PointGroup, PointNoise};
 
 /// Standard deviation of a coordinate where none is declared: the scatter then decides.
 const UNDECLARED_SIGMA_MM: f64 = 1e-3;
@@ -14,29 +15,40 @@ const UNDECLARED_SIGMA_MM: f64 = 1e-3;
 /// One target's readings at one step.
 #[derive(Default)]
 struct Sample {
-    /// Visit, weight (1/mm²) and position of each reading.
-    readings: Vec<(usize, f64, Vector3<f64>)>,
+    readings: Vec<SampleReading>,
+}
+
+struct SampleReading {
+    reading: usize,
+    visit: usize,
+    /// 1/mm².
+    weight: f64,
+    position_mm: Vector3<f64>,
 }
 
 impl Sample {
     fn weight(&self) -> f64 {
-        self.readings.iter().map(|&(_, weight, _)| weight).sum()
+        self.readings.iter().map(|r| r.weight).sum()
     }
 
     fn mean(&self) -> Vector3<f64> {
-        let sum: Vector3<f64> = self.readings.iter().map(|(_, weight, p)| p * *weight).sum();
-        sum / self.weight()
+        let places = self.readings.iter().map(|r| r.position_mm * r.weight);
+        places.sum::<Vector3<f64>>() / self.weight()
     }
 
-    /// Sum of squares of the scatter about the mean, in units of the declared variance, with its
-    /// degrees of freedom.
-    fn scatter(&self, repeatability_variance_mm2: f64) -> (f64, usize) {
-        let mean = self.mean();
-        let square = |(_, weight, p): &(usize, f64, Vector3<f64>)| {
-            (p - mean).norm_squared() / (1.0 / weight + repeatability_variance_mm2)
+    /// The readings of the target at `place`, off their mean, which is in the instrument's frame.
+    fn off_mean(&self, place: usize, repeatability_variance_mm2: f64) -> Vec<GroupReading> {
+        let (mean, sum) = (self.mean(), self.weight());
+        let reading = |r: &SampleReading| GroupReading {
+            reading: r.reading,
+            visit: r.visit,
+            place,
+            weight: r.weight,
+            share: r.weight / sum,
+            variance_mm2: 1.0 / r.weight + repeatability_variance_mm2,
+            off_mean_mm: r.position_mm - mean,
         };
-        let squares = self.readings.iter().map(square).sum();
-        (squares, 3 * (self.readings.len() - 1))
+        self.readings.iter().map(reading).collect()
     }
 }
 
@@ -53,18 +65,23 @@ pub(crate) fn points_from_coordinates(
     let mut instrument = PointNoise::default();
     let mut repeat_scatter = (0.0, 0);
     let mut groups: Vec<PointGroup> = Vec::new();
+    let mut readings: Vec<Vec<GroupReading>> = Vec::new();
     for (step, direction, samples) in samples_of_steps(points, by_direction) {
         let positions = &campaign.steps[step].positions;
-        for (&target, sample) in &samples {
+        let mut of_group = Vec::new();
+        for (place, (&target, sample)) in samples.iter().enumerate() {
             let target = &campaign.targets[target];
             let position =
                 campaign
                     .machine
                     .position(&Ideal, target.carrier, positions, target.home_mm);
             nominal_mm.push(position);
-            let (squares, degrees) = sample.scatter(repeatability_variance_mm2);
-            repeat_scatter = (repeat_scatter.0 + squares, repeat_scatter.1 + degrees);
+            of_group.extend(sample.off_mean(place, repeatability_variance_mm2));
         }
+        let (squares, degrees) =
+            scatter_of_repeats(&of_group, samples.len(), repeatability_variance_mm2);
+        repeat_scatter = (repeat_scatter.0 + squares, repeat_scatter.1 + degrees);
+        readings.push(of_group);
         let all: Vec<&Sample> = samples.values().collect();
         for (noise, variance_mm2) in [
             (&mut noise, repeatability_variance_mm2),
@@ -89,6 +106,9 @@ pub(crate) fn points_from_coordinates(
     for point in groups.iter_mut().flat_map(|group| &mut group.points_mm) {
         *point = datum_from_instrument * *point;
     }
+    for reading in readings.iter_mut().flatten() {
+        reading.off_mean_mm = datum_from_instrument * reading.off_mean_mm;
+    }
     if let Some(scale_ppm) = campaign.instrument.scale_sigma_ppm {
         noise.take_scale(&groups, scale_ppm * 1e-6);
     }
@@ -97,6 +117,8 @@ pub(crate) fn points_from_coordinates(
         noise,
         instrument,
         relative_covariance: Matrix2::zeros(),
+        readings,
+        repeatability_variance_mm2,
         repeat_scatter,
     }
 }
@@ -127,12 +149,17 @@ fn samples_of_steps(points: &Points, by_direction: bool) -> Vec<StepSamples> {
             steps.push((stop.step, direction, BTreeMap::new()));
             steps.len() - 1
         });
-        for reading in &points.readings[stop.readings.clone()] {
+        for number_of_reading in stop.readings.clone() {
+            let reading = &points.readings[number_of_reading];
             let declared_mm = reading.sigma_um.map(|um| um * MICROMETRE);
             let sigma_mm = declared_mm.unwrap_or(UNDECLARED_SIGMA_MM);
-            let position = (visit, sigma_mm.powi(-2), reading.position_mm.coords);
             let sample = steps[number].2.entry(reading.target).or_default();
-            sample.readings.push(position);
+            sample.readings.push(SampleReading {
+                reading: number_of_reading,
+                visit,
+                weight: sigma_mm.powi(-2),
+                position_mm: reading.position_mm.coords,
+            });
         }
     }
     steps
@@ -142,9 +169,9 @@ fn samples_of_steps(points: &Points, by_direction: bool) -> Vec<StepSamples> {
 fn covariance(samples: &[&Sample], repeatability_variance_mm2: f64) -> DMatrix<f64> {
     let common = |a: &Sample, b: &Sample| {
         let mut sum = 0.0;
-        for (visit, weight_a, _) in &a.readings {
-            for (_, weight_b, _) in b.readings.iter().filter(|(other, _, _)| other == visit) {
-                sum += weight_a * weight_b;
+        for of_a in &a.readings {
+            for of_b in b.readings.iter().filter(|of_b| of_b.visit == of_a.visit) {
+                sum += of_a.weight * of_b.weight;
             }
         }
         sum / (a.weight() * b.weight())

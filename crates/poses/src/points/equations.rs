@@ -26,20 +26,20 @@ pub(crate) struct PointPoses {
 
 /// The equations of all steps at their solution.
 pub(crate) struct PointEquations {
-    bodies: Vec<BodyPoses>,
+    pub(crate) bodies: Vec<BodyPoses>,
     /// Where each pose comes from.
-    sources: Vec<Source>,
+    pub(crate) sources: Vec<Source>,
 }
 
 /// Where a pose comes from.
 #[derive(Debug, Clone)]
-struct Source {
+pub(crate) struct Source {
     /// The measured group, and the places of the body's points in it.
-    group: usize,
-    places: Vec<usize>,
-    body: usize,
+    pub(crate) group: usize,
+    pub(crate) places: Vec<usize>,
+    pub(crate) body: usize,
     /// Number among the steps of the body.
-    step: usize,
+    pub(crate) step: usize,
 }
 
 /// A body before it is measured.

@@ -4,7 +4,7 @@
 //! dp_i = ξ_i - Z_i s     cov(ξ_i) = D_i, independent between steps     cov(s) = Σ
 //! ```
 
-use nalgebra::{DMatrix, Matrix2, Point3};
+use nalgebra::{DMatrix, Matrix2, Point3, Vector3};
 use trueaxis_campaign::Direction;
 
 /// All measured points in the datum: best fit to their nominal positions.
@@ -15,6 +15,10 @@ pub(crate) struct MeasuredPoints {
     pub(crate) instrument: PointNoise,
     /// As [`crate::Poses::relative_covariance`].
     pub(crate) relative_covariance: Matrix2<f64>,
+    /// The readings that each group's points are means of; none where lengths were measured.
+    pub(crate) readings: Vec<Vec<GroupReading>>,
+    /// Variance of a coordinate by the machine's repeatability, mm².
+    pub(crate) repeatability_variance_mm2: f64,
     /// Scatter of repeated points about their means in units of the declared variance, and its
     /// degrees of freedom; nothing where lengths were measured, whose repeats the adjustment tests.
     pub(crate) repeat_scatter: (f64, usize),
@@ -27,6 +31,43 @@ pub(crate) struct PointGroup {
     pub(crate) direction: Option<Direction>,
     pub(crate) targets: Vec<usize>,
     pub(crate) points_mm: Vec<Point3<f64>>,
+}
+
+/// One reading of a point.
+#[derive(Debug, Clone)]
+pub(crate) struct GroupReading {
+    /// The reading of the campaign, and the visit that it belongs to.
+    pub(crate) reading: usize,
+    pub(crate) visit: usize,
+    /// The place of its target in the group.
+    pub(crate) place: usize,
+    /// `1 / σ²` of its own noise, 1/mm², and what part of the point's that is.
+    pub(crate) weight: f64,
+    pub(crate) share: f64,
+    /// Variance of a coordinate with the machine's repeatability, mm².
+    pub(crate) variance_mm2: f64,
+    /// From the point, which is the mean, in the datum, mm.
+    pub(crate) off_mean_mm: Vector3<f64>,
+}
+
+impl MeasuredPoints {
+    /// Covariance of a reading with the point at `place` of its group, of which `readings` are all: along each
+    /// direction, mm².
+    pub(crate) fn covariance_with_mean(
+        &self,
+        reading: &GroupReading,
+        place: usize,
+        readings: &[GroupReading],
+    ) -> f64 {
+        let own = match reading.place == place {
+            true => reading.share / reading.weight,
+            false => 0.0,
+        };
+        let of_visit = readings
+            .iter()
+            .filter(|other| other.place == place && other.visit == reading.visit);
+        own + self.repeatability_variance_mm2 * of_visit.map(|other| other.share).sum::<f64>()
+    }
 }
 
 /// Covariance of the points, mm².

@@ -3,6 +3,7 @@
 use trueaxis_campaign::Campaign;
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
+use crate::Residual;
 use crate::points::MeasuredPoints;
 use crate::points::equations::PointPoses;
 use crate::points::rigidity;
@@ -13,7 +14,7 @@ pub(crate) fn points_report(
     campaign: &Campaign,
     by_direction: bool,
     measured: &MeasuredPoints,
-    found: &PointPoses,
+    (found, residuals): (&PointPoses, &[Residual]),
 ) -> (AdjustmentReport, Vec<String>) {
     let (squares, degrees_of_freedom) = rigidity::total(found);
     let mut readings = campaign.points.iter().flat_map(|points| &points.readings);
@@ -36,7 +37,7 @@ pub(crate) fn points_report(
         noise_declared,
         uncertainty_factor: 1.0,
         factor_degrees_of_freedom: f64::INFINITY,
-        rms_residual_mm: rigidity::rms_mm(found),
+        rms_residual_mm: rms_mm(residuals),
         noise: None,
         iterations: 0,
         termination: "points measured directly, nothing to adjust".to_owned(),
@@ -68,6 +69,11 @@ pub(crate) fn points_report(
     let both_sides = !by_direction && approached_from_both_sides(campaign);
     notices.extend(report.residual_notices(consequence, both_sides));
     (report, notices)
+}
+
+fn rms_mm(residuals: &[Residual]) -> f64 {
+    let squares: f64 = residuals.iter().map(|r| r.residual_mm.powi(2)).sum();
+    (squares / residuals.len().max(1) as f64).sqrt()
 }
 
 /// How much larger than declared the scatter of repeated points is, if that is significant, with its

@@ -8,7 +8,6 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use trueaxis_campaign::Campaign;
 use trueaxis_identify::{RigidMisfit, StepPose, nine, rigid_misfit};
-use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
 use crate::points::equations::PointPoses;
@@ -41,13 +40,6 @@ pub(crate) fn total(points: &PointPoses) -> (f64, usize) {
     let shapes: usize = bodies.map(|body| 3 * body.targets.len() - 6).sum();
     let left = degrees.saturating_sub(shapes);
     (squares * left as f64 / degrees.max(1) as f64, left)
-}
-
-/// Rms of what rigid motions leave, mm.
-pub(crate) fn rms_mm(points: &PointPoses) -> f64 {
-    let steps = points.equations.steps();
-    let squares: Vec<f64> = steps.map(|step| step.pose.misfit.rms_um.powi(2)).collect();
-    (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt() * MICROMETRE
 }
 
 /// The steps that fail, in measuring order. `declared` says whether the noise is; if not, the

@@ -136,6 +136,15 @@ impl Plot {
         self.drawing.dots(class, points.into_iter());
     }
 
+    /// The dots of one of many series, crosses beyond the sixth.
+    pub(crate) fn series(&mut self, number: usize, points: impl Iterator<Item = [f64; 2]>) {
+        let points = self.inside(points).into_iter();
+        match series_mark(number) {
+            (colour, false) => self.drawing.dots(&format!("p{colour}"), points),
+            (colour, true) => self.drawing.crosses(&format!("p{colour} x"), points),
+        }
+    }
+
     /// Tells `text` at a value.
     pub(crate) fn hover(&mut self, point: [f64; 2], text: &str) {
         if point.iter().all(|x| x.is_finite()) {
@@ -147,4 +156,12 @@ impl Plot {
     pub(crate) fn finish(self) -> Drawing {
         self.drawing
     }
+}
+
+/// Number of colours that can be told apart.
+pub(crate) const COLOURS: usize = 6;
+
+/// The colour of a series, and whether its marks are crosses.
+pub(crate) fn series_mark(number: usize) -> (usize, bool) {
+    (number % COLOURS, number / COLOURS % 2 == 1)
 }

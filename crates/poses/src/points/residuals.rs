@@ -1,0 +1,119 @@
+//! What rigid motions leave of each measured coordinate.
+//!
+//! A step's mean points `m`, with the operator `G` of its pose and the equations `A`, leave
+//!
+//! ```text
+//! v = M (dm - Qᵀ w)    M = I - A G    w = mean Π Q dm        cov(v) = M C Mᵀ
+//! ```
+//!
+//! ([`trueaxis_identify::poses_of_body`] names `Q`, `Π`, `w`, and `C`, the covariance of the bracket.) One reading `p`
+//! of a target `t`, with the weight `h` in its mean `m_t`, leaves `p - m_t + v_t`:
+//!
+//! ```text
+//! variance            var(p - m_t) + 2 [cov(p - m_t, m) (M B)ᵀ]_t + [M C Mᵀ]_t    B = I - Qᵀ Π Q / n
+//! redundancy number   1 - h (1 - [M B]_tt)
+//! ```
+//!
+//! What all coordinates share, their scale, is the same in `p` and `m_t` and leaves their difference.
+
+use nalgebra::{DMatrix, Matrix3};
+use trueaxis_identify::{BodyPoses, StepPose, equations};
+
+use crate::Residual;
+use crate::points::equations::PointEquations;
+use crate::points::{GroupReading, MeasuredPoints};
+
+/// A variance this small beside that of the reading is rounding: nothing checks the coordinate.
+const CHECKED: f64 = 1e-10;
+
+impl PointEquations {
+    /// The residuals of all coordinates that led to a pose, in units of the noise of `points`, in measuring order.
+    pub(crate) fn residuals(&self, points: &MeasuredPoints) -> Vec<Residual> {
+        let mut residuals = Vec::new();
+        for source in &self.sources {
+            let step = LeftOfStep::new(&self.bodies[source.body], source.step);
+            let (own, _) = points.noise.of(source.group, &source.places);
+            let readings = &points.readings[source.group];
+            for (t, &place) in source.places.iter().enumerate() {
+                for reading in readings.iter().filter(|reading| reading.place == place) {
+                    let common =
+                        |place: &usize| points.covariance_with_mean(reading, *place, readings);
+                    let with_means: Vec<f64> = source.places.iter().map(common).collect();
+                    residuals.extend(step.of_reading(t, reading, &own, &with_means));
+                }
+            }
+        }
+        residuals.sort_by_key(|residual| (residual.reading, residual.coordinate));
+        residuals
+    }
+}
+
+/// What a step leaves of displacements of its own mean points.
+struct LeftOfStep<'a> {
+    step: &'a StepPose,
+    /// `M B`.
+    of_means: DMatrix<f64>,
+    /// `M C Mᵀ`.
+    covariance: DMatrix<f64>,
+}
+
+impl<'a> LeftOfStep<'a> {
+    fn new(body: &'a BodyPoses, number: usize) -> Self {
+        let step = &body.steps[number];
+        let operator = &step.pose.from_points;
+        let size = 3 * step.deltas_mm.len();
+        let rigid = equations(operator.targets_mm()) * operator.matrix();
+        let without_motion = DMatrix::identity(size, size) - rigid;
+        let turn = rotations(&step.home_from_points, step.deltas_mm.len());
+        let through_shape = turn.transpose() * body.shape_from_points() * &turn;
+        let without_shape = DMatrix::identity(size, size) - through_shape;
+        Self {
+            step,
+            of_means: &without_motion * without_shape,
+            covariance: &without_motion * &step.about_shape * without_motion.transpose(),
+        }
+    }
+
+    /// The residuals of a reading of target `t`; `own` is the covariance of the means, `with_means` that of the
+    /// reading with the mean of each target, along one direction.
+    fn of_reading(
+        &self,
+        t: usize,
+        reading: &GroupReading,
+        own: &DMatrix<f64>,
+        with_means: &[f64],
+    ) -> [Residual; 3] {
+        let of_mean = own[(3 * t, 3 * t)];
+        let off_mean = reading.variance_mm2 - 2.0 * with_means[t] + of_mean;
+        let left = self.step.pose.misfit.residual_mm[t];
+        std::array::from_fn(|c| {
+            let row = 3 * t + c;
+            let targets = with_means.iter().enumerate();
+            let between: f64 = targets
+                .map(|(b, with)| (with - own[(3 * t, 3 * b)]) * self.of_means[(row, 3 * b + c)])
+                .sum();
+            let variance = off_mean + 2.0 * between + self.covariance[(row, row)];
+            let residual_mm = reading.off_mean_mm[c] + left[c];
+            let is_checked = variance > CHECKED * reading.variance_mm2;
+            Residual {
+                reading: reading.reading,
+                coordinate: Some(c),
+                residual_mm,
+                standardized: match is_checked {
+                    true => residual_mm / variance.sqrt(),
+                    false => 0.0,
+                },
+                redundancy: Some(1.0 - reading.share * (1.0 - self.of_means[(row, row)])),
+            }
+        })
+    }
+}
+
+/// The same rotation for every point.
+fn rotations(rotation: &Matrix3<f64>, points: usize) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(3 * points, 3 * points);
+    for k in (0..3 * points).step_by(3) {
+        all.fixed_view_mut::<3, 3>(k, k).copy_from(rotation);
+    }
+    all
+}
