@@ -71,7 +71,7 @@ mod student;
 mod widest_registers;
 
 pub use block_batch::{BLOCK_RANK_TOL, BlockBatch, RUN, RowMut, Shape};
-pub use chi_squared::{chi_squared_quantile, chi_squared_upper_tail};
+pub use chi_squared::{chi_squared_quantile, chi_squared_upper_tail, f_upper_tail};
 pub use covariance::Covariance;
 pub use dot::dot;
 pub use error::Error;

@@ -2,13 +2,18 @@
 //!
 //! Each step is compared with the shape of its run: first with the median over the steps, which
 //! steps that fail do not bend, then with the mean over those that passed. The noise is the declared
-//! one, or larger if most steps say so.
+//! one, or larger if most steps say so. Where none is declared, it is that of the steps that passed, as well as these
+//! tell it: a step whose test is `χ²` in units of the points' variances has, against the mean shape of `m` others,
+//!
+//! ```text
+//! F = χ² / (d s² (1 + 1/m))     s² = Σ χ² (of all that passed, in all runs) / Σ d (m - 1)
+//! ```
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use trueaxis_campaign::Campaign;
 use trueaxis_identify::{RigidMisfit, StepPose, nine, rigid_misfit};
-use trueaxis_leastsquares::chi_squared_upper_tail;
+use trueaxis_leastsquares::{chi_squared_upper_tail, f_upper_tail};
 
 use crate::points::equations::PointPoses;
 use crate::report::StepMisfit;
@@ -48,82 +53,146 @@ pub(crate) fn misfits(campaign: &Campaign, points: &PointPoses, declared: bool) 
     let fits: Vec<&StepPose> = points.equations.steps().collect();
     let level = LEVEL / fits.len() as f64;
     let run_of = |i: usize| campaign.steps[points.poses.observations[i].step].run;
-    let mut found = Vec::new();
-    for run in 0..campaign.runs.len() {
-        let records: Vec<usize> = (0..fits.len())
-            .filter(|&i| run_of(i) == Some(run))
-            .collect();
-        for (record, misfit, p_value) in failing(&records, &fits, declared, level) {
-            found.push(StepMisfit {
-                step: step_in_words(campaign, points.poses.observations[record].step),
-                rms_um: misfit.rms_um,
-                chi_squared: misfit.chi_squared,
-                degrees_of_freedom: misfit.degrees_of_freedom,
-                p_value,
-            });
-        }
-    }
-    found
+    let records = 0..fits.len();
+    let runs: Vec<Vec<usize>> = (0..campaign.runs.len())
+        .map(|run| {
+            records
+                .clone()
+                .filter(|&i| run_of(i) == Some(run))
+                .collect()
+        })
+        .collect();
+    let steps_of_body = |i: usize| {
+        let observations = points.poses.observations.iter();
+        let body = points.poses.observations[i].body;
+        observations.filter(|other| other.body == body).count() as f64
+    };
+    let failing = match declared {
+        true => failing_declared(&runs, &fits, level),
+        false => failing_among_others(&runs, &fits, &steps_of_body, level),
+    };
+    let in_words = |(record, misfit, p_value): Failing| StepMisfit {
+        step: step_in_words(campaign, points.poses.observations[record].step),
+        rms_um: misfit.rms_um,
+        chi_squared: misfit.chi_squared,
+        degrees_of_freedom: misfit.degrees_of_freedom,
+        p_value,
+    };
+    failing.into_iter().map(in_words).collect()
 }
+
+/// A record with its test.
+type Tested = (usize, RigidMisfit);
 
 /// A record that fails, with its test and p-value.
 type Failing = (usize, RigidMisfit, f64);
 
-/// Failing records of one run with their test against the mean shape of the others. The sum of
-/// squares is in units of the noise that most steps show.
-fn failing(records: &[usize], fits: &[&StepPose], declared: bool, level: f64) -> Vec<Failing> {
-    let Some(&first) = records.first() else {
-        return Vec::new();
-    };
-    let against_shape = |shape: &[Vector3<f64>]| -> Vec<Failing> {
-        let tested = records.par_iter().with_min_len(PIECE);
-        let tested: Vec<(usize, RigidMisfit)> =
-            tested.map(|&i| (i, against(fits[i], shape))).collect();
-        let variance = typical_variance(&tested, declared);
-        let with_p = |(i, mut misfit): (usize, RigidMisfit)| {
-            misfit.chi_squared /= variance;
-            let degrees_of_freedom = misfit.degrees_of_freedom as f64;
-            let p_value = chi_squared_upper_tail(misfit.chi_squared, degrees_of_freedom);
-            (i, misfit, p_value)
+/// Failing records by the declared noise, or what most steps of their run show if that is larger. The sum of squares
+/// is in units of that.
+fn failing_declared(runs: &[Vec<usize>], fits: &[&StepPose], level: f64) -> Vec<Failing> {
+    let mut failing = Vec::new();
+    for records in runs.iter().filter(|records| !records.is_empty()) {
+        let against_shape = |shape: &[Vector3<f64>]| {
+            let tested = tested(records, fits, shape);
+            let variance = typical_variance(&tested).max(1.0);
+            beyond(tested, variance, level)
         };
-        let tested = tested.into_iter().map(with_p);
-        tested.filter(|(_, _, p_value)| *p_value < level).collect()
-    };
-    let shape_of = |combine: fn(Vec<f64>) -> f64, without: &[Failing]| -> Vec<Vector3<f64>> {
-        let is_kept = |i: &&usize| without.binary_search_by_key(*i, |bad| bad.0).is_err();
-        let kept: Vec<usize> = records.iter().filter(is_kept).copied().collect();
-        let coordinate = |target: usize, c: usize| {
-            combine(
-                kept.iter()
-                    .map(|&i| fits[i].distortion_mm[target][c])
-                    .collect(),
-            )
-        };
-        let targets = 0..fits[first].deltas_mm.len();
-        let targets = targets.map(|t| Vector3::from_fn(|c, _| coordinate(t, c)));
-        targets.collect()
-    };
-    let suspects = against_shape(&shape_of(median, &[]));
-    if suspects.is_empty() {
-        return suspects;
+        let suspects = against_shape(&shape(records, fits, median));
+        if !suspects.is_empty() {
+            // By the typical variance half of the steps pass, at least.
+            let kept = without(records, &suspects);
+            failing.extend(against_shape(&shape(&kept, fits, mean)));
+        }
     }
-    against_shape(&shape_of(mean, &suspects))
+    failing
 }
 
-/// The factor on the variance that makes the median sum of squares what chi-squared says; not below
-/// one if the noise is declared.
-fn typical_variance(tested: &[(usize, RigidMisfit)], declared: bool) -> f64 {
+/// Failing records where the others are all that tells the noise. The sum of squares is in units of that.
+fn failing_among_others(
+    runs: &[Vec<usize>],
+    fits: &[&StepPose],
+    steps_of_body: &dyn Fn(usize) -> f64,
+    level: f64,
+) -> Vec<Failing> {
+    let runs = || runs.iter().filter(|records| !records.is_empty());
+    let against_median = runs().flat_map(|of| tested(of, fits, &shape(of, fits, median)));
+    let against_median: Vec<Tested> = against_median.collect();
+    let typical = typical_variance(&against_median).max(f64::MIN_POSITIVE);
+    let suspects = beyond(against_median, typical, level);
+    // Each sum of squares is about a mean shape that the step itself is part of.
+    let own = |(i, misfit): &Tested| misfit.chi_squared * (1.0 - 1.0 / steps_of_body(*i));
+    let (mut squares, mut degrees) = (0.0, 0.0);
+    let mut left = Vec::new();
+    for records in runs() {
+        let kept = without(records, &suspects);
+        if kept.is_empty() {
+            continue;
+        }
+        let count = kept.len() as f64;
+        for tested in tested(records, fits, &shape(&kept, fits, mean)) {
+            if kept.contains(&tested.0) {
+                squares += own(&tested);
+                degrees += tested.1.degrees_of_freedom as f64 * (1.0 - 1.0 / count);
+            } else {
+                left.push((own(&tested) / (1.0 + 1.0 / count), tested));
+            }
+        }
+    }
+    if degrees <= 0.0 {
+        return Vec::new();
+    }
+    let variance = (squares / degrees).max(f64::MIN_POSITIVE);
+    let with_p = |(own, (i, mut misfit)): (f64, Tested)| {
+        misfit.chi_squared = own / variance;
+        let of_step = misfit.degrees_of_freedom as f64;
+        let p_value = f_upper_tail(misfit.chi_squared / of_step, of_step, degrees);
+        (i, misfit, p_value)
+    };
+    let failing = left.into_iter().map(with_p);
+    failing.filter(|(_, _, p_value)| *p_value < level).collect()
+}
+
+/// The tests of records against a shape.
+fn tested(records: &[usize], fits: &[&StepPose], shape: &[Vector3<f64>]) -> Vec<Tested> {
+    let tested = records.par_iter().with_min_len(PIECE);
+    tested.map(|&i| (i, against(fits[i], shape))).collect()
+}
+
+/// Those that chi-squared with this variance does not explain.
+fn beyond(tested: Vec<Tested>, variance: f64, level: f64) -> Vec<Failing> {
+    let with_p = |(i, mut misfit): Tested| {
+        misfit.chi_squared /= variance;
+        let degrees_of_freedom = misfit.degrees_of_freedom as f64;
+        let p_value = chi_squared_upper_tail(misfit.chi_squared, degrees_of_freedom);
+        (i, misfit, p_value)
+    };
+    let tested = tested.into_iter().map(with_p);
+    tested.filter(|(_, _, p_value)| *p_value < level).collect()
+}
+
+fn without(records: &[usize], suspects: &[Failing]) -> Vec<usize> {
+    let is_kept = |i: &&usize| suspects.iter().all(|suspect| suspect.0 != **i);
+    records.iter().filter(is_kept).copied().collect()
+}
+
+/// The shape that records have in common.
+fn shape(records: &[usize], fits: &[&StepPose], combine: fn(Vec<f64>) -> f64) -> Vec<Vector3<f64>> {
+    let coordinate = |target: usize, c: usize| {
+        let of_records = records.iter().map(|&i| fits[i].distortion_mm[target][c]);
+        combine(of_records.collect())
+    };
+    let targets = records.first().map_or(0, |&i| fits[i].deltas_mm.len());
+    let targets = (0..targets).map(|t| Vector3::from_fn(|c, _| coordinate(t, c)));
+    targets.collect()
+}
+
+/// The factor on the variance that makes the median sum of squares what chi-squared says.
+fn typical_variance(tested: &[Tested]) -> f64 {
     // Median of chi-squared by Wilson and Hilferty.
     let expected = |degrees: f64| degrees * (1.0 - 2.0 / (9.0 * degrees)).powi(3);
-    let ratio = |(_, misfit): &(usize, RigidMisfit)| {
-        misfit.chi_squared / expected(misfit.degrees_of_freedom as f64)
-    };
-    let typical = median(tested.iter().map(ratio).collect());
-    if declared {
-        typical.max(1.0)
-    } else {
-        typical.max(f64::MIN_POSITIVE)
-    }
+    let ratio =
+        |(_, misfit): &Tested| misfit.chi_squared / expected(misfit.degrees_of_freedom as f64);
+    median(tested.iter().map(ratio).collect())
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
