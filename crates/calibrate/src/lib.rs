@@ -59,19 +59,9 @@
 //!
 //! It does not measure, and it does not say why a model fails (`trueaxis-diagnose` does).
 //!
-//! ```
-//! use trueaxis_calibrate::{Settings, calibrate};
-//! use trueaxis_simulate::{Scenario, simulate};
-//!
-//! let scenario = Scenario::from_json(include_str!("../../../campaigns/rotary-stage/scenario.json"))?;
-//! let simulated = simulate(&scenario, 1)?;
-//! let calibration = calibrate(&simulated.campaign, &Settings::default())?;
-//! let c = calibration.axis("C").ok_or("C was not measured")?;
-//! let tilt = c.location_error("A0C").ok_or("no A0C")?;
-//! println!("A0C = {:.2e} rad, standard uncertainty {:.1e} rad", tilt.value, tilt.u);
-//! assert!(tilt.u < 1e-5);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+#![doc = "```"]
+#![doc = include_str!("../examples/calibrate.rs")]
+#![doc = "```"]
 
 mod calibrate;
 mod error;

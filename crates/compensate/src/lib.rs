@@ -10,20 +10,9 @@
 //! Noun in: a machine with its errors, as a [`trueaxis_calibrate::CalibratedMachine`], and a commanded pose; noun out:
 //! [`Corrected`] positions.
 //!
-//! ```
-//! use nalgebra::Point3;
-//! use trueaxis_compensate::{Moved, correct};
-//! use trueaxis_kinematics::MICROMETRE;
-//! use trueaxis_simulate::Scenario;
-//!
-//! let text = include_str!("../../../campaigns/five-axis/scenario.json");
-//! let truth = Scenario::from_json(text)?.true_machine()?;
-//! let commanded = [100.0, 200.0, 150.0, -0.3, 1.2];
-//! let tool = Point3::new(100.0, 50.0, 400.0);
-//! let corrected = correct(truth.machine(), &truth, &commanded, tool, Moved::All)?;
-//! assert!(corrected.left.translation_mm.norm() < 1e-6 * MICROMETRE);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+#![doc = "```"]
+#![doc = include_str!("../examples/correct.rs")]
+#![doc = "```"]
 
 mod correct;
 mod error;

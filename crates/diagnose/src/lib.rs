@@ -21,25 +21,9 @@
 //! It does not measure again: what leaves no trace in the data ([`NotObservable`]) it cannot see, and it
 //! never calls that absent.
 //!
-//! ```
-//! use trueaxis_diagnose::{Settings, Verdict, diagnose};
-//! use trueaxis_simulate::{Scenario, simulate};
-//!
-//! let mut scenario = Scenario::from_json(include_str!("../../../campaigns/rotary-stage/scenario.json"))?;
-//! // A target slips in its nest by 9 µm.
-//! scenario.effects = serde_json::from_str(r#"[{
-//!     "effect": "target_slip", "subject": { "target": "Q" },
-//!     "parameters": [ { "name": "slip_x", "value": 2, "unit": "um" },
-//!                     { "name": "slip_y", "value": -8, "unit": "um" },
-//!                     { "name": "slip_z", "value": 3, "unit": "um" },
-//!                     { "name": "time", "value": 2000, "unit": "s" } ]
-//! }]"#)?;
-//! let campaign = simulate(&scenario, 1)?.campaign;
-//! let diagnosis = diagnose(&campaign, &Settings::default())?;
-//! assert_eq!(diagnosis.verdict, Verdict::Named);
-//! assert_eq!(diagnosis.causes[0].effect.effect.id, "target_slip");
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+#![doc = "```"]
+#![doc = include_str!("../examples/diagnose.rs")]
+#![doc = "```"]
 
 mod changes;
 mod components;

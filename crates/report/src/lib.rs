@@ -18,19 +18,9 @@
 //!
 //! It does not calculate: every number is in the files, but for rms and quantiles of residuals.
 //!
-//! ```
-//! use trueaxis_report::{Report, Settings, report};
-//!
-//! let folder = tempfile::tempdir()?;
-//! // What `trueaxis diagnose` writes of a campaign in which nothing is wrong.
-//! let diagnosis = r#"{ "format": "trueaxis-diagnosis", "version": 1, "campaign": "FXYZ machine", "verdict": "clean" }"#;
-//! std::fs::write(folder.path().join("diagnosis.json"), diagnosis)?;
-//!
-//! let report = report(folder.path(), &Settings::default())?;
-//! assert!(report.html.contains("nothing in the data contradicts the rigid machine model"));
-//! std::fs::write(folder.path().join(Report::FILE), report.html)?;
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+#![doc = "```"]
+#![doc = include_str!("../examples/report.rs")]
+#![doc = "```"]
 
 mod calibration;
 mod causes;

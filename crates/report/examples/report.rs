@@ -1,0 +1,20 @@
+//! A page from the files of a folder.
+
+use trueaxis_report::{Report, Settings, report};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = tempfile::tempdir()?;
+    // What `trueaxis diagnose` writes of a campaign in which nothing is wrong.
+    let diagnosis = r#"{ "format": "trueaxis-diagnosis", "version": 1, "campaign": "FXYZ machine", "verdict": "clean" }"#;
+    std::fs::write(folder.path().join("diagnosis.json"), diagnosis)?;
+
+    let report = report(folder.path(), &Settings::default())?;
+    assert!(
+        report
+            .html
+            .contains("nothing in the data contradicts the rigid machine model")
+    );
+    println!("a page of {} kB", report.html.len() / 1000);
+    std::fs::write(folder.path().join(Report::FILE), report.html)?;
+    Ok(())
+}
