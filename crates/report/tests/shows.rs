@@ -290,6 +290,10 @@ fn coordinates_have_their_residuals() {
             "coordinates are not screened",
         ],
     );
+    calibration["adjustment"]["noise_declared"] = json!(false);
+    let shown = page(folder.path(), &[("calibration.json", &calibration)]);
+    has(&shown, &["rms residual; noise not declared"]);
+    assert!(!shown.contains("sigma0"));
     calibration["adjustment"]["rms_residual_um"] = json!(3.1);
     let shown = page(folder.path(), &[("calibration.json", &calibration)]);
     has(&shown, &["residuals.csv is not of this calibration"]);

@@ -20,6 +20,7 @@ pub(super) fn adjustment(adjustment: &AdjustmentReport) -> Value {
         "observations": adjustment.observations,
         "unknowns": adjustment.unknowns,
         "degrees_of_freedom": adjustment.degrees_of_freedom,
+        "noise_declared": (!adjustment.noise_declared).then_some(false),
         "sigma0": round(adjustment.sigma0, 6),
         "p_value": significant(adjustment.p_value),
         "uncertainty_factor": round(adjustment.uncertainty_factor, 6),

@@ -55,6 +55,34 @@ fn the_page_is_made_again_with_its_figures() {
     .assert_failed("no template", 3, &["none.html", "cannot be read"]);
 }
 
+/// With all results of a campaign: a size to be sent by mail, nothing from a network, and made at once.
+#[test]
+fn a_whole_report_is_small_quick_and_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| shipped(name).join("campaign.json").display().to_string();
+    let (fxyz, lines) = (file("fxyz"), file("fxyz-lines"));
+    run(folder.path(), &["calibrate", &fxyz, "--out", "all"]).assert_good();
+    run(folder.path(), &["diagnose", &fxyz, "--out", "all"]).assert_good();
+    let verify = ["verify", "all/calibration.json", &lines, "--out", "all"];
+    run(folder.path(), &verify).assert_good();
+    let page = fs::read_to_string(folder.path().join("all/report.html")).unwrap();
+    for part in ["Evidence", "Diagnosis", "Verification", "LI along X"] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(page.len() < 1_000_000, "{} bytes", page.len());
+    for address in ["http:", "https:", "src=", "href=", "@import", "url("] {
+        assert!(!page.contains(address), "{address}");
+    }
+    // The best of five: others may keep the machine busy.
+    let times = (0..5).map(|_| {
+        let start = std::time::Instant::now();
+        run(folder.path(), &["report", "all"]).assert_good();
+        start.elapsed().as_secs_f64()
+    });
+    let seconds = times.fold(f64::INFINITY, f64::min);
+    assert!(seconds < 0.3, "{seconds} s");
+}
+
 /// Calibrated again in another way, a volumetric error of before is another machine's.
 #[test]
 fn what_rests_on_an_earlier_calibration_is_said() {

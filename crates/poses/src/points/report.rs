@@ -33,7 +33,11 @@ pub(crate) fn points_report(
         unknowns: observations - degrees_of_freedom,
         degrees_of_freedom,
         sigma0,
-        p_value: chi_squared_upper_tail(squares, degrees_of_freedom as f64),
+        // Nothing is declared that residuals could contradict.
+        p_value: match noise_declared {
+            true => chi_squared_upper_tail(squares, degrees_of_freedom as f64),
+            false => 1.0,
+        },
         noise_declared,
         uncertainty_factor: 1.0,
         factor_degrees_of_freedom: f64::INFINITY,
