@@ -1,5 +1,7 @@
 //! The tilt of a rotary axis from a simulated campaign.
 
+#![expect(clippy::print_stdout, reason = "an example shows its result")]
+
 use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_simulate::{Scenario, simulate};
 

@@ -1,5 +1,7 @@
 //! Where the axes have to go for the tool to be where it was told to be.
 
+#![expect(clippy::print_stdout, reason = "an example shows its result")]
+
 use nalgebra::Point3;
 use trueaxis_compensate::{Moved, correct};
 use trueaxis_kinematics::MICROMETRE;

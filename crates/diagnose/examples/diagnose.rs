@@ -1,5 +1,7 @@
 //! A target that slipped in its nest, found in simulated lengths.
 
+#![expect(clippy::print_stdout, reason = "an example shows its result")]
+
 use trueaxis_diagnose::{Settings, Verdict, diagnose};
 use trueaxis_simulate::{Scenario, simulate};
 

@@ -1,5 +1,7 @@
 //! The errors of a stage from the displacements of three targets.
 
+#![expect(clippy::print_stdout, reason = "an example shows its result")]
+
 use nalgebra::Vector3;
 use trueaxis_identify::nine;
 use trueaxis_kinematics::{ARCSEC, MICROMETRE, MotionError};

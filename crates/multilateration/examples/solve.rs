@@ -1,5 +1,7 @@
 //! Points, stations and dead paths from lengths to 27 points.
 
+#![expect(clippy::print_stdout, reason = "an example shows its result")]
+
 use nalgebra::Point3;
 use trueaxis_multilateration::{Network, Reading, Settings, Visit, solve};
 

@@ -1,5 +1,7 @@
 //! The poses of a rotary stage from a simulated campaign.
 
+#![expect(clippy::print_stdout, reason = "an example shows its result")]
+
 use trueaxis_poses::{Settings, measure};
 use trueaxis_simulate::{Scenario, simulate};
 

@@ -1,5 +1,7 @@
 //! A page from the files of a folder.
 
+#![expect(clippy::print_stdout, reason = "an example shows its result")]
+
 use trueaxis_report::{Report, Settings, report};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

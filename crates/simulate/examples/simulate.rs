@@ -1,5 +1,7 @@
 //! The lengths of a slide that is short by 15 µm.
 
+#![expect(clippy::print_stdout, reason = "an example shows its result")]
+
 use trueaxis_simulate::{Scenario, simulate};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
