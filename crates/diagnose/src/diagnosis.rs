@@ -366,9 +366,13 @@ impl Cause {
     /// What there is to say about its sizes in several data: that they differ, where chance does not explain it.
     pub fn note(&self) -> Option<String> {
         let p_value = self.sizes_p_value.filter(|p| *p < SIZES_DIFFER)?;
+        let p_value = match p_value > 1e-300 {
+            true => format!("p = {p_value:.1e}"),
+            false => "p < 1e-300".to_owned(),
+        };
         Some(format!(
-            "its sizes in the data differ by more than chance (p = {p_value:.1e}), though by less than a tenth: U contains \
-             their scatter"
+            "its sizes in the data scatter about the common one by more than chance ({p_value}), though by less than a tenth \
+             (rms); U of the common size follows from this scatter"
         ))
     }
 

@@ -84,7 +84,7 @@ pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen], folds: &[usize]
         };
         for (k, &row) in rows.iter().enumerate() {
             result.errors[row] = best.errors[k];
-            result.expected[row] = best.expected[k];
+            result.expected[row] = best.expected[k] * (1.0 - problem.hidden);
         }
     }
     result

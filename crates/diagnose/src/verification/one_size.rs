@@ -26,8 +26,6 @@ struct Beside<'s> {
     x: Vec<Vec<Column>>,
     /// Of each fold, what is left out.
     folds: Vec<LeftOut>,
-    /// From the standard deviations of the series to those of all.
-    scale: f64,
 }
 
 /// What a unit of a parameter does.
@@ -90,13 +88,12 @@ impl Stack<'_> {
             y: model.residuals.iter().map(|y| scale * y).collect(),
             x: shapes.iter().map(of_shape).collect(),
             folds: (0..FOLDS).map(fold).collect(),
-            scale,
         }
     }
 }
 
 impl Beside<'_> {
-    /// The squares without the cause, with it, and those expected of noise alone, of each block of readings.
+    /// The squares of each block of readings without the cause and with it; nothing is asked of noise.
     fn blocks(&self, sizes: &[Option<Sized>]) -> Vec<[f64; 3]> {
         let blocks = pass_blocks(self.series.plain.comparison);
         let mut sums = vec![[0.0; 3]; blocks.iter().max().map_or(0, |last| last + 1)];
@@ -110,13 +107,11 @@ impl Beside<'_> {
                 add(&mut after, &left.errors(&x.left), -size);
             }
             let before = left.determined(before);
-            let expected = left.expected();
             for (i, &row) in left.rows.iter().enumerate() {
                 if let Some(before) = before[i] {
                     let sum = &mut sums[blocks[row]];
                     sum[0] += before * before;
                     sum[1] += after[i] * after[i];
-                    sum[2] += expected[i] * self.scale * self.scale;
                 }
             }
         }
@@ -147,8 +142,10 @@ fn sized(all: &[Beside<'_>], fold: usize) -> Option<Sized> {
         }
         let gram = Gram::new(&gram, &before);
         let size = gram.estimates(&s);
-        (gram.statistic(&s), Sized { shape, size })
+        (gram.rank() > 0).then(|| (gram.statistic(&s), Sized { shape, size }))
     };
-    let best = (0..shapes).map(of_shape).max_by(|a, b| a.0.total_cmp(&b.0));
+    let best = (0..shapes)
+        .filter_map(of_shape)
+        .max_by(|a, b| a.0.total_cmp(&b.0));
     best.map(|(_, sized)| sized)
 }

@@ -10,7 +10,7 @@
 
 use trueaxis_effects::Scene;
 
-use crate::engine::Listed;
+use crate::engine::{Chosen, Listed};
 use crate::selection::Projection;
 use crate::verification::comparison::Comparison;
 use crate::verification::hypotheses::candidates;
@@ -28,6 +28,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) sigma_um: f64,
     /// The part of its variance that the last digit of the readings has.
     pub(crate) least_variance: f64,
+    /// The part of the variance of a row that the last digit hides from the residuals.
+    pub(crate) hidden: f64,
     /// The base model and the hypotheses.
     pub(crate) listed: Listed,
     /// That of the base model with the prediction taken as it is, for readings that are held out: a
@@ -69,6 +71,7 @@ impl<'a> Problem<'a> {
             calibrated: given.calibrated,
             wanders: false,
             sigma_um,
+            hidden,
             least_variance: (given.resolution_um / sigma_um).powi(2) + hidden,
             listed: Listed {
                 base,
@@ -101,14 +104,34 @@ impl<'a> Problem<'a> {
         self.listed.base.rows() - self.pseudo
     }
 
+    /// The prediction taken as it is with causes in the model, for readings beside those of others: with what the last digit hides
+    /// of their noise, pseudo-observations have none.
+    pub(crate) fn part(&self, causes: &[Chosen]) -> Projection {
+        let part = self.as_predicted.extended(&self.listed.columns(causes));
+        let of_readings = 1.0 - self.pseudo as f64 / part.degrees_of_freedom;
+        part.with_hidden(self.hidden * of_readings.max(0.0))
+    }
+
+    /// Standard deviation of a single reading, µm.
+    pub(crate) fn reading_um(&self) -> f64 {
+        self.sigma_um * (1.0 - self.hidden).max(0.0).sqrt()
+    }
+
     /// A column over the readings as one of the model.
     pub(crate) fn whiten(&self, column: &[f64]) -> Vec<f64> {
         whitened(column, self.sigma_um, self.pseudo)
     }
 
-    /// Rms for one degree of freedom of what a model leaves, µm.
+    /// Rms for one degree of freedom of what a model leaves and the last digit hides, µm.
     pub(crate) fn rms_um(&self, model: &Projection) -> f64 {
         self.sigma_um * (model.squares() / model.degrees_of_freedom.max(1.0)).sqrt()
+    }
+
+    /// The same of what is seen of it.
+    pub(crate) fn seen_rms_um(&self, model: &Projection) -> f64 {
+        let hidden = self.hidden * self.listed.base.degrees_of_freedom;
+        let seen = (model.squares() - hidden).max(0.0);
+        self.sigma_um * (seen / model.degrees_of_freedom.max(1.0)).sqrt()
     }
 }
 

@@ -119,7 +119,7 @@ fn shown(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fitted: &[f64]) -
             direction: arrival.direction,
             misfit: problem.sigma_um * misfit[i],
             fitted: problem.sigma_um * fitted[i],
-            u: problem.sigma_um,
+            u: problem.reading_um(),
         }
     };
     let rows: Vec<Row> = arrivals.map(row).collect();

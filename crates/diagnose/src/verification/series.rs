@@ -36,7 +36,7 @@ impl<'a> Series<'a> {
         let model = compete(&plain, &look);
         Self {
             name,
-            noise_floor_um: plain.sigma_um,
+            noise_floor_um: plain.reading_um(),
             look,
             model,
             plain,
@@ -113,7 +113,7 @@ impl<'a> Series<'a> {
         let gain = gain.map(|bounded| bounded.gain).filter(|_| !is_plain);
         let disturbances = wandered(problem, &courses, &after, gain.filter(|_| is_single));
         let misfit = |model, held: &HeldOut| Misfit {
-            rms_um: problem.rms_um(model),
+            rms_um: problem.seen_rms_um(model),
             heldout_rms_um: held.rms().map(|rms| rms * problem.sigma_um),
         };
         Entry {

@@ -48,11 +48,9 @@ impl<'s> Stack<'s> {
         calibration: Option<&CalibratedMachine>,
     ) -> Self {
         let scales_um: Vec<f64> = all.iter().map(scale_um).collect();
-        let with_own = all.iter().zip(own).map(|(series, own)| {
-            let problem = &series.model.problem;
-            problem.as_predicted.extended(&problem.listed.columns(own))
-        });
-        let parts: Vec<Projection> = with_own.collect();
+        let with_own = all.iter().zip(own);
+        let parts = with_own.map(|(series, own)| series.model.problem.part(own));
+        let parts: Vec<Projection> = parts.collect();
         let rows = all.iter().map(|series| series.plain.readings());
         let scales = all.iter().zip(&scales_um);
         let scales = scales.map(|(series, scale)| scale / series.plain.sigma_um);
@@ -221,9 +219,8 @@ impl<'s> Stack<'s> {
         all
     }
 
-    /// Whether each series shows a cause with the size that all have in common: more than its columns explain of noise, or where
-    /// it is weak in all of them, a part of what it explains in the mean.
-    fn shows(&self, causes: &[Chosen], k: usize) -> Vec<bool> {
+    /// What a cause with the size that all have in common explains in each series, squares.
+    pub(crate) fn explained(&self, causes: &[Chosen], k: usize) -> Vec<f64> {
         let model = self.listed.with(&without(causes, k));
         let columns = self.listed.columns(&causes[k..=k]);
         let estimates = Fit::new(&model, &columns).estimates;
@@ -234,15 +231,29 @@ impl<'s> Stack<'s> {
             model.project(&mut left);
             dot(&made, &left)
         });
-        let explained: Vec<f64> = explained.collect();
-        let shown = explained.iter().zip(&self.members[causes[k].candidate]);
-        let shown: Vec<f64> = shown.filter_map(|(x, member)| member.map(|_| *x)).collect();
-        let mean = shown.iter().sum::<f64>() / shown.len().max(1) as f64;
-        let least = (SHOWN * mean).min(columns.len() as f64);
+        explained.collect()
+    }
+
+    /// Whether each series shows a cause: more than its columns explain of noise, or where it is weak in all of them, a part of
+    /// what it explains in the mean.
+    fn shows(&self, causes: &[Chosen], k: usize) -> Vec<bool> {
+        let explained = self.explained(causes, k);
+        let of_members = explained.iter().zip(&self.members[causes[k].candidate]);
+        let of_members = of_members.filter_map(|(x, member)| member.map(|_| *x));
+        let of_members: Vec<f64> = of_members.collect();
+        let mean = of_members.iter().sum::<f64>() / of_members.len().max(1) as f64;
+        let least = (SHOWN * mean).min(self.of_noise(&causes[k]));
         explained
             .into_iter()
             .map(|explained| explained > least)
             .collect()
+    }
+
+    /// What the columns of a cause explain of noise, squares.
+    pub(crate) fn of_noise(&self, cause: &Chosen) -> f64 {
+        self.listed.candidates[cause.candidate]
+            .columns(cause.shape)
+            .len() as f64
     }
 }
 

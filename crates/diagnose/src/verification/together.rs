@@ -47,7 +47,7 @@ pub(crate) fn together(
         return Vec::new();
     }
     let mut apart: Vec<Hypothesis> = Vec::new();
-    let (found, causes) = loop {
+    let (found, causes, judged) = loop {
         let (stack, own) = stacked(all, &apart, calibration);
         let named = stack.named();
         let mut found = exchanged(&stack.listed, named.clone(), level);
@@ -60,12 +60,15 @@ pub(crate) fn together(
         found = search_beside(&stack.listed, found, &[], level);
         let of_each = stack.of_each(&own, &found);
         let is_known = |cause: &Chosen| named.iter().any(|n| n.candidate == cause.candidate);
+        let sizes: Vec<Sizes> = (0..found.len())
+            .map(|k| Sizes::new(&stack, &found, k))
+            .collect();
         let doubtful = (0..found.len()).find(|&k| {
-            Sizes::new(&stack, &found, k).variance().is_none()
-                || !is_known(&found[k]) && !is_believed(&stack, &of_each, &found[k])
+            sizes[k].are_several()
+                || !is_known(&found[k]) && !is_believed(&stack, &of_each, &found, k)
         });
         let Some(k) = doubtful else {
-            break (found, of_each);
+            break (found, of_each, sizes);
         };
         // What it took the place of goes back to its series.
         let is_found = |n: &Chosen| found.iter().any(|f| f.candidate == n.candidate);
@@ -79,7 +82,7 @@ pub(crate) fn together(
     for (series, causes) in all.iter_mut().zip(&causes) {
         series.set_causes(causes.clone());
     }
-    // With what wanders beside these causes.
+    // With what wanders beside these causes; whether the sizes scatter is known from the shapes that the series named.
     let (stack, _) = stacked(all, &apart, calibration);
     let shared = (0..found.len()).filter_map(|k| {
         let members = stack.members[found[k].candidate].iter().zip(&causes);
@@ -90,12 +93,13 @@ pub(crate) fn together(
         if candidates.iter().flatten().count() < 2 {
             return None;
         }
-        let sizes = Sizes::new(&stack, &found, k);
-        let cause = joint_cause(&stack.listed, scene, &found, k, sizes.variance()?)?;
+        let of_all = Sizes::new(&stack, &found, k).variances;
+        let variance = of_all[usize::from(judged[k].differ())];
+        let cause = joint_cause(&stack.listed, scene, &found, k, variance)?;
         let gain = stack.gain_of(&found[k], &causes);
         let cause = Cause {
             heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
-            sizes_p_value: Some(sizes.p_value),
+            sizes_p_value: Some(judged[k].p_value),
             ..cause
         };
         Some(Shared { candidates, cause })
@@ -198,27 +202,33 @@ impl Sizes {
         }
     }
 
-    /// The variance of the observations that the uncertainty of the common size follows from: what is left, or where the sizes of
-    /// the series scatter by more than that, what this scatter is (R. T. Birge, 1932); none if they are different sizes.
-    fn variance(&self) -> Option<f64> {
-        match self.p_value >= SIZES_DIFFER {
-            true => Some(self.variances[0]),
-            false => (self.more < ONE_SIZE).then_some(self.variances[1]),
-        }
+    /// Whether they scatter by more than chance: then the uncertainty of the common size is that of this scatter (R. T. Birge,
+    /// 1932).
+    fn differ(&self) -> bool {
+        self.p_value < SIZES_DIFFER
+    }
+
+    /// Whether they are different sizes.
+    fn are_several(&self) -> bool {
+        self.differ() && self.more >= ONE_SIZE
     }
 }
 
 /// Whether a cause gains on readings of all series that were not used, with a probability of nine in ten, and imitates in
-/// none what is left.
-fn is_believed(stack: &Stack<'_>, causes: &[Vec<Chosen>], cause: &Chosen) -> bool {
-    let members = stack.members[cause.candidate].iter();
-    let of_series = stack.all.iter().zip(causes).zip(members);
-    let imitates = |((series, causes), member): ((&Series<'_>, &Vec<Chosen>), &Option<usize>)| {
-        let mut kept = causes.clone();
+/// none that shows it by itself what is left.
+fn is_believed(stack: &Stack<'_>, of_each: &[Vec<Chosen>], causes: &[Chosen], k: usize) -> bool {
+    let cause = &causes[k];
+    let explained = stack.explained(causes, k);
+    let imitates = |number: usize| {
+        if explained[number] <= stack.of_noise(cause) {
+            return false;
+        }
+        let series = &stack.all[number];
+        let mut kept = of_each[number].clone();
         without_imitations(&series.model.problem, &mut kept, &series.look);
-        let is_it = |c: &Chosen| Some(c.candidate) == *member;
-        causes.iter().any(is_it) && !kept.iter().any(is_it)
+        let is_it = |c: &Chosen| Some(c.candidate) == stack.members[cause.candidate][number];
+        of_each[number].iter().any(is_it) && !kept.iter().any(is_it)
     };
-    let gain = || stack.gain_of(cause, causes);
-    !of_series.into_iter().any(imitates) && gain().is_none_or(|gain| gain.upper_bound < 1.0)
+    let gain = || stack.gain_of(cause, of_each);
+    !(0..explained.len()).any(imitates) && gain().is_none_or(|gain| gain.upper_bound < 1.0)
 }
