@@ -109,7 +109,7 @@ impl Components {
                 .iter()
                 .map(|&axis| request.name(axis));
             match axes.collect::<Vec<_>>().as_slice() {
-                [] => "on it".to_owned(),
+                [] => "none".to_owned(),
                 axes => axes.join(" "),
             }
         };
