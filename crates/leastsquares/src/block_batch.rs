@@ -14,10 +14,12 @@
 //! relative to the column it says whether an unknown is determined. All of it belongs into
 //! [`crate::in_widest_registers`]; outside it is right, but slow.
 
+use std::ops::Range;
+
 use crate::error::Error;
 use crate::factors::FactorsMut;
 use crate::lane_sums::LaneSums;
-use crate::lanes::{LANES, Lanes, add_times, lanes_only, scale, zeros};
+use crate::lanes::{LANES, Lanes, add_several_times, add_times, lanes_only, scale, zeros};
 
 /// Shared unknowns that stand side by side in a row.
 pub const RUN: usize = 4;
@@ -139,8 +141,16 @@ impl BlockBatch {
             let (above, row) = rows.split_at_mut(i * length);
             let row = &mut row[..length];
             scale(row, weights[i]);
-            for (above, w) in above.chunks_exact(length).zip(weights) {
-                add_times(row, *w, above);
+            match (above.len() / length, weights) {
+                (2, &[a, b, _]) => {
+                    let above = above.split_at(length);
+                    add_several_times(row, [a, b], [above.0, above.1]);
+                }
+                _ => {
+                    for (above, w) in above.chunks_exact(length).zip(weights) {
+                        add_times(row, *w, above);
+                    }
+                }
             }
         }
     }
@@ -223,6 +233,7 @@ impl BlockBatch {
                 pivot: 0.0,
             }
         } else {
+            self.multiply();
             match self.factorise() {
                 Ok(()) => {
                     self.couple();
@@ -234,22 +245,57 @@ impl BlockBatch {
         Err(self.error(&weak, &number))
     }
 
+    /// Ranges of rows whose products are added together: three of one run, a visit of three lengths, or one.
+    #[inline(always)]
+    fn together(starts: &[usize]) -> impl Iterator<Item = Range<usize>> {
+        let mut first = 0;
+        std::iter::from_fn(move || {
+            let range = match starts.get(first..)? {
+                [] => return None,
+                [a, b, c, ..] if a == b && b == c => first..first + 3,
+                _ => first..first + 1,
+            };
+            first = range.end;
+            Some(range)
+        })
+    }
+
+    /// `AᵀA` and `[AᵀB | H | Aᵀr]`.
+    #[inline(always)]
+    fn multiply(&mut self) {
+        let Shape {
+            unknowns,
+            shared,
+            datum,
+            ..
+        } = self.shape;
+        let (length, width) = (self.shape.row_len(), self.shape.width());
+        zeros(&mut self.factor, unknowns * unknowns);
+        zeros(&mut self.coupling, unknowns * width);
+        for range in Self::together(&self.starts) {
+            let start = self.starts[range.start];
+            let rows = &self.rows[range.start * length..range.end * length];
+            let products = (&mut self.factor[..], &mut self.coupling[..]);
+            match rows.len() / length {
+                1 => add_products(&self.shape, start, [rows], products),
+                _ => {
+                    let ((a, rest), c) = (rows.split_at(length), &rows[2 * length..]);
+                    add_products(&self.shape, start, [a, &rest[..length], c], products);
+                }
+            }
+        }
+        for k in 0..datum {
+            let column = self.datum[k * unknowns..(k + 1) * unknowns].iter();
+            for (x, row) in column.zip(self.coupling.chunks_exact_mut(width)) {
+                row[shared + k] = *x;
+            }
+        }
+    }
+
     /// `AᵀA = RᵀR`.
     #[inline(always)]
     fn factorise(&mut self) -> Result<(), WeakPivot> {
-        let Shape { rows, unknowns, .. } = self.shape;
-        let length = self.shape.row_len();
-        zeros(&mut self.factor, unknowns * unknowns);
-        for row in self.rows.chunks_exact(length).take(rows) {
-            let own = &row[..unknowns];
-            for (k, (a, sums)) in own
-                .iter()
-                .zip(self.factor.chunks_exact_mut(unknowns))
-                .enumerate()
-            {
-                add_times(&mut sums[k..], *a, &own[k..]);
-            }
-        }
+        let Shape { unknowns, .. } = self.shape;
         let limit = Lanes::splat(BLOCK_RANK_TOL * BLOCK_RANK_TOL);
         for k in 0..unknowns {
             let (above, below) = self.factor.split_at_mut(k * unknowns);
@@ -308,41 +354,26 @@ impl BlockBatch {
         }
     }
 
-    /// Makes `[W | W_H | c]`.
+    /// `[W | W_H | c] = R⁻ᵀ [AᵀB | H | Aᵀr]`.
     #[inline(always)]
     fn couple(&mut self) {
-        let Shape {
-            rows,
-            unknowns,
-            in_runs,
-            shared,
-            datum,
-        } = self.shape;
-        let (length, width) = (self.shape.row_len(), self.shape.width());
-        zeros(&mut self.coupling, unknowns * width);
-        for (row, &start) in self.rows.chunks_exact(length).take(rows).zip(&self.starts) {
-            let (own, rest) = row.split_at(unknowns);
-            let (run, rest) = rest.split_at(RUN);
-            let (others, residual) = rest.split_at(shared - in_runs);
-            for (a, sums) in own.iter().zip(self.coupling.chunks_exact_mut(width)) {
-                if in_runs > 0 {
-                    add_times(&mut sums[start..start + RUN], *a, run);
-                }
-                add_times(&mut sums[in_runs..shared], *a, others);
-                sums[width - 1] = a.mul_add(residual[0], sums[width - 1]);
-            }
-        }
-        for k in 0..datum {
-            let column = self.datum[k * unknowns..(k + 1) * unknowns].iter();
-            for (x, row) in column.zip(self.coupling.chunks_exact_mut(width)) {
-                row[shared + k] = *x;
-            }
-        }
+        let Shape { unknowns, .. } = self.shape;
+        let width = self.shape.width();
         for k in 0..unknowns {
             let (above, row) = self.coupling.split_at_mut(k * width);
             let row = &mut row[..width];
-            for (j, before) in above.chunks_exact(width).enumerate() {
-                add_times(row, -self.factor[j * unknowns + k], before);
+            let of_factor = |j: usize| -self.factor[j * unknowns + k];
+            let mut threes = above.chunks_exact(3 * width);
+            let mut j = 0;
+            for three in &mut threes {
+                let ((a, rest), c) = (three.split_at(width), &three[2 * width..]);
+                let factors = [of_factor(j), of_factor(j + 1), of_factor(j + 2)];
+                add_several_times(row, factors, [a, &rest[..width], c]);
+                j += 3;
+            }
+            for before in threes.remainder().chunks_exact(width) {
+                add_times(row, of_factor(j), before);
+                j += 1;
             }
             scale(row, self.factor[k * unknowns + k]);
         }
@@ -354,16 +385,22 @@ impl BlockBatch {
         let Shape {
             shared, in_runs, ..
         } = self.shape;
-        for row in 0..self.shape.rows {
-            let (_, run, others, residual) = self.parts(row);
-            let run = if in_runs > 0 { run } else { &[] };
-            sums.add_row((self.starts[row], run), (in_runs, others), residual);
+        let (unknowns, length) = (self.shape.unknowns, self.shape.row_len());
+        let has_runs = in_runs > 0;
+        for range in Self::together(&self.starts) {
+            let start = self.starts[range.start];
+            let row =
+                |k: usize| &self.rows[(range.start + k) * length + unknowns..][..length - unknowns];
+            match range.len() {
+                1 => sums.add_rows((has_runs, start, in_runs), [row(0)]),
+                _ => sums.add_rows((has_runs, start, in_runs), [row(0), row(1), row(2)]),
+            }
         }
         for (k, closure) in self.closure.iter().enumerate() {
             sums.add_to_closure(shared + k, *closure);
         }
         for row in self.coupling.chunks_exact(self.shape.width()) {
-            sums.next_eliminated().copy_from_slice(row);
+            sums.take_off_row(row);
         }
     }
 
@@ -515,5 +552,36 @@ impl BlockBatch {
                 }
             }
         }
+    }
+}
+
+/// Adds the products of some whitened rows `[A | run | others | r]` of one run to `AᵀA`, upper triangle, and to
+/// `[AᵀB | H | Aᵀr]`.
+#[inline(always)]
+fn add_products<const N: usize>(
+    shape: &Shape,
+    start: usize,
+    rows: [&[Lanes]; N],
+    (factor, coupling): (&mut [Lanes], &mut [Lanes]),
+) {
+    let &Shape {
+        unknowns,
+        in_runs,
+        shared,
+        ..
+    } = shape;
+    let (width, others) = (shape.width(), shared - in_runs);
+    let of_factor = factor.chunks_exact_mut(unknowns);
+    for (k, (squares, sums)) in of_factor.zip(coupling.chunks_exact_mut(width)).enumerate() {
+        let factors = rows.map(|row| row[k]);
+        add_several_times(&mut squares[k..], factors, rows.map(|row| &row[k..]));
+        let tails = rows.map(|row| &row[unknowns..]);
+        if in_runs > 0 {
+            add_several_times(&mut sums[start..start + RUN], factors, tails);
+        }
+        let tails = tails.map(|tail| &tail[RUN..]);
+        add_several_times(&mut sums[in_runs..shared], factors, tails);
+        let residuals = tails.map(|tail| &tail[others..]);
+        add_several_times(&mut sums[width - 1..], factors, residuals);
     }
 }

@@ -1,10 +1,11 @@
 //! The sums of the reduced system, one for each lane of the batches that are added.
 
-use crate::lanes::{Lanes, add_times, lanes_only};
+use crate::block_batch::RUN;
+use crate::lanes::{Lanes, add_several_times, lanes_only, zeros};
 use crate::reduced::Reduced;
 
-/// Sums over batches of blocks; [`LaneSums::into_reduced`] adds up the lanes.
-#[derive(Debug, Clone)]
+/// Sums over batches of blocks; [`LaneSums::reduced`] adds up the lanes.
+#[derive(Debug, Clone, Default)]
 pub struct LaneSums {
     shared: usize,
     datum: usize,
@@ -12,8 +13,7 @@ pub struct LaneSums {
     rows: Vec<Lanes>,
     /// Length of a row: `shared + datum + 1`, or one more so that it is even.
     row_len: usize,
-    /// Their products for pairs of columns, upper triangle: the four products of each two pairs. Empty
-    /// before the first row.
+    /// Their products for pairs of columns, upper triangle: the four products of each two pairs.
     products: Vec<[Lanes; 4]>,
     /// `[B | 0 | r]ᵀ [B | 0 | r]` and the closure, upper triangle in whole rows.
     matrix: Vec<Lanes>,
@@ -29,18 +29,22 @@ const WAITING: usize = 18;
 impl LaneSums {
     /// Zero sums for `shared` shared unknowns and `datum` constraints.
     pub fn new(shared: usize, datum: usize) -> Self {
+        let mut sums = Self::default();
+        sums.reset(shared, datum);
+        sums
+    }
+
+    /// Makes these zero sums; keeps the memory.
+    pub fn reset(&mut self, shared: usize, datum: usize) {
         let width = shared + datum + 1;
-        Self {
-            shared,
-            datum,
-            rows: Vec::new(),
-            row_len: width.next_multiple_of(2),
-            products: Vec::new(),
-            matrix: vec![Lanes::ZERO; width * width],
-            squares: Lanes::ZERO,
-            observations: 0,
-            block_unknowns: 0,
-        }
+        (self.shared, self.datum) = (shared, datum);
+        self.row_len = width.next_multiple_of(2);
+        self.rows.clear();
+        let pairs = self.row_len / 2;
+        zeros(&mut self.products, pairs * (pairs + 1) / 2);
+        zeros(&mut self.matrix, width * width);
+        self.squares = Lanes::ZERO;
+        (self.observations, self.block_unknowns) = (0, 0);
     }
 
     /// Counts rows, and unknowns of blocks.
@@ -51,10 +55,15 @@ impl LaneSums {
 
     /// The sums over all lanes.
     #[inline(always)]
-    pub fn into_reduced(mut self) -> Reduced {
+    pub fn reduced(&mut self) -> Reduced {
         self.add_products();
         let width = self.width();
-        let mut matrix: Vec<f64> = self.matrix.iter().map(|x| x.sum()).collect();
+        let mut matrix = vec![0.0; width * width];
+        for i in 0..width {
+            for j in i..width {
+                matrix[i * width + j] = self.matrix[i * width + j].sum();
+            }
+        }
         let pairs = self.row_len / 2;
         let of_pairs = (0..pairs).flat_map(|p| (p..pairs).map(move |q| (p, q)));
         for ((p, q), products) in of_pairs.zip(&self.products) {
@@ -75,44 +84,50 @@ impl LaneSums {
         self.shared + self.datum + 1
     }
 
-    /// Adds the products of a whitened row `[B | r]`: a run of shared unknowns from `start` on, and those from
-    /// `first` on.
+    /// Adds the products of some whitened rows `[run | others | r]`, whose run of shared unknowns, if there are runs,
+    /// begins at `start`, and the others at `first`.
     #[inline(always)]
-    pub(crate) fn add_row(
+    pub(crate) fn add_rows<const N: usize>(
         &mut self,
-        (start, run): (usize, &[Lanes]),
-        (first, others): (usize, &[Lanes]),
-        residual: Lanes,
+        (has_runs, start, first): (bool, usize, usize),
+        rows: [&[Lanes]; N],
     ) {
         let width = self.width();
-        for (i, a) in run.iter().enumerate() {
-            let row = &mut self.matrix[(start + i) * width..][..width];
-            // The whole run costs less than a loop over a part of it; what is below is not looked at.
-            add_times(&mut row[start..start + run.len()], *a, run);
-            add_times(&mut row[first..first + others.len()], *a, others);
-            row[width - 1] = a.mul_add(residual, row[width - 1]);
+        let others = self.shared - first;
+        let tails = rows.map(|row| &row[RUN..]);
+        let residuals = tails.map(|tail| &tail[others..]);
+        if has_runs {
+            for i in 0..RUN {
+                let sums = &mut self.matrix[(start + i) * width..][..width];
+                let factors = rows.map(|row| row[i]);
+                // The whole run costs less than a loop over a part of it; what is below is not looked at.
+                add_several_times(&mut sums[start..start + RUN], factors, rows);
+                add_several_times(&mut sums[first..first + others], factors, tails);
+                add_several_times(&mut sums[width - 1..], factors, residuals);
+            }
         }
-        for (i, a) in others.iter().enumerate() {
-            let row = &mut self.matrix[(first + i) * width..][..width];
-            add_times(&mut row[first + i..first + others.len()], *a, &others[i..]);
-            row[width - 1] = a.mul_add(residual, row[width - 1]);
+        for i in 0..others {
+            let sums = &mut self.matrix[(first + i) * width..][..width];
+            let factors = tails.map(|tail| tail[i]);
+            let from = tails.map(|tail| &tail[i..]);
+            add_several_times(&mut sums[first + i..first + others], factors, from);
+            add_several_times(&mut sums[width - 1..], factors, residuals);
         }
-        self.squares = residual.mul_add(residual, self.squares);
+        for residual in residuals {
+            self.squares = residual[0].mul_add(residual[0], self.squares);
+        }
     }
 
-    /// A row `[W | W_H | c]` of the blocks' own unknowns, to be filled.
+    /// Takes off the products of a row `[W | W_H | c]` of the blocks' own unknowns.
     #[inline(always)]
-    pub(crate) fn next_eliminated(&mut self) -> &mut [Lanes] {
-        if self.products.is_empty() {
-            let pairs = self.row_len / 2;
-            self.products = vec![[Lanes::ZERO; 4]; pairs * (pairs + 1) / 2];
-        }
+    pub(crate) fn take_off_row(&mut self, row: &[Lanes]) {
         if self.rows.len() == WAITING * self.row_len {
             self.add_products();
         }
-        let (first, width) = (self.rows.len(), self.width());
-        self.rows.resize(first + self.row_len, Lanes::ZERO);
-        &mut self.rows[first..][..width]
+        self.rows.extend_from_slice(row);
+        if self.row_len > row.len() {
+            self.rows.push(Lanes::ZERO);
+        }
     }
 
     /// Adds the products of the rows that wait.

@@ -154,6 +154,27 @@ pub fn add_times(sum: &mut [Lanes], factor: Lanes, x: &[Lanes]) {
     }
 }
 
+/// `sum += Σ factor x` over a few slices, element by element, in their order: what one [`add_times`] after the other
+/// gives, to the bit, but each element of the sum is loaded and stored once.
+#[inline(always)]
+pub(crate) fn add_several_times<const N: usize>(
+    sum: &mut [Lanes],
+    factors: [Lanes; N],
+    mut x: [&[Lanes]; N],
+) {
+    for x in &mut x {
+        *x = &x[..sum.len()];
+    }
+    for (i, sum) in sum.iter_mut().enumerate() {
+        lanes_only();
+        let mut result = *sum;
+        for k in 0..N {
+            result = factors[k].mul_add(x[k][i], result);
+        }
+        *sum = result;
+    }
+}
+
 /// `x <- factor x`, element by element.
 #[inline(always)]
 pub fn scale(x: &mut [Lanes], factor: Lanes) {

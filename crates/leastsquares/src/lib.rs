@@ -40,7 +40,7 @@
 //! sums.count(4, 2);
 //! masses.add_to(&mut sums);
 //! // The data do not change when the masses grow and both zeros fall by as much.
-//! let solved = sums.into_reduced().solve(|| vec![vec![-1.0, -1.0]])?;
+//! let solved = sums.reduced().solve(|| vec![vec![-1.0, -1.0]])?;
 //! assert!((solved.unknowns[0] - 0.5).abs() < 1e-12);
 //! assert!((solved.unknowns[1] - 2.0).abs() < 1e-12);
 //! let mut kept = Vec::new();

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use trueaxis_kinematics::centroid;
-use trueaxis_leastsquares::{Lanes, Reduced, zeros};
+use trueaxis_leastsquares::{BlockBatch, Lanes, Reduced, zeros};
 
 use crate::Network;
 use crate::batches::Batch;
@@ -44,10 +44,14 @@ pub(crate) struct Linearised {
 }
 
 impl Linearised {
-    /// The same memory with nothing in it.
-    pub(crate) fn cleared(&mut self) -> &mut Self {
+    /// The same memory with nothing in it, but room for what some batches leave.
+    pub(crate) fn cleared(&mut self, batches: &[Batch]) -> &mut Self {
         self.weights.clear();
+        self.weights
+            .reserve(batches.iter().map(Batch::weights).sum());
+        let kept = batches.iter().map(|b| BlockBatch::kept_len(b.unknowns()));
         self.eliminated.clear();
+        self.eliminated.reserve(kept.sum());
         self
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use trueaxis_leastsquares::{BlockBatch, Lanes};
+use trueaxis_leastsquares::{BlockBatch, LaneSums, Lanes};
 
 use crate::beams::Beams;
 use crate::state::DATUM;
@@ -35,6 +35,7 @@ pub(crate) struct Memory {
     pub(crate) weights: Vec<Lanes>,
     pub(crate) factor: Vec<Lanes>,
     pub(crate) equations: BlockBatch,
+    pub(crate) sums: LaneSums,
     pub(crate) tie: Tie,
 }
 

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use trueaxis_leastsquares::{
-    Adjustment, BlockBatch, Error as LeastSquaresError, Factors, LaneSums, Lanes, Reduced,
+    Adjustment, BlockBatch, Error as LeastSquaresError, Factors, Lanes, Reduced,
 };
 
 use crate::adjustment::{GroupAdjustment, Linearised, Moved};
@@ -25,12 +25,16 @@ impl Adjustment for GroupAdjustment<'_> {
         state: &State,
         linearised: &mut Vec<Linearised>,
     ) -> Result<Reduced, LeastSquaresError> {
-        linearised.resize_with(pieces(self.batches.len()).len(), Linearised::default);
+        let pieces = pieces(self.batches.len());
+        linearised.resize_with(pieces.len(), Linearised::default);
+        let parts = linearised.iter_mut().zip(pieces);
         let mut reduced = reduced(
             self,
             state,
             Gauge::Free,
-            linearised.iter_mut().map(Linearised::cleared).collect(),
+            parts
+                .map(|(left, piece)| left.cleared(&self.batches[piece]))
+                .collect(),
             #[inline(always)]
             |_, memory, piece: &mut &mut Linearised| {
                 piece.weights.extend_from_slice(&memory.weights);
@@ -175,22 +179,22 @@ fn reduced<P: Send>(
         pieces.zip(parts).collect(),
         #[inline(always)]
         |(piece, mut part): (Range<usize>, P)| {
-            let mut sums = LaneSums::new(model.shared(), gauge.constraints());
             model.memories.lend(
                 #[inline(always)]
                 |memory| {
+                    memory.sums.reset(model.shared(), gauge.constraints());
                     for b in piece {
                         let batch = &model.batches[b];
                         model.fill(state, b, gauge, memory);
                         memory.equations.eliminate(|lane| batch.number(lane))?;
-                        memory.equations.add_to(&mut sums);
-                        sums.count(batch.readings, batch.unknowns() * batch.groups.len());
+                        memory.equations.add_to(&mut memory.sums);
+                        let unknowns = batch.unknowns() * batch.groups.len();
+                        memory.sums.count(batch.readings, unknowns);
                         take(b, memory, &mut part);
                     }
-                    Ok(())
+                    Ok(memory.sums.reduced())
                 },
-            )?;
-            Ok(sums.into_reduced())
+            )
         },
     );
     // Of several errors the first.

@@ -1,11 +1,11 @@
 //! What ties the points of eight groups to the poses of their body ([`crate::linearise`]).
 
-use nalgebra::{DVector, Matrix3};
-use trueaxis_leastsquares::{LANES, Lanes};
+use nalgebra::{DVector, UnitQuaternion};
+use trueaxis_leastsquares::Lanes;
 
 use crate::batches::Batch;
 use crate::bodies::Bodies;
-use crate::lane_vectors::{LaneVector, at, minus, plus, times};
+use crate::lane_vectors::{LaneVector, at, minus, plus, splat, times};
 use crate::state::State;
 
 /// What ties the points of a batch to poses.
@@ -42,34 +42,44 @@ impl Tie {
         }
         self.first = first;
         let group = |lane: usize| batch.groups.start + lane.min(batch.groups.len() - 1);
-        let groups: [usize; LANES] = std::array::from_fn(group);
-        let mut rotations = [Matrix3::zeros(); LANES];
-        let mut places: [&[usize]; LANES] = [&[]; LANES];
-        for (lane, &g) in groups.iter().enumerate() {
-            rotations[lane] = state.poses[g].rotation.to_rotation_matrix().into_inner();
-            places[lane] = &bodies.of_groups[g].places;
-        }
-        let column = |j: usize| -> LaneVector {
-            [
-                Lanes::from_fn(|lane| rotations[lane][(0, j)]),
-                Lanes::from_fn(|lane| rotations[lane][(1, j)]),
-                Lanes::from_fn(|lane| rotations[lane][(2, j)]),
-            ]
-        };
-        let (x, y, z) = (column(0), column(1), column(2));
+        let [x, y, z] = columns_of_rotations(|lane| &state.poses[group(lane)].rotation);
+        let places = |lane: usize| &bodies.of_groups[group(lane)].places[..];
+        // Most groups see the targets of their body in one order.
+        let are_alike = (1..batch.groups.len()).all(|lane| places(lane) == places(0));
         self.deformations.clear();
         for deformation in deformations {
             let deformation = deformation.as_slice();
             for point in 0..count {
-                let home = |axis: usize| {
-                    Lanes::from_fn(|lane| deformation[3 * places[lane][point] + axis])
+                let moved = |lane: usize| &deformation[3 * places(lane)[point]..][..3];
+                let [a, b, c] = match are_alike {
+                    true => splat(moved(0)[0], moved(0)[1], moved(0)[2]),
+                    false => [
+                        Lanes::from_fn(|lane| moved(lane)[0]),
+                        Lanes::from_fn(|lane| moved(lane)[1]),
+                        Lanes::from_fn(|lane| moved(lane)[2]),
+                    ],
                 };
-                let turned = plus(
-                    plus(times(x, home(0)), times(y, home(1))),
-                    times(z, home(2)),
-                );
+                let turned = plus(plus(times(x, a), times(y, b)), times(z, c));
                 self.deformations.extend(turned);
             }
         }
     }
+}
+
+/// The columns of the matrices of eight rotations.
+#[inline(always)]
+fn columns_of_rotations<'q>(
+    rotation: impl Fn(usize) -> &'q UnitQuaternion<f64>,
+) -> [LaneVector; 3] {
+    let part = |k: usize| Lanes::from_fn(|lane| rotation(lane).coords[k]);
+    let (i, j, k, w) = (part(0), part(1), part(2), part(3));
+    let two = Lanes::splat(2.0);
+    let (ii, jj, kk, ww) = (i * i, j * j, k * k, w * w);
+    let (ij, ik, jk) = (i * j * two, i * k * two, j * k * two);
+    let (wi, wj, wk) = (w * i * two, w * j * two, w * k * two);
+    [
+        [ww + ii - jj - kk, wk + ij, ik - wj],
+        [ij - wk, ww - ii + jj - kk, wi + jk],
+        [wj + ik, jk - wi, ww - ii - jj + kk],
+    ]
 }

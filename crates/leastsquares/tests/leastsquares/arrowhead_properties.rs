@@ -76,7 +76,7 @@ fn solve_arrowhead(blocks: &[Block], closure: f64) -> Result<Solved, Error> {
         sums.count(block.rows.len(), block.unknowns);
         batch.add_to(&mut sums);
     }
-    let solution = sums.into_reduced().solve(|| vec![vec![-1.0; SHARED]])?;
+    let solution = sums.reduced().solve(|| vec![vec![-1.0; SHARED]])?;
     let mut factors = Factors::zeros(SHARED + 1, blocks.iter().map(|block| block.unknowns));
     let mut unknowns = Vec::new();
     for (i, mut batch) in batches.into_iter().enumerate() {
