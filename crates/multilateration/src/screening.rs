@@ -1,5 +1,7 @@
 //! The work of [`crate::screen`]: weights, tests and removals.
 
+mod clean_adjustment;
+mod far_readings;
 mod snooping;
 
 use std::rc::Rc;
@@ -12,12 +14,12 @@ use crate::batch_influence::BatchInfluence;
 use crate::estimate_noise::level;
 use crate::guard;
 use crate::interruption::Excluded;
-use crate::robust_weights::{REMOVED, scale, welsch};
-use crate::screened::{Removed, Screened};
+use crate::robust_weights::{REMOVED, scale};
+use crate::screened::Screened;
 use crate::solve::{ABSURD_MM, Settings, batches_of, far_at, solve, solve_from, solve_from_start};
 use crate::start::{Start, start};
 use crate::whitened::Whitened;
-use crate::{Error, Interruption, Network, NoiseEstimate, Solution, estimate_noise};
+use crate::{Error, Interruption, Network, NoiseEstimate, Solution};
 
 /// Probability that a network without gross errors loses any reading.
 const READINGS_LEVEL: f64 = 0.01;
@@ -345,96 +347,5 @@ impl<'a> Screening<'a> {
             }
             self.solve()?;
         }
-    }
-
-    /// Lets go of far readings: the width of the weights starts at the largest distance, `widest`
-    /// times the scale at most, and is halved until it is the scale. A start at the scale would keep
-    /// any few lengths that agree by chance (graduated non-convexity).
-    pub(crate) fn let_go(
-        &mut self,
-        widest: f64,
-        distances: impl Fn(&[ReadingTest]) -> Vec<f64>,
-    ) -> Result<(), Error> {
-        let mut width = f64::INFINITY;
-        let mut settled = 0;
-        for _ in 0..MAX_ROUNDS {
-            if settled == WELSCH_ITERATIONS || self.is_lost() {
-                break;
-            }
-            let (tests, _) = self.tests()?;
-            let scale = self.scale(&tests.readings);
-            let distances = distances(&tests.readings);
-            let largest = distances.iter().fold(0.0_f64, |most, t| most.max(t.abs()));
-            width = (0.5 * width).min(largest).min(widest * scale).max(scale);
-            settled += usize::from(width <= scale);
-            self.network.variance_factors = distances.iter().map(|t| welsch(t / width)).collect();
-            self.solve()?;
-        }
-        Ok(())
-    }
-
-    fn redescend(&mut self) -> Result<(), Error> {
-        self.let_go(f64::INFINITY, |tests| {
-            tests.iter().map(|test| test.w).collect()
-        })?;
-        let (tests, scale) = self.tests()?;
-        let limit = self.limit(READINGS_LEVEL) * scale;
-        let factor = |test: &ReadingTest| if test.w.abs() > limit { REMOVED } else { 1.0 };
-        self.network.variance_factors = tests.readings.iter().map(factor).collect();
-        self.solve()
-    }
-
-    /// The removed readings with their errors.
-    pub(crate) fn removed(&mut self) -> Result<Vec<Removed>, Error> {
-        let (tests, _) = self.tests()?;
-        let factors = self.network.variance_factors.iter().enumerate();
-        let removed = factors.filter(|&(_, &factor)| factor >= REMOVED);
-        Ok(removed
-            .map(|(reading, _)| Removed {
-                reading,
-                error_mm: tests.readings[reading].error_mm,
-                u_mm: tests.readings[reading].sigma_mm,
-                unchecked: self.unchecked[reading],
-            })
-            .collect())
-    }
-
-    /// The clean adjustment of what is left of the original network. The work's own solution is gone
-    /// then: both together are most of the memory that a large network takes.
-    pub(crate) fn finished(&mut self, original: &Network) -> Result<Screened, Error> {
-        self.merge_empty_occupations()?;
-        let wandering = self.wandering_zeros()?;
-        let removed = self.removed()?;
-        guard::check(&self.network, &removed)?;
-        let without: Vec<usize> = removed.iter().map(|r| r.reading).collect();
-        let (mut network, kept) = original.without(&without);
-        network.interruptions = self
-            .network
-            .interruptions
-            .iter()
-            .map(|i| Interruption {
-                first_reading: kept.partition_point(|&reading| reading < i.first_reading),
-                ..*i
-            })
-            .collect();
-        let whole = self.is_whole(&network);
-        let mut solution = match self.solution.take().map(Arc::unwrap_or_clone) {
-            Some(solved) if whole && solved.termination.is_converged() => solved,
-            Some(near) => solve_from(&network, &near, self.settings)?,
-            None => solve(&network, self.settings)?,
-        };
-        let given_squares = solution.squares;
-        let noise = estimate_noise(&mut network, &mut solution, self.declared, self.settings)?;
-        Ok(Screened {
-            given_squares,
-            jumps: self.found_jumps(&network, &solution),
-            wandering,
-            settled: self.settled,
-            network,
-            solution: Arc::new(solution),
-            noise,
-            kept,
-            removed,
-        })
     }
 }

@@ -1,0 +1,65 @@
+//! The end of the search: the clean adjustment of what is left, and what was taken away.
+
+use std::sync::Arc;
+
+use super::Screening;
+use crate::robust_weights::REMOVED;
+use crate::screened::{Removed, Screened};
+use crate::solve::{solve, solve_from};
+use crate::{Error, Interruption, Network, estimate_noise, guard};
+
+impl Screening<'_> {
+    /// The removed readings with their errors.
+    pub(crate) fn removed(&mut self) -> Result<Vec<Removed>, Error> {
+        let (tests, _) = self.tests()?;
+        let factors = self.network.variance_factors.iter().enumerate();
+        let removed = factors.filter(|&(_, &factor)| factor >= REMOVED);
+        Ok(removed
+            .map(|(reading, _)| Removed {
+                reading,
+                error_mm: tests.readings[reading].error_mm,
+                u_mm: tests.readings[reading].sigma_mm,
+                unchecked: self.unchecked[reading],
+            })
+            .collect())
+    }
+
+    /// The clean adjustment of what is left of the original network. The work's own solution is gone
+    /// then: both together are most of the memory that a large network takes.
+    pub(crate) fn finished(&mut self, original: &Network) -> Result<Screened, Error> {
+        self.merge_empty_occupations()?;
+        let wandering = self.wandering_zeros()?;
+        let removed = self.removed()?;
+        guard::check(&self.network, &removed)?;
+        let without: Vec<usize> = removed.iter().map(|r| r.reading).collect();
+        let (mut network, kept) = original.without(&without);
+        network.interruptions = self
+            .network
+            .interruptions
+            .iter()
+            .map(|i| Interruption {
+                first_reading: kept.partition_point(|&reading| reading < i.first_reading),
+                ..*i
+            })
+            .collect();
+        let whole = self.is_whole(&network);
+        let mut solution = match self.solution.take().map(Arc::unwrap_or_clone) {
+            Some(solved) if whole && solved.termination.is_converged() => solved,
+            Some(near) => solve_from(&network, &near, self.settings)?,
+            None => solve(&network, self.settings)?,
+        };
+        let given_squares = solution.squares;
+        let noise = estimate_noise(&mut network, &mut solution, self.declared, self.settings)?;
+        Ok(Screened {
+            given_squares,
+            jumps: self.found_jumps(&network, &solution),
+            wandering,
+            settled: self.settled,
+            network,
+            solution: Arc::new(solution),
+            noise,
+            kept,
+            removed,
+        })
+    }
+}

@@ -1,0 +1,369 @@
+//! Where one station stands, from the nominal points that it sees.
+//!
+//! For one station with centred and scaled coordinates the square of `l + L = |p - S|` is linear
+//! in `S`, `L` and `q = |S|² - L²`:
+//!
+//! ```text
+//! 2 pᵀS + 2 l L - q = |p|² - l²
+//! ```
+//!
+//! Points that are all in one plane leave the side of the plane on which the station stands open;
+//! so do, in practice, points that are nearly so. Both sides are tried, and a tie is handed on.
+
+use faer::Mat;
+use nalgebra::{Matrix3, Matrix4, Point3, Unit, Vector3, Vector4};
+use trueaxis_leastsquares::{Error as LeastSquaresError, dense};
+
+use super::POOR_FIT;
+
+/// A fit as good as another within this factor does not decide between two mirror images.
+const TIE: f64 = 1.01;
+
+/// Nor does a difference of this, mm: nominal positions are not known to a micrometre.
+const TIE_MM: f64 = 1e-3;
+
+const MAX_ITERATIONS: usize = 200;
+
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sighting {
+    pub(super) point: Point3<f64>,
+    pub(super) length_mm: f64,
+}
+
+/// Position and spread of the points that one station sees.
+pub(super) struct Cloud {
+    centroid: Point3<f64>,
+    pub(super) radius_mm: f64,
+    mean_length_mm: f64,
+    /// Direction in which the points spread least, its largest part positive.
+    normal: Unit<Vector3<f64>>,
+}
+
+impl Cloud {
+    pub(super) fn new(sightings: &[Sighting]) -> Self {
+        let count = sightings.len().max(1) as f64;
+        let sum: Vector3<f64> = sightings.iter().map(|s| s.point.coords).sum();
+        let centroid = Point3::from(sum / count);
+        let mut spread = Matrix3::zeros();
+        for s in sightings {
+            let d = s.point - centroid;
+            spread += d * d.transpose();
+        }
+        let eigen = spread.symmetric_eigen();
+        let normal = eigen
+            .eigenvectors
+            .column(eigen.eigenvalues.imin())
+            .into_owned();
+        let normal = Unit::new_normalize(normal * normal[normal.iamax()].signum());
+        Self {
+            centroid,
+            radius_mm: (spread.trace() / count).sqrt().max(f64::MIN_POSITIVE),
+            mean_length_mm: sightings.iter().map(|s| s.length_mm).sum::<f64>() / count,
+            normal,
+        }
+    }
+
+    /// Height above the plane of the points.
+    fn height(&self, p: Point3<f64>) -> f64 {
+        (p - self.centroid).dot(&self.normal)
+    }
+
+    pub(super) fn on_other_side(&self, p: Point3<f64>, q: Point3<f64>) -> bool {
+        self.height(p) * self.height(q) < 0.0
+    }
+
+    fn mirrored(&self, p: Point3<f64>) -> Point3<f64> {
+        p - self.normal.into_inner() * (2.0 * self.height(p))
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+pub(super) struct StationFit {
+    pub(super) position: Point3<f64>,
+    pub(super) dead_path_mm: f64,
+    pub(super) rms_mm: f64,
+}
+
+/// All fits that are as good as the best one. The first is nearest to `approx`, or without it on
+/// the side to which the normal of the points leads.
+pub(super) fn find_station(
+    sightings: &[Sighting],
+    cloud: &Cloud,
+    approx: Option<Point3<f64>>,
+) -> Vec<StationFit> {
+    let mut starts: Vec<Point3<f64>> = approx.into_iter().collect();
+    for position in linear_candidates(sightings, cloud) {
+        starts.extend([position, cloud.mirrored(position)]);
+    }
+    let mut fits = best_fits(sightings, &starts);
+    if fits
+        .first()
+        .is_none_or(|fit| fit.rms_mm > POOR_FIT * cloud.radius_mm)
+    {
+        starts.extend(surrounding(cloud));
+        fits = best_fits(sightings, &starts);
+    }
+    let rank = |fit: &StationFit| match approx {
+        Some(approx) => (fit.position - approx).norm(),
+        None => -cloud.height(fit.position),
+    };
+    fits.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
+    fits
+}
+
+/// The refined starts that fit as well as the best one.
+fn best_fits(sightings: &[Sighting], starts: &[Point3<f64>]) -> Vec<StationFit> {
+    let mut fits: Vec<StationFit> = starts
+        .iter()
+        .filter_map(|&start| refine(sightings, start))
+        .collect();
+    let least = fits
+        .iter()
+        .map(|fit| fit.rms_mm)
+        .fold(f64::INFINITY, f64::min);
+    fits.retain(|fit| fit.rms_mm <= TIE * least + TIE_MM);
+    fits
+}
+
+/// Solutions of the linear equations; two where the points leave one combination free and the
+/// definition of `q` closes it with a quadratic equation.
+fn linear_candidates(sightings: &[Sighting], cloud: &Cloud) -> Vec<Point3<f64>> {
+    let scale = cloud.radius_mm;
+    let scaled = |s: &Sighting| {
+        (
+            (s.point - cloud.centroid) / scale,
+            (s.length_mm - cloud.mean_length_mm) / scale,
+        )
+    };
+    let design = Mat::from_fn(sightings.len(), 5, |i, k| {
+        let (p, l) = scaled(&sightings[i]);
+        match k {
+            0..3 => 2.0 * p[k],
+            3 => 2.0 * l,
+            _ => -1.0,
+        }
+    });
+    let right: Vec<f64> = sightings
+        .iter()
+        .map(|s| {
+            let (p, l) = scaled(s);
+            p.norm_squared() - l * l
+        })
+        .collect();
+    let position = |s: Vector3<f64>| cloud.centroid + s * scale;
+    match dense::solve(design.as_ref(), &right) {
+        Ok(fit) => {
+            vec![position(Vector3::from_column_slice(&fit.unknowns[..3]))]
+        }
+        Err(LeastSquaresError::DenseRank { rank: 4, .. }) => {
+            // The points lie in a plane: nothing is known across it, so the foot of the station
+            // is found without it and the height follows from q = |S|² - L².
+            planar_candidates(design, &right, cloud.normal)
+                .into_iter()
+                .map(position)
+                .collect()
+        }
+        Err(_) => Vec::new(),
+    }
+}
+
+fn planar_candidates(
+    mut design: Mat<f64>,
+    right: &[f64],
+    normal: Unit<Vector3<f64>>,
+) -> Vec<Vector3<f64>> {
+    // Express S in two directions of the plane; the column across it becomes superfluous.
+    let u = Unit::new_normalize(normal.cross(&Vector3::ith(normal.iamin(), 1.0)));
+    let v = normal.cross(&u);
+    let in_plane = Mat::from_fn(design.nrows(), 4, |i, k| {
+        let p = Vector3::new(design[(i, 0)], design[(i, 1)], design[(i, 2)]);
+        match k {
+            0 => p.dot(&u),
+            1 => p.dot(&v),
+            _ => design[(i, k + 1)],
+        }
+    });
+    design.truncate(0, 0);
+    let Ok(fit) = dense::solve(in_plane.as_ref(), right) else {
+        return Vec::new();
+    };
+    let [a, b, l, q] = [
+        fit.unknowns[0],
+        fit.unknowns[1],
+        fit.unknowns[2],
+        fit.unknowns[3],
+    ];
+    let height = (q + l * l - a * a - b * b).max(0.0).sqrt();
+    let foot = u.into_inner() * a + v * b;
+    vec![
+        foot + normal.into_inner() * height,
+        foot - normal.into_inner() * height,
+    ]
+}
+
+/// Starts all around the points, for when the linear ones fail.
+fn surrounding(cloud: &Cloud) -> Vec<Point3<f64>> {
+    let mut starts = Vec::new();
+    for distance in [1.5, 3.0, 6.0, 12.0] {
+        for direction in 0..26 {
+            // The 26 neighbours of the middle of a 3 × 3 × 3 cube.
+            let cell = if direction < 13 {
+                direction
+            } else {
+                direction + 1
+            };
+            let digit = |d: i32| f64::from(cell / d % 3 - 1);
+            let towards = Vector3::new(digit(1), digit(3), digit(9)).normalize();
+            starts.push(cloud.centroid + towards * (distance * cloud.radius_mm));
+        }
+    }
+    starts
+}
+
+/// Levenberg–Marquardt on the four unknowns of one station; the points stay where they are.
+fn refine(sightings: &[Sighting], start: Point3<f64>) -> Option<StationFit> {
+    let mut position = start;
+    let mut dead_path = mean_dead_path(sightings, position);
+    let mut here = Equations::new(sightings, position, dead_path);
+    let mut damping = 1e-3;
+    for _ in 0..MAX_ITERATIONS {
+        let damping_matrix = Matrix4::from_diagonal(&(here.normal.diagonal() * damping));
+        let step = (here.normal + damping_matrix)
+            .cholesky()?
+            .solve(&here.right);
+        let (next, next_dead_path) = (position + step.xyz(), dead_path + step.w);
+        let there = Equations::new(sightings, next, next_dead_path);
+        if there.squares < here.squares {
+            let gain = 1.0 - there.squares / here.squares;
+            (position, dead_path, here) = (next, next_dead_path, there);
+            damping *= 0.1;
+            if gain < 1e-6 {
+                break;
+            }
+        } else if damping > 1e6 || step.norm() < 1e-9 {
+            break;
+        } else {
+            damping *= 10.0;
+        }
+    }
+    let rms_mm = (here.squares / sightings.len().max(1) as f64).sqrt();
+    rms_mm.is_finite().then_some(StationFit {
+        position,
+        dead_path_mm: dead_path,
+        rms_mm,
+    })
+}
+
+/// `Σ r²`, `JᵀJ` and `Jᵀr` of the lengths to one station, whose rows of `J` are `-(u, 1)` with the unit vectors `u` to the points.
+struct Equations {
+    squares: f64,
+    normal: Matrix4<f64>,
+    right: Vector4<f64>,
+}
+
+impl Equations {
+    fn new(sightings: &[Sighting], position: Point3<f64>, dead_path: f64) -> Self {
+        let mut squares = 0.0;
+        let (mut products, mut sum) = (Matrix3::zeros(), Vector3::zeros());
+        let (mut right, mut residuals) = (Vector3::zeros(), 0.0);
+        for s in sightings {
+            let beam = s.point - position;
+            let distance = beam.norm();
+            let u = beam / distance;
+            let residual = s.length_mm - (distance - dead_path);
+            squares += residual * residual;
+            products += u * u.transpose();
+            sum += u;
+            right += u * residual;
+            residuals += residual;
+        }
+        let mut normal = products.to_homogeneous();
+        normal.fixed_view_mut::<3, 1>(0, 3).copy_from(&sum);
+        normal
+            .fixed_view_mut::<1, 3>(3, 0)
+            .copy_from(&sum.transpose());
+        normal[(3, 3)] = sightings.len() as f64;
+        Self {
+            squares,
+            normal,
+            right: -right.push(residuals),
+        }
+    }
+}
+
+fn mean_dead_path(sightings: &[Sighting], position: Point3<f64>) -> f64 {
+    let sum: f64 = sightings
+        .iter()
+        .map(|s| (s.point - position).norm() - s.length_mm)
+        .sum();
+    sum / sightings.len().max(1) as f64
+}
+
+pub(super) fn residual_mm(s: &Sighting, position: Point3<f64>, dead_path: f64) -> f64 {
+    s.length_mm - ((s.point - position).norm() - dead_path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sightings(points: &[Point3<f64>], station: Point3<f64>, dead_path: f64) -> Vec<Sighting> {
+        let see = |&point: &Point3<f64>| Sighting {
+            point,
+            length_mm: (point - station).norm() - dead_path,
+        };
+        points.iter().map(see).collect()
+    }
+
+    fn grid(z: impl Fn(usize) -> f64) -> Vec<Point3<f64>> {
+        (0..25)
+            .map(|i| Point3::new((i % 5) as f64 * 100.0, (i / 5) as f64 * 90.0, z(i)))
+            .collect()
+    }
+
+    #[test]
+    fn exact_for_exact_points() {
+        let points = grid(|i| [0.0, 150.0, 300.0][i % 3]);
+        let station = Point3::new(-900.0, 700.0, 1200.0);
+        let seen = sightings(&points, station, 321.0);
+        let fit = find_station(&seen, &Cloud::new(&seen), None)[0];
+        assert!((fit.position - station).norm() < 1e-6);
+        assert!((fit.dead_path_mm - 321.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn points_in_a_plane_leave_two_images() {
+        let points = grid(|_| 50.0);
+        let station = Point3::new(-900.0, 700.0, 1200.0);
+        let seen = sightings(&points, station, 321.0);
+        let cloud = Cloud::new(&seen);
+        let fit = find_station(&seen, &cloud, None)[0];
+        let image = cloud.mirrored(station);
+        let distance = (fit.position - station)
+            .norm()
+            .min((fit.position - image).norm());
+        assert!(distance < 1e-5, "{distance}");
+        // An approximation decides.
+        for side in [station, image] {
+            let near = side + Vector3::new(80.0, -60.0, 50.0);
+            let fit = find_station(&seen, &cloud, Some(near))[0];
+            assert!((fit.position - side).norm() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn nominal_positions_may_be_millimetres_off() {
+        let points = grid(|i| [0.0, 150.0, 300.0][i % 3]);
+        let station = Point3::new(1300.0, -800.0, 700.0);
+        let mut seen = sightings(&points, station, 0.0);
+        for (i, s) in seen.iter_mut().enumerate() {
+            s.point += Vector3::new((i % 3) as f64 - 1.0, (i % 4) as f64 - 1.5, (i % 2) as f64);
+        }
+        let fit = find_station(&seen, &Cloud::new(&seen), None)[0];
+        assert!(
+            (fit.position - station).norm() < 100.0,
+            "{:?}",
+            fit.position
+        );
+    }
+}
