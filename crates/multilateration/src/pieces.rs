@@ -11,9 +11,13 @@ const LEAST_BATCHES: usize = 16;
 /// Most pieces: more would not spread the work better and each has a reduced system of its own.
 const MOST_PIECES: usize = 64;
 
-/// The pieces of so many batches, in order.
+/// The pieces of so many batches, in order: an even number of nearly equal ones, so that two threads have as much.
 pub(crate) fn pieces(batches: usize) -> Vec<Range<usize>> {
-    let size = batches.div_ceil(MOST_PIECES).max(LEAST_BATCHES);
+    let count = match batches.div_ceil(LEAST_BATCHES) {
+        0 | 1 => 1,
+        several => several.next_multiple_of(2).min(MOST_PIECES),
+    };
+    let size = batches.div_ceil(count).max(1);
     let starts = (0..batches).step_by(size);
     starts
         .map(|start| start..batches.min(start + size))
