@@ -12,10 +12,10 @@ use trueaxis_montecarlo::{
 use crate::args::MontecarloArgs;
 use crate::exit::Exit;
 use crate::montecarlo_file::{self, Compared};
-use crate::summary::in_words;
+use crate::progress::Bar;
+use crate::summary::{self, in_words};
 use crate::talk::{notice, say};
 use crate::traceability::traced;
-use crate::{progress, summary};
 
 /// Trials without `--trials`: fixed, and most with `--digits` (or what the memory takes).
 const TRIALS: usize = 10_000;
@@ -52,9 +52,9 @@ pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
         threads: args.threads,
         ..defaults
     };
-    let bar = progress::bar(most);
-    let propagation = propagate(&replay, &settings, &|done| bar.set_position(done as u64));
-    bar.finish_and_clear();
+    let bar = Bar::new(most);
+    let propagation = propagate(&replay, &settings, &|done| bar.set_position(done));
+    bar.clear();
     let propagation = propagation.map_err(|error| in_words_of_results(error, replay.results()))?;
     let compared = compare(
         replay.results(),
