@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::reading::{Reading, readings_of};
 use crate::{Error, Place, Problem, Stop, Target};
 
-/// Refuses a target read twice at one stop, and a visit that is repeated with identical times.
+/// Refuses a target read twice at one stop, and a stop that is repeated with identical times.
 pub(crate) fn check<R: Reading>(
     file: &Path,
     stops: &[Stop],
@@ -52,12 +52,12 @@ fn clock_runs_on<R: Reading>(stops: &[Stop], readings: &[R]) -> bool {
 fn check_visits<R: Reading>(file: &Path, stops: &[Stop], readings: &[R]) -> Result<(), Error> {
     let mut first_lines = HashMap::with_capacity(readings.len());
     for stop in stops {
-        let visit = (stop.station, stop.repeat, stop.step, stop.direction);
+        let key = (stop.station, stop.repeat, stop.step, stop.direction);
         for reading in readings_of(stop, readings) {
             let time_bits = (reading.time_s() + 0.0).to_bits();
-            let sighting = (visit, reading.target(), time_bits);
+            let sighting = (key, reading.target(), time_bits);
             if let Some(first_line) = first_lines.insert(sighting, reading.line()) {
-                return Err(Problem::VisitRepeated {
+                return Err(Problem::StopRepeated {
                     time_s: reading.time_s(),
                     first_line,
                 }

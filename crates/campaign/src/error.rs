@@ -216,7 +216,7 @@ pub enum Problem {
     /// A target read twice without a motion in between.
     #[error(
         "target `{target}` is read a second time in the same stop, first in line \
-         {first_line}; keep one of the two rows, or count up `repeat`"
+         {first_line}; keep one of the two rows, or increase `repeat`"
     )]
     TargetReadTwice {
         /// The target.
@@ -226,10 +226,10 @@ pub enum Problem {
     },
     /// Rows that stand in the file twice.
     #[error(
-        "the same visit with the same time {time_s} s stands in line {first_line} \
+        "the same stop with the same time {time_s} s stands in line {first_line} \
          already; remove the duplicated rows"
     )]
-    VisitRepeated {
+    StopRepeated {
         /// Its time, s.
         time_s: f64,
         /// The first row.

@@ -8,8 +8,8 @@ use crate::logged::LOGGED_COLUMNS;
 use crate::reading::readings_of;
 use crate::rows::Rows;
 use crate::steps::Steps;
+use crate::stops::{Sighting, StopReader, StopWriter, append, required_columns};
 use crate::table::{Column, Table};
-use crate::visits::{Sighting, VisitRows, Visits, append, required_columns};
 use crate::{Campaign, Error, LengthReading, Lengths, LoggedColumn, LoggedQuantity, Problem, Stop};
 
 /// Columns before those of the axes.
@@ -35,7 +35,7 @@ pub(crate) fn read(
         .collect();
     for piece in pieces {
         let piece = piece?;
-        append(&mut all.visits, piece.visits, all.readings.len());
+        append(&mut all.stops, piece.stops, all.readings.len());
         all.readings.extend(piece.readings);
         for ((_, column), (_, next)) in all.logged.iter_mut().zip(piece.logged) {
             column.values.extend(next.values);
@@ -44,7 +44,7 @@ pub(crate) fn read(
     if all.readings.is_empty() {
         return Err(no_rows);
     }
-    let (stops, steps) = all.visits;
+    let (stops, steps) = all.stops;
     let lengths = Lengths {
         stops,
         readings: all.readings,
@@ -55,7 +55,7 @@ pub(crate) fn read(
 
 /// What some of the rows hold.
 struct Piece {
-    visits: (Vec<Stop>, Steps),
+    stops: (Vec<Stop>, Steps),
     readings: Vec<LengthReading>,
     logged: Vec<(Column, LoggedColumn)>,
 }
@@ -69,7 +69,7 @@ impl Piece {
             Some((column, LoggedColumn { name, values }))
         });
         Self {
-            visits: Default::default(),
+            stops: Default::default(),
             readings: Vec::new(),
             logged: logged.collect(),
         }
@@ -78,10 +78,10 @@ impl Piece {
 
 fn read_piece(mut table: Table<'_>, campaign: &Campaign) -> Result<Piece, Error> {
     let mut piece = Piece::of(&table);
-    let mut visits = Visits::of(&table, campaign)?;
+    let mut reader = StopReader::of(&table, campaign)?;
     let length = table.column("length_mm")?;
     while let Some(row) = table.next_row()? {
-        let sighting = visits.read(&row, piece.readings.len())?;
+        let sighting = reader.read(&row, piece.readings.len())?;
         piece.readings.push(LengthReading {
             time_s: sighting.time_s,
             target: sighting.target,
@@ -97,7 +97,7 @@ fn read_piece(mut table: Table<'_>, campaign: &Campaign) -> Result<Piece, Error>
             logged.values.push(value);
         }
     }
-    piece.visits = visits.finish();
+    piece.stops = reader.finish();
     Ok(piece)
 }
 
@@ -106,7 +106,7 @@ pub(crate) fn text(campaign: &Campaign, lengths: &Lengths) -> String {
     let mut columns = required_columns(&FIRST_COLUMNS, &campaign.machine, &LAST_COLUMNS);
     columns.extend(lengths.logged.iter().map(|column| column.name.as_str()));
     let mut rows = Rows::with_header(columns);
-    let visits = VisitRows::of(campaign);
+    let writer = StopWriter::of(campaign);
     for stop in &lengths.stops {
         let readings = readings_of(stop, &lengths.readings);
         for (index, reading) in stop.readings.clone().zip(readings) {
@@ -114,7 +114,7 @@ pub(crate) fn text(campaign: &Campaign, lengths: &Lengths) -> String {
                 time_s: reading.time_s,
                 target: reading.target,
             };
-            visits.start_row(&mut rows, stop, &sighting, true);
+            writer.start_row(&mut rows, stop, &sighting, true);
             rows.length_mm(reading.length_mm);
             for column in &lengths.logged {
                 rows.optional_number(column.values.get(index).copied().flatten());

@@ -95,10 +95,10 @@ mod rows;
 mod run_axes;
 mod setup;
 mod steps;
+mod stops;
 mod table;
 mod text_file;
 mod verification;
-mod visits;
 mod write;
 
 pub use checksums::{InputFile, checksums};

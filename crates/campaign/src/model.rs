@@ -232,7 +232,7 @@ pub struct Stop {
 /// The rows of `lengths.csv`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Lengths {
-    /// Visits in measuring order; their ranges cover `readings` without gaps.
+    /// Stops in measuring order; their ranges cover `readings` without gaps.
     pub stops: Vec<Stop>,
     /// Readings in measuring order.
     pub readings: Vec<LengthReading>,
@@ -270,7 +270,7 @@ pub struct LengthReading {
 /// The rows of `points.csv`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Points {
-    /// Visits in measuring order; their ranges cover `readings` without gaps.
+    /// Stops in measuring order; their ranges cover `readings` without gaps.
     pub stops: Vec<Stop>,
     /// Readings in measuring order.
     pub readings: Vec<PointReading>,

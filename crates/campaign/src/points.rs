@@ -7,8 +7,8 @@ use nalgebra::Point3;
 use crate::reading::readings_of;
 use crate::rows::Rows;
 use crate::steps::Steps;
+use crate::stops::{Sighting, StopReader, StopWriter, required_columns};
 use crate::table::{Column, Row, Table};
-use crate::visits::{Sighting, VisitRows, Visits, required_columns};
 use crate::{Campaign, Error, PointReading, Points, Problem};
 
 /// Columns before those of the axes.
@@ -24,7 +24,7 @@ const SIGMA_COLUMN: &str = "sigma_um";
 pub(crate) fn read(file: &Path, text: &str, campaign: &Campaign) -> Result<(Points, Steps), Error> {
     let required = required_columns(&FIRST_COLUMNS, &campaign.machine, &LAST_COLUMNS);
     let mut table = Table::open(file, text, &required, &[SIGMA_COLUMN])?;
-    let mut visits = Visits::of(&table, campaign)?;
+    let mut reader = StopReader::of(&table, campaign)?;
     let coordinates = [
         table.column("x_mm")?,
         table.column("y_mm")?,
@@ -34,7 +34,7 @@ pub(crate) fn read(file: &Path, text: &str, campaign: &Campaign) -> Result<(Poin
 
     let mut readings = Vec::new();
     while let Some(row) = table.next_row()? {
-        let sighting = visits.read(&row, readings.len())?;
+        let sighting = reader.read(&row, readings.len())?;
         let [x, y, z] = coordinates;
         readings.push(PointReading {
             time_s: sighting.time_s,
@@ -47,7 +47,7 @@ pub(crate) fn read(file: &Path, text: &str, campaign: &Campaign) -> Result<(Poin
     if readings.is_empty() {
         return Err(table.no_rows());
     }
-    let (stops, steps) = visits.finish();
+    let (stops, steps) = reader.finish();
     Ok((Points { stops, readings }, steps))
 }
 
@@ -69,14 +69,14 @@ pub(crate) fn text(campaign: &Campaign, points: &Points) -> String {
     let mut columns = required_columns(&FIRST_COLUMNS, &campaign.machine, &LAST_COLUMNS);
     columns.extend(has_sigma.then_some(SIGMA_COLUMN));
     let mut rows = Rows::with_header(columns);
-    let visits = VisitRows::of(campaign);
+    let writer = StopWriter::of(campaign);
     for stop in &points.stops {
         for reading in readings_of(stop, &points.readings) {
             let sighting = Sighting {
                 time_s: reading.time_s,
                 target: reading.target,
             };
-            visits.start_row(&mut rows, stop, &sighting, false);
+            writer.start_row(&mut rows, stop, &sighting, false);
             reading.position_mm.iter().for_each(|&c| rows.number(c));
             if has_sigma {
                 rows.optional_number(reading.sigma_um);

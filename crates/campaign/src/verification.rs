@@ -10,8 +10,8 @@ use crate::axis_columns::AxisColumns;
 use crate::document::{VerificationEntry, VerificationKindEntry};
 use crate::rows::{Rows, position_cells};
 use crate::setup::axis_names;
+use crate::stops::required_columns;
 use crate::table::Table;
-use crate::visits::required_columns;
 use crate::{Error, Place, Problem, Verification, VerificationKind, VerificationReading};
 
 /// Columns before those of the axes.

@@ -27,7 +27,7 @@ pub(crate) use init::{InitArgs, MachineType};
 #[derive(Debug, Parser)]
 #[command(name = "trueaxis", version, max_term_width = 100)]
 pub(crate) struct Args {
-    /// Say nothing but errors.
+    /// Print nothing but errors.
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
 
@@ -37,9 +37,9 @@ pub(crate) struct Args {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
-    /// Begins a campaign: writes campaign.json, the rows to measure, and a map for exports.
+    /// Begins a campaign: writes campaign.json, a table of the rows to measure, and a map for exports.
     Init(InitArgs),
-    /// Makes a table of a campaign from the export of a tracker, by a map of its columns.
+    /// Makes a table of a campaign from the export of an instrument, or a calibration from tables for a control.
     Import(ImportArgs),
     /// Reads a campaign, checks it, and says what is in it.
     Check(CheckArgs),
@@ -49,16 +49,16 @@ pub(crate) enum Verb {
     Calibrate(CalibrateArgs),
     /// Predicts the error of the tool at any positions from a calibration; writes predicted.csv.
     Predict(PredictArgs),
-    /// Looks at the volumetric error over the working volume of a calibration; writes volume.json.
+    /// Finds the volumetric error over the working volume of a calibration; writes volume.json.
     ///
     /// Beside it: volumetric.csv and volumetric.vti.
     Volume(VolumeArgs),
-    /// Writes compensation tables for a control from a calibration, and says what they can take away.
+    /// Writes compensation tables for a control from a calibration, and says what they can correct.
     Export(ExportArgs),
     /// Compares a campaign's verification readings with what a calibration predicts; writes
     /// verification.json.
     Verify(VerifyArgs),
-    /// Says by what two calibrations of one machine differ; writes comparison.json.
+    /// Says how two calibrations of one machine differ; writes comparison.json.
     Compare(CompareArgs),
     /// Says what the calibrated model gets wrong and why; writes diagnosis.json.
     ///
@@ -74,9 +74,9 @@ pub(crate) enum Verb {
     Schema(SchemaArgs),
     /// Says what the code of an error means, and how to correct it.
     Explain(ExplainArgs),
-    /// Prints what a shell needs to complete the words of a command line.
+    /// Prints the completion script for a shell.
     Completions(CompletionsArgs),
-    /// Repeats Table 1 of the paper: what multilateration makes of the noise, by Monte Carlo.
+    /// Reproduces Table 1 of the paper: how multilateration propagates noise, by Monte Carlo.
     Table1(Table1Args),
 }
 
@@ -120,8 +120,8 @@ pub(crate) struct VolumeArgs {
     #[arg(value_name = "CALIBRATION.json")]
     pub(crate) calibration: PathBuf,
 
-    /// Nodes of the grid along each linear axis, from its first to its last step; all other axes
-    /// are spread over theirs.
+    /// Nodes of the grid along each linear axis, from its first to its last step; the positions of
+    /// all other axes are spread over their steps.
     #[arg(long, value_name = "N", default_value_t = 21, value_parser = clap::value_parser!(u8).range(2..=128))]
     pub(crate) points: u8,
 
@@ -130,7 +130,7 @@ pub(crate) struct VolumeArgs {
     #[arg(long, value_name = "POINT", value_parser = point, allow_hyphen_values = true)]
     pub(crate) tool: Option<Point3<f64>>,
 
-    /// Draws of the calibration's errors for the intervals; 0 for none.
+    /// Number of draws of the calibration's errors for the intervals; 0 for no intervals.
     #[arg(long, value_name = "N", default_value_t = 400)]
     pub(crate) draws: u16,
 
@@ -144,7 +144,7 @@ pub(crate) struct VolumeArgs {
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ExportArgs {
-    /// Control, or the way in which it is told.
+    /// The control, or the format of the tables.
     #[arg(value_name = "FORMAT", value_parser = format_parser())]
     pub(crate) format: Format,
 
@@ -156,11 +156,11 @@ pub(crate) struct ExportArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
-    /// Only this axis [default: all that were measured].
+    /// Export only this axis [default: all that were measured].
     #[arg(long, value_name = "NAME")]
     pub(crate) axis: Option<String>,
 
-    /// Distance of the points, mm, for rotary axes degrees [default: the steps of the measurement].
+    /// Spacing of the points, mm (rotary axes: degrees) [default: the steps of the measurement].
     #[arg(long, value_name = "MM", value_parser = positive)]
     pub(crate) step: Option<f64>,
 
@@ -175,14 +175,14 @@ pub(crate) struct ExportArgs {
     #[arg(long, value_name = "OLD")]
     pub(crate) onto: Option<PathBuf>,
 
-    /// Only for heidenhain, which cannot do without: what the control makes of a positive value; without
-    /// it the message says how to find out.
+    /// Required for heidenhain, and only there: which way the control moves the axis for a positive value; if
+    /// it is left out, the message says how to find out.
     #[arg(long, value_name = "SIGN", value_parser = sign_parser())]
     pub(crate) sign: Option<TableSign>,
 
-    /// Only for sinumerik, experimental: products of tables, the angles of the linear axes times the
-    /// positions of the others, so that the tables are right beside their lines, too; also writes a
-    /// small trial to be loaded first.
+    /// Only for sinumerik, experimental: also write products of tables, the angles of the linear axes times
+    /// the positions of the others, so that the tables are right away from their lines, too; and a
+    /// small trial to load first.
     #[arg(long)]
     pub(crate) levers: bool,
 }
@@ -223,8 +223,8 @@ pub(crate) struct VerifyArgs {
     #[command(flatten)]
     pub(crate) result: ResultArgs,
 
-    /// End with exit code 6 if more readings than chance explains differ from the prediction by more
-    /// than U (k = 2).
+    /// End with exit code 6 if more readings differ from the prediction by more than U (k = 2) than
+    /// chance explains.
     #[arg(long)]
     pub(crate) fail_on_misfit: bool,
 }
@@ -256,8 +256,7 @@ pub(crate) struct ReportArgs {
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
 
-    /// A template of your own in place of the program's (minijinja; crates/report/src/report.html is the
-    /// program's).
+    /// Your own template instead of the program's, which is crates/report/src/report.html (minijinja).
     #[arg(long, value_name = "FILE")]
     pub(crate) template: Option<PathBuf>,
 }

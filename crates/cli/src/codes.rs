@@ -96,7 +96,7 @@ fn of_campaign(problem: &Problem, place: &Place) -> &'static str {
         Problem::NoRows => "E208",
         Problem::OutsideTravel { .. } => "E209",
         Problem::TargetReadTwice { .. } => "E210",
-        Problem::VisitRepeated { .. } => "E211",
+        Problem::StopRepeated { .. } => "E211",
         Problem::NotInMeasuringOrder { .. } => "E212",
         Problem::StationCopied { .. } => "E213",
         Problem::WrongAxisMoves { .. } => "E214",

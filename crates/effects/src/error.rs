@@ -35,7 +35,7 @@ pub enum Problem {
         known: String,
     },
     /// An effect on something that it does not happen to.
-    #[error("{effect} cannot happen to ({found}); possible here: {possible}")]
+    #[error("{effect} cannot act on ({found}); possible here: {possible}")]
     Subject {
         /// Name of the effect.
         effect: &'static str,
@@ -87,7 +87,9 @@ pub enum Problem {
         found: usize,
     },
     /// A covariance that is not symmetric.
-    #[error("a covariance is symmetric, but {value} is mirrored by {mirrored} in row {column}")]
+    #[error(
+        "a covariance must be symmetric, but {value} is mirrored by {mirrored} in row {column}"
+    )]
     CovarianceAsymmetric {
         /// Column of the element, from 0.
         column: usize,

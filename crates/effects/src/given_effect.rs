@@ -52,7 +52,7 @@ impl GivenEffect {
     /// The effect in a scene: names become indices, values stand in the order of the catalogue.
     ///
     /// # Errors
-    /// If effect, subject or a parameter is unknown, if the effect cannot happen to the subject, if a
+    /// If effect, subject or a parameter is unknown, if the effect cannot act on the subject, if a
     /// parameter is missing, is there twice, has another unit than its own or an impossible value.
     pub fn resolve(&self, scene: &Scene) -> Result<ResolvedEffect, Error> {
         Ok(self.resolve_with_places(scene)?.0)

@@ -99,7 +99,7 @@ impl GivenSubject {
         Ok(Some(Component::ALL[index % Component::ALL.len()]))
     }
 
-    /// Refuses a subject that the effect cannot happen to in this scene; `subject` is this one by index.
+    /// Refuses a subject that the effect cannot act on in this scene; `subject` is this one by index.
     pub(crate) fn check_fits(
         &self,
         effect: &'static Effect,

@@ -80,13 +80,13 @@ pub enum Problem {
     #[error("this is not text; export the points as ASCII or CSV")]
     NoText,
     /// The map is not TOML.
-    #[error("not valid TOML: {problem}; text stands in quotes, as separator = \";\"")]
+    #[error("not valid TOML: {problem}; texts stand in quotes, as in separator = \";\"")]
     Toml {
         /// The parser's reason.
         problem: String,
     },
     /// The map names a column that the export does not have.
-    #[error("the export has no column `{name}`, its line {line} names others; {alternatives}")]
+    #[error("the export has no column `{name}` in its line {line} of names; {alternatives}")]
     NoSuchColumn {
         /// The name in the map.
         name: String,
@@ -97,7 +97,7 @@ pub enum Problem {
     },
     /// The map names columns, but the export has no line with names.
     #[error(
-        "the column `{name}` is named, but with column_names = false columns have only numbers, as column = 3"
+        "the map names the column `{name}`, but with column_names = false columns have only numbers, such as column = 3"
     )]
     NoNames {
         /// The name in the map.
@@ -105,7 +105,7 @@ pub enum Problem {
     },
     /// The line with the names of the columns is one cell.
     #[error(
-        "the line has one column only, `{found}`; is the separator {separator}, and is this the line that names the columns \
+        "the line has only one column, `{found}`; is the separator {separator}, and is this the line that names the columns \
          (skip_lines)?"
     )]
     OneColumn {
@@ -124,7 +124,7 @@ pub enum Problem {
     },
     /// A row has fewer cells than the map needs.
     #[error(
-        "found {found} cells, the map needs {needed}; if this is no reading, name a mark of such lines in `comment` or `skip_rows`{}",
+        "found {found} cells, but the map needs {needed}; if this is not a reading, put a mark of such lines into `comment` or `skip_rows`{}",
         and_more(*more)
     )]
     Short {
@@ -146,7 +146,7 @@ pub enum Problem {
         more: usize,
     },
     /// No row is left.
-    #[error("no row is left: {lines} lines were read, {skipped} skipped; {why}")]
+    #[error("no rows are left: {lines} lines were read, {skipped} skipped; {why}")]
     NoRows {
         /// Lines of the file.
         lines: usize,
@@ -158,7 +158,7 @@ pub enum Problem {
     /// A stop without all of its rows.
     #[error(
         "the stop that begins here has {}, expected {expected} ({}), because the rows have no column for the target; \
-         put in the missing row, or map a column with the name of the point",
+         insert the missing row, or map a column with the name of the point",
         counted(*found, "row"), targets.join(", ")
     )]
     PartOfStop {

@@ -237,7 +237,7 @@ fn mistakes_are_explained() {
         (
             map("column = \"T\"", "column = \"Target\""),
             text,
-            "map.toml line 3, field columns.target: the export has no column `Target`, its line 1 names others; known: T",
+            "map.toml line 3, field columns.target: the export has no column `Target` in its line 1 of names; known: T",
         ),
         (
             map("y_mm", "ymm"),
@@ -277,7 +277,7 @@ fn mistakes_are_explained() {
         (
             good.clone(),
             "T,pos,X,Y,Z\nP,0,1,2\nP,1,1,2\n",
-            "export.txt line 2: found 4 cells, the map needs 5",
+            "export.txt line 2: found 4 cells, but the map needs 5",
         ),
         (
             good.clone(),
@@ -292,7 +292,7 @@ fn mistakes_are_explained() {
         (
             good.clone(),
             "T,pos,X,Y,Z\n",
-            "no row is left: 1 lines were read, 1 skipped",
+            "no rows are left: 1 lines were read, 1 skipped",
         ),
         (good.clone(), "PK\u{3}\0\0", "this is not text"),
         (

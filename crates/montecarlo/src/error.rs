@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The coverage probability is not between 0 and 1.
-    #[error("coverage probability is {coverage}, it must lie between 0 and 1")]
+    #[error("the coverage probability is {coverage}, but must lie between 0 and 1")]
     Coverage {
         /// The one asked for.
         coverage: f64,
@@ -24,7 +24,7 @@ pub enum Error {
         coverage: f64,
     },
     /// Stability is judged from the scatter between blocks, so there must be two.
-    #[error("at most {most} trials do not hold two blocks of {block}: allow {} or more", 2 * block)]
+    #[error("{most} trials at most cannot hold two blocks of {block}: allow {} or more", 2 * block)]
     TooFewForBlocks {
         /// The most trials allowed.
         most: usize,
@@ -32,7 +32,7 @@ pub enum Error {
         block: usize,
     },
     /// A number of significant digits that an f64 does not have.
-    #[error("{significant_digits} significant digits asked for, 1 to {most} are possible")]
+    #[error("{significant_digits} significant digits are asked for, but 1 to {most} are possible")]
     SignificantDigits {
         /// Digits asked for.
         significant_digits: u32,
@@ -41,7 +41,7 @@ pub enum Error {
     },
     /// The values of all trials need more memory than the settings allow.
     #[error(
-        "{trials} trials of {outputs} outputs take {bytes} bytes, the limit is {limit_bytes}; \
+        "{trials} trials of {outputs} outputs take {bytes} bytes, but the limit is {limit_bytes}; \
          {fitting_trials} trials fit"
     )]
     Memory {

@@ -25,7 +25,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A JSON file is not what its name says.
-    #[error("{file} is no result of this program; write it again with `trueaxis`", file = file.display())]
+    #[error("{file} is not a result of this program; write it again with `trueaxis`", file = file.display())]
     NotAResult {
         /// The file.
         file: PathBuf,
@@ -34,7 +34,7 @@ pub enum Error {
     },
     /// A result has another format or version.
     #[error(
-        "{file} has the format `{found}`, expected `{expected}`; write it again with this version of `trueaxis`",
+        "{file} has the format `{found}`, but `{expected}` is expected; write it again with this version of `trueaxis`",
         file = file.display()
     )]
     OtherFormat {
@@ -46,7 +46,7 @@ pub enum Error {
         expected: String,
     },
     /// The residuals are no table as `trueaxis calibrate` writes it.
-    #[error("{file} is no table of residuals; write it again with `trueaxis calibrate`", file = file.display())]
+    #[error("{file} is not a table of residuals; write it again with `trueaxis calibrate`", file = file.display())]
     NotResiduals {
         /// The file.
         file: PathBuf,

@@ -201,7 +201,7 @@ pub enum Problem {
     },
     /// Mounting errors that turn the reference frame.
     #[error(
-        "the mounting errors of {targets} hold the rotation [{x:.3e}, {y:.3e}, {z:.3e}] rad \
+        "the mounting errors of {targets} contain the rotation [{x:.3e}, {y:.3e}, {z:.3e}] rad \
          about their centroid, but without two linear runs the reference frame is the one in which \
          that rotation is zero; these would pass: {corrected}",
         x = rotation_rad[0], y = rotation_rad[1], z = rotation_rad[2]

@@ -60,7 +60,7 @@ fn check_order<R: Reading>(file: &Path, stops: &[Stop], readings: &[R]) -> Resul
     let times = 1 + back.count();
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let by_time = Groups::of(&rows);
-    // A clock that was set back once or twice may join occupations of a station, never single visits.
+    // A clock that was set back once or twice may join occupations of a station, never single stops.
     let is_sorted = by_time.stops < given.stops || times > MOST_RESETS;
     if by_time < given && is_sorted {
         return Err(Problem::NotInMeasuringOrder {
@@ -88,9 +88,9 @@ struct Groups {
 
 impl Groups {
     fn of(rows: &[(f64, &Stop)]) -> Self {
-        let visit = |stop: &Stop| (stop.station, stop.repeat, stop.step, stop.direction);
+        let key = |stop: &Stop| (stop.station, stop.repeat, stop.step, stop.direction);
         Self {
-            stops: rows.chunk_by(|a, b| visit(a.1) == visit(b.1)).count(),
+            stops: rows.chunk_by(|a, b| key(a.1) == key(b.1)).count(),
             occupations: rows.chunk_by(|a, b| a.1.station == b.1.station).count(),
         }
     }

@@ -39,7 +39,7 @@ pub(crate) enum SchemaName {
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ExplainArgs {
-    /// The code, as E104; without it all codes are listed.
+    /// The code, such as E104 [default: list all codes].
     #[arg(value_name = "CODE")]
     pub(crate) code: Option<String>,
 }

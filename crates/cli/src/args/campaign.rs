@@ -15,7 +15,7 @@ pub(crate) struct CheckArgs {
     #[arg(value_name = "CAMPAIGN.json")]
     pub(crate) campaign: PathBuf,
 
-    /// Also print what is in it, with its coverage, as JSON on standard output.
+    /// Also print its contents and coverage as JSON on standard output.
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -34,7 +34,7 @@ pub(crate) struct CalibrateArgs {
     #[arg(long)]
     pub(crate) covariance: bool,
 
-    /// Also write what an unnoticed error of each length would do: reliability.npy (lengths by
+    /// Also write what an undetected error of each length would do: reliability.npy (lengths by
     /// results) and reliability.json (smallest detectable errors, names of rows and columns).
     #[arg(long)]
     pub(crate) reliability: bool,
@@ -67,7 +67,7 @@ pub(crate) struct DiagnoseArgs {
     pub(crate) campaign: PathBuf,
 
     /// Judge the verification readings against this calibration (imported, or of another campaign), with
-    /// its covariance.npz beside it. What the campaign measured itself is not looked at.
+    /// its covariance.npz beside it. Lengths and points of the campaign are ignored.
     #[arg(long, value_name = "CALIBRATION.json")]
     pub(crate) calibration: Option<PathBuf>,
 
@@ -89,8 +89,8 @@ pub(crate) struct MontecarloArgs {
     #[arg(value_name = "CAMPAIGN.json")]
     pub(crate) campaign: PathBuf,
 
-    /// Number of trials; with --digits the most [default: 10000; with --digits 1000000 or
-    /// what 2 GiB hold].
+    /// Number of trials; with --digits the largest number [default: 10000; with --digits 1000000, or
+    /// as many as 2 GiB hold].
     #[arg(long, value_name = "N")]
     pub(crate) trials: Option<usize>,
 
@@ -98,7 +98,7 @@ pub(crate) struct MontecarloArgs {
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
 
-    /// Stop when so many significant digits of every uncertainty have settled (JCGM 101, 7.9).
+    /// Stop when this many significant digits of every uncertainty have settled (JCGM 101, 7.9).
     #[arg(long, value_name = "DIGITS", value_parser = clap::value_parser!(u32).range(1..=3))]
     pub(crate) digits: Option<u32>,
 
@@ -125,7 +125,7 @@ pub(crate) struct ModelArgs {
     pub(crate) by_direction: bool,
 
     /// Point of the stage whose translation is reported: `origin`, `centroid` of the targets, or
-    /// its coordinates at home in mm, as `100,250,50`.
+    /// its coordinates at home in mm, such as `100,250,50`.
     #[arg(long, value_name = "POINT", default_value = "origin", value_parser = reference_point, allow_hyphen_values = true)]
     pub(crate) reference_point: ReferencePoint,
 

@@ -32,7 +32,7 @@ pub(crate) struct ImportTableArgs {
     #[arg(long, value_name = "MAP.toml")]
     pub(crate) map: PathBuf,
 
-    /// The table to write, which must not be there yet [default: lengths.csv or points.csv in the
+    /// The table to write, which must not exist yet [default: lengths.csv or points.csv in the
     /// current directory].
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,

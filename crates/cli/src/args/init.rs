@@ -6,8 +6,8 @@ use clap::{Args as ClapArgs, ValueEnum};
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct InitArgs {
-    /// Folder for the files, made if it is not there; no file in it is overwritten. Its name
-    /// becomes that of the campaign.
+    /// Folder for the files, created if it does not exist; no file in it is overwritten. The campaign
+    /// takes its name.
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
 
@@ -15,7 +15,7 @@ pub(crate) struct InitArgs {
     #[arg(long = "type", value_name = "TYPE", value_enum, default_value_t = MachineType::Fxyz)]
     pub(crate) machine_type: MachineType,
 
-    /// Coordinates of the targets are measured, not lengths from several stations.
+    /// The instrument measures coordinates of the targets, not lengths from several stations.
     #[arg(long)]
     pub(crate) points: bool,
 }
@@ -26,6 +26,6 @@ pub(crate) enum MachineType {
     Fxyz,
     /// X, Y and Z move the tool, A and C the table.
     FiveAxis,
-    /// A table that turns, C.
+    /// A rotary table, C.
     RotaryStage,
 }

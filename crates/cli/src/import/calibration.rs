@@ -19,21 +19,21 @@ use crate::talk::{notice, say};
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ImportCalibrationArgs {
     /// Tables that another system wrote for a control: `ISG_CSV` (ISG kernel, Beckhoff TF5280) or
-    /// the exchange format of Etalon; which one it is, the file tells.
+    /// the exchange format of Etalon; the program recognises which.
     #[arg(value_name = "FILE")]
     file: PathBuf,
 
-    /// The machine that it is of: any campaign.json with this machine (its measurement is not
-    /// looked at), or a calibration.json of it.
+    /// The machine that the tables are for: any campaign.json with this machine (its measurements are
+    /// ignored), or a calibration.json of it.
     #[arg(long, value_name = "CAMPAIGN.json")]
     machine: PathBuf,
 
-    /// Standard uncertainty (k = 1) of each displacement in the file, µm, if it is known. Without it
-    /// nothing that follows from the calibration has an uncertainty.
+    /// Standard uncertainty (k = 1) of each displacement in the file, µm, if it is known. Without it,
+    /// nothing derived from the calibration has an uncertainty.
     #[arg(long, value_name = "U", value_parser = positive)]
     u_um: Option<f64>,
 
-    /// The same of each angle, ″ [default: what makes the U of --u-um on half the diagonal of the
+    /// The same for each angle, ″ [default: the angle that displaces by --u-um at half the diagonal of the
     /// travels of the linear axes].
     #[arg(long, value_name = "U", value_parser = positive, requires = "u_um")]
     u_arcsec: Option<f64>,

@@ -90,7 +90,7 @@ fn wrong_files_are_refused_with_the_reason() {
         (
             "/covariance/2/1",
             json!(0.24),
-            "covariance[2][1]: a covariance is symmetric, but 0.24 is mirrored by 0.23 in row 1",
+            "covariance[2][1]: a covariance must be symmetric, but 0.24 is mirrored by 0.23 in row 1",
         ),
     ];
     for (pointer, value, expected) in cases {

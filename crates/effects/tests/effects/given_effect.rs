@@ -140,12 +140,12 @@ fn what_does_not_fit_is_refused_with_its_field() {
         ),
         (
             altered("/subject/target", Value::Null),
-            "subject: target_slip cannot happen to (all alike); possible here: (target P), (target V)",
+            "subject: target_slip cannot act on (all alike); possible here: (target P), (target V)",
             "",
         ),
         (
             altered("/subject/component", json!("EXX")),
-            "subject: target_slip cannot happen to (target V, component EXX); possible here: ",
+            "subject: target_slip cannot act on (target V, component EXX); possible here: ",
             "",
         ),
         (

@@ -96,7 +96,7 @@ fn too_much_memory_is_refused_before_it_is_taken() {
         });
         assert_eq!(
             error.to_string(),
-            "1000000 trials of 3 outputs take 24000000 bytes, the limit is 10000000; 416666 \
+            "1000000 trials of 3 outputs take 24000000 bytes, but the limit is 10000000; 416666 \
              trials fit"
         );
     }

@@ -189,7 +189,7 @@ fn wrong_effects_are_refused_with_their_field() {
         (
             json!([{ "effect": "backlash", "subject": { "axis": "X", "target": "P" },
                      "parameters": [ { "name": "lost_motion", "value": 1, "unit": "um" } ] }]),
-            "effects[0].subject: backlash cannot happen to (target P, axis X); \
+            "effects[0].subject: backlash cannot act on (target P, axis X); \
              possible here: (axis X), (axis Y), (axis Z)",
         ),
     ];

@@ -298,7 +298,7 @@ fn offered_mounting_errors_pass() {
         ("/targets/2/mounting_error_mm", json!([-0.01, 0.0, 0.0])),
     ];
     let message = refused("rotary-stage", &turned);
-    assert!(message.contains("hold the rotation"), "{message}");
+    assert!(message.contains("contain the rotation"), "{message}");
     assert!(Scenario::from_json(&corrected("rotary-stage", &message).to_string()).is_ok());
     // Two linear runs leave no rotation to the targets.
     assert!(Scenario::from_json(&altered("fxyz", &turned).to_string()).is_ok());

@@ -13,7 +13,7 @@ use crate::{Campaign, Direction, Error, Problem, Step, Stop};
 ///
 /// A stop is a maximal group of consecutive rows with the same station, repeat, run, direction
 /// and positions of all axes. Targets on the bed are read beside the runs: their rows have neither run nor direction.
-pub(crate) struct Visits<'a> {
+pub(crate) struct StopReader<'a> {
     time: Column,
     station: Option<(Column, Names<'a>)>,
     repeat: Column,
@@ -28,7 +28,7 @@ pub(crate) struct Visits<'a> {
     steps: Steps,
 }
 
-/// What [`Visits::read`] leaves to the reading itself.
+/// What [`StopReader::read`] leaves to the reading itself.
 pub(crate) struct Sighting {
     pub(crate) time_s: f64,
     pub(crate) target: usize,
@@ -45,7 +45,7 @@ pub(crate) fn required_columns<'a>(
     first.chain(axes).chain(last.iter().copied()).collect()
 }
 
-impl<'a> Visits<'a> {
+impl<'a> StopReader<'a> {
     /// Finds the columns in `table`. Without a column `station`, the station is number 0.
     pub(crate) fn of(table: &Table<'_>, campaign: &'a Campaign) -> Result<Self, Error> {
         let stations = campaign.stations.iter().map(|s| s.name.as_str());
@@ -190,14 +190,14 @@ fn stay_or_arrive(stops: &mut Vec<Stop>, next: Stop) {
     }
 }
 
-/// Writes what [`Visits`] reads.
-pub(crate) struct VisitRows<'a> {
+/// Writes what [`StopReader`] reads.
+pub(crate) struct StopWriter<'a> {
     campaign: &'a Campaign,
     /// The cells of the axes at each step.
     position_cells: Vec<String>,
 }
 
-impl<'a> VisitRows<'a> {
+impl<'a> StopWriter<'a> {
     pub(crate) fn of(campaign: &'a Campaign) -> Self {
         let machine = &campaign.machine;
         let steps = campaign.steps.iter();
