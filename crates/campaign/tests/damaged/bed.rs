@@ -2,7 +2,7 @@
 
 use trueaxis_campaign::{read, write};
 
-use crate::fixture::{Case, Files, assert_refused, three_axes};
+use crate::fixture::{Files, assert_refused, three_axes};
 
 /// The three axes with a target on the bed, read from S1 before all else, and from S4 after it.
 fn with_bed() -> Files {
@@ -49,32 +49,24 @@ fn rows_of_the_bed_that_are_not_are_refused() {
     assert_refused(
         &with_bed(),
         &[
-            Case {
-                name: "with a run",
-                damage: |f| f.cell("lengths.csv", 2, "run", "x"),
-                says: &[
-                    "lengths.csv line 2, column run: \"x\" for target `B`, which stands on the bed",
-                    "expected an empty cell",
-                ],
-            },
-            Case {
-                name: "with a direction",
-                damage: |f| f.cell("lengths.csv", 2, "direction", "1"),
-                says: &["line 2, column direction: \"1\" for target `B`"],
-            },
-            Case {
-                name: "a carried target without a run",
-                damage: |f| f.cell("lengths.csv", 3, "run", ""),
-                says: &[
-                    "line 3, column run: an empty cell for target `P`, which an axis carries",
-                    "only targets on the bed (`carried_by` null) have none",
-                ],
-            },
-            Case {
-                name: "a carried target without a direction",
-                damage: |f| f.cell("lengths.csv", 3, "direction", ""),
-                says: &["line 3, column direction: an empty cell for target `P`"],
-            },
+            (
+                |f| f.cell("lengths.csv", 2, "run", "x"),
+                "lengths.csv line 2, column run: \"x\" for target `B`, which stands on the \
+                 bed … expected an empty cell",
+            ),
+            (
+                |f| f.cell("lengths.csv", 2, "direction", "1"),
+                "line 2, column direction: \"1\" for target `B`",
+            ),
+            (
+                |f| f.cell("lengths.csv", 3, "run", ""),
+                "line 3, column run: an empty cell for target `P`, which an axis carries … \
+                 only targets on the bed (`carried_by` null) have none",
+            ),
+            (
+                |f| f.cell("lengths.csv", 3, "direction", ""),
+                "line 3, column direction: an empty cell for target `P`",
+            ),
         ],
     );
 }

@@ -5,7 +5,7 @@ use trueaxis_campaign::{
     AxisExpansion, Campaign, KnownDeadPath, KnownLength, LoggedQuantity, read, write,
 };
 
-use crate::fixture::{Case, Files, assert_refused, rotary_table, three_axes};
+use crate::fixture::{Files, assert_refused, rotary_table, three_axes};
 
 /// P of [`three_axes`], up to its carrier.
 const P: &str = "122.416], \"carried_by\": \"Z\"";
@@ -105,45 +105,33 @@ fn targets_that_cannot_be() {
     assert_refused(
         &three_axes(),
         &[
-            Case {
-                name: "reflector misspelt",
-                damage: |f| add(f, P, "\"reflecter\": \"R1\""),
-                says: &["field targets[0].reflecter", "did you mean `reflector`?"],
-            },
-            Case {
-                name: "reflector with a blank",
-                damage: |f| add(f, P, "\"reflector\": \"R1 \""),
-                says: &["field targets[0].reflector: name \"R1 \"", "without blanks"],
-            },
-            Case {
-                name: "reflector called like a target with one of its own",
-                damage: |f| add(f, Q, "\"reflector\": \"P\""),
-                says: &[
-                    "field targets[1].reflector: `P` is a target (targets[0])",
-                    "write `\"reflector\": \"P\"` in both",
-                ],
-            },
-            Case {
-                name: "nest set perfectly",
-                damage: |f| add(f, P, "\"position_sigma_mm\": 0"),
-                says: &[
-                    "field targets[0].position_sigma_mm",
-                    "a standard deviation of 0 mm; expected more than zero",
-                ],
-            },
-            Case {
-                name: "target on the bed that a run reads",
-                damage: |f| f.json(P, "122.416], \"carried_by\": null"),
-                says: &[
-                    "lengths.csv line 2, column run: \"x\" for target `P`, which stands on the bed",
-                    "expected an empty cell: targets on the bed are read beside the runs",
-                ],
-            },
-            Case {
-                name: "target on nothing",
-                damage: |f| f.json(P, "122.416]"),
-                says: &["field targets[0]: field `carried_by` is missing"],
-            },
+            (
+                |f| add(f, P, "\"reflecter\": \"R1\""),
+                "field targets[0].reflecter … did you mean `reflector`?",
+            ),
+            (
+                |f| add(f, P, "\"reflector\": \"R1 \""),
+                "field targets[0].reflector: name \"R1 \" … without blanks",
+            ),
+            (
+                |f| add(f, Q, "\"reflector\": \"P\""),
+                "field targets[1].reflector: `P` is a target (targets[0]) … write \
+                 `\"reflector\": \"P\"` in both",
+            ),
+            (
+                |f| add(f, P, "\"position_sigma_mm\": 0"),
+                "field targets[0].position_sigma_mm … a standard deviation of 0 mm; \
+                 expected more than zero",
+            ),
+            (
+                |f| f.json(P, "122.416], \"carried_by\": null"),
+                "lengths.csv line 2, column run: \"x\" for target `P`, which stands on the \
+                 bed … expected an empty cell: targets on the bed are read beside the runs",
+            ),
+            (
+                |f| f.json(P, "122.416]"),
+                "field targets[0]: field `carried_by` is missing",
+            ),
         ],
     );
 }
@@ -172,34 +160,27 @@ fn instruments_that_cannot_be() {
     assert_refused(
         &three_axes(),
         &[
-            Case {
-                name: "reflectors without any spread",
-                damage: |f| with(f, "\"reflector_sigma_um\": 0"),
-                says: &["field instrument.reflector_sigma_um", "more than zero"],
-            },
-            Case {
-                name: "negative scale",
-                damage: |f| with(f, "\"scale_sigma_ppm\": -2"),
-                says: &[
-                    "field instrument.scale_sigma_ppm: a standard deviation of -2",
-                    "more than zero",
-                ],
-            },
-            Case {
-                name: "air in words",
-                damage: |f| with(f, "\"air_compensated\": \"yes\""),
-                says: &["field instrument.air_compensated", "expected a boolean"],
-            },
-            Case {
-                name: "serial number as a number",
-                damage: |f| with(f, "\"serial\": 4711"),
-                says: &["field instrument.serial", "expected a string"],
-            },
-            Case {
-                name: "serial number misspelt",
-                damage: |f| with(f, "\"serial_no\": \"4711\""),
-                says: &["field instrument.serial_no", "did you mean `serial`?"],
-            },
+            (
+                |f| with(f, "\"reflector_sigma_um\": 0"),
+                "field instrument.reflector_sigma_um … more than zero",
+            ),
+            (
+                |f| with(f, "\"scale_sigma_ppm\": -2"),
+                "field instrument.scale_sigma_ppm: a standard deviation of -2 … more than \
+                 zero",
+            ),
+            (
+                |f| with(f, "\"air_compensated\": \"yes\""),
+                "field instrument.air_compensated … expected a boolean",
+            ),
+            (
+                |f| with(f, "\"serial\": 4711"),
+                "field instrument.serial … expected a string",
+            ),
+            (
+                |f| with(f, "\"serial_no\": \"4711\""),
+                "field instrument.serial_no … did you mean `serial`?",
+            ),
         ],
     );
 }
@@ -222,21 +203,18 @@ fn dead_paths_are_known_with_their_uncertainty() {
     assert_refused(
         &three_axes(),
         &[
-            Case {
-                name: "dead path without its uncertainty",
-                damage: |f| add(f, S2, "\"dead_path_mm\": 987.64"),
-                says: &["field stations[1]: field `dead_path_sigma_mm` is missing"],
-            },
-            Case {
-                name: "uncertainty of nothing",
-                damage: |f| add(f, S2, "\"dead_path_sigma_mm\": 0.01"),
-                says: &["field stations[1]: field `dead_path_mm` is missing"],
-            },
-            Case {
-                name: "perfect dead path",
-                damage: |f| add(f, S2, "\"dead_path_mm\": 987.64, \"dead_path_sigma_mm\": 0"),
-                says: &["field stations[1].dead_path_sigma_mm", "more than zero"],
-            },
+            (
+                |f| add(f, S2, "\"dead_path_mm\": 987.64"),
+                "field stations[1]: field `dead_path_sigma_mm` is missing",
+            ),
+            (
+                |f| add(f, S2, "\"dead_path_sigma_mm\": 0.01"),
+                "field stations[1]: field `dead_path_mm` is missing",
+            ),
+            (
+                |f| add(f, S2, "\"dead_path_mm\": 987.64, \"dead_path_sigma_mm\": 0"),
+                "field stations[1].dead_path_sigma_mm … more than zero",
+            ),
         ],
     );
 }
@@ -269,65 +247,49 @@ fn expansions_that_cannot_be() {
     assert_refused(
         &expanding(),
         &[
-            Case {
-                name: "a column that the file does not have",
-                damage: |f| f.replace("lengths.csv", "machine_temp_x_c", "machine_temp_z_c"),
-                says: &[
-                    "field machine.axes[0].temperature_column: lengths.csv has no column `machine_temp_x_c`",
-                    "did you mean `machine_temp_z_c`?",
-                ],
-            },
-            Case {
-                name: "a column that is no temperature",
-                damage: |f| f.json("\"machine_temp_x_c\"", "\"machine_tmp_c\""),
-                says: &[
-                    "field machine.axes[0].temperature_column: unknown temperature column",
-                    "did you mean `machine_temp_c`?",
-                ],
-            },
-            Case {
-                name: "humidity for a temperature",
-                damage: |f| f.json("\"machine_temp_x_c\"", "\"air_humidity_pct\""),
-                says: &["unknown temperature column `air_humidity_pct`"],
-            },
-            Case {
-                name: "coefficient per kelvin",
-                damage: |f| f.json("11.5,", "11.5e-6,"),
-                says: &[
-                    "field machine.axes[0].expansion_ppm_per_k: an expansion of 0.0000115 ppm/K",
-                    "expected a coefficient in um per m and K, such as 11.5 for steel",
-                ],
-            },
-            Case {
-                name: "temperature without a coefficient",
-                damage: |f| f.json("\"expansion_ppm_per_k\": 11.5, ", ""),
-                says: &["field machine.axes[0]: field `expansion_ppm_per_k` is missing"],
-            },
-            Case {
-                name: "perfect thermometer",
-                damage: |f| f.json("\"temperature_sigma_k\": 0.2", "\"temperature_sigma_k\": 0"),
-                says: &[
-                    "field machine.axes[0].temperature_sigma_k",
-                    "more than zero",
-                ],
-            },
+            (
+                |f| f.replace("lengths.csv", "machine_temp_x_c", "machine_temp_z_c"),
+                "field machine.axes[0].temperature_column: lengths.csv has no column \
+                 `machine_temp_x_c` … did you mean `machine_temp_z_c`?",
+            ),
+            (
+                |f| f.json("\"machine_temp_x_c\"", "\"machine_tmp_c\""),
+                "field machine.axes[0].temperature_column: unknown temperature column … \
+                 did you mean `machine_temp_c`?",
+            ),
+            (
+                |f| f.json("\"machine_temp_x_c\"", "\"air_humidity_pct\""),
+                "unknown temperature column `air_humidity_pct`",
+            ),
+            (
+                |f| f.json("11.5,", "11.5e-6,"),
+                "field machine.axes[0].expansion_ppm_per_k: an expansion of 0.0000115 \
+                 ppm/K … expected a coefficient in um per m and K, such as 11.5 for steel",
+            ),
+            (
+                |f| f.json("\"expansion_ppm_per_k\": 11.5, ", ""),
+                "field machine.axes[0]: field `expansion_ppm_per_k` is missing",
+            ),
+            (
+                |f| f.json("\"temperature_sigma_k\": 0.2", "\"temperature_sigma_k\": 0"),
+                "field machine.axes[0].temperature_sigma_k … more than zero",
+            ),
         ],
     );
     assert_refused(
         &rotary_table(),
-        &[Case {
-            name: "expansion of a table",
-            damage: |f| {
-                f.json(
-                    "\"travel\": [0, 360]",
-                    "\"travel\": [0, 360], \"expansion_ppm_per_k\": 11",
-                );
-            },
-            says: &[
-                "field machine.axes[0].expansion_ppm_per_k",
-                "axis C is rotary",
-            ],
-        }],
+        &[
+            // Expansion of a table.
+            (
+                |f| {
+                    f.json(
+                        "\"travel\": [0, 360]",
+                        "\"travel\": [0, 360], \"expansion_ppm_per_k\": 11",
+                    );
+                },
+                "field machine.axes[0].expansion_ppm_per_k … axis C is rotary",
+            ),
+        ],
     );
 }
 
@@ -357,37 +319,27 @@ fn known_lengths_stand_between_two_targets() {
     assert_refused(
         &three_axes(),
         &[
-            Case {
-                name: "an unknown target",
-                damage: |f| with(f, "\"P\", \"k\"", "400.1", "0.5"),
-                says: &[
-                    "field known_lengths[0].targets[1]: unknown target `k`",
-                    "did you mean `K`?",
-                ],
-            },
-            Case {
-                name: "a bar with one end",
-                damage: |f| with(f, "\"P\", \"P\"", "400.1", "0.5"),
-                says: &["field known_lengths[0].targets: target `P` twice"],
-            },
-            Case {
-                name: "metres",
-                damage: |f| with(f, "\"P\", \"K\"", "0.4001002", "0.5"),
-                says: &[
-                    "field known_lengths[0].length_mm: a length of 0.4001002 mm, but `P` and `K` are \
-                     nominally 401.0 mm apart",
-                ],
-            },
-            Case {
-                name: "perfect bar",
-                damage: |f| with(f, "\"P\", \"K\"", "400.1", "0"),
-                says: &["field known_lengths[0].sigma_um", "more than zero"],
-            },
-            Case {
-                name: "no length",
-                damage: |f| with(f, "\"P\", \"K\"", "-400.1", "0.5"),
-                says: &["field known_lengths[0].length_mm", "more than zero"],
-            },
+            (
+                |f| with(f, "\"P\", \"k\"", "400.1", "0.5"),
+                "field known_lengths[0].targets[1]: unknown target `k` … did you mean `K`?",
+            ),
+            (
+                |f| with(f, "\"P\", \"P\"", "400.1", "0.5"),
+                "field known_lengths[0].targets: target `P` twice",
+            ),
+            (
+                |f| with(f, "\"P\", \"K\"", "0.4001002", "0.5"),
+                "field known_lengths[0].length_mm: a length of 0.4001002 mm, but `P` and \
+                 `K` are nominally 401.0 mm apart",
+            ),
+            (
+                |f| with(f, "\"P\", \"K\"", "400.1", "0"),
+                "field known_lengths[0].sigma_um … more than zero",
+            ),
+            (
+                |f| with(f, "\"P\", \"K\"", "-400.1", "0.5"),
+                "field known_lengths[0].length_mm … more than zero",
+            ),
         ],
     );
 }
@@ -404,21 +356,18 @@ fn verifications_declare_their_uncertainty() {
     assert_refused(
         &three_axes(),
         &[
-            Case {
-                name: "no uncertainty",
-                damage: |f| add(f, BEHIND, "\"u_um\": 0"),
-                says: &["field verification[0].u_um", "a standard uncertainty of 0"],
-            },
-            Case {
-                name: "negative proportional part",
-                damage: |f| add(f, BEHIND, "\"u_ppm\": -1"),
-                says: &["field verification[0].u_ppm", "zero or more"],
-            },
-            Case {
-                name: "misspelt",
-                damage: |f| add(f, BEHIND, "\"u_mu\": 1"),
-                says: &["field verification[0].u_mu", "did you mean `u_um`?"],
-            },
+            (
+                |f| add(f, BEHIND, "\"u_um\": 0"),
+                "field verification[0].u_um … a standard uncertainty of 0",
+            ),
+            (
+                |f| add(f, BEHIND, "\"u_ppm\": -1"),
+                "field verification[0].u_ppm … zero or more",
+            ),
+            (
+                |f| add(f, BEHIND, "\"u_mu\": 1"),
+                "field verification[0].u_mu … did you mean `u_um`?",
+            ),
         ],
     );
 }
@@ -471,67 +420,53 @@ fn point_checks_that_are_none() {
     assert_refused(
         &three_axes(),
         &[
-            Case {
-                name: "an axis is missing",
-                damage: |f| add_points(f, "X,Z,dx_um\n0,0,1\n"),
-                says: &["plate.csv line 1, column Y", "missing"],
-            },
-            Case {
-                name: "beyond the travel",
-                damage: |f| add_points(f, "X,Y,Z,dx_um\n0,0,0,1\n0,900,0,1\n"),
-                says: &["plate.csv line 3, column Y", "900", "400"],
-            },
-            Case {
-                name: "no column of deviations",
-                damage: |f| add_points(f, "X,Y,Z\n0,0,0\n"),
-                says: &["plate.csv line 1, column dx_um", "missing"],
-            },
-            Case {
-                name: "nothing measured in a row",
-                damage: |f| add_points(f, "X,Y,Z,dx_um,dz_um\n0,0,0,1,\n9,0,0,,\n"),
-                says: &[
-                    "plate.csv line 3",
-                    "no deviation was measured",
-                    "remove the row",
-                ],
-            },
-            Case {
-                name: "half a point",
-                damage: |f| add_points(f, "X,Y,Z,x_mm,y_mm,dx_um\n0,0,0,1,2,3\n"),
-                says: &["plate.csv line 1, column z_mm", "missing"],
-            },
-            Case {
-                name: "a word",
-                damage: |f| add_points(f, "X,Y,Z,dx_um\n0,0,0,none\n"),
-                says: &["plate.csv line 2, column dx_um", "none"],
-            },
-            Case {
-                name: "no rows",
-                damage: |f| add_points(f, "X,Y,Z,dx_um\n"),
-                says: &["plate.csv: there are no rows"],
-            },
-            Case {
-                name: "an axis as of a line",
-                damage: |f| {
+            (
+                |f| add_points(f, "X,Z,dx_um\n0,0,1\n"),
+                "plate.csv line 1, column Y … missing",
+            ),
+            (
+                |f| add_points(f, "X,Y,Z,dx_um\n0,0,0,1\n0,900,0,1\n"),
+                "plate.csv line 3, column Y … 900 … 400",
+            ),
+            (
+                |f| add_points(f, "X,Y,Z\n0,0,0\n"),
+                "plate.csv line 1, column dx_um … missing",
+            ),
+            (
+                |f| add_points(f, "X,Y,Z,dx_um,dz_um\n0,0,0,1,\n9,0,0,,\n"),
+                "plate.csv line 3 … no deviation was measured … remove the row",
+            ),
+            (
+                |f| add_points(f, "X,Y,Z,x_mm,y_mm,dx_um\n0,0,0,1,2,3\n"),
+                "plate.csv line 1, column z_mm … missing",
+            ),
+            (
+                |f| add_points(f, "X,Y,Z,dx_um\n0,0,0,none\n"),
+                "plate.csv line 2, column dx_um … none",
+            ),
+            (
+                |f| add_points(f, "X,Y,Z,dx_um\n"),
+                "plate.csv: there are no rows",
+            ),
+            // An axis as of a line.
+            (
+                |f| {
                     add_points(f, "X,Y,Z,dx_um\n0,0,0,1\n");
                     f.json(
                         "\"points\", \"u_um\"",
                         "\"points\", \"axis\": \"X\", \"u_um\"",
                     );
                 },
-                says: &[
-                    "field verification[0].axis",
-                    "belongs to the kind `positioning`",
-                ],
-            },
-            Case {
-                name: "no uncertainty",
-                damage: |f| {
+                "field verification[0].axis … belongs to the kind `positioning`",
+            ),
+            // No uncertainty.
+            (
+                |f| {
                     add_points(f, "X,Y,Z,dx_um\n0,0,0,1\n");
                     f.json("\"u_um\": 0.4", "\"u_um\": 0");
                 },
-                says: &["field verification[0].u_um", "a standard uncertainty of 0"],
-            },
+                "field verification[0].u_um … a standard uncertainty of 0",
+            ),
         ],
     );
 }
@@ -551,16 +486,14 @@ fn the_day_and_the_operator() {
     assert_refused(
         &three_axes(),
         &[
-            Case {
-                name: "another order",
-                damage: |f| add(f, BEHIND, "\"date\": \"31.3.2026\""),
-                says: &["field date: found \"31.3.2026\"; expected a day as year-month-day"],
-            },
-            Case {
-                name: "operator as a list",
-                damage: |f| add(f, BEHIND, "\"operator\": [\"J. Doe\"]"),
-                says: &["field operator", "expected a string"],
-            },
+            (
+                |f| add(f, BEHIND, "\"date\": \"31.3.2026\""),
+                "field date: found \"31.3.2026\"; expected a day as year-month-day",
+            ),
+            (
+                |f| add(f, BEHIND, "\"operator\": [\"J. Doe\"]"),
+                "field operator … expected a string",
+            ),
         ],
     );
 }
@@ -584,34 +517,27 @@ fn any_number_of_machine_temperatures() {
     assert_refused(
         &three_axes(),
         &[
-            Case {
-                name: "without its unit",
-                damage: |f| log(f, "machine_temp_spindle", "20"),
-                says: &[
-                    "line 1, column machine_temp_spindle: unknown column",
-                    "did you mean `machine_temp_<name>_c`?",
-                ],
-            },
-            Case {
-                name: "without its name",
-                damage: |f| log(f, "machine_temp__c", "20"),
-                says: &["line 1, column machine_temp__c: unknown column"],
-            },
-            Case {
-                name: "twice",
-                damage: |f| log(f, "machine_temp_x_c,machine_temp_x_c", "20,20"),
-                says: &["column machine_temp_x_c: the column stands twice"],
-            },
-            Case {
-                name: "not a number",
-                damage: |f| log(f, "machine_temp_x_c", "20 C"),
-                says: &["line 2, column machine_temp_x_c: \"20 C\" is not a number"],
-            },
-            Case {
-                name: "an axis of that name",
-                damage: |f| f.json("{ \"name\": \"Y\",", "{ \"name\": \"machine_temp_y_c\","),
-                says: &["field machine.axes[1].name", "name of another column"],
-            },
+            (
+                |f| log(f, "machine_temp_spindle", "20"),
+                "line 1, column machine_temp_spindle: unknown column … did you mean \
+                 `machine_temp_<name>_c`?",
+            ),
+            (
+                |f| log(f, "machine_temp__c", "20"),
+                "line 1, column machine_temp__c: unknown column",
+            ),
+            (
+                |f| log(f, "machine_temp_x_c,machine_temp_x_c", "20,20"),
+                "column machine_temp_x_c: the column stands twice",
+            ),
+            (
+                |f| log(f, "machine_temp_x_c", "20 C"),
+                "line 2, column machine_temp_x_c: \"20 C\" is not a number",
+            ),
+            (
+                |f| f.json("{ \"name\": \"Y\",", "{ \"name\": \"machine_temp_y_c\","),
+                "field machine.axes[1].name … name of another column",
+            ),
         ],
     );
 }

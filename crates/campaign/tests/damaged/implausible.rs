@@ -1,7 +1,7 @@
 //! Readings that no machine gives: states of no hall, copies, rows in another order, times that are no
 //! seconds.
 
-use crate::fixture::{Case, Files, assert_refused, rotary_table, table_points, three_axes};
+use crate::fixture::{Files, assert_refused, rotary_table, table_points, three_axes};
 
 /// Adds a column with the same cell in every row.
 fn log(files: &mut Files, name: &str, cell: &str) {
@@ -55,35 +55,29 @@ fn states_of_no_hall() {
     assert_refused(
         &three_axes(),
         &[
-            Case {
-                name: "machine at 2930 degrees",
-                damage: |f| {
+            // Machine at 2930 degrees.
+            (
+                |f| {
                     log(f, "machine_temp_spindle_c", "20.5");
                     f.cell("lengths.csv", 17, "machine_temp_spindle_c", "2930");
                 },
-                says: &[
-                    "lengths.csv line 17, column machine_temp_spindle_c: a temperature of 2930 deg C",
-                    "expected -40 to 150 deg C; is the decimal point missing, as in 29.3?",
-                ],
-            },
-            Case {
-                name: "air in kelvin",
-                damage: |f| log(f, "air_temp_c", "293.2"),
-                says: &[
-                    "lengths.csv line 2, column air_temp_c: a temperature of 293.2 deg C",
-                    "kelvin: subtract 273.15",
-                ],
-            },
-            Case {
-                name: "pressure in Pa",
-                damage: |f| log(f, "air_pressure_hpa", "101325"),
-                says: &["line 2, column air_pressure_hpa", "Pa: divide by 100"],
-            },
-            Case {
-                name: "negative humidity",
-                damage: |f| log(f, "air_humidity_pct", "-1"),
-                says: &["line 2, column air_humidity_pct", "expected 0 to 105 %"],
-            },
+                "lengths.csv line 17, column machine_temp_spindle_c: a temperature of 2930 \
+                 deg C … expected -40 to 150 deg C; is the decimal point missing, as in \
+                 29.3?",
+            ),
+            (
+                |f| log(f, "air_temp_c", "293.2"),
+                "lengths.csv line 2, column air_temp_c: a temperature of 293.2 deg C … \
+                 kelvin: subtract 273.15",
+            ),
+            (
+                |f| log(f, "air_pressure_hpa", "101325"),
+                "line 2, column air_pressure_hpa … Pa: divide by 100",
+            ),
+            (
+                |f| log(f, "air_humidity_pct", "-1"),
+                "line 2, column air_humidity_pct … expected 0 to 105 %",
+            ),
         ],
     );
     let mut files = three_axes();
@@ -142,24 +136,24 @@ fn a_copied_repeat_is_said_and_a_measured_one_is_not() {
 fn a_station_copied_from_another() {
     assert_refused(
         &rotary_table(),
-        &[Case {
-            name: "the lengths of S3 are those of S1",
-            damage: |f| {
-                f.lines("lengths.csv", |lines| {
-                    for i in 0..51 {
-                        let length = lines[1 + i].rsplit(',').next().unwrap().to_owned();
-                        let row = &mut lines[1 + 2 * 51 + i];
-                        row.truncate(row.rfind(',').unwrap() + 1);
-                        *row += &length;
-                    }
-                });
-            },
-            says: &[
-                "lengths.csv line 104: all 51 readings of run `c` from station `S3` equal those from station \
-                 `S1` (line 2) to the last digit",
-                "put in what was measured from `S3`",
-            ],
-        }],
+        &[
+            // The lengths of S3 are those of S1.
+            (
+                |f| {
+                    f.lines("lengths.csv", |lines| {
+                        for i in 0..51 {
+                            let length = lines[1 + i].rsplit(',').next().unwrap().to_owned();
+                            let row = &mut lines[1 + 2 * 51 + i];
+                            row.truncate(row.rfind(',').unwrap() + 1);
+                            *row += &length;
+                        }
+                    });
+                },
+                "lengths.csv line 104: all 51 readings of run `c` from station `S3` equal \
+             those from station `S1` (line 2) to the last digit … put in what was measured \
+             from `S3`",
+            ),
+        ],
     );
 }
 
@@ -168,60 +162,49 @@ fn rows_that_were_sorted() {
     assert_refused(
         &three_axes(),
         &[
-            Case {
-                name: "by target and point",
-                damage: |f| {
+            // By target and point.
+            (
+                |f| {
                     sort(
                         f,
                         "lengths.csv",
                         &["target", "run", "X", "Y", "Z", "station"],
                     );
                 },
-                says: &[
-                    "column time_s: the rows are not in measuring order: the time goes back",
-                    "would be 120 stops in 4 occupations",
-                    "sort the table by time_s",
-                ],
-            },
-            Case {
-                name: "by point, the stops whole",
-                damage: |f| {
+                "column time_s: the rows are not in measuring order: the time goes back … \
+                 would be 120 stops in 4 occupations … sort the table by time_s",
+            ),
+            // By point, the stops whole.
+            (
+                |f| {
                     sort(
                         f,
                         "lengths.csv",
                         &["run", "X", "Y", "Z", "direction", "station", "time_s"],
                     );
                 },
-                says: &[
-                    "would be 120 stops in 4 occupations",
-                    "not 120 stops in 120 occupations",
-                ],
-            },
-            Case {
-                name: "one row put at the end",
-                damage: |f| {
+                "would be 120 stops in 4 occupations … not 120 stops in 120 occupations",
+            ),
+            // One row put at the end.
+            (
+                |f| {
                     f.lines("lengths.csv", |lines| {
                         let row = lines.remove(16);
                         lines.push(row);
                     });
                 },
-                says: &[
-                    "lengths.csv line 361, column time_s",
-                    "the time goes back once, here from 897.5 s to 37.5 s",
-                ],
-            },
+                "lengths.csv line 361, column time_s … the time goes back once, here from \
+                 897.5 s to 37.5 s",
+            ),
         ],
     );
     assert_refused(
         &table_points(),
-        &[Case {
-            name: "points by target",
-            damage: |f| sort(f, "points.csv", &["target", "time_s"]),
-            says: &[
-                "points.csv line 19, column time_s",
-                "would be 17 stops in 1 occupation of stations",
-            ],
-        }],
+        &[(
+            |f| sort(f, "points.csv", &["target", "time_s"]),
+            "points.csv line 19, column time_s … would be 17 stops in 1 occupation of \
+             stations",
+        )],
     );
 }
 
@@ -242,31 +225,25 @@ fn times_that_are_no_seconds() {
     assert_refused(
         &three_axes(),
         &[
-            Case {
-                name: "a clock",
-                damage: |f| f.cell("lengths.csv", 17, "time_s", "09:30:05"),
-                says: &[
-                    "lengths.csv line 17, column time_s: \"09:30:05\" is a time of day",
-                    "seconds since the start of the campaign: as hours, minutes and seconds it is 34205",
-                ],
-            },
-            Case {
-                name: "a date",
-                damage: |f| f.cell("lengths.csv", 2, "time_s", "2026-03-31 09:30:05"),
-                says: &[
-                    "lengths.csv line 2, column time_s: \"2026-03-31 09:30:05\" is a date",
-                    "subtract the date and time of the first row",
-                ],
-            },
+            (
+                |f| f.cell("lengths.csv", 17, "time_s", "09:30:05"),
+                "lengths.csv line 17, column time_s: \"09:30:05\" is a time of day … \
+                 seconds since the start of the campaign: as hours, minutes and seconds it \
+                 is 34205",
+            ),
+            (
+                |f| f.cell("lengths.csv", 2, "time_s", "2026-03-31 09:30:05"),
+                "lengths.csv line 2, column time_s: \"2026-03-31 09:30:05\" is a date … \
+                 subtract the date and time of the first row",
+            ),
         ],
     );
     assert_refused(
         &rotary_table(),
-        &[Case {
-            name: "a clock in a verification",
-            damage: |f| f.cell("dbb_a.csv", 3, "time_s", "0:10"),
-            says: &["dbb_a.csv line 3, column time_s: \"0:10\" is a time of day"],
-        }],
+        &[(
+            |f| f.cell("dbb_a.csv", 3, "time_s", "0:10"),
+            "dbb_a.csv line 3, column time_s: \"0:10\" is a time of day",
+        )],
     );
     let mut files = three_axes();
     files.scale("lengths.csv", "time_s", 1.0 / 86_400.0);
@@ -282,18 +259,17 @@ fn times_that_are_no_seconds() {
 fn known_dead_paths_leave_distances_positive() {
     assert_refused(
         &three_axes(),
-        &[Case {
-            name: "a dead path of the other sign",
-            damage: |f| {
-                let place = "\"approx_mm\": [1500, -800, 300]";
-                let known = "\"dead_path_mm\": -1234.568, \"dead_path_sigma_mm\": 0.01";
-                f.json(place, &format!("{place}, {known}"));
-            },
-            says: &[
-                "lengths.csv line 2, column length_mm",
-                "with the dead path of station `S1` (-1234.568 mm)",
-                "correct its sign or unit",
-            ],
-        }],
+        &[
+            // A dead path of the other sign.
+            (
+                |f| {
+                    let place = "\"approx_mm\": [1500, -800, 300]";
+                    let known = "\"dead_path_mm\": -1234.568, \"dead_path_sigma_mm\": 0.01";
+                    f.json(place, &format!("{place}, {known}"));
+                },
+                "lengths.csv line 2, column length_mm … with the dead path of station `S1` \
+             (-1234.568 mm) … correct its sign or unit",
+            ),
+        ],
     );
 }

@@ -78,10 +78,15 @@ fn two_calibrations_and_two_machines() {
     ];
     run(current, &args).assert_good();
     let names = file_names(current);
-    run(current, &["compare", "a/calibration.json", "d/calibration.json"]).assert_failed(
+    run(
+        current,
+        &["compare", "a/calibration.json", "d/calibration.json"],
+    )
+    .assert_failed(
         "two points",
         3,
-        &["the translations of X are those of the point [0.0, 0.0, 0.0] mm in the first calibration, of [140.783,"],
+        "the translations of X are those of the point [0.0, 0.0, 0.0] mm in the first \
+         calibration, of [140.783,",
     );
 
     let outcome = run(
@@ -91,7 +96,7 @@ fn two_calibrations_and_two_machines() {
     outcome.assert_failed(
         "two machines",
         3,
-        &["another machine: its axes are X Y Z, expected C"],
+        "another machine: its axes are X Y Z, expected C",
     );
     assert_eq!(file_names(current), names);
 }

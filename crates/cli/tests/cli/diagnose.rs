@@ -95,7 +95,7 @@ fn names_the_cause_replays_it_and_takes_it_out() {
     diagnose(folder, "again/campaign.json", &options).assert_failed(
         "a jump",
         MISFIT,
-        &["reject the model"],
+        "reject the model",
     );
     let second = json_of(&folder.join("second/diagnosis.json"));
     assert_eq!(second["causes"][0]["effect"], "dead_path_jump");
@@ -152,7 +152,7 @@ fn clean_data_give_two_lines() {
     // A diagnosis without causes in the lengths leaves nothing to take out.
     let file = "rotary-stage/diagnosis.json";
     let args = ["calibrate", &campaign, "--with-effects", file];
-    run(folder.path(), &args).assert_failed("no causes", INPUT, &[file, "no effects"]);
+    run(folder.path(), &args).assert_failed("no causes", INPUT, &format!("{file} … no effects"));
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn folder_that_cannot_be_made() {
     let campaign = shipped("rotary-stage").join("campaign.json");
     let campaign = campaign.display().to_string();
     let outcome = diagnose(folder.path(), &campaign, &["--out", "out"]);
-    outcome.assert_failed("a file in the way", USAGE, &["cannot be written", "--out"]);
+    outcome.assert_failed("a file in the way", USAGE, "cannot be written … --out");
     assert_eq!(contents(folder.path()), before);
 }
 
@@ -174,7 +174,7 @@ fn wrong_files() {
     diagnose(folder.path(), &scenario, &[]).assert_failed(
         "a scenario",
         INPUT,
-        &["scenario.json", "trueaxis scenario, not a campaign"],
+        "scenario.json … trueaxis scenario, not a campaign",
     );
     let campaign = shipped("fxyz").join("campaign.json").display().to_string();
     for (name, text, says) in [
@@ -210,7 +210,7 @@ fn wrong_files() {
         let before = contents(folder.path());
         let args = ["calibrate", &campaign, "--with-effects", "effects.json"];
         let outcome = run(folder.path(), &args);
-        outcome.assert_failed(name, INPUT, &["effects.json", says]);
+        outcome.assert_failed(name, INPUT, &format!("effects.json … {says}"));
         assert_eq!(contents(folder.path()), before, "{name}");
     }
 }
@@ -247,16 +247,13 @@ fn readings_against_a_given_calibration() {
     against(table.to_str().unwrap(), "calibrated/calibration.json").assert_failed(
         "another machine",
         3,
-        &["its axes are X Y Z, expected C"],
+        "its axes are X Y Z, expected C",
     );
     let own = shipped("fxyz").join("campaign.json");
     against(own.to_str().unwrap(), "calibrated/calibration.json").assert_failed(
         "no readings",
         5,
-        &[
-            "no verification readings",
-            "`verification` of campaign.json",
-        ],
+        "no verification readings … `verification` of campaign.json",
     );
-    against(lines, lines).assert_failed("a campaign", 3, &["not a calibration"]);
+    against(lines, lines).assert_failed("a campaign", 3, "not a calibration");
 }

@@ -32,7 +32,7 @@ fn codes_are_listed_and_explained() {
         );
     }
     run(folder.path(), &["explain", "e101"]).assert_good();
-    run(folder.path(), &["explain", "E999"]).assert_failed("unknown", 2, &["no code E999"]);
+    run(folder.path(), &["explain", "E999"]).assert_failed("unknown", 2, "no code E999");
 }
 
 /// With `--json` an error is one document on standard output beside the words on standard error.
@@ -87,11 +87,9 @@ fn errors_are_drawn_on_their_line() {
     check().assert_failed(
         "field",
         3,
-        &[
-            "error[E101]: campaign.json line 29, field targets[0].caried_by: unknown field",
-            "\n  --> campaign.json:29:5\n   |\n29 |     \"caried_by\": \"C\"\n   |     ^^^^^^^^^^^^^^^^\n",
-            "\nmore: trueaxis explain E101\n",
-        ],
+        "error[E101]: campaign.json line 29, field targets[0].caried_by: unknown field … \
+         \n  --> campaign.json:29:5\n   |\n29 |     \"caried_by\": \"C\"\n   |     ^^^^^^^^^^^^^^^^\n … \
+         \nmore: trueaxis explain E101\n",
     );
     write(
         "campaign.json",
@@ -100,11 +98,7 @@ fn errors_are_drawn_on_their_line() {
     check().assert_failed(
         "syntax",
         3,
-        &[
-            "error[E008]",
-            "--> campaign.json:8:5\n",
-            "8 |     \"kinematics\": {\n  |     ^\n",
-        ],
+        "error[E008] … --> campaign.json:8:5\n … 8 |     \"kinematics\": {\n  |     ^\n",
     );
 
     write("campaign.json", &campaign);
@@ -115,20 +109,14 @@ fn errors_are_drawn_on_their_line() {
     check().assert_failed(
         "cell",
         3,
-        &[
-            "error[E220]",
-            " --> lengths.csv:2:16\n  |\n2 | 4,S1,1,c,1,0,P,\"NaN\"\n  |                ^^^^^\n",
-        ],
+        "error[E220] … \
+         --> lengths.csv:2:16\n  |\n2 | 4,S1,1,c,1,0,P,\"NaN\"\n  |                ^^^^^\n",
     );
     write("lengths.csv", &lengths.replacen("repeat", "repaet", 1));
     check().assert_failed(
         "column",
         3,
-        &[
-            "error[E204]",
-            "1 | time_s,station,repaet,run",
-            "  |                ^^^^^^\n",
-        ],
+        "error[E204] … 1 | time_s,station,repaet,run …   |                ^^^^^^\n",
     );
     let docs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/examples");
     let map = fs::read_to_string(format!("{docs}/turntable.toml")).unwrap();
@@ -143,23 +131,17 @@ fn errors_are_drawn_on_their_line() {
     import(&map.replacen("\"in\"", "\"inn\"", 1)).assert_failed(
         "unit",
         3,
-        &[
-            "error[E104]",
-            "x_mm = { column = \"X\", unit = \"inn\" }\n  |                                ^^^\n",
-        ],
+        "error[E104] … \
+         x_mm = { column = \"X\", unit = \"inn\" }\n  |                                ^^^\n",
     );
     import(&map.replacen("decimal", "# decimal", 1)).assert_failed(
         "decimal",
         3,
-        &[
-            "error[E236]",
-            "7 | P_000;26,068146;-14,632530",
-            "  |       ^^^^^^^^^\n",
-        ],
+        "error[E236] … 7 | P_000;26,068146;-14,632530 …   |       ^^^^^^^^^\n",
     );
     run(folder.path(), &["check", "none.json"]).assert_failed(
         "none",
         3,
-        &["error[E001]: none.json: there is no such file"],
+        "error[E001]: none.json: there is no such file",
     );
 }

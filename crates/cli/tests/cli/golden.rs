@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::program::{calibrate_shipped, run, shipped};
+use crate::program::{calibrate_shipped, run, run_line};
 
 #[track_caller]
 fn assert_golden(name: &str, said: &str) {
@@ -30,29 +30,22 @@ fn assert_golden(name: &str, said: &str) {
 #[test]
 fn golden_tables() {
     let folder = tempfile::tempdir().unwrap();
-    let said = |args: &[&str]| {
-        let outcome = run(folder.path(), args);
+    for (name, line) in [
+        ("calibrate-fxyz.txt", "calibrate @fxyz --out a"),
+        (
+            "calibrate-five-axis.txt",
+            "calibrate @five-axis --out b --by-direction",
+        ),
+        (
+            "verify-fxyz-lines.txt",
+            "verify a/calibration.json @fxyz-lines --out a",
+        ),
+        ("diagnose-fxyz-lines.txt", "diagnose @fxyz-lines --out c"),
+    ] {
+        let outcome = run_line(folder.path(), line);
         outcome.assert_good();
-        outcome.stderr
-    };
-    let campaign = |name: &str| shipped(name).join("campaign.json").display().to_string();
-    let [fxyz, five, lines] = ["fxyz", "five-axis", "fxyz-lines"].map(campaign);
-    assert_golden(
-        "calibrate-fxyz.txt",
-        &said(&["calibrate", &fxyz, "--out", "a"]),
-    );
-    assert_golden(
-        "calibrate-five-axis.txt",
-        &said(&["calibrate", &five, "--out", "b", "--by-direction"]),
-    );
-    assert_golden(
-        "verify-fxyz-lines.txt",
-        &said(&["verify", "a/calibration.json", &lines, "--out", "a"]),
-    );
-    assert_golden(
-        "diagnose-fxyz-lines.txt",
-        &said(&["diagnose", &lines, "--out", "c"]),
-    );
+        assert_golden(name, &outcome.stderr);
+    }
 }
 
 #[test]
@@ -101,20 +94,14 @@ fn golden_old_tables() {
         ("marlin", "X_old.comp"),
         ("klipper", "X_old.comp"),
     ] {
-        let mut args = vec![
-            "export",
-            format,
-            "calibrated/calibration.json",
-            "--axis",
-            "X",
-            "--onto",
-            onto,
-        ];
-        if format == "heidenhain" {
-            args.extend(["--sign", "error"]);
-        }
-        args.extend(["--out", "new"]);
-        let outcome = run(folder.path(), &args);
+        let sign = match format {
+            "heidenhain" => " --sign error",
+            _ => "",
+        };
+        let line = format!(
+            "export {format} calibrated/calibration.json --axis X --onto {onto}{sign} --out new"
+        );
+        let outcome = run_line(folder.path(), &line);
         let code = outcome.code.unwrap();
         all.push_str(&format!(
             "--- export {format} --onto {onto}: exit code {code}\n{}",

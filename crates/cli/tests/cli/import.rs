@@ -168,7 +168,7 @@ fn nothing_is_overwritten_or_left_half_done() {
     run(folder.path(), &to("turntable.txt")).assert_failed(
         "itself",
         USAGE,
-        &["turntable.txt", there],
+        &format!("turntable.txt … {there}"),
     );
     run(
         folder.path(),
@@ -183,18 +183,18 @@ fn nothing_is_overwritten_or_left_half_done() {
     .assert_failed(
         "lengths",
         INPUT,
-        &["nothing says the length_mm", "add length_mm ="],
+        "nothing says the length_mm … add length_mm =",
     );
     run(
         folder.path(),
         &["import", "points", "none.txt", "--map", "turntable.toml"],
     )
-    .assert_failed("no file", INPUT, &["none.txt", "no such file"]);
+    .assert_failed("no file", INPUT, "none.txt … no such file");
     run(
         folder.path(),
         &["import", "points", "turntable.txt", "--map", "."],
     )
-    .assert_failed("folder", INPUT, &["this is a folder"]);
+    .assert_failed("folder", INPUT, "this is a folder");
     assert_eq!(
         file_names(folder.path()),
         ["turntable.toml", "turntable.txt"]
@@ -203,14 +203,18 @@ fn nothing_is_overwritten_or_left_half_done() {
     run(folder.path(), &["init", "turntable.txt"]).assert_failed(
         "file",
         USAGE,
-        &["cannot be written"],
+        "cannot be written",
     );
     // The campaign is what matters; without it the template.
     run(folder.path(), &["init", "new"]).assert_good();
     let again = run(folder.path(), &["init", "new", "--type", "rotary-stage"]);
-    again.assert_failed("again", USAGE, &["new/campaign.json", there]);
+    again.assert_failed("again", USAGE, &format!("new/campaign.json … {there}"));
     fs::remove_file(folder.path().join("new/campaign.json")).unwrap();
     let again = run(folder.path(), &["init", "new", "--type", "rotary-stage"]);
-    again.assert_failed("again", USAGE, &["new/lengths-template.csv", there]);
+    again.assert_failed(
+        "again",
+        USAGE,
+        &format!("new/lengths-template.csv … {there}"),
+    );
     assert!(!folder.path().join("new/campaign.json").exists());
 }

@@ -122,7 +122,7 @@ fn what_is_wrong_is_refused_with_its_place() {
     // In the points of an error, not between two.
     let inside = text.rfind("Gridpoints = {").unwrap() + 40;
     fs::write(current.join("cut.txt"), &text[..inside]).unwrap();
-    import(current, "cut.txt", &[]).assert_failed("cut off", 3, &["cut.txt line", "expected"]);
+    import(current, "cut.txt", &[]).assert_failed("cut off", 3, "cut.txt line … expected");
     let told = import(current, "cut.txt", &["--json"]);
     let error: Value = serde_json::from_str(&told.stdout).unwrap();
     let line = 1 + text[..inside].matches('\n').count();
@@ -132,13 +132,13 @@ fn what_is_wrong_is_refused_with_its_place() {
     );
     fs::remove_file(current.join("cut.txt")).unwrap();
     let refused = import(current, "nowhere.txt", &[]);
-    refused.assert_failed("no file", 3, &["nowhere.txt cannot be read", "ISG_CSV"]);
+    refused.assert_failed("no file", 3, "nowhere.txt cannot be read … ISG_CSV");
     let refused = import(current, "tables/etalon.txt", &["--u-um", "0"]);
-    refused.assert_failed("no u", 2, &["expected a number above zero"]);
+    refused.assert_failed("no u", 2, "expected a number above zero");
     let refused = import(current, "tables/etalon.txt", &["--u-arcsec", "1"]);
-    refused.assert_failed("half of u", 2, &["--u-um"]);
+    refused.assert_failed("half of u", 2, "--u-um");
     let without = ["import", "calibration", "tables/etalon.txt"];
-    run(current, &without).assert_failed("no machine", 2, &["--machine"]);
+    run(current, &without).assert_failed("no machine", 2, "--machine");
     let machine = |file: &str| {
         let args = [
             "import",
@@ -149,20 +149,17 @@ fn what_is_wrong_is_refused_with_its_place() {
         ];
         run(current, &args)
     };
-    machine("tables/etalon.txt").assert_failed("no JSON", 3, &["tables/etalon.txt"]);
-    machine("nowhere.json").assert_failed("no file", 3, &["--machine wants a campaign.json"]);
+    machine("tables/etalon.txt").assert_failed("no JSON", 3, "tables/etalon.txt");
+    machine("nowhere.json").assert_failed("no file", 3, "--machine wants a campaign.json");
     let scenario = shipped("fxyz").join("scenario.json");
-    machine(scenario.to_str().unwrap()).assert_failed("a scenario", 3, &["campaign"]);
+    machine(scenario.to_str().unwrap()).assert_failed("a scenario", 3, "campaign");
     // Another machine: its axes have other names.
     let other = shipped("rotary-stage").join("campaign.json");
     let refused = machine(other.to_str().unwrap());
     refused.assert_failed(
         "another machine",
         3,
-        &[
-            "\"C0Y\"; expected an error of an axis of this machine",
-            "X0C",
-        ],
+        "\"C0Y\"; expected an error of an axis of this machine … X0C",
     );
     assert_eq!(file_names(current), names);
     // The machine of a calibration will do.

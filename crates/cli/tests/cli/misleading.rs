@@ -6,18 +6,18 @@ use serde_json::{Value, json};
 
 use crate::campaign_files::CampaignFiles;
 use crate::program::run;
-use crate::refused::{INPUT, NO_ANSWER, NOT_IDENTIFIABLE, Refusal, assert_calibration_refused};
+use crate::refused::{INPUT, NO_ANSWER, NOT_IDENTIFIABLE, assert_calibration_refused};
 
 #[test]
 fn other_axes_moving_in_a_run() {
     assert_calibration_refused(
         "fxyz",
-        &[Refusal {
-            name: "all rows under the name of one run",
-            damage: |files| files.column("run", |_| "x".to_owned()),
-            code: INPUT,
-            says: &["run x", "Y"],
-        }],
+        &[(
+            "all rows under the name of one run",
+            |files| files.column("run", |_| "x".to_owned()),
+            INPUT,
+            "run x … Y",
+        )],
     );
 }
 
@@ -25,15 +25,15 @@ fn other_axes_moving_in_a_run() {
 fn poor_positions_of_a_single_axis() {
     assert_calibration_refused(
         "fxyz",
-        &[Refusal {
-            name: "three positions close together",
-            damage: |files| {
+        &[(
+            "three positions close together",
+            |files| {
                 let positions = ["320", "340", "360"];
                 files.keep(|row| row.text("run") == "x" && positions.contains(&row.text("X")));
             },
-            code: NOT_IDENTIFIABLE,
-            says: &["stations"],
-        }],
+            NOT_IDENTIFIABLE,
+            "stations",
+        )],
     );
 }
 
@@ -42,28 +42,28 @@ fn contradictions_taken_for_missing_rank() {
     assert_calibration_refused(
         "fxyz",
         &[
-            Refusal {
-                name: "stations exchanged at one step",
-                damage: |files| {
+            (
+                "stations exchanged at one step",
+                |files| {
                     files.exchange("station", ["S1", "S2"], |row| {
                         row.is(&[("run", "x"), ("X", "200")])
                     });
                 },
-                code: NO_ANSWER,
-                says: &["check"],
-            },
-            Refusal {
-                name: "all lengths of one station with the wrong sign",
-                damage: |files| {
+                NO_ANSWER,
+                "check",
+            ),
+            (
+                "all lengths of one station with the wrong sign",
+                |files| {
                     files.column("length_mm", |row| {
                         let is_wrong = row.is(&[("station", "S2")]);
                         let sign = if is_wrong { -1.0 } else { 1.0 };
                         (sign * row.number("length_mm")).to_string()
                     });
                 },
-                code: NO_ANSWER,
-                says: &["station S2"],
-            },
+                NO_ANSWER,
+                "station S2",
+            ),
         ],
     );
 }
@@ -72,9 +72,9 @@ fn contradictions_taken_for_missing_rank() {
 fn stations_on_a_line() {
     assert_calibration_refused(
         "rotary-stage",
-        &[Refusal {
-            name: "stations on a line",
-            damage: |files| {
+        &[(
+            "stations on a line",
+            |files| {
                 *files = CampaignFiles::simulated("rotary-stage", |scenario| {
                     let stations = scenario["stations"].as_array_mut().unwrap();
                     for (station, x_mm) in stations.iter_mut().zip([-1000, -300, 400, 1100]) {
@@ -82,9 +82,9 @@ fn stations_on_a_line() {
                     }
                 });
             },
-            code: NOT_IDENTIFIABLE,
-            says: &["stations"],
-        }],
+            NOT_IDENTIFIABLE,
+            "stations",
+        )],
     );
 }
 
@@ -131,7 +131,7 @@ fn stations_nearly_in_a_plane() {
             "B0C = {value_arcsec}″ ± {u_arcsec}″, truth {true_arcsec}″"
         );
     } else {
-        outcome.assert_failed("stations nearly in a plane", NOT_IDENTIFIABLE, &["station"]);
+        outcome.assert_failed("stations nearly in a plane", NOT_IDENTIFIABLE, "station");
     }
 }
 

@@ -129,7 +129,7 @@ fn what_is_wrong_is_named_by_row_and_column() {
     ] {
         let table = TABLE.replacen(from, to, 1);
         let outcome = predict(folder.path(), &table, &[]);
-        outcome.assert_failed(name, WRONG_INPUT, &[says]);
+        outcome.assert_failed(name, WRONG_INPUT, says);
         assert_eq!(file_names(folder.path()), names, "{name}");
     }
 }
@@ -144,7 +144,7 @@ fn another_file_is_no_calibration() {
     outcome.assert_failed(
         "a campaign",
         WRONG_INPUT,
-        &["this is a trueaxis campaign, not a calibration"],
+        "this is a trueaxis campaign, not a calibration",
     );
     // The calibration of another machine has other axes.
     let fxyz = shipped("fxyz").join("campaign.json");
@@ -157,13 +157,13 @@ fn another_file_is_no_calibration() {
     outcome.assert_failed(
         "another machine",
         WRONG_INPUT,
-        &["positions.csv line 1", "`A` is unknown"],
+        "positions.csv line 1 … `A` is unknown",
     );
     fs::remove_file(folder.path().join("calibrated/covariance.npz")).unwrap();
     let outcome = predict(folder.path(), TABLE, &[]);
     outcome.assert_failed(
         "half of it",
         WRONG_INPUT,
-        &["covariance.npz cannot be read; it belongs beside calibration.json"],
+        "covariance.npz cannot be read; it belongs beside calibration.json",
     );
 }

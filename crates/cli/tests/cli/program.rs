@@ -24,6 +24,19 @@ pub(crate) fn run(current: &Path, args: &[&str]) -> Outcome {
     run_with_environment(current, args, &[])
 }
 
+/// [`run`] with the words of a line, in which `@fxyz` is the file of the shipped campaign `fxyz`.
+pub(crate) fn run_line(current: &Path, line: &str) -> Outcome {
+    let words = line.split(' ').map(|word| match word.strip_prefix('@') {
+        Some(name) => shipped(name).join("campaign.json").display().to_string(),
+        None => word.to_owned(),
+    });
+    let words: Vec<String> = words.collect();
+    run(
+        current,
+        &words.iter().map(String::as_str).collect::<Vec<_>>(),
+    )
+}
+
 /// [`run`] with additional environment variables.
 pub(crate) fn run_with_environment(
     current: &Path,
@@ -75,9 +88,10 @@ impl Outcome {
         assert_eq!(self.code, Some(0), "{}", self.stderr);
     }
 
-    /// The run ended with `code`, without data on standard output and without a bug of its own.
+    /// The run ended with `code`, without data on standard output and without a bug of its own. What it must say are
+    /// parts of the message, with ` … ` between them.
     #[track_caller]
-    pub(crate) fn assert_failed(&self, name: &str, code: i32, says: &[&str]) {
+    pub(crate) fn assert_failed(&self, name: &str, code: i32, says: &str) {
         let stderr = &self.stderr;
         assert_eq!(self.code, Some(code), "{name}: {stderr}");
         assert_eq!(self.stdout, "", "{name}: data on standard output");
@@ -85,7 +99,7 @@ impl Outcome {
             let is_quoted = stderr.contains(&format!("\"{bug}\""));
             assert!(is_quoted || !stderr.contains(bug), "{name}: {stderr}");
         }
-        for part in says {
+        for part in says.split(" … ") {
             assert!(stderr.contains(part), "{name}: no `{part}` in: {stderr}");
         }
     }
@@ -101,14 +115,7 @@ pub(crate) fn shipped(campaign: &str) -> PathBuf {
 /// Calibrates a shipped campaign into the folder `calibrated` in `current`.
 #[track_caller]
 pub(crate) fn calibrate_shipped(current: &Path, campaign: &str) {
-    let campaign = shipped(campaign).join("campaign.json");
-    let args = [
-        "calibrate",
-        campaign.to_str().unwrap(),
-        "--out",
-        "calibrated",
-    ];
-    run(current, &args).assert_good();
+    run_line(current, &format!("calibrate @{campaign} --out calibrated")).assert_good();
 }
 
 /// All files below a folder with their bytes, by path.

@@ -4,14 +4,9 @@
 use crate::campaign_files::CampaignFiles;
 use crate::program::{file_names, run};
 
-/// A damage and what the program must answer.
-pub(crate) struct Refusal {
-    pub(crate) name: &'static str,
-    pub(crate) damage: fn(&mut CampaignFiles),
-    pub(crate) code: i32,
-    /// Parts of the message: where, what, how to correct.
-    pub(crate) says: &'static [&'static str],
-}
+/// A name, a damage, the exit code, and what the message must say: parts of it (where, what, how to correct) with
+/// ` … ` between them.
+pub(crate) type Refusal = (&'static str, fn(&mut CampaignFiles), i32, &'static str);
 
 /// Exit codes of the interface.
 pub(crate) const INPUT: i32 = 3;
@@ -36,15 +31,15 @@ pub(crate) fn assert_check_refused(campaign: &str, refusals: &[Refusal]) {
 
 fn assert_refused(campaign: &str, verb: &str, options: &[&str], refusals: &[Refusal]) {
     let sound = CampaignFiles::shipped(campaign);
-    for refusal in refusals {
+    for (name, damage, code, says) in refusals {
         let mut files = sound.clone();
-        (refusal.damage)(&mut files);
+        damage(&mut files);
         let folder = tempfile::tempdir().unwrap();
         files.write(folder.path());
         let before = file_names(folder.path());
         let args = [&[verb, "campaign.json"], options].concat();
-        run(folder.path(), &args).assert_failed(refusal.name, refusal.code, refusal.says);
+        run(folder.path(), &args).assert_failed(name, *code, says);
         // No result, and no temporary file.
-        assert_eq!(file_names(folder.path()), before, "{}", refusal.name);
+        assert_eq!(file_names(folder.path()), before, "{name}");
     }
 }

@@ -3,73 +3,65 @@
 use serde_json::{Value, json};
 
 use crate::campaign_files::CampaignFiles;
-use crate::refused::{
-    NOT_IDENTIFIABLE, Refusal, assert_calibration_refused, assert_refused_by_nine,
-};
+use crate::refused::{NOT_IDENTIFIABLE, assert_calibration_refused, assert_refused_by_nine};
 
 #[test]
 fn too_few_stations() {
     assert_calibration_refused(
         "fxyz",
         &[
-            Refusal {
-                name: "two stations",
-                damage: |files| keep_stations(files, 2),
-                code: NOT_IDENTIFIABLE,
-                says: &["at least 4 stations, found 2", "more stations"],
-            },
-            Refusal {
-                name: "three stations",
-                damage: |files| keep_stations(files, 3),
-                code: NOT_IDENTIFIABLE,
-                says: &["at least 4 stations, found 3", "more stations"],
-            },
-            Refusal {
-                name: "three stations with rows",
-                damage: |files| files.keep(|row| !row.is(&[("station", "S4")])),
-                code: NOT_IDENTIFIABLE,
-                says: &["at least 4 stations, found 3", "more stations"],
-            },
-            Refusal {
-                name: "step seen from one station",
-                damage: |files| {
+            (
+                "two stations",
+                |files| keep_stations(files, 2),
+                NOT_IDENTIFIABLE,
+                "at least 4 stations, found 2 … more stations",
+            ),
+            (
+                "three stations",
+                |files| keep_stations(files, 3),
+                NOT_IDENTIFIABLE,
+                "at least 4 stations, found 3 … more stations",
+            ),
+            (
+                "three stations with rows",
+                |files| files.keep(|row| !row.is(&[("station", "S4")])),
+                NOT_IDENTIFIABLE,
+                "at least 4 stations, found 3 … more stations",
+            ),
+            (
+                "step seen from one station",
+                |files| {
                     files.keep(|row| {
                         let is_point = row.is(&[("run", "x"), ("X", "200")]);
                         let is_seen = row.text("station") == "S3";
                         is_seen || !is_point
                     });
                 },
-                code: NOT_IDENTIFIABLE,
-                says: &[
-                    "run x at X = 200 mm",
-                    "do not determine the pose",
-                    "measure it from the missing stations",
-                ],
-            },
-            Refusal {
-                name: "position mistyped in one row",
-                damage: |files| files.cell(101, "Y", "201"),
-                code: NOT_IDENTIFIABLE,
-                says: &[
-                    "target P in run y at X = 0 mm, Y = 201 mm",
-                    "from 1 station",
-                ],
-            },
+                NOT_IDENTIFIABLE,
+                "run x at X = 200 mm … do not determine the pose … measure it from the \
+                 missing stations",
+            ),
+            (
+                "position mistyped in one row",
+                |files| files.cell(101, "Y", "201"),
+                NOT_IDENTIFIABLE,
+                "target P in run y at X = 0 mm, Y = 201 mm … from 1 station",
+            ),
         ],
     );
     assert_calibration_refused(
         "rotary-stage",
-        &[Refusal {
-            name: "two stations under one name",
-            damage: |files| {
+        &[(
+            "two stations under one name",
+            |files| {
                 files.column("station", |row| match row.text("station") {
                     "S1" => "S2".to_owned(),
                     other => other.to_owned(),
                 });
             },
-            code: NOT_IDENTIFIABLE,
-            says: &["at least 4 stations, found 3"],
-        }],
+            NOT_IDENTIFIABLE,
+            "at least 4 stations, found 3",
+        )],
     );
 }
 
@@ -78,75 +70,71 @@ fn too_few_targets_and_steps() {
     assert_calibration_refused(
         "fxyz",
         &[
-            Refusal {
-                name: "target missing at a step",
-                damage: |files| {
+            (
+                "target missing at a step",
+                |files| {
                     files.keep(|row| !row.is(&[("run", "x"), ("X", "200"), ("target", "Q")]));
                 },
-                code: NOT_IDENTIFIABLE,
-                says: &[
-                    "run x at X = 200 mm",
-                    "2 of the targets",
-                    "three are needed",
-                ],
-            },
-            Refusal {
-                name: "target missing everywhere",
-                damage: |files| files.keep(|row| !row.is(&[("target", "K")])),
-                code: NOT_IDENTIFIABLE,
-                says: &["2 of the targets", "three are needed"],
-            },
-            Refusal {
-                name: "one step in a run",
-                damage: |files| files.keep(|row| row.text("run") != "x" || row.is(&[("X", "200")])),
-                code: NOT_IDENTIFIABLE,
-                says: &["axis X", "1 position(s)", "measure it at more positions"],
-            },
-            Refusal {
-                name: "one step in a run, at home",
-                damage: |files| files.keep(|row| row.text("run") != "x" || row.is(&[("X", "0")])),
-                code: NOT_IDENTIFIABLE,
-                says: &["axis X", "1 position(s)", "measure it at more positions"],
-            },
-            Refusal {
-                name: "one linear axis at one position",
-                damage: |files| files.keep(|row| row.is(&[("run", "x"), ("X", "200")])),
-                code: NOT_IDENTIFIABLE,
-                says: &["combination(s) of the stations free", "dead path of S1"],
-            },
-            Refusal {
-                name: "one linear axis at two positions",
-                damage: |files| {
+                NOT_IDENTIFIABLE,
+                "run x at X = 200 mm … 2 of the targets … three are needed",
+            ),
+            (
+                "target missing everywhere",
+                |files| files.keep(|row| !row.is(&[("target", "K")])),
+                NOT_IDENTIFIABLE,
+                "2 of the targets … three are needed",
+            ),
+            (
+                "one step in a run",
+                |files| files.keep(|row| row.text("run") != "x" || row.is(&[("X", "200")])),
+                NOT_IDENTIFIABLE,
+                "axis X … 1 position(s) … measure it at more positions",
+            ),
+            (
+                "one step in a run, at home",
+                |files| files.keep(|row| row.text("run") != "x" || row.is(&[("X", "0")])),
+                NOT_IDENTIFIABLE,
+                "axis X … 1 position(s) … measure it at more positions",
+            ),
+            (
+                "one linear axis at one position",
+                |files| files.keep(|row| row.is(&[("run", "x"), ("X", "200")])),
+                NOT_IDENTIFIABLE,
+                "combination(s) of the stations free … dead path of S1",
+            ),
+            (
+                "one linear axis at two positions",
+                |files| {
                     files.keep(|row| {
                         row.is(&[("run", "x")]) && ["0", "440"].contains(&row.text("X"))
                     });
                 },
-                code: NOT_IDENTIFIABLE,
-                says: &["combination(s) of the stations free", "dead path of S1"],
-            },
+                NOT_IDENTIFIABLE,
+                "combination(s) of the stations free … dead path of S1",
+            ),
         ],
     );
     assert_calibration_refused(
         "rotary-stage",
         &[
-            Refusal {
-                name: "target missing at an angle",
-                damage: |files| files.keep(|row| !row.is(&[("C", "200"), ("target", "Q")])),
-                code: NOT_IDENTIFIABLE,
-                says: &["run c at C = 200°", "2 of the targets", "three are needed"],
-            },
-            Refusal {
-                name: "one angle",
-                damage: |files| files.keep(|row| row.is(&[("C", "0")])),
-                code: NOT_IDENTIFIABLE,
-                says: &["combination(s) of the stations free"],
-            },
-            Refusal {
-                name: "two angles",
-                damage: |files| files.keep(|row| ["0", "180"].contains(&row.text("C"))),
-                code: NOT_IDENTIFIABLE,
-                says: &["combination(s) of the stations free"],
-            },
+            (
+                "target missing at an angle",
+                |files| files.keep(|row| !row.is(&[("C", "200"), ("target", "Q")])),
+                NOT_IDENTIFIABLE,
+                "run c at C = 200° … 2 of the targets … three are needed",
+            ),
+            (
+                "one angle",
+                |files| files.keep(|row| row.is(&[("C", "0")])),
+                NOT_IDENTIFIABLE,
+                "combination(s) of the stations free",
+            ),
+            (
+                "two angles",
+                |files| files.keep(|row| ["0", "180"].contains(&row.text("C"))),
+                NOT_IDENTIFIABLE,
+                "combination(s) of the stations free",
+            ),
         ],
     );
 }
@@ -157,75 +145,59 @@ fn bad_places() {
     assert_calibration_refused(
         "rotary-stage",
         &[
-            Refusal {
-                name: "targets on a line",
-                damage: |files| {
+            (
+                "targets on a line",
+                |files| {
                     *files = CampaignFiles::simulated("rotary-stage", |scenario| {
                         let place = [-11.9422, 116.3312, 15.9919];
                         scenario["targets"][2]["position_mm"] = json!(place);
                         without_mounting_errors(scenario);
                     });
                 },
-                code: NOT_IDENTIFIABLE,
-                says: &[
-                    "targets P, Q, K",
-                    "on one line",
-                    "place one target well away",
-                ],
-            },
-            Refusal {
-                name: "stations at one place, the same lengths",
-                damage: same_lengths_from_every_station,
-                code: NOT_IDENTIFIABLE,
-                says: &[
-                    "run c at C = 0°",
-                    "do not determine the pose",
-                    "spread the stations",
-                ],
-            },
-            Refusal {
-                name: "stations at one place",
-                damage: |files| {
+                NOT_IDENTIFIABLE,
+                "targets P, Q, K … on one line … place one target well away",
+            ),
+            (
+                "stations at one place, the same lengths",
+                same_lengths_from_every_station,
+                NOT_IDENTIFIABLE,
+                "run c at C = 0° … do not determine the pose … spread the stations",
+            ),
+            (
+                "stations at one place",
+                |files| {
                     *files = CampaignFiles::simulated("rotary-stage", |scenario| {
                         for station in 1..4 {
                             move_station(scenario, station, [760.0, -310.0, 180.0]);
                         }
                     });
                 },
-                code: NOT_IDENTIFIABLE,
-                says: &["station"],
-            },
+                NOT_IDENTIFIABLE,
+                "station",
+            ),
         ],
     );
     assert_calibration_refused(
         "fxyz",
         &[
-            Refusal {
-                name: "targets on a line",
-                damage: |files| {
+            (
+                "targets on a line",
+                |files| {
                     *files = CampaignFiles::simulated("fxyz", |scenario| {
                         let place = [86.712, 392.6545, 223.6475];
                         scenario["targets"][2]["position_mm"] = json!(place);
                         without_mounting_errors(scenario);
                     });
                 },
-                code: NOT_IDENTIFIABLE,
-                says: &[
-                    "targets P, Q, K",
-                    "on one line",
-                    "place one target well away",
-                ],
-            },
-            Refusal {
-                name: "stations at one place, the same lengths",
-                damage: same_lengths_from_every_station,
-                code: NOT_IDENTIFIABLE,
-                says: &[
-                    "run x at X = 0 mm",
-                    "do not determine the pose",
-                    "spread the stations",
-                ],
-            },
+                NOT_IDENTIFIABLE,
+                "targets P, Q, K … on one line … place one target well away",
+            ),
+            (
+                "stations at one place, the same lengths",
+                same_lengths_from_every_station,
+                NOT_IDENTIFIABLE,
+                "run x at X = 0 mm … do not determine the pose … spread the stations",
+            ),
         ],
     );
 }
@@ -265,44 +237,41 @@ fn too_little_for_free_points() {
     assert_refused_by_nine(
         "rotary-stage",
         &[
-            Refusal {
-                name: "two stations at one place",
-                damage: |files| {
+            (
+                "two stations at one place",
+                |files| {
                     *files = CampaignFiles::simulated("rotary-stage", |scenario| {
                         move_station(scenario, 1, [760.0, -310.0, 180.0]);
                     });
                 },
-                code: NOT_IDENTIFIABLE,
-                says: &["dead path of S1", "dead path of S2", "spread the stations"],
-            },
-            Refusal {
-                name: "stations in a plane",
-                damage: |files| {
+                NOT_IDENTIFIABLE,
+                "dead path of S1 … dead path of S2 … spread the stations",
+            ),
+            (
+                "stations in a plane",
+                |files| {
                     *files = CampaignFiles::simulated("rotary-stage", |scenario| {
                         for station in scenario["stations"].as_array_mut().unwrap() {
                             station["position_mm"][2] = json!(250);
                         }
                     });
                 },
-                code: NOT_IDENTIFIABLE,
-                says: &["combination(s) of the stations free", "spread the stations"],
-            },
-            Refusal {
-                name: "point seen from two stations",
-                damage: |files| {
+                NOT_IDENTIFIABLE,
+                "combination(s) of the stations free … spread the stations",
+            ),
+            (
+                "point seen from two stations",
+                |files| {
                     files.keep(|row| {
                         let is_point = row.is(&[("C", "200"), ("target", "Q")]);
                         let is_seen = ["S3", "S4"].contains(&row.text("station"));
                         is_seen || !is_point
                     });
                 },
-                code: NOT_IDENTIFIABLE,
-                says: &[
-                    "target Q in run c at C = 200°",
-                    "from 2 station(s), at least 3",
-                    "measure it from the missing stations",
-                ],
-            },
+                NOT_IDENTIFIABLE,
+                "target Q in run c at C = 200° … from 2 station(s), at least 3 … measure \
+                 it from the missing stations",
+            ),
         ],
     );
 }

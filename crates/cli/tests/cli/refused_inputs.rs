@@ -9,42 +9,30 @@ use crate::refused::{
 };
 
 const DAMAGES: &[Refusal] = &[
-    Refusal {
-        name: "unknown field",
-        damage: |files| files.replace("campaign.json", "carried_by", "caried_by"),
-        code: INPUT,
-        says: &[
-            "campaign.json line",
-            "field targets[0].caried_by",
-            "did you mean `carried_by`?",
-        ],
-    },
-    Refusal {
-        name: "no lengths.csv",
-        damage: |files| files.remove("lengths.csv"),
-        code: INPUT,
-        says: &["lengths.csv", "no such file", "field lengths"],
-    },
-    Refusal {
-        name: "NaN",
-        damage: |files| files.cell(101, "length_mm", "NaN"),
-        code: INPUT,
-        says: &[
-            "lengths.csv line 101, column length_mm",
-            "not a finite number",
-            "remove the row",
-        ],
-    },
-    Refusal {
-        name: "lengths in metres",
-        damage: |files| files.scale("length_mm", 1e-3),
-        code: INPUT,
-        says: &[
-            "lengths.csv line 2, column length_mm",
-            "look like metres",
-            "multiply them by 1000",
-        ],
-    },
+    (
+        "unknown field",
+        |files| files.replace("campaign.json", "carried_by", "caried_by"),
+        INPUT,
+        "campaign.json line … field targets[0].caried_by … did you mean `carried_by`?",
+    ),
+    (
+        "no lengths.csv",
+        |files| files.remove("lengths.csv"),
+        INPUT,
+        "lengths.csv … no such file … field lengths",
+    ),
+    (
+        "NaN",
+        |files| files.cell(101, "length_mm", "NaN"),
+        INPUT,
+        "lengths.csv line 101, column length_mm … not a finite number … remove the row",
+    ),
+    (
+        "lengths in metres",
+        |files| files.scale("length_mm", 1e-3),
+        INPUT,
+        "lengths.csv line 2, column length_mm … look like metres … multiply them by 1000",
+    ),
 ];
 
 #[test]
@@ -61,9 +49,9 @@ fn check_refuses_as_well() {
 fn verification_alone_cannot_be_calibrated_from() {
     assert_calibration_refused(
         "rotary-stage",
-        &[Refusal {
-            name: "verification alone",
-            damage: |files| {
+        &[(
+            "verification alone",
+            |files| {
                 files.json(|json| {
                     json.as_object_mut().unwrap().remove("lengths");
                     json["verification"] = json!([{
@@ -73,9 +61,9 @@ fn verification_alone_cannot_be_calibrated_from() {
                 });
                 files.add("dbb.csv", "cycle,direction,C,delta_um\n1,1,0,0\n1,1,90,2\n");
             },
-            code: NOT_IDENTIFIABLE,
-            says: &["campaign.json", "neither lengths nor points"],
-        }],
+            NOT_IDENTIFIABLE,
+            "campaign.json … neither lengths nor points",
+        )],
     );
 }
 
@@ -92,7 +80,7 @@ fn other_files_than_a_campaign() {
     ] {
         for verb in ["check", "calibrate"] {
             let outcome = run(folder.path(), &[verb, &path]);
-            outcome.assert_failed(&path, INPUT, &[&path, says]);
+            outcome.assert_failed(&path, INPUT, &format!("{path} … {says}"));
             assert!(file_names(folder.path()).is_empty());
         }
     }

@@ -3,47 +3,37 @@
 
 use serde_json::json;
 
-use crate::refused::{INPUT, NO_ANSWER, Refusal, assert_calibration_refused};
+use crate::refused::{INPUT, NO_ANSWER, assert_calibration_refused};
 
 #[test]
 fn units() {
     assert_calibration_refused(
         "fxyz",
         &[
-            Refusal {
-                name: "lengths in centimetres",
-                damage: |files| files.scale("length_mm", 0.1),
-                code: NO_ANSWER,
-                says: &[
-                    "no position of station",
-                    "explains its",
-                    "check",
-                    "the units",
-                ],
-            },
-            Refusal {
-                name: "one axis at half its positions",
-                damage: |files| files.scale("X", 0.5),
-                code: INPUT,
-                says: &["lengths.csv line", "the target moves only 220.000 mm"],
-            },
+            (
+                "lengths in centimetres",
+                |files| files.scale("length_mm", 0.1),
+                NO_ANSWER,
+                "no position of station … explains its … check … the units",
+            ),
+            (
+                "one axis at half its positions",
+                |files| files.scale("X", 0.5),
+                INPUT,
+                "lengths.csv line … the target moves only 220.000 mm",
+            ),
         ],
     );
     assert_calibration_refused(
         "rotary-stage",
         &[
             // A table in inches could also be a poor geometry.
-            Refusal {
-                name: "lengths in inches",
-                damage: |files| files.scale("length_mm", 1.0 / 25.4),
-                code: NO_ANSWER,
-                says: &[
-                    "no position of station",
-                    "explains its",
-                    "check",
-                    "the units",
-                ],
-            },
+            (
+                "lengths in inches",
+                |files| files.scale("length_mm", 1.0 / 25.4),
+                NO_ANSWER,
+                "no position of station … explains its … check … the units",
+            ),
         ],
     );
 }
@@ -53,35 +43,35 @@ fn exchanged_names() {
     assert_calibration_refused(
         "fxyz",
         &[
-            Refusal {
-                name: "stations exchanged in one run",
-                damage: |files| {
+            (
+                "stations exchanged in one run",
+                |files| {
                     files.exchange("station", ["S1", "S2"], |row| row.is(&[("run", "x")]));
                 },
-                code: NO_ANSWER,
-                says: &["no position of station S", "check its name in every row"],
-            },
-            Refusal {
-                name: "stations exchanged in one repeat",
-                damage: |files| {
+                NO_ANSWER,
+                "no position of station S … check its name in every row",
+            ),
+            (
+                "stations exchanged in one repeat",
+                |files| {
                     files.exchange("station", ["S1", "S2"], |row| row.is(&[("repeat", "2")]));
                 },
-                code: NO_ANSWER,
-                says: &["no position of station S", "check its name in every row"],
-            },
-            Refusal {
-                name: "targets exchanged at one step",
-                damage: |files| {
+                NO_ANSWER,
+                "no position of station S … check its name in every row",
+            ),
+            (
+                "targets exchanged at one step",
+                |files| {
                     files.exchange("target", ["P", "Q"], |row| {
                         row.is(&[("run", "x"), ("X", "200")])
                     });
                 },
-                code: NO_ANSWER,
-                says: &["run x at X = 200 mm", "names its own station and target"],
-            },
-            Refusal {
-                name: "nominal positions of two targets exchanged",
-                damage: |files| {
+                NO_ANSWER,
+                "run x at X = 200 mm … names its own station and target",
+            ),
+            (
+                "nominal positions of two targets exchanged",
+                |files| {
                     files.json(|json| {
                         let targets = json["targets"].as_array_mut().unwrap();
                         let first = targets[0]["position_mm"].clone();
@@ -89,28 +79,28 @@ fn exchanged_names() {
                         targets[1]["position_mm"] = first;
                     });
                 },
-                code: NO_ANSWER,
-                says: &["no position of station", "nominal positions of the targets"],
-            },
+                NO_ANSWER,
+                "no position of station … nominal positions of the targets",
+            ),
         ],
     );
     assert_calibration_refused(
         "rotary-stage",
         &[
-            Refusal {
-                name: "stations exchanged in half a run",
-                damage: |files| {
+            (
+                "stations exchanged in half a run",
+                |files| {
                     files.exchange("station", ["S3", "S4"], |row| row.number("C") >= 180.0);
                 },
-                code: NO_ANSWER,
-                says: &["no position of station S", "check its name in every row"],
-            },
-            Refusal {
-                name: "targets exchanged in all rows",
-                damage: |files| files.exchange("target", ["P", "Q"], |_| true),
-                code: NO_ANSWER,
-                says: &["no position of station", "nominal positions of the targets"],
-            },
+                NO_ANSWER,
+                "no position of station S … check its name in every row",
+            ),
+            (
+                "targets exchanged in all rows",
+                |files| files.exchange("target", ["P", "Q"], |_| true),
+                NO_ANSWER,
+                "no position of station … nominal positions of the targets",
+            ),
         ],
     );
 }
@@ -120,50 +110,50 @@ fn wrong_machine() {
     assert_calibration_refused(
         "fxyz",
         &[
-            Refusal {
-                name: "axis reversed",
-                damage: |files| files.set("/machine/axes/0/direction", json!([-1, 0, 0])),
-                code: NO_ANSWER,
-                says: &["no position of station"],
-            },
-            Refusal {
-                name: "two axes exchanged",
-                damage: |files| {
+            (
+                "axis reversed",
+                |files| files.set("/machine/axes/0/direction", json!([-1, 0, 0])),
+                NO_ANSWER,
+                "no position of station",
+            ),
+            (
+                "two axes exchanged",
+                |files| {
                     files.set("/machine/axes/0/direction", json!([0, 1, 0]));
                     files.set("/machine/axes/1/direction", json!([1, 0, 0]));
                 },
-                code: NO_ANSWER,
-                says: &["no position of station"],
-            },
-            Refusal {
-                name: "target on another axis",
-                damage: |files| files.set("/targets/0/carried_by", json!("X")),
-                code: NO_ANSWER,
-                says: &["no position of station"],
-            },
+                NO_ANSWER,
+                "no position of station",
+            ),
+            (
+                "target on another axis",
+                |files| files.set("/targets/0/carried_by", json!("X")),
+                NO_ANSWER,
+                "no position of station",
+            ),
         ],
     );
     assert_calibration_refused(
         "rotary-stage",
         &[
-            Refusal {
-                name: "axis reversed",
-                damage: |files| files.set("/machine/axes/0/direction", json!([0, 0, -1])),
-                code: NO_ANSWER,
-                says: &["no position of station"],
-            },
-            Refusal {
-                name: "axis along X",
-                damage: |files| files.set("/machine/axes/0/direction", json!([1, 0, 0])),
-                code: NO_ANSWER,
-                says: &["no position of station"],
-            },
-            Refusal {
-                name: "axis 100 mm away",
-                damage: |files| files.set("/machine/axes/0/position_mm", json!([100, 0, 0])),
-                code: NO_ANSWER,
-                says: &["no position of station"],
-            },
+            (
+                "axis reversed",
+                |files| files.set("/machine/axes/0/direction", json!([0, 0, -1])),
+                NO_ANSWER,
+                "no position of station",
+            ),
+            (
+                "axis along X",
+                |files| files.set("/machine/axes/0/direction", json!([1, 0, 0])),
+                NO_ANSWER,
+                "no position of station",
+            ),
+            (
+                "axis 100 mm away",
+                |files| files.set("/machine/axes/0/position_mm", json!([100, 0, 0])),
+                NO_ANSWER,
+                "no position of station",
+            ),
         ],
     );
 }
@@ -172,11 +162,11 @@ fn wrong_machine() {
 fn single_wrong_readings() {
     assert_calibration_refused(
         "fxyz",
-        &[Refusal {
-            name: "one length enormous",
-            damage: |files| files.cell(101, "length_mm", "1e12"),
-            code: NO_ANSWER,
-            says: &["the adjustment runs away", "line 101 (station S1"],
-        }],
+        &[(
+            "one length enormous",
+            |files| files.cell(101, "length_mm", "1e12"),
+            NO_ANSWER,
+            "the adjustment runs away … line 101 (station S1",
+        )],
     );
 }

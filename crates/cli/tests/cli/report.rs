@@ -47,12 +47,12 @@ fn the_page_is_made_again_with_its_figures() {
         folder.path(),
         &["report", "rotary-stage", "--template", "own.html"],
     )
-    .assert_failed("a wrong template", 3, &["template"]);
+    .assert_failed("a wrong template", 3, "template");
     run(
         folder.path(),
         &["report", "rotary-stage", "--template", "none.html"],
     )
-    .assert_failed("no template", 3, &["none.html", "cannot be read"]);
+    .assert_failed("no template", 3, "none.html … cannot be read");
 }
 
 /// With all results of a campaign: a size to be sent by mail, and nothing from a network.
@@ -111,11 +111,11 @@ fn without_a_result_there_is_no_report() {
     run(folder.path(), &["report", "."]).assert_failed(
         "an empty folder",
         3,
-        &["calibration.json", "diagnosis.json"],
+        "calibration.json … diagnosis.json",
     );
     fs::write(folder.path().join("a-file"), "").unwrap();
-    let says = ["error[E504]: a-file holds neither", "give the folder"];
-    run(folder.path(), &["report", "a-file"]).assert_failed("a file", 3, &says);
+    let says = "error[E504]: a-file holds neither … give the folder";
+    run(folder.path(), &["report", "a-file"]).assert_failed("a file", 3, says);
     let campaign = shipped("rotary-stage").join("campaign.json");
     let campaign = campaign.display().to_string();
     run(folder.path(), &["calibrate", &campaign, "--no-report"]).assert_good();

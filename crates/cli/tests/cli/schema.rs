@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::json_schema::faults;
-use crate::program::{contents, run, shipped};
+use crate::program::{contents, run, run_line, shipped};
 
 fn schema(name: &str) -> Value {
     let outcome = run(Path::new("."), &["schema", name]);
@@ -76,74 +76,23 @@ fn shipped_schemas_are_those_of_the_program() {
 fn results_fit() {
     let folder = tempfile::tempdir().unwrap();
     let current = folder.path();
-    let good = |args: &[&str]| run(current, args).assert_good();
-    let campaign = |name: &str| shipped(name).join("campaign.json").display().to_string();
-    let [fxyz, rotary, five] = ["fxyz", "rotary-stage", "five-axis"].map(campaign);
-    let lines = campaign("fxyz-lines");
-    good(&["calibrate", &fxyz, "--out", "a", "--no-report"]);
-    good(&[
-        "calibrate",
-        &fxyz,
-        "--out",
-        "b",
-        "--no-report",
-        "--method",
-        "six",
-    ]);
-    good(&[
-        "calibrate",
-        &rotary,
-        "--out",
-        "c",
-        "--no-report",
-        "--method",
-        "nine",
-    ]);
-    good(&[
-        "calibrate",
-        &five,
-        "--out",
-        "d",
-        "--no-report",
-        "--by-direction",
-    ]);
-    good(&["calibrate", &five, "--out", "e", "--no-report"]);
-    good(&[
-        "compare",
-        "a/calibration.json",
-        "b/calibration.json",
-        "--out",
-        "a",
-    ]);
-    good(&[
-        "verify",
-        "a/calibration.json",
-        &lines,
-        "--out",
-        "a",
-        "--no-report",
-    ]);
-    good(&[
-        "volume",
-        "a/calibration.json",
-        "--points",
-        "3",
-        "--out",
-        "a",
-    ]);
-    good(&[
-        "volume",
-        "e/calibration.json",
-        "--points",
-        "2",
-        "--out",
-        "e",
-        "--draws",
-        "0",
-    ]);
-    good(&["diagnose", &lines, "--out", "l", "--no-report"]);
-    good(&["montecarlo", &rotary, "--trials", "100", "--out", "c"]);
-    let checked = run(current, &["check", &five, "--json"]).stdout;
+    let good = |line: &str| {
+        let outcome = run_line(current, line);
+        outcome.assert_good();
+        outcome.stdout
+    };
+    good("calibrate @fxyz --out a --no-report");
+    good("calibrate @fxyz --out b --no-report --method six");
+    good("calibrate @rotary-stage --out c --no-report --method nine");
+    good("calibrate @five-axis --out d --no-report --by-direction");
+    good("calibrate @five-axis --out e --no-report");
+    good("compare a/calibration.json b/calibration.json --out a");
+    good("verify a/calibration.json @fxyz-lines --out a --no-report");
+    good("volume a/calibration.json --points 3 --out a");
+    good("volume e/calibration.json --points 2 --out e --draws 0");
+    good("diagnose @fxyz-lines --out l --no-report");
+    good("montecarlo @rotary-stage --trials 100 --out c");
+    let checked = good("check @five-axis --json");
     fs::write(current.join("check.json"), checked).unwrap();
     let refused = run(current, &["check", "no.json", "--json"]).stdout;
     fs::write(current.join("error.json"), refused).unwrap();
@@ -156,22 +105,9 @@ fn results_fit() {
                         { "name": "time", "value": 4000.0, "unit": "s" } ]
     }]);
     fs::write(current.join("scenario.json"), scenario.to_string()).unwrap();
-    good(&["simulate", "scenario.json", "--out", "measured"]);
-    good(&[
-        "diagnose",
-        "measured/campaign.json",
-        "--out",
-        "f",
-        "--no-report",
-    ]);
-    let with_effects = ["--with-effects", "f/effects.json", "--no-report"];
-    good(
-        &[
-            &["calibrate", "measured/campaign.json", "--out", "f"],
-            with_effects.as_slice(),
-        ]
-        .concat(),
-    );
+    good("simulate scenario.json --out measured");
+    good("diagnose measured/campaign.json --out f --no-report");
+    good("calibrate measured/campaign.json --out f --with-effects f/effects.json --no-report");
 
     let names = [
         "campaign",

@@ -78,12 +78,12 @@ fn folder_that_cannot_be_made() {
         folder.path(),
         &["simulate", &scenario_path("fxyz"), "--out", "out"],
     )
-    .assert_failed("a file in the way", USAGE, &["cannot be written", "--out"]);
+    .assert_failed("a file in the way", USAGE, "cannot be written … --out");
     assert_eq!(contents(folder.path()), before);
 }
 
 /// A change of a scenario and what the message must say.
-type Damage = (&'static str, fn(&mut Value), &'static [&'static str]);
+type Damage = (&'static str, fn(&mut Value), &'static str);
 
 #[test]
 fn wrong_scenarios() {
@@ -91,47 +91,47 @@ fn wrong_scenarios() {
         (
             "format",
             |s| s["format"] = json!("trueaxis-campaign"),
-            &["format", "not a scenario"],
+            "format … not a scenario",
         ),
         (
             "version",
             |s| s["version"] = json!(2),
-            &["version", "expected 1", "found 2"],
+            "version … expected 1 … found 2",
         ),
         (
             "unknown field",
             |s| s["repeatz"] = json!(3),
-            &["repeatz", "did you mean `repeats`?"],
+            "repeatz … did you mean `repeats`?",
         ),
         (
             "no repeats",
             |s| s["repeats"] = json!(0),
-            &["repeats", "at least 1"],
+            "repeats … at least 1",
         ),
         (
             "unknown axis",
             |s| s["runs"][0]["axis"] = json!("W"),
-            &["runs[0].axis", "`W`", "known: X, Y, Z"],
+            "runs[0].axis … `W` … known: X, Y, Z",
         ),
         (
             "outside the travel",
             |s| s["runs"][0]["sweep"]["stop"] = json!(460),
-            &["runs[0].sweep", "position 460 of axis X", "[0, 440]"],
+            "runs[0].sweep … position 460 of axis X … [0, 440]",
         ),
         (
             "endless steps",
             |s| s["runs"][0]["sweep"]["step"] = json!(0),
-            &["runs[0].sweep.step", "more than zero"],
+            "runs[0].sweep.step … more than zero",
         ),
         (
             "negative noise",
             |s| s["instrument"]["length_sigma_um"] = json!(-1),
-            &["instrument.length_sigma_um", "zero or more"],
+            "instrument.length_sigma_um … zero or more",
         ),
         (
             "two stations of one name",
             |s| s["stations"][1]["name"] = json!("S1"),
-            &["stations[1].name", "`S1`"],
+            "stations[1].name … `S1`",
         ),
     ];
     let text = fs::read(scenario_path("fxyz")).unwrap();
@@ -143,7 +143,7 @@ fn wrong_scenarios() {
         fs::write(&path, serde_json::to_string_pretty(&scenario).unwrap()).unwrap();
         let before = file_names(folder.path());
         let outcome = run(folder.path(), &["simulate", "scenario.json"]);
-        outcome.assert_failed(name, INPUT, &[&["scenario.json line"], says].concat());
+        outcome.assert_failed(name, INPUT, &format!("scenario.json line … {says}"));
         assert_eq!(file_names(folder.path()), before, "{name}");
     }
 }
@@ -160,7 +160,7 @@ fn other_files_than_a_scenario() {
     ] {
         let path = path.display().to_string();
         let outcome = run(folder.path(), &["simulate", &path]);
-        outcome.assert_failed(&path, INPUT, &[&path, says]);
+        outcome.assert_failed(&path, INPUT, &format!("{path} … {says}"));
         assert!(file_names(folder.path()).is_empty());
     }
 }

@@ -54,7 +54,7 @@ fn quiet_says_nothing_but_errors() {
         outcome.assert_good();
         assert_eq!([outcome.stdout, outcome.stderr], ["", ""], "{args:?}");
     }
-    run(folder.path(), &["check", "none.json", "-q"]).assert_failed("no file", 3, &["none.json"]);
+    run(folder.path(), &["check", "none.json", "-q"]).assert_failed("no file", 3, "none.json");
 }
 
 #[test]

@@ -24,12 +24,8 @@ fn a_campaign_without_readings_is_refused() {
         "--out",
         "verified",
     ];
-    let says = [
-        "error[E404]",
-        campaign,
-        "no verification readings",
-        "add them to `verification`",
-    ];
+    let says =
+        format!("error[E404] … {campaign} … no verification readings … add them to `verification`");
     run(folder.path(), &args).assert_failed("no readings", 5, &says);
     assert!(!folder.path().join("verified").exists());
 }
@@ -155,7 +151,7 @@ fn readings_that_do_not() {
         other.to_str().unwrap(),
     ];
     let outcome = run(folder.path(), &args);
-    outcome.assert_failed("another machine", 3, &["its axes are X Y Z, expected C"]);
+    outcome.assert_failed("another machine", 3, "its axes are X Y Z, expected C");
 }
 
 /// Point checks: `verify` compares them, `diagnose` says that it does not, and the schema knows them.

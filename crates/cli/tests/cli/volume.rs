@@ -74,7 +74,7 @@ fn a_table_alone_has_no_map() {
 fn without_a_calibration_it_ends() {
     let folder = tempfile::tempdir().unwrap();
     let outcome = volume(folder.path(), &[]);
-    outcome.assert_failed("no file", 3, &["give the path of a calibration.json"]);
+    outcome.assert_failed("no file", 3, "give the path of a calibration.json");
     let outcome = volume(folder.path(), &["--tool", "1,2"]);
-    outcome.assert_failed("a point of two", 2, &["expected three numbers in mm"]);
+    outcome.assert_failed("a point of two", 2, "expected three numbers in mm");
 }

@@ -1,0 +1,4 @@
+//! Tests of the page: what it shows, and that nothing in the files breaks it.
+
+mod hostile;
+mod shows;
