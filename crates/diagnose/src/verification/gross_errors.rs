@@ -1,29 +1,46 @@
-//! Readings that contradict all others, as a slip of the pen does.
+//! Readings that contradict all others, as a slip of the pen does, or two in a row.
 //!
 //! Against the model that leaves nothing but scatter (each position and side has a mean, each pass an offset,
-//! [`scatter`]) every arrival is tested with the residual of the others,
+//! [`scatter`]) every arrival, and every two that follow each other, are tested with the residuals of the others,
 //!
 //! ```text
-//! t = e/(s √r)      s² = (S - e²/r)/(ν - 1)      r = diagonal of M
+//! F = (d/k)/((S - d)/(ν - k))      d = e_Aᵀ (M_AA)⁻¹ e_A      k = 1 or 2 arrivals A
 //! ```
 //!
-//! one at a time, the largest first (externally studentised residual; Cook and Weisberg 1982). What stands beside
-//! another one in time, or is more than a few, is no slip but structure, and stays.
+//! those that stand out most first (externally studentised residuals; Cook and Weisberg 1982, ch. 2). Two in a row are tested
+//! together because each hides the other. Three in a row, more than a few, or those after which readings stay where they were are
+//! no slips but structure, and stay.
 
 use trueaxis_campaign::Verification;
-use trueaxis_leastsquares::student_two_sided;
 
 use crate::Rejected;
-use crate::selection::Projection;
+use crate::selection::{Projection, dot, ln_f_test};
 use crate::verification::comparison::Comparison;
-use crate::verification::noise_floor::scatter;
+use crate::verification::noise_floor::{cells, passes, scatter};
 use crate::verification::resolution::resolution_um;
 
 /// Probability of leaving out anything of readings that are in order, for each file.
 const LEVEL: f64 = 1e-4;
 
-/// Part of the arrivals that may be slips, and at least one.
+/// Part of the arrivals that may be slips, two in a row for one, and at least one.
 const MOST: f64 = 0.03;
+
+/// Slips in a row, at most: more are structure.
+const MOST_IN_A_ROW: usize = 2;
+
+/// Arrivals before and after a slip that say where the readings were and where they stay.
+const NEIGHBOURS: usize = 4;
+
+/// Part of what a slip is off by which the readings may stay off by.
+const STAYS: f64 = 0.5;
+
+/// An arrival that stands out: error and its standard uncertainty, µm.
+#[derive(Debug, Clone, Copy)]
+struct Slip {
+    arrival: usize,
+    error_um: f64,
+    u_um: f64,
+}
 
 /// The readings of a table that are gross errors: their indices, and what is said of them.
 pub(crate) fn gross_errors(
@@ -40,82 +57,209 @@ pub(crate) fn gross_errors(
         reason = "a count"
     )]
     let most = ((MOST * count as f64) as usize).max(1);
-    let mut found: Vec<(usize, f64, f64)> = Vec::new();
     let resolution_um = resolution_um(comparison).unwrap_or_default();
-    while let Some((arrival, error, u)) = largest(&left, count, resolution_um) {
-        found.push((arrival, error, u));
-        if found.len() > most {
+    let mut found: Vec<Slip> = Vec::new();
+    while let Some(next) = largest(&left, comparison, resolution_um) {
+        for slip in &next {
+            let mut own = vec![0.0; left.rows()];
+            own[slip.arrival] = 1.0;
+            left = left.extended(&[own]);
+        }
+        found.extend(next);
+        if found.len() > MOST_IN_A_ROW * most {
             return Vec::new();
         }
-        let mut own = vec![0.0; left.rows()];
-        own[arrival] = 1.0;
-        left = left.extended(&[own]);
     }
-    let stands_alone = |arrival: usize| {
-        let beside = |other: usize| other.abs_diff(arrival) == 1;
-        comparison.arrivals[arrival].readings == 1 && !found.iter().any(|f| beside(f.0))
+    found.sort_by_key(|slip| slip.arrival);
+    let follow = |a: &Slip, b: &Slip| a.arrival + 1 == b.arrival;
+    let rows: Vec<&[Slip]> = found.chunk_by(follow).collect();
+    if rows.len() > most {
+        return Vec::new();
+    }
+    let of_one_reading = |row: &&[Slip]| {
+        let mut arrivals = row.iter().map(|slip| &comparison.arrivals[slip.arrival]);
+        arrivals.all(|arrival| arrival.readings == 1)
     };
+    let are_slips = |row: &&[Slip]| row.len() <= MOST_IN_A_ROW && !is_jump(comparison, &found, row);
+    let rows = rows.into_iter().filter(of_one_reading).filter(are_slips);
     let mut first = 0;
-    let rows: Vec<usize> = comparison
-        .arrivals
-        .iter()
-        .map(|arrival| {
-            let row = first;
-            first += arrival.readings;
-            row
-        })
-        .collect();
-    let alone = found.iter().filter(|f| stands_alone(f.0));
-    let said = alone.map(|&(arrival, error_um, u_um)| {
-        let row = rows[arrival];
+    let first_readings = comparison.arrivals.iter().map(|arrival| {
+        let reading = first;
+        first += arrival.readings;
+        reading
+    });
+    let first_readings: Vec<usize> = first_readings.collect();
+    let said = rows.flatten().map(|slip| {
+        let reading = first_readings[slip.arrival];
         let rejected = Rejected {
             file: verification.name.clone(),
-            row: verification.readings[row].line,
-            error_um,
-            u_um,
+            row: verification.readings[reading].line,
+            error_um: slip.error_um,
+            u_um: slip.u_um,
             reason: "contradicts all other readings: a slip of the pen, or read too early"
                 .to_owned(),
         };
-        (row, rejected)
+        (reading, rejected)
     });
-    let mut all: Vec<(usize, Rejected)> = said.collect();
-    all.sort_by_key(|(row, _)| *row);
-    all
+    said.collect()
 }
 
-/// The arrival that stands out most, if noise has none like it: error and its standard uncertainty, µm.
-fn largest(left: &Projection, count: usize, resolution_um: f64) -> Option<(usize, f64, f64)> {
-    let (squares, freedom) = (left.squares(), left.degrees_of_freedom - 1.0);
-    if freedom < LEAST_DEGREES_OF_FREEDOM {
+/// The arrival, or the two in a row, that stand out most, if noise has none like them.
+fn largest(
+    left: &Projection,
+    comparison: &Comparison<'_>,
+    resolution_um: f64,
+) -> Option<Vec<Slip>> {
+    let count = comparison.arrivals.len();
+    if left.degrees_of_freedom - 2.0 < LEAST_DEGREES_OF_FREEDOM {
         return None;
     }
-    let tested = (0..count).filter_map(|row| {
-        let taken: f64 = left.shared_row(row).iter().map(|x| x * x).sum();
-        let redundancy = 1.0 - taken;
-        // What the model takes as it is cannot be tested.
-        if redundancy < LEAST_REDUNDANCY {
-            return None;
-        }
-        let e = left.residuals[row];
-        let rest = (squares - e * e / redundancy).max(0.0);
-        let u = ((rest / freedom).sqrt().max(resolution_um)) / redundancy.sqrt();
-        Some((row, e / redundancy, u))
-    });
-    let mut tested: Vec<(usize, f64, f64)> = tested.collect();
-    let t = |row: &(usize, f64, f64)| (row.1 / row.2).abs();
-    tested.sort_by(|a, b| t(b).total_cmp(&t(a)));
-    let first = tested.first()?;
-    // Two that explain it alike: which of them is wrong cannot be told.
-    let is_alone = tested
-        .get(1)
-        .is_none_or(|second| t(second) < ALIKE * t(first));
-    let limit = student_two_sided(LEVEL / count as f64, freedom);
-    (is_alone && t(first) > limit).then_some(*first)
+    let tested = |length: usize| {
+        let all = (0..=count - length).filter_map(|first| {
+            let arrivals: Vec<usize> = (first..first + length).collect();
+            Tested::new(left, &arrivals, resolution_um)
+        });
+        let mut all: Vec<Tested> = all.collect();
+        all.sort_by(|a, b| b.drop.total_cmp(&a.drop));
+        all
+    };
+    let found = |all: Vec<Tested>| {
+        let mut all = all.into_iter();
+        let first = all.next()?;
+        // Two that explain it alike: which of them is wrong cannot be told.
+        let is_alone = all
+            .next()
+            .is_none_or(|second| second.drop < ALIKE * first.drop);
+        let is_clear = first.ln_p < (LEVEL / count as f64).ln();
+        (is_alone && is_clear).then_some(first.slips)
+    };
+    let alone = found(tested(1)).map(|slips| culprits(left, comparison, slips, resolution_um));
+    alone.or_else(|| found(tested(2)))
+}
+
+/// In a pass of three readings two that are wrong are, beside the offset of the pass, one that is wrong the other way: then those
+/// two, if the means of their positions say so.
+fn culprits(
+    left: &Projection,
+    comparison: &Comparison<'_>,
+    slips: Vec<Slip>,
+    resolution_um: f64,
+) -> Vec<Slip> {
+    let [slip] = slips.as_slice() else {
+        return slips;
+    };
+    let passes = passes(comparison);
+    let others =
+        (0..passes.len()).filter(|&k| passes[k] == passes[slip.arrival] && k != slip.arrival);
+    let others: Vec<usize> = others.collect();
+    let [a, b] = others[..] else {
+        return slips;
+    };
+    if b != a + 1 {
+        return slips;
+    }
+    let off = off_um(comparison, &[a, b, slip.arrival]);
+    let are_off = |k: usize| off[k].is_some_and(|off| off.abs() > slip.error_um.abs() * STAYS);
+    let is_in_order = off[slip.arrival].is_some_and(|off| off.abs() < slip.error_um.abs() * STAYS);
+    match are_off(a) && are_off(b) && is_in_order {
+        true => Tested::new(left, &[a, b], resolution_um).map_or(slips, |tested| tested.slips),
+        false => slips,
+    }
+}
+
+/// Whether the readings after a slip, or two in a row, stay where those were, or were there before.
+fn is_jump(comparison: &Comparison<'_>, found: &[Slip], row: &[Slip]) -> bool {
+    let ([first, ..], [.., last]) = (row, row) else {
+        return false;
+    };
+    let without: Vec<usize> = found.iter().map(|slip| slip.arrival).collect();
+    let off = off_um(comparison, &without);
+    let mean = |rows: &mut dyn Iterator<Item = usize>| {
+        let kept = rows.filter(|k| !without.contains(k)).take(NEIGHBOURS);
+        let off: Vec<f64> = kept.filter_map(|k| off[k]).collect();
+        (!off.is_empty()).then(|| off.iter().sum::<f64>() / off.len() as f64)
+    };
+    let before = mean(&mut (0..first.arrival).rev());
+    let after = mean(&mut (last.arrival + 1..off.len()));
+    let (Some(before), Some(after)) = (before, after) else {
+        return false;
+    };
+    let errors = row.iter().map(|slip| slip.error_um.abs());
+    (after - before).abs() > STAYS * errors.sum::<f64>() / row.len() as f64
+}
+
+/// How far each arrival is off the mean of the others at its position and side, µm; none where there is no other. Arrivals `without`
+/// are in no mean.
+fn off_um(comparison: &Comparison<'_>, without: &[usize]) -> Vec<Option<f64>> {
+    let cells = cells(comparison);
+    let off = |row: usize| {
+        let others = (0..cells.len()).filter(|other| {
+            cells[*other] == cells[row] && *other != row && !without.contains(other)
+        });
+        let others: Vec<f64> = others.map(|k| comparison.difference_um[k]).collect();
+        let mean = others.iter().sum::<f64>() / others.len() as f64;
+        (!others.is_empty()).then(|| comparison.difference_um[row] - mean)
+    };
+    (0..cells.len()).map(off).collect()
+}
+
+/// Arrivals with values of their own in the model.
+struct Tested {
+    slips: Vec<Slip>,
+    drop: f64,
+    ln_p: f64,
+}
+
+impl Tested {
+    /// None if the model takes them as they are: then they cannot be tested.
+    fn new(left: &Projection, arrivals: &[usize], resolution_um: f64) -> Option<Self> {
+        let m = |a: usize, b: usize| {
+            f64::from(u8::from(a == b)) - dot(left.shared_row(a), left.shared_row(b))
+        };
+        let e = |k: usize| left.residuals[arrivals[k]];
+        let inverse = match *arrivals {
+            [a] => (m(a, a) > LEAST_REDUNDANCY).then(|| [1.0 / m(a, a), 0.0, 0.0])?,
+            [a, b] => {
+                let determinant = m(a, a) * m(b, b) - m(a, b) * m(a, b);
+                (determinant > LEAST_REDUNDANCY)
+                    .then(|| [m(b, b), -m(a, b), m(a, a)].map(|x| x / determinant))?
+            }
+            _ => return None,
+        };
+        let errors = match arrivals.len() {
+            1 => vec![inverse[0] * e(0)],
+            _ => vec![
+                inverse[0] * e(0) + inverse[1] * e(1),
+                inverse[1] * e(0) + inverse[2] * e(1),
+            ],
+        };
+        let drop: f64 = errors
+            .iter()
+            .enumerate()
+            .map(|(k, error)| error * e(k))
+            .sum();
+        let rank = arrivals.len();
+        let freedom = left.degrees_of_freedom - rank as f64;
+        // No less than the last digit of the readings has.
+        let rest = (left.squares() - drop).max(freedom * resolution_um.powi(2));
+        let s = (rest / freedom).sqrt();
+        let slip = |(k, error_um): (usize, &f64)| Slip {
+            arrival: arrivals[k],
+            error_um: *error_um,
+            u_um: s * inverse[2 * k].sqrt(),
+        };
+        Some(Self {
+            slips: errors.iter().enumerate().map(slip).collect(),
+            ln_p: ln_f_test(drop, drop + rest, rank, left.degrees_of_freedom),
+            drop,
+        })
+    }
 }
 
 /// With fewer, Student's limit is beyond anything.
 const LEAST_DEGREES_OF_FREEDOM: f64 = 5.0;
 
-const ALIKE: f64 = 0.9;
+/// Drops of the sum of squares.
+const ALIKE: f64 = 0.81;
 
 const LEAST_REDUNDANCY: f64 = 1e-6;

@@ -52,7 +52,7 @@ pub(crate) fn scatter(comparison: &Comparison<'_>) -> Option<Projection> {
 }
 
 /// For each reading the number of its positions and direction.
-fn cells(comparison: &Comparison<'_>) -> Vec<usize> {
+pub(crate) fn cells(comparison: &Comparison<'_>) -> Vec<usize> {
     let stands = stands(comparison);
     let arrivals = comparison.arrivals.iter();
     let mut cells: Vec<usize> = stands
@@ -70,6 +70,16 @@ fn cells(comparison: &Comparison<'_>) -> Vec<usize> {
     cells
 }
 
+/// For each reading the number of its cycle and direction.
+pub(crate) fn passes(comparison: &Comparison<'_>) -> Vec<usize> {
+    let cycles = comparison.cycles();
+    let number = |cycle: &u32| cycles.binary_search(cycle).unwrap_or_default();
+    let arrivals = comparison.arrivals.iter();
+    arrivals
+        .map(|a| 2 * number(&a.cycle) + usize::from(a.direction < 0.0))
+        .collect()
+}
+
 /// An offset (and a slope), or a set-up, for each pass.
 fn pass_columns(comparison: &Comparison<'_>, with_slope: bool) -> Vec<Vec<f64>> {
     let measured = comparison.axis();
@@ -84,17 +94,12 @@ fn pass_columns(comparison: &Comparison<'_>, with_slope: bool) -> Vec<Vec<f64>> 
         }
         VerificationKind::Ballbar { .. } => set_up(comparison),
     };
+    let passes = passes(comparison);
     let mut columns = Vec::new();
-    for cycle in comparison.cycles() {
-        for forward in [true, false] {
-            let of_pass = |row: usize| {
-                let arrival = &comparison.arrivals[row];
-                arrival.cycle == cycle && (arrival.direction > 0.0) == forward
-            };
-            for shape in &shapes {
-                let cut = |(row, x): (usize, &f64)| if of_pass(row) { *x } else { 0.0 };
-                columns.push(shape.iter().enumerate().map(cut).collect());
-            }
+    for pass in 0..=passes.iter().copied().max().unwrap_or_default() {
+        for shape in &shapes {
+            let cut = |(row, x): (usize, &f64)| if passes[row] == pass { *x } else { 0.0 };
+            columns.push(shape.iter().enumerate().map(cut).collect());
         }
     }
     columns

@@ -136,3 +136,31 @@ fn take_means(places: &[Place], x: &mut [f64], key: impl Fn(&Place) -> usize) {
         *x -= sum.0 / sum.1;
     }
 }
+
+/// Cycles there and back over stops 50 mm apart, without times: `value_um(row, forward, stop)`.
+pub(crate) fn table_of_stops(
+    cycles: u32,
+    stops: usize,
+    mut value_um: impl FnMut(usize, bool, usize) -> f64,
+) -> Verification {
+    let mut places = Vec::new();
+    let mut values = Vec::new();
+    for cycle in 1..=cycles {
+        let there = (0..stops).map(|stop| (true, stop));
+        let back = (0..stops).rev().map(|stop| (false, stop));
+        for (forward, step) in there.chain(back) {
+            values.push(value_um(places.len(), forward, step));
+            places.push(Place {
+                time_s: 0.0,
+                cycle,
+                forward,
+                step,
+                x_mm: 50.0 * step as f64,
+                parked: 0,
+                y_mm: 0.0,
+                speed: 0.0,
+            });
+        }
+    }
+    table(&places, &values, false)
+}

@@ -16,6 +16,7 @@ mod machines;
 mod made_points;
 mod points;
 mod several;
+mod slips;
 mod unknown;
 mod unseen;
 
