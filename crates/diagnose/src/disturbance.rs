@@ -19,6 +19,8 @@ pub struct Disturbance {
     pub share: f64,
     /// How fast it changes.
     pub correlation_length: CorrelationLength,
+    /// Of one that swings with a period, that, in the unit of the correlation length, which is a quarter of it.
+    pub period: Option<f64>,
     /// By what part the held-out rms falls; none where nothing could be held out, or causes gain, too.
     pub heldout_gain: Option<f64>,
     /// Its course.

@@ -89,8 +89,9 @@ pub(crate) fn diagnose_verification(
                 .to_owned(),
         );
     }
-    let given = campaign.verification.iter();
+    let given = given_once(&campaign.verification, &mut outcome.notices);
     let kept: Vec<Verification> = given
+        .into_iter()
         .map(|verification| without_gross_errors(machine, verification, calibration, &mut outcome))
         .collect();
     let comparisons = kept.iter().map(|verification| {
@@ -145,6 +146,37 @@ fn compared<'a>(
     }
 }
 
+/// The verifications without those that repeat an earlier one reading by reading: as a second measurement they would make
+/// everything look more certain than it is.
+fn given_once<'v>(all: &'v [Verification], notices: &mut Vec<String>) -> Vec<&'v Verification> {
+    let mut once: Vec<&Verification> = Vec::new();
+    for verification in all {
+        let is_same = |other: &&&Verification| {
+            let rows = other.readings.iter().zip(&verification.readings);
+            let count = verification.readings.len();
+            // A few readings may be the same by chance.
+            count >= LEAST_REPEATED
+                && other.readings.len() == count
+                && rows.into_iter().all(|(a, b)| {
+                    (a.cycle, a.direction) == (b.cycle, b.direction)
+                        && a.positions == b.positions
+                        && is_same(a.value_um, b.value_um)
+                })
+        };
+        match once.iter().find(is_same) {
+            Some(first) => notices.push(format!(
+                "{}: its readings are those of {}, one by one: the same file twice, or a wrong one; they were judged once",
+                verification.name, first.name
+            )),
+            None => once.push(verification),
+        }
+    }
+    once
+}
+
+/// Readings from which on two tables are the same.
+const LEAST_REPEATED: usize = 6;
+
 /// The readings without those that contradict all others, which are said.
 fn without_gross_errors(
     machine: &Machine,
@@ -180,6 +212,11 @@ fn judged<'a>(
         explain_curves,
         level,
     } = asked;
+    if comparison.runs_against_its_direction() {
+        outcome.notices.push(format!(
+            "{name}: without time_s the rows are taken in the order of measuring, but some go against their direction, as in a table sorted by position; what goes with time is judged in the order of the rows"
+        ));
+    }
     let base = base_columns(comparison, calibration.is_some());
     let Some(resolution_um) = resolution_um(comparison) else {
         let why = match comparison.arrivals.len() {

@@ -1,7 +1,7 @@
 //! What a diagnosis says about its causes.
 
 use trueaxis_diagnose::{Cause, Change, EstimatedParameter, LevelReport};
-use trueaxis_effects::Scene;
+use trueaxis_effects::{ResolvedEffect, Scene};
 
 use crate::diagnose::in_words;
 use crate::diagnose::layout::labelled;
@@ -26,10 +26,9 @@ pub(crate) fn of_misfit(
     let several = rank.is_some();
     let rank = rank.map(|rank| format!(" {rank}")).unwrap_or_default();
     let name = in_words::effect(&cause.effect, scene);
-    let or_another = if cause.rivals.is_empty() {
-        ""
-    } else {
-        ", or another"
+    let or_another = match cause.rivals.is_empty() || is_clear_but_for_its_form(cause) {
+        true => "",
+        false => ", or another",
     };
     let mut lines = vec![format!("cause{rank}: {name}{or_another}")];
     lines.extend(labelled("seen in", &cause.data.join(", ")));
@@ -64,7 +63,9 @@ pub(crate) fn of_misfit(
     }
     lines.extend(labelled("certainty", &in_words::certainty(cause.p_value)));
     lines.extend(labelled("or else", &rivals(cause, scene)));
-    if !cause.rivals.is_empty() {
+    if is_clear_but_for_its_form(cause) {
+        lines.extend(labelled("to separate", MORE_OF_BOTH_SIDES));
+    } else if !cause.rivals.is_empty() {
         lines.extend(labelled("to separate", explanation.separate_by));
     }
     lines.extend(labelled(
@@ -75,7 +76,25 @@ pub(crate) fn of_misfit(
     lines
 }
 
+/// Whether all that is open of a lost motion is whether it is the same all along the axis.
+pub(crate) fn is_clear_but_for_its_form(cause: &Cause) -> bool {
+    let is_form = |effect: &ResolvedEffect| {
+        ["backlash", "position_dependent_backlash"].contains(&effect.effect.id)
+            && effect.subject == cause.effect.subject
+    };
+    let mut rivals = cause.rivals.iter();
+    !cause.rivals.is_empty() && is_form(&cause.effect) && rivals.all(|r| is_form(&r.effect))
+}
+
+/// What tells one lost motion from one that changes along the axis.
+const MORE_OF_BOTH_SIDES: &str =
+    "read more positions of the axis from both sides, or the same in more cycles";
+
 fn rivals(cause: &Cause, scene: &Scene) -> String {
+    if is_clear_but_for_its_form(cause) {
+        return "nothing else that is known; whether it is the same all along the axis is open"
+            .to_owned();
+    }
     if cause.rivals.is_empty() {
         return "nothing else that is known explains the data nearly as well".to_owned();
     }

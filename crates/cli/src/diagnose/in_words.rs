@@ -158,7 +158,7 @@ pub(crate) fn unit(unit: &str) -> &'static str {
 /// A share of one in percent; neither nothing nor all by rounding.
 pub(crate) fn percent(share: f64) -> String {
     match 100.0 * share {
-        p if p > 0.0 && p < 1.0 => "less than 1 %".to_owned(),
+        p if p < 1.0 => "less than 1 %".to_owned(),
         p if p > 99.0 && p < 100.0 => format!("{:.1} %", p.min(99.9)),
         p => format!("{p:.0} %"),
     }

@@ -85,10 +85,11 @@ fn wanders(disturbance: &Disturbance, scene: &Scene) -> Vec<String> {
             in_words::percent(disturbance.share)
         ),
     ];
-    let how = format!(
-        "smooth over {:.0} {}; its curve is in diagnosis.json",
-        length.value, length.unit
-    );
+    let how = match disturbance.period {
+        Some(period) => format!("swings with a period of {period:.0} {}", length.unit),
+        None => format!("smooth over {:.0} {}", length.value, length.unit),
+    };
+    let how = format!("{how}; its curve is in diagnosis.json");
     lines.extend(labelled("how", &how));
     let rivals = disturbance.rivals.iter().map(|rival| rival.in_words(scene));
     let rivals: Vec<String> = rivals.collect();
@@ -145,6 +146,9 @@ fn verdict(diagnosis: &Diagnosis) -> String {
             format!("the data contradict the model, for {count} causes{more}")
         }
         Verdict::Named => format!("the data contradict the model, and the cause is clear{more}"),
+        Verdict::Ambiguous if are_clear_but_for_their_form(diagnosis) => {
+            format!("the data contradict the model, and the cause is clear but for its form{more}")
+        }
         Verdict::Ambiguous => {
             format!("the data contradict the model, and several causes are possible{more}")
         }
@@ -152,6 +156,12 @@ fn verdict(diagnosis: &Diagnosis) -> String {
             "the data contradict the model, and no known cause explains it".to_owned()
         }
     }
+}
+
+fn are_clear_but_for_their_form(diagnosis: &Diagnosis) -> bool {
+    let causes = diagnosis.causes.iter();
+    let mut of_misfit = causes.filter(|cause| cause.level != Level::Components);
+    of_misfit.all(causes::is_clear_but_for_its_form)
 }
 
 /// How far the prediction is off, and where.

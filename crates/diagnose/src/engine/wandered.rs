@@ -37,6 +37,7 @@ pub(crate) fn wandered<D: Wanders>(
                 value: judged.disturbance.length * (range[1] - range[0]),
                 unit: unit(base, wanderer, course),
             },
+            period: None,
             heldout_gain: gain.map(|gain| 1.0 - gain.heldout_rms_ratio),
             curve: coefficients.curve(base, course),
             rivals: judged

@@ -20,6 +20,8 @@ pub(super) struct DisturbanceFile<'a> {
     rms_um: f64,
     share: f64,
     correlation_length: CorrelationLengthFile,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    period: Option<f64>,
     heldout_gain: Option<f64>,
     curve: Vec<CurvePointFile>,
     cannot_tell_apart_from: Vec<AlikeFile>,
@@ -71,6 +73,7 @@ impl<'a> DisturbanceFile<'a> {
                 value: round(own.correlation_length.value, 3),
                 unit: own.correlation_length.unit,
             },
+            period: own.period.map(|period| round(period, 3)),
             heldout_gain: own.heldout_gain.map(|gain| round(gain, 4)),
             curve: own.curve.iter().map(point).collect(),
             cannot_tell_apart_from: own.rivals.iter().map(rival).collect(),

@@ -109,6 +109,9 @@ pub(crate) fn only<'a>(plain: &Problem<'a>, wandering: Vec<Wandering>) -> Model<
     }
 }
 
+/// Level of a cause beside what wanders, as of a further cause in the lengths: the true course is never quite the process.
+const BESIDE: f64 = 0.001;
+
 /// Causes with what wanders beside them, without those that are not significant there or imitate what is left; none if
 /// nothing wanders.
 fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>, look: &Look) -> Option<Model<'a>> {
@@ -121,7 +124,8 @@ fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>, look: &Look) -> Opti
         if model.wandering.is_empty() {
             return None;
         }
-        drop_superfluous(&model.problem.listed, &mut causes, look.level);
+        let level = look.level.min(BESIDE);
+        drop_superfluous(&model.problem.listed, &mut causes, level);
         without_imitations(&model.problem, &mut causes, look);
         if causes.len() == found {
             model.causes = causes;
@@ -192,8 +196,7 @@ fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
     let mut sum = 0.0;
     let mut projection = plain.listed.base.clone();
     for own in &model.wandering {
-        let tried = own.wanderer.lengths(plain.comparison).len();
-        let (evidence, next) = beside_one_of(&projection, &own.columns(plain), tried);
+        let (evidence, next) = beside_one_of(&projection, &own.columns(plain), own.tried(plain));
         sum += evidence;
         projection = next;
     }

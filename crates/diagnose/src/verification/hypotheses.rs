@@ -48,7 +48,13 @@ pub(crate) fn candidates(
             moving: with(&scene.moving, &comparison.parked_elsewhere),
             ..scene.clone()
         };
+        // Nor does an axis stand that came to one position from both sides.
+        let turning = Scene {
+            moving: with(&scene.moving, &turning(comparison)),
+            ..scene.clone()
+        };
         let subjects = match effect.id {
+            "backlash" => effect.subjects(&turning).into_iter(),
             "cross_coupling" => effect.subjects(&beside).into_iter(),
             _ => effect.subjects(&scene).into_iter(),
         };
@@ -61,7 +67,11 @@ pub(crate) fn candidates(
             };
             let plausible = plausible(&hypothesis, &scene);
             let shapes = shapes(comparison, effect.shape, &subject);
-            let column = |k, shape| comparison.column(effect, &subject, k, shape);
+            let is_seen = is_of_both_sides(comparison, effect.id, &subject);
+            let column = |k, shape| match is_seen {
+                true => comparison.column(effect, &subject, k, shape),
+                false => vec![0.0; comparison.arrivals.len()],
+            };
             let count = plausible.len();
             let columns = |&shape: &f64| (0..count).map(|k| whiten(column(k, shape))).collect();
             all.push(Candidate {
@@ -93,6 +103,15 @@ pub(crate) fn candidates(
     all
 }
 
+/// The measured axis, if it came from both sides.
+fn turning(comparison: &Comparison<'_>) -> Vec<usize> {
+    let VerificationKind::Positioning { axis, .. } = *comparison.kind else {
+        return Vec::new();
+    };
+    let is_turning = comes_from_both_sides(comparison, axis);
+    is_turning.then_some(axis).into_iter().collect()
+}
+
 /// Both in rising order.
 fn with(moving: &[usize], parked: &[usize]) -> Vec<usize> {
     let mut all = [moving, parked].concat();
@@ -121,6 +140,33 @@ fn is_seen(comparison: &Comparison<'_>, subject: &Subject) -> bool {
         VerificationKind::Positioning { .. } => component == own,
         VerificationKind::Ballbar { .. } => component == own || !component.is_angular(),
     }
+}
+
+/// Whether an effect is anything but lost motion of an axis that came from one side only: then nothing tells it from a function
+/// of the position.
+pub(crate) fn is_of_both_sides(
+    comparison: &Comparison<'_>,
+    effect: &str,
+    subject: &Subject,
+) -> bool {
+    let Some(axis) = subject
+        .axis
+        .filter(|_| lost_motion::FORMS.contains(&effect))
+    else {
+        return true;
+    };
+    comes_from_both_sides(comparison, axis)
+}
+
+/// Whether an axis came from either side.
+pub(crate) fn comes_from_both_sides(comparison: &Comparison<'_>, axis: usize) -> bool {
+    let comes_from = |side: f64| {
+        comparison
+            .arrivals
+            .iter()
+            .any(|a| a.sides[axis] * side > 0.0)
+    };
+    comes_from(1.0) && comes_from(-1.0)
 }
 
 /// The shapes that are tried.

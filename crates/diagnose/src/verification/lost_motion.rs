@@ -19,6 +19,9 @@ use crate::verification::comparison::Comparison;
 /// The effect whose size is such a function.
 pub(crate) const EFFECT: &str = "position_dependent_backlash";
 
+/// Lost motion in all its forms.
+pub(crate) const FORMS: [&str; 2] = ["backlash", EFFECT];
+
 /// Half waves beside mean and slope, at most.
 const MOST_WAVES: usize = 6;
 

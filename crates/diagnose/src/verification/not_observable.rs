@@ -7,7 +7,7 @@ use trueaxis_kinematics::AxisKind;
 use crate::NotObservable;
 use crate::engine::in_words;
 use crate::verification::base::absorbed;
-use crate::verification::hypotheses::sampling;
+use crate::verification::hypotheses::{is_of_both_sides, sampling};
 use crate::verification::problem::Problem;
 
 /// Change of a reading by one unit of a parameter below which the effect does not reach it, µm.
@@ -29,7 +29,9 @@ pub(crate) fn not_observable(
             continue;
         }
         let bias = largest(problem, scene, effect, &subject);
-        let reason = if bias.is_empty() {
+        let reason = if !is_of_both_sides(problem.comparison, effect.id, &subject) {
+            format!("{name}: the axis came from one side only")
+        } else if bias.is_empty() {
             format!("{name}: {}", not_reached(problem, effect, &subject))
         } else {
             format!("{name}: {}", absorbed(problem.comparison, calibrated))

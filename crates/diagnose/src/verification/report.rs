@@ -1,6 +1,6 @@
 //! What was found in one verification, as the outcome says it.
 
-use trueaxis_effects::{Level, Scene};
+use trueaxis_effects::{Level, Scene, Subject};
 
 use crate::engine::{
     Candidate, Chosen, Judged, Listed, places as places_by, side, with_uncertainties,
@@ -139,7 +139,7 @@ const UNDECIDED: f64 = 0.1;
 pub(crate) fn rivals(listed: &Listed, cause: &[Chosen], judged: &Judged) -> Vec<Rival> {
     let (model, own) = (&judged.beside.model, &judged.score);
     let cause_columns = listed.columns(cause);
-    listed.rivals(judged, |score, other, columns| {
+    let mut rivals = listed.rivals(judged, |score, other, columns| {
         let holds_cause =
             score.rank > own.rank && contains(model, &model.extended(columns), &cause_columns);
         let is_held =
@@ -153,7 +153,16 @@ pub(crate) fn rivals(listed: &Listed, cause: &[Chosen], judged: &Judged) -> Vec<
         } else {
             is_rival(own, score, cosine(&judged.fit, other))
         }
-    })
+    });
+    // Straight and free lost motion are one effect in two forms: the better of them is said.
+    let mut said: Vec<(&str, Subject)> = Vec::new();
+    rivals.retain(|rival| {
+        let name = (rival.effect.effect.id, rival.effect.subject);
+        let is_new = !said.contains(&name);
+        said.push(name);
+        is_new
+    });
+    rivals
 }
 
 /// Where the misfit lives: by direction and by cycle.

@@ -7,8 +7,10 @@
 //! 3. Shapes of all causes are looked for again with the others in the model.
 //! 4. Causes that have become superfluous leave.
 
+use trueaxis_effects::Shape;
+
 use crate::engine::{Beside, Chosen, Listed, SHAPE_ERROR, without};
-use crate::selection::{Projection, Score, ln_f_test};
+use crate::selection::{DECISIVE, Projection, Score, ln_f_test};
 
 /// Causes named at most: more are no longer an explanation.
 pub(crate) const MOST_CAUSES: usize = 3;
@@ -92,6 +94,25 @@ fn best(listed: &Listed, causes: &[Chosen], excluded: &[usize], level: f64) -> O
     (beside.null().family_wise(leader.ln_p) < level).then(|| beside.chosen(leader))
 }
 
+/// Coverage factor of the uncertainty of a time constant, which is resolved if it is longer.
+const COVERAGE: f64 = 2.0;
+
+/// The one with the most evidence; but one whose time constant the data do not resolve gives its place to one as likely that has
+/// none, as a drift at a constant rate.
+fn resolved<'s>(listed: &Listed, beside: &Beside, scores: &'s [Score]) -> Option<&'s Score> {
+    let leader = scores.first()?;
+    let is_resolved = |score: &Score| {
+        let shape = listed.candidate(beside, score).hypothesis.effect.shape;
+        let is_time = matches!(shape, Shape::TimeConstant | Shape::SettlingTime);
+        !is_time || COVERAGE * score.u_shape < score.shape
+    };
+    let as_likely = scores
+        .iter()
+        .take_while(|s| leader.evidence - s.evidence < DECISIVE);
+    let mut as_likely = as_likely.filter(|score| is_resolved(score));
+    as_likely.next().or(Some(leader))
+}
+
 /// The leader, or the smaller form that it contains if it has nothing significant beyond it.
 pub(crate) fn simplest<'s>(
     listed: &Listed,
@@ -100,7 +121,7 @@ pub(crate) fn simplest<'s>(
     level: f64,
 ) -> Option<&'s Score> {
     let Beside { model, scans, .. } = beside;
-    let leader = scores.first()?;
+    let leader = resolved(listed, beside, scores)?;
     let ln_level = listed.candidate(beside, leader).ln_level_of_more(level);
     let with = model.extended(&scans[leader.scan].columns(leader.shape));
     let smaller = scores[1..].iter().filter(|other| {

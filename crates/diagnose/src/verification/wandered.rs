@@ -6,6 +6,7 @@ use crate::engine::Posterior;
 use crate::selection::{Projection, combined};
 use crate::verification::problem::Problem;
 use crate::verification::report::rms_of_readings_um;
+use crate::verification::wanderer::Form;
 use crate::verification::wandering::Wandering;
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain};
 
@@ -23,6 +24,11 @@ pub(crate) fn wandered(
     let report = |(own, course): &(&Wandering, Course)| {
         let comparison = problem.comparison;
         let (range, unit) = own.wanderer.range(comparison);
+        let (length, period) = match own.form {
+            Form::Smooth(length) => (length, None),
+            // A quarter of it leaves nothing alike.
+            Form::Swing(period) => (0.25 * period, Some(period)),
+        };
         Disturbance {
             level: Level::Verification,
             data: String::new(),
@@ -31,9 +37,10 @@ pub(crate) fn wandered(
             rms_um: rms_of_readings_um(problem, &course.whitened),
             share: 0.0,
             correlation_length: CorrelationLength {
-                value: own.length * (range[1] - range[0]),
+                value: length * (range[1] - range[0]),
                 unit,
             },
+            period: period.map(|period| period * (range[1] - range[0])),
             heldout_gain: gain.map(|gain| 1.0 - gain.heldout_rms_ratio),
             curve: curve(problem, own, &course.posterior, noise_um),
             rivals: own.rivals.iter().map(|w| w.whose(comparison)).collect(),
@@ -63,14 +70,14 @@ impl Course {
 
 /// Each coordinate over the range of the argument with its standard uncertainty, from its mean. `noise_um` is the standard
 /// deviation of the noise that is left.
-fn curve(
+pub(crate) fn curve(
     problem: &Problem<'_>,
     own: &Wandering,
     posterior: &Posterior,
     noise_um: f64,
 ) -> Vec<CurvePoint> {
-    let roots = own.wanderer.roots(problem.comparison, own.length);
-    let shown = own.wanderer.shown(problem.comparison).into_iter();
+    let roots = own.wanderer.roots(problem.comparison, own.form);
+    let shown = own.wanderer.shown(problem.comparison, own.form).into_iter();
     let point = |(at, basis): (f64, Vec<f64>)| {
         let scaled = basis.iter().zip(&roots).map(|(b, r)| b * r * own.width);
         let row: Vec<f64> = scaled.collect();

@@ -3,13 +3,13 @@
 //! Over its argument `x`, 0 to 1, each coordinate is a process with Matérn's covariance in half waves
 //! ([`matern_roots`]), as in the lengths, but without its mean: the base model takes that, or it is an effect of the catalogue.
 //! Rows without a clock do not say how long the machine paused between two passes, in which what drifts goes on: each pass then
-//! has an offset of its own beside.
+//! has an offset of its own beside. What goes with time may also swing with one period, as an air conditioning does ([`Form`]).
 //!
 //! | who | what moves | with | coordinates | where |
 //! | --- | --- | --- | --- | --- |
 //! | instrument | its zero | time | 1 | everywhere |
 //! | machine | the point measured | time | 3 | ball bars; on a line it is the zero of the instrument under another name |
-//! | axis | it grows and shrinks: the middle of its positions, and one end against the other | time | 2 | lines |
+//! | axis | it grows and shrinks: the middle of its positions, and one end against the other | time | 2 | lines of linear axes |
 //! | axis | its displacement along itself | position | 1 | lines against a calibration; else the mean curve takes it |
 //! | machine | the ball, towards the centre | angle of the bar | 1 | ball bars |
 //! | axis | its lost motion | position, by side of approach | 1 | lines of rotary axes from both sides; of linear axes it is a cause |
@@ -28,6 +28,7 @@ use crate::engine::correlation_lengths;
 use crate::verification::arrivals::Arrival;
 use crate::verification::base::places;
 use crate::verification::comparison::Comparison;
+use crate::verification::hypotheses::comes_from_both_sides;
 
 /// Half waves of each coordinate, at most: five times those of the shortest correlation length. What is cut off would be
 /// taken for the course of something else.
@@ -44,6 +45,25 @@ const MOST_PASSES: usize = 60;
 
 /// Points of a smooth curve.
 const POINTS: u32 = 33;
+
+/// How a course goes on, over its argument from 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Form {
+    /// Matérn's process with this correlation length.
+    Smooth(f64),
+    /// `a sin 2πx/T + b cos 2πx/T` with this period. As a smooth process it would pay for every other course that one so quick
+    /// could take, and what repeats in nearly the time of a cycle would look simpler as an error of the axis.
+    Swing(f64),
+}
+
+/// Steps of the number of waves of a swing over the readings: one sixteenth of a wave more or less leaves 98 % of it.
+const WAVE_STEP: f64 = 0.125;
+
+/// Waves of a swing over the readings, at most.
+const MOST_SWINGS: f64 = 16.0;
+
+/// Stops of a period, at least: three of each half, as of the shortest correlation length.
+const STOPS_OF_PERIOD: f64 = 6.0;
 
 /// What wanders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,11 +87,11 @@ pub(crate) fn wanderers(comparison: &Comparison<'_>, calibrated: bool) -> Vec<Wa
     };
     let is_rotary = comparison.machine.axes()[axis].kind() == AxisKind::Rotary;
     let moves = comparison.moving.contains(&axis);
-    let comes_from = |side: f64| comparison.arrivals.iter().any(|a| a.direction * side > 0.0);
     let mut all = vec![Instrument];
-    all.extend(moves.then_some(Scale));
+    // A turn has 360 degrees at any temperature.
+    all.extend((moves && !is_rotary).then_some(Scale));
     all.extend((moves && calibrated).then_some(Position));
-    all.extend((moves && is_rotary && comes_from(1.0) && comes_from(-1.0)).then_some(Sides));
+    all.extend((moves && is_rotary && comes_from_both_sides(comparison, axis)).then_some(Sides));
     all
 }
 
@@ -158,19 +178,25 @@ impl Wanderer {
         }
     }
 
-    /// What each coefficient of a coordinate is multiplied by at an argument: `cos(πx), cos(2πx), ...`, and where pauses
-    /// are unknown one for the pass.
-    fn basis(self, comparison: &Comparison<'_>, x: f64, pass: usize) -> Vec<f64> {
-        let of_pass = (0..self.passes(comparison)).map(|k| f64::from(u8::from(k == pass)));
-        half_waves(x, self.waves(comparison))
-            .chain(of_pass)
-            .collect()
+    /// What each coefficient of a coordinate is multiplied by at an argument: `cos(πx), cos(2πx), ...` or sine and cosine of a
+    /// swing from their means, and where pauses are unknown one for the pass.
+    fn basis(self, comparison: &Comparison<'_>, form: Form, x: f64, pass: usize) -> Vec<f64> {
+        let mut basis: Vec<f64> = match form {
+            Form::Smooth(_) => half_waves(x, self.waves(comparison)).collect(),
+            Form::Swing(period) => {
+                let turn = TAU / period;
+                let (sine, cosine) = (turn * x).sin_cos();
+                vec![sine - (1.0 - turn.cos()) / turn, cosine - turn.sin() / turn]
+            }
+        };
+        basis.extend((0..self.passes(comparison)).map(|k| f64::from(u8::from(k == pass))));
+        basis
     }
 
-    /// What a unit of each coefficient does to the readings, coordinate after coordinate.
-    pub(crate) fn columns(self, comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
+    /// What a unit of each coefficient does to the readings, coordinate after coordinate; alike for all smooth forms.
+    pub(crate) fn columns(self, comparison: &Comparison<'_>, form: Form) -> Vec<Vec<f64>> {
         let rows = comparison.passes.iter().enumerate().map(|(row, &pass)| {
-            let basis = self.basis(comparison, self.argument(comparison, row), pass);
+            let basis = self.basis(comparison, form, self.argument(comparison, row), pass);
             let seen = self.seen(comparison, row);
             let products = seen.iter().flat_map(|x| basis.iter().map(move |b| x * b));
             products.collect::<Vec<f64>>()
@@ -183,8 +209,11 @@ impl Wanderer {
     }
 
     /// Standard deviations of the coefficients, coordinate after coordinate; `S_k^½` of the waves.
-    pub(crate) fn roots(self, comparison: &Comparison<'_>, length: f64) -> Vec<f64> {
-        let mut roots = matern_roots(length, self.waves(comparison))[1..].to_vec();
+    pub(crate) fn roots(self, comparison: &Comparison<'_>, form: Form) -> Vec<f64> {
+        let mut roots = match form {
+            Form::Smooth(length) => matern_roots(length, self.waves(comparison))[1..].to_vec(),
+            Form::Swing(_) => vec![1.0; 2],
+        };
         roots.extend(std::iter::repeat_n(BETWEEN_PASSES, self.passes(comparison)));
         roots.repeat(self.seen(comparison, 0).len())
     }
@@ -194,20 +223,37 @@ impl Wanderer {
         correlation_lengths(self.stops(comparison))
     }
 
+    /// Periods that are tried, of what goes with time by a clock: without one nobody knows the phase after a pause. What is quicker
+    /// than a pass from end to end varies with the position and the side as well.
+    pub(crate) fn periods(self, comparison: &Comparison<'_>) -> Vec<f64> {
+        if !self.is_of_time() || !comparison.timed {
+            return Vec::new();
+        }
+        let stops = comparison.arrivals.len() as f64;
+        let passes = comparison.passes.last().map_or(0, |last| last + 1) as f64;
+        let most = MOST_SWINGS.min(passes).min(stops / STOPS_OF_PERIOD);
+        let waves = std::iter::successors(Some(1.0), |waves| Some(waves + WAVE_STEP));
+        let waves = waves.take_while(|waves| *waves <= most);
+        waves.map(|waves| 1.0 / waves).collect()
+    }
+
     /// Where its curve is shown, in the unit of its argument, with the basis there.
-    pub(crate) fn shown(self, comparison: &Comparison<'_>) -> Vec<(f64, Vec<f64>)> {
+    pub(crate) fn shown(self, comparison: &Comparison<'_>, form: Form) -> Vec<(f64, Vec<f64>)> {
         let ([first, last], _) = self.range(comparison);
         if self.passes(comparison) > 0 {
             let arrivals = comparison.arrivals.iter().zip(&comparison.passes);
             let at = |(arrival, &pass): (&Arrival, &usize)| {
-                let basis = self.basis(comparison, arrival.progress, pass);
+                let basis = self.basis(comparison, form, arrival.progress, pass);
                 (arrival.time_s, basis)
             };
             return arrivals.map(at).collect();
         }
         let at = |k: u32| {
             let x = f64::from(k) / f64::from(POINTS - 1);
-            (first + x * (last - first), self.basis(comparison, x, 0))
+            (
+                first + x * (last - first),
+                self.basis(comparison, form, x, 0),
+            )
         };
         (0..POINTS).map(at).collect()
     }

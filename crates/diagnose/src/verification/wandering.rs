@@ -1,9 +1,10 @@
 //! What wanders beside causes: judged as in the lengths, by its evidence ([`Smooth`]) and a p-value of all together.
 
-use crate::engine::{Chosen, SMOOTH_LEVEL, Smooth};
-use crate::selection::DECISIVE;
+use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth};
+use crate::selection::{DECISIVE, Projection};
 use crate::verification::problem::Problem;
-use crate::verification::wanderer::{Wanderer, wanderers};
+use crate::verification::wandered::curve;
+use crate::verification::wanderer::{Form, Wanderer, wanderers};
 
 /// More that wander at once are not told apart.
 const MOST: usize = 2;
@@ -12,8 +13,7 @@ const MOST: usize = 2;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Wandering {
     pub(crate) wanderer: Wanderer,
-    /// ℓ, as a part of the range of the argument.
-    pub(crate) length: f64,
+    pub(crate) form: Form,
     /// w, in standard deviations of an arrival.
     pub(crate) width: f64,
     pub(crate) evidence: f64,
@@ -81,7 +81,8 @@ fn again(
     own
 }
 
-/// What one explains of what a model with causes leaves.
+/// What one explains of what a model with causes leaves. Smooth courses and swings are equally likely beforehand, and so is
+/// each correlation length and each period.
 fn judge(
     problem: &Problem<'_>,
     causes: &[Chosen],
@@ -89,33 +90,129 @@ fn judge(
     family: usize,
 ) -> Option<Wandering> {
     let comparison = problem.comparison;
-    let columns = wanderer.columns(comparison).into_iter();
-    let columns: Vec<Vec<f64>> = columns.map(|c| problem.whiten(&c)).collect();
+    let model = problem.listed.with(causes);
     let lengths = wanderer.lengths(comparison);
-    let roots = lengths
+    let smooth: Vec<Form> = lengths.into_iter().map(Form::Smooth).collect();
+    let periods = wanderer.periods(comparison);
+    let swings = periods.iter().map(|period| vec![Form::Swing(*period)]);
+    let mut all: Vec<Judged> = Vec::new();
+    all.extend(Judged::new(problem, &model, wanderer, &smooth, 1));
+    let swings =
+        swings.filter_map(|own| Judged::new(problem, &model, wanderer, &own, periods.len()));
+    all.extend(swings);
+    let best = all
         .iter()
-        .map(|&length| wanderer.roots(comparison, length));
-    let roots: Vec<Vec<f64>> = roots.collect();
-    let smooth = Smooth::new(&problem.listed.with(causes), &columns, &roots)?;
-    Some(Wandering {
+        .max_by(|a, b| (a.smooth.evidence - a.price).total_cmp(&(b.smooth.evidence - b.price)))?;
+    // What the data do not show is as likely with as without it.
+    let most = best.smooth.evidence.max(0.0);
+    let unseen = 1.0 - all.iter().map(Judged::weight).sum::<f64>();
+    let seen = all
+        .iter()
+        .map(|own| own.weight() * (0.5 * (own.smooth.evidence - most)).exp());
+    let marginal = seen.sum::<f64>() + unseen.max(0.0) * (-0.5 * most).exp();
+    let own = Wandering {
         wanderer,
-        length: lengths[smooth.spectrum],
-        width: smooth.width,
-        evidence: smooth.evidence,
-        p_value: (family as f64 * smooth.p_value).min(1.0),
+        form: best.form,
+        width: best.smooth.width,
+        evidence: most + 2.0 * marginal.ln(),
+        p_value: (family as f64 * best.smooth.p_value * best.tried as f64).min(1.0),
         rivals: Vec::new(),
-    })
+    };
+    is_plausible(problem, &model, &own).then_some(own)
 }
+
+/// Whether an axis grows and shrinks by no more than one can, three standard uncertainties considered.
+fn is_plausible(problem: &Problem<'_>, model: &Projection, own: &Wandering) -> bool {
+    let comparison = problem.comparison;
+    let is_growth = |candidate: &&Candidate| {
+        candidate.hypothesis.effect.id == "axis_expansion"
+            && candidate.hypothesis.subject.axis == Some(comparison.axis())
+    };
+    let growth = problem.listed.candidates.iter().find(is_growth);
+    let range = growth.and_then(|candidate| candidate.plausible[0]);
+    let (Wanderer::Scale, Some([_, most_ppm])) = (own.wanderer, range) else {
+        return true;
+    };
+    let columns = own.columns(problem);
+    let with = model.beside(&columns).0;
+    let curve = curve(
+        problem,
+        own,
+        &Posterior::new(&with, &columns),
+        problem.rms_um(&with),
+    );
+    // The second coordinate is one end against the other.
+    let values = curve.iter().map(|point| point.value_um[1]);
+    let swing =
+        values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min);
+    let u = curve.iter().map(|point| point.u_um[1]).fold(0.0, f64::max);
+    let [low, high] = comparison.range;
+    swing < most_ppm * (high - low) / MM_PER_UM_PPM + 3.0 * u
+}
+
+/// Millimetres of which a part in a million is a micrometre.
+const MM_PER_UM_PPM: f64 = 1e3;
+
+/// Forms with common columns, judged.
+struct Judged {
+    form: Form,
+    smooth: Smooth,
+    /// How many of their kind there are.
+    tried: usize,
+    /// `-2 ln` of their probability beforehand.
+    price: f64,
+}
+
+impl Judged {
+    fn new(
+        problem: &Problem<'_>,
+        model: &Projection,
+        wanderer: Wanderer,
+        forms: &[Form],
+        tried: usize,
+    ) -> Option<Self> {
+        let comparison = problem.comparison;
+        let columns = wanderer.columns(comparison, *forms.first()?).into_iter();
+        let columns: Vec<Vec<f64>> = columns.map(|c| problem.whiten(&c)).collect();
+        let roots = forms.iter().map(|&form| wanderer.roots(comparison, form));
+        let roots: Vec<Vec<f64>> = roots.collect();
+        let smooth = Smooth::new(model, &columns, &roots)?;
+        Some(Self {
+            form: forms[smooth.spectrum],
+            smooth,
+            tried,
+            price: 2.0 * ((KINDS * tried) as f64).ln(),
+        })
+    }
+
+    /// Probability beforehand.
+    fn weight(&self) -> f64 {
+        (-0.5 * self.price).exp()
+    }
+}
+
+/// Smooth courses and swings.
+const KINDS: usize = 2;
 
 impl Wandering {
     /// What a standard deviation beforehand of each coefficient does to the whitened readings.
     pub(crate) fn columns(&self, problem: &Problem<'_>) -> Vec<Vec<f64>> {
-        let columns = self.wanderer.columns(problem.comparison);
-        let roots = self.wanderer.roots(problem.comparison, self.length);
+        let columns = self.wanderer.columns(problem.comparison, self.form);
+        let roots = self.wanderer.roots(problem.comparison, self.form);
         let scaled = columns.into_iter().zip(roots).map(|(column, root)| {
             let column = column.iter().map(|x| x * self.width * root);
             problem.whiten(&column.collect::<Vec<f64>>())
         });
         scaled.collect()
+    }
+
+    /// How many forms were tried that are as likely beforehand.
+    pub(crate) fn tried(&self, problem: &Problem<'_>) -> usize {
+        let comparison = problem.comparison;
+        let of_kind = match self.form {
+            Form::Smooth(_) => self.wanderer.lengths(comparison).len(),
+            Form::Swing(_) => self.wanderer.periods(comparison).len(),
+        };
+        of_kind * KINDS
     }
 }

@@ -14,6 +14,7 @@ mod iso_run;
 mod lines;
 mod machines;
 mod made_points;
+mod odd;
 mod points;
 mod several;
 mod slips;

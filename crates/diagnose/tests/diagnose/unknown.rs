@@ -15,19 +15,24 @@ const LAMBDA: f64 = 20.0;
 
 /// Air conditioning, a scale that breathes with it, and a wandering zero: none has a name, and what wanders is the zero of the
 /// instrument or the machine (a pair), or the scale of the axis.
-fn assert_unknown(seeds: u64) {
+/// A cycle takes 450 s; ten periods are near that, the others anywhere from 300 to 600 s.
+fn assert_unknown(seeds: std::ops::Range<u64>) {
     for what in ["air conditioning", "breathing scale", "wandering zero"] {
         let (mut unknown, mut described, mut odd) = (0, 0, Vec::new());
-        for seed in 0..seeds {
+        for seed in seeds.clone() {
             let mut generator = generator(seed, 6);
+            let period_s = match seed {
+                0..10 => 431.0,
+                _ => 300.0 + (37 * seed % 300) as f64,
+            };
             let places = places(5, &[0.0], &[2.0]);
             let mut zero = 0.0;
             let mut form = |p: &Place| {
                 let step: f64 = StandardNormal.sample(&mut generator);
                 zero += step;
                 match what {
-                    "air conditioning" => (TAU * p.time_s / 431.0 + seed as f64).sin(),
-                    "breathing scale" => p.x_mm * (TAU * p.time_s / 431.0 + seed as f64).sin(),
+                    "air conditioning" => (TAU * p.time_s / period_s + seed as f64).sin(),
+                    "breathing scale" => p.x_mm * (TAU * p.time_s / period_s + seed as f64).sin(),
                     _ => zero,
                 }
             };
@@ -51,23 +56,24 @@ fn assert_unknown(seeds: u64) {
                 odd.push(summary(&found));
             }
         }
+        let count = seeds.end - seeds.start;
         let line = format!(
-            "{what}: {unknown} of {seeds} unknown, {described} with what wanders or a pair; {odd:?}"
+            "{what}: {unknown} of {count} unknown, {described} with what wanders or a pair; {odd:?}"
         );
         report(&line);
-        assert!(10 * unknown.min(described) >= 9 * seeds, "{line}");
+        assert!(10 * unknown.min(described) >= 9 * count, "{line}");
     }
 }
 
 #[test]
 fn what_is_not_in_the_catalogue_gets_no_name() {
-    assert_unknown(1);
+    assert_unknown(0..1);
 }
 
 #[test]
-#[ignore = "study: 30 diagnoses"]
+#[ignore = "study: 120 diagnoses"]
 fn what_is_not_in_the_catalogue_hardly_ever_gets_a_name() {
-    assert_unknown(10);
+    assert_unknown(0..40);
 }
 
 /// The curve of what wanders is the one that was hidden, within its uncertainty: 33 points of each of four lines, of which

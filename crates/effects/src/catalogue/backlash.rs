@@ -36,7 +36,7 @@ const MOST_ARCSEC: [f64; 2] = [-1.8e4, 1.8e4];
 pub(crate) const OVER_COMPENSATED: Explanation = Explanation {
     cause: "the axis goes too far after a reversal: the backlash compensation of the control is too large, or the control stops at the near edge of its window",
     consequence: "the two sides of approach differ; their mean is right for neither",
-    action: "lower the backlash compensation by this amount and measure again; check the in-position window of the control; no part is worn",
+    action: "of readings, check first that they are measured less commanded, not the other way; then lower the backlash compensation by this amount and measure again; check the in-position window of the control; no part is worn",
     separate_by: "measure both sides with the backlash compensation switched off: what a compensation makes goes away, what the control's window makes stays",
 };
 

@@ -1,0 +1,192 @@
+//! Tables as people hand them in: the same one twice, one side, one position, two rows, short series with correlated noise.
+
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use trueaxis_campaign::{Direction, Verification, VerificationReading};
+use trueaxis_diagnose::{Diagnosis, Verdict};
+
+use crate::counts::summary;
+use crate::iso_run::table_of_stops;
+use crate::{found, found_in, generator};
+
+/// Five cycles over five stops with a lost motion of 2 µm, noise of 0.5 µm.
+fn lost_motion(seed: u64) -> Verification {
+    let mut random: ChaCha8Rng = generator(seed, 51);
+    table_of_stops(5, 5, |_, forward, stop| {
+        let noise: f64 = StandardNormal.sample(&mut random);
+        let lost = if forward { -1.0 } else { 1.0 };
+        3.0 * (stop as f64).sin() + lost + 0.5 * noise
+    })
+}
+
+fn u_of_first(found: &Diagnosis) -> f64 {
+    found.causes[0].parameters[0].u
+}
+
+/// The same readings under two names are no second measurement, and the user is told.
+#[test]
+fn the_same_file_twice_is_judged_once() {
+    let once = lost_motion(1);
+    let again = Verification {
+        name: "again".into(),
+        ..once.clone()
+    };
+    let of_one = found(once.clone());
+    let of_both = found_in(vec![once, again]);
+    assert!((u_of_first(&of_one) / u_of_first(&of_both) - 1.0).abs() < 1e-9);
+    assert_eq!(of_both.causes[0].data, ["LI along X"]);
+    let said = of_both.notices.iter().find(|n| n.contains("again"));
+    assert!(
+        said.is_some_and(|n| n.contains("LI along X")),
+        "{:?}",
+        of_both.notices
+    );
+    // A second measurement is none of that.
+    let mut second = lost_motion(2);
+    second.name = "second".into();
+    let two = found_in(vec![lost_motion(1), second]);
+    assert!(two.notices.is_empty(), "{:?}", two.notices);
+    assert!(u_of_first(&two) < 0.85 * u_of_first(&of_one));
+}
+
+/// Readings from one side do not show lost motion; it is said why.
+#[test]
+fn one_side_shows_no_lost_motion() {
+    let mut one_side = lost_motion(3);
+    one_side
+        .readings
+        .retain(|r| r.direction == Direction::Backward);
+    let found = found(one_side);
+    assert_eq!(found.verdict, Verdict::Clean, "{}", summary(&found));
+    for id in ["backlash", "position_dependent_backlash"] {
+        let unseen = found.not_observable.iter();
+        let why: Vec<&str> = unseen
+            .filter(|u| u.effect == id)
+            .map(|u| u.reason.as_str())
+            .collect();
+        assert!(
+            why.iter().any(|why| why.contains("one side only")),
+            "{id}: {why:?}"
+        );
+    }
+}
+
+/// Rows sorted by position are not in the order of measuring.
+#[test]
+fn a_table_sorted_by_position_is_said() {
+    let measured = lost_motion(6);
+    assert!(found(measured.clone()).notices.is_empty());
+    let mut sorted = measured;
+    let pass = |r: &VerificationReading| (r.cycle, r.direction == Direction::Backward);
+    sorted.readings.sort_by(|a, b| {
+        let along = a.positions[0].total_cmp(&b.positions[0]);
+        pass(a).cmp(&pass(b)).then(along)
+    });
+    let notices = found(sorted).notices;
+    assert!(
+        notices
+            .iter()
+            .any(|n| n.contains("against their direction")),
+        "{notices:?}"
+    );
+}
+
+/// What is left of tables with little in them: no panic, no name, shares that add up.
+#[test]
+fn little_is_not_judged_and_much_noise_names_nothing() {
+    let whole = lost_motion(4);
+    let part = |keep: &dyn Fn(usize) -> bool| {
+        let mut part = whole.clone();
+        let mut row = 0;
+        part.readings.retain(|_| {
+            row += 1;
+            keep(row - 1)
+        });
+        found(part)
+    };
+    for rows in [0, 1, 2, 3, 5] {
+        assert_eq!(
+            part(&|row| row < rows).verdict,
+            Verdict::NotJudged,
+            "{rows}"
+        );
+    }
+    let at_one_position = |row: usize| [0, 9].contains(&(row % 10));
+    let one_position = part(&at_one_position);
+    assert_eq!(one_position.causes.len(), 1, "{}", summary(&one_position));
+    let mut random: ChaCha8Rng = generator(5, 52);
+    let noisy = table_of_stops(5, 5, |_, _, _| {
+        let noise: f64 = StandardNormal.sample(&mut random);
+        1e6 * noise
+    });
+    assert_eq!(found(noisy).verdict, Verdict::Clean);
+    // One cycle of the same.
+    let once = part(&|row| row < 10);
+    for level in &once.levels {
+        let shares = &level.shares;
+        let parts = shares.causes.iter().chain(&shares.disturbances);
+        let sum = parts.sum::<f64>() + shares.unexplained + shares.noise;
+        assert!((sum - 1.0).abs() < 1e-9, "{shares:?}");
+    }
+}
+
+/// Noise in which each reading is 0.9 of the one before: nothing in time may be named alone, however short the table. What wanders may
+/// be said, and pairs.
+#[test]
+fn correlated_noise_is_no_certain_effect_of_time() {
+    let mut alone = Vec::new();
+    for (cycles, stops) in [(3, 3), (2, 5), (5, 5), (3, 11)] {
+        for seed in 0..10 {
+            let mut random: ChaCha8Rng = generator(seed, 53);
+            let mut last = 0.0;
+            let table = table_of_stops(cycles, stops, |_, _, _| {
+                let noise: f64 = StandardNormal.sample(&mut random);
+                last = 0.9 * last + 0.436 * noise;
+                last
+            });
+            let found = found(table);
+            let of_time = found.causes.iter().filter(|cause| {
+                let id = cause.effect.effect.id;
+                !["backlash", "position_dependent_backlash"].contains(&id)
+            });
+            alone.extend(
+                of_time
+                    .filter(|cause| cause.rivals.is_empty())
+                    .map(|_| summary(&found)),
+            );
+        }
+    }
+    assert!(alone.is_empty(), "{alone:?}");
+}
+
+/// A zero that drifts by 50 µm while the sides part by up to 20 µm along 200 mm: an axis so short cannot grow by as much, so that is
+/// not what wanders.
+#[test]
+fn a_drifting_zero_is_no_growth_of_a_short_axis() {
+    for seed in 0..4 {
+        let mut random: ChaCha8Rng = generator(seed, 54);
+        let table = table_of_stops(5, 5, |row, forward, stop| {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            let apart = if forward { 0.5 } else { -0.5 } * (2.0 + 80.0 * stop as f64);
+            -50.0 * (1.0 - (-(row as f64) / 20.0).exp()) + apart + 2.0 * noise
+        });
+        let found = found(table);
+        let names: Vec<String> = found
+            .disturbances
+            .iter()
+            .map(|d| d.whose.in_words(&found.scene))
+            .collect();
+        assert!(
+            names.iter().all(|name| !name.contains("scale")),
+            "{names:?}"
+        );
+        assert!(
+            found
+                .causes
+                .iter()
+                .any(|c| c.effect.effect.id == "position_dependent_backlash"),
+            "{}",
+            summary(&found)
+        );
+    }
+}
