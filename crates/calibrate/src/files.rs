@@ -25,3 +25,11 @@ fn without_nulls(mut object: Value) -> Value {
     }
     object
 }
+
+/// An array of what there is; null if there is nothing.
+fn unless_empty<T>(all: &[T], entry: impl Fn(&T) -> Value) -> Value {
+    match all.is_empty() {
+        true => Value::Null,
+        false => all.iter().map(entry).collect(),
+    }
+}

@@ -9,21 +9,17 @@
 mod lost_sweeps;
 mod mistake;
 mod offsets;
-mod places;
 mod scope;
 mod suspects;
-mod thinned;
 
 use rayon::prelude::*;
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::MICROMETRE;
 
-use crate::mistakes::mistake::Mistake;
-use crate::mistakes::offsets::offset;
-use crate::mistakes::places::{LeftOut, Places};
-use crate::mistakes::scope::Scope;
-use crate::mistakes::suspects::{offset_scopes, suspects};
-use crate::mistakes::thinned::thinned;
+use crate::mistakes::mistake::{Mistake, What};
+use crate::mistakes::offsets::measured;
+use crate::mistakes::scope::{Scope, thinned, with_lengths};
+use crate::mistakes::suspects::{LeftOut, suspects};
 use crate::report::nominal_positions::targets_elsewhere;
 use crate::report::notices::is_absurd;
 use crate::result::calibration::Calibration;
@@ -100,41 +96,8 @@ impl<'a> Mistakes<'a> {
         if *within == Scope::default() && as_it_is().is_ok_and(|found| Self::fits(&found)) {
             return Vec::new();
         }
-        let residuals_without = |mistake: Mistake| {
-            let calibration = self.good(&mistake.undone(&small))?;
-            Some((calibration.adjustment.rms_residual_mm, mistake))
-        };
-        let with_offset = |(target, scope): (usize, Scope)| {
-            let others = self.good(&scope.without(&small, target))?;
-            residuals_without(offset(&small, &others, target, &scope)?)
-        };
-        let places = self.places(&small, within);
-        let by_size = suspects(&small, &places).into_iter();
-        let tried = by_size.map(|suspects| -> Vec<_> {
-            let tried = suspects.into_par_iter();
-            tried.filter_map(residuals_without).collect()
-        });
-        let by_size = offset_scopes(&small, &places).into_iter();
-        let off = by_size.map(|scopes| -> Vec<_> {
-            let tried = scopes.into_par_iter();
-            tried.filter_map(with_offset).collect()
-        });
-        let mut fits = tried.chain(off).find(|fits| !fits.is_empty());
-        let fits = fits.get_or_insert_default();
-        // Stable: of equal ones the first.
-        fits.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let least_mm = fits.first().map_or(0.0, |(residual_mm, _)| *residual_mm);
-        fits.retain(|(residual_mm, _)| *residual_mm <= ALIKE * least_mm);
-        fits.truncate(MOST_NAMED);
-        fits.drain(..).map(|(_, mistake)| mistake).collect()
-    }
-
-    /// The places where a mistake may have been made. If the lengths fit without those of a run, it was made there and
-    /// nowhere else; if they do so without none of the runs, it was made in several. The same of repeats. A station
-    /// cannot be left out so easily.
-    fn places(&self, campaign: &Campaign, within: &Scope) -> Places {
-        let left_out = |scope: Scope| {
-            let rest = scope.left_out(campaign);
+        let without = |scope: Scope| {
+            let rest = with_lengths(&small, |stop, _| !scope.holds(&small, stop));
             match (self.calibrate)(&rest, &self.as_it_is()) {
                 Err(error) if error.is_contradiction() => LeftOut::Contradicts,
                 Err(_) => LeftOut::Open,
@@ -142,7 +105,31 @@ impl<'a> Mistakes<'a> {
                 Ok(_) => LeftOut::Contradicts,
             }
         };
-        Places::new(campaign, within, left_out)
+        let tried = |suspects: Vec<Mistake>| -> Vec<(f64, Mistake)> {
+            let suspects = suspects.into_par_iter();
+            suspects.filter_map(|m| self.tried(&small, m)).collect()
+        };
+        let by_size = suspects(&small, within, without).into_iter();
+        let fits = by_size.map(tried).find(|fits| !fits.is_empty());
+        let mut fits = fits.unwrap_or_default();
+        // Stable: of equal ones the first.
+        fits.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let least_mm = fits.first().map_or(0.0, |(residual_mm, _)| *residual_mm);
+        fits.retain(|(residual_mm, _)| *residual_mm <= ALIKE * least_mm);
+        fits.truncate(MOST_NAMED);
+        fits.into_iter().map(|(_, mistake)| mistake).collect()
+    }
+
+    /// A mistake with the residuals that are left when it is undone, mm; `None` if the campaign does not fit then.
+    fn tried(&self, campaign: &Campaign, mut mistake: Mistake) -> Option<(f64, Mistake)> {
+        if let What::Offset { target, .. } = mistake.what {
+            let others = with_lengths(campaign, |stop, reading| {
+                reading.target != target || !mistake.scope.holds(campaign, stop)
+            });
+            mistake.what = measured(campaign, &self.good(&others)?, target, &mistake.scope)?;
+        }
+        let calibration = self.good(&mistake.undone(campaign))?;
+        Some((calibration.adjustment.rms_residual_mm, mistake))
     }
 
     /// The calibration of a campaign, if nothing is left that a mistake would explain.

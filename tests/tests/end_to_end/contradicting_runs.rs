@@ -39,7 +39,7 @@ fn calibrated(scenario: &Scenario, seed: u64) -> Calibration {
 
 /// Contradictions of 12 µm and more are found in every campaign, named with the component and where it is largest,
 /// and widen the uncertainties of the axis by the Birge ratio, those of squareness by how the lines of the runs differ:
-/// the same campaign without the contradiction is inside.
+/// the same campaign without the contradiction is inside. The covariance of all results says the same.
 #[test]
 fn contradicting_runs_are_said() {
     for corner_um in [12.0, 50.0, 300.0] {
@@ -63,6 +63,12 @@ fn contradicting_runs_are_said() {
             let u = |c: &Calibration| c.axis("Y").unwrap().nodes[5].u[Component::ALL[2].index()];
             let grown = u(&calibration) / u(&alone);
             assert!((grown / ratio - 1.0).abs() < 0.2, "{grown} {ratio}");
+            for (i, result) in calibration.results().iter().enumerate() {
+                let place = [(i, 1.0)];
+                let in_covariance = calibration.factors.between(&place, &place).sqrt();
+                let off = (in_covariance - result.u).abs();
+                assert!(off <= 1e-6 * result.u, "{result:?} {in_covariance:e}");
+            }
             // Y is the second line of the frame, against which Z is square or not, and its lines differ.
             let squareness = |c: &Calibration| *c.axis("Z").unwrap().location_error("A0Z").unwrap();
             let [found, like] = [&calibration, &alone].map(squareness);

@@ -6,7 +6,7 @@ use trueaxis_poses::{
     AdjustmentReport, InterruptedOccupation, NoiseBasis, NoiseReport, PartReport, RejectedLength,
 };
 
-use crate::files::without_nulls;
+use crate::files::{unless_empty, without_nulls};
 use crate::result::output::Unit;
 
 fn um(value_mm: f64) -> f64 {
@@ -15,7 +15,6 @@ fn um(value_mm: f64) -> f64 {
 
 pub(super) fn adjustment(adjustment: &AdjustmentReport) -> Value {
     let noise = adjustment.noise.as_ref();
-    let interrupted = !adjustment.interruptions.is_empty();
     without_nulls(json!({
         "observations": adjustment.observations,
         "unknowns": adjustment.unknowns,
@@ -31,8 +30,7 @@ pub(super) fn adjustment(adjustment: &AdjustmentReport) -> Value {
         "iterations": adjustment.iterations,
         "termination": adjustment.termination,
         "rejected": adjustment.rejected.iter().map(rejected).collect::<Value>(),
-        "interruptions": interrupted
-            .then(|| adjustment.interruptions.iter().map(interruption).collect::<Value>()),
+        "interruptions": unless_empty(&adjustment.interruptions, interruption),
     }))
 }
 

@@ -14,11 +14,11 @@ use trueaxis_poses::{
 };
 
 use crate::files::adjustment_json::adjustment;
-use crate::files::{text, without_nulls};
+use crate::files::{text, unless_empty, without_nulls};
 use crate::result::budget::Budget;
 use crate::result::calibration::{
     AxisResult, Calibration, LocationResult, RelativeLocation, RunMisfit, StationResult,
-    Traceability, TriangleSide,
+    TargetResult, Traceability, TriangleSide,
 };
 use crate::result::output::{Unit, position_in_file};
 
@@ -33,21 +33,15 @@ impl Calibration {
     /// infinite) and `budget` (shares of u², mean of a curve) of each error, `misfits`, `triangle`,
     /// `effects_taken_out` where there are any, `notices`.
     pub fn to_json(&self) -> String {
-        let targets = self.targets.iter();
-        let targets =
-            targets.map(|t| json!({ "name": t.name, "position_mm": point(t.position_mm) }));
+        let target =
+            |t: &TargetResult| json!({ "name": t.name, "position_mm": point(t.position_mm) });
         let locations = self.axes.iter().flat_map(|axis| {
             let errors = axis.location_errors.iter();
             errors.map(|error| (error.component.name(&axis.name), location_error(error)))
         });
-        let of_runs = self.axes.iter().filter_map(misfit_of_runs);
-        let of_known = self.known_misfits.iter().map(misfit_of_known);
-        let misfits = self
-            .misfits
-            .iter()
-            .map(misfit)
-            .chain(of_runs)
-            .chain(of_known);
+        let misfits = self.misfits.iter().map(misfit);
+        let misfits = misfits.chain(self.axes.iter().filter_map(misfit_of_runs));
+        let misfits = misfits.chain(self.known_misfits.iter().map(misfit_of_known));
         text(&without_nulls(json!({
             "format": "trueaxis-calibration",
             "version": 1,
@@ -60,19 +54,17 @@ impl Calibration {
             },
             "adjustment": adjustment(&self.adjustment),
             "stations": self.stations.iter().map(station).collect::<Value>(),
-            "reflectors": (!self.reflectors.is_empty())
-                .then(|| self.reflectors.iter().map(reflector).collect::<Value>()),
+            "reflectors": unless_empty(&self.reflectors, reflector),
             "scale": self.scale.map(scale),
             "uncertainty_contains": self.uncertainty.contains,
             "uncertainty_lacks": self.uncertainty.lacks,
-            "targets": targets.collect::<Value>(),
+            "targets": self.targets.iter().map(target).collect::<Value>(),
             "axes": self.axes.iter().map(axis).collect::<Value>(),
             "location_errors": locations.collect::<Value>(),
-            "relative_locations": (!self.relative_locations.is_empty())
-                .then(|| self.relative_locations.iter().map(relative_location).collect::<Value>()),
+            "relative_locations": unless_empty(&self.relative_locations, relative_location),
             "misfits": misfits.collect::<Value>(),
             "triangle": self.triangle.iter().map(side).collect::<Value>(),
-            "effects_taken_out": (!self.effects.is_empty()).then_some(&self.effects),
+            "effects_taken_out": unless_empty(&self.effects, |effect| json!(effect)),
             "notices": self.notices,
             "traceability": traceability(&self.traceability),
         })))
@@ -93,7 +85,7 @@ fn traceability(traceability: &Traceability) -> Value {
         "instrument": (!instrument.is_empty()).then_some(instrument),
         "serial": serial,
         "program": concat!("trueaxis ", env!("CARGO_PKG_VERSION")),
-        "inputs": (!inputs.is_empty()).then_some(inputs),
+        "inputs": unless_empty(inputs, |input| json!(input)),
     }))
 }
 
@@ -229,29 +221,22 @@ fn quantity(
 
 fn curve(axis: &AxisResult, component: Component) -> Value {
     let (c, unit) = (component.index(), Unit::of_component(component));
-    let nodes = axis.nodes.iter();
-    let values = nodes
-        .clone()
-        .map(|node| unit.in_file(node.error.to_vector()[c]));
-    let uncertainties = nodes.clone().map(|node| unit.in_file(node.u[c]));
-    let behind = nodes.map(|node| (node.dof[c], node.budget[c]));
+    let (nodes, in_file) = (axis.nodes.iter(), |value| unit.in_file(value));
+    let values = nodes.clone().map(|n| in_file(n.error.to_vector()[c]));
+    let u = nodes.clone().map(|n| in_file(n.u[c]));
+    let behind = nodes.map(|n| (n.dof[c], n.budget[c]));
     quantity(
         unit,
         values.collect::<Value>(),
-        uncertainties.collect::<Value>(),
+        u.collect::<Value>(),
         behind,
     )
 }
 
 fn location_error(error: &LocationResult) -> Value {
     let unit = Unit::of_location(error.component);
-    let behind = std::iter::once((error.dof, error.budget));
-    let mut entry = quantity(
-        unit,
-        unit.in_file(error.value),
-        unit.in_file(error.u),
-        behind,
-    );
+    let [value, u] = [error.value, error.u].map(|x| unit.in_file(x));
+    let mut entry = quantity(unit, value, u, std::iter::once((error.dof, error.budget)));
     if error.relative_to_targets {
         entry["relative_to"] = json!("targets");
     }

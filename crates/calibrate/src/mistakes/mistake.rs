@@ -1,127 +1,112 @@
 //! Mistakes, how they are undone, and their words.
 
-use nalgebra::Isometry3;
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{AxisKind, Ideal};
 
 use crate::mistakes::scope::Scope;
 
-/// Something that people do wrong.
+/// Something that people do wrong, and in which part of the measurement.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Mistake {
+pub(crate) struct Mistake {
+    pub(crate) what: What,
+    pub(crate) scope: Scope,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum What {
     /// The names of two targets were exchanged.
-    TargetsExchanged { targets: [usize; 2], scope: Scope },
+    TargetsExchanged([usize; 2]),
     /// The names of two stations were exchanged.
-    StationsExchanged { stations: [usize; 2], scope: Scope },
+    StationsExchanged([usize; 2]),
     /// The lengths have the other sign.
-    LengthsReversed { scope: Scope },
+    LengthsReversed,
     /// An axis moves against its direction.
-    AxisReversed { axis: usize, run: Option<usize> },
+    AxisReversed(usize),
     /// Nominal positions of the targets are not those at home, but where the axes stood in a run.
-    NominalsAway { positions: Vec<f64> },
-    /// The lengths to a target are too long by the same amount.
+    NominalsAway(Vec<f64>),
+    /// The lengths to a target are too long by the same amount; zero while that is not known.
     Offset {
         target: usize,
-        scope: Scope,
         offset_mm: f64,
         u_mm: f64,
     },
 }
 
 impl Mistake {
-    /// Into how many kinds of parts the place is divided where it was made; 0 is everywhere.
-    pub(crate) fn parts(&self) -> usize {
-        match self {
-            Self::TargetsExchanged { scope, .. }
-            | Self::StationsExchanged { scope, .. }
-            | Self::LengthsReversed { scope }
-            | Self::Offset { scope, .. } => scope.parts(),
-            Self::AxisReversed { run, .. } => usize::from(run.is_some()),
-            Self::NominalsAway { .. } => 0,
-        }
-    }
-
     /// The campaign as it would be without it.
     pub(crate) fn undone(&self, campaign: &Campaign) -> Campaign {
-        match self {
-            Self::TargetsExchanged { targets, scope } => scope.changed(campaign, |_, readings| {
-                readings
-                    .iter_mut()
-                    .for_each(|reading| exchange(&mut reading.target, targets));
-            }),
-            Self::StationsExchanged { stations, scope } => {
-                scope.changed(campaign, |stop, _| exchange(&mut stop.station, stations))
-            }
-            Self::LengthsReversed { scope } => scope.changed(campaign, |_, readings| {
-                let lengths = readings.iter_mut().map(|reading| &mut reading.length_mm);
-                lengths.for_each(|length_mm| *length_mm = -*length_mm);
-            }),
-            Self::AxisReversed { axis, run } => {
-                let mut changed = campaign.clone();
-                let steps = changed.steps.iter_mut();
-                for step in steps.filter(|step| run.is_none() || *run == step.run) {
-                    step.positions[*axis] *= -1.0;
+        let mut changed = campaign.clone();
+        match &self.what {
+            What::AxisReversed(axis) => {
+                for step in &mut changed.steps {
+                    if self.scope.run.is_none() || self.scope.run == step.run {
+                        step.positions[*axis] *= -1.0;
+                    }
                 }
-                changed
             }
-            Self::NominalsAway { positions } => {
-                let mut changed = campaign.clone();
+            What::NominalsAway(positions) => {
                 for target in &mut changed.targets {
                     let chain = campaign.machine.chain(target.carrier);
-                    let motion: Isometry3<f64> =
-                        campaign.machine.chain_motion(&Ideal, chain, positions);
+                    let motion = campaign.machine.chain_motion(&Ideal, chain, positions);
                     target.home_mm = motion.inverse() * target.home_mm;
                 }
-                changed
             }
-            Self::Offset {
-                target,
-                scope,
-                offset_mm,
-                ..
-            } => scope.changed(campaign, |_, readings| {
-                let of_target = readings.iter_mut().filter(|r| r.target == *target);
-                of_target.for_each(|reading| reading.length_mm -= offset_mm);
-            }),
+            of_lengths => {
+                let Some(lengths) = &mut changed.lengths else {
+                    return changed;
+                };
+                let stops = lengths.stops.iter_mut();
+                for stop in stops.filter(|stop| self.scope.holds(campaign, stop)) {
+                    if let What::StationsExchanged(stations) = of_lengths {
+                        exchange(&mut stop.station, stations);
+                    }
+                    for reading in &mut lengths.readings[stop.readings.clone()] {
+                        match of_lengths {
+                            What::TargetsExchanged(targets) => {
+                                exchange(&mut reading.target, targets);
+                            }
+                            What::LengthsReversed => reading.length_mm = -reading.length_mm,
+                            What::Offset {
+                                target, offset_mm, ..
+                            } if reading.target == *target => reading.length_mm -= offset_mm,
+                            _ => {}
+                        }
+                    }
+                }
+            }
         }
+        changed
     }
 
     /// What was done wrong, where, and what to change.
     pub(crate) fn in_words(&self, campaign: &Campaign) -> String {
-        let target = |&t: &usize| campaign.targets[t].name.clone();
-        match self {
-            Self::TargetsExchanged { targets, scope } => {
-                let [a, b] = targets.each_ref().map(target);
-                format!(
-                    "targets {a} and {b} are exchanged {}: exchange their names there",
-                    scope.in_words(campaign)
-                )
+        let place = self.scope.in_words(campaign);
+        let target = |t: usize| &campaign.targets[t].name;
+        let exchanged = |what: &str, [a, b]: [&String; 2]| {
+            format!("{what} {a} and {b} are exchanged {place}: exchange their names there")
+        };
+        match &self.what {
+            What::TargetsExchanged(targets) => exchanged("targets", targets.map(target)),
+            What::StationsExchanged(stations) => {
+                exchanged("stations", stations.map(|j| &campaign.stations[j].name))
             }
-            Self::StationsExchanged { stations, scope } => {
-                let [a, b] = stations.map(|j| campaign.stations[j].name.clone());
-                format!(
-                    "stations {a} and {b} are exchanged {}: exchange their names there",
-                    scope.in_words(campaign)
-                )
-            }
-            Self::LengthsReversed { scope } => format!(
-                "the lengths have the other sign {}: a length grows when the target moves away",
-                scope.in_words(campaign)
+            What::LengthsReversed => format!(
+                "the lengths have the other sign {place}: a length grows when the target moves away"
             ),
-            Self::AxisReversed { axis, run } => {
+            What::AxisReversed(axis) => {
                 let name = campaign.machine.axes()[*axis].name();
-                match run {
+                match self.scope.run {
                     None => format!(
                         "axis {name} moves in the other direction: reverse its `direction` in the campaign, or \
                          the sign of its column"
                     ),
                     Some(run) => format!(
                         "axis {name} moves in the other direction in run {}: reverse the sign of its column there",
-                        campaign.runs[*run].name
+                        campaign.runs[run].name
                     ),
                 }
             }
-            Self::NominalsAway { positions } => {
+            What::NominalsAway(positions) => {
                 let axes = campaign.machine.axes().iter().zip(positions);
                 let away = axes.filter(|(_, position)| position.abs() > 0.0);
                 let stand = away.map(|(axis, &position)| match axis.kind() {
@@ -134,19 +119,17 @@ impl Mistake {
                     stand.collect::<Vec<_>>().join(", ")
                 )
             }
-            Self::Offset {
+            What::Offset {
                 target: t,
-                scope,
                 offset_mm,
                 u_mm,
             } => format!(
-                "the lengths to target {} are all {:.3} ± {:.3} mm too {} {}: a wrong prism constant, or another \
+                "the lengths to target {} are all {:.3} ± {:.3} mm too {} {place}: a wrong prism constant, or another \
                  reflector; take it off there",
-                target(t),
+                target(*t),
                 offset_mm.abs(),
                 2.0 * u_mm,
                 if *offset_mm > 0.0 { "long" } else { "short" },
-                scope.in_words(campaign)
             ),
         }
     }

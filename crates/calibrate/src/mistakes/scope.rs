@@ -1,9 +1,9 @@
-//! A part of the measurement in which a mistake may have been made.
+//! A part of the measurement in which a mistake may have been made, and the campaign without it.
 
 use trueaxis_campaign::{Campaign, LengthReading, Lengths, Stop};
 
 /// All stops of a station, a run, a repeat; those of all of them where `None`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(crate) struct Scope {
     pub(crate) station: Option<usize>,
     pub(crate) run: Option<usize>,
@@ -18,43 +18,21 @@ impl Scope {
             && self.repeat.is_none_or(|repeat| repeat == stop.repeat)
     }
 
-    /// How many of station, run and repeat it is restricted to.
+    /// Its stops.
+    pub(crate) fn stops<'a>(
+        &'a self,
+        campaign: &'a Campaign,
+        lengths: &'a Lengths,
+    ) -> impl Iterator<Item = &'a Stop> {
+        let stops = lengths.stops.iter();
+        stops.filter(|stop| self.holds(campaign, stop))
+    }
+
+    /// How many of station, run and repeat it is restricted to; 0 is everywhere.
     pub(crate) fn parts(&self) -> usize {
-        let given = [
-            self.station.is_some(),
-            self.run.is_some(),
-            self.repeat.is_some(),
-        ];
-        given.into_iter().filter(|given| *given).count()
-    }
-
-    /// The campaign with stops of this part, and their readings, changed.
-    pub(crate) fn changed(
-        &self,
-        campaign: &Campaign,
-        change: impl Fn(&mut Stop, &mut [LengthReading]),
-    ) -> Campaign {
-        let mut changed = campaign.clone();
-        if let Some(lengths) = &mut changed.lengths {
-            let stops = lengths.stops.iter_mut();
-            for stop in stops.filter(|stop| self.holds(campaign, stop)) {
-                let readings = stop.readings.clone();
-                change(stop, &mut lengths.readings[readings]);
-            }
-        }
-        changed
-    }
-
-    /// The campaign without this part.
-    pub(crate) fn left_out(&self, campaign: &Campaign) -> Campaign {
-        with_lengths(campaign, |stop, _| !self.holds(campaign, stop))
-    }
-
-    /// The campaign without the lengths of this part to a target.
-    pub(crate) fn without(&self, campaign: &Campaign, target: usize) -> Campaign {
-        with_lengths(campaign, |stop, reading| {
-            reading.target != target || !self.holds(campaign, stop)
-        })
+        usize::from(self.station.is_some())
+            + usize::from(self.run.is_some())
+            + usize::from(self.repeat.is_some())
     }
 
     /// `in repeat 2 of run x from station S1 (lines 12 to 80 of the lengths)`; nothing for all of the measurement.
@@ -71,25 +49,36 @@ impl Scope {
             .station
             .map(|station| format!("from station {}", campaign.stations[station].name));
         let parts: Vec<String> = [repeat, run, station].into_iter().flatten().collect();
-        let lines = campaign.lengths.iter().flat_map(|lengths| {
-            let stops = lengths
-                .stops
-                .iter()
-                .filter(|stop| self.holds(campaign, stop));
-            stops.flat_map(|stop| {
-                lengths.readings[stop.readings.clone()]
-                    .iter()
-                    .map(|r| r.line)
-            })
-        });
-        let (first, last) = lines.fold((usize::MAX, 0), |(first, last), line| {
-            (first.min(line), last.max(line))
-        });
-        format!(
-            "{} (lines {first} to {last} of the lengths)",
-            parts.join(" ")
-        )
+        let (mut first, mut last) = (usize::MAX, 0);
+        if let Some(lengths) = &campaign.lengths {
+            for stop in self.stops(campaign, lengths) {
+                for reading in &lengths.readings[stop.readings.clone()] {
+                    (first, last) = (first.min(reading.line), last.max(reading.line));
+                }
+            }
+        }
+        let parts = parts.join(" ");
+        format!("{parts} (lines {first} to {last} of the lengths)")
     }
+}
+
+/// Steps that are left of each run: enough to tell a line or a circle from what is none.
+const STEPS: usize = 9;
+
+/// The campaign with steps evenly taken from each run, ends included, and with the targets on the bed: so that many
+/// mistakes can be tried.
+pub(crate) fn thinned(campaign: &Campaign) -> Campaign {
+    let steps = campaign.steps.iter();
+    let mut kept: Vec<bool> = steps.map(|step| step.run.is_none()).collect();
+    for run in 0..campaign.runs.len() {
+        let is_of_run = |step: &usize| campaign.steps[*step].run == Some(run);
+        let of_run: Vec<usize> = (0..kept.len()).filter(is_of_run).collect();
+        let (last, count) = (of_run.len().saturating_sub(1), STEPS.min(of_run.len()));
+        for i in 0..count {
+            kept[of_run[i * last / (count - 1).max(1)]] = true;
+        }
+    }
+    with_lengths(campaign, |stop, _| kept[stop.step])
 }
 
 /// The campaign with some of its lengths only.
@@ -97,38 +86,26 @@ pub(crate) fn with_lengths(
     campaign: &Campaign,
     keep: impl Fn(&Stop, &LengthReading) -> bool,
 ) -> Campaign {
-    let Some(all) = &campaign.lengths else {
-        return campaign.clone();
+    let mut changed = campaign.clone();
+    let Some(lengths) = &mut changed.lengths else {
+        return changed;
     };
-    let mut lengths = Lengths {
-        logged: all.logged.clone(),
-        ..Lengths::default()
-    };
-    let mut kept = Vec::with_capacity(all.readings.len());
-    for stop in &all.stops {
-        let first = lengths.readings.len();
-        for i in stop.readings.clone() {
-            let reading = &all.readings[i];
-            kept.push(keep(stop, reading));
-            if kept[i] {
+    let all = std::mem::take(&mut lengths.readings);
+    let mut kept = Vec::with_capacity(all.len());
+    lengths.stops.retain_mut(|stop| {
+        let (first, before) = (lengths.readings.len(), stop.clone());
+        for reading in &all[before.readings.clone()] {
+            kept.push(keep(&before, reading));
+            if kept.last() == Some(&true) {
                 lengths.readings.push(reading.clone());
             }
         }
-        if lengths.readings.len() > first {
-            lengths.stops.push(Stop {
-                readings: first..lengths.readings.len(),
-                ..stop.clone()
-            });
-        }
-    }
+        stop.readings = first..lengths.readings.len();
+        !stop.readings.is_empty()
+    });
     for column in &mut lengths.logged {
         let mut kept = kept.iter();
-        column
-            .values
-            .retain(|_| kept.next().copied().unwrap_or(false));
+        column.values.retain(|_| kept.next() == Some(&true));
     }
-    Campaign {
-        lengths: Some(lengths),
-        ..campaign.clone()
-    }
+    changed
 }

@@ -2,101 +2,189 @@
 
 use std::collections::BTreeSet;
 
+use rayon::prelude::*;
 use trueaxis_campaign::Campaign;
 
-use crate::mistakes::mistake::Mistake;
-use crate::mistakes::places::Places;
+use crate::mistakes::mistake::{Mistake, What};
 use crate::mistakes::scope::Scope;
 
-/// The suspects in some places, by the size of the place: those made everywhere first.
-pub(crate) fn suspects(campaign: &Campaign, places: &Places) -> Vec<Vec<Mistake>> {
-    let pairs = pairs_of_targets(campaign);
-    let inside = places.scopes.iter();
+/// What becomes of the lengths if a part of them is left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum LeftOut {
+    /// They fit: the mistake is in the part.
+    Fits,
+    /// They contradict each other: it is not, or not only.
+    Contradicts,
+    /// They are too few to tell.
+    Open,
+}
+
+/// The suspects within a part of the measurement, by the size of the place where each was made: those made everywhere
+/// first, and constants of any size last. `left_out` says what becomes of the lengths without a part.
+pub(crate) fn suspects(
+    campaign: &Campaign,
+    within: &Scope,
+    left_out: impl Fn(Scope) -> LeftOut + Sync,
+) -> Vec<Vec<Mistake>> {
+    let scopes = scopes(campaign, within, left_out);
     let mut all: Vec<Mistake> = Vec::new();
-    if places.anywhere {
+    let mut add = |what: What, scope: Scope| all.push(Mistake { what, scope });
+    let everywhere = Scope::default();
+    if *within == everywhere {
         let axes: BTreeSet<usize> = campaign.runs.iter().map(|run| run.axis).collect();
         for &axis in &axes {
-            all.push(Mistake::AxisReversed { axis, run: None });
-            let runs = (0..campaign.runs.len()).filter(|&run| campaign.runs[run].axis == axis);
-            let runs: Vec<usize> = runs.collect();
-            let single = runs.iter().filter(|_| runs.len() > 1);
-            all.extend(single.map(|&run| Mistake::AxisReversed {
-                axis,
-                run: Some(run),
-            }));
+            add(What::AxisReversed(axis), everywhere);
+            let of_axis = |run: &usize| campaign.runs[*run].axis == axis;
+            let runs: Vec<usize> = (0..campaign.runs.len()).filter(of_axis).collect();
+            for &run in runs.iter().filter(|_| runs.len() > 1) {
+                let run = Some(run);
+                add(What::AxisReversed(axis), Scope { run, ..everywhere });
+            }
         }
-        all.extend(nominals_away(campaign));
+        for positions in nominals_away(campaign) {
+            add(What::NominalsAway(positions), everywhere);
+        }
     }
-    let of_station = |scope: &&Scope| scope.run.is_none() && scope.repeat.is_none();
-    let whole_stations = inside.clone().filter(of_station);
-    all.extend(whole_stations.map(|&scope| Mistake::LengthsReversed { scope }));
-    for &scope in inside.clone() {
-        let exchanged = |&targets: &[usize; 2]| Mistake::TargetsExchanged { targets, scope };
-        all.extend(pairs.iter().map(exchanged));
+    for &scope in &scopes {
+        if scope.run.is_none() && scope.repeat.is_none() {
+            add(What::LengthsReversed, scope);
+        }
     }
-    for &scope in inside.filter(|scope| scope.station.is_none() && **scope != Scope::default()) {
+    let targets = pairs_of_targets(campaign);
+    for &scope in &scopes {
+        for &pair in &targets {
+            add(What::TargetsExchanged(pair), scope);
+        }
+    }
+    let parts = scopes.iter().filter(|scope| **scope != everywhere);
+    for &scope in parts.clone().filter(|scope| scope.station.is_none()) {
         for a in 0..campaign.stations.len() {
             for b in a + 1..campaign.stations.len() {
-                let stations = [a, b];
-                all.push(Mistake::StationsExchanged { stations, scope });
+                add(What::StationsExchanged([a, b]), scope);
             }
         }
     }
-    by_size(all, Mistake::parts)
+    // Not everywhere: there it is the constant of the reflector.
+    let mut offsets = Vec::new();
+    for &scope in parts {
+        for target in (0..campaign.targets.len()).filter(|&t| is_read(campaign, t, &scope)) {
+            let (offset_mm, u_mm) = (0.0, 0.0);
+            let what = What::Offset {
+                target,
+                offset_mm,
+                u_mm,
+            };
+            offsets.push(Mistake { what, scope });
+        }
+    }
+    [by_size(all), by_size(offsets)].concat()
 }
 
-/// Places in order of the number of parts that make them, those with the same number together.
-fn by_size<T: Clone>(mut all: Vec<T>, parts: impl Fn(&T) -> usize) -> Vec<Vec<T>> {
-    all.sort_by_key(&parts);
+/// Mistakes in order of the number of parts that make the place, those with the same number together.
+fn by_size(mut all: Vec<Mistake>) -> Vec<Vec<Mistake>> {
+    let parts = |mistake: &Mistake| mistake.scope.parts();
+    all.sort_by_key(parts);
     let alike = all.chunk_by(|a, b| parts(a) == parts(b));
-    alike.map(<[T]>::to_vec).collect()
+    alike.map(<[_]>::to_vec).collect()
 }
 
-/// Targets, and where their lengths may all be off alike, by the size of the place: not everywhere, for there that
-/// is the constant of the reflector.
-pub(crate) fn offset_scopes(campaign: &Campaign, places: &Places) -> Vec<Vec<(usize, Scope)>> {
-    let scopes = places.scopes.iter().copied();
-    let inside = scopes.filter(|scope| *scope != Scope::default());
-    let read = |target: usize, scope: &Scope| {
-        campaign.lengths.as_ref().is_some_and(|lengths| {
-            let stops = lengths.stops.iter();
-            let mut inside = stops.filter(|stop| scope.holds(campaign, stop));
-            inside.any(|stop| {
-                let readings = &lengths.readings[stop.readings.clone()];
-                readings.iter().any(|reading| reading.target == target)
-            })
-        })
+/// The parts in which a mistake may have been made. If the lengths fit without those of a run, it was made there and
+/// nowhere else; if they do so without none of the runs, it was made in several. The same of repeats. A station
+/// cannot be left out so easily.
+fn scopes(
+    campaign: &Campaign,
+    within: &Scope,
+    left_out: impl Fn(Scope) -> LeftOut + Sync,
+) -> Vec<Scope> {
+    let stops = campaign.lengths.iter().flat_map(|lengths| &lengths.stops);
+    let repeats: BTreeSet<u32> = stops.map(|stop| stop.repeat).collect();
+    let repeats: Vec<u32> = repeats.into_iter().collect();
+    let runs: Vec<usize> = (0..campaign.runs.len()).collect();
+    let runs = one_of(within.run, &runs, |run| {
+        let run = Some(run);
+        left_out(Scope { run, ..*within })
+    });
+    let repeats = one_of(within.repeat, &repeats, |repeat| {
+        let repeat = Some(repeat);
+        left_out(Scope { repeat, ..*within })
+    });
+    let stations: Vec<Option<usize>> = match within.station {
+        Some(station) => vec![Some(station)],
+        None => std::iter::once(None)
+            .chain((0..campaign.stations.len()).map(Some))
+            .collect(),
     };
-    let targets = 0..campaign.targets.len();
-    let places = inside.flat_map(|scope| targets.clone().map(move |target| (target, scope)));
-    let places = places.filter(|(target, scope)| read(*target, scope));
-    by_size(places.collect(), |(_, scope)| scope.parts())
+    let mut scopes = Vec::new();
+    for &repeat in &repeats {
+        for &run in &runs {
+            scopes.extend(stations.iter().map(|&station| Scope {
+                station,
+                run,
+                repeat,
+            }));
+        }
+    }
+    scopes
+}
+
+/// The one that is given; else those of several without which the rest fits; else all together, and those of which
+/// nothing is known.
+fn one_of<T: Copy + Sync + Send>(
+    given: Option<T>,
+    several: &[T],
+    left_out: impl Fn(T) -> LeftOut + Sync,
+) -> Vec<Option<T>> {
+    if given.is_some() || several.len() < 2 {
+        return vec![given];
+    }
+    let outcomes: Vec<LeftOut> = several.par_iter().map(|&one| left_out(one)).collect();
+    let which = |outcome: LeftOut| {
+        let some = several.iter().zip(&outcomes);
+        some.filter_map(move |(&one, found)| (*found == outcome).then_some(Some(one)))
+    };
+    let in_one: Vec<Option<T>> = which(LeftOut::Fits).collect();
+    match in_one.is_empty() {
+        true => std::iter::once(None).chain(which(LeftOut::Open)).collect(),
+        false => in_one,
+    }
+}
+
+/// Whether there are lengths to a target in a part.
+fn is_read(campaign: &Campaign, target: usize, scope: &Scope) -> bool {
+    campaign.lengths.as_ref().is_some_and(|lengths| {
+        let mut stops = scope.stops(campaign, lengths);
+        stops.any(|stop| {
+            let readings = &lengths.readings[stop.readings.clone()];
+            readings.iter().any(|reading| reading.target == target)
+        })
+    })
 }
 
 /// Targets that could be taken for each other: those that are read at the same stops.
-fn pairs_of_targets(campaign: &Campaign) -> Vec<[usize; 2]> {
+fn pairs_of_targets(campaign: &Campaign) -> BTreeSet<[usize; 2]> {
     let mut pairs = BTreeSet::new();
     if let Some(lengths) = &campaign.lengths {
         for stop in &lengths.stops {
             let read = &lengths.readings[stop.readings.clone()];
             for (i, a) in read.iter().enumerate() {
-                for b in &read[i + 1..] {
-                    pairs.insert([a.target.min(b.target), a.target.max(b.target)]);
-                }
+                let others = read[i + 1..].iter().filter(|b| b.target != a.target);
+                pairs.extend(others.map(|b| [a.target.min(b.target), a.target.max(b.target)]));
             }
         }
     }
-    pairs.into_iter().filter(|[a, b]| a != b).collect()
+    pairs
 }
 
 /// Where the axes stood at the beginning of runs, if not all at home.
-fn nominals_away(campaign: &Campaign) -> Vec<Mistake> {
+fn nominals_away(campaign: &Campaign) -> Vec<Vec<f64>> {
     let mut places: Vec<Vec<f64>> = Vec::new();
-    for run in 0..campaign.runs.len() {
-        let first = campaign.steps.iter().find(|step| step.run == Some(run));
-        let Some(first) = first else { continue };
+    for (number, run) in campaign.runs.iter().enumerate() {
+        let mut steps = campaign.steps.iter();
+        let Some(first) = steps.find(|step| step.run == Some(number)) else {
+            continue;
+        };
         let mut parked = first.positions.clone();
-        parked[campaign.runs[run].axis] = 0.0;
+        parked[run.axis] = 0.0;
         for place in [first.positions.clone(), parked] {
             let away = place.iter().any(|position| position.abs() > 0.0);
             if away && !places.contains(&place) {
@@ -104,8 +192,5 @@ fn nominals_away(campaign: &Campaign) -> Vec<Mistake> {
             }
         }
     }
-    let mistakes = places.into_iter();
-    mistakes
-        .map(|positions| Mistake::NominalsAway { positions })
-        .collect()
+    places
 }

@@ -14,18 +14,14 @@
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
-use trueaxis_poses::{PoseNoise, ThroughSources};
+use nalgebra::{DMatrix, Matrix6, Matrix6xX};
+use trueaxis_poses::PoseNoise;
 
 use crate::identify::axis_data::AxisData;
 use crate::identify::context::Context;
 use crate::identify::gauge::Gauge;
 use crate::identify::identify_axes::{Identified, Sensitivity};
 use crate::in_order;
-use crate::propagate::variance::Variance;
-
-/// Nodes whose variances are made at a time.
-const NODES: usize = 32;
 
 /// Linear functions of an axis' parameters and mean pose errors.
 pub(crate) struct AxisForm {
@@ -82,13 +78,6 @@ struct NodeNoise {
     shared: Matrix6xX<f64>,
 }
 
-/// What component errors owe to all sources through a base that moves: its part of their own variance,
-/// and the coefficients of the shared sources.
-pub(crate) struct ThroughBase {
-    pub(crate) own: Vector6<f64>,
-    pub(crate) shared: Matrix6xX<f64>,
-}
-
 impl<'a> AxisNoise<'a> {
     /// Of axis `k` of the data.
     pub(crate) fn new(
@@ -139,62 +128,6 @@ impl<'a> AxisNoise<'a> {
     /// `B`: covariance of the mean pose error of a node, own part.
     pub(crate) fn own_of_node(&self, node: usize) -> Matrix6<f64> {
         self.node(node).own
-    }
-
-    /// The variances of the six component errors of every node.
-    pub(crate) fn node_variances(
-        &self,
-        through_base: impl Fn(usize) -> Option<ThroughBase> + Sync,
-    ) -> Vec<[Variance; 6]> {
-        let count = self.axis.nodes.len();
-        let pieces = in_order::map(count.div_ceil(NODES), |piece| {
-            let nodes = NODES * piece..count.min(NODES * (piece + 1));
-            self.variances_of(nodes, &through_base)
-        });
-        pieces.into_iter().flatten().collect()
-    }
-
-    fn variances_of(
-        &self,
-        nodes: Range<usize>,
-        through_base: impl Fn(usize) -> Option<ThroughBase>,
-    ) -> Vec<[Variance; 6]> {
-        let mut all_shared = DMatrix::zeros(6 * nodes.len(), self.noise.width());
-        let mut variances = Vec::with_capacity(nodes.len());
-        for (i, k) in nodes.enumerate() {
-            let node = self.node(k);
-            let effect = &self.gauge.node_effects[k];
-            let mixed = &node.cross * effect.transpose();
-            let of_parameters = effect * &self.parameters * effect.transpose();
-            let mut own = (node.own + of_parameters - mixed - mixed.transpose()).diagonal();
-            let uncancelled = (node.own + of_parameters).diagonal();
-            let mut shared = effect * &self.parameters_shared - &node.shared;
-            if let Some(base) = through_base(k) {
-                own += base.own;
-                shared += base.shared;
-            }
-            all_shared.fixed_rows_mut::<6>(6 * i).copy_from(&shared);
-            variances.push((own, uncancelled));
-        }
-        // Together: one product with the covariance of the sources.
-        let through = self.noise.through_sources(&all_shared);
-        let nodes = variances.iter().zip(through.chunks_exact(6));
-        let of_node = |((own, uncancelled), through): (&(Vector6<f64>, Vector6<f64>), &[_])| {
-            std::array::from_fn(|c| {
-                let ThroughSources {
-                    stations,
-                    declared,
-                    shapes,
-                } = through[c];
-                Variance {
-                    own: own[c] + shapes,
-                    through: stations,
-                    declared,
-                    uncancelled: uncancelled[c],
-                }
-            })
-        };
-        nodes.map(of_node).collect()
     }
 
     /// Own part of the covariance between functions `a` (rows) and `b` (columns).

@@ -6,27 +6,22 @@
 //! r = m + L t - F s      component errors m of a node: own noise B, cov(m, t) = Z; none for other results
 //! ```
 //!
-//! `L` holds the gauge, as the parameters of an axis are among its sources, the bases that move, and for location
-//! errors and stations the frame. With the own part `S` of `cov(t)` the covariance of two results is
+//! For component errors these are the [`crate::propagate::node_functions`]; for location errors and stations `L` holds
+//! the frame. With the own part `S` of `cov(t)` the covariance of two results is
 //!
 //! ```text
 //! [same node] B + L S Lᵀ + L Zᵀ + Z Lᵀ + F Σ Fᵀ        U = [L Z F]     M = [S I 0; I 0 0; 0 0 Σ]
 //! ```
+//!
+//! and what runs that contradict each other add to the location parameters are columns of their own.
 
-use std::ops::Range;
+use nalgebra::DMatrix;
 
-use nalgebra::{DMatrix, Matrix6};
-
-use crate::in_order;
-use crate::propagate::axis_noise::AxisForm;
 use crate::propagate::propagation::{Noise, place_of};
 use crate::result::calibration::{AxisResult, StationResult, widening_of_components};
 use crate::result::factored_covariance::{FactoredCovariance, scaled};
 use crate::result::numbered::results;
 use crate::result::sensitivities::{Rows, Sensitivities};
-
-/// Nodes that one thread takes at a time.
-const NODES: usize = 128;
 
 impl FactoredCovariance {
     /// Of the results that have their uncertainties from this noise; stations are not widened where runs contradict
@@ -34,13 +29,25 @@ impl FactoredCovariance {
     pub(crate) fn new(noise: &Noise<'_>, axes: &[AxisResult], stations: &[StationResult]) -> Self {
         let dependence = noise.dependence;
         let scales = scales(axes, stations);
+        // Stations stand behind all other sources, and follow from the shared ones alone.
+        let (sources, width) = (dependence.sources.stations, noise.shared().nrows());
+        let behind = 2 * sources..2 * sources + width;
         let (mut own, mut rows) = (Vec::new(), Vec::new());
-        for (k, axis) in axes.iter().enumerate() {
-            let (nodes, first) = (axis.nodes.len(), 6 * own.len());
-            let pieces = in_order::map(nodes.div_ceil(NODES), |piece| {
-                let start = NODES * piece;
-                let piece = start..nodes.min(start + NODES);
-                of_nodes(noise, k, piece, (first + 6 * start, &scales))
+        for k in 0..axes.len() {
+            let first_of_axis = 6 * own.len();
+            let pieces = noise.of_nodes(k, |node, f| {
+                let first = first_of_axis + 6 * node;
+                let scales = &scales[first..];
+                let with_sources = f.sources.iter().map(|source| sources + source);
+                let columns = f.sources.iter().copied().chain(with_sources);
+                let columns: Vec<usize> = columns.chain(behind.clone()).collect();
+                let all = joined(&[&f.of_sources, &f.with_sources, &f.of_shared], scales);
+                let own = f.own.iter().zip(scales.chunks_exact(6));
+                let own = own.map(|(own, factors)| scaled(own, factors));
+                (
+                    own.collect::<Vec<_>>(),
+                    Rows::of_columns(first, &columns, &all),
+                )
             });
             for (of_piece, piece) in pieces {
                 own.extend(of_piece);
@@ -54,76 +61,43 @@ impl FactoredCovariance {
         });
         let of_stations = dependence.stations.iter().flat_map(|rows| rows.row_iter());
         let others: Vec<_> = locations.chain(of_stations).collect();
+        let others = match others.is_empty() {
+            true => DMatrix::zeros(0, dependence.sources.count),
+            false => DMatrix::from_rows(&others),
+        };
         let first = 6 * own.len();
-        if !others.is_empty() {
-            let of_sources = DMatrix::from_rows(&others);
-            let with_sources = DMatrix::zeros(others.len(), dependence.sources.stations);
-            let through_poses = &of_sources * &noise.sources.shared;
-            let all = joined(&of_sources, &with_sources, &through_poses, &scales[first..]);
-            rows.push(Rows::new(first, &all));
-        }
+        let of_shared = &others * &noise.sources.shared;
+        let of_sources = others.columns(0, sources).into_owned();
+        let columns: Vec<usize> = (0..sources).chain(behind.clone()).collect();
+        let all = joined(&[&of_sources, &of_shared], &scales[first..]);
+        rows.push(Rows::of_columns(first, &columns, &all));
 
-        // Stations stand behind all other sources, and follow from the shared ones alone.
-        let (sources, width) = (dependence.sources.stations, noise.shared().nrows());
-        let (behind, size) = (2 * sources, 2 * sources + width);
-        let mut shared = DMatrix::zeros(size, size);
-        let own_of_sources = noise.sources.own.view((0, 0), (sources, sources));
-        shared
-            .view_mut((0, 0), (sources, sources))
-            .copy_from(&own_of_sources);
-        shared
-            .view_mut((0, sources), (sources, sources))
-            .fill_with_identity();
-        shared
-            .view_mut((sources, 0), (sources, sources))
-            .fill_with_identity();
-        shared
-            .view_mut((behind, behind), (width, width))
-            .copy_from(noise.shared());
-        let mut sensitivities = Sensitivities::new(size, rows);
+        let mut shared = DMatrix::zeros(behind.end, behind.end);
+        let square = (sources, sources);
+        let own_of_sources = noise.sources.own.view((0, 0), square);
+        shared.view_mut((0, 0), square).copy_from(&own_of_sources);
+        shared.view_mut((0, sources), square).fill_with_identity();
+        shared.view_mut((sources, 0), square).fill_with_identity();
+        let mut of_shared = shared.view_range_mut(behind.clone(), behind.clone());
+        of_shared.copy_from(noise.shared());
+        let mut sensitivities = Sensitivities::new(behind.end, rows);
         let used = sensitivities.drop_unused_columns();
-        Self {
+        let mut factors = Self {
             own,
             sensitivities,
             shared: shared.select_rows(&used).select_columns(&used),
+        };
+        for error in &noise.sources.scatter {
+            let of_nodes = (0..axes.len()).flat_map(|k| noise.through_base(k, error));
+            let of_others = (&others * error).as_slice().to_vec();
+            let all = of_nodes.chain(of_others).zip(&scales);
+            factors.add_common(
+                &all.map(|(change, scale)| change * scale)
+                    .collect::<Vec<_>>(),
+            );
         }
+        factors
     }
-}
-
-/// What some nodes of axis `k` have alone, and their rows; `first` is the first of their results.
-fn of_nodes(
-    noise: &Noise<'_>,
-    k: usize,
-    nodes: Range<usize>,
-    (first, scales): (usize, &[f64]),
-) -> (Vec<Matrix6<f64>>, Rows) {
-    let dependence = noise.dependence;
-    let (axis, own_sources) = (&noise.axes[k], &dependence.sources.axes[k]);
-    let gauge = &dependence.identified.gauges[k];
-    let scales = &scales[first..];
-    let form = AxisForm::component_errors(gauge, nodes.clone());
-    let rows = form.parameters.nrows();
-    let through_base = dependence.through_base(k, &form);
-    let mut of_sources =
-        through_base.unwrap_or_else(|| DMatrix::zeros(rows, dependence.sources.count));
-    for (column, &place) in form.parameters.column_iter().zip(&own_sources.places) {
-        let mut sum = of_sources.column_mut(place);
-        sum += column;
-    }
-    let of_poses = AxisForm {
-        parameters: DMatrix::zeros(rows, gauge.parameters()),
-        poses: form.poses,
-    };
-    let mut with_sources = DMatrix::zeros(rows, dependence.sources.stations);
-    let of_own_sources = axis.own(&of_poses, &own_sources.form);
-    for (column, &place) in of_own_sources.column_iter().zip(&own_sources.places) {
-        with_sources.column_mut(place).copy_from(&column);
-    }
-    let through_poses = axis.shared(&of_poses) + &of_sources * &noise.sources.shared;
-    let all = joined(&of_sources, &with_sources, &through_poses, scales);
-    let own = nodes.zip(scales.chunks_exact(6));
-    let own = own.map(|(node, factors)| scaled(&axis.own_of_node(node), factors));
-    (own.collect(), Rows::new(first, &all))
 }
 
 /// By what each result is widened; zero for what gauge or frame define, where they leave rounding.
@@ -139,17 +113,12 @@ fn scales(axes: &[AxisResult], stations: &[StationResult]) -> Vec<f64> {
         .collect()
 }
 
-/// `[L Z F]` without the stations among the sources, each row times a factor.
-fn joined(
-    of_sources: &DMatrix<f64>,
-    with_sources: &DMatrix<f64>,
-    through_poses: &DMatrix<f64>,
-    scales: &[f64],
-) -> DMatrix<f64> {
-    let sources = with_sources.ncols();
-    let columns = of_sources.column_iter().take(sources);
-    let columns = columns.chain(with_sources.column_iter());
-    let columns: Vec<_> = columns.chain(through_poses.column_iter()).collect();
+/// Blocks side by side, each row times a factor.
+fn joined(blocks: &[&DMatrix<f64>], scales: &[f64]) -> DMatrix<f64> {
+    let columns: Vec<_> = blocks
+        .iter()
+        .flat_map(|block| block.column_iter())
+        .collect();
     let mut all = DMatrix::from_columns(&columns);
     for (mut row, factor) in all.row_iter_mut().zip(scales) {
         row *= *factor;

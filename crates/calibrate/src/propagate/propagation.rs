@@ -7,11 +7,11 @@
 //! Component errors do not depend on the reference frame: the gauge removes a rigid motion of the
 //! whole. Location errors and stations do ([`crate::propagate::dependence`]).
 
-use nalgebra::{DMatrix, Matrix2, Matrix6, Matrix6xX, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix6};
 use trueaxis_kinematics::LocationComponent;
 use trueaxis_poses::{PoseNoise, Poses, ThroughSources};
 
-use crate::propagate::axis_noise::{AxisForm, AxisNoise, ThroughBase};
+use crate::propagate::axis_noise::AxisNoise;
 use crate::propagate::dependence::Dependence;
 use crate::propagate::sources::SourceNoise;
 use crate::propagate::variance::Variance;
@@ -68,25 +68,26 @@ impl<'a: 'i, 'i> Propagation<'a, 'i> {
         }
     }
 
-    /// Lets the location parameters of axis `k` have more variance than the noise gives them, mm and rad.
-    pub(crate) fn add_to_location(&mut self, k: usize, covariance: &DMatrix<f64>) {
-        let first = self.dependence.sources.location[k];
-        let own = &mut self.whole.sources.own;
-        let mut block = own.view_mut((first, first), covariance.shape());
-        block += covariance;
+    /// Lets the location parameters of axis `k` have independent errors beside the noise, with these standard
+    /// deviations, mm and rad.
+    pub(crate) fn add_to_location(&mut self, k: usize, errors: &[DVector<f64>]) {
+        let sources = &self.dependence.sources;
+        let of_sources = errors.iter().map(|error| {
+            let mut all = DVector::zeros(sources.count);
+            let mut own = all.rows_mut(sources.location[k], error.len());
+            own.copy_from(error);
+            all
+        });
+        self.whole.sources.scatter.extend(of_sources);
     }
 
     /// Of the component errors of axis `k`: for each node δ and ε.
     pub(crate) fn components(&self, k: usize) -> Vec<[Uncertainty; 6]> {
-        let variances = [&self.whole, &self.instrument].map(|noise| noise.components(k));
+        let [whole, instrument] = [&self.whole, &self.instrument].map(|noise| noise.components(k));
         let of_node = |(whole, instrument): (&[Variance; 6], &[Variance; 6])| {
-            std::array::from_fn(|c| self.stated(&whole[c], &instrument[c]))
+            std::array::from_fn(|c| self.stated(&whole[c], &instrument[c], 0.0))
         };
-        variances[0]
-            .iter()
-            .zip(&variances[1])
-            .map(of_node)
-            .collect()
+        whole.iter().zip(&instrument).map(of_node).collect()
     }
 
     /// Of the location errors of axis `k`: shift and tilt.
@@ -110,21 +111,13 @@ impl<'a: 'i, 'i> Propagation<'a, 'i> {
                 uncancelled: all.uncancelled - of_nests,
                 ..*all
             });
-            let stated = self.stated(&whole, &instrument);
-            let budget = Budget {
-                systematic: stated.budget.systematic + of_nests,
-                ..stated.budget
-            };
-            Uncertainty {
-                u: budget.variance().max(0.0).sqrt(),
-                dof: budget.degrees_of_freedom(&self.relative_covariance),
-                budget,
-            }
+            self.stated(&whole, &instrument, of_nests)
         })
     }
 
-    fn stated(&self, whole: &Variance, instrument: &Variance) -> Uncertainty {
-        let budget = if whole.is_defined_away() {
+    /// From the variances without what is `known` of the nests.
+    fn stated(&self, whole: &Variance, instrument: &Variance, known: f64) -> Uncertainty {
+        let mut budget = if whole.is_defined_away() {
             Budget::default()
         } else {
             let all = (whole.own + whole.through).max(0.0);
@@ -134,6 +127,7 @@ impl<'a: 'i, 'i> Propagation<'a, 'i> {
                 whole.declared,
             )
         };
+        budget.systematic += known;
         Uncertainty {
             u: budget.variance().max(0.0).sqrt(),
             dof: budget.degrees_of_freedom(&self.relative_covariance),
@@ -180,48 +174,23 @@ impl<'a> Noise<'a> {
         [-response, through]
     }
 
-    /// Variances of the component errors of axis `k`, for each node.
-    pub(crate) fn components(&self, k: usize) -> Vec<[Variance; 6]> {
-        self.axes[k].node_variances(|node| self.through_base(k, node))
-    }
-
-    /// What the component errors of a node of axis `k` owe to all sources through its base, if that moves.
-    fn through_base(&self, k: usize, node: usize) -> Option<ThroughBase> {
-        let dependence = self.dependence;
-        // Most axes have one run, during which their base stands still.
-        if !dependence.has_moving_base(k) {
-            return None;
-        }
-        let gauge = &dependence.identified.gauges[k];
-        let form = AxisForm::component_errors(gauge, node..node + 1);
-        let rows = dependence.through_base(k, &form)?;
-        let own_sources = &dependence.sources.axes[k];
-        let of_own_sources = rows.select_columns(&own_sources.places);
-        let cross = self.axes[k].own(&form, &own_sources.form) * of_own_sources.transpose();
-        let own = &cross + cross.transpose() + &rows * &self.sources.own * rows.transpose();
-        let shared = rows * &self.sources.shared;
-        Some(ThroughBase {
-            own: Vector6::from_fn(|c, _| own[(c, c)]),
-            shared: Matrix6xX::from_column_slice(shared.as_slice()),
-        })
+    /// Of functions with these coefficients of the shared sources, one for each row.
+    pub(crate) fn through_shared(&self, coefficients: &DMatrix<f64>) -> Vec<ThroughSources> {
+        self.noise.through_sources(coefficients)
     }
 
     /// Variances of functions of the sources, one for each row.
     fn of_sources(&self, rows: &DMatrix<f64>) -> Vec<Variance> {
         let own = rows * &self.sources.own * rows.transpose();
-        let variances = self.sources.own.diagonal();
-        let uncancelled: Vec<f64> = rows
-            .row_iter()
-            .map(|row| row.iter().zip(&variances).map(|(f, v)| f * f * v).sum())
-            .collect();
-        let through = self.noise.through_sources(&(rows * &self.sources.shared));
-        let functions = through.iter().zip(uncancelled).enumerate();
-        let variance = |(i, (through, uncancelled)): (usize, (&ThroughSources, f64))| Variance {
-            own: own[(i, i)] + through.shapes,
+        let scatter = self.sources.scatter_of(rows);
+        let uncancelled = rows.component_mul(rows) * self.sources.own.diagonal() + &scatter;
+        let through = self.through_shared(&(rows * &self.sources.shared));
+        let variance = |(i, through): (usize, &ThroughSources)| Variance {
+            own: own[(i, i)] + scatter[i] + through.shapes,
             through: through.stations,
             declared: through.declared,
-            uncancelled,
+            uncancelled: uncancelled[i],
         };
-        functions.map(variance).collect()
+        through.iter().enumerate().map(variance).collect()
     }
 }

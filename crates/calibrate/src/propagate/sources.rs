@@ -5,7 +5,7 @@
 //! and mean pose errors ([`crate::propagate::axis_noise`]). The stations are functions of the shared sources alone.
 //! What the frame takes from the nominal positions of the targets depends on how well their nests were set.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use trueaxis_poses::PoseNoise;
 
 use crate::identify::context::Context;
@@ -60,6 +60,21 @@ pub(crate) struct SourceNoise {
     pub(crate) own: DMatrix<f64>,
     /// Coefficients of the shared sources.
     pub(crate) shared: DMatrix<f64>,
+    /// Errors beside the noise, independent of it and of each other: the standard deviation of each in all quantities.
+    /// What an axis' own component errors owe to its parameters is free of them.
+    pub(crate) scatter: Vec<DVector<f64>>,
+}
+
+impl SourceNoise {
+    /// The variances that these make of functions of the quantities, one for each row.
+    pub(crate) fn scatter_of(&self, rows: &DMatrix<f64>) -> DVector<f64> {
+        let none = DVector::zeros(rows.nrows());
+        let squares = self
+            .scatter
+            .iter()
+            .map(|error| (rows * error).map(|x| x * x));
+        squares.fold(none, |sum, squares| sum + squares)
+    }
 }
 
 impl Sources {
@@ -92,7 +107,11 @@ impl Sources {
         for (i, &variance_mm2) in self.nest_variances_mm2.iter().enumerate() {
             own[(self.nests + i, self.nests + i)] = variance_mm2;
         }
-        SourceNoise { own, shared }
+        SourceNoise {
+            own,
+            shared,
+            scatter: Vec::new(),
+        }
     }
 
     fn layout(context: &Context<'_>, identified: &Identified, stations: usize) -> Self {

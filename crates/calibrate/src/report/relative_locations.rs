@@ -16,7 +16,6 @@ use trueaxis_kinematics::AxisKind;
 
 use crate::identify::basis::Basis;
 use crate::propagate::propagation::{Propagation, Uncertainty};
-use crate::result::budget::Budget;
 use crate::result::calibration::{RelativeLocation, RelativeQuantity};
 
 /// Sine of the angle below which two axes are parallel.
@@ -54,42 +53,42 @@ fn pair(propagation: &Propagation<'_, '_>, k: usize, to: usize) -> Vec<RelativeL
             to_feet([of_own, of_other], [c, a]),
         )
     };
+    let locations = [k, to].map(|k| propagation.dependence.identified.state.axes[k].location);
     let relative = |n: Vector3<f64>| {
-        let nothing = RelativeQuantity {
+        // An axis is said to be off along +y, not along -y.
+        let direction = n * n[n.iamax()].signum();
+        let rows = rows(propagation, [k, to], direction, levers_mm);
+        let unknown = |Uncertainty { u, dof, budget }| RelativeQuantity {
             value: 0.0,
-            u: 0.0,
-            dof: f64::INFINITY,
-            budget: Budget::default(),
+            u,
+            dof,
+            budget,
         };
-        let relative = RelativeLocation {
+        let [offset, angle] = propagation.of_sources::<2>(&rows).map(unknown);
+        let mut relative = RelativeLocation {
             axis: own.name().to_owned(),
             to: other.name().to_owned(),
-            // An axis is said to be off along +y, not along -y.
-            direction: n * n[n.iamax()].signum(),
+            direction,
             levers_mm,
-            offset: nothing,
-            angle: nothing,
+            offset,
+            angle,
         };
-        with_values(propagation, [k, to], relative)
+        [relative.offset.value, relative.angle.value] = relative.of(&locations[0], &locations[1]);
+        relative
     };
     across.into_iter().map(relative).collect()
 }
 
-/// The same with its values and uncertainties.
-fn with_values(
+/// Offset and angle along and about `n` as functions of the sources.
+fn rows(
     propagation: &Propagation<'_, '_>,
     [k, to]: [usize; 2],
-    relative: RelativeLocation,
-) -> RelativeLocation {
+    n: Vector3<f64>,
+    levers_mm: [Vector3<f64>; 2],
+) -> DMatrix<f64> {
     let dependence = propagation.dependence;
-    let [own, other] = [k, to].map(|k| &dependence.identified.state.axes[k].location);
-    let values = relative.of(own, other);
-    let n = relative.direction;
     let mut rows = DMatrix::zeros(2, dependence.sources.count);
-    for (k, sign, lever_mm) in [
-        (k, 1.0, relative.levers_mm[0]),
-        (to, -1.0, relative.levers_mm[1]),
-    ] {
+    for (k, sign, lever_mm) in [(k, 1.0, levers_mm[0]), (to, -1.0, levers_mm[1])] {
         let of_axis = &dependence.locations[k];
         let along = |shift: Vector3<f64>, tilt: Vector3<f64>| -> RowDVector<f64> {
             let parts = [(shift, 0), (tilt, 3)];
@@ -97,23 +96,12 @@ fn with_values(
             (a + b) * sign
         };
         // n·(t × s) = t·(s × n)
-        let [offset, angle] = [along(n, lever_mm.cross(&n)), along(Vector3::zeros(), n)];
-        for (mut row, part) in rows.row_iter_mut().zip([offset, angle]) {
+        let parts = [along(n, lever_mm.cross(&n)), along(Vector3::zeros(), n)];
+        for (mut row, part) in rows.row_iter_mut().zip(parts) {
             row += part;
         }
     }
-    let [offset, angle] = propagation.of_sources::<2>(&rows);
-    let quantity = |value: f64, Uncertainty { u, dof, budget }| RelativeQuantity {
-        value,
-        u,
-        dof,
-        budget,
-    };
-    RelativeLocation {
-        offset: quantity(values[0], offset),
-        angle: quantity(values[1], angle),
-        ..relative
-    }
+    rows
 }
 
 /// From points on two lines that are not parallel to the feet of their common perpendicular.

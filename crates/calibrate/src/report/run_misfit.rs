@@ -18,7 +18,7 @@
 //! with the rows of the records less the unknowns as degrees of freedom `ν`. Runs that contradict each other
 //! do so by more than their noise, and `√(χ²/ν)` (R. T. Birge, *Physical Review* 40, 207, 1932) is by how much.
 
-use nalgebra::{DMatrix, DVector, Matrix6, RowDVector, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix6, Vector6};
 use trueaxis_kinematics::Component;
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
@@ -29,7 +29,7 @@ use crate::result::calibration::{AxisResult, RunMisfit, widening_of_components};
 /// Probability that any axis of a campaign whose runs agree is said to have runs that do not.
 const LEVEL: f64 = 0.01;
 
-/// Eigenvalues of the normal matrix of `g`, relative to the largest, below which a combination is free: what all
+/// Singular values of the normal matrix of `g`, relative to the largest, below which a combination is free: what all
 /// runs have in common.
 const FREE: f64 = 1e-10;
 
@@ -44,23 +44,24 @@ pub(crate) fn run_misfits(propagation: &Propagation<'_, '_>) -> Vec<Option<RunMi
     (0..data.len()).map(of_axis).collect()
 }
 
-/// How far the average lines, or axes, of the runs of axis `k` are from their mean: the covariance that this gives its
-/// location parameters, mm and rad.
+/// How far the average lines, or axes, of the runs of axis `k` are from their mean: for each run the standard deviation
+/// that this gives its location parameters, mm and rad.
 ///
 /// The parameters `t_r` of a run, relative to those of all runs, are fitted to its pose errors together with the place
 /// of its targets. Between the first and the last of `R` runs the line may be anywhere; if the runs stand for
 /// equally spaced places, that is a uniform distribution with the covariance
 ///
 /// ```text
-/// S = (R - 1)/(R + 1) · 1/R Σ t_r t_rᵀ
+/// (R - 1)/(R + 1) · 1/R Σ t_r t_rᵀ
 /// ```
-pub(crate) fn scatter_of_runs(propagation: &Propagation<'_, '_>, k: usize) -> DMatrix<f64> {
+pub(crate) fn scatter_of_runs(propagation: &Propagation<'_, '_>, k: usize) -> Vec<DVector<f64>> {
     let (context, identified) = propagation.dependence.parts();
     let (data, gauge) = (&context.data[k], &identified.gauges[k]);
     let errors = context.pose_errors(&identified.state, k);
     let (own, runs) = (gauge.location_parameters, data.runs.len());
-    let mut sum = DMatrix::zeros(own, own);
-    for run in 0..runs {
+    let count = runs as f64;
+    let factor = ((count - 1.0) / (count + 1.0) / count).sqrt();
+    let of_run = |run: usize| {
         let of_run = (0..data.records.len()).filter(|&i| data.records[i].run == run);
         let place = own + PER_RUN * run;
         let rows = of_run.map(|i| {
@@ -73,18 +74,11 @@ pub(crate) fn scatter_of_runs(propagation: &Propagation<'_, '_>, k: usize) -> DM
             row.column_mut(own + PER_RUN).copy_from(&(errors[i] - mean));
             row
         });
-        let rows: Vec<DMatrix<f64>> = rows.collect();
         let mut products = DMatrix::zeros(own + PER_RUN + 1, own + PER_RUN + 1);
-        for row in &rows {
-            products.gemm_tr(1.0, row, row, 1.0);
-        }
-        if let Some(found) = solved(&products) {
-            let t = found.rows(0, own);
-            sum += t * t.transpose();
-        }
-    }
-    let runs = runs as f64;
-    sum * ((runs - 1.0) / (runs + 1.0) / runs)
+        rows.for_each(|row| products.gemm_tr(1.0, &row, &row, 1.0));
+        Some(solved(&products)?.rows(0, own) * factor)
+    };
+    (0..runs).filter_map(of_run).collect()
 }
 
 /// The solution of normal equations whose last column is the right-hand side, scaled to unit diagonal; `None` if they
@@ -105,49 +99,37 @@ fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> 
     let errors = context.pose_errors(&identified.state, k);
     let (products, covariance) = products(propagation, k, &errors)?;
     let (of_runs, of_sources) = (identified.gauges[k].parameters(), covariance.nrows());
-    let part =
-        |first: (usize, usize), size: (usize, usize)| products.view(first, size).into_owned();
     // The runs' own parameters are eliminated first.
-    let eigen = part((0, 0), (of_runs, of_runs)).symmetric_eigen();
-    let largest = eigen.eigenvalues.amax();
-    let mut rank = 0_usize;
-    let mut left = part((of_runs, of_runs), (of_sources + 1, of_sources + 1));
-    let coupling = part((0, of_runs), (of_runs, of_sources + 1));
-    for (value, vector) in eigen
-        .eigenvalues
-        .iter()
-        .zip(eigen.eigenvectors.column_iter())
-    {
-        if *value > FREE * largest {
-            let row: RowDVector<f64> = vector.transpose() * &coupling;
-            left -= row.transpose() * &row / *value;
-            rank += 1;
-        }
-    }
+    let own = products.view((0, 0), (of_runs, of_runs)).into_owned();
+    let own = own.svd(true, true);
+    let limit = FREE * own.singular_values.max();
     let redundant = 6 * (data.records.len() - data.nodes.len());
-    let degrees_of_freedom = redundant.checked_sub(rank).filter(|dof| *dof > 0)?;
-    let g = left.view((0, 0), (of_sources, of_sources)).into_owned();
-    let f: DVector<f64> = left
-        .view((0, of_sources), (of_sources, 1))
-        .column(0)
+    let degrees_of_freedom = redundant.checked_sub(own.rank(limit));
+    let degrees_of_freedom = degrees_of_freedom.filter(|dof| *dof > 0)?;
+    let coupling = products
+        .columns_range(of_runs..)
+        .rows(0, of_runs)
         .into_owned();
-    let inner = DMatrix::identity(of_sources, of_sources) + &g * &covariance;
+    let others = products.view_range(of_runs.., of_runs..);
+    let left = others - coupling.transpose() * own.pseudo_inverse(limit).ok()? * &coupling;
+    let g = left.view((0, 0), (of_sources, of_sources));
+    let f = left.column(of_sources).rows(0, of_sources).into_owned();
+    let inner = DMatrix::identity(of_sources, of_sources) + g * &covariance;
     let through = covariance * inner.lu().solve(&f)?;
     let chi_squared = left[(of_sources, of_sources)] - f.dot(&through);
 
     // Where the records of a position differ most, by the noise of a record.
     let mut largest = (0.0, 0, Component::ALL[0], 0.0);
-    for (n, records) in data.records_of.iter().enumerate() {
+    for (node, records) in data.records_of.iter().enumerate() {
+        let own = propagation.whole.own_of_record(k, records[0]);
         for component in Component::ALL {
-            let values = records.iter().map(|&i| errors[i][component.index()]);
-            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-                (low.min(x), high.max(x))
-            });
-            let first = records[0];
-            let own = propagation.whole.own_of_record(k, first);
-            let significance = (high - low) / own[(component.index(), component.index())].sqrt();
+            let c = component.index();
+            let values = records.iter().map(|&i| errors[i][c]);
+            let [low, high] = [values.clone().reduce(f64::min), values.reduce(f64::max)];
+            let difference = high.unwrap_or_default() - low.unwrap_or_default();
+            let significance = difference / own[(c, c)].sqrt();
             if significance > largest.0 {
-                largest = (significance, n, component, high - low);
+                largest = (significance, node, component, difference);
             }
         }
     }

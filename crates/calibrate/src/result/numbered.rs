@@ -28,55 +28,52 @@ impl Calibration {
 
 pub(crate) fn results(axes: &[AxisResult], stations: &[StationResult]) -> Vec<NumberedResult> {
     let mut all = Vec::new();
+    let mut add = |output: Output, value: f64, u: f64, dof: f64| {
+        all.push(NumberedResult {
+            output,
+            value,
+            u,
+            dof,
+        });
+    };
     for axis in axes {
         for node in &axis.nodes {
             let values = node.error.to_vector();
-            all.extend(Component::ALL.map(|component| {
+            for component in Component::ALL {
                 let c = component.index();
-                NumberedResult {
-                    output: Output::ComponentError {
-                        axis: axis.name.clone(),
-                        kind: axis.kind,
-                        component,
-                        position: node.position,
-                        direction: node.direction,
-                    },
-                    value: values[c],
-                    u: node.u[c],
-                    dof: node.dof[c],
-                }
-            }));
+                let output = Output::ComponentError {
+                    axis: axis.name.clone(),
+                    kind: axis.kind,
+                    component,
+                    position: node.position,
+                    direction: node.direction,
+                };
+                add(output, values[c], node.u[c], node.dof[c]);
+            }
         }
     }
     for axis in axes {
-        all.extend(axis.location_errors.iter().map(|location| NumberedResult {
-            output: Output::LocationError {
+        for location in &axis.location_errors {
+            let output = Output::LocationError {
                 axis: axis.name.clone(),
                 component: location.component,
-            },
-            value: location.value,
-            u: location.u,
-            dof: location.dof,
-        }));
+            };
+            add(output, location.value, location.u, location.dof);
+        }
     }
-    for station in stations {
-        all.extend((0..3).map(|coordinate| NumberedResult {
-            output: Output::StationPosition {
-                station: station.name.clone(),
+    for s in stations {
+        for coordinate in 0..3 {
+            let station = s.name.clone();
+            let output = Output::StationPosition {
+                station,
                 coordinate,
-            },
-            value: station.position_mm[coordinate],
-            u: station.u_mm[coordinate],
-            dof: station.dof[coordinate],
-        }));
-        all.push(NumberedResult {
-            output: Output::DeadPath {
-                station: station.name.clone(),
-            },
-            value: station.dead_path_mm,
-            u: station.u_dead_path_mm,
-            dof: station.dof_dead_path,
-        });
+            };
+            let [u, dof] = [s.u_mm, s.dof].map(|of| of[coordinate]);
+            add(output, s.position_mm[coordinate], u, dof);
+        }
+        let station = s.name.clone();
+        let output = Output::DeadPath { station };
+        add(output, s.dead_path_mm, s.u_dead_path_mm, s.dof_dead_path);
     }
     all
 }

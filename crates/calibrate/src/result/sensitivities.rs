@@ -24,15 +24,21 @@ pub(crate) struct Rows {
 impl Rows {
     /// Rows `first` and the next ones.
     pub(crate) fn new(first: usize, dense: &DMatrix<f64>) -> Self {
-        let is_used = |&k: &usize| dense.column(k).iter().any(|x| *x != 0.0);
-        let columns: Vec<usize> = (0..dense.ncols()).filter(is_used).collect();
+        let columns: Vec<usize> = (0..dense.ncols()).collect();
+        Self::of_columns(first, &columns, dense)
+    }
+
+    /// The same of a matrix with some columns only, ascending.
+    pub(crate) fn of_columns(first: usize, columns: &[usize], dense: &DMatrix<f64>) -> Self {
+        let is_used = |k: &usize| dense.column(*k).iter().any(|x| *x != 0.0);
+        let used: Vec<usize> = (0..columns.len()).filter(is_used).collect();
         let rows = dense.row_iter();
-        let values = rows.flat_map(|row| columns.iter().map(move |&k| row[k]));
+        let values = rows.flat_map(|row| used.iter().map(move |&k| row[k]));
         Self {
             first,
             values: values.collect(),
             count: dense.nrows(),
-            columns,
+            columns: used.iter().map(|&k| columns[k]).collect(),
         }
     }
 
