@@ -11,9 +11,10 @@ pub mod verification;
 pub use kind::Kind;
 pub use scatter::{Estimate, Pooled, Scatter};
 
-use trueaxis_calibrate::{AxisResult, Calibration, coverage_factor};
+use trueaxis_calibrate::{AxisResult, Calibration};
 use trueaxis_campaign::Direction;
 use trueaxis_kinematics::{Component, MICROMETRE};
+use trueaxis_predict::coverage_factor;
 use trueaxis_simulate::{TrueComponents, Truth};
 
 /// One number that was estimated, in mm or rad.

@@ -14,12 +14,12 @@ use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{
     Campaign, Direction, Instrument, Verification, VerificationKind, VerificationReading,
 };
 use trueaxis_compensate::{Error, Moved, correct};
 use trueaxis_kinematics::MICROMETRE;
+use trueaxis_predict::CalibratedMachine;
 use trueaxis_simulate::TrueMachine;
 
 pub use five_axis::five_axis_readings;

@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::Machine;
 use trueaxis_poses::{LengthsAdjustment, MeasuredPoses, Poses, measure};
+use trueaxis_predict::OutputCovariance;
 
 use crate::Error;
 use crate::identify::axis_data::{AxisData, by_axis};
@@ -13,6 +14,7 @@ use crate::identify::plausibility::{check_motion, check_noise};
 use crate::identify::settle_frame::mean_targets;
 use crate::mistakes::Mistakes;
 use crate::propagate::dependence::Dependence;
+use crate::propagate::factored_covariance::factored_covariance;
 use crate::propagate::output_covariance::check_size;
 use crate::propagate::propagation::Propagation;
 use crate::report::axis_results::{axis_results, station_results};
@@ -23,9 +25,7 @@ use crate::report::run_misfit::{run_misfits, scatter_of_runs};
 use crate::report::triangle::triangle;
 use crate::report::uncertainty::statement;
 use crate::result::calibration::{Calibration, TargetResult, Traceability};
-use crate::result::factored_covariance::FactoredCovariance;
 use crate::result::numbered::results;
-use crate::result::output::OutputCovariance;
 use crate::settings::{ReferencePoint, Settings};
 
 /// Finds all component and location errors of the axes that a campaign measured, in the [reference
@@ -121,10 +121,11 @@ pub(crate) fn calibrate_as_given<'a>(
     // Both are large, and the instrument's part is done with.
     let noise = propagation.whole;
     drop(instrument);
-    let factors = FactoredCovariance::new(&noise, &axes, &stations);
-    let covariance = settings
-        .covariance
-        .then(|| OutputCovariance::new(&factors, results(&axes, &stations)));
+    let factors = factored_covariance(&noise, &axes, &stations);
+    let covariance = settings.covariance.then(|| {
+        let results = results(&axes, &stations).into_iter();
+        OutputCovariance::new(&factors, results.map(|result| result.output).collect())
+    });
     let mut targets_mm = mean_targets(&context, &identified.state);
     for (target, in_datum_mm) in measured.targets_on_bed() {
         targets_mm[target] = Some(identified.state.ref_from_datum * in_datum_mm);

@@ -63,19 +63,6 @@ pub enum Error {
         /// Which mistake fits, where it was made, and what to change.
         explanation: String,
     },
-    /// Two calibrations give the translations of an axis for different points of its stage.
-    #[error(
-        "the translations of {axis} are those of the point {first_mm:?} mm in the first calibration, of {second_mm:?} mm \
-         in the second, and so are average lines and squareness: calibrate both with one --reference-point"
-    )]
-    OtherReferencePoint {
-        /// The axis.
-        axis: String,
-        /// In the first calibration, in the reference frame at home.
-        first_mm: [f64; 3],
-        /// In the second.
-        second_mm: [f64; 3],
-    },
     /// The covariance of all results does not fit.
     #[error(
         "the covariance of all {outputs} results takes {gib:.1} GiB, at most {limit_gib} GiB are \

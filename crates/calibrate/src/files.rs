@@ -2,13 +2,8 @@
 
 mod adjustment_json;
 mod calibration_json;
-mod covariance_npz;
-mod indices;
-pub(crate) mod predicted_csv;
-mod read_calibration;
-pub(crate) mod read_error;
+mod reliability_files;
 mod residuals_csv;
-mod volume_files;
 
 use serde_json::Value;
 

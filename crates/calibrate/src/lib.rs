@@ -39,15 +39,10 @@
 //! # Uncertainties
 //!
 //! Each standard uncertainty comes with its [`Budget`] and its degrees of freedom
-//! ([`coverage_factor`]), all results together with their covariance in factors ([`FactoredCovariance`]), on request as
-//! one matrix ([`OutputCovariance`]).
+//! ([`trueaxis_predict::coverage_factor`]), all results together with their covariance in factors
+//! ([`trueaxis_predict::FactoredCovariance`]), on request as one matrix ([`trueaxis_predict::OutputCovariance`]).
 //!
-//! # The calibrated machine
-//!
-//! [`CalibratedMachine`] predicts the error of the tool against the workpiece for any positions and any tool point,
-//! with its covariance ([`CalibratedMachine::predict`]); between the steps by local cubic interpolation, whose own
-//! uncertainty is what leaving a step out shows. It comes from a [`Calibration`], or from its files
-//! ([`CalibratedMachine::read`]).
+//! [`Calibration::calibrated_machine`] predicts the errors anywhere (`trueaxis-predict`).
 //!
 //! # The same campaign again
 //!
@@ -68,7 +63,6 @@ mod error;
 mod files;
 mod identify;
 mod in_order;
-mod machine;
 mod mistakes;
 mod propagate;
 mod replay;
@@ -78,34 +72,16 @@ mod settings;
 
 pub use calibrate::{calibrate, calibrate_with_adjustment};
 pub use error::Error;
-pub use files::predicted_csv::to_csv;
-pub use files::read_error::{CovarianceProblem, ReadError};
-pub use machine::approach::Approach;
-pub use machine::calibrated_machine::CalibratedMachine;
-pub use machine::compare::Difference;
-pub use machine::pivoted_cholesky::pivoted_cholesky;
-pub use machine::predict::Prediction;
-pub use machine::readings::{
-    MeasuredPoint, ball_bar_set_up, carrier, measured_home_mm, positioning_lines,
-    predicted_reading_um,
-};
-pub use machine::same_machine::{OtherMachine, check_same_machine};
-pub use machine::volume::places::{GridAxis, Places};
-pub use machine::volume::statistics::{Figures, Sizes};
-pub use machine::volume::{Drawn, Figure, Volume, VolumeSettings};
 pub use replay::reliability::{LengthReliability, LengthsReliability};
 pub use replay::run_comparison::{ComparedPose, RunComparison};
 pub use replay::with_effects::calibrate_with_effects;
 pub use replay::{Replay, Responses, calibrate_for_replay};
-pub use result::budget::{Budget, coverage_factor};
+pub use result::budget::Budget;
 pub use result::calibration::{
     AxisResult, Calibration, LocationResult, MethodLoss, NodeResult, RelativeLocation,
     RelativeQuantity, RunMisfit, StationResult, TargetResult, Traceability, TriangleSide,
     UncertaintyStatement,
 };
-pub use result::factored_covariance::FactoredCovariance;
 pub use result::numbered::NumberedResult;
-pub use result::output::{Output, OutputCovariance, Unit, position_in_file};
-pub use result::sensitivities::Sensitivities;
 pub use settings::{ReferencePoint, Settings};
 pub use trueaxis_poses::Method;

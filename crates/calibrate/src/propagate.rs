@@ -1,7 +1,6 @@
 //! The errors of the poses to those of all results.
 
 pub(crate) mod axis_noise;
-pub(crate) mod axis_twist;
 pub(crate) mod base_response;
 pub(crate) mod dependence;
 pub(crate) mod factored_covariance;
@@ -10,5 +9,4 @@ pub(crate) mod node_functions;
 pub(crate) mod output_covariance;
 pub(crate) mod propagation;
 pub(crate) mod sources;
-pub(crate) mod twist;
 pub(crate) mod variance;

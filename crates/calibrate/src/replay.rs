@@ -138,7 +138,7 @@ pub struct Responses<'a> {
 
 impl Responses<'_> {
     /// The change of each result by errors of the used lengths in measuring order (mm), or of the points (x y z
-    /// of each); in the unit of the result ([`crate::Output::unit`]). Not a number if they do not settle: errors
+    /// of each); in the unit of the result ([`trueaxis_predict::Output::unit`]). Not a number if they do not settle: errors
     /// so large belong to another machine.
     ///
     /// # Panics

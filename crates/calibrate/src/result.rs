@@ -2,9 +2,6 @@
 
 pub(crate) mod added_uncertainty;
 pub(crate) mod budget;
+mod calibrated_machine;
 pub(crate) mod calibration;
-pub(crate) mod factored_covariance;
-pub(crate) mod interpolation;
 pub(crate) mod numbered;
-pub(crate) mod output;
-pub(crate) mod sensitivities;

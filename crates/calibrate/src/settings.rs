@@ -12,8 +12,8 @@ pub struct Settings {
     pub by_direction: bool,
     /// The point of the stage whose translation is δ.
     pub reference_point: ReferencePoint,
-    /// Whether the covariance of all results is wanted as one matrix ([`crate::OutputCovariance`]); in factors it
-    /// is always there ([`crate::FactoredCovariance`]).
+    /// Whether the covariance of all results is wanted as one matrix ([`trueaxis_predict::OutputCovariance`]); in factors it
+    /// is always there ([`trueaxis_predict::FactoredCovariance`]).
     pub covariance: bool,
     /// Whether gross errors are removed and interrupted occupations split; otherwise all lengths are
     /// adjusted as they are.

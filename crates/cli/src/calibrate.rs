@@ -2,11 +2,12 @@
 
 use anyhow::Context;
 use trueaxis_calibrate::{
-    Calibration, FactoredCovariance, LengthsReliability, OutputCovariance, Settings, calibrate,
-    calibrate_for_replay, calibrate_with_effects,
+    Calibration, LengthsReliability, Settings, calibrate, calibrate_for_replay,
+    calibrate_with_effects,
 };
 use trueaxis_campaign::{checksums, read};
 use trueaxis_poses::scene_of;
+use trueaxis_predict::{FactoredCovariance, OutputCovariance};
 
 use crate::args::CalibrateArgs;
 use crate::exit::Exit;

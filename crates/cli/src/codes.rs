@@ -2,7 +2,7 @@
 //!
 //! E0 files, E1 documents, E2 tables, E3 the adjustment, E4 what is sought, E5 results that are read, E6 what is asked for.
 
-use trueaxis_calibrate::{Error as Calibrate, OtherMachine, ReadError};
+use trueaxis_calibrate::Error as Calibrate;
 use trueaxis_campaign::{Error as Campaign, Part, Place, Problem};
 use trueaxis_compensate::Error as Compensate;
 use trueaxis_diagnose::Error as Diagnose;
@@ -11,6 +11,7 @@ use trueaxis_files::{DocumentError, DocumentProblem};
 use trueaxis_import::{Error as Import, Problem as ImportProblem};
 use trueaxis_montecarlo::Error as Montecarlo;
 use trueaxis_poses::Error as Poses;
+use trueaxis_predict::{OtherMachine, OtherReferencePoint, ReadError};
 use trueaxis_report::Error as Report;
 use trueaxis_simulate::{Error as Simulate, Problem as SimulateProblem};
 
@@ -51,6 +52,7 @@ pub(crate) fn of(error: &anyhow::Error) -> Option<&'static str> {
             })
             .or_else(|| cause.is::<EffectsInputError>().then_some("E116"))
             .or_else(|| cause.is::<OtherMachine>().then_some("E503"))
+            .or_else(|| cause.is::<OtherReferencePoint>().then_some("E509"))
             .or_else(|| cause.is::<NoOldTables>().then_some("E609"))
     })
 }
@@ -192,7 +194,6 @@ fn of_calibrate(error: &Calibrate) -> &'static str {
         Calibrate::NotIdentifiable { .. } => "E401",
         Calibrate::NotThatMotion { .. } => "E402",
         Calibrate::SeveralAxesMove { .. } => "E403",
-        Calibrate::OtherReferencePoint { .. } => "E509",
         Calibrate::CovarianceTooLarge { .. } | Calibrate::ReliabilityTooLarge { .. } => "E610",
     }
 }

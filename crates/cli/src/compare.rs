@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use trueaxis_calibrate::{CalibratedMachine, Difference, check_same_machine, position_in_file};
 use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
+use trueaxis_predict::{CalibratedMachine, Difference, check_same_machine, position_in_file};
 
 use crate::args::CompareArgs;
 use crate::exit::Exit;

@@ -7,9 +7,9 @@ mod layout;
 mod story;
 
 use anyhow::Context;
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{Campaign, checksums, read};
 use trueaxis_diagnose::{Diagnosis, Settings, diagnose, diagnose_against};
+use trueaxis_predict::CalibratedMachine;
 use trueaxis_simulate::replay;
 
 use crate::args::DiagnoseArgs;

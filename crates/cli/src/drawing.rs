@@ -5,8 +5,8 @@ use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use trueaxis_calibrate::ReadError;
 use trueaxis_files::{DocumentError, DocumentProblem, Part, Place, field_span};
+use trueaxis_predict::ReadError;
 
 /// Columns that a line takes at most; what is left and right of the mark is cut.
 const WIDTH: usize = 100;

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_compensate::{Announcement, Error, ExportedFile, Format, Request, Sizes, export};
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
+use trueaxis_predict::CalibratedMachine;
 
 use crate::args::ExportArgs;
 use crate::exit::Exit;

@@ -1,13 +1,14 @@
 //! `trueaxis montecarlo`.
 
 use anyhow::Context;
-use trueaxis_calibrate::{NumberedResult, Output, Unit, calibrate_for_replay};
+use trueaxis_calibrate::{NumberedResult, calibrate_for_replay};
 use trueaxis_campaign::{Campaign, checksums, read};
 use trueaxis_files::counted;
 use trueaxis_montecarlo::{
     FirstOrder, Outcome, Propagation, Settings, Trials, Validation, chance_of_ratio, propagate,
     validate,
 };
+use trueaxis_predict::{Output, Unit};
 
 use crate::args::MontecarloArgs;
 use crate::exit::Exit;

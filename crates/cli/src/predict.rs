@@ -1,10 +1,10 @@
 //! `trueaxis predict`.
 
 use serde_json::json;
-use trueaxis_calibrate::{CalibratedMachine, Prediction, coverage_factor, to_csv};
 use trueaxis_campaign::read_positions;
 use trueaxis_files::counted;
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
+use trueaxis_predict::{CalibratedMachine, Prediction, coverage_factor, to_csv};
 
 use crate::args::PredictArgs;
 use crate::exit::Exit;

@@ -4,13 +4,14 @@ mod adjustment;
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_calibrate::{
-    AxisResult, Calibration, LengthReliability, LengthsReliability, Method, NumberedResult, Output,
-    RelativeLocation, coverage_factor,
+    AxisResult, Calibration, LengthReliability, LengthsReliability, Method, NumberedResult,
+    RelativeLocation,
 };
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_files::{counted, round};
 use trueaxis_fitting::{paper_c_axis_tilt, paper_squareness};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
+use trueaxis_predict::{Output, coverage_factor};
 
 pub(crate) use adjustment::adjustment;
 

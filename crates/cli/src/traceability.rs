@@ -4,8 +4,8 @@ use std::path::Path;
 
 use anyhow::Context;
 use serde_json::{Value, json};
-use trueaxis_calibrate::{CalibratedMachine, FactoredCovariance};
 use trueaxis_campaign::InputFile;
+use trueaxis_predict::{CalibratedMachine, FactoredCovariance};
 
 /// The text of a result with its `traceability`.
 pub(crate) fn traced(

@@ -1,7 +1,6 @@
 //! `trueaxis verify`.
 
 use anyhow::Context;
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{VerificationKind, checksums};
 use trueaxis_compensate::{
     Circular, EXPECTED_ABOVE_ONE, ParallelLines, Point, Positioning, Verified, parallel_lines,
@@ -9,6 +8,7 @@ use trueaxis_compensate::{
 };
 use trueaxis_files::counted;
 use trueaxis_kinematics::ARCSEC;
+use trueaxis_predict::CalibratedMachine;
 
 use crate::args::VerifyArgs;
 use crate::exit::Exit;

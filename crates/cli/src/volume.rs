@@ -1,10 +1,10 @@
 //! `trueaxis volume`.
 
 use serde_json::{Value, json};
-use trueaxis_calibrate::{CalibratedMachine, Figure, Volume, VolumeSettings};
 use trueaxis_compensate::{Left, Remains, remains};
 use trueaxis_files::{counted, round};
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
+use trueaxis_predict::{CalibratedMachine, Figure, Volume, VolumeSettings};
 use trueaxis_report::Report;
 
 use crate::args::VolumeArgs;

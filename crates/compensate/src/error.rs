@@ -18,7 +18,7 @@ pub enum Error {
     },
     /// The calibration of another machine.
     #[error(transparent)]
-    OtherMachine(#[from] trueaxis_calibrate::OtherMachine),
+    OtherMachine(#[from] trueaxis_predict::OtherMachine),
     /// A campaign with nothing to compare.
     #[error(
         "the campaign has no verification readings to compare with the predictions; add them to `verification` of \

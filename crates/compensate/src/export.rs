@@ -18,8 +18,8 @@ mod skew;
 mod with_old;
 
 use nalgebra::Point3;
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_kinematics::{AxisKind, Machine};
+use trueaxis_predict::CalibratedMachine;
 
 use crate::Error;
 pub use announcement::{Announcement, LineFigures, Sizes};

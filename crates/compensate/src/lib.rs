@@ -7,7 +7,7 @@
 //!
 //! [`import()`] makes a calibration of the tables of another system.
 //!
-//! Noun in: a machine with its errors, as a [`trueaxis_calibrate::CalibratedMachine`], and a commanded pose; noun out:
+//! Noun in: a machine with its errors, as a [`trueaxis_predict::CalibratedMachine`], and a commanded pose; noun out:
 //! [`Corrected`] positions.
 //!
 #![doc = "```"]

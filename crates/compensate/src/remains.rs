@@ -1,7 +1,7 @@
 //! What the best compensation leaves over the working volume.
 
 use nalgebra::Vector6;
-use trueaxis_calibrate::{CalibratedMachine, Places};
+use trueaxis_predict::{CalibratedMachine, Places};
 
 use crate::{Error, Moved, correct};
 

@@ -19,12 +19,12 @@ pub(crate) mod parallel_lines;
 mod point_checks;
 
 use nalgebra::{DMatrix, DVector, Point3};
-use trueaxis_calibrate::{
+use trueaxis_campaign::{Campaign, Direction, Verification, VerificationKind};
+use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
+use trueaxis_predict::{
     Approach, CalibratedMachine, MeasuredPoint, ball_bar_set_up, carrier, check_same_machine,
     measured_home_mm, positioning_lines, predicted_reading_um,
 };
-use trueaxis_campaign::{Campaign, Direction, Verification, VerificationKind};
-use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
 
 use crate::freedom::pseudo_inverse;
 use crate::verify::misfit::chance;

@@ -1,11 +1,10 @@
 //! The headline verb: a campaign to a diagnosis.
 
-use trueaxis_calibrate::{
-    CalibratedMachine, Calibration, calibrate_with_adjustment, check_same_machine,
-};
+use trueaxis_calibrate::{Calibration, calibrate_with_adjustment};
 use trueaxis_campaign::{Campaign, Lengths, Points};
 use trueaxis_effects::Scene;
 use trueaxis_poses::LengthsAdjustment;
+use trueaxis_predict::{CalibratedMachine, check_same_machine};
 
 use crate::changes::changes;
 use crate::components::diagnose_components;

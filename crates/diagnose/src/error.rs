@@ -11,7 +11,7 @@ pub enum Error {
     Adjustment(#[from] trueaxis_multilateration::Error),
     /// The calibration given is not of this machine.
     #[error(transparent)]
-    OtherMachine(#[from] trueaxis_calibrate::OtherMachine),
+    OtherMachine(#[from] trueaxis_predict::OtherMachine),
     /// There is nothing to compare with the calibration given.
     #[error(
         "the campaign has no verification readings that a given calibration could be judged by; add them to `verification` of \

@@ -44,10 +44,10 @@ mod wandered;
 mod wanderer;
 mod wandering;
 
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{Campaign, Verification, VerificationKind};
 use trueaxis_effects::Scene;
 use trueaxis_kinematics::{Ideal, Machine};
+use trueaxis_predict::CalibratedMachine;
 
 use crate::components::diagnose_line_curve;
 use crate::said::Said;

@@ -42,6 +42,7 @@
 //! ```
 
 mod axis;
+pub mod axis_twist;
 mod best_fit;
 mod component;
 mod error;
@@ -51,6 +52,7 @@ mod geometric_errors;
 mod location;
 mod machine;
 mod motion_error;
+mod twist;
 
 pub use axis::{Axis, AxisKind};
 pub use best_fit::{best_fit, centroid, polished};
@@ -62,6 +64,7 @@ pub use geometric_errors::{GeometricErrors, Ideal};
 pub use location::{LocationComponent, LocationError};
 pub use machine::{Branch, Machine};
 pub use motion_error::MotionError;
+pub use twist::Twist;
 
 /// One arc second in rad.
 pub const ARCSEC: f64 = std::f64::consts::PI / 648_000.0;

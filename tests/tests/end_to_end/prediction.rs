@@ -4,8 +4,9 @@ use nalgebra::{Isometry3, Point3, Vector6};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use trueaxis_calibrate::{CalibratedMachine, Settings, calibrate};
+use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_kinematics::{Branch, Component, GeometricErrors, Ideal, Machine};
+use trueaxis_predict::CalibratedMachine;
 use trueaxis_simulate::{Scenario, Term, TrueMachine, simulate};
 use trueaxis_tests::{Deviation, Kind, Pooled, Scatter};
 

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use serde_json::Value;
-use trueaxis_calibrate::{Calibration, Settings, VolumeSettings, calibrate};
+use trueaxis_calibrate::{Calibration, Settings, calibrate};
 use trueaxis_diagnose::{Against, Cause, Fitted, FittedPoint, diagnose};
+use trueaxis_predict::VolumeSettings;
 use trueaxis_report::{Report, report};
 use trueaxis_simulate::{Scenario, simulate};
 

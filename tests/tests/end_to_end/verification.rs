@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use trueaxis_calibrate::{CalibratedMachine, Settings, calibrate};
+use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_campaign::{Campaign, read};
 use trueaxis_compensate::{Verified, verify};
 use trueaxis_diagnose::diagnose;
+use trueaxis_predict::CalibratedMachine;
 use trueaxis_simulate::{Scenario, simulate};
 use trueaxis_tests::verification::{bars_on_the_stage, five_axis_readings, verification_campaign};
 

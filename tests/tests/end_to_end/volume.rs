@@ -2,8 +2,9 @@
 
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use rayon::prelude::*;
-use trueaxis_calibrate::{Places, Settings, VolumeSettings, calibrate};
+use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_kinematics::{Ideal, MICROMETRE};
+use trueaxis_predict::{Places, VolumeSettings};
 use trueaxis_simulate::{Scenario, TrueMachine, simulate};
 
 const TOOL: [f64; 3] = [175.6, 497.5, 312.1];

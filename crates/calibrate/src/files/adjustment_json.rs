@@ -7,7 +7,7 @@ use trueaxis_poses::{
 };
 
 use crate::files::{unless_empty, without_nulls};
-use crate::result::output::Unit;
+use trueaxis_predict::Unit;
 
 fn um(value_mm: f64) -> f64 {
     Unit::Micrometre.in_file(value_mm)

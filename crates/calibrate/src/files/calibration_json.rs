@@ -20,7 +20,7 @@ use crate::result::calibration::{
     AxisResult, Calibration, LocationResult, RelativeLocation, RunMisfit, StationResult,
     TargetResult, Traceability, TriangleSide,
 };
-use crate::result::output::{Unit, position_in_file};
+use trueaxis_predict::{Unit, position_in_file};
 
 impl Calibration {
     /// The text of `calibration.json`, version 1.

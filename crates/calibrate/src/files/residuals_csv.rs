@@ -7,7 +7,7 @@ use trueaxis_files::{csv_cell, round};
 use trueaxis_kinematics::MICROMETRE;
 
 use crate::result::calibration::Calibration;
-use crate::result::output::position_in_file;
+use trueaxis_predict::position_in_file;
 
 /// Decimals of residuals, redundancy and times: far below anything measurable.
 const DECIMALS: i32 = 4;

@@ -6,7 +6,7 @@ use trueaxis_kinematics::{AxisKind, Machine};
 use trueaxis_poses::{PoseObservation, Poses, step_in_words};
 
 use crate::Error;
-use crate::result::interpolation::{Node, weights_at};
+use trueaxis_predict::{Node, weights_at};
 
 /// All measurements of one axis.
 #[derive(Default)]

@@ -33,7 +33,7 @@ use crate::identify::axis_data::AxisData;
 use crate::identify::basis::Basis;
 use crate::identify::twist_map::twist_map;
 use crate::in_order;
-use crate::result::interpolation::Node;
+use trueaxis_predict::Node;
 
 /// The gauge of one axis.
 pub(crate) struct Gauge {

@@ -14,7 +14,7 @@ use crate::in_order;
 use crate::propagate::axis_noise::AxisForm;
 
 /// Response of an axis' parameters and mean pose errors to a twist of all poses of a run, given as
-/// by [`crate::propagate::twist::Twist::rows`].
+/// by [`trueaxis_kinematics::Twist::rows`].
 pub(crate) struct BaseResponse<'a> {
     context: &'a Context<'a>,
     identified: &'a Identified,

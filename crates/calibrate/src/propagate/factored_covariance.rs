@@ -16,88 +16,83 @@
 //! and what runs that contradict each other add to the location parameters are columns of their own.
 
 use nalgebra::DMatrix;
+use trueaxis_predict::{FactoredCovariance, Rows, scaled};
 
 use crate::propagate::propagation::{Noise, place_of};
 use crate::result::calibration::{AxisResult, StationResult, widening_of_components};
-use crate::result::factored_covariance::{FactoredCovariance, scaled};
 use crate::result::numbered::results;
-use crate::result::sensitivities::{Rows, Sensitivities};
 
-impl FactoredCovariance {
-    /// Of the results that have their uncertainties from this noise; stations are not widened where runs contradict
-    /// each other.
-    pub(crate) fn new(noise: &Noise<'_>, axes: &[AxisResult], stations: &[StationResult]) -> Self {
-        let dependence = noise.dependence;
-        let scales = scales(axes, stations);
-        // Stations stand behind all other sources, and follow from the shared ones alone.
-        let (sources, width) = (dependence.sources.stations, noise.shared().nrows());
-        let behind = 2 * sources..2 * sources + width;
-        let (mut own, mut rows) = (Vec::new(), Vec::new());
-        for k in 0..axes.len() {
-            let first_of_axis = 6 * own.len();
-            let pieces = noise.of_nodes(k, |node, f| {
-                let first = first_of_axis + 6 * node;
-                let scales = &scales[first..];
-                let with_sources = f.sources.iter().map(|source| sources + source);
-                let columns = f.sources.iter().copied().chain(with_sources);
-                let columns: Vec<usize> = columns.chain(behind.clone()).collect();
-                let all = joined(&[&f.of_sources, &f.with_sources, &f.of_shared], scales);
-                let own = f.own.iter().zip(scales.chunks_exact(6));
-                let own = own.map(|(own, factors)| scaled(own, factors));
-                (
-                    own.collect::<Vec<_>>(),
-                    Rows::of_columns(first, &columns, &all),
-                )
-            });
-            for (of_piece, piece) in pieces {
-                own.extend(of_piece);
-                rows.push(piece);
-            }
-        }
-        let locations = dependence.locations.iter().zip(axes);
-        let locations = locations.flat_map(|(rows, axis)| {
-            let reported = axis.location_errors.iter();
-            reported.map(|location| rows.row(place_of(location.component)))
+/// Of the results that have their uncertainties from this noise; stations are not widened where runs contradict
+/// each other.
+pub(crate) fn factored_covariance(
+    noise: &Noise<'_>,
+    axes: &[AxisResult],
+    stations: &[StationResult],
+) -> FactoredCovariance {
+    let dependence = noise.dependence;
+    let scales = scales(axes, stations);
+    // Stations stand behind all other sources, and follow from the shared ones alone.
+    let (sources, width) = (dependence.sources.stations, noise.shared().nrows());
+    let behind = 2 * sources..2 * sources + width;
+    let (mut own, mut rows) = (Vec::new(), Vec::new());
+    for k in 0..axes.len() {
+        let first_of_axis = 6 * own.len();
+        let pieces = noise.of_nodes(k, |node, f| {
+            let first = first_of_axis + 6 * node;
+            let scales = &scales[first..];
+            let with_sources = f.sources.iter().map(|source| sources + source);
+            let columns = f.sources.iter().copied().chain(with_sources);
+            let columns: Vec<usize> = columns.chain(behind.clone()).collect();
+            let all = joined(&[&f.of_sources, &f.with_sources, &f.of_shared], scales);
+            let own = f.own.iter().zip(scales.chunks_exact(6));
+            let own = own.map(|(own, factors)| scaled(own, factors));
+            (
+                own.collect::<Vec<_>>(),
+                Rows::of_columns(first, &columns, &all),
+            )
         });
-        let of_stations = dependence.stations.iter().flat_map(|rows| rows.row_iter());
-        let others: Vec<_> = locations.chain(of_stations).collect();
-        let others = match others.is_empty() {
-            true => DMatrix::zeros(0, dependence.sources.count),
-            false => DMatrix::from_rows(&others),
-        };
-        let first = 6 * own.len();
-        let of_shared = &others * &noise.sources.shared;
-        let of_sources = others.columns(0, sources).into_owned();
-        let columns: Vec<usize> = (0..sources).chain(behind.clone()).collect();
-        let all = joined(&[&of_sources, &of_shared], &scales[first..]);
-        rows.push(Rows::of_columns(first, &columns, &all));
-
-        let mut shared = DMatrix::zeros(behind.end, behind.end);
-        let square = (sources, sources);
-        let own_of_sources = noise.sources.own.view((0, 0), square);
-        shared.view_mut((0, 0), square).copy_from(&own_of_sources);
-        shared.view_mut((0, sources), square).fill_with_identity();
-        shared.view_mut((sources, 0), square).fill_with_identity();
-        let mut of_shared = shared.view_range_mut(behind.clone(), behind.clone());
-        of_shared.copy_from(noise.shared());
-        let mut sensitivities = Sensitivities::new(behind.end, rows);
-        let used = sensitivities.drop_unused_columns();
-        let mut factors = Self {
-            own,
-            sensitivities,
-            shared: shared.select_rows(&used).select_columns(&used),
-        };
-        for error in &noise.sources.scatter {
-            let of_nodes = (0..axes.len()).flat_map(|k| noise.through_base(k, error));
-            let of_others = (&others * error).as_slice().to_vec();
-            let all = of_nodes.chain(of_others).zip(&scales);
-            factors.add_common(
-                &all.map(|(change, scale)| change * scale)
-                    .collect::<Vec<_>>(),
-            );
+        for (of_piece, piece) in pieces {
+            own.extend(of_piece);
+            rows.push(piece);
         }
-        factors
     }
+    let locations = dependence.locations.iter().zip(axes);
+    let locations = locations.flat_map(|(rows, axis)| {
+        let reported = axis.location_errors.iter();
+        reported.map(|location| rows.row(place_of(location.component)))
+    });
+    let of_stations = dependence.stations.iter().flat_map(|rows| rows.row_iter());
+    let others: Vec<_> = locations.chain(of_stations).collect();
+    let others = match others.is_empty() {
+        true => DMatrix::zeros(0, dependence.sources.count),
+        false => DMatrix::from_rows(&others),
+    };
+    let first = 6 * own.len();
+    let of_shared = &others * &noise.sources.shared;
+    let of_sources = others.columns(0, sources).into_owned();
+    let columns: Vec<usize> = (0..sources).chain(behind.clone()).collect();
+    let all = joined(&[&of_sources, &of_shared], &scales[first..]);
+    rows.push(Rows::of_columns(first, &columns, &all));
+
+    let mut shared = DMatrix::zeros(behind.end, behind.end);
+    let square = (sources, sources);
+    let own_of_sources = noise.sources.own.view((0, 0), square);
+    shared.view_mut((0, 0), square).copy_from(&own_of_sources);
+    shared.view_mut((0, sources), square).fill_with_identity();
+    shared.view_mut((sources, 0), square).fill_with_identity();
+    let mut of_shared = shared.view_range_mut(behind.clone(), behind.clone());
+    of_shared.copy_from(noise.shared());
+    let mut factors = FactoredCovariance::new(own, rows, &shared);
+    for error in &noise.sources.scatter {
+        let of_nodes = (0..axes.len()).flat_map(|k| noise.through_base(k, error));
+        let of_others = (&others * error).as_slice().to_vec();
+        let all = of_nodes.chain(of_others).zip(&scales);
+        factors.add_common(
+            &all.map(|(change, scale)| change * scale)
+                .collect::<Vec<_>>(),
+        );
+    }
+    factors
 }
 
 /// By what each result is widened; zero for what gauge or frame define, where they leave rounding.

@@ -13,10 +13,10 @@ use crate::identify::basis::Basis;
 use crate::identify::context::{Context, ModelErrors};
 use crate::identify::frame::SmallMotion;
 use crate::identify::identify_axes::Identified;
-use crate::propagate::axis_twist::{AXIS_ERRORS, SHIFT, TILT, axis_twist};
 use crate::propagate::base_response::BaseResponse;
 use crate::propagate::sources::Sources;
-use crate::propagate::twist::Twist;
+use trueaxis_kinematics::Twist;
+use trueaxis_kinematics::axis_twist::{AXIS_ERRORS, SHIFT, TILT, axis_twist};
 
 /// Linear maps from the sources to results; columns are the sources.
 pub(crate) struct FrameMap<'a, 's> {

@@ -4,9 +4,6 @@ use trueaxis_kinematics::Machine;
 
 use crate::Error;
 use crate::identify::axis_data::AxisData;
-use crate::result::factored_covariance::FactoredCovariance;
-use crate::result::numbered::NumberedResult;
-use crate::result::output::OutputCovariance;
 
 /// Largest covariance that is made, GiB.
 const LIMIT_GIB: u32 = 1;
@@ -33,22 +30,6 @@ fn require_size(outputs: usize) -> Result<(), Error> {
         });
     }
     Ok(())
-}
-
-impl OutputCovariance {
-    /// Of these results, all of their calibration.
-    pub(crate) fn new(factors: &FactoredCovariance, results: Vec<NumberedResult>) -> Self {
-        let sizes = results.iter().map(|result| result.output.unit().size());
-        let sizes: Vec<f64> = sizes.collect();
-        let mut matrix = factors.dense();
-        for (j, mut column) in matrix.column_iter_mut().enumerate() {
-            for (value, size) in column.iter_mut().zip(&sizes) {
-                *value /= size * sizes[j];
-            }
-        }
-        let outputs = results.into_iter().map(|result| result.output).collect();
-        Self { outputs, matrix }
-    }
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ use crate::identify::state::State;
 use crate::propagate::dependence::Dependence;
 use crate::propagate::propagation::Noise;
 use crate::replay::{Replay, Responses};
-use crate::result::interpolation::Node;
+use trueaxis_predict::Node;
 
 /// The runs of one axis at the positions that they share.
 pub struct RunComparison {

@@ -14,7 +14,7 @@ use trueaxis_campaign::{AxisExpansion, Campaign, Lengths, LoggedQuantity};
 use trueaxis_kinematics::{AxisKind, Machine};
 
 use crate::result::calibration::{AxisResult, Calibration};
-use crate::result::output::Output;
+use trueaxis_predict::Output;
 
 /// The reference temperature of ISO 1, °C.
 const REFERENCE_C: f64 = 20.0;

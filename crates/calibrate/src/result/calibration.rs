@@ -12,8 +12,8 @@ use trueaxis_poses::{
 };
 
 use crate::result::budget::Budget;
-use crate::result::factored_covariance::FactoredCovariance;
-use crate::result::output::OutputCovariance;
+use trueaxis_predict::FactoredCovariance;
+use trueaxis_predict::OutputCovariance;
 
 /// All geometric errors of a machine in its reference frame, with standard uncertainties (k = 1).
 ///
@@ -210,7 +210,7 @@ pub struct NodeResult {
     /// Standard uncertainties in the order of [`trueaxis_kinematics::Component::ALL`], mm and rad.
     pub u: [f64; 6],
     /// Their degrees of freedom; infinite where the noise is taken as known. The factor for an
-    /// interval is [`crate::coverage_factor`].
+    /// interval is [`trueaxis_predict::coverage_factor`].
     pub dof: [f64; 6],
     /// Where their squares come from.
     pub budget: [Budget; 6],

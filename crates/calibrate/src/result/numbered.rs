@@ -1,9 +1,11 @@
 //! All numbers of a calibration in one list.
 
+use std::io::{self, Seek, Write};
+
 use trueaxis_kinematics::Component;
 
 use crate::result::calibration::{AxisResult, Calibration, StationResult};
-use crate::result::output::Output;
+use trueaxis_predict::Output;
 
 /// One number of a calibration with its uncertainty, in mm and rad.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +25,16 @@ impl Calibration {
     /// location errors, the stations (x y z and dead path of each).
     pub fn results(&self) -> Vec<NumberedResult> {
         results(&self.axes, &self.stations)
+    }
+
+    /// Writes `covariance.npz`.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write_covariance_npz(&self, out: impl Write + Seek) -> io::Result<()> {
+        let results = self.results().into_iter();
+        let per_unit = results.map(|result| result.output.unit().size().recip());
+        self.factors.write_npz(out, &per_unit.collect::<Vec<_>>())
     }
 }
 

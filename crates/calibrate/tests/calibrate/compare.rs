@@ -1,7 +1,8 @@
 //! Two calibrations of one machine.
 
-use trueaxis_calibrate::{CalibratedMachine, Settings, calibrate};
+use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_kinematics::{AxisKind, MICROMETRE};
+use trueaxis_predict::CalibratedMachine;
 use trueaxis_simulate::{Scenario, Term, simulate};
 
 fn scenario() -> Scenario {
@@ -29,7 +30,7 @@ fn noise_is_no_difference_and_a_repair_is_one() {
     println!("{above} of {} |E_n| above 1", e_n.len());
     assert!(e_n.len() > 300 && (above as f64) < 0.15 * e_n.len() as f64);
     // What is zero by definition, at home.
-    let home = |d: &&trueaxis_calibrate::Difference| d.name == "EXX" && d.position == Some(0.0);
+    let home = |d: &&trueaxis_predict::Difference| d.name == "EXX" && d.position == Some(0.0);
     let at_home = differences.iter().find(home).unwrap();
     assert!(at_home.value().abs() < 1e-9, "{at_home:?}");
 

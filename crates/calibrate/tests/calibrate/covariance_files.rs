@@ -1,6 +1,7 @@
 //! `covariance.npy` and `covariance.json`.
 
-use trueaxis_calibrate::{OutputCovariance, Settings, calibrate};
+use trueaxis_calibrate::{Settings, calibrate};
+use trueaxis_predict::OutputCovariance;
 
 use crate::{simulated, two_branches};
 

@@ -5,9 +5,8 @@ use std::path::Path;
 
 use nalgebra::{Matrix6, Point3};
 use tempfile::TempDir;
-use trueaxis_calibrate::{
-    CalibratedMachine, Calibration, FactoredCovariance, ReferencePoint, Settings, calibrate,
-};
+use trueaxis_calibrate::{Calibration, ReferencePoint, Settings, calibrate};
+use trueaxis_predict::{CalibratedMachine, FactoredCovariance};
 use trueaxis_simulate::{Scenario, simulate};
 
 use crate::{simulated, two_branches};

@@ -11,9 +11,10 @@ mod points;
 mod stations_known;
 
 use nalgebra::{DMatrix, DVector, Isometry3, Point3, Vector3};
-use trueaxis_calibrate::{Budget, CalibratedMachine, Calibration, Method, Settings, calibrate};
+use trueaxis_calibrate::{Budget, Calibration, Method, Settings, calibrate};
 use trueaxis_campaign::{Campaign, Stop};
 use trueaxis_kinematics::MICROMETRE;
+use trueaxis_predict::CalibratedMachine;
 
 use crate::{simulated, two_branches};
 

@@ -1,8 +1,9 @@
 //! The volumetric error over the volume; that its intervals hold the truth is tested across the crates.
 
 use nalgebra::Point3;
-use trueaxis_calibrate::{CalibratedMachine, Settings, Volume, VolumeSettings, calibrate};
+use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_kinematics::{MICROMETRE, MotionError};
+use trueaxis_predict::{CalibratedMachine, Volume, VolumeSettings};
 
 use crate::{simulated, two_branches};
 

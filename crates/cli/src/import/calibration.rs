@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args as ClapArgs;
 use serde::Deserialize;
-use trueaxis_calibrate::FactoredCovariance;
 use trueaxis_campaign::{InputFile, MachineSpec};
 use trueaxis_compensate::{DeclaredUncertainty, Import, import};
 use trueaxis_files::Format;
+use trueaxis_predict::FactoredCovariance;
 
 use crate::args::positive;
 use crate::exit::Exit;

@@ -1,8 +1,9 @@
 //! How the measurement was adjusted, as the table says it.
 
-use trueaxis_calibrate::{Calibration, coverage_factor};
+use trueaxis_calibrate::Calibration;
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_poses::{NoiseReport, PartReport, ScaleBasis};
+use trueaxis_predict::coverage_factor;
 
 use crate::summary::{COVERAGE, MOST_LISTED, probability};
 

@@ -3,8 +3,8 @@
 //! The control's rule is applied to the machine as calibrated: along the line of each axis and over the whole volume.
 //! What the calibration does not know is in none of these figures.
 
-use trueaxis_calibrate::{CalibratedMachine, Places};
 use trueaxis_kinematics::{AxisKind, MICROMETRE, MotionError};
+use trueaxis_predict::{CalibratedMachine, Places};
 
 use crate::Error;
 use crate::export::{Request, Rule};

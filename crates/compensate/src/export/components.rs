@@ -1,8 +1,8 @@
 //! All component and location errors, for controls that have a model of the machine of their own.
 
 use nalgebra::Vector3;
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_kinematics::{AxisKind, GeometricErrors, LocationError, Machine, MotionError};
+use trueaxis_predict::CalibratedMachine;
 
 use crate::export::line::{interpolate, positions};
 use crate::export::{Request, Rule};

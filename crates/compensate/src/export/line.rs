@@ -1,8 +1,8 @@
 //! The deviations of the axes along the line on which one axis moves the tool point.
 
-use trueaxis_calibrate::Approach;
 use trueaxis_campaign::Direction;
 use trueaxis_kinematics::{AxisKind, GeometricErrors};
+use trueaxis_predict::Approach;
 
 use crate::export::{Request, Rule};
 use crate::{Error, Moved, axis_deviations};

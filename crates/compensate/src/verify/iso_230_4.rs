@@ -15,9 +15,9 @@
 //! - `H`: circular hysteresis, the largest difference of the two paths.
 
 use nalgebra::{DMatrix, DVector};
-use trueaxis_calibrate::{MeasuredPoint, ball_bar_set_up};
 use trueaxis_campaign::{Direction, VerificationKind};
 use trueaxis_kinematics::Machine;
+use trueaxis_predict::{MeasuredPoint, ball_bar_set_up};
 
 use crate::freedom::pseudo_inverse;
 use crate::verify::{Point, ROUNDING, are_same};

@@ -1,10 +1,10 @@
 //! `verification.json`.
 
 use serde_json::{Value, json};
-use trueaxis_calibrate::{CalibratedMachine, position_in_file};
 use trueaxis_campaign::VerificationKind;
 use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, Machine};
+use trueaxis_predict::{CalibratedMachine, position_in_file};
 
 use crate::verify::iso_230_2::{Positioning, Side};
 use crate::verify::parallel_lines::ParallelLines;

@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use trueaxis_calibrate::pivoted_cholesky;
+use trueaxis_predict::pivoted_cholesky;
 
 /// Draws: a probability of 1 % is known to 0.16 %.
 const DRAWS: usize = 4000;

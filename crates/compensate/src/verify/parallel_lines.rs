@@ -12,9 +12,9 @@
 //! the mean of an angle over the positions is open; it is taken out of what is measured and what is predicted.
 
 use nalgebra::{DMatrix, DVector, RowVector2, Vector3};
-use trueaxis_calibrate::{CalibratedMachine, carrier, positioning_lines};
 use trueaxis_campaign::VerificationKind;
 use trueaxis_kinematics::{AxisKind, Component, Ideal};
+use trueaxis_predict::{CalibratedMachine, carrier, positioning_lines};
 
 use crate::export::rising;
 use crate::verify::{Point, SAME, Verified};

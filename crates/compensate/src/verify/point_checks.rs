@@ -4,9 +4,9 @@
 //! table, has its zero and how the tool was set is not the machine's: each point of the tool leaves a constant of each coordinate open.
 
 use nalgebra::{DMatrix, Point3};
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::PointCheck;
 use trueaxis_kinematics::{Ideal, MICROMETRE};
+use trueaxis_predict::CalibratedMachine;
 
 use crate::verify::{Checked, Point, SAME, Verified, are_same, settle, u_of_length_um};
 use crate::{Error, Moved, correct};

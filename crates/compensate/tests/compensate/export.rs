@@ -1,9 +1,9 @@
 //! Tables, read back by models of the controls: the error of the machine after compensation is what was announced.
 
 use nalgebra::{Point3, Vector3};
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_compensate::{Error, Export, ExportedFile, Format, Request, TableSign, export};
 use trueaxis_kinematics::{GeometricErrors, Ideal, MICROMETRE};
+use trueaxis_predict::CalibratedMachine;
 
 use crate::controllers::{Control, control, heidenhain};
 use crate::{FIVE_AXES, TABLE, THREE_AXES, calibrated, request, request_of, scenario, tool};

@@ -1,12 +1,12 @@
 //! Tables of other systems as calibrations: what our writers make comes back, what is damaged is refused with its place.
 
 use serde_json::Value;
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{InputFile, MachineSpec};
 use trueaxis_compensate::{
     DeclaredUncertainty, Error, Format, Import, Imported, Request, export, import,
 };
 use trueaxis_kinematics::{ARCSEC, Ideal, MICROMETRE, Machine};
+use trueaxis_predict::CalibratedMachine;
 
 use crate::{FIVE_AXES, TABLE, THREE_AXES, calibrated, poses, scenario, tool};
 
@@ -158,7 +158,7 @@ fn without_an_uncertainty_nothing_has_one() {
             .iter()
             .all(|d| d.u.is_nan() && !d.is_beyond_noise())
     );
-    let settings = trueaxis_calibrate::VolumeSettings {
+    let settings = trueaxis_predict::VolumeSettings {
         points: 3,
         tool_home_mm: tool(),
         draws: 10,

@@ -1,8 +1,8 @@
 //! Angles times levers: the models of the control read the products of tables back.
 
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_compensate::{Error, Export, ExportedFile, Format, Request, export};
 use trueaxis_kinematics::MICROMETRE;
+use trueaxis_predict::CalibratedMachine;
 
 use crate::controllers::{Control, Products, sinumerik};
 use crate::export::{error, largest};

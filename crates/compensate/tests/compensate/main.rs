@@ -20,8 +20,9 @@ mod verify;
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trueaxis_calibrate::{CalibratedMachine, Settings, calibrate};
+use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_compensate::{Format, Request, TableSign};
+use trueaxis_predict::CalibratedMachine;
 use trueaxis_simulate::{Scenario, simulate};
 
 const THREE_AXES: &str = include_str!("../../../../campaigns/fxyz/scenario.json");

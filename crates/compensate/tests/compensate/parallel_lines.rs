@@ -3,10 +3,10 @@
 use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{Campaign, Direction, Verification, VerificationKind, VerificationReading};
 use trueaxis_compensate::{AngleCurve, ParallelLines, parallel_lines, verify};
 use trueaxis_kinematics::{ARCSEC, Component, GeometricErrors, MICROMETRE};
+use trueaxis_predict::CalibratedMachine;
 use trueaxis_simulate::{TrueMachine, simulate};
 
 use crate::{THREE_AXES, calibrated, scenario};

@@ -3,10 +3,10 @@
 use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{Campaign, PointCheck, PointCheckReading};
 use trueaxis_compensate::{Moved, Verified, correct, verify};
 use trueaxis_kinematics::{GeometricErrors, Ideal, MICROMETRE};
+use trueaxis_predict::CalibratedMachine;
 use trueaxis_simulate::{Scenario, TrueMachine, simulate};
 
 use crate::{FIVE_AXES, THREE_AXES, calibrated, poses, scenario, tool};

@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_campaign::{Campaign, Direction, Verification, VerificationKind, VerificationReading};
 use trueaxis_compensate::{Error, Moved, Verified, correct, verify};
 use trueaxis_kinematics::MICROMETRE;
+use trueaxis_predict::CalibratedMachine;
 use trueaxis_simulate::{TrueMachine, simulate};
 
 use crate::{FIVE_AXES, THREE_AXES, calibrated, scenario, tool};

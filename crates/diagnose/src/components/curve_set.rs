@@ -11,10 +11,11 @@
 //! Where the two sides of approach have curves of their own, half their difference joins as a constant.
 
 use nalgebra::{DMatrix, Rotation3, Vector3};
-use trueaxis_calibrate::{AxisResult, Calibration, Output};
+use trueaxis_calibrate::{AxisResult, Calibration};
 use trueaxis_campaign::Direction;
 use trueaxis_effects::{AxisPosition, Effect, Subject};
 use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Component, MICROMETRE, Machine, MotionError};
+use trueaxis_predict::Output;
 
 /// Curves that are judged together.
 #[derive(Debug, Clone)]

@@ -11,8 +11,8 @@
 //! cycles or lines. The set-up of a ball bar absorbs a constant and once per turn: errors of scale that
 //! the axes have in common, not squareness.
 
-use trueaxis_calibrate::{ball_bar_set_up, positioning_lines};
 use trueaxis_campaign::VerificationKind;
+use trueaxis_predict::{ball_bar_set_up, positioning_lines};
 
 use crate::verification::arrivals::is_same;
 use crate::verification::comparison::Comparison;

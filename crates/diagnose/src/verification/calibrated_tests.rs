@@ -9,7 +9,7 @@ use nalgebra::{Point3, Vector3, Vector6};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use trueaxis_calibrate::{CalibratedMachine, Settings, calibrate};
+use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_campaign::{
     Campaign, Direction, Instrument, PointReading, Points, Run, Step, Stop, Target, Verification,
     VerificationKind, VerificationReading,
@@ -18,6 +18,7 @@ use trueaxis_effects::Scene;
 use trueaxis_kinematics::{
     ARCSEC, Axis, GeometricErrors, LocationError, MICROMETRE, Machine, MotionError,
 };
+use trueaxis_predict::CalibratedMachine;
 
 use crate::Cause;
 use crate::said::Entry;

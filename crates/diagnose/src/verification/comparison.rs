@@ -1,10 +1,10 @@
 //! Measured minus predicted ([`predicted_reading_um`]), reading by reading, and what an effect does to each.
 
-use trueaxis_calibrate::{MeasuredPoint, carrier, predicted_reading_um};
 use trueaxis_campaign::{Verification, VerificationKind};
 use trueaxis_effects::{Circumstances, Effect, Subject};
 use trueaxis_kinematics::{GeometricErrors, MICROMETRE, Machine};
 use trueaxis_leastsquares::half_waves;
+use trueaxis_predict::{MeasuredPoint, carrier, predicted_reading_um};
 
 use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same};
 

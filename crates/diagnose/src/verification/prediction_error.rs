@@ -9,7 +9,7 @@
 //! the base model, which is the same as adding `K` to the covariance of the readings.
 
 use nalgebra::DVector;
-use trueaxis_calibrate::{CalibratedMachine, pivoted_cholesky};
+use trueaxis_predict::{CalibratedMachine, pivoted_cholesky};
 
 use crate::verification::base::stands;
 use crate::verification::comparison::Comparison;

@@ -9,8 +9,8 @@
 //! deviation of a reading that its own causes leave. The errors of the prediction are those of one calibration: they join
 //! the covariance of all series together. A hypothesis has one column for each parameter over all of them.
 
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_effects::Shape;
+use trueaxis_predict::CalibratedMachine;
 
 use crate::engine::{Candidate, Chosen, Listed, without};
 use crate::selection::{Fit, Hypothesis, Projection, combined, dot};

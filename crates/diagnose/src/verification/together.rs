@@ -11,8 +11,8 @@
 //!
 //! A cause that no series named must also gain on unused readings and not imitate what is left in any.
 
-use trueaxis_calibrate::CalibratedMachine;
 use trueaxis_effects::Scene;
+use trueaxis_predict::CalibratedMachine;
 
 use crate::Cause;
 use crate::diagnosis::SIZES_DIFFER;

@@ -11,13 +11,13 @@
 //! Location errors that the frame defines away are certain.
 
 use nalgebra::{Isometry3, Matrix6, Matrix6xX, Point3, Vector6};
+use rayon::prelude::*;
 use trueaxis_kinematics::{Branch, GeometricErrors, LocationComponent, Machine, MotionError};
 
-use crate::in_order;
-use crate::machine::calibrated_machine::{CalibratedAxis, CalibratedMachine};
-use crate::machine::curve::Sample;
-use crate::propagate::axis_twist::{ROTATION, SHIFT, TILT, TRANSLATION, axis_twist};
-use crate::propagate::twist::Twist;
+use crate::calibrated_machine::{CalibratedAxis, CalibratedMachine};
+use crate::curve::Sample;
+use trueaxis_kinematics::Twist;
+use trueaxis_kinematics::axis_twist::{ROTATION, SHIFT, TILT, TRANSLATION, axis_twist};
 
 /// The error of the tool against the workpiece.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,7 +81,8 @@ impl CalibratedMachine {
 
     /// [`CalibratedMachine::predict`] at many places, on all threads.
     pub fn predict_all(&self, places: &[(Vec<f64>, Point3<f64>)]) -> Vec<Prediction> {
-        in_order::map(places.len(), |i| self.predict(&places[i].0, places[i].1))
+        let places = places.par_iter();
+        places.map(|(at, tool)| self.predict(at, *tool)).collect()
     }
 
     /// The point of the tool (or, without axes that move a tool, of the workpiece) whose displacement the component

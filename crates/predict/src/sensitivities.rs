@@ -12,7 +12,7 @@ pub struct Sensitivities {
 
 /// Rows that follow each other, without the columns that are zero in all of them.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Rows {
+pub struct Rows {
     /// The number of the first row.
     first: usize,
     columns: Vec<usize>,
@@ -29,7 +29,7 @@ impl Rows {
     }
 
     /// The same of a matrix with some columns only, ascending.
-    pub(crate) fn of_columns(first: usize, columns: &[usize], dense: &DMatrix<f64>) -> Self {
+    pub fn of_columns(first: usize, columns: &[usize], dense: &DMatrix<f64>) -> Self {
         let is_used = |k: &usize| dense.column(*k).iter().any(|x| *x != 0.0);
         let used: Vec<usize> = (0..columns.len()).filter(is_used).collect();
         let rows = dense.row_iter();

@@ -4,8 +4,8 @@ use nalgebra::Point3;
 use trueaxis_campaign::Direction;
 use trueaxis_kinematics::{GeometricErrors, LocationError, MotionError};
 
-use crate::machine::calibrated_machine::CalibratedMachine;
-use crate::machine::volume::places::Places;
+use crate::calibrated_machine::CalibratedMachine;
+use crate::volume::places::Places;
 
 /// A calibrated machine whose axis `axis` comes to its positions from one side; all other axes are at the mean of
 /// their sides.

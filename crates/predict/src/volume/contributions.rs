@@ -3,8 +3,8 @@
 
 use nalgebra::{Point3, Vector6};
 
-use crate::machine::calibrated_machine::CalibratedMachine;
-use crate::machine::predict::influences;
+use crate::calibrated_machine::CalibratedMachine;
+use crate::predict::influences;
 
 /// Coefficients of the results in displacement and rotation at a place (mm, rad for mm, rad).
 pub(crate) type Coefficients = Vec<(usize, Vector6<f64>)>;

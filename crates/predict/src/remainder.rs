@@ -1,7 +1,7 @@
 //! What the interpolation between steps may be off by.
 //!
 //! Leaving out the step at `q_j` and interpolating from its four neighbours leaves
-//! `r_j = f[q_{j-2}, …, q_{j+2}] ω_j`, Newton's remainder there ([`crate::machine::curve`]), and between the true
+//! `r_j = f[q_{j-2}, …, q_{j+2}] ω_j`, Newton's remainder there ([`crate::curve`]), and between the true
 //! steps, which are nearer, the remainder is `f[…] ω(q)`. So what leaving steps out shows is taken to the true
 //! spacing by the divided differences, whose mean square beyond the noise is
 //!
@@ -20,8 +20,8 @@
 use nalgebra::Vector6;
 use trueaxis_kinematics::MotionError;
 
-use crate::machine::curve::{Curve, Sample};
-use crate::result::factored_covariance::FactoredCovariance;
+use crate::curve::{Curve, Sample};
+use crate::factored_covariance::FactoredCovariance;
 
 /// `s` of the six components, for both orders.
 #[derive(Debug, Clone, PartialEq)]

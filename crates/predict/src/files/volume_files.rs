@@ -3,16 +3,17 @@
 use std::fmt::Write;
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, MICROMETRE, MotionError};
 
+use crate::calibrated_machine::CalibratedMachine;
 use crate::files::predicted_csv::{ERROR, to_csv};
 use crate::files::{text, without_nulls};
-use crate::machine::calibrated_machine::CalibratedMachine;
-use crate::machine::volume::statistics::Sizes;
-use crate::machine::volume::{Figure, Volume};
-use crate::result::output::position_in_file;
+use crate::output::position_in_file;
+use crate::volume::statistics::Sizes;
+use crate::volume::{Figure, Volume};
 
 /// Decimals of µm and ″.
 const DECIMALS: i32 = 4;
@@ -103,15 +104,16 @@ impl Volume {
     /// home, mm and rad.
     pub fn map(&self, machine: &CalibratedMachine) -> Vec<MotionError> {
         let places: Vec<_> = self.places.map().collect();
-        crate::in_order::map(places.len(), |i| {
-            let positions = self.places.at_node(places[i]);
+        let places = places.par_iter().map(|&place| {
+            let positions = self.places.at_node(place);
             let tool_mm = self.places.tool_home_mm;
             let error = machine.machine().tool_error(machine, &positions, tool_mm);
             MotionError::new(
                 error.translation_mm - self.home.translation_mm,
                 error.rotation_rad,
             )
-        })
+        });
+        places.collect()
     }
 
     /// The text of `volumetric.csv`: a row for each node of the map, with the positions of all axes and the error.

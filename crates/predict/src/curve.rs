@@ -9,7 +9,7 @@
 //!
 //! with Newton's remainder, a divided difference of fourth order (J. Stoer, R. Bulirsch, *Introduction to Numerical
 //! Analysis*, 2.1.3 and 2.1.4). Of three steps it takes two at a time, of four three, so that a step can be left out
-//! to see how well that goes ([`crate::machine::remainder`]). A rotary axis whose steps go round a full turn has no
+//! to see how well that goes ([`crate::remainder`]). A rotary axis whose steps go round a full turn has no
 //! ends. Outside its steps an axis has the errors of the nearest.
 
 use std::f64::consts::TAU;
@@ -18,7 +18,7 @@ use std::ops::RangeInclusive;
 use trueaxis_campaign::Direction;
 use trueaxis_kinematics::AxisKind;
 
-use crate::result::interpolation::{Node, sides_of};
+use crate::interpolation::{Node, sides_of};
 
 /// Steps that take part in the polynomial.
 const MOST_STEPS: usize = 4;
@@ -261,7 +261,7 @@ mod tests {
     use trueaxis_campaign::Direction::{Backward, Forward};
 
     use super::*;
-    use crate::result::interpolation::tests::at;
+    use crate::interpolation::tests::at;
 
     fn places(positions: impl IntoIterator<Item = f64>) -> Vec<Node> {
         positions.into_iter().map(|q| at(q, None)).collect()

@@ -6,10 +6,10 @@ pub(crate) mod places;
 pub(crate) mod statistics;
 
 use nalgebra::{Point3, Vector6};
+use rayon::prelude::*;
 use trueaxis_kinematics::{Ideal, MotionError};
 
-use crate::in_order;
-use crate::machine::calibrated_machine::CalibratedMachine;
+use crate::calibrated_machine::CalibratedMachine;
 use contributions::{Coefficients, applied};
 use draws::Root;
 use places::Places;
@@ -88,8 +88,9 @@ impl CalibratedMachine {
         let home = self.machine.tool_error(self, &at_home, tool_mm);
         let zero = zeroing(&home);
 
-        let seen = in_order::map(places.count(), |i| self.seen(&places.at(i), tool_mm));
-        let (nominal, errors): (Vec<_>, Vec<_>) = seen.into_iter().unzip();
+        let numbers = (0..places.count()).into_par_iter();
+        let seen = numbers.map(|i| self.seen(&places.at(i), tool_mm));
+        let (nominal, errors): (Vec<_>, Vec<_>) = seen.unzip();
         let whole = figures(&nominal, &RigidFit::new(&nominal), &errors, &zero);
         let size = |i: &usize| (errors[*i] - zero).fixed_rows::<3>(0).norm();
         let worst = (0..errors.len()).max_by(|a, b| size(a).total_cmp(&size(b)));
@@ -102,13 +103,12 @@ impl CalibratedMachine {
         }
         let chosen: Vec<usize> = (0..places.count()).step_by(stride).collect();
         let of_home = self.coefficients(&at_home, tool_mm);
-        let coefficients = in_order::map(chosen.len(), |k| {
-            self.coefficients(&places.at(chosen[k]), tool_mm)
-        });
+        let coefficients = chosen.par_iter();
+        let coefficients = coefficients.map(|&i| self.coefficients(&places.at(i), tool_mm));
         let subset = Subset {
             points: chosen.iter().map(|&i| nominal[i]).collect(),
             errors: chosen.iter().map(|&i| errors[i]).collect(),
-            coefficients,
+            coefficients: coefficients.collect(),
             of_home,
             home: zero,
         };
@@ -172,7 +172,7 @@ impl Subset {
         let root = Root::new(machine).filter(|_| machine.has_uncertainties)?;
         let fit = RigidFit::new(&self.points);
         let value = figures(&self.points, &fit, &self.errors, &self.home).to_array();
-        let draws = in_order::map(settings.draws, |number| {
+        let draws = (0..settings.draws).into_par_iter().map(|number| {
             let changes = root.draw(settings.seed, number as u64);
             let errors = self.errors.iter().zip(&self.coefficients);
             let errors: Vec<Vector6<f64>> = errors
@@ -182,6 +182,7 @@ impl Subset {
             let home = self.home + zeroing(&home);
             figures(&self.points, &fit, &errors, &home).to_array()
         });
+        let draws: Vec<[f64; 12]> = draws.collect();
         let of_figure = |k: usize| {
             let mut off: Vec<f64> = draws.iter().map(|draw| draw[k] - value[k]).collect();
             off.sort_by(f64::total_cmp);

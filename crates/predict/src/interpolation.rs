@@ -4,11 +4,11 @@ use trueaxis_campaign::Direction;
 
 /// A measured position.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Node {
+pub struct Node {
     /// mm or rad.
-    pub(crate) position: f64,
+    pub position: f64,
     /// Side of approach, where kept apart.
-    pub(crate) direction: Option<Direction>,
+    pub direction: Option<Direction>,
 }
 
 /// The sides of approach that nodes have, backward before forward; either all keep them apart or
@@ -26,7 +26,7 @@ pub(crate) fn sides_of(nodes: &[Node]) -> Vec<Option<Direction>> {
 
 /// Weights of the nodes, which are in order of position, whose sum is the curve at `position`: linear interpolation;
 /// the mean of the sides of approach that reach the position; the nearest node if none does.
-pub(crate) fn weights_at(nodes: &[Node], position: f64) -> Vec<(usize, f64)> {
+pub fn weights_at(nodes: &[Node], position: f64) -> Vec<(usize, f64)> {
     let above = nodes.partition_point(|node| node.position < position);
     let (low, high) = nodes.split_at(above);
     let mut inside = Vec::new();

@@ -11,11 +11,11 @@ use trueaxis_campaign::{Direction, MachineSpec};
 use trueaxis_files::{Alternatives, DocumentError, DocumentProblem, Format, field_line};
 use trueaxis_kinematics::{AxisKind, Component, LocationError, Machine, MotionError};
 
+use crate::calibrated_machine::{CalibratedMachine, MeasuredAxis};
+use crate::factored_covariance::FactoredCovariance;
 use crate::files::read_error::{CovarianceProblem, ReadError};
-use crate::machine::calibrated_machine::{CalibratedMachine, MeasuredAxis, calibrated_axes};
-use crate::result::factored_covariance::FactoredCovariance;
-use crate::result::interpolation::Node;
-use crate::result::output::Unit;
+use crate::interpolation::Node;
+use crate::output::Unit;
 
 const FORMAT: Format = Format {
     name: "trueaxis-calibration",
@@ -114,9 +114,7 @@ impl CalibratedMachine {
             effects_taken_out: effects.map(|entry| entry.effect).collect(),
             has_uncertainties,
             dof: read.dof,
-            axes: calibrated_axes(&read.machine, read.axes, &factors),
-            machine: read.machine,
-            factors,
+            ..Self::new(read.machine, read.axes, factors)
         })
     }
 }

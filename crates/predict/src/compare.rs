@@ -8,8 +8,7 @@
 
 use trueaxis_kinematics::{AxisKind, Component, GeometricErrors};
 
-use crate::Error;
-use crate::machine::calibrated_machine::{CalibratedAxis, CalibratedMachine};
+use crate::calibrated_machine::{CalibratedAxis, CalibratedMachine};
 
 /// Standard uncertainties beyond which a difference is not noise: normal noise exceeds them once in 150,000, so that
 /// of a thousand differences, however they go together, one does with a probability below 1 %.
@@ -40,6 +39,21 @@ pub struct Difference {
     pub u: f64,
 }
 
+/// Two calibrations give the translations of an axis for different points of its stage.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(
+    "the translations of {axis} are those of the point {first_mm:?} mm in the first calibration, of {second_mm:?} mm \
+     in the second, and so are average lines and squareness: calibrate both with one --reference-point"
+)]
+pub struct OtherReferencePoint {
+    /// The axis.
+    pub axis: String,
+    /// In the first calibration, in the reference frame at home.
+    pub first_mm: [f64; 3],
+    /// In the second.
+    pub second_mm: [f64; 3],
+}
+
 impl Difference {
     /// Second minus first, mm or rad.
     pub fn value(&self) -> f64 {
@@ -62,8 +76,8 @@ impl CalibratedMachine {
     /// location errors. Axes are matched by name; those that only one calibration measured are left out.
     ///
     /// # Errors
-    /// [`Error::OtherReferencePoint`]: translations of two points of a stage differ by its rotations.
-    pub fn compare(&self, second: &Self) -> Result<Vec<Difference>, Error> {
+    /// [`OtherReferencePoint`]: translations of two points of a stage differ by its rotations.
+    pub fn compare(&self, second: &Self) -> Result<Vec<Difference>, OtherReferencePoint> {
         let mut all = Vec::new();
         let unknown = match self.has_uncertainties && second.has_uncertainties {
             true => 0.0,
@@ -75,7 +89,7 @@ impl CalibratedMachine {
                 second.machine.axes()[b.axis].reference_mm(),
             ];
             if (first_mm - second_mm).norm() > SAME_POINT_MM {
-                return Err(Error::OtherReferencePoint {
+                return Err(OtherReferencePoint {
                     axis: name.to_owned(),
                     first_mm: first_mm.coords.into(),
                     second_mm: second_mm.coords.into(),

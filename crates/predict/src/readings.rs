@@ -12,9 +12,9 @@ use nalgebra::{DMatrix, Matrix6xX, Point3, RowDVector, RowVector3, Vector3, Vect
 use trueaxis_campaign::VerificationKind;
 use trueaxis_kinematics::{AxisKind, Branch, GeometricErrors, Ideal, MICROMETRE, Machine};
 
-use crate::machine::calibrated_machine::{CalibratedAxis, CalibratedMachine};
-use crate::machine::predict::influences;
-use crate::propagate::axis_twist::TRANSLATION;
+use crate::calibrated_machine::{CalibratedAxis, CalibratedMachine};
+use crate::predict::influences;
+use trueaxis_kinematics::axis_twist::TRANSLATION;
 
 /// Positions of an axis this close are one, mm or rad.
 const SAME: f64 = 1e-9;
@@ -202,7 +202,7 @@ impl CalibratedMachine {
         self.row_of(counts, commanded)
     }
 
-    /// The same, from what one unit of each of [`crate::propagate::axis_twist`] of each axis does to the reading.
+    /// The same, from what one unit of each of [`trueaxis_kinematics::axis_twist`] of each axis does to the reading.
     fn row_of<'a>(
         &self,
         axes: impl Iterator<Item = (&'a CalibratedAxis, RowDVector<f64>)>,

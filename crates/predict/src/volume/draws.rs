@@ -7,7 +7,7 @@ use rand_distr::StandardNormal;
 use trueaxis_leastsquares::dense::{SymmetricEigen, symmetric_eigen};
 use trueaxis_montecarlo::ChaCha8Rng;
 
-use crate::machine::calibrated_machine::CalibratedMachine;
+use crate::calibrated_machine::CalibratedMachine;
 
 /// More results than this are not drawn: the eigenvalues of their covariance would take longer than all else.
 const MOST_RESULTS: usize = 3000;

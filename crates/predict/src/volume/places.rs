@@ -10,7 +10,7 @@ use std::ops::Range;
 use nalgebra::Point3;
 use trueaxis_kinematics::AxisKind;
 
-use crate::machine::calibrated_machine::CalibratedMachine;
+use crate::calibrated_machine::CalibratedMachine;
 
 /// Bases of the sequences.
 const PRIMES: [usize; 8] = [2, 3, 5, 7, 11, 13, 17, 19];

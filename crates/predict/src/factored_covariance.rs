@@ -11,9 +11,10 @@
 
 use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
 
-use crate::result::sensitivities::{Rows, Sensitivities};
+use crate::sensitivities::{Rows, Sensitivities};
 
-/// Covariance of all results of a calibration ([`crate::Calibration::results`] has their order) in mm and rad.
+/// Covariance of all results of a calibration in mm and rad: the component errors of all axes (for each position all
+/// six), the location errors, the stations (x y z and dead path of each).
 ///
 /// What gauge or frame define has zero rows.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,8 +28,19 @@ pub struct FactoredCovariance {
 }
 
 impl FactoredCovariance {
+    /// From `B`, rows of `U` that follow each other, and `M` of as many columns; those that no row uses are left out.
+    pub fn new(own: Vec<Matrix6<f64>>, rows: Vec<Rows>, shared: &DMatrix<f64>) -> Self {
+        let mut sensitivities = Sensitivities::new(shared.nrows(), rows);
+        let used = sensitivities.drop_unused_columns();
+        Self {
+            own,
+            sensitivities,
+            shared: shared.select_rows(&used).select_columns(&used),
+        }
+    }
+
     /// Of results that are taken as exact, those of `nodes` nodes first.
-    pub(crate) fn zero(nodes: usize, results: usize) -> Self {
+    pub fn zero(nodes: usize, results: usize) -> Self {
         let rows = Rows::new(0, &DMatrix::zeros(results, 0));
         Self {
             own: vec![Matrix6::zeros(); nodes],
@@ -103,7 +115,7 @@ impl FactoredCovariance {
     }
 
     /// Adds an error that the results have in common, with this standard deviation in each.
-    pub(crate) fn add_common(&mut self, change: &[f64]) {
+    pub fn add_common(&mut self, change: &[f64]) {
         let columns = self.shared.nrows();
         self.sensitivities.push_column(change);
         let shared = std::mem::replace(&mut self.shared, DMatrix::zeros(0, 0));
@@ -113,6 +125,6 @@ impl FactoredCovariance {
 }
 
 /// The covariance of six results, each times a factor.
-pub(crate) fn scaled(own: &Matrix6<f64>, factors: &[f64]) -> Matrix6<f64> {
+pub fn scaled(own: &Matrix6<f64>, factors: &[f64]) -> Matrix6<f64> {
     Matrix6::from_fn(|i, j| own[(i, j)] * (factors[i] * factors[j]))
 }

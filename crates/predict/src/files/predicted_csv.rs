@@ -6,8 +6,8 @@ use nalgebra::Point3;
 use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, MICROMETRE, Machine};
 
-use crate::machine::predict::Prediction;
-use crate::result::output::position_in_file;
+use crate::output::position_in_file;
+use crate::predict::Prediction;
 
 /// Columns of the tool point.
 const POINT: [&str; 3] = ["x_mm", "y_mm", "z_mm"];

@@ -5,6 +5,8 @@ use trueaxis_campaign::Direction;
 use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, LocationComponent, MICROMETRE};
 
+use crate::factored_covariance::FactoredCovariance;
+
 /// Covariance of all results of a calibration, in the units of `calibration.json`.
 ///
 /// What gauge or frame define has zero rows and columns.
@@ -15,6 +17,20 @@ pub struct OutputCovariance {
     pub outputs: Vec<Output>,
     /// The covariance: element (i, j) has the unit of output i times that of output j.
     pub matrix: DMatrix<f64>,
+}
+
+impl OutputCovariance {
+    /// Of these results, all of their calibration.
+    pub fn new(factors: &FactoredCovariance, outputs: Vec<Output>) -> Self {
+        let sizes: Vec<f64> = outputs.iter().map(|o| o.unit().size()).collect();
+        let mut matrix = factors.dense();
+        for (j, mut column) in matrix.column_iter_mut().enumerate() {
+            for (value, size) in column.iter_mut().zip(&sizes) {
+                *value /= size * sizes[j];
+            }
+        }
+        Self { outputs, matrix }
+    }
 }
 
 /// One number of a calibration.
@@ -90,7 +106,7 @@ impl Output {
 
 impl Unit {
     /// Of a component error.
-    pub(crate) fn of_component(component: Component) -> Self {
+    pub fn of_component(component: Component) -> Self {
         match component.is_angular() {
             true => Self::Arcsec,
             false => Self::Micrometre,
@@ -98,7 +114,7 @@ impl Unit {
     }
 
     /// Of a location error.
-    pub(crate) fn of_location(component: LocationComponent) -> Self {
+    pub fn of_location(component: LocationComponent) -> Self {
         match component.is_angular() {
             true => Self::Arcsec,
             false => Self::Millimetre,
@@ -115,7 +131,7 @@ impl Unit {
     }
 
     /// A value (mm or rad) in this unit, rounded far below anything measurable.
-    pub(crate) fn in_file(self, value: f64) -> f64 {
+    pub fn in_file(self, value: f64) -> f64 {
         let decimals = match self {
             Self::Millimetre => 9,
             Self::Micrometre | Self::Arcsec => 6,

@@ -7,13 +7,15 @@ use nalgebra::{DMatrix, Isometry3, Matrix3xX, Matrix6xX, Point3};
 
 /// ρ (rad) and v (mm, displacement of the origin), three rows each.
 #[derive(Debug, Clone)]
-pub(crate) struct Twist {
-    pub(crate) rotation: Matrix3xX<f64>,
+pub struct Twist {
+    /// ρ.
+    pub rotation: Matrix3xX<f64>,
     origin: Matrix3xX<f64>,
 }
 
 impl Twist {
-    pub(crate) fn zero(columns: usize) -> Self {
+    /// No motion, of so many sources.
+    pub fn zero(columns: usize) -> Self {
         Self {
             rotation: Matrix3xX::zeros(columns),
             origin: Matrix3xX::zeros(columns),
@@ -21,7 +23,7 @@ impl Twist {
     }
 
     /// The twist that displaces `point` by `displacement` and turns by `rotation`.
-    pub(crate) fn about(
+    pub fn about(
         point: Point3<f64>,
         displacement: Matrix3xX<f64>,
         rotation: Matrix3xX<f64>,
@@ -32,21 +34,24 @@ impl Twist {
     }
 
     /// The same motion seen from another frame.
-    pub(crate) fn seen_from(&self, frame_from_here: &Isometry3<f64>) -> Self {
+    #[must_use]
+    pub fn seen_from(&self, frame_from_here: &Isometry3<f64>) -> Self {
         let turn = frame_from_here.rotation.to_rotation_matrix().into_inner();
         // The old origin is there now and moves by the turned v.
         let old_origin = Point3::from(frame_from_here.translation.vector);
         Self::about(old_origin, turn * &self.origin, turn * &self.rotation)
     }
 
-    pub(crate) fn add(&mut self, other: &Self) {
+    /// Adds a motion of the same sources.
+    pub fn add(&mut self, other: &Self) {
         self.rotation += &other.rotation;
         self.origin += &other.origin;
     }
 
     /// The same motion as a function of what the old columns are linear in: one row of `columns`
     /// for each of them.
-    pub(crate) fn through(&self, columns: &DMatrix<f64>) -> Self {
+    #[must_use]
+    pub fn through(&self, columns: &DMatrix<f64>) -> Self {
         Self {
             rotation: &self.rotation * columns,
             origin: &self.origin * columns,
@@ -54,7 +59,7 @@ impl Twist {
     }
 
     /// v and ρ as six rows.
-    pub(crate) fn rows(&self) -> Matrix6xX<f64> {
+    pub fn rows(&self) -> Matrix6xX<f64> {
         let mut rows = Matrix6xX::zeros(self.origin.ncols());
         rows.fixed_rows_mut::<3>(0).copy_from(&self.origin);
         rows.fixed_rows_mut::<3>(3).copy_from(&self.rotation);
@@ -62,7 +67,7 @@ impl Twist {
     }
 
     /// Displacement of a point.
-    pub(crate) fn at(&self, point: Point3<f64>) -> Matrix3xX<f64> {
+    pub fn at(&self, point: Point3<f64>) -> Matrix3xX<f64> {
         &self.origin - point.coords.cross_matrix() * &self.rotation
     }
 }

@@ -4,11 +4,10 @@ use trueaxis_kinematics::{
     GeometricErrors, LocationComponent, LocationError, Machine, MotionError,
 };
 
-use crate::machine::curve::{Curve, Sample};
-use crate::machine::remainder::Remainder;
-use crate::result::calibration::{AxisResult, Calibration};
-use crate::result::factored_covariance::FactoredCovariance;
-use crate::result::interpolation::Node;
+use crate::curve::{Curve, Sample};
+use crate::factored_covariance::FactoredCovariance;
+use crate::interpolation::Node;
+use crate::remainder::Remainder;
 
 /// A machine with its geometric errors as calibrated, and how well they are known.
 ///
@@ -37,15 +36,17 @@ pub struct CalibratedMachine {
 
 /// The measured errors of an axis.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct MeasuredAxis {
+pub struct MeasuredAxis {
     /// Index among the machine's axes.
-    pub(crate) axis: usize,
-    pub(crate) nodes: Vec<Node>,
+    pub axis: usize,
+    /// Where it was measured, in order of position.
+    pub nodes: Vec<Node>,
     /// Component errors at each of them.
-    pub(crate) errors: Vec<MotionError>,
-    pub(crate) location: LocationError,
+    pub errors: Vec<MotionError>,
+    /// Location errors as a whole.
+    pub location: LocationError,
     /// The location errors that the frame does not define away.
-    pub(crate) reported: Vec<LocationComponent>,
+    pub reported: Vec<LocationComponent>,
 }
 
 /// An axis that predicts.
@@ -64,55 +65,25 @@ pub(crate) struct CalibratedAxis {
     pub(crate) first_location: usize,
 }
 
-impl Calibration {
-    /// The calibrated machine, which predicts.
-    pub fn calibrated_machine(&self) -> CalibratedMachine {
-        let dof = self.results().into_iter().map(|result| result.dof);
-        let effects = self.effects.iter();
-        CalibratedMachine {
-            name: self.machine_spec.name.clone(),
-            campaign: self.campaign.clone(),
-            effects_taken_out: effects.map(|effect| effect.effect.clone()).collect(),
+impl CalibratedMachine {
+    /// Of a machine with the reference points of the component errors, and of its measured axes in the order of the
+    /// results, whose covariance `factors` is. It has no names, and as many degrees of freedom as it needs.
+    pub fn new(machine: Machine, axes: Vec<MeasuredAxis>, factors: FactoredCovariance) -> Self {
+        Self {
+            name: String::new(),
+            campaign: String::new(),
+            effects_taken_out: Vec::new(),
             has_uncertainties: true,
-            dof: dof.fold(f64::INFINITY, f64::min),
-            machine: self.with_reference_points(),
-            axes: calibrated_axes(
-                &self.machine,
-                self.axes.iter().map(measured_axis).collect(),
-                &self.factors,
-            ),
-            factors: self.factors.clone(),
+            dof: f64::INFINITY,
+            axes: calibrated_axes(&machine, axes, &factors),
+            machine,
+            factors,
         }
-    }
-
-    /// The machine with the reference points that the component errors are given for.
-    fn with_reference_points(&self) -> Machine {
-        self.machine.with_axes(|index, axis| {
-            match self.axes.iter().find(|result| result.axis == index) {
-                Some(result) => axis.with_reference(result.reference_point_mm),
-                None => axis,
-            }
-        })
-    }
-}
-
-fn measured_axis(axis: &AxisResult) -> MeasuredAxis {
-    let nodes = axis.nodes.iter().map(|node| Node {
-        position: node.position,
-        direction: node.direction,
-    });
-    let reported = axis.location_errors.iter();
-    MeasuredAxis {
-        axis: axis.axis,
-        nodes: nodes.collect(),
-        errors: axis.nodes.iter().map(|node| node.error).collect(),
-        location: axis.location,
-        reported: reported.map(|location| location.component).collect(),
     }
 }
 
 /// The axes, in the order of the results.
-pub(crate) fn calibrated_axes(
+fn calibrated_axes(
     machine: &Machine,
     measured: Vec<MeasuredAxis>,
     factors: &FactoredCovariance,

@@ -11,22 +11,24 @@
 //! (`s` shift, `t` tilt of the axis; the part of the shift along the axis lifts the stage).
 
 use nalgebra::{Matrix3, Matrix3xX};
-use trueaxis_kinematics::{Axis, AxisKind, LocationError, MotionError};
 
-use crate::propagate::twist::Twist;
+use crate::{Axis, AxisKind, LocationError, MotionError, Twist};
 
 /// Number of errors of an axis: δ, ε, shift and tilt.
-pub(crate) const AXIS_ERRORS: usize = 12;
+pub const AXIS_ERRORS: usize = 12;
 
-/// First of the three columns of each.
-pub(crate) const TRANSLATION: usize = 0;
-pub(crate) const ROTATION: usize = 3;
-pub(crate) const SHIFT: usize = 6;
-pub(crate) const TILT: usize = 9;
+/// First of the three columns of δ.
+pub const TRANSLATION: usize = 0;
+/// Of ε.
+pub const ROTATION: usize = 3;
+/// Of the shift of the axis.
+pub const SHIFT: usize = 6;
+/// Of its tilt.
+pub const TILT: usize = 9;
 
 /// The error motion of an axis at a position, seen from its base: one column for each of its errors
 /// (mm, rad).
-pub(crate) fn axis_twist(
+pub fn axis_twist(
     axis: &Axis,
     position: f64,
     location: &LocationError,

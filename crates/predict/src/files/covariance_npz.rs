@@ -1,7 +1,7 @@
 //! `covariance.npz`: the covariance of all results in factors, as three `NumPy` arrays.
 //!
 //! `own` (steps, 6, 6), `sensitivities` (results, shared) and `shared` (shared, shared), for results in the order of
-//! [`Calibration::results`] and the units of `calibration.json`:
+//! a calibration's results and the units of `calibration.json`:
 //!
 //! ```text
 //! covariance = blockdiag(own, 0) + sensitivities · shared · sensitivitiesᵀ
@@ -13,10 +13,9 @@ use std::io::{self, Seek, Write};
 use nalgebra::{DMatrix, Matrix6};
 use trueaxis_files::{Array, NpzWriter, from_npz};
 
+use crate::factored_covariance::{FactoredCovariance, scaled};
 use crate::files::read_error::CovarianceProblem;
-use crate::result::calibration::Calibration;
-use crate::result::factored_covariance::{FactoredCovariance, scaled};
-use crate::result::sensitivities::{Rows, Sensitivities};
+use crate::sensitivities::{Rows, Sensitivities};
 
 const OWN: &str = "own";
 const SENSITIVITIES: &str = "sensitivities";
@@ -30,21 +29,17 @@ impl FactoredCovariance {
     pub const FILE: &str = "covariance.npz";
 }
 
-impl Calibration {
-    /// Writes `covariance.npz`.
+impl FactoredCovariance {
+    /// Writes `covariance.npz`, each result times a factor: one over the size of its unit.
     ///
     /// # Errors
     /// Those of `out`.
-    pub fn write_covariance_npz(&self, out: impl Write + Seek) -> io::Result<()> {
-        let results = self.results().into_iter();
-        let per_unit: Vec<f64> = results
-            .map(|result| result.output.unit().size().recip())
-            .collect();
-        let FactoredCovariance {
+    pub fn write_npz(&self, out: impl Write + Seek, per_unit: &[f64]) -> io::Result<()> {
+        let Self {
             own,
             sensitivities,
             shared,
-        } = &self.factors;
+        } = self;
         let (rows, columns) = sensitivities.shape();
         let blocks = own.iter().zip(per_unit.chunks_exact(6));
         let blocks = blocks.map(|(own, factors)| scaled(own, factors).data.0);
