@@ -1,18 +1,21 @@
 //! The headline verb: a campaign to all geometric errors.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{Isometry3, Point3, Vector3};
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::Machine;
+use trueaxis_mistakes::Mistakes;
 use trueaxis_poses::{LengthsAdjustment, MeasuredPoses, Poses, measure};
 use trueaxis_predict::OutputCovariance;
 
 use crate::Error;
+use crate::explain::{explained, refused, trial};
 use crate::identify::axis_data::{AxisData, by_axis};
 use crate::identify::context::Context;
 use crate::identify::identify_axes::{Identified, identify_axes};
 use crate::identify::plausibility::{check_motion, check_noise};
 use crate::identify::settle_frame::mean_targets;
-use crate::mistakes::Mistakes;
 use crate::propagate::dependence::Dependence;
 use crate::propagate::factored_covariance::factored_covariance;
 use crate::propagate::output_covariance::check_size;
@@ -63,14 +66,26 @@ pub(crate) fn calibrate_in_parts<'a>(
     campaign: &'a Campaign,
     settings: &Settings,
 ) -> Result<(Calibration, Parts<'a>), Error> {
-    let calibrated = |campaign: &Campaign, settings: &Settings| {
-        let calibrated = calibrate_as_given(campaign, settings);
-        calibrated.map(|(calibration, _)| calibration)
+    let tried = |campaign: &Campaign, robust: bool| {
+        let settings = Settings {
+            robust,
+            covariance: false,
+            ..*settings
+        };
+        let calibrated = calibrate_as_given(campaign, &settings);
+        let calibrated = calibrated.map_err(|error| refused(&error));
+        calibrated.map(|(calibration, _)| trial(campaign, calibration))
     };
-    let mistakes = Mistakes::new(campaign, settings, &calibrated);
+    let mistakes = Mistakes {
+        campaign,
+        robust: settings.robust,
+        calibrate: &tried,
+    };
     let (mut calibration, parts) =
-        calibrate_as_given(campaign, settings).map_err(|error| mistakes.explained(error))?;
-    let lost = mistakes.lost_sweeps(&calibration);
+        calibrate_as_given(campaign, settings).map_err(|error| explained(error, &mistakes))?;
+    let rejected = calibration.adjustment.rejected.iter();
+    let rejected: BTreeSet<usize> = rejected.map(|length| length.line).collect();
+    let lost = mistakes.lost_sweeps(&rejected);
     calibration.notices.extend(lost);
     calibration.residuals = parts.measured.residuals();
     Ok((calibration, parts))

@@ -60,10 +60,10 @@
 
 mod calibrate;
 mod error;
+mod explain;
 mod files;
 mod identify;
 mod in_order;
-mod mistakes;
 mod propagate;
 mod replay;
 mod report;

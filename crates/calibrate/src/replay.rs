@@ -144,16 +144,20 @@ impl Responses<'_> {
     /// # Panics
     /// If there is not one error for each used length.
     pub fn to(&mut self, errors_mm: &[f64]) -> Vec<f64> {
-        // What is known beforehand is as it was.
-        let (of_lengths, known) = self.workspace.errors.split_at_mut(errors_mm.len());
-        of_lengths.copy_from_slice(errors_mm);
-        known.fill(0.0);
+        self.set(errors_mm);
         let mut changes = vec![0.0; self.undisturbed.len()];
         self.replay.solve(&mut self.workspace, &mut changes);
         for (change, undisturbed) in changes.iter_mut().zip(&self.undisturbed) {
             *change -= undisturbed;
         }
         changes
+    }
+
+    /// Errors of the lengths; what is known beforehand is as it was.
+    fn set(&mut self, errors_mm: &[f64]) {
+        let (of_lengths, known) = self.workspace.errors.split_at_mut(errors_mm.len());
+        of_lengths.copy_from_slice(errors_mm);
+        known.fill(0.0);
     }
 }
 

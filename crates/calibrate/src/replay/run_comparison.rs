@@ -10,7 +10,7 @@
 //! Here all of it is whitened by the Cholesky factor of `V`: the observations, and the columns of `E` and `g`,
 //! which the runs may have in common or of their own whatever happens.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector6};
 use trueaxis_campaign::Direction;
 use trueaxis_poses::PoseNoise;
 
@@ -103,21 +103,14 @@ impl Responses<'_> {
         comparisons: &[RunComparison],
         errors_mm: &[f64],
     ) -> Option<Vec<DVector<f64>>> {
-        let (of_lengths, known) = self.workspace.errors.split_at_mut(errors_mm.len());
-        of_lengths.copy_from_slice(errors_mm);
-        known.fill(0.0);
+        self.set(errors_mm);
         let replay = self.replay;
         let trial = replay.trials.solve(&mut self.workspace);
         let context = replay.context(&trial.poses);
         let state: State = replay.identified.replayed(&context)?;
         let of = |comparison: &RunComparison| {
             let errors = context.pose_errors(&state, comparison.data);
-            stacked(
-                comparison
-                    .records
-                    .iter()
-                    .map(|&i| errors[i].as_slice().to_vec()),
-            )
+            stacked(&comparison.records, |i| errors[i])
         };
         Some(comparisons.iter().map(of).collect())
     }
@@ -142,9 +135,10 @@ impl RunComparison {
     }
 }
 
-fn stacked(parts: impl Iterator<Item = Vec<f64>>) -> DVector<f64> {
-    let all: Vec<f64> = parts.flatten().collect();
-    DVector::from_vec(all)
+/// Six numbers of each record, one under the other.
+fn stacked(records: &[usize], of_record: impl Fn(usize) -> Vector6<f64>) -> DVector<f64> {
+    let parts = records.iter().map(|&i| of_record(i)).collect::<Vec<_>>();
+    DVector::from_iterator(6 * parts.len(), parts.iter().flatten().copied())
 }
 
 /// The runs of axis `k`; `None` if there is one, if none share a position, or if the noise of the poses is not known.
@@ -222,26 +216,19 @@ fn comparison(
         units,
         records,
     };
-    let of_records = |part: &dyn Fn(usize) -> Vec<f64>| {
-        comparison.whitened(&stacked(comparison.records.iter().map(|&i| part(i))))
+    let column = |of_record: &dyn Fn(usize) -> Vector6<f64>| {
+        comparison.whitened(&stacked(&comparison.records, of_record))
     };
     let effects = &identified.gauges[k].effects;
     let mut base = Vec::new();
     for node in nodes {
-        for component in 0..6 {
-            base.push(of_records(&|i| {
-                let mut column = vec![0.0; 6];
-                column[component] = f64::from(u8::from(data.records[i].node == node));
-                column
-            }));
-        }
+        let here = |i: usize| f64::from(u8::from(data.records[i].node == node));
+        base.extend((0..6).map(|component| column(&|i| Vector6::ith(component, here(i)))));
     }
     for parameter in identified.gauges[k].location_parameters..effects[0].ncols() {
-        base.push(of_records(&|i| {
-            effects[i].column(parameter).as_slice().to_vec()
-        }));
+        base.push(column(&|i| effects[i].column(parameter).into_owned()));
     }
-    let observations = of_records(&|i| errors[i].as_slice().to_vec());
-    (comparison.observations, comparison.base) = (observations, base);
+    comparison.observations = column(&|i| errors[i]);
+    comparison.base = base;
     Some(comparison)
 }

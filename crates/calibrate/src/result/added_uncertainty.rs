@@ -40,33 +40,33 @@ impl Calibration {
             }
         }
         self.add_to_relative_locations(machine, &change, &part);
-        let mut variances = change.iter().map(|change| change * change);
-        let mut next = || variances.next().unwrap_or(0.0);
-        for node in self.axes.iter_mut().flat_map(|axis| &mut axis.nodes) {
-            for c in 0..6 {
-                add(
-                    next(),
-                    &mut node.u[c],
-                    &mut node.dof[c],
-                    Some(part(&mut node.budget[c])),
-                );
+        for (change, (u, dof, budget)) in change.iter().zip(self.uncertainties_mut()) {
+            add(change * change, u, dof, budget.map(&part));
+        }
+    }
+
+    /// u and degrees of freedom of all results in their order, with the budget where there is one.
+    fn uncertainties_mut(&mut self) -> Vec<(&mut f64, &mut f64, Option<&mut Budget>)> {
+        let (mut all, mut locations) = (Vec::new(), Vec::new());
+        for axis in &mut self.axes {
+            for node in &mut axis.nodes {
+                let of_node = node.u.iter_mut().zip(&mut node.dof).zip(&mut node.budget);
+                all.extend(of_node.map(|((u, dof), budget)| (u, dof, Some(budget))));
             }
+            let of_axis = axis.location_errors.iter_mut();
+            locations.extend(of_axis.map(|l| (&mut l.u, &mut l.dof, Some(&mut l.budget))));
         }
-        let locations = self
-            .axes
-            .iter_mut()
-            .flat_map(|axis| &mut axis.location_errors);
-        for location in locations {
-            let budget = Some(part(&mut location.budget));
-            add(next(), &mut location.u, &mut location.dof, budget);
-        }
+        all.append(&mut locations);
         for station in &mut self.stations {
-            for c in 0..3 {
-                add(next(), &mut station.u_mm[c], &mut station.dof[c], None);
-            }
-            let (u, dof) = (&mut station.u_dead_path_mm, &mut station.dof_dead_path);
-            add(next(), u, dof, None);
+            let position = station.u_mm.iter_mut().zip(&mut station.dof);
+            all.extend(position.map(|(u, dof)| (u, dof, None)));
+            all.push((
+                &mut station.u_dead_path_mm,
+                &mut station.dof_dead_path,
+                None,
+            ));
         }
+        all
     }
 
     /// Of changes in the order of [`Calibration::results`].

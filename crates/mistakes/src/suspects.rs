@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 use trueaxis_campaign::Campaign;
 
-use crate::mistakes::mistake::{Mistake, What};
-use crate::mistakes::scope::Scope;
+use crate::mistake::{Mistake, What};
+use crate::scope::Scope;
 
 /// What becomes of the lengths if a part of them is left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

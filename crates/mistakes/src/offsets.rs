@@ -1,11 +1,11 @@
 //! Lengths that are all off by the same amount, against what the others predict.
 
-use trueaxis_campaign::Campaign;
+use trueaxis_campaign::{Campaign, Stop};
 use trueaxis_kinematics::MICROMETRE;
 
-use crate::mistakes::mistake::What;
-use crate::mistakes::scope::Scope;
-use crate::result::calibration::Calibration;
+use crate::mistake::What;
+use crate::scope::Scope;
+use crate::search::Trial;
 
 /// Scatter about the mean that the machine's repeatability and the noise may have, mm: more is no constant.
 const SCATTER_MM: f64 = 20.0 * MICROMETRE;
@@ -20,27 +20,15 @@ const LEAST: usize = 5;
 /// a constant.
 pub(crate) fn measured(
     campaign: &Campaign,
-    calibration: &Calibration,
+    others: &Trial,
     target: usize,
     scope: &Scope,
 ) -> Option<What> {
     let lengths = campaign.lengths.as_ref()?;
-    let content = &campaign.targets[target];
-    let mut targets = calibration.targets.iter();
-    let home_mm = targets.find(|t| t.name == content.name)?.position_mm;
-    let reflector = content.reflector.as_ref().unwrap_or(&content.name);
-    let mut reflectors = calibration.reflectors.iter();
-    let constant = reflectors.find(|r| r.name == *reflector);
-    let constant_mm = constant.map_or(0.0, |reflector| reflector.constant_mm);
-    let chain = campaign.machine.chain(content.carrier);
-    let errors = calibration.calibrated_machine();
+    let stops: Vec<&Stop> = scope.stops(campaign, lengths).collect();
+    let predicted_mm = (others.lengths_mm)(campaign, target, &stops)?;
     let mut differences_mm = Vec::new();
-    for stop in scope.stops(campaign, lengths) {
-        let positions = &campaign.steps[stop.step].positions;
-        let motion = campaign.machine.chain_motion(&errors, chain, positions);
-        let station = &calibration.stations[stop.station];
-        let distance_mm = (motion * home_mm - station.position_mm).norm();
-        let predicted_mm = distance_mm - station.dead_path_mm + constant_mm;
+    for (stop, predicted_mm) in stops.iter().zip(predicted_mm) {
         let readings = lengths.readings[stop.readings.clone()].iter();
         let of_target = readings.filter(|reading| reading.target == target);
         differences_mm.extend(of_target.map(|reading| reading.length_mm - predicted_mm));

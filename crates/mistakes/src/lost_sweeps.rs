@@ -2,9 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::mistakes::Mistakes;
-use crate::mistakes::scope::Scope;
-use crate::result::calibration::Calibration;
+use crate::scope::Scope;
+use crate::search::Mistakes;
 
 /// Share of the lengths of a sweep to one target, from which on it was lost as a whole.
 const LOST: f64 = 0.5;
@@ -13,14 +12,13 @@ const LOST: f64 = 0.5;
 const LEAST: usize = 5;
 
 impl Mistakes<'_> {
-    /// For each sweep that was lost to targets what was lost, and which mistake would explain it.
-    pub(crate) fn lost_sweeps(&self, calibration: &Calibration) -> Vec<String> {
+    /// For each sweep that was lost to targets what was lost, and which mistake would explain it: `rejected` are the lines
+    /// of the lengths that were removed.
+    pub fn lost_sweeps(&self, rejected: &BTreeSet<usize>) -> Vec<String> {
         let campaign = self.campaign;
         let Some(lengths) = &campaign.lengths else {
             return Vec::new();
         };
-        let rejected = calibration.adjustment.rejected.iter();
-        let rejected: BTreeSet<usize> = rejected.map(|rejected| rejected.line).collect();
         if rejected.len() < LEAST {
             return Vec::new();
         }

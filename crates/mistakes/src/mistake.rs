@@ -3,7 +3,7 @@
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{AxisKind, Ideal};
 
-use crate::mistakes::scope::Scope;
+use crate::scope::Scope;
 
 /// Something that people do wrong, and in which part of the measurement.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,0 +1,67 @@
+//! A calibration as the search for mistakes looks at it ([`trueaxis_mistakes`]).
+
+use trueaxis_campaign::{Campaign, Stop};
+use trueaxis_mistakes::{Mistakes, Refused, Trial};
+
+use crate::Error;
+use crate::report::nominal_positions::targets_elsewhere;
+use crate::report::notices::is_absurd;
+use crate::result::calibration::Calibration;
+
+/// The same error with the mistakes that would explain it, if there are any; other errors as they are.
+pub(crate) fn explained(error: Error, mistakes: &Mistakes<'_>) -> Error {
+    if refused(&error) != Refused::Contradiction {
+        return error;
+    }
+    match mistakes.explanation() {
+        None => error,
+        Some(explanation) => Error::Mistaken {
+            error: Box::new(error),
+            explanation,
+        },
+    }
+}
+
+pub(crate) fn refused(error: &Error) -> Refused {
+    match error.is_contradiction() {
+        true => Refused::Contradiction,
+        false => Refused::Other,
+    }
+}
+
+pub(crate) fn trial(campaign: &Campaign, calibration: Calibration) -> Trial {
+    let elsewhere = targets_elsewhere(campaign, &calibration.targets);
+    Trial {
+        adjustment: calibration.adjustment.clone(),
+        is_plausible: !calibration.axes.iter().any(is_absurd) && elsewhere.is_empty(),
+        lengths_mm: Box::new(move |campaign, target, stops| {
+            lengths_mm(&calibration, campaign, target, stops)
+        }),
+    }
+}
+
+/// The lengths to a target at stops, mm; `None` if the target was not measured.
+fn lengths_mm(
+    calibration: &Calibration,
+    campaign: &Campaign,
+    target: usize,
+    stops: &[&Stop],
+) -> Option<Vec<f64>> {
+    let target = &campaign.targets[target];
+    let mut targets = calibration.targets.iter();
+    let home_mm = targets.find(|t| t.name == target.name)?.position_mm;
+    let reflector = target.reflector.as_ref().unwrap_or(&target.name);
+    let mut reflectors = calibration.reflectors.iter();
+    let constant = reflectors.find(|r| r.name == *reflector);
+    let constant_mm = constant.map_or(0.0, |reflector| reflector.constant_mm);
+    let chain = campaign.machine.chain(target.carrier);
+    let errors = calibration.calibrated_machine();
+    let of_stop = |stop: &&Stop| {
+        let positions = &campaign.steps[stop.step].positions;
+        let motion = campaign.machine.chain_motion(&errors, chain, positions);
+        let station = &calibration.stations[stop.station];
+        let distance_mm = (motion * home_mm - station.position_mm).norm();
+        distance_mm - station.dead_path_mm + constant_mm
+    };
+    Some(stops.iter().map(of_stop).collect())
+}

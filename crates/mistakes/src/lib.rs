@@ -1,0 +1,38 @@
+//! What people do wrong: for data that contradict each other, the mistakes that would explain it.
+//!
+//! Each mistake (names of targets or stations exchanged, an axis or the lengths reversed, nominal positions that are not
+//! those at home, a wrong prism constant) is undone in a copy of the campaign, and that copy is calibrated; long runs are
+//! thinned first. One after which the lengths fit, nothing but single lengths is removed, and the axes move as commanded,
+//! is named with where it was made and what to change. Mistakes that fit alike are all named, those made in the largest
+//! part of the measurement first. A constant may be of any size: the lengths to one target are left out, and it is their
+//! mean difference from what the others predict.
+//!
+//! Noun in: a [`trueaxis_campaign::Campaign`], and how one is calibrated (a function to a [`Trial`]); noun out: an
+//! explanation in words ([`Mistakes::explanation`]). [`Mistakes::lost_sweeps`] explains sweeps of which most lengths were
+//! thrown away.
+//!
+//! ```
+//! use trueaxis_campaign::Campaign;
+//! use trueaxis_mistakes::{Mistakes, Refused, Trial};
+//!
+//! fn explained(
+//!     campaign: &Campaign,
+//!     calibrate: &(dyn Fn(&Campaign, bool) -> Result<Trial, Refused> + Sync),
+//! ) -> String {
+//!     let mistakes = Mistakes { campaign, robust: true, calibrate };
+//!     mistakes.explanation().unwrap_or("nothing simple explains it".to_owned())
+//! }
+//! ```
+//!
+//! # What it does not do
+//!
+//! It finds one mistake at a time, and none that no length contradicts.
+
+mod lost_sweeps;
+mod mistake;
+mod offsets;
+mod scope;
+mod search;
+mod suspects;
+
+pub use search::{Mistakes, PredictedLengths, Refused, Trial};
