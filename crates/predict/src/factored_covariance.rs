@@ -125,6 +125,6 @@ impl FactoredCovariance {
 }
 
 /// The covariance of six results, each times a factor.
-pub fn scaled(own: &Matrix6<f64>, factors: &[f64]) -> Matrix6<f64> {
+pub(crate) fn scaled(own: &Matrix6<f64>, factors: &[f64]) -> Matrix6<f64> {
     Matrix6::from_fn(|i, j| own[(i, j)] * (factors[i] * factors[j]))
 }

@@ -53,7 +53,7 @@ pub use approach::Approach;
 pub use calibrated_machine::{CalibratedMachine, MeasuredAxis};
 pub use compare::{Difference, OtherReferencePoint};
 pub use coverage_factor::coverage_factor;
-pub use factored_covariance::{FactoredCovariance, scaled};
+pub use factored_covariance::FactoredCovariance;
 pub use files::predicted_csv::to_csv;
 pub use files::read_error::{CovarianceProblem, ReadError};
 pub use interpolation::{Node, weights_at};

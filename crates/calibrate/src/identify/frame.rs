@@ -76,9 +76,7 @@ impl FrameRule {
         anchors
             .iter()
             .for_each(|a: &Anchor| weights[a.number] += 1.0);
-        weights
-            .iter_mut()
-            .for_each(|weight| *weight = 1.0 / *weight);
+        let weights = weights.into_iter().map(f64::recip).collect();
         Self {
             lines,
             anchors,

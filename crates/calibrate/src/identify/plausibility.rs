@@ -13,13 +13,10 @@ const IMPLAUSIBLE_RAD: f64 = 0.1;
 /// Refuses axes that moved otherwise than commanded.
 pub(crate) fn check_motion(context: &Context<'_>, identified: &Identified) -> Result<(), Error> {
     for (k, values) in identified.state.axes.iter().enumerate() {
-        let errors = values.curve.iter();
-        let (translation_mm, rotation_rad) = errors.fold((0.0_f64, 0.0_f64), |worst, error| {
-            (
-                worst.0.max(error.translation_mm.amax()),
-                worst.1.max(error.rotation_rad.amax()),
-            )
-        });
+        let translations_mm = values.curve.iter().map(|e| e.translation_mm.amax());
+        let rotations_rad = values.curve.iter().map(|e| e.rotation_rad.amax());
+        let translation_mm = translations_mm.fold(0.0, f64::max);
+        let rotation_rad = rotations_rad.fold(0.0, f64::max);
         if translation_mm > IMPLAUSIBLE_MM || rotation_rad > IMPLAUSIBLE_RAD {
             return Err(Error::NotThatMotion {
                 axis: context.axis(k).name().to_owned(),

@@ -125,27 +125,47 @@ impl<'a> AxisNoise<'a> {
         sum
     }
 
-    /// `B`: covariance of the mean pose error of a node, own part.
-    pub(crate) fn own_of_node(&self, node: usize) -> Matrix6<f64> {
-        self.node(node).own
+    /// Of the mean pose errors of some nodes (six rows each): the own part `B` of the covariance of each, that with other
+    /// functions of the axis, and the coefficients of the shared sources `s`.
+    pub(crate) fn mean_errors(
+        &self,
+        nodes: Range<usize>,
+        functions: &AxisForm,
+    ) -> (Vec<Matrix6<f64>>, DMatrix<f64>, DMatrix<f64>) {
+        let (rows, parameters) = (6 * nodes.len(), functions.parameters.transpose());
+        let mut own = Vec::with_capacity(nodes.len());
+        let mut with_functions = DMatrix::zeros(rows, parameters.ncols());
+        let mut shared = DMatrix::zeros(rows, self.noise.width());
+        for (i, k) in nodes.enumerate() {
+            let node = self.node(k);
+            let mut with = with_functions.rows_mut(6 * i, 6);
+            with += &node.cross * &parameters;
+            for pose in functions.poses.iter().filter(|pose| pose.node == k) {
+                let mut block = with.fixed_columns_mut::<6>(pose.row);
+                block += node.own * pose.weight;
+            }
+            shared.rows_mut(6 * i, 6).copy_from(&-node.shared);
+            own.push(node.own);
+        }
+        (own, with_functions, shared)
     }
 
-    /// Own part of the covariance between functions `a` (rows) and `b` (columns).
-    pub(crate) fn own(&self, a: &AxisForm, b: &AxisForm) -> DMatrix<f64> {
-        let mut covariance = &a.parameters * &self.parameters * b.parameters.transpose();
-        for pose in &a.poses {
+    /// Own part of the covariance of functions.
+    pub(crate) fn own(&self, form: &AxisForm) -> DMatrix<f64> {
+        let parameters = form.parameters.transpose();
+        let mut covariance = &form.parameters * &self.parameters * &parameters;
+        for pose in &form.poses {
             let node = self.node(pose.node);
             let mut rows = covariance.rows_mut(pose.row, 6);
-            rows += &node.cross * b.parameters.transpose() * pose.weight;
-            for second in b.poses.iter().filter(|other| other.node == pose.node) {
-                let mut block = covariance.fixed_view_mut::<6, 6>(pose.row, second.row);
+            rows += &node.cross * &parameters * pose.weight;
+            for second in form.poses.iter().filter(|other| other.node == pose.node) {
+                let mut block = rows.fixed_columns_mut::<6>(second.row);
                 block += node.own * (pose.weight * second.weight);
             }
         }
-        for pose in &b.poses {
-            let cross = self.node(pose.node).cross.transpose() * pose.weight;
+        for pose in &form.poses {
             let mut columns = covariance.columns_mut(pose.row, 6);
-            columns += &a.parameters * cross;
+            columns += &form.parameters * (self.node(pose.node).cross.transpose() * pose.weight);
         }
         covariance
     }

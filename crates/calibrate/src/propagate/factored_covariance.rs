@@ -15,8 +15,8 @@
 //!
 //! and what runs that contradict each other add to the location parameters are columns of their own.
 
-use nalgebra::DMatrix;
-use trueaxis_predict::{FactoredCovariance, Rows, scaled};
+use nalgebra::{DMatrix, Vector6};
+use trueaxis_predict::{FactoredCovariance, Rows};
 
 use crate::propagate::propagation::{Noise, place_of};
 use crate::result::calibration::{AxisResult, StationResult, widening_of_components};
@@ -32,7 +32,7 @@ pub(crate) fn factored_covariance(
     let dependence = noise.dependence;
     let scales = scales(axes, stations);
     // Stations stand behind all other sources, and follow from the shared ones alone.
-    let (sources, width) = (dependence.sources.stations, noise.shared().nrows());
+    let (sources, width) = (dependence.sources.stations, noise.poses.shared.nrows());
     let behind = 2 * sources..2 * sources + width;
     let (mut own, mut rows) = (Vec::new(), Vec::new());
     for k in 0..axes.len() {
@@ -45,7 +45,10 @@ pub(crate) fn factored_covariance(
             let columns: Vec<usize> = columns.chain(behind.clone()).collect();
             let all = joined(&[&f.of_sources, &f.with_sources, &f.of_shared], scales);
             let own = f.own.iter().zip(scales.chunks_exact(6));
-            let own = own.map(|(own, factors)| scaled(own, factors));
+            let own = own.map(|(own, factors)| {
+                let factors = Vector6::from_column_slice(factors);
+                own.component_mul(&(factors * factors.transpose()))
+            });
             (
                 own.collect::<Vec<_>>(),
                 Rows::of_columns(first, &columns, &all),
@@ -81,7 +84,7 @@ pub(crate) fn factored_covariance(
     shared.view_mut((0, sources), square).fill_with_identity();
     shared.view_mut((sources, 0), square).fill_with_identity();
     let mut of_shared = shared.view_range_mut(behind.clone(), behind.clone());
-    of_shared.copy_from(noise.shared());
+    of_shared.copy_from(&noise.poses.shared);
     let mut factors = FactoredCovariance::new(own, rows, &shared);
     for error in &noise.sources.scatter {
         let of_nodes = (0..axes.len()).flat_map(|k| noise.through_base(k, error));

@@ -70,24 +70,21 @@ impl Noise<'_> {
             Some(all) => all.columns(0, sources.len()).into_owned(),
             None => DMatrix::zeros(rows, sources.len()),
         };
+        let (own, with_own, of_shared) = axis.mean_errors(nodes, &own_sources.form);
         let mut with_sources = DMatrix::zeros(rows, sources.len());
-        let of_poses = AxisForm {
-            parameters: DMatrix::zeros(rows, gauge.parameters()),
-            poses: form.poses,
-        };
-        let own = axis.own(&of_poses, &own_sources.form);
         for (i, place) in own_sources.places.iter().enumerate() {
             let column = sources.partition_point(|source| source < place);
             if i < form.parameters.ncols() {
                 let mut sum = of_sources.column_mut(column);
                 sum += form.parameters.column(i);
             }
-            with_sources.column_mut(column).copy_from(&own.column(i));
+            let with = with_own.column(i);
+            with_sources.column_mut(column).copy_from(&with);
         }
         let shared_of_sources = self.sources.shared.select_rows(&sources);
         NodeFunctions {
-            own: nodes.map(|node| axis.own_of_node(node)).collect(),
-            of_shared: axis.shared(&of_poses) + &of_sources * shared_of_sources,
+            own,
+            of_shared: of_shared + &of_sources * shared_of_sources,
             sources,
             of_sources,
             through_base,
@@ -125,7 +122,7 @@ impl Noise<'_> {
             .column_sum();
         let through_base = functions.through_base.as_ref();
         let scatter = through_base.map(|rows| self.sources.scatter_of(rows));
-        let through = self.through_shared(&functions.of_shared);
+        let through = self.poses.through_sources(&functions.of_shared);
         let of_node = |(node, own): (usize, &Matrix6<f64>)| {
             std::array::from_fn(|c| {
                 let row = 6 * node + c;

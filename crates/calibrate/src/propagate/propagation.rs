@@ -32,8 +32,8 @@ pub(crate) struct Noise<'a> {
     pub(crate) dependence: &'a Dependence<'a>,
     pub(crate) axes: Vec<AxisNoise<'a>>,
     pub(crate) sources: SourceNoise,
-    /// `Σ`.
-    noise: &'a PoseNoise,
+    /// Of the poses.
+    pub(crate) poses: &'a PoseNoise,
 }
 
 /// A standard uncertainty.
@@ -146,13 +146,8 @@ impl<'a> Noise<'a> {
             dependence,
             sources: dependence.sources.noise(&axes, noise),
             axes,
-            noise,
+            poses: noise,
         }
-    }
-
-    /// `Σ`.
-    pub(crate) fn shared(&self) -> &DMatrix<f64> {
-        &self.noise.shared
     }
 
     /// `A D Aᵀ`: covariance of the pose error of a record of axis `k` with all sources known.
@@ -160,23 +155,18 @@ impl<'a> Noise<'a> {
         let (context, identified) = self.dependence.parts();
         let map = identified.sensitivities[k].poses[record];
         let pose = context.data[k].records[record].pose;
-        map * self.noise.own[pose] * map.transpose()
+        map * self.poses.own[pose] * map.transpose()
     }
 
     /// `C`: what the same pose error owes to the sources of the bases, and to those that all poses share.
     pub(crate) fn sources_of_record(&self, k: usize, record: usize) -> [DMatrix<f64>; 2] {
         let (context, identified) = self.dependence.parts();
         let pose = context.data[k].records[record].pose;
-        let coupling = identified.sensitivities[k].poses[record] * &self.noise.coupling[pose];
+        let coupling = identified.sensitivities[k].poses[record] * &self.poses.coupling[pose];
         let coupling = DMatrix::from_column_slice(6, coupling.ncols(), coupling.as_slice());
         let response = self.dependence.response_to_base(k, record);
         let through = -(coupling + &response * &self.sources.shared);
         [-response, through]
-    }
-
-    /// Of functions with these coefficients of the shared sources, one for each row.
-    pub(crate) fn through_shared(&self, coefficients: &DMatrix<f64>) -> Vec<ThroughSources> {
-        self.noise.through_sources(coefficients)
     }
 
     /// Variances of functions of the sources, one for each row.
@@ -184,7 +174,7 @@ impl<'a> Noise<'a> {
         let own = rows * &self.sources.own * rows.transpose();
         let scatter = self.sources.scatter_of(rows);
         let uncancelled = rows.component_mul(rows) * self.sources.own.diagonal() + &scatter;
-        let through = self.through_shared(&(rows * &self.sources.shared));
+        let through = self.poses.through_sources(&(rows * &self.sources.shared));
         let variance = |(i, through): (usize, &ThroughSources)| Variance {
             own: own[(i, i)] + scatter[i] + through.shapes,
             through: through.stations,

@@ -91,7 +91,7 @@ impl Sources {
         let mut own = DMatrix::zeros(self.count, self.count);
         let mut shared = DMatrix::zeros(self.count, noise.width());
         for (sources, noise) in self.axes.iter().zip(axes) {
-            let covariance = noise.own(&sources.form, &sources.form);
+            let covariance = noise.own(&sources.form);
             let coefficients = noise.shared(&sources.form);
             for (i, &row) in sources.places.iter().enumerate() {
                 for (j, &column) in sources.places.iter().enumerate() {

@@ -46,10 +46,10 @@ pub fn calibrate_with_effects(
             let moved_mm = on_lengths.of(&moved(&effects.effects, step.as_slice()));
             let used = replay.trials.used_lengths().iter();
             let errors_mm: Vec<f64> = used.map(|&i| effects_mm[i] - moved_mm[i]).collect();
-            let changes = responses.to(&errors_mm).into_iter().zip(replay.results());
-            let in_mm_and_rad =
-                changes.map(|(change, result)| change * result.output.unit().size());
-            let changes: Vec<f64> = in_mm_and_rad.collect();
+            let mut changes = responses.to(&errors_mm);
+            for (change, result) in changes.iter_mut().zip(replay.results()) {
+                *change *= result.output.unit().size();
+            }
             calibration.add_uncertainty(&campaign.machine, &changes, |budget| &mut budget.effects);
         }
     }

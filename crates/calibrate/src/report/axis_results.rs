@@ -36,12 +36,9 @@ pub(crate) fn axis_results(
 /// For each axis how the sides of approach differ that share its curves.
 fn side_differences(
     measured: &MeasuredPoses<'_>,
-    Dependence {
-        context,
-        identified,
-        ..
-    }: &Dependence<'_>,
+    dependence: &Dependence<'_>,
 ) -> Vec<Option<SideDifference>> {
+    let (context, identified) = dependence.parts();
     let errors = context.errors(&identified.state);
     let reference_mm = |step: usize| {
         let axis = context.campaign.axis_under_test(step).unwrap_or_default();

@@ -24,19 +24,16 @@ pub(crate) fn triangle(
     let variance_mm2 = point_variance_mm2.unwrap_or(0.0);
     for axis in context.data {
         for run in &axis.runs {
-            let seen: Vec<(usize, Point3<f64>)> = run
-                .targets
-                .iter()
-                .filter_map(|&t| mean_mm[t].map(|p| (t, p)))
-                .collect();
-            let nominal: Vec<_> = seen.iter().map(|&(t, _)| targets[t].home_mm).collect();
-            let measured: Vec<_> = seen.iter().map(|&(_, p)| p).collect();
+            let seen = run.targets.iter();
+            let seen = seen.filter_map(|&t| Some((&targets[t], mean_mm[t]?)));
+            let (seen, measured): (Vec<_>, Vec<_>) = seen.unzip();
+            let nominal: Vec<_> = seen.iter().map(|target| target.home_mm).collect();
             let Ok(sides) = triangle_mismatch(&nominal, &measured) else {
                 continue;
             };
             let limit_mm = TRIANGLE_TOL_MM.max(TRIANGLE_TOL_SIGMAS * (2.0 * variance_mm2).sqrt());
             for side in sides {
-                let names = [side.first, side.second].map(|i| targets[seen[i].0].name.clone());
+                let names = [side.first, side.second].map(|i| seen[i].name.clone());
                 let known = found.iter().any(|other| other.targets == names);
                 if !known && (side.measured_mm - side.nominal_mm).abs() > limit_mm {
                     found.push(TriangleSide {
