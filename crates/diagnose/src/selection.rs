@@ -19,6 +19,7 @@
 //! ([`Score::evidence`]): a vector that happens to point along the beam costs what this coincidence is
 //! worth, where the BIC charges every parameter alike.
 
+mod dots;
 mod f_test;
 mod fixed_scan;
 mod gram;

@@ -13,7 +13,7 @@ pub(crate) struct Adjusted {
     pub(crate) network: Network,
     pub(crate) solution: Solution,
     /// Whitened rows of the rigid model.
-    pub(crate) whitened: Whitened,
+    pub(crate) whitened: Arc<Whitened>,
     /// What neither the rigid model nor the causes absorb.
     pub(crate) projection: Projection,
     /// What the rigid model does not absorb, beside what wanders; the causes are left out of it.
@@ -32,11 +32,12 @@ impl Adjusted {
     /// Whether the rigid model takes nothing more of its residuals. It does where something is known beforehand, as a
     /// dead path.
     pub(super) fn is_projected(&self) -> bool {
-        let residuals = &self.whitened.residuals;
+        let mut residuals = self.solution.residuals_mm.clone();
+        self.whitened.whiten(&mut residuals);
         let mut again = residuals.clone();
         self.whitened.project(&mut again);
-        let taken = again.iter().zip(residuals).map(|(a, b)| (a - b).powi(2));
-        taken.sum::<f64>() <= PROJECTED.powi(2) * dot(residuals, residuals)
+        let taken = again.iter().zip(&residuals).map(|(a, b)| (a - b).powi(2));
+        taken.sum::<f64>() <= PROJECTED.powi(2) * dot(&residuals, &residuals)
     }
 
     /// The same with another projection and no causes.
@@ -44,7 +45,7 @@ impl Adjusted {
         Self {
             network: self.network.clone(),
             solution: self.solution.clone(),
-            whitened: self.whitened.clone(),
+            whitened: Arc::clone(&self.whitened),
             projection,
             before_causes: Arc::clone(&self.before_causes),
             suspects: Vec::new(),

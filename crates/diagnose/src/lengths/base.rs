@@ -175,14 +175,13 @@ impl<'a> Base<'a> {
             }
             let (whitened, before_causes) = match near {
                 Some(near) => {
-                    let mut whitened = near.whitened.clone();
-                    whitened.residuals.clone_from(&solution.residuals_mm);
-                    near.whitened.whiten(&mut whitened.residuals);
-                    let of_these = near.before_causes.with_residuals(&whitened.residuals);
-                    (whitened, of_these)
+                    let mut residuals = solution.residuals_mm.clone();
+                    near.whitened.whiten(&mut residuals);
+                    let of_these = near.before_causes.with_residuals(&residuals);
+                    (Arc::clone(&near.whitened), of_these)
                 }
                 None => {
-                    let whitened = Whitened::new(&network, &solution);
+                    let whitened = Arc::new(Whitened::new(&network, &solution));
                     let before_causes = self.before_causes(&whitened, &solution);
                     (whitened, before_causes)
                 }
@@ -242,7 +241,7 @@ impl<'a> Base<'a> {
         network.noise = noise;
         self.correct(&mut network, &self.start, &suspects);
         let solution = solve_from(&network, &self.start, &Settings::default())?;
-        let whitened = Whitened::new(&network, &solution);
+        let whitened = Arc::new(Whitened::new(&network, &solution));
         let before_causes = self.before_causes(&whitened, &solution);
         Ok(Adjusted {
             projection: before_causes.clone(),

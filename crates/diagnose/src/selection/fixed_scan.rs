@@ -4,7 +4,9 @@ use std::ops::Range;
 
 use trueaxis_leastsquares::dot;
 
+use crate::selection::dots::{SideBySide, dots};
 use crate::selection::projection::Taken;
+use crate::selection::scan::OfSeveral;
 use crate::selection::{Gram, Hypothesis, Projection, Scan};
 
 /// Columns for every shape.
@@ -88,12 +90,21 @@ pub(crate) fn gram_matrix_of(columns: &[Vec<f64>], taken: &[Taken]) -> Vec<f64> 
     let mut matrix = vec![0.0; n * n];
     let rows: Vec<Range<usize>> = columns.iter().map(|c| concerned(&[c])).collect();
     for i in 0..n {
-        for j in 0..=i {
-            let first = rows[i].start.max(rows[j].start);
-            let both = first..rows[i].end.min(rows[j].end).max(first);
-            let all = dot(&columns[i][both.clone()], &columns[j][both]);
-            let value = all - taken[i].product(&taken[j]);
-            (matrix[i * n + j], matrix[j * n + i]) = (value, value);
+        let mut first = 0;
+        // Columns of the same rows stand next to each other.
+        for alike in rows[..=i].chunk_by(|a, b| a == b).map(<[_]>::len) {
+            let others = first..first + alike;
+            first += alike;
+            let start = rows[i].start.max(rows[others.start].start);
+            let both = start..rows[i].end.min(rows[others.start].end).max(start);
+            let cut: Vec<&[f64]> = columns[others.clone()]
+                .iter()
+                .map(|c| &c[both.clone()])
+                .collect();
+            for (j, all) in others.zip(dots(&columns[i][both], &cut)) {
+                let value = all - taken[i].product(&taken[j]);
+                (matrix[i * n + j], matrix[j * n + i]) = (value, value);
+            }
         }
     }
     matrix
@@ -111,6 +122,16 @@ impl Scan for FixedScan {
             let residuals = &residuals[shape.concerned.clone()];
             s.extend(shape.columns.iter().map(|column| dot(column, residuals)));
             f(shape.shape, &shape.gram, &s);
+        }
+    }
+
+    fn for_each_of(&self, residuals: &SideBySide, f: &mut OfSeveral<'_>) {
+        let mut s = Vec::new();
+        for shape in &self.shapes {
+            let start = shape.concerned.start;
+            s.clear();
+            s.extend(shape.columns.iter().map(|c| residuals.dots(start, c)));
+            f(&shape.gram, &s);
         }
     }
 

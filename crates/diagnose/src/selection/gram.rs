@@ -4,6 +4,8 @@ use faer::Mat;
 use nalgebra::{DMatrix, SymmetricEigen};
 use trueaxis_leastsquares::dense::symmetric_eigen;
 
+use crate::selection::dots::{SIDE_BY_SIDE, add_row};
+
 /// The directions of the parameters that the data can see.
 #[derive(Debug, Clone)]
 pub(crate) struct Gram {
@@ -96,6 +98,25 @@ impl Gram {
     /// `T = sᵀ G⁺ s`.
     pub(crate) fn statistic(&self, s: &[f64]) -> f64 {
         self.standardised(s).map(|(_, z)| z * z).sum()
+    }
+
+    /// The same of several, side by side.
+    pub(crate) fn statistics(&self, s: &[[f64; SIDE_BY_SIDE]]) -> [f64; SIDE_BY_SIDE] {
+        let vectors = self.vectors.chunks_exact(self.parameters.max(1));
+        let mut statistics = [0.0; SIDE_BY_SIDE];
+        for (&value, vector) in self.values.iter().zip(vectors) {
+            let mut along = [0.0; SIDE_BY_SIDE];
+            vector
+                .iter()
+                .zip(s)
+                .for_each(|(v, s)| add_row(&mut along, s, *v));
+            let root = value.sqrt();
+            for (statistic, along) in statistics.iter_mut().zip(along) {
+                let z = along / root;
+                *statistic += z * z;
+            }
+        }
+        statistics
     }
 
     /// The parameters `G⁺ s`; what the data do not see stays zero.

@@ -11,6 +11,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use trueaxis_leastsquares::dot;
 
+use crate::selection::dots::{SIDE_BY_SIDE, SideBySide};
 use crate::selection::{Projection, Scan, ln_f_test};
 
 /// The null distribution of the smallest p-value.
@@ -29,18 +30,24 @@ const SEED: u64 = 0x7472_7565_6178_6973;
 impl Null {
     /// From white noise through the projection and the scans; the same every time.
     pub(crate) fn simulated(projection: &Projection, scans: &[Box<dyn Scan>]) -> Self {
-        let smallest = |draw: u64| {
-            let mut generator = ChaCha8Rng::seed_from_u64(SEED);
-            generator.set_stream(draw);
-            let mut noise: Vec<f64> = StandardNormal
-                .sample_iter(&mut generator)
-                .take(projection.rows())
-                .collect();
-            projection.project(&mut noise);
+        let smallest = |batch: u64| {
+            let draws = batch * SIDE_BY_SIDE as u64..DRAWS.min((batch + 1) * SIDE_BY_SIDE as u64);
+            let noise = |draw: u64| -> Vec<f64> {
+                let mut generator = ChaCha8Rng::seed_from_u64(SEED);
+                generator.set_stream(draw);
+                StandardNormal
+                    .sample_iter(&mut generator)
+                    .take(projection.rows())
+                    .collect()
+            };
+            let mut noise: Vec<Vec<f64>> = draws.map(noise).collect();
+            projection.project_all(&mut noise);
             smallest_ln_p(&noise, projection.degrees_of_freedom, scans)
         };
         // Collected in order, so that the sum does not depend on the number of threads.
-        let smallest: Vec<f64> = (0..DRAWS).into_par_iter().map(smallest).collect();
+        let batches = (0..DRAWS.div_ceil(SIDE_BY_SIDE as u64)).into_par_iter();
+        let smallest: Vec<Vec<f64>> = batches.map(smallest).collect();
+        let smallest = smallest.concat();
         let sum: f64 = smallest.iter().map(|ln_p| -(-ln_p.exp()).ln_1p()).sum();
         Self {
             tests: (DRAWS as f64 / sum.max(f64::MIN_POSITIVE)).max(1.0),
@@ -60,25 +67,31 @@ impl Null {
     }
 }
 
-/// Logarithm of the smallest p-value of all hypotheses and shapes.
-pub(crate) fn smallest_ln_p(
-    residuals: &[f64],
+/// Logarithm of the smallest p-value of all hypotheses and shapes for each of some residuals.
+fn smallest_ln_p(
+    residuals: &[Vec<f64>],
     degrees_of_freedom: f64,
     scans: &[Box<dyn Scan>],
-) -> f64 {
-    let squares = dot(residuals, residuals);
-    let mut largest: Vec<f64> = Vec::new();
+) -> Vec<f64> {
+    let side_by_side = SideBySide::new(residuals);
+    let mut largest: Vec<[f64; SIDE_BY_SIDE]> = Vec::new();
     for scan in scans {
-        scan.for_each(residuals, &mut |_, gram, s| {
+        scan.for_each_of(&side_by_side, &mut |gram, s| {
             let rank = gram.rank();
             if largest.len() <= rank {
-                largest.resize(rank + 1, 0.0);
+                largest.resize(rank + 1, [0.0; SIDE_BY_SIDE]);
             }
-            largest[rank] = largest[rank].max(gram.statistic(s));
+            for (largest, own) in largest[rank].iter_mut().zip(gram.statistics(s)) {
+                *largest = largest.max(own);
+            }
         });
     }
-    let of_ranks = largest.iter().enumerate();
-    of_ranks
-        .map(|(rank, &drop)| ln_f_test(drop, squares, rank, degrees_of_freedom))
-        .fold(0.0, f64::min)
+    let smallest = |(lane, residuals): (usize, &Vec<f64>)| {
+        let squares = dot(residuals, residuals);
+        let of_ranks = largest.iter().enumerate();
+        of_ranks
+            .map(|(rank, drops)| ln_f_test(drops[lane], squares, rank, degrees_of_freedom))
+            .fold(0.0, f64::min)
+    };
+    residuals.iter().enumerate().map(smallest).collect()
 }

@@ -6,10 +6,12 @@
 //! Columns with a prior join the covariance ([`Projection::beside`]); all that is asked of `M` then is asked of a matrix
 //! of the same form with more columns `T` that is no projection any more.
 
+use std::sync::Arc;
+
 use trueaxis_leastsquares::{dot, in_widest_registers};
 use trueaxis_multilateration::Whitened;
 
-/// Whitened residuals and the projection that made them.
+/// Whitened residuals and the projection that made them. What is as long as the data is shared by all that have it.
 #[derive(Debug, Clone)]
 pub(crate) struct Projection {
     /// `e = M y`.
@@ -22,16 +24,16 @@ pub(crate) struct Projection {
     pub(crate) taken: f64,
     /// Whether columns with a prior are in it, so that `M² ≠ M`.
     pub(super) is_soft: bool,
-    pub(super) group_of_row: Vec<usize>,
+    pub(super) group_of_row: Arc<Vec<usize>>,
     pub(super) groups: usize,
     /// `O`, row after row.
-    pub(super) own: Vec<f64>,
+    pub(super) own: Arc<Vec<f64>>,
     pub(super) own_width: usize,
     /// `T`, row after row.
-    pub(super) shared: Vec<f64>,
+    pub(super) shared: Arc<Vec<f64>>,
     pub(super) shared_width: usize,
     /// `Σ` of the first columns of `T`, row after row; of the others it is the identity.
-    pub(super) sigma: Vec<f64>,
+    pub(super) sigma: Arc<Vec<f64>>,
     pub(super) sigma_width: usize,
 }
 
@@ -54,8 +56,13 @@ pub(crate) struct Arrowhead {
 /// What must be left of a column, relative to its length, for it to count as something new.
 const NEW_TOL: f64 = 1e-6;
 
-/// Columns that are taken of together: rows of `O` and `T` are read once for all of them.
+/// Columns that are taken of together: rows of `O` and `T` are read once for all of them, some of them at a time, so that
+/// they stay near the processor.
 const TOGETHER: usize = 8;
+const ROWS_TOGETHER: usize = 128;
+
+/// Columns of `T` whose sums stay in registers.
+const ABREAST: usize = 16;
 
 impl Projection {
     /// That of observations without a base model.
@@ -67,13 +74,13 @@ impl Projection {
             is_soft: false,
             taken: 0.0,
             residuals: observations,
-            group_of_row: vec![0; rows],
+            group_of_row: Arc::new(vec![0; rows]),
             groups: 1,
-            own: Vec::new(),
+            own: Arc::default(),
             own_width: 0,
-            shared: Vec::new(),
+            shared: Arc::default(),
             shared_width: 0,
-            sigma: Vec::new(),
+            sigma: Arc::default(),
             sigma_width: 0,
         }
     }
@@ -81,7 +88,7 @@ impl Projection {
     /// That of an adjusted network.
     pub(crate) fn of_network(whitened: &Whitened) -> Self {
         Self {
-            sigma: whitened.reduced_inverse.clone(),
+            sigma: Arc::new(whitened.reduced_inverse.clone()),
             sigma_width: whitened.shared_width,
             ..Self::arrowhead(Arrowhead {
                 residuals: whitened.residuals.clone(),
@@ -110,6 +117,7 @@ impl Projection {
             groups: 0,
             ..Self::of_nothing(Vec::new())
         };
+        let (mut group_of_row, mut own) = (Vec::new(), Vec::new());
         for (part, rows, scale) in parts {
             let residuals = part.residuals[..rows].iter().map(|r| r / scale);
             stack.residuals.extend(residuals);
@@ -117,28 +125,30 @@ impl Projection {
             stack.degrees_of_freedom += part.degrees_of_freedom - (part.rows() - rows) as f64;
             stack.taken += part.taken;
             stack.is_soft |= part.is_soft;
-            stack
-                .group_of_row
-                .resize(stack.residuals.len(), stack.groups);
+            group_of_row.resize(stack.residuals.len(), stack.groups);
             stack.groups += 1;
             for row in 0..rows {
-                let end = stack.own.len() + stack.own_width;
-                stack.own.extend(part.shared_row(row));
-                stack.own.resize(end, 0.0);
+                let end = own.len() + stack.own_width;
+                own.extend(part.shared_row(row));
+                own.resize(end, 0.0);
             }
         }
-        stack
+        Self {
+            group_of_row: Arc::new(group_of_row),
+            own: Arc::new(own),
+            ..stack
+        }
     }
 
     /// That of an eliminated system: `Σ = I`.
     pub(crate) fn arrowhead(parts: Arrowhead) -> Self {
         Self {
             degrees_of_freedom: parts.degrees_of_freedom,
-            group_of_row: parts.group_of_row,
+            group_of_row: Arc::new(parts.group_of_row),
             groups: parts.groups,
-            own: parts.own,
+            own: Arc::new(parts.own),
             own_width: parts.own_width,
-            shared: parts.shared,
+            shared: Arc::new(parts.shared),
             shared_width: parts.shared_width,
             ..Self::of_nothing(parts.residuals)
         }
@@ -177,8 +187,18 @@ impl Projection {
     pub(crate) fn project(&self, x: &mut [f64]) {
         let taken = self.taken_of(x);
         for (i, value) in x.iter_mut().enumerate() {
-            let group = &taken.own[self.group_of_row[i] * self.own_width..][..self.own_width];
-            *value -= dot(self.own_row(i), group) + dot(self.shared_row(i), &taken.through);
+            *value -= taken.at(self.group_of_row[i], self.own_row(i), self.shared_row(i));
+        }
+    }
+
+    /// The same of several, which read `O` and `T` together.
+    pub(super) fn project_all(&self, columns: &mut [Vec<f64>]) {
+        let all = self.taken_of_all(&*columns);
+        for i in 0..self.rows() {
+            let (own, shared) = (self.own_row(i), self.shared_row(i));
+            for (column, taken) in columns.iter_mut().zip(&all) {
+                column[i] -= taken.at(self.group_of_row[i], own, shared);
+            }
         }
     }
 
@@ -216,13 +236,15 @@ impl Projection {
         in_widest_registers(
             #[inline(always)]
             || {
-                for i in 0..self.rows() {
+                let mut first = 0;
+                while first < self.rows() {
+                    let rows = first..self.rows().min(first + ROWS_TOGETHER);
+                    first = rows.end;
                     for (x, taken) in &mut *columns {
-                        if x[i] != 0.0 {
-                            let first = self.group_of_row[i] * self.own_width;
-                            let group = &mut taken.own[first..][..self.own_width];
-                            add(group, self.own_row(i), x[i]);
-                            add(&mut taken.shared, self.shared_row(i), x[i]);
+                        let x = &x[rows.clone()];
+                        if x.iter().any(|x| *x != 0.0) {
+                            self.add_own(rows.start, x, &mut taken.own);
+                            self.add_shared(rows.start, x, &mut taken.shared);
                         }
                     }
                 }
@@ -232,6 +254,33 @@ impl Projection {
             let (dense, rest) = taken.shared.split_at(self.sigma_width);
             let through = (0..self.sigma_width).map(|k| dot(self.sigma_row(k), dense));
             taken.through = through.chain(rest.iter().copied()).collect();
+        }
+    }
+
+    /// Adds what the groups take of the rows `x` of a column, the first of which is `first`.
+    #[inline(always)]
+    fn add_own(&self, first: usize, x: &[f64], own: &mut [f64]) {
+        for (i, x) in (first..).zip(x).filter(|(_, x)| **x != 0.0) {
+            let group = &mut own[self.group_of_row[i] * self.own_width..][..self.own_width];
+            add(group, self.own_row(i), *x);
+        }
+    }
+
+    /// Adds `Tᵀx` of these rows, some columns of `T` at a time, whose sums then stay in registers.
+    #[inline(always)]
+    fn add_shared(&self, first: usize, x: &[f64], sums: &mut [f64]) {
+        let rows = &self.shared[first * self.shared_width..];
+        let mut start = 0;
+        while start + ABREAST <= self.shared_width {
+            add_columns::<ABREAST>(rows, self.shared_width, start, x, sums);
+            start += ABREAST;
+        }
+        while start + 4 <= self.shared_width {
+            add_columns::<4>(rows, self.shared_width, start, x, sums);
+            start += 4;
+        }
+        for start in start..self.shared_width {
+            add_columns::<1>(rows, self.shared_width, start, x, sums);
         }
     }
 
@@ -290,16 +339,16 @@ impl Projection {
         Self {
             residuals,
             squares,
-            shared,
+            shared: Arc::new(shared),
             shared_width: width,
-            sigma: self.sigma.clone(),
+            sigma: Arc::clone(&self.sigma),
             sigma_width: self.sigma_width,
             is_soft: self.is_soft,
             taken: self.taken,
             degrees_of_freedom: self.degrees_of_freedom,
-            group_of_row: self.group_of_row.clone(),
+            group_of_row: Arc::clone(&self.group_of_row),
             groups: self.groups,
-            own: self.own.clone(),
+            own: Arc::clone(&self.own),
             own_width: self.own_width,
         }
     }
@@ -346,10 +395,39 @@ pub(crate) struct Taken {
 }
 
 impl Taken {
+    /// `(I - M) x` in a row of `O` and `T`.
+    fn at(&self, group: usize, own: &[f64], shared: &[f64]) -> f64 {
+        let of_group = &self.own[group * own.len()..][..own.len()];
+        dot(own, of_group) + dot(shared, &self.through)
+    }
+
     /// `xᵀ (I - M) y`.
     pub(crate) fn product(&self, other: &Self) -> f64 {
         dot(&self.own, &other.own) + dot(&self.shared, &other.through)
     }
+}
+
+/// Adds `Tᵀx` of `N` columns of `T` from `start` on, of which there are `width`.
+#[inline(always)]
+fn add_columns<const N: usize>(
+    rows: &[f64],
+    width: usize,
+    start: usize,
+    x: &[f64],
+    sums: &mut [f64],
+) {
+    let Some(sums) = sums[start..].first_chunk_mut::<N>() else {
+        return;
+    };
+    let mut own = *sums;
+    for (row, x) in rows.chunks_exact(width).zip(x) {
+        if *x != 0.0
+            && let Some(row) = row[start..].first_chunk::<N>()
+        {
+            add(&mut own, row, *x);
+        }
+    }
+    *sums = own;
 }
 
 /// `X c` of columns with so many rows.

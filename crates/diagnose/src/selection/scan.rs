@@ -3,6 +3,7 @@
 use trueaxis_effects::{Effect, Shape, Subject};
 
 use crate::selection::Gram;
+use crate::selection::dots::{SIDE_BY_SIDE, SideBySide};
 
 /// An effect of the catalogue on one subject.
 #[derive(Debug, Clone, Copy)]
@@ -33,6 +34,9 @@ impl Hypothesis {
     }
 }
 
+/// What is called with a Gram matrix and `s = Xᵀ e` of several residuals, side by side.
+pub(crate) type OfSeveral<'a> = dyn FnMut(&Gram, &[[f64; SIDE_BY_SIDE]]) + 'a;
+
 /// A hypothesis, ready to be compared with residuals.
 pub(crate) trait Scan: Send + Sync {
     /// What it says.
@@ -40,6 +44,9 @@ pub(crate) trait Scan: Send + Sync {
 
     /// Calls `f` for each shape with its Gram matrix and `s = Xᵀ e`.
     fn for_each(&self, residuals: &[f64], f: &mut dyn FnMut(f64, &Gram, &[f64]));
+
+    /// The same of several residuals at once.
+    fn for_each_of(&self, residuals: &SideBySide, f: &mut OfSeveral<'_>);
 
     /// The columns of one shape, whitened, not projected.
     fn columns(&self, shape: f64) -> Vec<Vec<f64>>;

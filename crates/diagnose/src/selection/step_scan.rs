@@ -12,6 +12,10 @@
 
 use std::ops::Range;
 
+use trueaxis_leastsquares::in_widest_registers;
+
+use crate::selection::dots::{SIDE_BY_SIDE, SideBySide, add_row};
+use crate::selection::scan::OfSeveral;
 use crate::selection::{Gram, Hypothesis, Projection, Scan};
 
 /// Visits on either side of an instant: fewer are no jump but repeatability, or gross errors.
@@ -119,6 +123,27 @@ impl Scan for StepScan {
             }
             end = instant.first_row;
             f(instant.time_s, &instant.gram, &s);
+        }
+    }
+
+    fn for_each_of(&self, residuals: &SideBySide, f: &mut OfSeveral<'_>) {
+        let n = self.parameters;
+        let rows = residuals.rows();
+        let mut s = vec![[0.0; SIDE_BY_SIDE]; n];
+        let mut end = rows.len();
+        for instant in &self.instants {
+            let after = instant.first_row..end;
+            in_widest_registers(
+                #[inline(always)]
+                || {
+                    let by_rows = self.by_rows[n * after.start..n * after.end].chunks_exact(n);
+                    for (x, e) in by_rows.zip(&rows[after]) {
+                        s.iter_mut().zip(x).for_each(|(s, x)| add_row(s, e, *x));
+                    }
+                },
+            );
+            end = instant.first_row;
+            f(&instant.gram, &s);
         }
     }
 
