@@ -225,6 +225,9 @@ fn with_lengths(
             let corrected = without_effects(campaign, lengths, &effects_mm);
             with_better(diagnosis, &corrected, causes, settings)?;
             without = Some(corrected);
+            if !entry.disturbances.is_empty() {
+                diagnosis.notices.push(not_in_effects(causes).to_owned());
+            }
         }
         if entry.report.unexplained.is_some() && !causes.is_empty() {
             diagnosis.notices.push(
@@ -257,6 +260,19 @@ fn with_points(
     }
     diagnosis.take(said);
     Ok(corrected.is_some())
+}
+
+/// What wanders in the lengths and `calibrate --with-effects` does not take out.
+fn not_in_effects(causes: &[Cause]) -> &'static str {
+    match causes.is_empty() {
+        true => {
+            "what wanders has no formula, so that there is no effects.json: `calibrate --with-effects` cannot take it out"
+        }
+        false => {
+            "what wanders has no formula and is not in effects.json: `calibrate --with-effects` takes out the causes \
+             only, while the changes of the calibration said here are those without both"
+        }
+    }
 }
 
 /// Whether an error says that the data do not determine what is asked.
