@@ -13,10 +13,10 @@ use trueaxis_predict::{Output, Unit};
 use crate::args::MontecarloArgs;
 use crate::exit::Exit;
 use crate::montecarlo_file::{self, Compared};
-use crate::progress::Bar;
-use crate::summary::{self, in_words};
+use crate::summary::in_words;
 use crate::talk::{notice, say};
 use crate::traceability::traced;
+use crate::{progress, summary};
 
 /// Trials without `--trials`: fixed, and most with `--digits` (or what the memory takes).
 const TRIALS: usize = 10_000;
@@ -53,9 +53,9 @@ pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
         threads: args.threads,
         ..defaults
     };
-    let bar = Bar::new(most);
-    let propagation = propagate(&replay, &settings, &|done| bar.set_position(done));
-    bar.clear();
+    let bar = progress::bar(most);
+    let propagation = propagate(&replay, &settings, &|done| bar.set_position(done as u64));
+    bar.finish_and_clear();
     let propagation = propagation.map_err(|error| in_words_of_results(error, replay.results()))?;
     let compared = compare(
         replay.results(),

@@ -7,9 +7,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use serde_json::error::Category;
 
-use crate::field_line::field_at;
 use crate::schema_key::without_schema_key;
-use crate::serde_message::TRAILING;
 use crate::{DocumentError, DocumentProblem, Part, Place, field_line};
 
 /// A format of this project.
@@ -45,7 +43,9 @@ impl Format {
         self.check_header(text)
             .and_then(|()| {
                 let text = &without_schema_key(text);
-                serde_json::from_str(text).map_err(|error| refused(text, &error))
+                let deserializer = &mut serde_json::Deserializer::from_str(text);
+                serde_path_to_error::deserialize(deserializer)
+                    .map_err(|error| refused(&error.path().to_string(), error.inner()))
             })
             .map_err(|mut error: DocumentError| {
                 error.place.file = file.map(Path::to_owned);
@@ -122,22 +122,14 @@ fn found(value: Option<Value>) -> String {
 }
 
 /// The error for JSON that is not of the form of the document.
-fn refused(text: &str, error: &serde_json::Error) -> DocumentError {
-    let lines_before = text.split_inclusive('\n').take(error.line() - 1);
-    let read = lines_before.map(str::len).sum::<usize>() + error.column();
-    let mut path = field_at(text, read);
-    let message = message(error);
-    // A list that is too long is refused at its next entry.
-    if message == TRAILING {
-        path.truncate(path.rfind('[').unwrap_or(path.len()));
-    }
+fn refused(path: &str, error: &serde_json::Error) -> DocumentError {
     DocumentError {
         place: Box::new(Place {
             line: Some(error.line()),
-            part: (!path.is_empty()).then_some(Part::Field(path)),
+            part: (path != ".").then(|| Part::Field(path.to_owned())),
             ..Place::default()
         }),
-        problem: DocumentProblem::from_serde(&message),
+        problem: DocumentProblem::from_serde(&message(error)),
     }
 }
 

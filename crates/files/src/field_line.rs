@@ -1,4 +1,4 @@
-//! Finds a field in JSON text, so that an error can name its line and point at it, and the field at a place.
+//! Finds a field in JSON text, so that an error can name its line and point at it.
 
 use std::ops::Range;
 
@@ -23,64 +23,6 @@ pub fn field_span(json: &str, path: &str) -> Option<Range<usize>> {
     cursor.skip_value()?;
     let text = json.get(begin..cursor.at)?.trim_end();
     is_there.then_some(begin..begin + text.len())
-}
-
-/// The path of the field that a reader of the text was at when it had read so many bytes; empty for the
-/// document itself.
-///
-/// That is the field read last, or the one that begins there with a bracket which the reader refused. A field
-/// unknown ends with its key, an object or a list with its bracket.
-pub(crate) fn field_at(json: &str, read: usize) -> String {
-    let rest = json.get(read..).unwrap_or_default().trim_start();
-    let end = match rest.starts_with(['{', '[']) {
-        true => json.len() - rest.len() + 1,
-        false => json.get(..read).unwrap_or(json).trim_end().len(),
-    };
-    let bytes = &json.as_bytes()[..end];
-    let mut path: Vec<Segment<'_>> = Vec::new();
-    let mut at = 0;
-    let mut is_key = false;
-    while let Some(byte) = bytes.get(at) {
-        match byte {
-            b'"' => {
-                let start = at + 1;
-                at = start;
-                while !matches!(bytes.get(at), Some(b'"') | None) {
-                    at += 1 + usize::from(bytes[at] == b'\\');
-                }
-                if let (true, Some(Segment::Key(key))) = (is_key, path.last_mut()) {
-                    *key = json.get(start..at).unwrap_or_default();
-                    is_key = false;
-                }
-            }
-            b'{' => path.push(Segment::Key("")),
-            b'[' => path.push(Segment::Index(0)),
-            b'}' | b']' => drop(path.pop()),
-            b',' => {
-                if let Some(Segment::Index(index)) = path.last_mut() {
-                    *index += 1;
-                }
-            }
-            _ => {}
-        }
-        if matches!(byte, b'{' | b',') {
-            is_key = matches!(path.last(), Some(Segment::Key(_)));
-        }
-        at += 1;
-    }
-    // What begins here is not read, so that it is what holds it that is meant.
-    if matches!(bytes.last(), Some(b'{' | b'[')) {
-        path.pop();
-    }
-    let mut text = String::new();
-    for segment in path {
-        text += &match segment {
-            Segment::Key(key) if text.is_empty() => key.to_owned(),
-            Segment::Key(key) => format!(".{key}"),
-            Segment::Index(index) => format!("[{index}]"),
-        };
-    }
-    text
 }
 
 /// As far as the path leads, and whether that is to its end.
@@ -161,26 +103,6 @@ mod tests {
                 text,
                 "{path}"
             );
-        }
-    }
-
-    /// Where a reader stands: behind a value, a key or a bracket, or before a bracket that it refuses.
-    #[test]
-    fn fields_are_found_by_their_place() {
-        for (behind, path) in [
-            ("\"name\": \"P\"", "targets[0].name"),
-            ("\"Q\"", "targets[1].name"),
-            ("\"position_mm\": [4", "targets[1].position_mm[0]"),
-            ("\"position_mm\"", "targets[0].position_mm"),
-            ("[1, 2, 3]", "targets[0].position_mm"),
-            ("[1, 2, 3] }", "targets[0]"),
-            ("\"targets\": ", "targets"),
-            ("\"EXX\": [", "errors.X.components.EXX[0]"),
-            ("\"sine\"", "errors.X.components.EXX[0].kind"),
-            ("} } }\n}", ""),
-        ] {
-            let read = TEXT.find(behind).unwrap() + behind.len();
-            assert_eq!(field_at(TEXT, read), path, "{behind}");
         }
     }
 

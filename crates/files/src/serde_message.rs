@@ -3,7 +3,7 @@
 use crate::{Alternatives, DocumentProblem};
 
 /// How the parser sees an entry too many in a list of fixed length; the syntax has been checked before.
-pub(crate) const TRAILING: &str = "trailing characters";
+const TRAILING: &str = "trailing characters";
 
 impl DocumentProblem {
     /// What serde says of a document (JSON, TOML), without its position. serde writes its reasons in words alone: the
