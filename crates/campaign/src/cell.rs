@@ -1,4 +1,4 @@
-//! One cell of a CSV file: a number, or in words why it is not one.
+//! One cell of a CSV file: a number, or the reason why it is none.
 
 /// A finite number.
 pub(crate) fn number(cell: &[u8]) -> Option<f64> {

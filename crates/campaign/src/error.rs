@@ -141,7 +141,7 @@ pub enum Problem {
          decimal marks: export the table as comma separated values"
     )]
     Separator {
-        /// The separator found, in words.
+        /// The name of the separator found.
         separator: &'static str,
     },
     /// The first line names no column.

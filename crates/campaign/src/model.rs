@@ -48,7 +48,7 @@ pub struct Campaign {
     pub verification: Vec<Verification>,
     /// Measured deviations of the tool at single places, to compare with.
     pub point_checks: Vec<PointCheck>,
-    /// What is unusual but not an error, in words for the user.
+    /// What is unusual but not an error, as messages for the user.
     pub notices: Vec<String>,
 }
 
@@ -223,7 +223,7 @@ pub struct Stop {
     pub repeat: u32,
     /// Its step (which knows the run).
     pub step: usize,
-    /// Side of approach; forward, which means nothing, where targets on the bed were read.
+    /// Side of approach; forward, without meaning, where targets on the bed were read.
     pub direction: Direction,
     /// Its readings.
     pub readings: Range<usize>,

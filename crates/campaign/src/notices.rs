@@ -1,4 +1,4 @@
-//! What is unusual in a campaign but not an error, in words.
+//! Messages about what is unusual in a campaign but not an error.
 
 use crate::reading::Reading;
 use crate::{Campaign, Stop, Target};

@@ -188,7 +188,7 @@ fn cell(table: &str, line: &str, name: &str) -> Option<Range<usize>> {
     None
 }
 
-/// The characters of so many bytes of a line.
+/// Number of characters in the first bytes of a line.
 fn characters(line: &str, bytes: usize) -> usize {
     line.get(..bytes).map_or(0, |text| text.chars().count())
 }

@@ -379,7 +379,7 @@ fn probability(p: f64) -> String {
     }
 }
 
-/// A result in words.
+/// A result as a sentence.
 pub(crate) fn in_words(output: &Output) -> String {
     let name = output.name();
     match output {

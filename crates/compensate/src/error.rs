@@ -80,7 +80,7 @@ pub enum Error {
     },
     /// Angles of a machine without a length to compare them with.
     #[error(
-        "the machine has no linear axis, on whose travel an angle would make so many µm; give the standard uncertainty of the \
+        "the machine has no linear axis whose travel turns an angle into micrometres; give the standard uncertainty of the \
          angles, too (--u-arcsec)"
     )]
     NoLever,

@@ -18,6 +18,7 @@ mod skew;
 mod with_old;
 
 use nalgebra::Point3;
+use trueaxis_files::round;
 use trueaxis_kinematics::{AxisKind, Machine};
 use trueaxis_predict::CalibratedMachine;
 
@@ -327,10 +328,4 @@ pub(crate) fn rising(positions: impl Iterator<Item = f64>, same: f64) -> Vec<f64
     all.sort_by(f64::total_cmp);
     all.dedup_by(|a, b| (*a - *b).abs() <= same);
     all
-}
-
-/// To so many decimals; no `-0`.
-fn round(value: f64, decimals: i32) -> f64 {
-    let scale = 10_f64.powi(decimals);
-    (value * scale).round() / scale + 0.0
 }

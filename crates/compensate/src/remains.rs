@@ -5,7 +5,7 @@ use trueaxis_predict::{CalibratedMachine, Places};
 
 use crate::{Error, Moved, correct};
 
-/// Places that are looked at: figures over so many need no more.
+/// Places that are evaluated: statistics do not gain from more.
 const MOST_PLACES: usize = 1000;
 
 /// What stays when every command is corrected.

@@ -95,7 +95,7 @@ impl Verdict {
 pub struct LevelReport {
     /// The level.
     pub level: Level,
-    /// What was compared, in words, as `2340 lengths` or `LI along X`.
+    /// What was compared, such as `2340 lengths` or `LI along X`.
     pub data: String,
     /// Standard deviation of one reading as the repeats show it, µm.
     pub noise_floor_um: f64,
@@ -165,7 +165,7 @@ impl Gain {
 pub struct OmnibusTest {
     /// What the residuals are tested to vary with, as `time` or `position`.
     pub varies_with: &'static str,
-    /// The period that stands out, where the test looks for one, in words, as `1180 s`.
+    /// The period that stands out, where the test looks for one, such as `1180 s`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub detail: Option<String>,
     /// Columns of the test that the data see.
@@ -305,11 +305,11 @@ pub struct Rejected {
 pub struct NotObservable {
     /// Its id.
     pub effect: &'static str,
-    /// What it concerns, in words, as `axis X`; empty if all.
+    /// What it concerns, such as `axis X`; empty if all.
     pub subject: String,
     /// Why the data do not show it.
     pub reason: String,
-    /// What it would do to results: name and amount per unit, in words.
+    /// What it would do to results: name and amount per unit, as text.
     pub bias_per_unit: Vec<(String, String)>,
     /// What to measure to see it.
     pub measure: String,

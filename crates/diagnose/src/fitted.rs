@@ -62,7 +62,7 @@ pub(crate) struct Row {
     pub(crate) u: f64,
 }
 
-/// More points cannot be told apart in a figure: means of neighbours stand for them.
+/// More points cannot be distinguished in a figure: means of neighbours stand for them.
 const MOST_POINTS: usize = 240;
 
 /// Readings that are drawn show at least so much of the squares of an effect.

@@ -8,7 +8,7 @@
 //! (restricted maximum likelihood from the residuals).
 //!
 //! - [`base`] adjusts the lengths ([`adjusted`]), less what the causes found so far do to them, with the full nonlinear
-//!   model; the parameters of the causes follow by block elimination until both rest.
+//!   model; the parameters of the causes follow by block elimination until both converge.
 //! - [`measured`]: what the search for causes ([`crate::engine`]) asks of them.
 //! - [`beside`]: what wanders in a course that nobody knows joins the covariance.
 //! - [`omnibus`]: whether anything is left at all, and what it varies with ([`unexplained`]).

@@ -23,7 +23,7 @@
 //! - [`beside`]: what wanders in a course that nobody knows joins the covariance.
 //! - [`omnibus`]: whether anything is left, and what it varies with.
 //! - [`held_out`]: the gain on sweeps that the model was not fitted to.
-//! - [`report`] puts it together; [`fitted`], [`places`] and [`not_observable`] say it in words and units.
+//! - [`report`] puts it together; [`fitted`], [`places`] and [`not_observable`] report it with units.
 
 mod base;
 mod beside;

@@ -17,7 +17,7 @@ pub struct Format {
     pub name: &'static str,
     /// What the field `version` must say.
     pub version: u32,
-    /// A document of this format in words, such as `a campaign`.
+    /// What a document of this format is called, such as `a campaign`.
     pub noun: &'static str,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{Alternatives, DocumentError, DocumentProblem};
 
-/// Checks that names can be told apart; `list` is the path of their list, such as `targets`, and `what` the
+/// Checks that names can be distinguished; `list` is the path of their list, such as `targets`, and `what` the
 /// kind in the singular. Cells of tables are read without the blanks around them, so a name must not
 /// have any.
 ///

@@ -111,7 +111,7 @@ pub enum Problem {
     OneColumn {
         /// Its text.
         found: String,
-        /// The separator of the map, in words.
+        /// The name of the separator of the map.
         separator: &'static str,
     },
     /// Nothing says what a column of the table shall hold.

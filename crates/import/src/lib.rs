@@ -6,7 +6,7 @@
 //! stated, and a cell that is not understood is an [`Error`] with its line.
 //!
 //! An export knows the measured points but seldom where the machine stood. A map takes that from columns, from names
-//! of points (`P_040` by the pattern `{target}_{X}`), or from the order of the rows: so many rows make a stop, the
+//! of points (`P_040` by the pattern `{target}_{X}`), or from the order of the rows: a fixed number of rows makes a stop, the
 //! stops follow a path, and the path is repeated.
 //!
 //! ```

@@ -185,7 +185,7 @@ impl Map {
         Ok(map)
     }
 
-    /// The separator as one sign and in words.
+    /// The separator as a character and by name.
     pub(crate) fn separator(&self) -> Result<(char, &'static str), Error> {
         let name = self.separator.as_deref().unwrap_or(",");
         let mut signs = name.chars();

@@ -14,7 +14,7 @@ pub struct Twist {
 }
 
 impl Twist {
-    /// No motion, of so many sources.
+    /// No motion: zeros for each of `columns` sources.
     pub fn zero(columns: usize) -> Self {
         Self {
             rotation: Matrix3xX::zeros(columns),

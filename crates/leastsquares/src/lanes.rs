@@ -110,7 +110,7 @@ pub fn lanes_only() {
     std::hint::black_box(());
 }
 
-/// So many zeros in place of what was there.
+/// Replaces the contents by `count` zeros.
 #[inline(always)]
 pub fn zeros<T: Copy + Default>(all: &mut Vec<T>, count: usize) {
     all.clear();

@@ -97,7 +97,7 @@ impl Reduced {
         self.block_unknowns + self.shared
     }
 
-    /// Counts rows of so many blocks' unknowns and their part of the sum of squares.
+    /// Counts rows, unknowns of blocks, and their part of the sum of squares.
     pub(crate) fn count(&mut self, observations: usize, block_unknowns: usize, squares: f64) {
         self.observations += observations;
         self.block_unknowns += block_unknowns;

@@ -26,7 +26,7 @@ pub(crate) struct Ranks {
     pub(crate) r: usize,
 }
 
-/// The ranks for so many trials (7.7.2); none when no value would lie outside.
+/// The ranks for a number of trials (7.7.2); none when no value would lie outside.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -63,7 +63,7 @@ impl Moments {
     /// Standard error of the standard deviation, from the kurtosis κ of the same `values`:
     /// var(s²) = s⁴ (κ - (n - 3)/(n - 1)) / n, and s = √s² scatters by √var(s²) / (2 s).
     ///
-    /// It means nothing where the distribution has no fourth moment (Student's t with four degrees
+    /// It has no meaning where the distribution has no fourth moment (Student's t with four degrees
     /// of freedom or less).
     pub(crate) fn standard_deviation_scatter(&self, values: &[f64]) -> f64 {
         let s = self.standard_deviation();

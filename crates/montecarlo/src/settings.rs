@@ -53,7 +53,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Whether a propagation of so many outputs can be run as asked.
+    /// Whether a propagation of this number of outputs can be run as asked.
     pub(crate) fn check(&self, outputs: usize) -> Result<(), Error> {
         let coverage = self.coverage;
         if !(coverage > 0.0 && coverage < 1.0) {
@@ -85,7 +85,7 @@ impl Settings {
     }
 }
 
-/// Whether the values of so many trials stay within the limit.
+/// Whether the values of this number of trials stay within the limit.
 fn check_memory(outputs: usize, trials: usize, limit_bytes: u64) -> Result<(), Error> {
     let value_bytes = size_of::<f64>() as u128;
     let row_bytes = outputs as u128 * value_bytes;

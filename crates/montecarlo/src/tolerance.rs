@@ -5,7 +5,7 @@ use crate::error::Error;
 /// An f64 carries 15 decimal digits.
 const MOST_DIGITS: u32 = 15;
 
-/// Whether a standard uncertainty can be stated to so many digits.
+/// Whether a standard uncertainty can be stated to this number of digits.
 pub(crate) fn check_digits(significant_digits: u32) -> Result<(), Error> {
     if (1..=MOST_DIGITS).contains(&significant_digits) {
         Ok(())
@@ -18,7 +18,7 @@ pub(crate) fn check_digits(significant_digits: u32) -> Result<(), Error> {
 }
 
 /// The numerical tolerance δ of a standard uncertainty that is stated to `significant_digits`
-/// decimal digits: written as `c × 10^l` with an integer `c` of so many digits, δ = 10^l / 2.
+/// decimal digits: written as `c × 10^l` with an integer `c` of that number of digits, δ = 10^l / 2.
 ///
 /// An uncertainty of 0 (an output that does not vary) has the tolerance 0. Less than one digit
 /// counts as one, more than 15 as 15.

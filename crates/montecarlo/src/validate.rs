@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::summary::{Scatter, Summary};
 use crate::tolerance::{check_digits, numerical_tolerance};
 
-/// A difference is blamed on the Monte Carlo up to so many of its standard deviations. Over both
+/// A difference of up to this many of its standard deviations is attributed to the Monte Carlo. Over both
 /// ends of a thousand outputs, the chance that scatter alone gives any of them a wrong outcome is
 /// 6 %; with two standard deviations it would be a certainty.
 const SCATTER_FACTOR: f64 = 4.0;

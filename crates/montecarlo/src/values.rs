@@ -141,7 +141,7 @@ impl Values {
     }
 }
 
-/// Room for the values of so many trials.
+/// Room for the values of a number of trials.
 fn allocated(outputs: usize, trials: usize) -> Result<Vec<f64>, Error> {
     let no_room = Error::Allocation { outputs, trials };
     let Some(length) = outputs.checked_mul(trials) else {

@@ -49,7 +49,7 @@ pub struct PartEstimate {
     pub p_value: Option<f64>,
 }
 
-/// Below so many degrees of freedom a variance is not worth estimating if one is declared: its
+/// Below this number of degrees of freedom a variance is not worth estimating if one is declared: its
 /// relative uncertainty would be above one half.
 const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
 

@@ -24,7 +24,7 @@ pub(crate) struct Columns {
 }
 
 impl Columns {
-    /// Behind so many others.
+    /// Behind the first `behind` columns.
     pub(crate) fn new(network: &Network, behind: usize) -> Self {
         let contrasts = behind + usize::from(network.has_mean_constant());
         Self {

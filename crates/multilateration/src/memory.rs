@@ -44,7 +44,7 @@ pub(crate) struct Memory {
 pub(crate) struct Memories(Mutex<Vec<Memory>>);
 
 impl Memories {
-    /// Work with some memory; what is in it means nothing.
+    /// Lends memory to `work`; its contents are arbitrary.
     #[inline(always)]
     pub(crate) fn lend<T>(&self, work: impl FnOnce(&mut Memory) -> T) -> T {
         let pool = || self.0.lock().unwrap_or_else(PoisonError::into_inner);

@@ -11,7 +11,7 @@ const LEAST_BATCHES: usize = 16;
 /// Most pieces: more would not spread the work better and each has a reduced system of its own.
 const MOST_PIECES: usize = 64;
 
-/// The pieces of so many batches, in order: an even number of nearly equal ones, so that two threads have as much.
+/// The pieces into which batches are divided, in order: an even number of nearly equal ones, so that two threads have as much.
 pub(crate) fn pieces(batches: usize) -> Vec<Range<usize>> {
     let count = match batches.div_ceil(LEAST_BATCHES) {
         0 | 1 => 1,
@@ -24,8 +24,8 @@ pub(crate) fn pieces(batches: usize) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// Does what has many passes over so many batches in a thread of the pool, if they are worth several:
-/// handing out pieces from outside costs more, each time.
+/// Runs work with many passes over batches in a thread of the pool, if there are enough of them for several threads:
+/// handing out pieces from outside the pool costs more, each time.
 pub(crate) fn within_pool<T: Send>(batches: usize, work: impl FnOnce() -> T + Send) -> T {
     match batches > LEAST_BATCHES {
         true => rayon::scope(|_| work()),

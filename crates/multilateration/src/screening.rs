@@ -27,7 +27,7 @@ const READINGS_LEVEL: f64 = 0.01;
 /// Asymptotic efficiency of the median as a scale, beside the standard deviation.
 const MEDIAN_EFFICIENCY: f64 = 0.37;
 
-/// Calculated lengths have residuals of rounding, whose tails mean nothing.
+/// Calculated lengths have residuals of rounding, whose tails have no meaning.
 const LEAST_SCALE: f64 = 0.05;
 
 /// Readings that may be far off at the start before the nominal positions are to blame.
@@ -39,7 +39,7 @@ const WELSCH_ITERATIONS: usize = 3;
 /// Rounds of weights, or of snooping, after which a search that has not ended does not.
 const MAX_ROUNDS: usize = 60;
 
-/// Solutions in a row that do not reach the minimum before the search ends: their tests mean nothing.
+/// Solutions in a row that do not reach the minimum before the search ends: their tests have no meaning.
 const MOST_LOST: usize = 3;
 
 /// A reading whose variance has grown by more plays no part.

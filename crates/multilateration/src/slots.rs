@@ -1,6 +1,6 @@
 //! Where the readings of groups stand in their batch.
 //!
-//! A *slot* is a station, the how manieth visit of the station to the group, and a point. The slots of a
+//! A *slot* is a station, the index of its visit to the group, and a point. The slots of a
 //! batch are those of any of its groups. Most groups of a campaign are measured by one plan: the places
 //! of their readings are found once, and the others only compared with it.
 

@@ -228,7 +228,7 @@ fn misfits(
     Some(Figure::new(name, plot.finish()))
 }
 
-/// A name of so many letters at most.
+/// A name, shortened to a number of letters.
 fn tick(name: &str, most: usize) -> String {
     let most = most.clamp(1, 12);
     match name.chars().count() > most {

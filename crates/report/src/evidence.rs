@@ -16,7 +16,7 @@ const MOST_DOTS: usize = 20_000;
 const DOTS_OF_MANY: usize = 10_000;
 const MANY: usize = 100_000;
 
-/// From so many standard deviations on a residual stands out: it is always drawn, and named.
+/// A residual of this many standard deviations stands out: it is always drawn, and named.
 const FAR: f64 = 3.5;
 const MOST_NAMED: usize = 200;
 

@@ -21,7 +21,7 @@ pub(crate) struct Identified {
     pub(crate) state: State,
     /// How the results of each axis follow from its poses.
     pub(crate) sensitivities: Vec<Sensitivity>,
-    /// How location errors and component errors are told apart on each axis.
+    /// How location errors and component errors are separated on each axis.
     pub(crate) gauges: Vec<Gauge>,
     pub(crate) frame: FrameRule,
     /// For each axis the location errors that the frame does not define away.

@@ -94,7 +94,7 @@ fn unit_of(component: Component) -> (f64, &'static str) {
     }
 }
 
-/// A position of an axis (mm or rad) in words.
+/// A position of an axis (mm or rad) as text with its unit.
 fn place(axis: &AxisResult, position: f64) -> String {
     match axis.kind {
         AxisKind::Linear => format!("{position} mm"),

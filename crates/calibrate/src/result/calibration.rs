@@ -84,7 +84,7 @@ pub struct Traceability {
     pub inputs: Vec<InputFile>,
 }
 
-/// What the uncertainties of a calibration contain, and what they lack, in words.
+/// What the uncertainties of a calibration contain, and what they lack, as phrases.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct UncertaintyStatement {
     /// Parts that U contains.

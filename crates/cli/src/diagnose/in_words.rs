@@ -164,7 +164,7 @@ pub(crate) fn percent(share: f64) -> String {
     }
 }
 
-/// How sure a cause is, in words and number.
+/// The certainty of a cause: a phrase and the p-value.
 pub(crate) fn certainty(p_value: f64) -> String {
     let words = match p_value {
         p if p < 1e-6 => "beyond doubt",

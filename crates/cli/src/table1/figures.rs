@@ -60,7 +60,7 @@ pub(crate) fn figures(
     })
 }
 
-/// Measures the points from the stations so many times: the solution of one measurement, with its
+/// Measures the points from the stations several times: the solution of one measurement, with its
 /// covariance, and the distributions of x of all points, then y, then z, less that solution, mm.
 pub(crate) fn measure(
     points_mm: &[Point3<f64>],

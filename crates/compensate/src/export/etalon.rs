@@ -9,12 +9,13 @@ pub(crate) mod read;
 
 use std::fmt::Write;
 
+use trueaxis_files::round;
 use trueaxis_kinematics::Component;
 
 use crate::Error;
 use crate::export::components::Components;
 use crate::export::with_old::onto;
-use crate::export::{Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Tables, round};
+use crate::export::{Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Tables};
 
 pub(super) const FORMAT: Description = Description {
     name: "etalon",

@@ -6,12 +6,13 @@
 
 use std::fmt::Write;
 
+use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 
 use crate::export::line::positions;
 use crate::export::named_errors::wrong;
 use crate::export::{
-    Description, ExportedFile, OldFiles, Request, Rule, Tables, csv, one_file, rising, round,
+    Description, ExportedFile, OldFiles, Request, Rule, Tables, csv, one_file, rising,
 };
 use crate::{Error, Moved, correct};
 

@@ -19,14 +19,13 @@
 
 use std::collections::BTreeMap;
 
+use trueaxis_files::round;
 use trueaxis_kinematics::AxisKind;
 
 use crate::Error;
 use crate::export::line::{Line, Sums, interpolate, spacing};
 use crate::export::named_errors::wrong;
-use crate::export::{
-    Description, ExportedFile, OldFiles, Request, TableSign, Tables, csv, rising, round,
-};
+use crate::export::{Description, ExportedFile, OldFiles, Request, TableSign, Tables, csv, rising};
 
 pub(super) const FORMAT: Description = Description {
     name: "heidenhain",

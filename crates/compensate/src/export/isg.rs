@@ -11,12 +11,13 @@ pub(crate) mod read;
 
 use std::fmt::Write;
 
+use trueaxis_files::round;
 use trueaxis_kinematics::{AxisKind, Component};
 
 use crate::Error;
 use crate::export::components::Components;
 use crate::export::with_old::{WithOld, onto};
-use crate::export::{Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Tables, round};
+use crate::export::{Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Tables};
 
 pub(super) const FORMAT: Description = Description {
     name: "isg",

@@ -18,11 +18,13 @@ mod matrix;
 
 use std::fmt::Write;
 
+use trueaxis_files::round;
+
 use crate::Error;
 use crate::export::line::{Line, interpolate};
 use crate::export::named_errors::wrong;
 use crate::export::skew::Skew;
-use crate::export::{Description, ExportedFile, OldFiles, Request, Rule, Tables, rising, round};
+use crate::export::{Description, ExportedFile, OldFiles, Request, Rule, Tables, rising};
 
 pub(super) const FORMAT: Description = Description {
     name: "linuxcnc",

@@ -6,9 +6,11 @@
 //!
 //! Sources: `planner.h` (`skew`), and M852 in Marlin's documentation.
 
+use trueaxis_files::round;
+
 use crate::Error;
 use crate::export::skew::Skew;
-use crate::export::{Description, ExportedFile, OldFiles, Request, Rule, Tables, round};
+use crate::export::{Description, ExportedFile, OldFiles, Request, Rule, Tables};
 
 pub(super) const FORMAT: Description = Description {
     name: "marlin",

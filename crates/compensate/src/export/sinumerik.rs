@@ -24,6 +24,7 @@ mod trial;
 
 use std::fmt::Write;
 
+use trueaxis_files::round;
 use trueaxis_kinematics::AxisKind;
 
 use crate::Error;
@@ -31,9 +32,7 @@ use crate::export::line::{Line, Sums};
 use crate::export::sinumerik::levers::{Lever, WithLevers};
 use crate::export::sinumerik::sag::{Placed, Sag};
 use crate::export::sinumerik::table::{Kind, Table};
-use crate::export::{
-    Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Rule, Tables, round,
-};
+use crate::export::{Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Rule, Tables};
 
 pub(super) const FORMAT: Description = Description {
     name: "sinumerik",

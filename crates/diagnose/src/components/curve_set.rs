@@ -40,7 +40,7 @@ pub(crate) struct CurveSet {
 /// period take up to five.
 pub(crate) const FEWEST_STEPS: usize = 8;
 
-/// Steps above which only every so-manieth is used: the cost grows with their square, and the rest of a
+/// Steps above which they are subsampled: the cost grows with their square, and the rest of a
 /// curve is as smooth as its background.
 const MOST_STEPS: usize = 64;
 

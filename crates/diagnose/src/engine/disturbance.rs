@@ -197,8 +197,8 @@ impl Wanderer {
         mean.into_iter().chain(half_waves(x, self.waves()))
     }
 
-    /// What a unit of each coefficient does, course after course, coordinate after coordinate, in rows of which each reading
-    /// has so many: `unit` is what one of a coordinate (effect, parameter) does to those of a reading.
+    /// What a unit of each coefficient does, course after course, coordinate after coordinate, for readings of `ROWS` rows
+    /// each: `unit` is what one of a coordinate (effect, parameter) does to those of a reading.
     pub(crate) fn columns<const ROWS: usize>(
         self,
         all: &[Here],

@@ -125,7 +125,7 @@ pub(crate) fn waves_of(
     columns
 }
 
-/// The families that vary at a level, and so many `squares` left in each.
+/// The families that vary at a level, and the `squares` left in each.
 pub(crate) fn still_left<'a>(
     families: &'a [Family],
     tests: &[Omnibus],

@@ -17,7 +17,7 @@ const LENGTHS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 /// What changes faster is repeatability.
 const LEAST_STOPS: f64 = 3.0;
 
-/// Correlation lengths that so many stops show.
+/// Correlation lengths that a number of stops can show.
 pub(crate) fn correlation_lengths(stops: usize) -> Vec<f64> {
     let is_seen = |length: &f64| length * stops as f64 >= LEAST_STOPS;
     LENGTHS.into_iter().filter(is_seen).collect()

@@ -58,7 +58,7 @@ pub(crate) fn length_scale(reason: &str, bias: Vec<(String, String)>) -> Option<
     })
 }
 
-/// A subject in words, as `station S2` or `axis X, target P`.
+/// The name of a subject, such as `station S2` or `axis X, target P`.
 pub(crate) fn in_words(subject: &Subject, scene: &Scene) -> String {
     let axis = |axis: usize| scene.axis_name(axis);
     let component = subject.component.zip(subject.axis);

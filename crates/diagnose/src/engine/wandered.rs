@@ -1,4 +1,4 @@
-//! What wanders, in words and units: how much, how fast, and its curve.
+//! Report of what wanders: how much, how fast, and its curve, with units.
 
 use trueaxis_effects::{Level, Subject};
 use trueaxis_kinematics::AxisKind;

@@ -117,7 +117,7 @@ pub(crate) fn wandered_mm<D: Wanders>(data: &D, model: &D::Model, at: &D) -> Vec
     sum_mm
 }
 
-/// More that wander at once are not told apart.
+/// More that wander at once cannot be separated.
 const MOST: usize = 3;
 
 /// A disturbance with its judgement beside the others.

@@ -24,7 +24,7 @@ pub(crate) struct LeftOut {
     measured_mm: f64,
 }
 
-/// A misfit of so many standard deviations is no contradiction: noise exceeds it once in 16,000 lengths.
+/// A misfit of this many standard deviations is no contradiction: noise exceeds it once in 16,000 lengths.
 const AGREES: f64 = 4.0;
 
 impl LeftOut {

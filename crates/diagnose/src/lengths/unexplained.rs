@@ -1,4 +1,4 @@
-//! What is left when no effect explains it, in words.
+//! Report of what no effect explains.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! What the points say, in words and units.
+//! Report of the diagnosis of points, with units.
 
 use nalgebra::Vector3;
 use trueaxis_campaign::{Campaign, Points};

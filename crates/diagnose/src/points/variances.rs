@@ -40,7 +40,7 @@ const LEAST_MM: f64 = 1e-7;
 const DIFFER: f64 = 1e-3;
 const FREE: f64 = 5.0;
 
-/// Redundancy of each direction from which directions are told apart.
+/// Redundancy of each direction from which directions get variances of their own.
 const TOLD_APART: f64 = 20.0;
 
 /// Squares and redundancy of one part of the noise along each direction.

@@ -2,7 +2,7 @@
 
 use trueaxis_leastsquares::{dot, in_widest_registers};
 
-/// Columns abreast: so many sums do not wait for each other.
+/// Columns abreast: their sums do not wait for each other.
 const ABREAST: usize = 4;
 
 /// `aᵀ b` of one column with several of the same length, one after the other.

@@ -3,7 +3,7 @@
 
 use statrs::function::beta::{beta_reg, ln_beta};
 
-/// Natural logarithm of the probability that `rank` columns of nothing lower the sum `squares` by as
+/// Natural logarithm of the probability that `rank` columns without an effect lower the sum `squares` by as
 /// much as `drop`, with `degrees_of_freedom` before:
 /// `I_y((ν - k)/2, k/2)`, `y = 1 - drop/squares`.
 pub(crate) fn ln_f_test(drop: f64, squares: f64, rank: usize, degrees_of_freedom: f64) -> f64 {

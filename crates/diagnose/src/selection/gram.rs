@@ -20,7 +20,7 @@ pub(crate) struct Gram {
 /// effect to one part in ten thousand: no data of this kind show it.
 pub(crate) const VISIBLE: f64 = 1e-8;
 
-/// From so many parameters on the eigenvectors are those of faer, which is faster there.
+/// From this number of parameters on, faer finds the eigenvectors faster.
 const LARGE_MATRIX: usize = 16;
 
 /// Share of a parameter in what the data do not see that is more than rounding.
@@ -199,7 +199,7 @@ impl Gram {
                 let x = variance * g;
                 gained += z * z * x / (1.0 + x);
                 price *= 1.0 + x;
-                // One logarithm of the product: it is the dear part.
+                // One logarithm of the product: the logarithm is the expensive part.
                 if price > LARGE {
                     ln_price += price.ln();
                     price = 1.0;

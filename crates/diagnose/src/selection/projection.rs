@@ -109,7 +109,7 @@ impl Projection {
     }
 
     /// That of several systems below each other, of each its first `rows` in units of `scale`; the rest of its rows are
-    /// observations of nothing (dense ones without groups).
+    /// observations without a base model (dense ones without groups).
     pub(crate) fn stacked<'p>(parts: impl Iterator<Item = (&'p Self, usize, f64)> + Clone) -> Self {
         let widths = parts.clone().map(|(part, ..)| part.shared_width);
         let mut stack = Self {
@@ -322,7 +322,7 @@ impl Projection {
         }
     }
 
-    /// The same with so many more columns `T`, row after row.
+    /// The same with more columns `T`, row after row.
     pub(super) fn with(
         &self,
         basis: &[f64],
@@ -430,7 +430,7 @@ fn add_columns<const N: usize>(
     *sums = own;
 }
 
-/// `X c` of columns with so many rows.
+/// `X c`, of columns with `rows` rows.
 pub(crate) fn combined(rows: usize, columns: &[Vec<f64>], coefficients: &[f64]) -> Vec<f64> {
     let mut sum = vec![0.0; rows];
     for (column, coefficient) in columns.iter().zip(coefficients) {

@@ -85,7 +85,7 @@ pub(crate) fn cosine(a: &Fit, b: &Fit) -> f64 {
     }
 }
 
-/// `2 ln` of the odds below which two hypotheses are not told apart: 20 to 1.
+/// `2 ln` of the odds below which two hypotheses are rivals: 20 to 1.
 pub(crate) const DECISIVE: f64 = 6.0;
 
 /// Explanations more alike than this are one explanation under two names.

@@ -80,7 +80,7 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
     })
 }
 
-/// Shapes that explain less than the best by so many units of variance have no part in the mean
+/// Shapes that explain less than the best by this many units of variance have no part in the mean
 /// likelihood: a factor of e⁻²⁰ each.
 const NEGLIGIBLE: f64 = 40.0;
 
@@ -105,8 +105,8 @@ fn best_shape(projection: &Projection, scan: &dyn Scan) -> Option<(f64, f64, usi
         .min_by(|a, b| ln_p(a.2, a.1).total_cmp(&ln_p(b.2, b.1)))
 }
 
-/// Mean and standard deviation of the shape, and `2 ln` of the mean marginal likelihood over so many
-/// shapes; those that are not listed have none.
+/// Mean and standard deviation of the shape, and `2 ln` of the mean marginal likelihood over all
+/// `shapes`; those that are not listed have none.
 pub(crate) fn marginal(evidences: &[(f64, f64)], shapes: usize) -> (f64, f64, f64) {
     let top = evidences
         .iter()

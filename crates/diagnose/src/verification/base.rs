@@ -31,7 +31,7 @@ pub(crate) fn base_columns(comparison: &Comparison<'_>, calibrated: bool) -> Vec
     }
 }
 
-/// What the base absorbs, in words.
+/// What the base absorbs, as a phrase.
 pub(crate) fn absorbed(comparison: &Comparison<'_>, calibrated: bool) -> &'static str {
     match (comparison.kind, calibrated) {
         (VerificationKind::Positioning { .. }, false) => {

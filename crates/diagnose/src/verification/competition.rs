@@ -12,13 +12,13 @@ use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;
 use crate::verification::search::{drop_superfluous, search};
 use crate::verification::wanderer::Wanderer;
-use crate::verification::wandering::{Wandering, wandering};
+use crate::verification::wandering::{FittedProcess, wandering};
 
 /// Causes, and what wanders beside them.
 pub(crate) struct Model<'a> {
     /// The readings, what wanders in their covariance.
     pub(crate) problem: Problem<'a>,
-    pub(crate) wandering: Vec<Wandering>,
+    pub(crate) wandering: Vec<FittedProcess>,
     pub(crate) causes: Vec<Chosen>,
 }
 
@@ -101,7 +101,7 @@ fn helps(plain: &Problem<'_>, model: &Model<'_>, look: &Look) -> bool {
 }
 
 /// Only what wanders.
-pub(crate) fn only<'a>(plain: &Problem<'a>, wandering: Vec<Wandering>) -> Model<'a> {
+pub(crate) fn only<'a>(plain: &Problem<'a>, wandering: Vec<FittedProcess>) -> Model<'a> {
     Model {
         problem: plain.beside(&wandering),
         wandering,
@@ -135,7 +135,11 @@ fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>, look: &Look) -> Opti
 }
 
 /// The causes that are found where something wanders, with what wanders beside them.
-fn with_causes<'a>(plain: &Problem<'a>, first: Vec<Wandering>, look: &Look) -> Option<Model<'a>> {
+fn with_causes<'a>(
+    plain: &Problem<'a>,
+    first: Vec<FittedProcess>,
+    look: &Look,
+) -> Option<Model<'a>> {
     let found = causes(&plain.beside(&first), look);
     beside(plain, found, look)
 }
@@ -222,7 +226,7 @@ fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>, look: &Look) -> Mode
         let listed = &model.problem.listed;
         let wanders_on = |k: usize| {
             let hypothesis = listed.hypothesis(&model.causes[k]);
-            let is_its_course = |own: &Wandering| match own.wanderer {
+            let is_its_course = |own: &FittedProcess| match own.wanderer {
                 Wanderer::Instrument | Wanderer::Machine => hypothesis.is_of_time(),
                 Wanderer::Scale => hypothesis.effect.id == "axis_expansion",
                 Wanderer::Position | Wanderer::Sides => false,

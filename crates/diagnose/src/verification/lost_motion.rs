@@ -50,7 +50,7 @@ fn reached_from_both_sides(comparison: &Comparison<'_>) -> Vec<usize> {
         .collect()
 }
 
-/// The columns of so many waves: what a unit of lost motion does to each reading times `r_k` there. `straight` are those of a unit
+/// The columns of a number of waves: what a unit of lost motion does to each reading times `r_k` there. `straight` are those of a unit
 /// of its mean and of its slope.
 pub(crate) fn waves(
     comparison: &Comparison<'_>,

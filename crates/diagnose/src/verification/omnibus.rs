@@ -102,7 +102,7 @@ pub(crate) fn omnibus(
 /// Below this a period is worth a word.
 const STANDS_OUT: f64 = 0.01;
 
-/// The period in time that explains most, in words.
+/// The period in time that explains most, as text.
 fn period(problem: &Problem<'_>, model: &Projection) -> Option<String> {
     let arrivals = &problem.comparison.arrivals;
     let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);

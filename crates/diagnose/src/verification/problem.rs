@@ -14,7 +14,7 @@ use crate::engine::{Chosen, Listed};
 use crate::selection::Projection;
 use crate::verification::comparison::Comparison;
 use crate::verification::hypotheses::candidates;
-use crate::verification::wandering::Wandering;
+use crate::verification::wandering::FittedProcess;
 
 /// What there is to explain, and what may explain it.
 pub(crate) struct Problem<'a> {
@@ -82,7 +82,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The same with what wanders in the covariance.
-    pub(crate) fn beside(&self, wandering: &[Wandering]) -> Self {
+    pub(crate) fn beside(&self, wandering: &[FittedProcess]) -> Self {
         let columns: Vec<Vec<f64>> = wandering.iter().flat_map(|w| w.columns(self)).collect();
         let with = |projection: &Projection| match columns.is_empty() {
             true => projection.clone(),

@@ -69,7 +69,7 @@ mod tests {
 
     use super::*;
 
-    /// The mean of so many rounded readings at a place anywhere between two digits: its variance over 4000 places is that of
+    /// The mean of some rounded readings at a place anywhere between two digits: its variance over 4000 places is that of
     /// the noise that is seen and hidden, over the number of repeats, within four standard errors of such a variance.
     #[test]
     fn means_of_rounded_readings_are_as_uncertain_as_said() {

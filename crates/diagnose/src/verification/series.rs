@@ -11,7 +11,7 @@ use crate::verification::omnibus;
 use crate::verification::problem::Problem;
 use crate::verification::report;
 use crate::verification::wandered::{Course, wandered};
-use crate::verification::wandering::{Wandering, wandering};
+use crate::verification::wandering::{FittedProcess, wandering};
 use crate::{LevelReport, Misfit, Shares, Unexplained};
 
 /// The readings of one verification: a line or the sweeps of a ball bar.
@@ -94,7 +94,7 @@ impl<'a> Series<'a> {
         let courses = wandering
             .iter()
             .map(|own| (own, Course::new(problem, own, &after)));
-        let courses: Vec<(&Wandering, Course)> = courses.collect();
+        let courses: Vec<(&FittedProcess, Course)> = courses.collect();
         let mut course = vec![0.0; before.rows()];
         for (_, own) in &courses {
             add(&mut course, &own.whitened, 1.0);

@@ -1,4 +1,4 @@
-//! What wanders while readings are taken, in words and units.
+//! Report of what wanders while readings are taken, with units.
 
 use trueaxis_effects::Level;
 
@@ -7,21 +7,21 @@ use crate::selection::{Projection, combined};
 use crate::verification::problem::Problem;
 use crate::verification::report::rms_of_readings_um;
 use crate::verification::wanderer::Form;
-use crate::verification::wandering::Wandering;
+use crate::verification::wandering::FittedProcess;
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain};
 
 /// The disturbances of a problem that has them in its covariance; `after` has the causes in the model, too. `gain` if
 /// there is nothing else that gains.
 pub(crate) fn wandered(
     problem: &Problem<'_>,
-    courses: &[(&Wandering, Course)],
+    courses: &[(&FittedProcess, Course)],
     after: &Projection,
     gain: Option<Gain>,
 ) -> Vec<Disturbance> {
     // No less than the last digit of the readings has.
     let least_um = problem.sigma_um * problem.least_variance.sqrt();
     let noise_um = problem.rms_um(after).max(least_um);
-    let report = |(own, course): &(&Wandering, Course)| {
+    let report = |(own, course): &(&FittedProcess, Course)| {
         let comparison = problem.comparison;
         let (range, unit) = own.wanderer.range(comparison);
         let (length, period) = match own.form {
@@ -58,7 +58,7 @@ pub(crate) struct Course {
 
 impl Course {
     /// Of something in the covariance of a problem; `after` has the causes in the model, too.
-    pub(crate) fn new(problem: &Problem<'_>, own: &Wandering, after: &Projection) -> Self {
+    pub(crate) fn new(problem: &Problem<'_>, own: &FittedProcess, after: &Projection) -> Self {
         let columns = own.columns(problem);
         let posterior = Posterior::new(after, &columns);
         Self {
@@ -72,7 +72,7 @@ impl Course {
 /// deviation of the noise that is left.
 pub(crate) fn curve(
     problem: &Problem<'_>,
-    own: &Wandering,
+    own: &FittedProcess,
     posterior: &Posterior,
     noise_um: f64,
 ) -> Vec<CurvePoint> {

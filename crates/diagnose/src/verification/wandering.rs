@@ -6,12 +6,12 @@ use crate::verification::problem::Problem;
 use crate::verification::wandered::curve;
 use crate::verification::wanderer::{Form, Wanderer, wanderers};
 
-/// More that wander at once are not told apart.
+/// More that wander at once cannot be separated.
 const MOST: usize = 2;
 
 /// Something that wanders, with its judgement beside the others.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Wandering {
+pub(crate) struct FittedProcess {
     pub(crate) wanderer: Wanderer,
     pub(crate) form: Form,
     /// w, in standard deviations of an arrival.
@@ -23,9 +23,9 @@ pub(crate) struct Wandering {
 }
 
 /// What wanders beside causes, one after the other.
-pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<Wandering> {
+pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<FittedProcess> {
     let all = wanderers(plain.comparison, plain.calibrated);
-    let mut own: Vec<Wandering> = Vec::new();
+    let mut own: Vec<FittedProcess> = Vec::new();
     // Each round adds one; one that another makes superfluous gives its place free once.
     for _ in 0..2 * MOST {
         if own.len() == MOST {
@@ -34,7 +34,7 @@ pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<Wandering
         let here = plain.beside(&own);
         let is_other = |w: &&Wanderer| own.iter().all(|o| o.wanderer != **w);
         let others = all.iter().filter(is_other);
-        let mut judged: Vec<Wandering> = others
+        let mut judged: Vec<FittedProcess> = others
             .filter_map(|&wanderer| judge(&here, causes, wanderer, all.len()))
             .collect();
         judged.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
@@ -44,14 +44,14 @@ pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<Wandering
         if next.p_value >= SMOOTH_LEVEL {
             break;
         }
-        let is_rival = |other: &&Wandering| next.evidence - other.evidence < DECISIVE;
+        let is_rival = |other: &&FittedProcess| next.evidence - other.evidence < DECISIVE;
         let rivals = others.iter().filter(is_rival).map(|other| other.wanderer);
         let twins = |w: Wanderer| [Some(w), w.twin(plain.comparison)].into_iter().flatten();
         let rivals: Vec<Wanderer> = twins(next.wanderer)
             .skip(1)
             .chain(rivals.flat_map(twins))
             .collect();
-        own.push(Wandering {
+        own.push(FittedProcess {
             rivals,
             ..next.clone()
         });
@@ -64,16 +64,16 @@ pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<Wandering
 fn again(
     plain: &Problem<'_>,
     causes: &[Chosen],
-    mut own: Vec<Wandering>,
+    mut own: Vec<FittedProcess>,
     family: usize,
-) -> Vec<Wandering> {
+) -> Vec<FittedProcess> {
     for k in 0..own.len() {
         let mut others = own.clone();
-        let Wandering {
+        let FittedProcess {
             wanderer, rivals, ..
         } = others.remove(k);
         match judge(&plain.beside(&others), causes, wanderer, family) {
-            Some(judged) => own[k] = Wandering { rivals, ..judged },
+            Some(judged) => own[k] = FittedProcess { rivals, ..judged },
             None => own[k].p_value = 1.0,
         }
     }
@@ -88,7 +88,7 @@ fn judge(
     causes: &[Chosen],
     wanderer: Wanderer,
     family: usize,
-) -> Option<Wandering> {
+) -> Option<FittedProcess> {
     let comparison = problem.comparison;
     let model = problem.listed.with(causes);
     let lengths = wanderer.lengths(comparison);
@@ -110,7 +110,7 @@ fn judge(
         .iter()
         .map(|own| own.weight() * (0.5 * (own.smooth.evidence - most)).exp());
     let marginal = seen.sum::<f64>() + unseen.max(0.0) * (-0.5 * most).exp();
-    let own = Wandering {
+    let own = FittedProcess {
         wanderer,
         form: best.form,
         width: best.smooth.width,
@@ -122,7 +122,7 @@ fn judge(
 }
 
 /// Whether an axis grows and shrinks by no more than one can, three standard uncertainties considered.
-fn is_plausible(problem: &Problem<'_>, model: &Projection, own: &Wandering) -> bool {
+fn is_plausible(problem: &Problem<'_>, model: &Projection, own: &FittedProcess) -> bool {
     let comparison = problem.comparison;
     let is_growth = |candidate: &&Candidate| {
         candidate.hypothesis.effect.id == "axis_expansion"
@@ -194,7 +194,7 @@ impl Judged {
 /// Smooth courses and swings.
 const KINDS: usize = 2;
 
-impl Wandering {
+impl FittedProcess {
     /// What a standard deviation beforehand of each coefficient does to the whitened readings.
     pub(crate) fn columns(&self, problem: &Problem<'_>) -> Vec<Vec<f64>> {
         let columns = self.wanderer.columns(problem.comparison, self.form);

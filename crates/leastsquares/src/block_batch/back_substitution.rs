@@ -19,7 +19,7 @@ impl BlockBatch {
         }
     }
 
-    /// Numbers that [`BlockBatch::keep`] writes, for blocks of so many unknowns.
+    /// Numbers that [`BlockBatch::keep`] writes for blocks with `unknowns` unknowns.
     pub fn kept_len(unknowns: usize) -> usize {
         unknowns * (unknowns + 1) / 2
     }

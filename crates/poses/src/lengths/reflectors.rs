@@ -22,7 +22,7 @@ pub struct ReflectorConstant {
     pub correlation: Vec<f64>,
 }
 
-/// By so many standard uncertainties a constant has to exceed what is declared before it is worth a word.
+/// A constant that exceeds what is declared by this many standard uncertainties is worth a notice.
 const SIGNIFICANT: f64 = 3.0;
 
 impl LengthsAdjustment<'_> {

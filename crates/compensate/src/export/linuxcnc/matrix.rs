@@ -3,11 +3,12 @@
 use std::fmt::Write;
 
 use nalgebra::Matrix3;
+use trueaxis_files::round;
 
 use crate::Error;
+use crate::export::ExportedFile;
 use crate::export::named_errors::wrong;
 use crate::export::skew::Skew;
-use crate::export::{ExportedFile, round};
 
 pub(super) const FILE: &str = "matrixkins.hal";
 

@@ -15,12 +15,13 @@
 //! multiplied by table 2 (Z1 for X1, "linear"). That a lever does not act besides follows from the example, in which it
 //! would move X1 by all of Z1; whether the table of the sine does makes no difference: 1e-4 are 0.1 µm.
 
+use trueaxis_files::round;
 use trueaxis_kinematics::{AxisKind, Branch, Machine};
 
 use crate::export::line::{Line, Sums, interpolate};
 use crate::export::sinumerik::sag::Product;
 use crate::export::sinumerik::table::{Kind, Table};
-use crate::export::{Request, Rule, round};
+use crate::export::{Request, Rule};
 use crate::{Error, Moved, axis_deviations};
 
 /// What stays below this everywhere gets no table, mm: second-order effects of the levers that no angle turns.

@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
+use trueaxis_files::round;
+
 use crate::Error;
 use crate::export::line::interpolate;
-use crate::export::round;
 
 /// Decimals of mm and degrees.
 const DECIMALS: i32 = 7;

@@ -1,8 +1,10 @@
 //! Two small tables that show what a control makes of a product, before anything is at stake.
 
+use trueaxis_files::round;
+
 use crate::export::sinumerik::sag::Product;
 use crate::export::sinumerik::table::Table;
-use crate::export::{ExportedFile, Request, round};
+use crate::export::{ExportedFile, Request};
 
 pub(super) const FILE: &str = "LEVER_TRIAL.INI";
 
