@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 
 use serde::Serialize;
-use serde_json::Serializer;
 use serde_json::ser::Formatter;
+use serde_json::{Serializer, Value};
 
 /// Spaces for each level of nesting.
 const INDENT: usize = 2;
@@ -23,6 +23,19 @@ pub fn to_json(value: &impl Serialize) -> serde_json::Result<String> {
     value.serialize(&mut Serializer::with_formatter(&mut bytes, formatter))?;
     bytes.push(b'\n');
     String::from_utf8(bytes).map_err(serde::ser::Error::custom)
+}
+
+/// [`to_json`] of a value, which has no way to fail.
+pub fn value_to_json(value: &Value) -> String {
+    to_json(value).expect("numbers and strings serialise")
+}
+
+/// An object without its fields that are null: the optional ones that do not apply.
+pub fn without_nulls(mut object: Value) -> Value {
+    if let Value::Object(fields) = &mut object {
+        fields.retain(|_, value| !value.is_null());
+    }
+    object
 }
 
 struct FieldPerLine {

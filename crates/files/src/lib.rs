@@ -52,7 +52,7 @@ pub use csv_cell::csv_cell;
 pub use document::Format;
 pub use document_error::{DocumentError, DocumentProblem};
 pub use field_line::{field_line, field_span};
-pub use json::to_json;
+pub use json::{to_json, value_to_json, without_nulls};
 pub use names::{check_names, index_of};
 pub use npy::{Array, NpyError, from_npy, to_npy};
 pub use npz::{NpzError, NpzWriter, from_npz};

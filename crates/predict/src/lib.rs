@@ -54,7 +54,7 @@ pub use calibrated_machine::{CalibratedMachine, MeasuredAxis};
 pub use compare::{Difference, OtherReferencePoint};
 pub use coverage_factor::coverage_factor;
 pub use factored_covariance::FactoredCovariance;
-pub use files::predicted_csv::to_csv;
+pub use files::predicted_csv::{ERROR_COLUMNS, to_csv};
 pub use files::read_error::{CovarianceProblem, ReadError};
 pub use interpolation::{Node, weights_at};
 pub use output::{Output, OutputCovariance, Unit, position_in_file};

@@ -1,12 +1,12 @@
 //! The adjustment in `calibration.json`.
 
 use serde_json::{Value, json};
-use trueaxis_files::{round, significant};
+use trueaxis_files::{round, significant, without_nulls};
 use trueaxis_poses::{
     AdjustmentReport, InterruptedOccupation, NoiseBasis, NoiseReport, PartReport, RejectedLength,
 };
 
-use crate::files::{unless_empty, without_nulls};
+use crate::files::unless_empty;
 use trueaxis_predict::Unit;
 
 fn um(value_mm: f64) -> f64 {

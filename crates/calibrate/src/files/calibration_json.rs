@@ -7,14 +7,14 @@ use nalgebra::Point3;
 use serde::Serialize;
 use serde_json::{Value, json};
 use trueaxis_campaign::Direction;
-use trueaxis_files::{round, significant};
+use trueaxis_files::{round, significant, value_to_json, without_nulls};
 use trueaxis_kinematics::{ARCSEC, Component, MICROMETRE};
 use trueaxis_poses::{
     KnownMisfit, Method, ReflectorConstant, ScaleBasis, ScaleResult, SideDifference, StepMisfit,
 };
 
 use crate::files::adjustment_json::adjustment;
-use crate::files::{text, unless_empty, without_nulls};
+use crate::files::unless_empty;
 use crate::result::budget::Budget;
 use crate::result::calibration::{
     AxisResult, Calibration, LocationResult, RelativeLocation, RunMisfit, StationResult,
@@ -42,7 +42,7 @@ impl Calibration {
         let misfits = self.misfits.iter().map(misfit);
         let misfits = misfits.chain(self.axes.iter().filter_map(misfit_of_runs));
         let misfits = misfits.chain(self.known_misfits.iter().map(misfit_of_known));
-        text(&without_nulls(json!({
+        value_to_json(&without_nulls(json!({
             "format": "trueaxis-calibration",
             "version": 1,
             "campaign": self.campaign,

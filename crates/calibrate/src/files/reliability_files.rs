@@ -6,10 +6,9 @@
 
 use serde_json::json;
 use trueaxis_campaign::Lengths;
-use trueaxis_files::round;
+use trueaxis_files::{round, value_to_json};
 use trueaxis_kinematics::MICROMETRE;
 
-use crate::files::text;
 use crate::replay::reliability::{LengthReliability, LengthsReliability};
 use crate::result::numbered::NumberedResult;
 
@@ -33,7 +32,7 @@ impl LengthsReliability {
         let of_each = self.lengths.iter();
         let lines = of_each.clone().map(|l| lengths.readings[l.reading].line);
         let outputs = results.iter().map(|result| &result.output);
-        text(&json!({
+        value_to_json(&json!({
             "format": "trueaxis-reliability",
             "version": 1,
             "matrix": Self::MATRIX_FILE,

@@ -8,6 +8,7 @@ use std::fmt::Write;
 
 use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
+use trueaxis_predict::ERROR_COLUMNS;
 
 use crate::export::line::positions;
 use crate::export::named_errors::wrong;
@@ -28,16 +29,6 @@ const SAME: f64 = 1e-6;
 
 /// Rows beyond this are no table.
 const MOST_ROWS: usize = 1_000_000;
-
-/// Columns of the error of the tool.
-const OF_ERRORS: [&str; 6] = [
-    "ex_um",
-    "ey_um",
-    "ez_um",
-    "ea_arcsec",
-    "eb_arcsec",
-    "ec_arcsec",
-];
 
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let axes = request.linear_axes(FORMAT.name)?;
@@ -82,7 +73,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
 
     let mut text = names.join(",");
     text.push(',');
-    text.push_str(&OF_ERRORS.join(","));
+    text.push_str(&ERROR_COLUMNS.join(","));
     // Writing to a String cannot fail.
     names.iter().for_each(|name| {
         let _ = write!(text, ",add_{name}_um");
@@ -149,7 +140,7 @@ fn check_header(
         let name = request.name(axis);
         [name.to_owned(), format!("add_{name}_um")]
     });
-    let known: Vec<String> = of_axes.chain(OF_ERRORS.map(str::to_owned)).collect();
+    let known: Vec<String> = of_axes.chain(ERROR_COLUMNS.map(str::to_owned)).collect();
     let is_one = |(k, name): (usize, &&str)| {
         known.iter().any(|known| known == name) && !header[..k].contains(name)
     };

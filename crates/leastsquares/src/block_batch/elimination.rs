@@ -75,10 +75,7 @@ impl BlockBatch {
             let products = (&mut self.factor[..], &mut self.coupling[..]);
             match rows.len() / length {
                 1 => add_products(&self.shape, start, [rows], products),
-                _ => {
-                    let ((a, rest), c) = (rows.split_at(length), &rows[2 * length..]);
-                    add_products(&self.shape, start, [a, &rest[..length], c], products);
-                }
+                _ => add_products(&self.shape, start, three(rows, length), products),
             }
         }
         for k in 0..datum {
@@ -162,10 +159,9 @@ impl BlockBatch {
             let of_factor = |j: usize| -self.factor[j * unknowns + k];
             let mut threes = above.chunks_exact(3 * width);
             let mut j = 0;
-            for three in &mut threes {
-                let ((a, rest), c) = (three.split_at(width), &three[2 * width..]);
+            for rows in &mut threes {
                 let factors = [of_factor(j), of_factor(j + 1), of_factor(j + 2)];
-                add_several_times(row, factors, [a, &rest[..width], c]);
+                add_several_times(row, factors, three(rows, width));
                 j += 3;
             }
             for before in threes.remainder().chunks_exact(width) {
@@ -186,11 +182,11 @@ impl BlockBatch {
         let has_runs = in_runs > 0;
         for range in Self::together(&self.starts) {
             let start = self.starts[range.start];
-            let row =
-                |k: usize| &self.rows[(range.start + k) * length + unknowns..][..length - unknowns];
+            let rows = &self.rows[range.start * length..range.end * length];
+            let at = (has_runs, start, in_runs);
             match range.len() {
-                1 => sums.add_rows((has_runs, start, in_runs), [row(0)]),
-                _ => sums.add_rows((has_runs, start, in_runs), [row(0), row(1), row(2)]),
+                1 => sums.add_rows(at, [&rows[unknowns..]]),
+                _ => sums.add_rows(at, three(rows, length).map(|row| &row[unknowns..])),
             }
         }
         for (k, closure) in self.closure.iter().enumerate() {
@@ -231,4 +227,11 @@ fn add_products<const N: usize>(
         let residuals = tails.map(|tail| &tail[others..]);
         add_several_times(&mut sums[width - 1..], factors, residuals);
     }
+}
+
+/// Three rows that stand one after the other.
+#[inline(always)]
+fn three(rows: &[Lanes], length: usize) -> [&[Lanes]; 3] {
+    let ((a, rest), c) = (rows.split_at(length), &rows[2 * length..]);
+    [a, &rest[..length], c]
 }

@@ -6,8 +6,8 @@
 use serde::{Serialize, Serializer};
 use serde_json::json;
 use trueaxis_campaign::Direction;
+use trueaxis_files::{value_to_json, without_nulls};
 
-use crate::files::{text, without_nulls};
 use crate::output::{Output, OutputCovariance, position_in_file};
 
 /// As files name a result.
@@ -56,7 +56,7 @@ impl OutputCovariance {
 
     /// The text of `covariance.json`: what the rows and columns are.
     pub fn index_json(&self) -> String {
-        text(&json!({
+        value_to_json(&json!({
             "format": "trueaxis-covariance",
             "version": 1,
             "matrix": Self::MATRIX_FILE,

@@ -12,8 +12,8 @@ use crate::predict::Prediction;
 /// Columns of the tool point.
 const POINT: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 
-/// Columns of the error of the tool against the workpiece.
-pub(crate) const ERROR: [&str; 6] = [
+/// Columns of the error of the tool against the workpiece, µm and ″.
+pub const ERROR_COLUMNS: [&str; 6] = [
     "ex_um",
     "ey_um",
     "ez_um",
@@ -41,7 +41,10 @@ impl Prediction {
     /// uncertainty (actual minus nominal), and whether an axis stands outside its steps.
     pub fn columns(machine: &Machine) -> Vec<&str> {
         let axes = machine.axes().iter().map(|axis| axis.name());
-        axes.chain(POINT).chain(ERROR).chain(BEHIND).collect()
+        axes.chain(POINT)
+            .chain(ERROR_COLUMNS)
+            .chain(BEHIND)
+            .collect()
     }
 
     /// The row of this prediction.

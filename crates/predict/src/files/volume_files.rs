@@ -5,12 +5,11 @@ use std::fmt::Write;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use trueaxis_files::round;
+use trueaxis_files::{round, value_to_json, without_nulls};
 use trueaxis_kinematics::{ARCSEC, MICROMETRE, MotionError};
 
 use crate::calibrated_machine::CalibratedMachine;
-use crate::files::predicted_csv::{ERROR, to_csv};
-use crate::files::{text, without_nulls};
+use crate::files::predicted_csv::{ERROR_COLUMNS, to_csv};
 use crate::output::position_in_file;
 use crate::volume::statistics::Sizes;
 use crate::volume::{Figure, Volume};
@@ -74,7 +73,7 @@ impl Volume {
             })
             .collect();
         let point: [f64; 3] = self.places.tool_home_mm.coords.into();
-        text(&json!({
+        value_to_json(&json!({
             "format": "trueaxis-volume",
             "version": 1,
             "machine": machine.name,
@@ -120,7 +119,7 @@ impl Volume {
     pub fn map_csv(&self, machine: &CalibratedMachine, map: &[MotionError]) -> String {
         let axes = machine.machine().axes();
         let names = axes.iter().map(|axis| axis.name());
-        let columns: Vec<&str> = names.chain(ERROR).collect();
+        let columns: Vec<&str> = names.chain(ERROR_COLUMNS).collect();
         let rows = map.iter().zip(self.places.map()).map(|(error, number)| {
             let positions = self.places.at_node(number);
             let positions = axes.iter().zip(positions);
