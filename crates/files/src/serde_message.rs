@@ -6,7 +6,7 @@ use crate::{Alternatives, DocumentProblem};
 const TRAILING: &str = "trailing characters";
 
 impl DocumentProblem {
-    /// What serde says of a document (JSON, TOML), without its position. serde writes its reasons in words alone: the
+    /// What serde says of a document (JSON, TOML), without its position. serde gives its reasons as text alone: the
     /// kind first, then the name found and those that it knows, each in backticks.
     pub fn from_serde(message: &str) -> Self {
         let mut names = message.split('`').skip(1).step_by(2);

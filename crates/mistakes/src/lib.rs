@@ -8,7 +8,7 @@
 //! mean difference from what the others predict.
 //!
 //! Noun in: a [`trueaxis_campaign::Campaign`], and how one is calibrated (a function to a [`Trial`]); noun out: an
-//! explanation in words ([`Mistakes::explanation`]). [`Mistakes::lost_sweeps`] explains sweeps of which most lengths were
+//! explanation for the user ([`Mistakes::explanation`]). [`Mistakes::lost_sweeps`] explains sweeps of which most lengths were
 //! thrown away.
 //!
 //! ```

@@ -58,14 +58,14 @@ pub struct Mistakes<'a> {
 }
 
 impl Mistakes<'_> {
-    /// The mistakes that would explain data that contradict each other, in words: where they were made, and what to
+    /// A text about the mistakes that would explain data that contradict each other: where they were made, and what to
     /// change. `None` if none does.
     pub fn explanation(&self) -> Option<String> {
         self.campaign.lengths.as_ref()?;
         self.explanation_within(&Scope::default())
     }
 
-    /// What would explain the lengths of a part of the measurement, in words.
+    /// A text about what would explain the lengths of a part of the measurement.
     pub(crate) fn explanation_within(&self, within: &Scope) -> Option<String> {
         let fits = self.explanations(within);
         let words = fits.iter().map(|mistake| mistake.in_words(self.campaign));

@@ -152,7 +152,7 @@ pub enum Error {
         /// Share that may be removed.
         limit: f64,
     },
-    /// A station or a group would lose so many readings that the others prove nothing.
+    /// A station or a group would lose too many readings for the others to prove anything.
     #[error("{part:?} would lose {removed} of {readings} lengths, more than {limit:.2} of them")]
     PartLost {
         /// What loses them.

@@ -106,7 +106,7 @@ pub fn estimate_noise(
     if too_good {
         return common_factor(&mut adjusted, given);
     }
-    // A start far from the residuals may end where nothing is told apart.
+    // A start far from the residuals may end where the components cannot be separated.
     let plausible = declared && above > REJECTED && above < 1.0 - REJECTED;
     let starts = [
         Some(given).filter(|n| plausible && n.repeatability_mm > 0.0),

@@ -56,7 +56,7 @@ pub enum Error {
          that every row names its own station"
     )]
     RanAway {
-        /// The length with the largest misfit, in words.
+        /// A description of the length with the largest misfit.
         length: String,
         /// Its misfit, mm.
         residual_mm: f64,

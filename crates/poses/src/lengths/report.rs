@@ -137,7 +137,7 @@ impl LengthsAdjustment<'_> {
         }
     }
 
-    /// The used length with the largest residual, in words.
+    /// A description of the used length with the largest residual.
     fn worst_length(&self) -> String {
         let residuals = &self.screened.solution.residuals_mm;
         let residuals = self.screened.kept.iter().zip(residuals);
