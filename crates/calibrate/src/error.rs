@@ -7,12 +7,12 @@ pub enum Error {
     #[error(transparent)]
     Poses(#[from] trueaxis_poses::Error),
     /// The poses do not determine the errors of an axis, or nothing tells their uncertainty.
-    #[error("{what}; {mend}")]
+    #[error("{what}; {hint}")]
     NotIdentifiable {
         /// What cannot be determined, by name.
         what: String,
         /// What would determine it.
-        mend: String,
+        hint: String,
     },
     /// The component errors did not settle.
     #[error(

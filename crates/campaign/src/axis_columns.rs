@@ -85,7 +85,7 @@ impl<'a> AxisColumns<'a> {
                     low: position_unit::in_file(kind, low),
                     high: position_unit::in_file(kind, high),
                     unit: kind.position_unit(),
-                    mend: if micrometres {
+                    hint: if micrometres {
                         "it looks like um: divide the column by 1000"
                     } else {
                         "correct the position, or the travel in campaign.json"

@@ -74,16 +74,16 @@ pub enum Problem {
 
     // The file as a whole.
     /// There is no such file.
-    #[error("there is no such file; {mend}")]
+    #[error("there is no such file; {hint}")]
     NotFound {
         /// Who names the file, or what to give instead.
-        mend: String,
+        hint: String,
     },
     /// A folder stands where a file is needed.
-    #[error("this is a folder, expected a file; {mend}")]
+    #[error("this is a folder, expected a file; {hint}")]
     Folder {
         /// Who names the file, or what to give instead.
-        mend: String,
+        hint: String,
     },
     /// The operating system refuses to read the file.
     #[error("the file cannot be read; check its permissions")]
@@ -199,7 +199,7 @@ pub enum Problem {
     /// A commanded position beyond the end of the axis.
     #[error(
         "position {position} {unit} is outside the travel {low} to {high} {unit} of \
-         the axis; {mend}"
+         the axis; {hint}"
     )]
     OutsideTravel {
         /// The position as in the file.
@@ -211,7 +211,7 @@ pub enum Problem {
         /// mm or deg.
         unit: &'static str,
         /// What could be done.
-        mend: &'static str,
+        hint: &'static str,
     },
     /// A target read twice without a motion in between.
     #[error(

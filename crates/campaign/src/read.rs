@@ -24,8 +24,8 @@ use crate::{
 /// ([`Error`]). `campaign.json` is checked first, then each row of the data, then rows against
 /// each other, then the data against the motion of the machine, then the verifications.
 pub fn read(path: &Path) -> Result<Campaign, Error> {
-    read_from(path, &|file, mend| {
-        text_file::read(file, mend).map(Cow::Owned)
+    read_from(path, &|file, hint| {
+        text_file::read(file, hint).map(Cow::Owned)
     })
 }
 
@@ -174,11 +174,11 @@ impl<'t> Folder<'_, 't> {
     fn text(&self, name: &str, field: &str) -> Result<(PathBuf, Cow<'t, str>), Error> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let file = folder.join(name);
-        let mend = format!(
+        let hint = format!(
             "{}, field {field}, names it; names of files are relative to that file",
             self.path.display()
         );
-        let text = (self.text_of)(&file, &mend)?;
+        let text = (self.text_of)(&file, &hint)?;
         Ok((file, text))
     }
 }

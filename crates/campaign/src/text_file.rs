@@ -8,18 +8,18 @@ use crate::{Error, Place, Problem};
 
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// The text of `file` without a byte order mark. `mend` says what to do if it is not there.
-pub(crate) fn read(file: &Path, mend: &str) -> Result<String, Error> {
+/// The text of `file` without a byte order mark. `hint` says what to do if it is not there.
+pub(crate) fn read(file: &Path, hint: &str) -> Result<String, Error> {
     let place = || Place::file(file);
     if file.is_dir() {
         return Err(Problem::Folder {
-            mend: mend.to_owned(),
+            hint: hint.to_owned(),
         }
         .at(place()));
     }
     let mut bytes = fs::read(file).map_err(|source| match source.kind() {
         io::ErrorKind::NotFound => Problem::NotFound {
-            mend: mend.to_owned(),
+            hint: hint.to_owned(),
         }
         .at(place()),
         _ => Problem::Unreadable { source }.at(place()),

@@ -59,16 +59,16 @@ pub enum Problem {
     #[error(transparent)]
     Document(DocumentProblem),
     /// There is no such file.
-    #[error("there is no such file; {mend}")]
+    #[error("there is no such file; {hint}")]
     NotFound {
         /// What to give instead.
-        mend: &'static str,
+        hint: &'static str,
     },
     /// A folder stands where a file is needed.
-    #[error("this is a folder, expected a file; {mend}")]
+    #[error("this is a folder, expected a file; {hint}")]
     Folder {
         /// What to give instead.
-        mend: &'static str,
+        hint: &'static str,
     },
     /// The operating system refuses to read the file.
     #[error("the file cannot be read; check its permissions")]

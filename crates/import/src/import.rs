@@ -64,13 +64,13 @@ impl Imported {
 /// The bytes of a file.
 ///
 /// # Errors
-/// If there is no such file or it cannot be read; `mend` says what to give instead.
-pub(crate) fn bytes(file: &Path, mend: &'static str) -> Result<Vec<u8>, Error> {
+/// If there is no such file or it cannot be read; `hint` says what to give instead.
+pub(crate) fn bytes(file: &Path, hint: &'static str) -> Result<Vec<u8>, Error> {
     if file.is_dir() {
-        return Err(Problem::Folder { mend }.at(Place::file(file)));
+        return Err(Problem::Folder { hint }.at(Place::file(file)));
     }
     let read = fs::read(file).map_err(|source| match source.kind() {
-        io::ErrorKind::NotFound => Problem::NotFound { mend },
+        io::ErrorKind::NotFound => Problem::NotFound { hint },
         _ => Problem::Unreadable { source },
     });
     read.map_err(|problem| problem.at(Place::file(file)))

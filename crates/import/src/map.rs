@@ -152,8 +152,8 @@ impl Map {
     /// # Errors
     /// If the file cannot be read or [`Self::parse`] refuses it.
     pub fn read(file: &Path) -> Result<Self, Error> {
-        let mend = "--map wants a TOML file that says what the columns mean (docs/import.md)";
-        let bytes = crate::import::bytes(file, mend)?;
+        let hint = "--map wants a TOML file that says what the columns mean (docs/import.md)";
+        let bytes = crate::import::bytes(file, hint)?;
         let text =
             crate::decode::decode(&bytes).map_err(|problem| problem.at(Place::file(file)))?;
         Self::parse(&text, Some(file))

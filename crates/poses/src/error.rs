@@ -9,12 +9,12 @@ pub enum Error {
     )]
     NothingMeasured,
     /// The lengths do not determine stations, points or poses.
-    #[error("{what}; {mend}")]
+    #[error("{what}; {hint}")]
     NotIdentifiable {
         /// What cannot be determined, by name.
         what: String,
         /// What would determine it.
-        mend: String,
+        hint: String,
     },
     /// The adjustment did not reach a minimum.
     #[error(
@@ -27,12 +27,12 @@ pub enum Error {
         termination: String,
     },
     /// So much would have to be removed, or so little tells what, that no result can be trusted.
-    #[error("{what}; {mend}")]
+    #[error("{what}; {hint}")]
     NotTrustworthy {
         /// What contradicts what.
         what: String,
         /// What to do.
-        mend: String,
+        hint: String,
     },
     /// The lengths contradict each other far beyond their noise.
     #[error(
@@ -92,17 +92,17 @@ pub enum Error {
 }
 
 impl Error {
-    pub(crate) fn not_identifiable(what: impl Into<String>, mend: impl Into<String>) -> Self {
+    pub(crate) fn not_identifiable(what: impl Into<String>, hint: impl Into<String>) -> Self {
         Self::NotIdentifiable {
             what: what.into(),
-            mend: mend.into(),
+            hint: hint.into(),
         }
     }
 
-    pub(crate) fn not_trustworthy(what: impl Into<String>, mend: impl Into<String>) -> Self {
+    pub(crate) fn not_trustworthy(what: impl Into<String>, hint: impl Into<String>) -> Self {
         Self::NotTrustworthy {
             what: what.into(),
-            mend: mend.into(),
+            hint: hint.into(),
         }
     }
 }

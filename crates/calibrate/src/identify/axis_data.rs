@@ -123,7 +123,7 @@ fn check_other_axes(data: &AxisData, campaign: &Campaign, poses: &Poses) -> Resu
                         "run {run}: rotary axis {other_name} stands at {:.4}° instead of home",
                         first[other].to_degrees()
                     ),
-                    mend: format!("measure this run with {other_name} at 0°"),
+                    hint: format!("measure this run with {other_name} at 0°"),
                 });
             }
         }

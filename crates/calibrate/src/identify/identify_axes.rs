@@ -228,7 +228,7 @@ fn lever_mm(
 
 fn defect(context: &Context<'_>, k: usize, defect: &GaugeDefect) -> Error {
     let (axis, name) = (&context.data[k], context.axis(k).name());
-    let (what, mend) = match defect {
+    let (what, hint) = match defect {
         GaugeDefect::Positions { singular_value } => (
             format!(
                 "axis {name}: {} position(s) do not tell its location errors from its component \
@@ -252,6 +252,6 @@ fn defect(context: &Context<'_>, k: usize, defect: &GaugeDefect) -> Error {
     };
     Error::NotIdentifiable {
         what,
-        mend: mend.to_owned(),
+        hint: hint.to_owned(),
     }
 }

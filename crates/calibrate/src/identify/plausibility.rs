@@ -35,7 +35,7 @@ pub(crate) fn check_noise(adjustment: &AdjustmentReport) -> Result<(), Error> {
             what: "the noise is not declared and nothing checks the measurement, so that no \
                    uncertainty can be given"
                 .to_owned(),
-            mend: "declare `length_sigma_um` (or `sigma_um` of the points), or measure more"
+            hint: "declare `length_sigma_um` (or `sigma_um` of the points), or measure more"
                 .to_owned(),
         });
     }

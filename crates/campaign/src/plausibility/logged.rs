@@ -18,14 +18,14 @@ struct Range {
 /// Another unit: `(value - zero) factor` is in that of the format.
 struct OtherUnit {
     /// Its name, and what to do with the values.
-    mend: &'static str,
+    hint: &'static str,
     zero: f64,
     factor: f64,
 }
 
 impl OtherUnit {
-    const fn new(mend: &'static str, zero: f64, factor: f64) -> Self {
-        Self { mend, zero, factor }
+    const fn new(hint: &'static str, zero: f64, factor: f64) -> Self {
+        Self { hint, zero, factor }
     }
 }
 
@@ -94,14 +94,14 @@ impl LoggedQuantity {
         let looks_like = range.others.iter().find(is_usual);
         let shifted = [10.0, 100.0, 1000.0].map(|factor| value / factor);
         let lost_point = shifted.into_iter().find(|&v| within(range.usual, v));
-        let mend = match (looks_like, lost_point) {
-            (Some(other), _) => format!("it looks like {}", other.mend),
+        let hint = match (looks_like, lost_point) {
+            (Some(other), _) => format!("it looks like {}", other.hint),
             (None, Some(value)) => format!("is the decimal point missing, as in {value}?"),
             (None, None) => "leave the cell empty if nothing was measured".to_owned(),
         };
         Err(Problem::value(
             format!("{} of {value} {unit}", range.quantity),
-            format!("{low} to {high} {unit}; {mend}"),
+            format!("{low} to {high} {unit}; {hint}"),
         ))
     }
 }

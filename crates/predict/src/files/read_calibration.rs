@@ -87,7 +87,7 @@ impl CalibratedMachine {
     pub fn read(path: &Path) -> Result<Self, ReadError> {
         let text = std::fs::read_to_string(path).map_err(|source| ReadError::Unreadable {
             path: path.to_owned(),
-            mend: "give the path of a calibration.json",
+            hint: "give the path of a calibration.json",
             source,
         })?;
         let document: Document = FORMAT.read(&text, Some(path))?;
@@ -288,7 +288,7 @@ impl Measured {
         let path = calibration.with_file_name(FactoredCovariance::FILE);
         let bytes = std::fs::read(&path).map_err(|source| ReadError::Unreadable {
             path: path.clone(),
-            mend: "it belongs beside calibration.json; copy it there, or calibrate the campaign again",
+            hint: "it belongs beside calibration.json; copy it there, or calibrate the campaign again",
             source,
         })?;
         let factors = self.factors(&bytes, stations);

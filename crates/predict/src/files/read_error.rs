@@ -9,12 +9,12 @@ use trueaxis_files::{DocumentError, NpzError};
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// A file cannot be read.
-    #[error("{} cannot be read; {mend}", path.display())]
+    #[error("{} cannot be read; {hint}", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
         /// What to do.
-        mend: &'static str,
+        hint: &'static str,
         /// The reason of the operating system.
         source: io::Error,
     },
