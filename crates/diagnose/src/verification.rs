@@ -151,7 +151,7 @@ fn compared<'a>(
 fn given_once<'v>(all: &'v [Verification], notices: &mut Vec<String>) -> Vec<&'v Verification> {
     let mut once: Vec<&Verification> = Vec::new();
     for verification in all {
-        let is_same = |other: &&&Verification| {
+        let is_repeated = |other: &&&Verification| {
             let rows = other.readings.iter().zip(&verification.readings);
             let count = verification.readings.len();
             // A few readings may be the same by chance.
@@ -163,7 +163,7 @@ fn given_once<'v>(all: &'v [Verification], notices: &mut Vec<String>) -> Vec<&'v
                         && is_same(a.value_um, b.value_um)
                 })
         };
-        match once.iter().find(is_same) {
+        match once.iter().find(is_repeated) {
             Some(first) => notices.push(format!(
                 "{}: its readings are those of {}, one by one: the same file twice, or a wrong one; they were judged once",
                 verification.name, first.name

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use crate::selection::Null;
 
-/// Effective number of independent tests of each effect, on the whole machine.
+/// What is tested of each effect, on the whole machine.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Family {
-    tests: BTreeMap<&'static str, f64>,
+    tests: BTreeMap<&'static str, Vec<Null>>,
 }
 
 /// A cause is named below this probability of any false one.
@@ -15,18 +15,17 @@ pub(crate) const LEVEL: f64 = 0.01;
 
 impl Family {
     /// Adds tests of an effect.
-    pub(crate) fn add(&mut self, effect: &'static str, tests: f64) {
-        *self.tests.entry(effect).or_default() += tests;
+    pub(crate) fn add(&mut self, effect: &'static str, tests: Null) {
+        self.tests.entry(effect).or_default().push(tests);
     }
 
     /// Family-wise p-value of an effect: each effect has the same part, its own tests share it, so
     /// that an effect with one hypothesis for an axis does not pay for the many periods of another.
     pub(crate) fn p_value(&self, effect: &str, ln_p: f64) -> f64 {
-        let own = self.tests.get(effect).copied().unwrap_or(1.0);
-        let null = Null {
-            tests: own * self.tests.len().max(1) as f64,
-        };
-        null.family_wise(ln_p).min(1.0)
+        let own = self.tests.get(effect).into_iter().flatten();
+        let own: f64 = own.map(|null| null.tests_at(ln_p)).sum();
+        let tests = own.max(1.0) * self.tests.len().max(1) as f64;
+        Null::independent(tests).family_wise(ln_p).min(1.0)
     }
 }
 
@@ -37,9 +36,9 @@ mod tests {
     #[test]
     fn effects_share_alike() {
         let mut family = Family::default();
-        family.add("cyclic_error", 90.0);
-        family.add("cyclic_error", 10.0);
-        family.add("scale_error", 1.0);
+        family.add("cyclic_error", Null::independent(90.0));
+        family.add("cyclic_error", Null::independent(10.0));
+        family.add("scale_error", Null::independent(1.0));
         let p = |effect| family.p_value(effect, 1e-6_f64.ln());
         assert!((p("cyclic_error") - 2e-4).abs() < 1e-7);
         assert!((p("scale_error") - 2e-6).abs() < 1e-9);

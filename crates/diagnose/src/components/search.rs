@@ -77,7 +77,7 @@ impl<'a> Search<'a> {
         }
         let pairs = self.straightness_and_angle();
         for _ in &pairs {
-            self.family.add(Bow::EFFECT, 1.0);
+            self.family.add(Bow::EFFECT, Null::independent(1.0));
         }
         for (search, judged) in self.sets.iter_mut().zip(first) {
             search.select(judged, &self.family);
@@ -192,10 +192,10 @@ impl SetSearch {
                 continue;
             };
             let tests = if candidate.shapes.len() == 1 {
-                1.0
+                Null::independent(1.0)
             } else {
                 let scans: [Box<dyn Scan>; 1] = [Box::new(scan)];
-                Null::simulated(&likely.projection, &scans).tests
+                Null::simulated(&likely.projection, &scans)
             };
             family.add(candidate.hypothesis.effect.id, tests);
         }
