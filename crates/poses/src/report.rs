@@ -64,7 +64,7 @@ pub struct PartReport {
 pub struct RejectedLength {
     /// Line of the file, from 1 (the header).
     pub line: usize,
-    /// Station, target and step in words.
+    /// A description: station, target and step.
     pub length: String,
     /// Its estimated error, observed minus right, mm.
     pub error_mm: f64,
@@ -95,7 +95,7 @@ pub struct InterruptedOccupation {
 }
 
 impl InterruptedOccupation {
-    /// What made the lengths jump, in words.
+    /// A description of what made the lengths jump.
     pub fn cause(&self) -> &'static str {
         match self.tripod_may_have_moved {
             _ if self.may_wander => {
@@ -110,7 +110,7 @@ impl InterruptedOccupation {
 /// A step whose points do not move as a rigid body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepMisfit {
-    /// The step in words.
+    /// A description of the step.
     pub step: String,
     /// Rms of what a rigid motion leaves, µm.
     pub rms_um: f64,
@@ -125,7 +125,7 @@ pub struct StepMisfit {
 /// Something known, a dead path or a length, that contradicts the lengths.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KnownMisfit {
-    /// What, in words.
+    /// A description of what it is.
     pub what: String,
     /// Known less what the lengths and all else that is known say, mm.
     pub difference_mm: f64,

@@ -173,7 +173,7 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
     Figure::new(&format!("component-{name}"), plot.finish())
 }
 
-/// More points of a curve than these cannot be told apart in its figure.
+/// A figure cannot show more points of a curve than these one by one.
 const MOST_POINTS: usize = 400;
 
 /// Points in the order of their positions, of each part of a long curve the least and the largest.

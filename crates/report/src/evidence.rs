@@ -107,7 +107,7 @@ fn by(residuals: &Residuals) -> &'static str {
     }
 }
 
-/// A length or a coordinate in words.
+/// The name of a length or a coordinate.
 fn observed(residuals: &Residuals, series: usize, target: usize) -> String {
     let (series, target) = (&residuals.series[series], &residuals.targets[target]);
     match residuals.of_points {

@@ -27,7 +27,7 @@ pub(crate) struct Input {
     pub(crate) montecarlo: Option<Value>,
     pub(crate) verification: Option<Document<Verification>>,
     pub(crate) residuals: Option<Residuals>,
-    /// Files that do not belong to the others, in words.
+    /// Descriptions of the files that do not belong to the others.
     pub(crate) left_out: Vec<String>,
 }
 

@@ -42,10 +42,10 @@ const DRAWS: u64 = 200;
 /// Beyond this growth, `m(x) x` would not increase with x.
 const MOST_GROWTH: f64 = 2.0;
 
+/// Growths that are compared, from none to the most.
 const GROWTHS: u32 = 41;
 
-/// Tests are taken for independent unless growth makes the draws more likely by this (Akaike): few tests of few data
-/// are.
+/// Tests are independent, as few tests of few data are, unless growth raises the log-likelihood by this (Akaike).
 const GROWS: f64 = 1.0;
 
 const SEED: u64 = 0x7472_7565_6178_6973;
@@ -75,20 +75,20 @@ impl Null {
         Self::most_likely(&smallest, tests)
     }
 
-    /// From the logarithms of the smallest p-values of so many tests in draws of noise.
+    /// The most likely one, given the logarithm of the smallest p-value of each draw and the number of tests.
     fn most_likely(smallest: &[f64], tests: usize) -> Self {
         let (count, most) = (smallest.len() as f64, tests as f64);
         let of_growth = |step: u32| {
             let growth = MOST_GROWTH * f64::from(step) / f64::from(GROWTHS - 1);
-            let of_one = Self {
-                tests: 1.0,
+            let of_one = |ln_p: &f64| -grown(*ln_p, growth) * (-ln_p.exp()).ln_1p();
+            let sum: f64 = smallest.iter().map(of_one).sum();
+            let tests = count / sum.max(f64::MIN_POSITIVE);
+            let slopes = smallest.iter().map(|ln_p| ln_slope(*ln_p, growth));
+            let null = Self {
+                tests,
                 growth,
                 most,
             };
-            let sum: f64 = smallest.iter().map(|ln_p| of_one.expected(*ln_p)).sum();
-            let tests = count / sum.max(f64::MIN_POSITIVE);
-            let slopes = smallest.iter().map(|ln_p| of_one.ln_slope(*ln_p));
-            let null = Self { tests, ..of_one };
             (count * tests.ln() + slopes.sum::<f64>(), null)
         };
         let (of_none, none) = of_growth(0);
@@ -110,37 +110,37 @@ impl Null {
 
     /// Effective number of independent tests of which the smallest p-value is this.
     pub(crate) fn tests_at(&self, ln_p: f64) -> f64 {
-        let grown = self.tests * (2.0 - ln_p).powf(self.growth);
-        grown.min(self.most).max(1.0)
-    }
-
-    /// `-ln P(q > x)`.
-    fn expected(&self, ln_p: f64) -> f64 {
-        -self.tests * (2.0 - ln_p).powf(self.growth) * (-ln_p.exp()).ln_1p()
-    }
-
-    /// Logarithm of the derivative of `-ln P(q > x)` by x.
-    fn ln_slope(&self, ln_p: f64) -> f64 {
-        let (p, from) = (ln_p.exp(), 2.0 - ln_p);
-        let left = (1.0 - p).max(f64::EPSILON);
-        let of_one = 1.0 / left + self.growth * left.ln() / (from * p);
-        self.tests.ln() + self.growth * from.ln() + of_one.max(f64::MIN_POSITIVE).ln()
+        let tests = self.tests * grown(ln_p, self.growth);
+        tests.min(self.most).max(1.0)
     }
 
     /// Probability that noise alone gives a p-value as small somewhere.
     pub(crate) fn family_wise(&self, ln_p: f64) -> f64 {
+        let tests = self.tests_at(ln_p);
         // 1 - (1 - p)^m without losing small p.
-        let ln_none = self.tests_at(ln_p) * (-ln_p.exp()).ln_1p();
-        let some = -ln_none.exp_m1();
+        let some = -(tests * (-ln_p.exp()).ln_1p()).exp_m1();
         if some > 0.0 {
             some
         } else {
-            (ln_p + self.tests_at(ln_p).ln()).exp()
+            (ln_p + tests.ln()).exp()
         }
     }
 }
 
-/// Logarithm of the smallest p-value of all hypotheses and shapes for each of some residuals, and their number.
+/// `m(x)` for `m = 1`.
+fn grown(ln_p: f64, growth: f64) -> f64 {
+    (2.0 - ln_p).powf(growth)
+}
+
+/// Logarithm of the derivative of `-ln P(q > x)` by x for `m = 1`: of the density of `q`, beside `P(q > x)`.
+fn ln_slope(ln_p: f64, growth: f64) -> f64 {
+    let (p, from) = (ln_p.exp(), 2.0 - ln_p);
+    let left = (1.0 - p).max(f64::EPSILON);
+    let of_one = 1.0 / left + growth * left.ln() / (from * p);
+    growth * from.ln() + of_one.max(f64::MIN_POSITIVE).ln()
+}
+
+/// For each of some residuals the logarithm of the smallest p-value of all hypotheses and shapes; and how many these are.
 fn smallest_ln_p(
     residuals: &[Vec<f64>],
     degrees_of_freedom: f64,
