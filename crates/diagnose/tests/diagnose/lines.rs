@@ -7,7 +7,7 @@ use trueaxis_diagnose::Diagnosis;
 
 use crate::counts::Counts;
 use crate::iso_run::{Place, beyond_the_mean_curve, curve_um, places, table, values_um};
-use crate::{found, generator, length};
+use crate::{found, generator, length, report};
 
 /// A disturbance of random form, to be scaled.
 type Form = fn(&Place, &[f64]) -> f64;
@@ -104,22 +104,43 @@ fn outcome(case: &Case, lambda: f64, seed: u64) -> Diagnosis {
 }
 
 /// Every case `seeds` times, at the strength that is just found and at one that is plain.
-fn assert_named(seeds: u64) {
-    for lambda in [7.0, 20.0] {
-        for case in &CASES {
-            let mut counts = Counts::default();
-            for seed in 0..seeds {
-                counts.add(&outcome(case, lambda, seed), case.effect, Some(0));
-            }
-            let Case { effect, timed, .. } = case;
-            counts.assert_named(seeds, &format!("λ {lambda}: {effect} (times: {timed})"));
+fn counts(seeds: u64) -> Vec<(String, Counts)> {
+    let strengths = [7.0, 20.0];
+    let all = strengths
+        .iter()
+        .flat_map(|l| CASES.iter().map(move |c| (l, c)));
+    let counted = all.map(|(&lambda, case)| {
+        let mut counts = Counts::default();
+        for seed in 0..seeds {
+            counts.add(&outcome(case, lambda, seed), case.effect, Some(0));
         }
-    }
+        let Case { effect, timed, .. } = case;
+        (format!("λ {lambda}: {effect} (times: {timed})"), counts)
+    });
+    counted.collect()
+}
+
+/// Three of each. For a true rate of 98 % fewer than 33 of 36 come with a probability of 0.6 %; the seeds are fixed.
+#[test]
+fn each_effect_is_named() {
+    let counts = counts(3);
+    let all = counts.iter();
+    let (right, wrong) = all.fold((0, 0), |(right, wrong), (line, of)| {
+        report(&format!("{line}: {of:?}"));
+        (right + of.right(), wrong + of.wrong)
+    });
+    assert!(
+        right >= 33 && wrong <= 1,
+        "{right} right, {wrong} wrong of 36"
+    );
 }
 
 /// For a true rate of 99 % fewer than 18 of 20 come with a probability of 1e-3 for each case; the seeds
 /// are fixed.
 #[test]
+#[ignore = "study: 240 diagnoses"]
 fn each_effect_is_named_in_nine_of_ten() {
-    assert_named(20);
+    for (line, counts) in counts(20) {
+        counts.assert_named(20, &line);
+    }
 }

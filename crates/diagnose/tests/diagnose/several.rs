@@ -123,13 +123,13 @@ fn count(case: Case, seeds: std::ops::Range<u64>) -> [usize; 3] {
     std::array::from_fn(|k| judged.iter().filter(|all| all[k]).count())
 }
 
-/// For a true rate of 95 % fewer than 6 of 8 come with a probability of 0.6 % for each case; the seeds are fixed.
+/// For a true rate of 95 % fewer than 3 of 4 come with a probability of 1.4 % for each case; the seeds are fixed.
 #[test]
 fn what_lines_have_in_common_is_one_cause() {
     for case in [Case::Weak, Case::Lost, Case::Late] {
-        let [right, wrong, _] = count(case, 0..8);
-        report(&format!("{case:?}: {right} of 8 right, {wrong} wrong"));
-        assert!(right >= 6 && wrong == 0, "{case:?}: {right} {wrong}");
+        let [right, wrong, _] = count(case, 0..4);
+        report(&format!("{case:?}: {right} of 4 right, {wrong} wrong"));
+        assert!(right >= 3 && wrong == 0, "{case:?}: {right} {wrong}");
     }
 }
 

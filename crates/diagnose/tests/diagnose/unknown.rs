@@ -122,7 +122,7 @@ fn what_wanders_has_its_curve() {
 fn lost_motion_is_named_beside_what_wanders() {
     let mut wandering = 0;
     // Without a clock: at one feed a time offset would be its twin.
-    for seed in 0..12 {
+    for seed in 0..6 {
         let mut generator = generator(seed, 10);
         let places = places(5, &[0.0], &[2.0]);
         let hidden: Vec<f64> = places
@@ -149,5 +149,5 @@ fn lost_motion_is_named_beside_what_wanders() {
         assert!((lost.value - 4.0).abs() < 4.0 * lost.u, "{lost:?}");
         wandering += found.disturbances.len();
     } // One of each, and a second one in 0.2 %.
-    assert!((12..=13).contains(&wandering), "{wandering} in 12");
+    assert!((6..=7).contains(&wandering), "{wandering} in 6");
 }

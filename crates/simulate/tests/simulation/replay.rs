@@ -1,7 +1,7 @@
 //! A campaign and the truth about it give the scenario back: simulated again, it measures the same.
 
 use trueaxis_campaign::Campaign;
-use trueaxis_simulate::{ReplayError, Scenario, Simulated, replay, simulate};
+use trueaxis_simulate::{ReplayError, Scenario, Simulated, Timing, replay, simulate};
 
 use crate::shipped;
 
@@ -97,4 +97,83 @@ fn what_no_scenario_measures_is_refused() {
     elsewhere.targets[0].home_mm.x += 0.3;
     let error = refusal(&campaign, &elsewhere);
     assert!(matches!(error, ReplayError::OtherFrame { off, .. } if (off - 0.1).abs() < 1e-9));
+}
+
+#[test]
+fn the_clock_comes_back() {
+    let mut scenario = Scenario::read(shipped::path("rotary-stage")).unwrap();
+    scenario.timing = Timing {
+        start_s: 3.0,
+        per_reading_s: 1.25,
+        per_move_s: 7.5,
+        per_station_change_s: 600.0,
+    };
+    let Simulated { campaign, truth } = simulate(&scenario, 1).unwrap();
+    let replay = replay(&campaign, &truth).unwrap();
+    assert_eq!(replay.scenario.timing, scenario.timing);
+    assert_eq!(replay.notices, [""; 0]);
+}
+
+/// A pause that an even clock does not have.
+#[test]
+fn instants_stay_between_the_same_lengths() {
+    let Simulated {
+        mut campaign,
+        mut truth,
+    } = simulated("rotary-stage");
+    let readings = &mut campaign.lengths.as_mut().unwrap().readings;
+    readings[401..].iter_mut().for_each(|r| r.time_s += 500.0);
+    let between = |readings: &[trueaxis_campaign::LengthReading]| {
+        0.25 * readings[400].time_s + 0.75 * readings[401].time_s
+    };
+    let shift = ["x", "y", "z"].map(
+        |axis| serde_json::json!({ "name": format!("shift_{axis}"), "value": 3.0, "unit": "um" }),
+    );
+    let time = serde_json::json!({ "name": "time", "value": between(readings), "unit": "s" });
+    let [x, y, z] = shift;
+    truth.effects = serde_json::from_value(serde_json::json!([
+        { "effect": "machine_shift", "subject": {}, "parameters": [time, x, y, z] }
+    ]))
+    .unwrap();
+    let replay = replay(&campaign, &truth).unwrap();
+    let again = simulate(&replay.scenario, 5).unwrap().campaign;
+    let instant = replay.scenario.effects[0].parameters[0].value;
+    let expected = between(&again.lengths.unwrap().readings);
+    assert!((instant - expected).abs() < 1e-9, "{instant} {expected}");
+    let [notice] = &replay.notices[..] else {
+        panic!("{:?}", replay.notices)
+    };
+    assert!(notice.contains("differs by up to 500 s from that of the campaign"));
+}
+
+#[test]
+fn what_was_not_measured_is_said() {
+    let Simulated {
+        mut campaign,
+        truth,
+    } = simulated("rotary-stage");
+    let lengths = campaign.lengths.as_mut().unwrap();
+    let missing = lengths.stops.remove(1).readings;
+    lengths.readings.drain(missing.clone());
+    for stop in &mut lengths.stops[1..] {
+        stop.readings = stop.readings.start - missing.len()..stop.readings.end - missing.len();
+    }
+    let replay = replay(&campaign, &truth).unwrap();
+    let said = "replay.json also measures 3 lengths that the campaign does not have";
+    assert_eq!(replay.notices, [said]);
+}
+
+#[test]
+fn another_order_and_more_than_a_replay_measures_are_refused() {
+    let Simulated { campaign, truth } = simulated("rotary-stage");
+    let mut exchanged = campaign.clone();
+    exchanged.lengths.as_mut().unwrap().stops.swap(3, 4);
+    let mut longer = campaign;
+    let lengths = longer.lengths.as_mut().unwrap();
+    let last = lengths.stops[lengths.stops.len() - 1].clone();
+    lengths.stops.push(last);
+    for campaign in [exchanged, longer] {
+        let error = replay(&campaign, &truth).unwrap_err();
+        assert!(matches!(error, ReplayError::OtherOrder), "{error}");
+    }
 }
