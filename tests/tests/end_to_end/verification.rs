@@ -141,11 +141,11 @@ fn share_beyond_u(campaigns: u32) -> (f64, f64) {
     (mean, standard_error)
 }
 
-/// A right U loses more than a tenth of the readings of a mean of four in 2 % of all choices of seeds; they are fixed.
+/// The share scatters by 1.3 % between campaigns: that of four is above 7 % with a probability of 1e-3 if 5 % is right.
 #[test]
 fn readings_of_five_axes_are_inside_u() {
     let (mean, _) = share_beyond_u(4);
-    assert!(mean < 0.1, "{mean}");
+    assert!(mean < 0.07, "{mean}");
 }
 
 /// 95 % within three standard errors: missed by a right U with a probability of 0.1 %.
