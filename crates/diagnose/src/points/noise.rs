@@ -81,6 +81,17 @@ impl Noise {
         }
     }
 
+    /// The largest part by which a variance differs from what it was; one that is none now does not count. What a bound
+    /// holds has not changed, whatever the data want.
+    pub(crate) fn change_since(&self, before: &Self) -> f64 {
+        let now = self.own_mm.iter().chain(&self.return_mm);
+        let pairs = now.zip(before.own_mm.iter().chain(&before.return_mm));
+        let changes = pairs
+            .filter(|(now, _)| **now > 0.0)
+            .map(|(now, before)| ((now / before).powi(2) - 1.0).abs());
+        changes.fold(0.0, f64::max)
+    }
+
     /// Variance of a point along each direction, mm².
     pub(crate) fn variances_mm2(&self, reading: &Reading) -> [f64; 3] {
         let repeatability = |k: usize| reading.pose.map_or(0.0, |_| self.return_mm[k].powi(2));
@@ -96,5 +107,25 @@ impl Noise {
         };
         let sum: f64 = readings.all.iter().map(variance).sum();
         (sum / readings.all.len().max(1) as f64).sqrt() * 1e3
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A direction without noise stays at its bound for good; only what moves keeps an iteration going.
+    #[test]
+    fn what_a_bound_holds_does_not_change() {
+        let before = Noise {
+            own_mm: [2e-3, 1e-3, 1e-4],
+            return_mm: [1e-3, 1e-3, 0.0],
+        };
+        let mut now = before;
+        assert!(now.change_since(&before) < f64::MIN_POSITIVE);
+        now.return_mm[0] = 0.0;
+        assert!(now.change_since(&before) < f64::MIN_POSITIVE);
+        now.own_mm[1] *= 2.0;
+        assert!((now.change_since(&before) - 3.0).abs() < 1e-12);
     }
 }

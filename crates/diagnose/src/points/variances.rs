@@ -103,7 +103,7 @@ impl Model {
         for _ in 0..MOST_PASSES {
             let parts = model.parts(base);
             let factors = [parts[0].factors(apart[0]), parts[1].factors(apart[1])];
-            let mut change = 0.0_f64;
+            let before = noise;
             for (k, (own, back)) in factors[0].into_iter().zip(factors[1]).enumerate() {
                 let own = own.unwrap_or(1.0);
                 noise.own_mm[k] = (noise.own_mm[k] * own.sqrt()).max(LEAST_MM);
@@ -114,12 +114,10 @@ impl Model {
                 if noise.return_mm[k].powi(2) < NONE * noise.own_mm[k].powi(2) {
                     noise.return_mm[k] = 0.0;
                 }
-                let moved = back.filter(|_| noise.return_mm[k] > 0.0);
-                let moved = moved.map_or(0.0, |factor| (factor - 1.0).abs());
-                change = change.max((own - 1.0).abs()).max(moved);
             }
             let largest_mm = noise.own_mm.into_iter().fold(0.0, f64::max);
             noise.own_mm = noise.own_mm.map(|own| own.max(largest_mm / MOST_UNLIKE));
+            let change = noise.change_since(&before);
             model = Self::with(base, causes_mm, noise, None);
             if change < NEARLY {
                 let parts = model.parts(base);
