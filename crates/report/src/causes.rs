@@ -293,6 +293,9 @@ fn parameters(cause: &Cause) -> String {
     let is_shown =
         |p: &&Parameter| !is_wave || !(p.name.starts_with("sine") || p.name.starts_with("cosine"));
     let parts = cause.parameters.iter().filter(is_shown).map(|parameter| {
+        if parameter.name == "waves" {
+            return format!("{:.0} waves per turn", parameter.value);
+        }
         let name = parameter.name.replace('_', " ");
         let unit = match words::unit(&parameter.unit) {
             glued @ ("″" | "°" | "") => glued.to_owned(),
@@ -300,7 +303,7 @@ fn parameters(cause: &Cause) -> String {
         };
         // Instants and durations have no side.
         let with_sign = match parameter.name.as_str() {
-            "time" | "time_constant" | "period" | "waves" => fixed,
+            "time" | "time_constant" | "period" => fixed,
             _ => signed,
         };
         match parameter.u.filter(|u| *u > 0.0) {

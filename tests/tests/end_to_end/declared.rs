@@ -79,10 +79,11 @@ fn assert_is_as_stated(seeds: &Range<u64>, times: f64) {
     assert!(off.is_empty(), "{off:#?}");
 }
 
-/// One of some 80 numbers is off by chance with a probability of 1e-2 (Student's, 14 degrees of freedom).
+/// One of some 80 numbers is off by chance with a probability of 2e-3 (Student's, 29 degrees of freedom). With fewer campaigns
+/// what is drawn once for each could hardly fail.
 #[test]
 fn what_is_declared_is_in_u() {
-    assert_is_as_stated(&(0..15), 5.5);
+    assert_is_as_stated(&(0..30), 5.0);
 }
 
 /// One of some 80 numbers is off by chance with a probability of 20 %; the seeds are fixed.

@@ -246,15 +246,17 @@ fn made(campaign: &Campaign) -> Vec<Made> {
     all
 }
 
-/// Of those that `chosen` tells by their name.
-fn assert_mistakes_are_named(name: &str, chosen: impl Fn(&str) -> bool) {
+/// Of those that `chosen` tells by their name; how many.
+fn assert_mistakes_are_named(name: &str, chosen: impl Fn(&str) -> bool) -> usize {
     let mut missed = Vec::new();
     let made = made(&shipped(name)).into_iter();
+    let made: Vec<Made> = made.filter(|made| chosen(made.name)).collect();
+    let count = made.len();
     for Made {
         name: what,
         campaign,
         words,
-    } in made.filter(|made| chosen(made.name))
+    } in made
     {
         let said = said(&campaign);
         println!("--- {name}, {what}:\n{said}\n");
@@ -263,22 +265,29 @@ fn assert_mistakes_are_named(name: &str, chosen: impl Fn(&str) -> bool) {
         }
     }
     assert!(missed.is_empty(), "{missed:#?}");
+    count
 }
 
 #[test]
 fn every_mistake_is_named_on_a_rotary_stage() {
-    assert_mistakes_are_named("rotary-stage", |_| true);
+    assert_eq!(assert_mistakes_are_named("rotary-stage", |_| true), 10);
 }
 
-/// Those that one run alone has, or that are told by their run.
+/// Those that concern several runs together, or one of several.
 #[test]
-fn mistakes_in_one_run_are_named_on_three_axes() {
-    let of_runs = ["exchange in a sweep", "exchange in a run", "axis reversed"];
-    assert_mistakes_are_named("fxyz", |mistake| of_runs.contains(&mistake));
+fn mistakes_in_some_of_several_runs_are_named() {
+    let of_runs = [
+        "exchange in an occupation",
+        "exchange in a run",
+        "prism constant in a sweep",
+        "axis reversed",
+    ];
+    let count = assert_mistakes_are_named("fxyz", |mistake| of_runs.contains(&mistake));
+    assert_eq!(count, 5);
 }
 
 #[test]
-#[ignore = "study: 27 mistakes on three and five axes"]
+#[ignore = "study: 23 mistakes on three and five axes"]
 fn every_mistake_is_named_on_three_and_five_axes() {
     for name in ["fxyz", "five-axis"] {
         assert_mistakes_are_named(name, |_| true);

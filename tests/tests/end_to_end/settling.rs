@@ -10,7 +10,7 @@ fn explanations(cause: &Cause) -> Vec<(&'static str, Option<usize>)> {
     all.map(|e| (e.effect.id, e.subject.station)).collect()
 }
 
-/// At λ = 12 one of six is missed with a probability below 1e-5; time constants are 3 to 30 % of an occupation.
+/// At λ = 12 one of five is missed with a probability below 1e-5; time constants are 3 to 30 % of an occupation.
 #[test]
 fn a_tripod_that_settles_is_no_machine_that_warms_up() {
     let kind = Kind::three_axis();

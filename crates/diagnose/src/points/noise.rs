@@ -127,5 +127,7 @@ mod tests {
         assert!(now.change_since(&before) < f64::MIN_POSITIVE);
         now.own_mm[1] *= 2.0;
         assert!((now.change_since(&before) - 3.0).abs() < 1e-12);
+        now.return_mm[2] = 1e-3;
+        assert!(now.change_since(&before).is_infinite());
     }
 }

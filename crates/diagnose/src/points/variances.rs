@@ -109,7 +109,11 @@ impl Model {
                 noise.own_mm[k] = (noise.own_mm[k] * own.sqrt()).max(LEAST_MM);
                 match back {
                     Some(factor) => noise.return_mm[k] *= factor.sqrt(),
-                    None => noise.return_mm[k] = declared_mm.unwrap_or(0.0),
+                    // What was taken for none stays none.
+                    None if noise.return_mm[k] > 0.0 => {
+                        noise.return_mm[k] = declared_mm.unwrap_or(0.0);
+                    }
+                    None => {}
                 }
                 if noise.return_mm[k].powi(2) < NONE * noise.own_mm[k].powi(2) {
                     noise.return_mm[k] = 0.0;

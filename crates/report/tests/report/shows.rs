@@ -123,6 +123,18 @@ fn the_verdict_follows_residuals_and_diagnosis() {
     );
 }
 
+/// A count of waves has neither a unit nor an uncertainty.
+#[test]
+fn waves_are_counted() {
+    let mut named = diagnosis("named");
+    named["causes"][0]["parameters"] = json!([
+        { "name": "amplitude", "value": 5.2, "u": 0.1, "unit": "arcsec" },
+        { "name": "waves", "value": 16.0, "u": 0.0, "unit": "1" } ]);
+    let folder = tempfile::tempdir().unwrap();
+    let shown = page(folder.path(), &[("diagnosis.json", &named)]);
+    has(&shown, &["amplitude +5.20 ± 0.20″; 16 waves per turn"]);
+}
+
 /// Each verification has causes of its own in its bar; without a calibration nothing is said of one.
 #[test]
 fn readings_alone_have_their_own_verdict_and_causes() {

@@ -164,16 +164,12 @@ fn what_was_not_measured_is_said() {
 }
 
 #[test]
-fn another_order_and_more_than_a_replay_measures_are_refused() {
-    let Simulated { campaign, truth } = simulated("rotary-stage");
-    let mut exchanged = campaign.clone();
-    exchanged.lengths.as_mut().unwrap().stops.swap(3, 4);
-    let mut longer = campaign;
-    let lengths = longer.lengths.as_mut().unwrap();
-    let last = lengths.stops[lengths.stops.len() - 1].clone();
-    lengths.stops.push(last);
-    for campaign in [exchanged, longer] {
-        let error = replay(&campaign, &truth).unwrap_err();
-        assert!(matches!(error, ReplayError::OtherOrder), "{error}");
-    }
+fn another_order_is_refused() {
+    let Simulated {
+        mut campaign,
+        truth,
+    } = simulated("rotary-stage");
+    campaign.lengths.as_mut().unwrap().stops.swap(3, 4);
+    let error = replay(&campaign, &truth).unwrap_err();
+    assert!(matches!(error, ReplayError::OtherOrder), "{error}");
 }
