@@ -18,8 +18,6 @@
 mod arrivals;
 pub(crate) mod base;
 mod believed;
-#[cfg(test)]
-mod calibrated_tests;
 pub(crate) mod comparison;
 mod competition;
 mod gross_errors;

@@ -29,9 +29,6 @@ pub(crate) struct GroupAdjustment<'a> {
     columns: Columns,
     pub(crate) batches: Arc<Vec<Batch>>,
     pub(crate) memories: Memories,
-    /// Weights that do not follow the state, batch after batch.
-    #[cfg(test)]
-    pub(crate) held: Option<Vec<Lanes>>,
 }
 
 /// What the linearisation of a piece leaves to the step that follows, batch after batch.
@@ -74,8 +71,6 @@ impl<'a> GroupAdjustment<'a> {
             deformations,
             batches: Arc::clone(batches),
             memories: Memories::default(),
-            #[cfg(test)]
-            held: None,
         }
     }
 
@@ -103,11 +98,6 @@ impl<'a> GroupAdjustment<'a> {
         } = memory;
         zeros(weights, batch.weights());
         fill_weights(batch, &self.network.noise, beams, factor, weights);
-        #[cfg(test)]
-        if let Some(held) = &self.held {
-            let before: usize = self.batches[..b].iter().map(Batch::weights).sum();
-            weights.copy_from_slice(&held[before..][..batch.weights()]);
-        }
         for (first, count, weights) in by_visit(batch, weights) {
             equations.whiten(first, count, weights);
         }
@@ -234,146 +224,4 @@ fn moved_pose(
     let centre = centroid(points).coords;
     let turn = UnitQuaternion::from_scaled_axis(turn);
     Translation3::from(shift + centre) * turn * Translation3::from(-centre) * pose
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::batches::batches;
-    use crate::bodies::{Bodies, Body, Placed};
-    use crate::{Interruption, Noise, Reading, Reflectors, Visit};
-
-    /// Three points read from two stations, one of them interrupted.
-    fn network(is_tied: bool) -> Network {
-        let home_mm = vec![
-            Point3::new(0.0, 0.0, 0.0),
-            Point3::new(100.0, 50.0, -30.0),
-            Point3::new(-40.0, 80.0, 60.0),
-        ];
-        let bodies = Bodies {
-            of_groups: vec![Placed {
-                body: Some(0),
-                places: vec![0, 1, 2],
-                ref_from_home: Isometry3::identity(),
-            }],
-            bodies: vec![Body {
-                home_mm: home_mm.clone(),
-            }],
-        };
-        Network {
-            interruptions: vec![Interruption {
-                station: 1,
-                first_reading: 4,
-            }],
-            variance_factors: vec![1.0, 4.0, 1.0, 1.0, 1.0, 1.0],
-            stations: vec![None; 2],
-            nominal_mm: home_mm,
-            groups: std::iter::once(0..3).collect(),
-            visits: (0..2)
-                .map(|station| Visit {
-                    station,
-                    group: 0,
-                    readings: 3 * station..3 * station + 3,
-                })
-                .collect(),
-            readings: [
-                (0, 700.0),
-                (1, 810.0),
-                (2, 640.0),
-                (0, 500.0),
-                (1, 420.0),
-                (2, 390.0),
-            ]
-            .map(|(point, length_mm)| Reading { point, length_mm })
-            .to_vec(),
-            noise: Noise {
-                repeatability_mm: 2e-3,
-                ..Noise::default()
-            },
-            bodies: is_tied.then(|| Arc::new(bodies)),
-            reflectors: Some(Arc::new(Reflectors {
-                count: 3,
-                sigma_mm: None,
-                of_points: vec![0, 2, 1],
-            })),
-            dead_paths: Vec::new(),
-            bed: None,
-        }
-    }
-
-    /// Analytic equations against central differences of the whitened residuals, for both kinds of groups.
-    #[test]
-    fn equations_are_the_derivatives_of_the_lengths() {
-        for is_tied in [false, true] {
-            let network = network(is_tied);
-            let stations = vec![
-                Point3::new(600.0, 300.0, 200.0),
-                Point3::new(-300.0, 400.0, 100.0),
-            ];
-            let turned = Isometry3::new(Vector3::new(3.0, -2.0, 1.0), Vector3::new(0.4, -0.3, 0.5));
-            let points = network.nominal_mm.iter().map(|p| turned * p).collect();
-            let state = State::new(&network, stations, vec![3.0, 4.0, 5.0], points);
-            let batches = Arc::new(batches(&network));
-            let mut model = GroupAdjustment::new(&network, &batches);
-            // The lengths of a step are weighed as where it begins.
-            let mut memory = Memory::default();
-            model.fill(&state, 0, Gauge::Free, &mut memory);
-            model.held = Some(memory.weights);
-            let unknowns = batches[0].unknowns();
-            let residuals = |k: usize, by: f64| {
-                let mut moved = state.clone();
-                let mut s = vec![0.0; model.shared()];
-                if k >= unknowns {
-                    s[k - unknowns] = 1.0;
-                }
-                model.step_shared(&state, &s, by, &mut moved);
-                let own = |i: usize| if i == k { by } else { 0.0 };
-                match &network.bodies {
-                    Some(bodies) => {
-                        let twist = [0, 3].map(|i| Vector3::new(own(i), own(i + 1), own(i + 2)));
-                        let pose = moved_pose(&state.poses[0], &state.points, twist);
-                        let placed = &bodies.of_groups[0];
-                        placed.put(&pose, &moved.shapes_mm[0], &mut moved.points);
-                        moved.poses[0] = pose;
-                    }
-                    None => {
-                        for (i, point) in moved.points.iter_mut().enumerate() {
-                            *point += Vector3::from_fn(|axis, _| own(3 * i + axis));
-                        }
-                    }
-                }
-                let mut memory = Memory::default();
-                model.fill(&moved, 0, Gauge::Free, &mut memory);
-                [0, 1, 2, 3, 4, 5].map(|row| memory.equations.residual(row))
-            };
-            let mut memory = Memory::default();
-            model.fill(&state, 0, Gauge::Free, &mut memory);
-            let equations = &mut memory.equations;
-            for k in 0..unknowns + model.shared() {
-                let step = if is_tied && (3..6).contains(&k) {
-                    1e-6
-                } else {
-                    1e-4
-                };
-                let (plus, minus) = (residuals(k, step), residuals(k, -step));
-                for row in 0..6 {
-                    let mut shared = vec![Lanes::ZERO; model.shared()];
-                    equations.copy_shared_row(row, &mut shared);
-                    let analytic = match k.checked_sub(unknowns) {
-                        None => equations.own_row(row)[k],
-                        Some(k) => shared[k],
-                    };
-                    let difference = (minus[row].0[0] - plus[row].0[0]) / (2.0 * step);
-                    // Whitened rows are of the order 1e3 per mm and 1e5 per rad; differences are good to
-                    // 1e-9 of that.
-                    let limit = 1e-4 * 1e-4 / step;
-                    assert!(
-                        (analytic.0[0] - difference).abs() < limit,
-                        "{is_tied} column {k}: {} {difference}",
-                        analytic.0[0]
-                    );
-                }
-            }
-        }
-    }
 }

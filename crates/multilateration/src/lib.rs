@@ -38,8 +38,6 @@ mod error;
 mod estimate_noise;
 mod from_campaign;
 mod guard;
-#[cfg(test)]
-mod influence_tests;
 mod interruption;
 mod known;
 mod lane_vectors;

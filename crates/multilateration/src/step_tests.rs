@@ -153,3 +153,107 @@ fn add_times(sum: &mut [f64], factor: f64, x: &[f64]) {
         *sum += factor * x;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::factor_len;
+    use crate::{Interruption, Reading, Visit};
+
+    const STATIONS: usize = 3;
+    const VISITS: usize = 70;
+    const GROUPS: usize = 10;
+    const OWN: usize = 2;
+    const SHARED: usize = 4;
+
+    fn wave(i: usize, k: f64) -> f64 {
+        (k * (i as f64 + 0.7)).sin()
+    }
+
+    /// Visits of one to three readings, the stations in turn; one zero is interrupted within a visit. The rows are any.
+    fn rows() -> (Network, Whitened) {
+        let mut network = Network {
+            stations: vec![None; STATIONS],
+            ..Network::default()
+        };
+        for number in 0..VISITS {
+            let first = network.readings.len();
+            let readings = (0..1 + number % 3).map(|point| Reading {
+                point,
+                length_mm: 0.0,
+            });
+            network.readings.extend(readings);
+            network.visits.push(Visit {
+                station: number % STATIONS,
+                group: number % GROUPS,
+                readings: first..network.readings.len(),
+            });
+        }
+        network.interruptions.push(Interruption {
+            station: 2,
+            first_reading: network.visits[32].readings.start + 1,
+        });
+        let count = network.readings.len();
+        let values = |count: usize, size: f64, k: f64| -> Vec<f64> {
+            (0..count).map(|i| size * wave(i, k)).collect()
+        };
+        let visits: Vec<_> = network.visits.iter().map(|v| v.readings.clone()).collect();
+        let mut weights = Vec::new();
+        let mut weight_starts = Vec::new();
+        for rows in &visits {
+            weight_starts.push(weights.len());
+            weights.extend(values(factor_len(rows.len()), 1.0, 1.9 + rows.start as f64));
+        }
+        let symmetric = |i: usize| wave(i / SHARED + i % SHARED, 2.3);
+        let whitened = Whitened {
+            group_of_row: network
+                .visits
+                .iter()
+                .flat_map(|v| vec![v.group; v.readings.len()])
+                .collect(),
+            groups: GROUPS,
+            own_width: OWN,
+            own: values(count * OWN, 0.2, 1.3),
+            shared_width: SHARED,
+            shared: values(count * SHARED, 0.05, 2.7),
+            reduced_inverse: (0..SHARED * SHARED).map(symmetric).collect(),
+            residuals: values(count, 1.0, 3.1),
+            degrees_of_freedom: count,
+            // The readings of a visit in an order of their own.
+            reading_of_row: visits.iter().flat_map(|rows| rows.clone().rev()).collect(),
+            visits,
+            weights,
+            weight_starts,
+        };
+        (network, whitened)
+    }
+
+    #[test]
+    fn the_largest_step_is_that_of_all_steps() {
+        let (network, rows) = rows();
+        let zero_of = network.zero_of_readings();
+        let steps = largest_steps(&network, &rows);
+        assert_eq!(steps.len(), STATIONS + 1);
+        for step in steps {
+            let zero = zero_of[step.first_reading];
+            let of_zero = (0..zero_of.len()).filter(|&i| zero_of[i] == zero);
+            let mut largest = (0.0_f64, 0);
+            for first in of_zero.skip(1) {
+                let in_step = |i: usize| i >= first && zero_of[i] == zero;
+                let mut error: Vec<f64> = (0..zero_of.len())
+                    .map(|i| f64::from(u8::from(in_step(i))))
+                    .collect();
+                rows.whiten(&mut error);
+                let mut kept = error.clone();
+                rows.project(&mut kept);
+                let w = dot(&error, &rows.residuals) / dot(&error, &kept).sqrt();
+                if w.abs() > largest.0.abs() {
+                    largest = (w, first);
+                }
+            }
+            assert_eq!(step.first_reading, largest.1);
+            let (found, expected) = (step.w, largest.0);
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        }
+    }
+}

@@ -24,8 +24,6 @@
 //! With errors of the size of the noise the second correction is some 4e-4 standard uncertainties, the third
 //! some 1e-5, and what it leaves 1e-8.
 
-#[cfg(test)]
-mod against_full_solve;
 mod errors;
 mod groups;
 

@@ -41,12 +41,12 @@ pub struct Whitened {
     /// Redundancy.
     pub degrees_of_freedom: usize,
     /// The rows of each visit.
-    visits: Vec<Range<usize>>,
+    pub(crate) visits: Vec<Range<usize>>,
     /// The reading whose own part is largest in each row: rows of a visit in the order of its weights.
-    reading_of_row: Vec<usize>,
+    pub(crate) reading_of_row: Vec<usize>,
     /// `L⁻¹` of each visit by rows up to the diagonal, one visit after the other.
-    weights: Vec<f64>,
-    weight_starts: Vec<usize>,
+    pub(crate) weights: Vec<f64>,
+    pub(crate) weight_starts: Vec<usize>,
 }
 
 impl Whitened {

@@ -8,6 +8,7 @@ mod compare;
 mod covariance_files;
 mod machine;
 mod propagation;
+mod replay;
 mod residuals_csv;
 mod volume;
 mod with_effects;
@@ -23,4 +24,14 @@ fn two_branches() -> Scenario {
 
 fn simulated(scenario: &Scenario) -> Campaign {
     simulate(scenario, 1).unwrap().campaign
+}
+
+/// One reflector is moved from nest to nest. So few lengths would not determine how several differ, and what is
+/// known of them beforehand is in no length.
+fn with_one_reflector(scenario: &Scenario) -> Campaign {
+    let mut campaign = simulated(scenario);
+    for target in &mut campaign.targets {
+        target.reflector = Some("R".to_owned());
+    }
+    campaign
 }

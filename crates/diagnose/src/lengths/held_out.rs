@@ -12,9 +12,6 @@
 //! length knows, come from its lengths, but the poses and the causes do not: its lengths take part with a
 //! weight that moves nothing else.
 
-#[cfg(test)]
-mod true_gain;
-
 use rayon::prelude::*;
 use trueaxis_poses::LengthCircumstances as Reading;
 

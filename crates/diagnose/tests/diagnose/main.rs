@@ -5,6 +5,7 @@
 //! deviations of an arrival after what the base model absorbs has been taken out.
 
 mod ball_bar;
+mod calibrated_lines;
 mod clean;
 mod counts;
 mod curves;
@@ -18,6 +19,7 @@ mod odd;
 mod points;
 mod several;
 mod slips;
+mod true_gain;
 mod unknown;
 mod unseen;
 
@@ -46,7 +48,12 @@ fn found(verification: Verification) -> Diagnosis {
 
 /// The same in several.
 fn found_in(verification: Vec<Verification>) -> Diagnosis {
-    let campaign = Campaign {
+    diagnose(&campaign(verification), &Settings::default()).unwrap()
+}
+
+/// A campaign of verifications only.
+fn campaign(verification: Vec<Verification>) -> Campaign {
+    Campaign {
         name: "verification".into(),
         date: None,
         operator: None,
@@ -64,8 +71,7 @@ fn found_in(verification: Vec<Verification>) -> Diagnosis {
         verification,
         point_checks: Vec::new(),
         notices: Vec::new(),
-    };
-    diagnose(&campaign, &Settings::default()).unwrap()
+    }
 }
 
 fn generator(seed: u64, stream: u64) -> ChaCha8Rng {

@@ -4,6 +4,8 @@
 
 mod bodies;
 mod gross_errors;
+mod hat_matrix;
+mod irregular;
 mod noise_components;
 mod properties;
 mod reflectors;

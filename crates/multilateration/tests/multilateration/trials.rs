@@ -1,11 +1,15 @@
-//! Monte Carlo trials against the covariance, drawn errors against the noise they are drawn from. Against full
-//! solutions they stand beside their code: both are given the weights of one solution.
+//! Monte Carlo trials against full solutions of the same lengths and against the covariance, drawn errors against the noise
+//! they are drawn from.
 
 use nalgebra::{Point3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use trueaxis_multilateration::{Noise, Settings, Trials, solve};
+use trueaxis_kinematics::centroid;
+use trueaxis_multilateration::{
+    Corrections, Network, Noise, Settings, Solution, Trials, contrast, solve,
+};
 
+use crate::irregular::{self, with_dead_paths};
 use crate::world::{network, truth};
 
 const NOISE: Noise = Noise {
@@ -154,5 +158,136 @@ fn errors_without_a_solution_give_nan() {
         assert!(spoilt.dead_path_mm(2).is_nan());
         // Nothing of it is left behind.
         assert_eq!(trials.solve(&errors_mm, &mut workspace), &good);
+    }
+}
+
+/// The lengths that follow from a solution, plus errors, and what is known beside them plus its own.
+fn disturbed(network: &Network, solution: &Solution, errors: &[f64]) -> Network {
+    let (errors_mm, of_known) = errors.split_at(network.readings.len());
+    let mut disturbed = network.clone();
+    for (known, error) in disturbed.dead_paths.iter_mut().zip(of_known) {
+        let computed_mm = solution.stations[known.station].dead_path_mm;
+        known.length_mm = computed_mm + solution.mean_constant_mm.unwrap() + error * known.sigma_mm;
+    }
+    let residuals = errors_mm.iter().zip(&solution.residuals_mm);
+    for (reading, (error, residual)) in disturbed.readings.iter_mut().zip(residuals) {
+        reading.length_mm += error - residual;
+    }
+    disturbed
+}
+
+/// The largest difference of any unknown between a trial and a full solution, in units of its standard uncertainty.
+fn largest_difference(
+    network: &Network,
+    trial: &Corrections,
+    full: &Solution,
+    base: &Solution,
+) -> f64 {
+    let mut largest = 0.0_f64;
+    let mut compare = |difference: f64, variance: f64| {
+        assert!(difference.is_finite());
+        largest = largest.max(difference.abs() / variance.sqrt());
+    };
+    for (group, points) in network.groups.iter().enumerate() {
+        let covariance = base.group_covariance(group);
+        for point in points.clone() {
+            let moved = full.points_mm[point] - base.points_mm[point];
+            compare((trial.point_mm(point) - moved).norm(), covariance[(0, 0)]);
+        }
+        let is_tied = network
+            .bodies
+            .as_ref()
+            .is_some_and(|bodies| bodies.of_groups[group].body.is_some());
+        if is_tied {
+            let motion = full.poses[group] * base.poses[group].inverse();
+            let centre = centroid(&base.points_mm[points.clone()]);
+            let shift = motion * centre - centre;
+            let turn = motion.rotation.scaled_axis();
+            let expected = shift.iter().chain(turn.iter());
+            for (k, (found, expected)) in trial.group(group).iter().zip(expected).enumerate() {
+                compare(found - expected, covariance[(k, k)]);
+            }
+        }
+    }
+    let dead_paths = |solution: &Solution| -> Vec<f64> {
+        let of_stations = solution.stations.iter().map(|s| s.dead_path_mm);
+        of_stations
+            .chain(solution.dead_paths_after_mm.clone())
+            .collect()
+    };
+    let (before, after) = (dead_paths(base), dead_paths(full));
+    for station in 0..network.stations.len() {
+        let covariance = base.station_covariance(station);
+        let moved = full.stations[station].position_mm - base.stations[station].position_mm;
+        let difference = trial.station_mm(station) - moved;
+        for k in 0..3 {
+            compare(difference[k], covariance[(k, k)]);
+        }
+    }
+    for zero in 0..before.len() {
+        let variance = base.station_covariance(zero % network.stations.len())[(3, 3)];
+        let expected = after[zero] - before[zero];
+        compare(trial.dead_path_mm(zero) - expected, variance);
+    }
+    let shared = base.covariance.shared();
+    let mean = base.mean_constant_column().unwrap();
+    let expected = full.mean_constant_mm.unwrap() - base.mean_constant_mm.unwrap();
+    compare(trial.mean_constant_mm() - expected, shared[(mean, mean)]);
+    for m in 0..2 {
+        let constants = full
+            .reflectors_mm
+            .iter()
+            .zip(&base.reflectors_mm)
+            .enumerate();
+        let expected: f64 = constants.map(|(r, (a, b))| contrast(r, m) * (a - b)).sum();
+        let column = mean + 1 + m;
+        compare(
+            trial.shared_mm()[column] - expected,
+            shared[(column, column)],
+        );
+    }
+    largest
+}
+
+/// Five trials against full solutions of the same lengths: with errors as they are drawn, and ten times as large (more
+/// corrections are needed then). Where weights depend on the beams, full solutions weigh by their own, and what that does
+/// grows with the square of the errors: small ones show that the rest is right.
+#[test]
+fn trials_are_the_full_solution() {
+    let equal = Noise {
+        repeatability_mm: 0.0,
+        ..NOISE
+    };
+    let of_beams = Noise {
+        length_sigma_relative: 5e-7,
+        ..NOISE
+    };
+    for (noise, is_tied, factor, limit) in [
+        (equal, false, 1.0, 1e-6),
+        (equal, false, 10.0, 1e-6),
+        (equal, true, 1.0, 1e-6),
+        (equal, true, 10.0, 1e-6),
+        (of_beams, false, 0.01, 1e-7),
+        (of_beams, true, 0.01, 1e-7),
+    ] {
+        let network = with_dead_paths(irregular::network(30, noise, is_tied));
+        let solution = solve(&network, &Settings::default()).unwrap();
+        assert!(solution.termination.is_converged());
+        let trials = Trials::new(&network, &solution);
+        let mut workspace = trials.workspace();
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut errors = vec![0.0; trials.errors()];
+        let mut largest = 0.0_f64;
+        for _ in 0..5 {
+            trials.draw(&mut rng, &mut errors);
+            errors.iter_mut().for_each(|error| *error *= factor);
+            let disturbed = disturbed(&network, &solution, &errors);
+            let full = solve(&disturbed, &Settings::default()).unwrap();
+            assert!(full.termination.is_converged());
+            let trial = trials.solve(&errors, &mut workspace);
+            largest = largest.max(largest_difference(&network, trial, &full, &solution));
+        }
+        println!("{noise:?}, tied {is_tied}, errors x {factor}: {largest:.1e} u");
+        assert!(largest < limit);
     }
 }

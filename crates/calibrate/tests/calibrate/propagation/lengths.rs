@@ -1,8 +1,7 @@
 //! From lengths: the covariance of all results, and what the laser has in it.
 
-use trueaxis_simulate::Scenario;
-
 use super::*;
+use crate::with_one_reflector;
 
 /// Covariances of the lengths, mm²: of their own noise, and with the machine's repeatability, which moves
 /// all targets of a visit alike.
@@ -29,16 +28,6 @@ pub(crate) fn covariances(campaign: &Campaign, calibration: &Calibration) -> [DM
         }
     }
     [own.clone(), own + returns]
-}
-
-/// One reflector is moved from nest to nest. So few lengths would not determine how several differ, and what is
-/// known of them beforehand is in no length.
-fn with_one_reflector(scenario: &Scenario) -> Campaign {
-    let mut campaign = simulated(scenario);
-    for target in &mut campaign.targets {
-        target.reflector = Some("R".to_owned());
-    }
-    campaign
 }
 
 #[test]

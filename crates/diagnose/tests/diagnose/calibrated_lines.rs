@@ -5,28 +5,23 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Point3, Vector3, Vector6};
-use rand::{RngExt, SeedableRng};
+use nalgebra::{DMatrix, DVector, Point3, Vector6};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
-use trueaxis_calibrate::{Settings, calibrate};
+use trueaxis_calibrate::{Settings as Calibrating, calibrate};
 use trueaxis_campaign::{
-    Campaign, Direction, Instrument, PointReading, Points, Run, Step, Stop, Target, Verification,
+    Campaign, Direction, PointReading, Points, Run, Step, Stop, Target, Verification,
     VerificationKind, VerificationReading,
 };
-use trueaxis_effects::Scene;
+use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose_against};
 use trueaxis_kinematics::{
-    ARCSEC, Axis, GeometricErrors, LocationError, MICROMETRE, Machine, MotionError,
+    ARCSEC, GeometricErrors, LocationError, MICROMETRE, Machine, MotionError,
 };
 use trueaxis_predict::CalibratedMachine;
 
-use crate::Cause;
-use crate::said::Entry;
-use crate::verification::base::base_columns;
-use crate::verification::comparison::Comparison;
-use crate::verification::diagnose_verification;
-use crate::verification::prediction_error::prediction_directions;
-use crate::verification::problem::{Given, Problem};
+use crate::counts::Counts;
+use crate::machines::normal;
+use crate::{campaign, generator, three_axes};
 
 const SIGMA_UM: f64 = 0.5;
 /// Of one coordinate of a measured point.
@@ -36,50 +31,6 @@ const TARGET_MM: [f64; 3] = [100.0, 300.0, 200.0];
 /// Cycles there and back along X, 21 positions each way.
 const CYCLES: u32 = 5;
 const STEP_MM: f64 = 20.0;
-
-/// X carries Y carries Z.
-fn three_axes() -> Machine {
-    let axis = |name, direction| Axis::linear(name, direction, [0.0, 400.0]).unwrap();
-    let axes = vec![
-        axis("X", Vector3::x()),
-        axis("Y", Vector3::y()),
-        axis("Z", Vector3::z()),
-    ];
-    Machine::new(axes, vec![0, 1, 2], vec![]).unwrap()
-}
-
-/// A campaign of verifications only.
-fn campaign(verification: Vec<Verification>) -> Campaign {
-    Campaign {
-        name: "verification".into(),
-        date: None,
-        operator: None,
-        machine_name: "FXYZ".into(),
-        machine: three_axes(),
-        expansions: Vec::new(),
-        instrument: Instrument::default(),
-        targets: Vec::new(),
-        stations: Vec::new(),
-        known_lengths: Vec::new(),
-        runs: Vec::new(),
-        steps: Vec::new(),
-        lengths: None,
-        points: None,
-        verification,
-        point_checks: Vec::new(),
-        notices: Vec::new(),
-    }
-}
-
-fn scene() -> Scene {
-    Scene {
-        machine: three_axes(),
-        stations: Vec::new(),
-        targets: Vec::new(),
-        moving: Vec::new(),
-        temperatures: Vec::new(),
-    }
-}
 
 /// Where X stands at the readings, each with its cycle and direction.
 fn stands() -> Vec<(u32, Direction, f64)> {
@@ -189,8 +140,7 @@ fn points(machine: &Machine, truth: &Truth, generator: &mut ChaCha8Rng) -> Campa
             for (target, home) in homes.iter().enumerate() {
                 let mut at = machine.position(truth, 2, &positions, Point3::from(*home));
                 for c in 0..3 {
-                    let noise: f64 = StandardNormal.sample(generator);
-                    at[c] += POINT_SIGMA_UM * MICROMETRE * noise;
+                    at[c] += POINT_SIGMA_UM * MICROMETRE * normal(generator);
                 }
                 readings.push(PointReading {
                     time_s: readings.len() as f64,
@@ -219,29 +169,28 @@ struct Setting {
     campaign: Campaign,
 }
 
-/// `form` of x is added to the readings with λ in the sight of the diagnosis' projection.
+/// `form` of x is added to the readings, λ standard deviations of what the readings and the calibration leave of it.
 fn setting(seed: u64, lambda: f64, form: impl Fn(f64) -> f64) -> Setting {
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    generator.set_stream(5);
+    let mut generator = generator(seed, 5);
     let machine = three_axes();
     let truth = Truth::new(&mut generator);
     let measured = points(&machine, &truth, &mut generator);
-    let calibration = calibrate(&measured, &Settings::default()).unwrap();
+    let calibration = calibrate(&measured, &Calibrating::default()).unwrap();
     let calibration = calibration.calibrated_machine();
     let read = |x_mm: f64| {
         let actual = machine.position(&truth, 2, &[x_mm, 0.0, 0.0], TARGET_MM.into());
         (actual.x - TARGET_MM[0] - x_mm) / MICROMETRE
     };
-    let bare: Vec<f64> = stands().iter().map(|stand| read(stand.2)).collect();
     let trace: Vec<f64> = stands().iter().map(|stand| form(stand.2)).collect();
-    let visible = beyond_the_prediction(&calibration, &table(&trace));
-    let visible = visible.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let visible = visible(&calibration, &trace);
     let size = if visible > 0.0 { lambda / visible } else { 0.0 };
-    let values = bare.iter().zip(&trace).map(|(bare, x)| {
-        let noise: f64 = StandardNormal.sample(&mut generator);
-        // The interferometer's zero is anywhere.
-        17.0 + bare + size * x + SIGMA_UM * noise
-    });
+    let values = stands()
+        .into_iter()
+        .zip(&trace)
+        .map(|((_, _, x_mm), form)| {
+            // The interferometer's zero is anywhere.
+            17.0 + read(x_mm) + size * form + SIGMA_UM * normal(&mut generator)
+        });
     let values: Vec<f64> = values.collect();
     Setting {
         calibration,
@@ -249,42 +198,35 @@ fn setting(seed: u64, lambda: f64, form: impl Fn(f64) -> f64) -> Setting {
     }
 }
 
-/// What the base model with the calibration's uncertainty leaves of a trace given as readings, in
-/// standard deviations.
-fn beyond_the_prediction(calibration: &CalibratedMachine, trace: &Verification) -> Vec<f64> {
-    let machine = calibration.machine();
-    let comparison = Comparison::new(machine, trace, &trueaxis_kinematics::Ideal);
-    let directions = prediction_directions(&[&comparison], calibration, SIGMA_UM);
-    let base = base_columns(&comparison, true);
-    let given = Given {
-        calibrated: true,
-        sigma_um: SIGMA_UM,
-        resolution_um: 0.0,
-        hidden_um: 0.0,
-        base: &base,
-        prediction: &directions,
-    };
-    Problem::new(&comparison, &scene(), &given)
-        .listed
-        .base
-        .residuals
+/// `√(tᵀ R t)` with `R = V⁻¹ - V⁻¹1 (1ᵀV⁻¹1)⁻¹ 1ᵀV⁻¹`: a trace in standard deviations, where readings scatter, predictions are
+/// uncertain (`V` is the covariance of both), and the zero is unknown.
+fn visible(calibration: &CalibratedMachine, trace: &[f64]) -> f64 {
+    let line = table(trace);
+    let readings = line.readings.iter();
+    let all: Vec<_> = readings.map(|r| (&line.kind, &r.positions[..])).collect();
+    let noise = DMatrix::identity(trace.len(), trace.len()) * SIGMA_UM.powi(2);
+    let weights = (calibration.covariance_of_readings(&all) + noise)
+        .try_inverse()
+        .unwrap();
+    let trace = DVector::from_column_slice(trace);
+    let one = DVector::repeat(trace.len(), 1.0);
+    let zero = (&weights * &one).dot(&trace) / (&weights * &one).dot(&one);
+    let beyond = &trace - one * zero;
+    (&weights * &beyond).dot(&beyond).sqrt()
 }
 
-fn outcome(setting: &Setting) -> Entry {
-    let outcome = diagnose_verification(
+fn outcome(setting: &Setting) -> Diagnosis {
+    diagnose_against(
         &setting.campaign,
-        Some(&setting.calibration),
-        &scene(),
-        true,
-    );
-    outcome.entries.into_iter().next().unwrap()
+        &setting.calibration,
+        &Settings::default(),
+    )
+    .unwrap()
 }
 
 fn assert_silent(of: u64, allowed: usize) {
-    let alarms = (0..of).filter(|&seed| {
-        let found = outcome(&setting(seed, 0.0, |_| 0.0));
-        !found.causes.is_empty() || found.report.unexplained.is_some()
-    });
+    let alarms =
+        (0..of).filter(|&seed| outcome(&setting(seed, 0.0, |_| 0.0)).verdict != Verdict::Clean);
     let alarms: Vec<u64> = alarms.collect();
     assert!(alarms.len() <= allowed, "seeds {alarms:?}");
 }
@@ -312,21 +254,12 @@ fn assert_named(of: u64) {
     let cases: [(&str, Form); 2] = [("scale_error", |x| x), ("cyclic_error", cyclic)];
     for lambda in [7.0, 20.0] {
         for (effect, form) in cases {
-            let is_it = |found: &Entry| {
-                let holds = |cause: &Cause| {
-                    let rivals = cause.rivals.iter().map(|rival| &rival.effect);
-                    let mut all = rivals.chain([&cause.effect]);
-                    all.any(|e| e.effect.id == effect && e.subject.axis == Some(0))
-                };
-                !found.causes.is_empty() && found.causes.iter().all(holds)
-            };
-            let right = (0..of)
-                .filter(|&seed| is_it(&outcome(&setting(seed, lambda, form))))
-                .count() as u64;
-            assert!(
-                10 * right >= 9 * of,
-                "λ {lambda}: {effect}: {right} of {of}"
-            );
+            let mut counts = Counts::default();
+            for seed in 0..of {
+                let found = outcome(&setting(seed, lambda, form));
+                counts.add(&found, effect, Some(0));
+            }
+            counts.assert_named(of, &format!("λ {lambda}: {effect}"));
         }
     }
 }
