@@ -119,7 +119,7 @@ impl Solved<'_> {
         let covariance = self.0.solution().expect("a covariance").covariance;
         let trace = |step| {
             let block = covariance.block(step);
-            block.diagonal().column_vector().iter().sum::<f64>()
+            block.diagonal().iter().sum::<f64>()
         };
         (0..steps).map(trace).sum()
     }

@@ -42,8 +42,6 @@ use crate::args::{Args, Verb};
 use crate::exit::Exit;
 
 fn main() -> ExitCode {
-    // One thread, one order of additions: the same bytes on every machine.
-    faer::set_global_parallelism(faer::Par::Seq);
     let args = Args::try_parse().unwrap_or_else(|error| misused(&error));
     if args.quiet {
         talk::be_quiet();

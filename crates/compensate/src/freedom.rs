@@ -12,6 +12,7 @@
 
 use nalgebra::{DMatrix, DVector, Isometry3, Point3, Vector3};
 use trueaxis_kinematics::{AxisKind, Branch, Ideal, Machine, MotionError};
+use trueaxis_leastsquares::dense::Svd;
 
 /// Which axes are moved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,10 +110,6 @@ fn columns(vectors: &[Vector3<f64>]) -> DMatrix<f64> {
 /// Moore and Penrose's inverse; singular values below `least` are zero.
 pub(crate) fn pseudo_inverse(matrix: &DMatrix<f64>, least: f64) -> DMatrix<f64> {
     let none = || DMatrix::zeros(matrix.ncols(), matrix.nrows());
-    if matrix.is_empty() {
-        return none();
-    }
-    let svd = matrix.clone().svd(true, true);
-    // With both factors there, nothing is refused.
-    svd.pseudo_inverse(least).unwrap_or_else(|_| none())
+    // Nothing undoes what is not a number.
+    Svd::new(matrix).map_or_else(|_| none(), |svd| svd.pseudo_inverse(least))
 }

@@ -223,7 +223,7 @@ fn settle(
     let limits = judged.iter().filter_map(|&i| points[i].u_um());
     let limits: Vec<f64> = limits.map(|u| 2.0 * u).collect();
     let covariance = with_readings.select_rows(&judged).select_columns(&judged);
-    (!judged.is_empty()).then(|| chance(above, covariance, &limits))
+    (!judged.is_empty()).then(|| chance(above, &covariance, &limits))
 }
 
 fn predicted_from_its_side(

@@ -12,8 +12,7 @@
 //! the start, then height and radius of each circle. All are in units of the cloud, from its
 //! centroid.
 
-use faer::Mat;
-use nalgebra::{Matrix3, Matrix3x2, Matrix6, SMatrix, Vector2, Vector3};
+use nalgebra::{DMatrix, Matrix3, Matrix3x2, Matrix6, SMatrix, Vector2, Vector3};
 use trueaxis_leastsquares::dense::{Model, Settings, Termination, adjust};
 
 use crate::Error;
@@ -36,7 +35,7 @@ pub(crate) struct Circles {
     pub(crate) circles: Vec<(f64, f64)>,
     /// How point (across the axis) and direction follow from the four unknowns of the axis.
     line_from_unknowns: SMatrix<f64, 6, AXIS_UNKNOWNS>,
-    cofactor: Mat<f64>,
+    cofactor: DMatrix<f64>,
     /// Sum of the squared distances.
     pub(crate) squares: f64,
     pub(crate) iterations: usize,
@@ -186,11 +185,11 @@ impl Model for Axis<'_> {
         self.points().flat_map(of_point).collect()
     }
 
-    fn jacobian(&self, unknowns: &[f64]) -> Mat<f64> {
+    fn jacobian(&self, unknowns: &[f64]) -> DMatrix<f64> {
         let axis = self.placed(unknowns);
         let across = self.frame.fixed_columns::<2>(0);
         let points: usize = self.groups.iter().map(Vec::len).sum();
-        let mut jacobian = Mat::zeros(2 * points, unknowns.len());
+        let mut jacobian = DMatrix::zeros(2 * points, unknowns.len());
         for (i, (k, p)) in self.points().enumerate() {
             let arm = p - axis.point;
             let height = axis.direction.dot(&arm);

@@ -5,7 +5,7 @@
 //! cov(x_i, s)   = -Z_i Σ_s                    Σ: inverse of the reduced matrix
 //! ```
 
-use faer::{Mat, MatRef};
+use nalgebra::{DMatrix, DMatrixView, Dyn, MatrixView, U1};
 
 use crate::factors::Factors;
 use crate::reduced::ReducedSolution;
@@ -33,8 +33,9 @@ impl Covariance {
     /// `Σ`: symmetric matrix of the shared unknowns and, behind them, the datum multipliers. Its
     /// leading part is the covariance of the shared unknowns; the whole of it is indefinite and
     /// makes sense only between couplings.
-    pub fn reduced_inverse(&self) -> MatRef<'_, f64> {
-        MatRef::from_row_major_slice(&self.reduced_inverse, self.width(), self.width())
+    pub fn reduced_inverse(&self) -> DMatrixView<'_, f64> {
+        // Symmetric: rows are columns.
+        DMatrixView::from_slice(&self.reduced_inverse, self.width(), self.width())
     }
 
     /// Rows and columns of `Σ`: the number of shared unknowns and datum multipliers.
@@ -48,21 +49,27 @@ impl Covariance {
     }
 
     /// Covariance of the shared unknowns.
-    pub fn shared(&self) -> MatRef<'_, f64> {
-        self.reduced_inverse()
-            .submatrix(0, 0, self.shared, self.shared)
+    pub fn shared(&self) -> MatrixView<'_, f64, Dyn, Dyn, U1, Dyn> {
+        let (count, width) = (self.shared, self.width());
+        MatrixView::from_slice_with_strides_generic(
+            &self.reduced_inverse,
+            Dyn(count),
+            Dyn(count),
+            U1,
+            Dyn(width),
+        )
     }
 
     /// `R⁻¹` of block `i`: upper triangular; the block's covariance with all shared unknowns held
     /// is `R⁻¹R⁻ᵀ`.
-    pub fn inverse_factor(&self, i: usize) -> MatRef<'_, f64> {
+    pub fn inverse_factor(&self, i: usize) -> DMatrixView<'_, f64> {
         let n = self.size(i);
-        MatRef::from_column_major_slice(self.factors.inverse_factor(i), n, n)
+        DMatrixView::from_slice(self.factors.inverse_factor(i), n, n)
     }
 
-    /// `Z` of block `i`: one column for each shared unknown and datum multiplier.
-    pub fn coupling(&self, i: usize) -> MatRef<'_, f64> {
-        MatRef::from_row_major_slice(self.factors.coupling(i), self.size(i), self.width())
+    /// `Zᵀ` of block `i`: one row for each shared unknown and datum multiplier.
+    pub fn coupling_transposed(&self, i: usize) -> DMatrixView<'_, f64> {
+        DMatrixView::from_slice(self.factors.coupling(i), self.width(), self.size(i))
     }
 
     /// The columns of `R⁻¹` of block `i`, one after the other.
@@ -76,15 +83,16 @@ impl Covariance {
     }
 
     /// Covariance of block `i`.
-    pub fn block(&self, i: usize) -> Mat<f64> {
+    pub fn block(&self, i: usize) -> DMatrix<f64> {
         let factor = self.inverse_factor(i);
         factor * factor.transpose() + self.between(i, i)
     }
 
     /// The part of the covariance between blocks `i` and `k` that comes through the shared
     /// unknowns; for `i ≠ k` it is the whole.
-    pub fn between(&self, i: usize, k: usize) -> Mat<f64> {
-        self.coupling(i) * self.reduced_inverse() * self.coupling(k).transpose()
+    pub fn between(&self, i: usize, k: usize) -> DMatrix<f64> {
+        let left = self.coupling_transposed(i).tr_mul(&self.reduced_inverse());
+        left * self.coupling_transposed(k)
     }
 
     fn size(&self, i: usize) -> usize {

@@ -11,14 +11,16 @@ mod linearised;
 mod model;
 mod residual;
 mod scaled_svd;
+mod svd;
 mod termination;
 mod trust_region;
 
-use faer::{Mat, MatRef};
+use nalgebra::DMatrix;
 
 pub use adjust::{Adjusted, Settings, adjust};
-pub use decompositions::{SymmetricEigen, inverse, relative_singular_value, symmetric_eigen};
+pub use decompositions::{relative_singular_value, symmetric_eigen};
 pub use model::Model;
+pub use svd::Svd;
 pub use termination::Termination;
 
 use crate::Error;
@@ -33,7 +35,7 @@ pub struct Fit {
     /// `y - A x`.
     pub residuals: Vec<f64>,
     /// Covariance of the unknowns for unit variance of the rows, `(AᵀA)⁻¹`.
-    pub covariance: Mat<f64>,
+    pub covariance: DMatrix<f64>,
     /// Singular values of the design with unit columns, largest first.
     pub singular_values: Vec<f64>,
 }
@@ -52,11 +54,10 @@ pub const RANK_TOL: f64 = 1e-13;
 ///
 /// # Panics
 /// If `right_side` does not have one element for each row.
-pub fn solve(design: MatRef<'_, f64>, right_side: &[f64]) -> Result<Fit, Error> {
+pub fn solve(design: &DMatrix<f64>, right_side: &[f64]) -> Result<Fit, Error> {
     let (rows, unknowns) = (design.nrows(), design.ncols());
     assert_eq!(right_side.len(), rows, "one right-hand side for each row");
-    let finite = (0..unknowns).all(|j| design.col(j).iter().all(|x| x.is_finite()))
-        && right_side.iter().all(|x| x.is_finite());
+    let finite = design.iter().chain(right_side).all(|x| x.is_finite());
     if !finite {
         return Err(Error::NotFinite {
             what: "the design matrix or its right-hand side",
@@ -92,8 +93,8 @@ mod tests {
 
     #[test]
     fn straight_line_through_three_points() {
-        let design = Mat::from_fn(3, 2, |i, j| if j == 0 { 1.0 } else { [0.0, 1.0, 2.0][i] });
-        let fit = solve(design.as_ref(), &[1.0, 3.0, 5.0]).unwrap();
+        let design = DMatrix::from_fn(3, 2, |i, j| if j == 0 { 1.0 } else { [0.0, 1.0, 2.0][i] });
+        let fit = solve(&design, &[1.0, 3.0, 5.0]).unwrap();
         assert!((fit.unknowns[0] - 1.0).abs() < 1e-14 && (fit.unknowns[1] - 2.0).abs() < 1e-14);
         assert!((fit.covariance[(1, 1)] - 0.5).abs() < 1e-14);
     }
@@ -103,19 +104,19 @@ mod tests {
         // Powers up to 12⁷ and their sums are exact in f64; the solution is one throughout. The
         // condition with unit columns is 2e5: the decomposition alone leaves errors of 1e-8 in
         // the unknowns that contribute least.
-        let design = Mat::from_fn(12, 8, |i, j| (0..j).fold(1.0, |p, _| p * (i + 1) as f64));
-        let right_side: Vec<f64> = (0..12).map(|i| design.row(i).iter().sum()).collect();
-        let fit = solve(design.as_ref(), &right_side).unwrap();
+        let design = DMatrix::from_fn(12, 8, |i, j| (0..j).fold(1.0, |p, _| p * (i + 1) as f64));
+        let right_side: Vec<f64> = design.column_sum().as_slice().to_vec();
+        let fit = solve(&design, &right_side).unwrap();
         assert!(fit.unknowns.iter().all(|x| (x - 1.0).abs() < 1e-14));
     }
 
     #[test]
     fn names_the_free_unknowns() {
-        let design = Mat::from_fn(4, 3, |i, j| {
+        let design = DMatrix::from_fn(4, 3, |i, j| {
             let x = [1.0, 2.0, 4.0, 7.0][i];
             [1.0, x, 3.0 * x][j]
         });
-        let Err(Error::DenseRank { rank: 2, free, .. }) = solve(design.as_ref(), &[0.0; 4]) else {
+        let Err(Error::DenseRank { rank: 2, free, .. }) = solve(&design, &[0.0; 4]) else {
             panic!("a dependent column must be refused");
         };
         assert!(
@@ -126,9 +127,9 @@ mod tests {
 
     #[test]
     fn refuses_numbers_that_are_not() {
-        let design = Mat::from_fn(2, 1, |_, _| f64::NAN);
+        let design = DMatrix::from_fn(2, 1, |_, _| f64::NAN);
         assert_eq!(
-            solve(design.as_ref(), &[0.0; 2]).unwrap_err(),
+            solve(&design, &[0.0; 2]).unwrap_err(),
             Error::NotFinite {
                 what: "the design matrix or its right-hand side"
             }

@@ -230,7 +230,7 @@ impl<'a, A: Element, B: Element, const NEGATIVE: bool> Product<'a, A, B, NEGATIV
 
 #[cfg(test)]
 mod tests {
-    use faer::Mat;
+    use nalgebra::DMatrix;
 
     use super::*;
     use crate::lanes::LANES;
@@ -241,8 +241,8 @@ mod tests {
         (0..count).map(of_place).collect()
     }
 
-    fn in_lane<E: Element>(matrix: View<'_, E>, lane: usize) -> Mat<f64> {
-        Mat::from_fn(matrix.rows(), matrix.columns(), |i, j| {
+    fn in_lane<E: Element>(matrix: View<'_, E>, lane: usize) -> DMatrix<f64> {
+        DMatrix::from_fn(matrix.rows(), matrix.columns(), |i, j| {
             matrix.at(i, j).0[lane]
         })
     }
@@ -299,11 +299,11 @@ mod tests {
                     in_lane(right, lane),
                     in_lane(shared, lane),
                 ];
-                let one = Mat::full(n, m, 1.0);
+                let one = DMatrix::from_element(n, m, 1.0);
                 let expected = [&one + &a * &right, &one - &a * &right, &one + &a * &shared];
                 for (sum, expected) in sums.iter().zip(&expected) {
                     let found = in_lane(LaneMatrix::by_rows(sum, [n, m]), lane);
-                    assert!((found - expected).norm_max() < 1e-13);
+                    assert!((found - expected).amax() < 1e-13);
                 }
                 let squared = &a * a.transpose();
                 for (i, row) in square.chunks_exact(n).enumerate() {

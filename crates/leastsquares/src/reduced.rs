@@ -16,10 +16,10 @@
 //! [`SHARED_RANK_TOL`]. Eigenvalues cost more than all the rest, so they are looked at only if the
 //! inverse does not rule it out ([`Reduced::rules_out_free`]).
 
-use faer::Mat;
+use nalgebra::DMatrix;
 
 use crate::Error;
-use crate::dense::{SymmetricEigen, symmetric_eigen};
+use crate::dense::symmetric_eigen;
 use crate::dot::dot;
 use crate::inverse::invert;
 
@@ -223,11 +223,12 @@ impl Reduced {
         motions: &[Vec<f64>],
         expected: usize,
     ) -> Result<(), Error> {
-        let scaled = Mat::from_fn(self.shared, self.shared, |i, j| {
+        let scaled = DMatrix::from_fn(self.shared, self.shared, |i, j| {
             scale[i] * self.at(i, j) * scale[j]
         });
-        let SymmetricEigen { values, vectors } = symmetric_eigen(scaled.as_ref())?;
-        let largest = (0..self.shared).fold(0.0_f64, |max, i| max.max(values[i]));
+        let eigen = symmetric_eigen(scaled)?;
+        let (values, vectors) = (eigen.eigenvalues, eigen.eigenvectors);
+        let largest = values.iter().fold(0.0_f64, |max, value| max.max(*value));
         let limit = SHARED_RANK_TOL;
         let free: Vec<usize> = (0..self.shared)
             .filter(|&i| values[i] <= limit * largest)
@@ -238,7 +239,7 @@ impl Reduced {
         // Shares of the unknowns in what is free beyond the motions.
         let mut shares = vec![0.0; self.shared];
         for &i in &free {
-            let mut vector: Vec<f64> = (0..self.shared).map(|k| vectors[(k, i)]).collect();
+            let mut vector = vectors.column(i).as_slice().to_vec();
             for motion in motions {
                 remove(&mut vector, motion);
             }

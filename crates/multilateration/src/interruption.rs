@@ -10,6 +10,7 @@
 //! likelihood; the step must be needed beside it.
 
 use nalgebra::{DMatrix, DVector, Vector3};
+use trueaxis_leastsquares::dense::Svd;
 use trueaxis_leastsquares::{dot, half_waves, matern_roots};
 
 use crate::step_tests::StepTest;
@@ -214,8 +215,8 @@ const ABSORBED: f64 = 1e-9;
 fn explained(rows: &Whitened, columns: &[Vec<f64>]) -> f64 {
     let (left, right) = normal_equations(rows, columns);
     let limit = ABSORBED * left.amax();
-    let found = left.svd(true, true).solve(&right, limit);
-    found.map_or(0.0, |estimates| right.dot(&estimates))
+    let inverse = Svd::new(&left).map(|svd| svd.pseudo_inverse(limit));
+    inverse.map_or(0.0, |inverse| right.dot(&(inverse * &right)))
 }
 
 /// `A = XᵀMX` and `b = Xᵀv` of whitened columns.

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use faer::Mat;
 use nalgebra::{DMatrix, Isometry3, Matrix4, Point3};
 use trueaxis_leastsquares::{Covariance, Termination};
 
@@ -101,7 +100,7 @@ impl Solution {
     }
 
     /// Covariance of the unknowns of a group: its free points (3 rows and columns each), or its pose.
-    pub fn group_covariance(&self, group: usize) -> Mat<f64> {
+    pub fn group_covariance(&self, group: usize) -> DMatrix<f64> {
         self.covariance.block(group)
     }
 

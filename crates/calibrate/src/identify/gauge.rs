@@ -21,13 +21,12 @@
 //! squares: `E` at a node is the mean over the runs there, each with its own `g`. All of this is
 //! linear: `x = Σ Γ_i e_i`, `E_k = mean e - Λ x`, and `Γ` serves the uncertainties as well.
 
-use faer::Mat;
 use nalgebra::{
     DMatrix, DVector, Matrix3, Matrix6, Matrix6xX, MatrixXx6, RowVector6, UnitQuaternion, Vector3,
     Vector6,
 };
 use trueaxis_kinematics::{Axis, AxisKind};
-use trueaxis_leastsquares::dense::{inverse, relative_singular_value};
+use trueaxis_leastsquares::dense::relative_singular_value;
 
 use crate::identify::axis_data::AxisData;
 use crate::identify::basis::Basis;
@@ -150,14 +149,14 @@ fn bordered_inverse(
         .map(|j| unit(constraint.column(j).norm()))
         .collect();
     let rows: Vec<f64> = (0..count).map(|i| unit(constraint.row(i).norm())).collect();
-    let scaled_agreement = Mat::from_fn(width, width, |i, j| {
+    let scaled_agreement = DMatrix::from_fn(width, width, |i, j| {
         agreement[(i, j)] / (columns[i] * columns[j])
     });
-    let weight = 1.0 / unit(scaled_agreement.norm_max());
-    let scaled_constraint = Mat::from_fn(count, width, |i, j| {
+    let weight = 1.0 / unit(scaled_agreement.amax());
+    let scaled_constraint = DMatrix::from_fn(count, width, |i, j| {
         constraint[(i, j)] / (rows[i] * columns[j])
     });
-    let bordered = Mat::from_fn(width + count, width + count, |i, j| {
+    let bordered = DMatrix::from_fn(width + count, width + count, |i, j| {
         match (i < width, j < width) {
             (true, true) => weight * scaled_agreement[(i, j)],
             (true, false) => scaled_constraint[(j - width, i)],
@@ -165,10 +164,10 @@ fn bordered_inverse(
             (false, false) => 0.0,
         }
     });
-    let singular_value = relative_singular_value(bordered.as_ref());
+    let singular_value = relative_singular_value(&bordered);
     if singular_value < RANK_TOL {
         // The constraints alone must be independent: with one run only positions are at fault.
-        let of_positions = relative_singular_value(scaled_constraint.as_ref());
+        let of_positions = relative_singular_value(&scaled_constraint);
         return Err(if of_positions < RANK_TOL {
             GaugeDefect::Positions {
                 singular_value: of_positions,
@@ -177,7 +176,8 @@ fn bordered_inverse(
             GaugeDefect::Disjoint
         });
     }
-    let inverse = inverse(bordered.as_ref());
+    let inverse = bordered.lu().try_inverse();
+    let inverse = inverse.ok_or(GaugeDefect::Disjoint)?;
     Ok(DMatrix::from_fn(width, width + count, |i, j| {
         let right = if j < width {
             weight / columns[j]

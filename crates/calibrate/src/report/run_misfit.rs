@@ -21,6 +21,7 @@
 use nalgebra::{DMatrix, DVector, Matrix6, Vector6};
 use trueaxis_kinematics::Component;
 use trueaxis_leastsquares::chi_squared_upper_tail;
+use trueaxis_leastsquares::dense::Svd;
 
 use crate::identify::gauge::PER_RUN;
 use crate::propagate::propagation::Propagation;
@@ -101,8 +102,8 @@ fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> 
     let (of_runs, of_sources) = (identified.gauges[k].parameters(), covariance.nrows());
     // The runs' own parameters are eliminated first.
     let own = products.view((0, 0), (of_runs, of_runs)).into_owned();
-    let own = own.svd(true, true);
-    let limit = FREE * own.singular_values.max();
+    let own = Svd::new(&own).ok()?;
+    let limit = FREE * own.largest();
     let redundant = 6 * (data.records.len() - data.nodes.len());
     let degrees_of_freedom = redundant.checked_sub(own.rank(limit));
     let degrees_of_freedom = degrees_of_freedom.filter(|dof| *dof > 0)?;
@@ -111,7 +112,7 @@ fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> 
         .rows(0, of_runs)
         .into_owned();
     let others = products.view_range(of_runs.., of_runs..);
-    let left = others - coupling.transpose() * own.pseudo_inverse(limit).ok()? * &coupling;
+    let left = others - coupling.transpose() * own.pseudo_inverse(limit) * &coupling;
     let g = left.view((0, 0), (of_sources, of_sources));
     let f = left.column(of_sources).rows(0, of_sources).into_owned();
     let inner = DMatrix::identity(of_sources, of_sources) + g * &covariance;

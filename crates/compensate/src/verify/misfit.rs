@@ -20,7 +20,7 @@ const DRAWS: usize = 4000;
 const ROUNDING: f64 = 1e-12;
 
 /// The probability that at least `above` of differences with this covariance exceed `limits`; 1 if none does.
-pub(crate) fn chance(above: usize, covariance: DMatrix<f64>, limits: &[f64]) -> f64 {
+pub(crate) fn chance(above: usize, covariance: &DMatrix<f64>, limits: &[f64]) -> f64 {
     if above == 0 {
         return 1.0;
     }
@@ -53,8 +53,8 @@ mod tests {
     #[test]
     fn a_misfit_is_more_than_chance() {
         let limits = [2.0; 21];
-        let independent = |above| chance(above, DMatrix::identity(21, 21), &limits);
-        let shared = |above| chance(above, DMatrix::from_element(21, 21, 1.0), &limits);
+        let independent = |above| chance(above, &DMatrix::identity(21, 21), &limits);
+        let shared = |above| chance(above, &DMatrix::from_element(21, 21, 1.0), &limits);
         for (found, expected) in [
             (independent(5), 0.0027),
             (independent(4), 0.014),

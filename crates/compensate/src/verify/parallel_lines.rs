@@ -14,6 +14,7 @@
 use nalgebra::{DMatrix, DVector, RowVector2, Vector3};
 use trueaxis_campaign::VerificationKind;
 use trueaxis_kinematics::{AxisKind, Component, Ideal};
+use trueaxis_leastsquares::dense::Svd;
 use trueaxis_predict::{CalibratedMachine, carrier, positioning_lines};
 
 use crate::export::rising;
@@ -170,8 +171,7 @@ fn angles(
     if !seen.contains(&true) || positions.len() < 2 {
         return None;
     }
-    let svd = levers.svd(true, true);
-    let angle_of_line = svd.pseudo_inverse(LEAST_LEVER_MM).ok()?;
+    let angle_of_line = Svd::new(&levers).ok()?.pseudo_inverse(LEAST_LEVER_MM);
 
     // The points in one row, and each angle as a function of them.
     let points: Vec<(&Line<'_>, &Point)> = lines
@@ -212,10 +212,9 @@ fn angles(
 /// Which of the two angles the places of the lines tell.
 fn seen(levers: &DMatrix<f64>) -> [bool; 2] {
     let alone = [0, 1].map(|i| levers.column(i).norm() >= LEAST_LEVER_MM);
-    let mut sizes: Vec<f64> = levers.clone().singular_values().iter().copied().collect();
-    sizes.sort_by(f64::total_cmp);
-    match sizes.as_slice() {
-        [least, _] if *least >= LEAST_LEVER_MM => [true, true],
+    let rank = Svd::new(levers).map_or(0, |svd| svd.rank(LEAST_LEVER_MM));
+    match rank {
+        2 => [true, true],
         // In one plane: an angle, if the plane is that of two reference axes.
         _ if alone[0] != alone[1] => alone,
         _ => [false, false],

@@ -1,7 +1,6 @@
 //! `G = Xᵀ M X` of a hypothesis in its eigenvectors.
 
-use faer::Mat;
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::DMatrix;
 use trueaxis_leastsquares::dense::symmetric_eigen;
 
 use crate::selection::dots::{SIDE_BY_SIDE, add_row};
@@ -20,9 +19,6 @@ pub(crate) struct Gram {
 /// effect to one part in ten thousand: no data of this kind show it.
 pub(crate) const VISIBLE: f64 = 1e-8;
 
-/// From this number of parameters on, faer finds the eigenvectors faster.
-const LARGE_MATRIX: usize = 16;
-
 /// Share of a parameter in what the data do not see that is more than rounding.
 const UNSEEN: f64 = 1e-6;
 
@@ -40,29 +36,15 @@ impl Gram {
             return new;
         }
         let at = |i: usize, j: usize| 0.5 * (gram[i * n + j] + gram[j * n + i]);
-        if n < LARGE_MATRIX {
-            let eigen = SymmetricEigen::new(DMatrix::from_fn(n, n, at));
-            for (&value, vector) in eigen
-                .eigenvalues
-                .iter()
-                .zip(eigen.eigenvectors.column_iter())
-            {
-                new.take(value, limit, vector.iter().copied());
-            }
-        } else if let Ok(eigen) = symmetric_eigen(Mat::from_fn(n, n, at).as_ref()) {
-            for (k, &value) in eigen.values.iter().enumerate() {
-                new.take(value, limit, eigen.vectors.col(k).iter().copied());
+        if let Ok(eigen) = symmetric_eigen(DMatrix::from_fn(n, n, at)) {
+            let vectors = eigen.eigenvectors.column_iter();
+            let all = eigen.eigenvalues.iter().zip(vectors);
+            for (&value, vector) in all.filter(|(value, _)| **value > limit) {
+                new.values.push(value);
+                new.vectors.extend(vector.iter());
             }
         }
         new
-    }
-
-    /// Takes a direction that the data see.
-    fn take(&mut self, value: f64, limit: f64, vector: impl Iterator<Item = f64>) {
-        if value > limit {
-            self.values.push(value);
-            self.vectors.extend(vector);
-        }
     }
 
     /// Number of directions that the data see.

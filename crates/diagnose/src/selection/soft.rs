@@ -7,8 +7,7 @@
 //!
 //! (A: the base model), which has the same form with more columns `T`, but is no projection any more.
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 use trueaxis_leastsquares::{dot, in_widest_registers};
 
 use crate::selection::fixed_scan::gram_matrix_of;
@@ -67,15 +66,16 @@ impl Projection {
     ) -> Vec<f64> {
         let (rows, count) = (self.rows(), columns.len());
         let mut basis = vec![0.0; rows * width];
+        // Matrices are kept row after row, so that each is its own transpose here.
         let times_v = |rows: usize, of_column: &dyn Fn(usize, usize) -> f64| {
             let mut product = vec![0.0; rows * width];
-            let factor = Mat::from_fn(rows, count, of_column);
-            add_product(&mut product, factor.as_ref(), v, 1.0);
+            let factor = DMatrix::from_fn(count, rows, of_column);
+            add_product(&mut product, factor.as_view(), v, 1.0);
             product
         };
-        let own = times_v(self.groups * self.own_width, &|r, k| taken_of[k].own[r]);
-        let through = times_v(self.shared_width, &|r, k| taken_of[k].through[r]);
-        let shared = MatRef::from_row_major_slice(&self.shared, rows, self.shared_width);
+        let own = times_v(self.groups * self.own_width, &|k, r| taken_of[k].own[r]);
+        let through = times_v(self.shared_width, &|k, r| taken_of[k].through[r]);
+        let shared = DMatrixView::from_slice(&self.shared, self.shared_width, rows);
         add_product(&mut basis, shared, &through, -1.0);
         // The columns with anything in a row: those of one course of a disturbance. Rows of one course follow each other.
         let concerned = |i: usize| {
@@ -90,11 +90,11 @@ impl Projection {
         let mut start = 0;
         for alike in concerned.chunk_by(|a, b| a == b) {
             let (first, end) = alike[0];
-            let own = Mat::from_fn(alike.len(), end - first, |i, k| {
+            let own = DMatrix::from_fn(end - first, alike.len(), |k, i| {
                 columns[first + k][start + i]
             });
             let of_these = &mut basis[start * width..(start + alike.len()) * width];
-            add_product(of_these, own.as_ref(), &v[first * width..end * width], 1.0);
+            add_product(of_these, own.as_view(), &v[first * width..end * width], 1.0);
             start += alike.len();
         }
         in_widest_registers(
@@ -112,14 +112,13 @@ impl Projection {
     }
 }
 
-/// `sum += factor · A B`; `sum` and `B` row after row.
-fn add_product(sum: &mut [f64], a: MatRef<'_, f64>, b: &[f64], factor: f64) {
-    let (rows, inner) = (a.nrows(), a.ncols());
+/// `sum += factor · A B`; `sum` and `B` row after row, `A` transposed.
+fn add_product(sum: &mut [f64], a: DMatrixView<'_, f64>, b: &[f64], factor: f64) {
+    let (inner, rows) = a.shape();
     if rows * inner * sum.len() > 0 {
         let width = sum.len() / rows;
-        let sum = MatMut::from_row_major_slice_mut(sum, rows, width);
-        let b = MatRef::from_row_major_slice(b, inner, width);
-        matmul(sum, Accum::Add, a, b, factor, Par::Seq);
+        let b = DMatrixView::from_slice(b, width, inner);
+        DMatrixViewMut::from_slice(sum, width, rows).gemm(factor, &b, &a, 1.0);
     }
 }
 

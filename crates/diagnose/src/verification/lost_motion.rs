@@ -10,6 +10,7 @@
 use nalgebra::{DMatrix, DVector};
 use trueaxis_campaign::VerificationKind;
 use trueaxis_kinematics::AxisKind;
+use trueaxis_leastsquares::dense::Svd;
 
 use crate::CurvePoint;
 use crate::selection::Fit;
@@ -50,6 +51,9 @@ fn reached_from_both_sides(comparison: &Comparison<'_>) -> Vec<usize> {
         .collect()
 }
 
+/// Mean and slope whose columns differ by less than this part do the same to the readings.
+const PROPORTIONAL: f64 = 1e-12;
+
 /// The columns of a number of waves: what a unit of lost motion does to each reading times `r_k` there. `straight` are those of a unit
 /// of its mean and of its slope.
 pub(crate) fn waves(
@@ -59,16 +63,14 @@ pub(crate) fn waves(
 ) -> Vec<Vec<f64>> {
     let rows = of_unit.len();
     let straight = DMatrix::from_fn(rows, 2, |i, k| [of_unit[i], of_slope[i]][k]);
-    let svd = straight.clone().svd(true, true);
+    let inverse = Svd::new(&straight).map(|svd| svd.pseudo_inverse(PROPORTIONAL * svd.largest()));
     let waves = comparison.waves_of_position(count + 1).into_iter().skip(1);
     waves
         .map(|wave| {
             let column = DVector::from_fn(rows, |i, _| of_unit[i] * wave[i]);
-            let held = svd.solve(&column, f64::EPSILON).unwrap_or_default();
-            let rest = if held.is_empty() {
-                column
-            } else {
-                column - &straight * held
+            let rest = match &inverse {
+                Ok(inverse) => &column - &straight * (inverse * &column),
+                Err(_) => column,
             };
             rest.as_slice().to_vec()
         })

@@ -37,7 +37,7 @@ pub(crate) fn prediction_directions(
         }
     }
     let prediction = machine.covariance_of_readings(&readings);
-    let of_stands = pivoted_cholesky(prediction, NEGLIGIBLE * noise_um * noise_um);
+    let of_stands = pivoted_cholesky(&prediction, NEGLIGIBLE * noise_um * noise_um);
     let spread = |column: &DVector<f64>| of_arrivals.iter().map(|&stand| column[stand]).collect();
     of_stands.iter().map(spread).collect()
 }

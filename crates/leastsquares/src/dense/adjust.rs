@@ -10,7 +10,7 @@
 //! criterion for nonlinear least squares, Technometrics 23, 1981.) The last steps are Newton's
 //! ([`super::curvature`]), whose second derivatives tell a minimum from a saddle.
 
-use faer::Mat;
+use nalgebra::DMatrix;
 
 use super::curvature::Newton;
 use super::linearised::{Linearised, RANK_TOL, norm, squares};
@@ -50,7 +50,7 @@ pub struct Adjusted {
     pub squares: f64,
     /// Covariance of the unknowns for unit variance of the residuals, `(JᵀJ)⁻¹`; none if the
     /// Jacobian leaves a combination of the unknowns free.
-    pub covariance: Option<Mat<f64>>,
+    pub covariance: Option<DMatrix<f64>>,
     /// Singular values of the Jacobian with unit columns, largest first.
     pub singular_values: Vec<f64>,
     /// Steps taken before the last.
@@ -93,7 +93,7 @@ const SLOW: f64 = 0.5;
 /// last few, which are Newton's, need one more Jacobian for each unknown.
 ///
 /// ```
-/// use faer::Mat;
+/// use nalgebra::DMatrix;
 /// use trueaxis_leastsquares::dense::{Model, Settings, adjust};
 ///
 /// /// Warm-up `a (1 - exp(-t/T))` of a spindle, measured in µm after some minutes.
@@ -105,8 +105,8 @@ const SLOW: f64 = 0.5;
 ///         self.0.iter().map(residual).collect()
 ///     }
 ///
-///     fn jacobian(&self, x: &[f64]) -> Mat<f64> {
-///         Mat::from_fn(self.0.len(), 2, |i, j| {
+///     fn jacobian(&self, x: &[f64]) -> DMatrix<f64> {
+///         DMatrix::from_fn(self.0.len(), 2, |i, j| {
 ///             let t = self.0[i].0;
 ///             let rest = (-t / x[1]).exp();
 ///             [1.0 - rest, -x[0] * rest * t / (x[1] * x[1])][j]

@@ -10,9 +10,9 @@
 //! Nonlinear regression analysis and its applications (1988), section 7.1. At a minimum it is
 //! positive; `-K B⁻¹ Uᵀ r` is Newton's step. Gauss–Newton takes `B` for the unit matrix.
 
-use faer::Mat;
+use nalgebra::DMatrix;
 
-use super::decompositions::{SymmetricEigen, symmetric_eigen};
+use super::decompositions::symmetric_eigen;
 use super::linearised::{Linearised, norm};
 use super::model::Model;
 use crate::Error;
@@ -42,15 +42,15 @@ impl Newton {
         let singular_values = here.svd.singular_values();
         let unknowns = singular_values.len();
         let hessian = relative_hessian(model, here);
-        let finite = (0..unknowns).all(|j| hessian.col(j).iter().all(|x| x.is_finite()));
-        if !finite {
+        if !hessian.iter().all(|x| x.is_finite()) {
             return Ok(Self {
                 curvature: f64::NAN,
                 offset: f64::NAN,
                 step: Vec::new(),
             });
         }
-        let SymmetricEigen { values, vectors: q } = symmetric_eigen(hessian.as_ref())?;
+        let eigen = symmetric_eigen(hessian)?;
+        let (values, q) = (eigen.eigenvalues, eigen.eigenvectors);
         let along = |k: usize| -> f64 {
             let sum: f64 = (0..unknowns).map(|i| q[(i, k)] * here.components[i]).sum();
             -sum / values[k]
@@ -63,21 +63,21 @@ impl Newton {
             })
             .collect();
         Ok(Self {
-            curvature: (0..unknowns).fold(f64::INFINITY, |least, k| least.min(values[k])),
+            curvature: values.min(),
             offset: norm(&along),
             step: here.svd.unknowns(&components),
         })
     }
 }
 
-fn relative_hessian(model: &impl Model, here: &Linearised) -> Mat<f64> {
+fn relative_hessian(model: &impl Model, here: &Linearised) -> DMatrix<f64> {
     let singular_values = here.svd.singular_values();
     let unknowns = singular_values.len();
     let length = DIFFERENCE * norm(&here.residuals);
     if length <= 0.0 {
-        return Mat::identity(unknowns, unknowns);
+        return DMatrix::identity(unknowns, unknowns);
     }
-    let mut curved = Mat::<f64>::zeros(unknowns, unknowns);
+    let mut curved = DMatrix::<f64>::zeros(unknowns, unknowns);
     for k in 0..unknowns {
         let mut components = vec![0.0; unknowns];
         components[k] = length / singular_values[k];
@@ -93,7 +93,7 @@ fn relative_hessian(model: &impl Model, here: &Linearised) -> Mat<f64> {
             curved[(i, k)] = g / (singular_values[i] * length);
         }
     }
-    Mat::from_fn(unknowns, unknowns, |i, k| {
+    DMatrix::from_fn(unknowns, unknowns, |i, k| {
         let unit = if i == k { 1.0 } else { 0.0 };
         unit + 0.5 * (curved[(i, k)] + curved[(k, i)])
     })

@@ -1,6 +1,6 @@
 //! A model and its derivatives at one point.
 
-use faer::Mat;
+use nalgebra::DMatrix;
 
 use super::model::Model;
 use super::scaled_svd::{ScaledSvd, column_lengths};
@@ -16,7 +16,7 @@ pub(super) const RANK_TOL: f64 = 1.5e-8;
 pub(super) struct Linearised {
     pub(super) unknowns: Vec<f64>,
     pub(super) residuals: Vec<f64>,
-    pub(super) jacobian: Mat<f64>,
+    pub(super) jacobian: DMatrix<f64>,
     /// Lengths of the columns of the Jacobian.
     pub(super) column_lengths: Vec<f64>,
     pub(super) svd: ScaledSvd,
@@ -47,11 +47,11 @@ impl Linearised {
             (residuals.len(), unknowns.len()),
             "rows and columns of the Jacobian"
         );
-        let column_lengths = column_lengths(jacobian.as_ref());
+        let column_lengths = column_lengths(&jacobian);
         if !column_lengths.iter().all(|length| length.is_finite()) {
             return Ok(None);
         }
-        let svd = ScaledSvd::new(jacobian.as_ref(), column_lengths.clone())?;
+        let svd = ScaledSvd::new(&jacobian, column_lengths.clone())?;
         let rank = svd.rank(RANK_TOL);
         let mut components = svd.row_components(&residuals);
         components.truncate(rank);

@@ -1,6 +1,6 @@
 //! What is adjusted.
 
-use faer::Mat;
+use nalgebra::DMatrix;
 
 /// Residuals that depend on unknowns.
 pub trait Model {
@@ -8,7 +8,7 @@ pub trait Model {
     fn residuals(&self, unknowns: &[f64]) -> Vec<f64>;
 
     /// Their derivatives, a row for each residual, a column for each unknown.
-    fn jacobian(&self, unknowns: &[f64]) -> Mat<f64>;
+    fn jacobian(&self, unknowns: &[f64]) -> DMatrix<f64>;
 
     /// Length by which rounding of data and in the model changes the residuals, beyond the
     /// rounding of the unknowns, which is always reckoned with. Worth stating where residuals

@@ -73,7 +73,7 @@ impl TrustRegion {
         for (scale, length) in self.scale.iter_mut().zip(&here.column_lengths) {
             *scale = scale.max(*length);
         }
-        let svd = ScaledSvd::new(here.jacobian.as_ref(), self.scale.clone())?;
+        let svd = ScaledSvd::new(&here.jacobian, self.scale.clone())?;
         let residuals = svd.row_components(&here.residuals);
         loop {
             let step = step_within(self.radius, svd.singular_values(), &residuals);

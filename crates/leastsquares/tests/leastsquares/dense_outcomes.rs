@@ -1,6 +1,6 @@
 //! One problem for each way in which a dense adjustment can end, and what it must not depend on.
 
-use faer::Mat;
+use nalgebra::DMatrix;
 use proptest::prelude::*;
 use trueaxis_leastsquares::Error;
 use trueaxis_leastsquares::dense::{Adjusted, Model, Settings, Termination, adjust};
@@ -16,9 +16,9 @@ impl<R: Fn(&[f64]) -> Vec<f64>, J: Fn(&[f64]) -> Vec<Vec<f64>>> Model for Residu
         (self.residuals)(unknowns)
     }
 
-    fn jacobian(&self, unknowns: &[f64]) -> Mat<f64> {
+    fn jacobian(&self, unknowns: &[f64]) -> DMatrix<f64> {
         let rows = (self.jacobian)(unknowns);
-        Mat::from_fn(rows.len(), unknowns.len(), |i, j| rows[i][j])
+        DMatrix::from_fn(rows.len(), unknowns.len(), |i, j| rows[i][j])
     }
 }
 
@@ -199,8 +199,8 @@ fn rounding_of_the_model_is_reckoned_with_when_stated() {
                 .collect()
         }
 
-        fn jacobian(&self, _: &[f64]) -> Mat<f64> {
-            Mat::from_fn(TIMES.len(), 1, |i, _| TIMES[i])
+        fn jacobian(&self, _: &[f64]) -> DMatrix<f64> {
+            DMatrix::from_fn(TIMES.len(), 1, |i, _| TIMES[i])
         }
 
         fn rounding(&self) -> f64 {

@@ -3,7 +3,7 @@
 //! Digits are `-log10(|q - c| / |c|)` of the worst unknown against the certified values, which have
 //! eleven, so eleven is the most. (Ceres reports 9.4 in the mean for itself, and 4.4 for MINPACK.)
 
-use faer::Mat;
+use nalgebra::DMatrix;
 use trueaxis_leastsquares::dense::{Adjusted, Model, Settings, adjust};
 
 use crate::strd_file::Set;
@@ -97,7 +97,7 @@ fn derivatives_are_those_of_the_models() {
     for regression in regressions() {
         let set = &regression.set;
         for unknowns in [&set.starts[1], &set.certified.unknowns] {
-            let jacobian: Mat<f64> = regression.jacobian(unknowns);
+            let jacobian: DMatrix<f64> = regression.jacobian(unknowns);
             for j in 0..unknowns.len() {
                 let [ahead, behind] = [H, -H].map(|h| {
                     let mut unknowns = unknowns.clone();
@@ -106,9 +106,9 @@ fn derivatives_are_those_of_the_models() {
                 });
                 let step = 2.0 * H * unknowns[j];
                 let differences =
-                    Mat::from_fn(ahead.len(), 1, |i, _| (ahead[i] - behind[i]) / step);
-                let column = jacobian.col(j);
-                let error = (differences.col(0) - column).norm_l2() / column.norm_l2();
+                    DMatrix::from_fn(ahead.len(), 1, |i, _| (ahead[i] - behind[i]) / step);
+                let column = jacobian.column(j);
+                let error = (differences.column(0) - column).norm() / column.norm();
                 assert!(error < 1e-7, "{}: b{}, {error:.1e}", set.name, j + 1);
             }
         }

@@ -8,7 +8,7 @@
 
 use std::path::Path;
 
-use faer::Mat;
+use nalgebra::DMatrix;
 use trueaxis_leastsquares::dense;
 
 use crate::nist_strd::digits;
@@ -40,8 +40,8 @@ fn check(name: &str, design_row: impl Fn(&[f64]) -> Vec<f64>, least: [f64; 3]) {
         certified.iter().map(|row| (row[0], row[1])).unzip();
     assert_eq!(design[0].len(), values.len());
 
-    let matrix = Mat::from_fn(design.len(), values.len(), |i, j| design[i][j]);
-    let fit = dense::solve(matrix.as_ref(), &responses).unwrap();
+    let matrix = DMatrix::from_fn(design.len(), values.len(), |i, j| design[i][j]);
+    let fit = dense::solve(&matrix, &responses).unwrap();
     let found_squares: f64 = fit.residuals.iter().map(|r| r * r).sum();
     let variance = found_squares / (design.len() - values.len()) as f64;
     let found_deviations: Vec<f64> = (0..values.len())

@@ -4,7 +4,7 @@
 //! infinity. But where the solver says that it has arrived, nothing beside may be lower. That is
 //! seen here from the residuals alone.
 
-use faer::{Mat, Side};
+use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use trueaxis_leastsquares::dense::{Adjusted, Model, Settings, adjust};
@@ -69,11 +69,11 @@ fn least_rise(regression: &Regression, adjusted: &Adjusted, random: &mut ChaCha8
     let unknowns = adjusted.unknowns.len();
     let covariance = adjusted.covariance.as_ref().unwrap();
     let deviations: Vec<f64> = (0..unknowns).map(|j| covariance[(j, j)].sqrt()).collect();
-    let correlation = Mat::from_fn(unknowns, unknowns, |i, j| {
+    let correlation = DMatrix::from_fn(unknowns, unknowns, |i, j| {
         covariance[(i, j)] / (deviations[i] * deviations[j])
     });
-    let eigen = correlation.self_adjoint_eigen(Side::Lower).unwrap();
-    let (values, vectors) = (eigen.S().column_vector(), eigen.U());
+    let eigen = correlation.symmetric_eigen();
+    let (values, vectors) = (eigen.eigenvalues, eigen.eigenvectors);
     let mut least = f64::INFINITY;
     for _ in 0..NEIGHBOURS {
         let mut direction: Vec<f64> = (0..unknowns)

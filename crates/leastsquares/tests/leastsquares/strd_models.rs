@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use faer::Mat;
+use nalgebra::DMatrix;
 use trueaxis_leastsquares::dense::Model;
 
 use crate::strd_file::{Row, Set};
@@ -58,14 +58,14 @@ impl Model for Regression {
         self.set.rows.iter().map(residual).collect()
     }
 
-    fn jacobian(&self, unknowns: &[f64]) -> Mat<f64> {
+    fn jacobian(&self, unknowns: &[f64]) -> DMatrix<f64> {
         let rows: Vec<Vec<f64>> = self
             .set
             .rows
             .iter()
             .map(|row| (self.function)(&row.predictors, unknowns).1)
             .collect();
-        Mat::from_fn(rows.len(), unknowns.len(), |i, j| rows[i][j])
+        DMatrix::from_fn(rows.len(), unknowns.len(), |i, j| rows[i][j])
     }
 }
 

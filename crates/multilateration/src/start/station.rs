@@ -10,8 +10,7 @@
 //! Points that are all in one plane leave the side of the plane on which the station stands open;
 //! so do, in practice, points that are nearly so. Both sides are tried, and a tie is handed on.
 
-use faer::Mat;
-use nalgebra::{Matrix3, Matrix4, Point3, Unit, Vector3, Vector4};
+use nalgebra::{DMatrix, Matrix3, Matrix4, Point3, Unit, Vector3, Vector4};
 use trueaxis_leastsquares::{Error as LeastSquaresError, dense};
 
 use super::POOR_FIT;
@@ -135,7 +134,7 @@ fn linear_candidates(sightings: &[Sighting], cloud: &Cloud) -> Vec<Point3<f64>> 
             (s.length_mm - cloud.mean_length_mm) / scale,
         )
     };
-    let design = Mat::from_fn(sightings.len(), 5, |i, k| {
+    let design = DMatrix::from_fn(sightings.len(), 5, |i, k| {
         let (p, l) = scaled(&sightings[i]);
         match k {
             0..3 => 2.0 * p[k],
@@ -151,7 +150,7 @@ fn linear_candidates(sightings: &[Sighting], cloud: &Cloud) -> Vec<Point3<f64>> 
         })
         .collect();
     let position = |s: Vector3<f64>| cloud.centroid + s * scale;
-    match dense::solve(design.as_ref(), &right) {
+    match dense::solve(&design, &right) {
         Ok(fit) => {
             vec![position(Vector3::from_column_slice(&fit.unknowns[..3]))]
         }
@@ -168,14 +167,14 @@ fn linear_candidates(sightings: &[Sighting], cloud: &Cloud) -> Vec<Point3<f64>> 
 }
 
 fn planar_candidates(
-    mut design: Mat<f64>,
+    design: DMatrix<f64>,
     right: &[f64],
     normal: Unit<Vector3<f64>>,
 ) -> Vec<Vector3<f64>> {
     // Express S in two directions of the plane; the column across it becomes superfluous.
     let u = Unit::new_normalize(normal.cross(&Vector3::ith(normal.iamin(), 1.0)));
     let v = normal.cross(&u);
-    let in_plane = Mat::from_fn(design.nrows(), 4, |i, k| {
+    let in_plane = DMatrix::from_fn(design.nrows(), 4, |i, k| {
         let p = Vector3::new(design[(i, 0)], design[(i, 1)], design[(i, 2)]);
         match k {
             0 => p.dot(&u),
@@ -183,8 +182,7 @@ fn planar_candidates(
             _ => design[(i, k + 1)],
         }
     });
-    design.truncate(0, 0);
-    let Ok(fit) = dense::solve(in_plane.as_ref(), right) else {
+    let Ok(fit) = dense::solve(&in_plane, right) else {
         return Vec::new();
     };
     let [a, b, l, q] = [

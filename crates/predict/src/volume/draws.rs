@@ -1,16 +1,18 @@
 //! Errors of the calibration drawn from its covariance.
 
-use faer::Mat;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
-use trueaxis_leastsquares::dense::{SymmetricEigen, symmetric_eigen};
 use trueaxis_montecarlo::ChaCha8Rng;
 
 use crate::calibrated_machine::CalibratedMachine;
+use crate::pivoted_cholesky::pivoted_cholesky;
 
-/// More results than this are not drawn: the eigenvalues of their covariance would take longer than all else.
+/// More results than this are not drawn: the root of their covariance would take longer than all else.
 const MOST_RESULTS: usize = 3000;
+
+/// Variances that are left below this part of a result's own are rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// `R` with `cov = R Rᵀ`, for component and location errors; `None` if these are too many.
 pub(crate) struct Root(DMatrix<f64>);
@@ -24,7 +26,7 @@ impl Root {
         let dense = machine.factors.dense();
         // µm and ″ are of one size, mm and rad are not.
         let u: Vec<f64> = (0..count).map(|i| dense[(i, i)].max(0.0).sqrt()).collect();
-        let correlation = Mat::from_fn(count, count, |i, j| {
+        let correlation = DMatrix::from_fn(count, count, |i, j| {
             let scale = u[i] * u[j];
             if scale > 0.0 {
                 dense[(i, j)] / scale
@@ -32,20 +34,16 @@ impl Root {
                 0.0
             }
         });
-        let SymmetricEigen { values, vectors } = symmetric_eigen(correlation.as_ref()).ok()?;
-        let root = |i: usize, j: usize| {
-            // Negative ones are rounding.
-            u[i] * vectors[(i, j)] * values[j].max(0.0).sqrt()
-        };
-        Some(Self(DMatrix::from_fn(count, count, root)))
+        let columns = pivoted_cholesky(&correlation, ROUNDING);
+        let root = DMatrix::from_fn(count, columns.len(), |i, j| u[i] * columns[j][i]);
+        Some(Self(root))
     }
 
     /// Draw `number`: errors of all results, mm and rad; the same for the same seed.
     pub(crate) fn draw(&self, seed: u64, number: u64) -> Vec<f64> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(number);
-        let deviates =
-            nalgebra::DVector::from_fn(self.0.ncols(), |_, _| rng.sample(StandardNormal));
+        let deviates = DVector::from_fn(self.0.ncols(), |_, _| rng.sample(StandardNormal));
         (&self.0 * deviates).as_slice().to_vec()
     }
 }

@@ -1,6 +1,7 @@
 //! The figures of many errors.
 
-use nalgebra::{Matrix6, Point3, Vector3, Vector6};
+use nalgebra::{DMatrix, Matrix6, Point3, Vector3, Vector6};
+use trueaxis_leastsquares::dense::Svd;
 
 /// Share of the places whose error a percentile is not less than.
 const PERCENTILE: f64 = 0.95;
@@ -78,10 +79,11 @@ impl RigidFit {
             let rows = rows((p - centre) / size);
             normal += rows.transpose() * rows;
         }
-        let svd = normal.svd(true, true);
-        let largest = svd.singular_values.max();
-        // With both factors there, no rank is refused.
-        let mut inverse = svd.pseudo_inverse(FREE * largest).unwrap_or_default();
+        let normal = DMatrix::from_column_slice(6, 6, normal.as_slice());
+        // Points that are not finite are refused before; nothing fits them.
+        let inverse = Svd::new(&normal).map(|svd| svd.pseudo_inverse(FREE * svd.largest()));
+        let inverse = inverse.map(|inverse| Matrix6::from_column_slice(inverse.as_slice()));
+        let mut inverse = inverse.unwrap_or_default();
         for i in 3..6 {
             inverse.row_mut(i).scale_mut(1.0 / size);
             inverse.column_mut(i).scale_mut(1.0 / size);
