@@ -61,6 +61,10 @@ impl Solution {
 }
 
 /// The motion that takes `from` to `to` with the least squares (Kabsch).
+#[expect(
+    clippy::disallowed_methods,
+    reason = "of three rows and columns it is another algorithm, which is right"
+)]
 fn best_fit(from: &[Point3<f64>], to: &[Point3<f64>]) -> impl Fn(&Point3<f64>) -> Point3<f64> {
     let centre = |points: &[Point3<f64>]| {
         let sum: Vector3<f64> = points.iter().map(|p| p.coords).sum();

@@ -8,6 +8,10 @@ const MOST_SWEEPS: usize = 100;
 /// The motion that takes points to where they fit others best: about the centroids the rotation
 /// `R = V diag(1, 1, det VUᵀ) Uᵀ` from `Σ (p - p̄)(n - n̄)ᵀ = U S Vᵀ` (W. Kabsch, *Acta Crystallographica* A
 /// 32, 922, 1976).
+#[expect(
+    clippy::disallowed_methods,
+    reason = "of three rows and columns it is another algorithm, which is right"
+)]
 pub fn best_fit(points: &[Point3<f64>], to: &[Point3<f64>]) -> Isometry3<f64> {
     let (from_centre, to_centre) = (centroid(points), centroid(to));
     let mut products = Matrix3::zeros();

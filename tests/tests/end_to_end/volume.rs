@@ -25,7 +25,7 @@ fn true_figures(truth: &TrueMachine, places: &Places) -> [f64; 9] {
         [rms, sizes[(95 * count).div_ceil(100) - 1], sizes[count - 1]]
     };
     let zeroed = sizes(errors.iter().map(|e| (e - home).norm()).collect());
-    // e = t + ρ × p by the singular values of all rows; rotations in µm per m.
+    // e = t + ρ × p by elimination of all rows; rotations in µm per m.
     let mut design = DMatrix::zeros(3 * all.len(), 6);
     let mut right = DVector::zeros(3 * all.len());
     for (i, (at, e)) in all.iter().zip(&errors).enumerate() {
@@ -35,7 +35,8 @@ fn true_figures(truth: &TrueMachine, places: &Places) -> [f64; 9] {
         design.view_mut((3 * i, 3), (3, 3)).copy_from(&row);
         right.rows_mut(3 * i, 3).copy_from(e);
     }
-    let motion = design.clone().svd(true, true).solve(&right, 1e-12).unwrap();
+    let (q, r) = design.clone().qr().unpack();
+    let motion = r.solve_upper_triangular(&q.tr_mul(&right)).unwrap();
     let left = right - design * motion;
     let left = left
         .as_slice()

@@ -99,6 +99,10 @@ pub(crate) fn add_noise(network: &mut Network, truth: &Truth, rng: &mut ChaCha8R
 
 /// The rigid motion that fits the true points best to the nominal ones, by a singular value
 /// decomposition (the solver has datum equations).
+#[expect(
+    clippy::disallowed_methods,
+    reason = "of three rows and columns it is another algorithm, which is right"
+)]
 pub(crate) fn best_fit(points: &[Point3<f64>], nominal: &[Point3<f64>]) -> Isometry3<f64> {
     let centre =
         |all: &[Point3<f64>]| all.iter().map(|p| p.coords).sum::<Vector3<f64>>() / all.len() as f64;
