@@ -3,7 +3,7 @@
 use trueaxis_effects::Scene;
 
 use crate::engine::{Measured, Suspect, scans};
-use crate::selection::{Fit, Hypothesis, Null, Projection, Scan, Score, cosine, rank};
+use crate::selection::{EQUAL, Fit, Hypothesis, Null, Projection, Scan, Score, cosine, rank};
 
 /// The hypotheses that are physically possible, by rank.
 pub(crate) struct Ranking<'m, S> {
@@ -14,9 +14,6 @@ pub(crate) struct Ranking<'m, S> {
 
 /// Rivals that are worth a line.
 const MOST_RIVALS: usize = 8;
-
-/// Evidence that differs by less is rounding.
-pub(crate) const EQUAL: f64 = 1e-3;
 
 impl<'m> Ranking<'m, Vec<Box<dyn Scan>>> {
     /// Of hypotheses against what a model leaves.

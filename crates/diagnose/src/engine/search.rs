@@ -11,9 +11,8 @@
 use trueaxis_effects::Shape;
 
 use crate::Error;
-use crate::engine::ranking::EQUAL;
 use crate::engine::{Culprits, Found, Measured, Ranking, Suspect};
-use crate::selection::{DECISIVE, Fit, Hypothesis, Null, Scan};
+use crate::selection::{DECISIVE, EQUAL, Fit, Hypothesis, Null, Scan};
 
 /// The causes, the model with them, and what a further cause would explain that is not one of its own.
 pub(crate) struct Search<M> {

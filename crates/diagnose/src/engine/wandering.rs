@@ -10,7 +10,7 @@ use crate::Error;
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, With};
 use crate::engine::smooth::{SMOOTH_LEVEL, Smooth, beside_one_of, correlation_lengths};
 use crate::engine::{Measured, Suspect};
-use crate::selection::{DECISIVE, Projection, dot};
+use crate::selection::{DECISIVE, Projection, by_evidence, dot};
 
 /// Data beside which something may wander.
 pub(crate) trait Wanders: Measured + Clone + Send {
@@ -215,11 +215,8 @@ fn judge_all<D: Wanders>(
     family: usize,
 ) -> Vec<JudgedDisturbance> {
     let judged = wanderers.par_iter();
-    let mut judged: Vec<JudgedDisturbance> = judged
-        .filter_map(|&wanderer| judge(base, adjusted, wanderer, family))
-        .collect();
-    judged.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-    judged
+    let judged = judged.filter_map(|&wanderer| judge(base, adjusted, wanderer, family));
+    by_evidence(judged.collect(), |one: &JudgedDisturbance| one.evidence)
 }
 
 /// A disturbance of what an adjusted model leaves; none if the data do not show it.

@@ -100,8 +100,8 @@ impl Model {
         };
         let mut apart = [false; 2];
         let mut model = Self::with(base, causes_mm, noise, None);
+        let mut parts = model.parts(base);
         for _ in 0..MOST_PASSES {
-            let parts = model.parts(base);
             let factors = [parts[0].factors(apart[0]), parts[1].factors(apart[1])];
             let before = noise;
             for (k, (own, back)) in factors[0].into_iter().zip(factors[1]).enumerate() {
@@ -123,8 +123,8 @@ impl Model {
             noise.own_mm = noise.own_mm.map(|own| own.max(largest_mm / MOST_UNLIKE));
             let change = noise.change_since(&before);
             model = Self::with(base, causes_mm, noise, None);
+            parts = model.parts(base);
             if change < NEARLY {
-                let parts = model.parts(base);
                 let differ = [0, 1].map(|k| apart[k] || parts[k].differs());
                 if differ == apart && change < RESTS {
                     break;

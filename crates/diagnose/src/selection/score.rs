@@ -26,14 +26,32 @@ pub(crate) struct Score {
     pub(crate) evidence: f64,
 }
 
+/// Evidence that differs by less is rounding.
+pub(crate) const EQUAL: f64 = 1e-3;
+
+/// Those with the most evidence first, and those with the same evidence in the order in which they are: rounding does not decide
+/// what twins are called.
+pub(crate) fn by_evidence<T>(all: Vec<T>, evidence: impl Fn(&T) -> f64) -> Vec<T> {
+    let mut all: Vec<(usize, T)> = all.into_iter().enumerate().collect();
+    all.sort_by(|a, b| evidence(&b.1).total_cmp(&evidence(&a.1)));
+    let mut rest = &mut all[..];
+    while let Some((_, first)) = rest.first() {
+        let least = evidence(first) - EQUAL;
+        let is_alike = |(_, one): &&(usize, T)| evidence(one) > least;
+        let alike = rest.iter().take_while(is_alike).count();
+        let (alike, others) = rest.split_at_mut(alike.max(1));
+        alike.sort_by_key(|(number, _)| *number);
+        rest = others;
+    }
+    all.into_iter().map(|(_, one)| one).collect()
+}
+
 /// Scores of all scans, the one with the most evidence first; ties in the order of the scans, so the
 /// layers instrument, set-up, machine.
 pub(crate) fn rank(projection: &Projection, scans: &[Box<dyn Scan>]) -> Vec<Score> {
     let numbered = scans.par_iter().enumerate();
     let scored = numbered.filter_map(|(number, scan)| scored(projection, number, scan.as_ref()));
-    let mut scores: Vec<Score> = scored.collect();
-    scores.sort_by(|a, b| b.evidence.total_cmp(&a.evidence).then(a.scan.cmp(&b.scan)));
-    scores
+    by_evidence(scored.collect(), |score| score.evidence)
 }
 
 /// The score of one scan; `None` if the data see nothing of it.
@@ -118,4 +136,25 @@ pub(crate) fn marginal(evidences: &[(f64, f64)], shapes: usize) -> (f64, f64, f6
     let squares = evidences.iter().map(|e| (e.0 - mean).powi(2) * weight(e.1));
     let u = (squares.sum::<f64>() / total).sqrt();
     (mean, u, top + 2.0 * (total / shapes as f64).ln())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twins_stay_in_their_order() {
+        let all = vec![
+            ('a', 1.0),
+            ('b', 7.0),
+            ('c', 7.0 + 1e-9),
+            ('d', -1.0),
+            ('e', 7.1),
+        ];
+        let sorted = by_evidence(all, |one| one.1);
+        let names: String = sorted.iter().map(|one| one.0).collect();
+        assert_eq!(names, "ebcad");
+        let none = vec![f64::NAN, 1.0, f64::NEG_INFINITY];
+        assert_eq!(by_evidence(none, |x| *x).len(), 3);
+    }
 }

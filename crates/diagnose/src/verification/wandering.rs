@@ -1,7 +1,7 @@
 //! What wanders beside causes: judged as in the lengths, by its evidence ([`Smooth`]) and a p-value of all together.
 
 use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth};
-use crate::selection::{DECISIVE, Projection};
+use crate::selection::{DECISIVE, Projection, by_evidence};
 use crate::verification::problem::Problem;
 use crate::verification::wandered::curve;
 use crate::verification::wanderer::{Form, Wanderer, wanderers};
@@ -34,10 +34,8 @@ pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<FittedPro
         let here = plain.beside(&own);
         let is_other = |w: &&Wanderer| own.iter().all(|o| o.wanderer != **w);
         let others = all.iter().filter(is_other);
-        let mut judged: Vec<FittedProcess> = others
-            .filter_map(|&wanderer| judge(&here, causes, wanderer, all.len()))
-            .collect();
-        judged.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        let judged = others.filter_map(|&wanderer| judge(&here, causes, wanderer, all.len()));
+        let judged = by_evidence(judged.collect(), |one: &FittedProcess| one.evidence);
         let Some((next, others)) = judged.split_first() else {
             break;
         };
