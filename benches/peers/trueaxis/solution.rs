@@ -63,7 +63,7 @@ impl Solution {
 /// The motion that takes `from` to `to` with the least squares (Kabsch).
 #[expect(
     clippy::disallowed_methods,
-    reason = "of three rows and columns it is another algorithm, which is right"
+    reason = "matrices of three by three are decomposed by another algorithm, which is right"
 )]
 fn best_fit(from: &[Point3<f64>], to: &[Point3<f64>]) -> impl Fn(&Point3<f64>) -> Point3<f64> {
     let centre = |points: &[Point3<f64>]| {

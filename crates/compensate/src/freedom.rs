@@ -107,7 +107,7 @@ fn columns(vectors: &[Vector3<f64>]) -> DMatrix<f64> {
     DMatrix::from_fn(3, vectors.len(), |row, column| vectors[column][row])
 }
 
-/// Moore and Penrose's inverse; singular values below `least` are zero.
+/// Moore and Penrose's inverse; singular values that are not above `least` are zero.
 pub(crate) fn pseudo_inverse(matrix: &DMatrix<f64>, least: f64) -> DMatrix<f64> {
     let none = || DMatrix::zeros(matrix.ncols(), matrix.nrows());
     // Nothing undoes what is not a number.

@@ -10,7 +10,7 @@ const MOST_SWEEPS: usize = 100;
 /// 32, 922, 1976).
 #[expect(
     clippy::disallowed_methods,
-    reason = "of three rows and columns it is another algorithm, which is right"
+    reason = "matrices of three by three are decomposed by another algorithm, which is right"
 )]
 pub fn best_fit(points: &[Point3<f64>], to: &[Point3<f64>]) -> Isometry3<f64> {
     let (from_centre, to_centre) = (centroid(points), centroid(to));

@@ -21,8 +21,8 @@
 //! The first correction is the linear solution. Further ones, with the same factors, start from the
 //! exact gradient where the ones before led, with the residuals and the beams there: that beams
 //! turn under residuals of the size of the noise matters as much as the curvature of the lengths.
-//! With errors of the size of the noise the second correction is some 4e-4 standard uncertainties, the third
-//! some 1e-5, and what it leaves 1e-8.
+//! With errors of the size of the noise the linear solution is off by some 1e-4 standard uncertainties, with ten times as large
+//! ones by some 1e-2; what is left in the end is below 1e-6.
 
 mod errors;
 mod groups;

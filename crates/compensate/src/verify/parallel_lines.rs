@@ -166,12 +166,13 @@ fn angles(
         let rows: Vec<RowVector2<f64>> = rows.collect();
         move |line, i| rows[line][i]
     });
-    let seen = seen(&levers);
+    let svd = Svd::new(&levers).ok()?;
+    let seen = seen(&levers, &svd);
     let positions = shared_positions(axis, lines);
     if !seen.contains(&true) || positions.len() < 2 {
         return None;
     }
-    let angle_of_line = Svd::new(&levers).ok()?.pseudo_inverse(LEAST_LEVER_MM);
+    let angle_of_line = svd.pseudo_inverse(LEAST_LEVER_MM);
 
     // The points in one row, and each angle as a function of them.
     let points: Vec<(&Line<'_>, &Point)> = lines
@@ -210,10 +211,9 @@ fn angles(
 }
 
 /// Which of the two angles the places of the lines tell.
-fn seen(levers: &DMatrix<f64>) -> [bool; 2] {
+fn seen(levers: &DMatrix<f64>, svd: &Svd) -> [bool; 2] {
     let alone = [0, 1].map(|i| levers.column(i).norm() >= LEAST_LEVER_MM);
-    let rank = Svd::new(levers).map_or(0, |svd| svd.rank(LEAST_LEVER_MM));
-    match rank {
+    match svd.rank(LEAST_LEVER_MM) {
         2 => [true, true],
         // In one plane: an angle, if the plane is that of two reference axes.
         _ if alone[0] != alone[1] => alone,

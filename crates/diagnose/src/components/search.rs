@@ -13,7 +13,7 @@ use crate::components::judgement::Judgement;
 use crate::components::report;
 use crate::components::smooth_prior::{SmoothLikelihood, SmoothPrior};
 use crate::diagnosis::{Cause, Rival};
-use crate::selection::{Fit, Null, Scan, Score, cosine, is_rival};
+use crate::selection::{Fit, Null, Scan, Score, by_evidence, cosine, is_rival};
 
 /// The search over all curves of a machine.
 pub(crate) struct Search<'a> {
@@ -225,7 +225,10 @@ impl SetSearch {
             family.p_value(effect, score.ln_p)
         };
         let standing_out = scores.iter().filter(|score| p_value(score) <= LEVEL);
-        let leader = *standing_out.max_by(|a, b| a.evidence.total_cmp(&b.evidence))?;
+        let ranked = by_evidence(standing_out.copied().collect(), |score: &Score| {
+            score.evidence
+        });
+        let leader = *ranked.first()?;
         let candidate = &self.candidates[leader.scan];
         Some(Found {
             estimate: estimate(&self.set, &judged.backgrounds, candidate, leader.shape),

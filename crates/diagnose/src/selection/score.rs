@@ -46,8 +46,8 @@ pub(crate) fn by_evidence<T>(all: Vec<T>, evidence: impl Fn(&T) -> f64) -> Vec<T
     all.into_iter().map(|(_, one)| one).collect()
 }
 
-/// Scores of all scans, the one with the most evidence first; ties in the order of the scans, so the
-/// layers instrument, set-up, machine.
+/// Scores of all scans by their evidence ([`by_evidence`]); those alike in the order of the scans, so the layers
+/// instrument, set-up, machine.
 pub(crate) fn rank(projection: &Projection, scans: &[Box<dyn Scan>]) -> Vec<Score> {
     let numbered = scans.par_iter().enumerate();
     let scored = numbered.filter_map(|(number, scan)| scored(projection, number, scan.as_ref()));
@@ -154,7 +154,7 @@ mod tests {
         let sorted = by_evidence(all, |one| one.1);
         let names: String = sorted.iter().map(|one| one.0).collect();
         assert_eq!(names, "ebcad");
-        let none = vec![f64::NAN, 1.0, f64::NEG_INFINITY];
-        assert_eq!(by_evidence(none, |x| *x).len(), 3);
+        let none = by_evidence(vec![f64::NEG_INFINITY, 1.0, f64::NAN], |x| *x);
+        assert!(none[0].is_nan() && none[1..] == [1.0, f64::NEG_INFINITY]);
     }
 }

@@ -124,14 +124,13 @@ pub(crate) fn simplest<'s>(
     let leader = resolved(listed, beside, scores)?;
     let ln_level = listed.candidate(beside, leader).ln_level_of_more(level);
     let with = model.extended(&scans[leader.scan].columns(leader.shape));
-    let smaller = scores[1..].iter().filter(|other| {
+    let mut smaller = scores[1..].iter().filter(|other| {
         other.rank < leader.rank
             && contains(model, &with, &scans[other.scan].columns(other.shape))
             && ln_more(model, other, leader) > ln_level
     });
-    smaller
-        .max_by(|a, b| a.evidence.total_cmp(&b.evidence))
-        .or(Some(leader))
+    // In the order of their evidence.
+    smaller.next().or(Some(leader))
 }
 
 /// Logarithm of the p-value of what a larger form explains beyond a smaller one that it holds.

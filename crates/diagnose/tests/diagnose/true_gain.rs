@@ -150,11 +150,13 @@ fn case(seed: u64, scenario: &str) -> Option<(f64, Gain)> {
     Some(((after / before).sqrt(), gain))
 }
 
-/// Cases with a cause, those whose 95 % interval holds the true ratio, and those where a gain is claimed and there is none.
+/// Cases with a cause, those whose 95 % interval holds the true ratio, those without a gain, and of these those where one is
+/// claimed.
 #[derive(Debug, Default, Clone, Copy)]
 struct Counts {
     cases: usize,
     inside: usize,
+    without_gain: usize,
     false_claims: usize,
 }
 
@@ -174,13 +176,14 @@ fn count(seeds: std::ops::Range<u64>, scenario: &str) -> Counts {
         ));
         counts.cases += 1;
         counts.inside += usize::from(is_inside);
-        counts.false_claims += usize::from(gain.is_claimed() && truth >= 1.0);
+        counts.without_gain += usize::from(truth >= 1.0);
+        counts.false_claims += usize::from(truth >= 1.0 && gain.is_claimed());
     }
     report(&format!("{counts:?}"));
     counts
 }
 
-/// Of 3 cases right intervals lose more than one in 1 of 140 sets of seeds.
+/// Of 4 cases right intervals lose more than one in 1 of 70 sets of seeds.
 #[test]
 fn the_interval_holds_the_true_gain() {
     let found = count(0..4, ROTARY);
@@ -191,8 +194,8 @@ fn the_interval_holds_the_true_gain() {
     assert_eq!(found.false_claims, 0);
 }
 
-/// The figures in docs/diagnosis.md: of 136 cases right intervals lose more than 13 with a probability of
-/// 8e-3. Where there is no gain, one is claimed in 2.5 of 100.
+/// The figures in docs/diagnosis.md: of 137 cases right intervals lose more than 13 with a probability of
+/// 9e-3. Where there is no gain, one is claimed in 2.5 of 100: more than two of ten with a probability of 2e-3.
 #[test]
 #[ignore = "study: 180 cases of five campaigns"]
 fn the_interval_holds_the_true_gain_in_95_of_100() {
@@ -200,6 +203,7 @@ fn the_interval_holds_the_true_gain_in_95_of_100() {
     let (inside, cases) = (rotary.inside + fxyz.inside, rotary.cases + fxyz.cases);
     assert!(cases >= 100, "{cases} named");
     assert!(10 * inside >= 9 * cases, "{inside} of {cases}");
+    assert!(rotary.without_gain + fxyz.without_gain <= 10);
     assert!(rotary.false_claims + fxyz.false_claims <= 2);
 }
 

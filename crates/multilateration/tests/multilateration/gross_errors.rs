@@ -95,6 +95,23 @@ fn what_nothing_decides_is_refused() {
     assert_ne!(reading, other);
 }
 
+/// Of single lengths it would show in none, since the machine's repeatability could be to blame.
+#[test]
+fn lengths_of_a_visit_that_are_off_together_leave_together() {
+    let truth = truth(50.0);
+    let mut rng = ChaCha8Rng::seed_from_u64(10);
+    for change_mm in [0.015, -0.015] {
+        let mut network = noisy(&truth, &mut rng);
+        let visit = network.visits[100].readings.clone();
+        for reading in &mut network.readings[visit.clone()] {
+            reading.length_mm += change_mm;
+        }
+        let screened = screen(&network, true, &Settings::default()).unwrap();
+        assert_eq!(removed(&screened), visit.collect::<Vec<_>>());
+        assert!(screened.jumps.is_empty());
+    }
+}
+
 /// One interruption in each station's occupation: the instant is right to a visit (the machine's repeatability
 /// blurs a jump of five standard deviations), the change within four standard uncertainties.
 #[test]

@@ -170,7 +170,8 @@ fn changes(network: &Network, solution: &Solution) -> Vec<(String, Change)> {
     all
 }
 
-/// Derivatives of the lengths by differences: those of every unknown are absorbed, and one of no unknown is not.
+/// Derivatives of the lengths by differences: those of every unknown are absorbed, and one of no unknown is not. (That none is
+/// too large or too small shows in the covariances, and where trials meet full solutions.)
 #[test]
 fn what_an_unknown_does_to_the_lengths_is_absorbed() {
     const STEP: f64 = 0.1;

@@ -224,12 +224,17 @@ fn largest_difference(
             compare(difference[k], covariance[(k, k)]);
         }
     }
+    let shared = base.covariance.shared();
     for zero in 0..before.len() {
-        let variance = base.station_covariance(zero % network.stations.len())[(3, 3)];
+        let stations = network.stations.len();
+        let column = match zero < stations {
+            true => 4 * zero + 3,
+            false => 3 * stations + zero,
+        };
+        let variance = shared[(column, column)];
         let expected = after[zero] - before[zero];
         compare(trial.dead_path_mm(zero) - expected, variance);
     }
-    let shared = base.covariance.shared();
     let mean = base.mean_constant_column().unwrap();
     let expected = full.mean_constant_mm.unwrap() - base.mean_constant_mm.unwrap();
     compare(trial.mean_constant_mm() - expected, shared[(mean, mean)]);
@@ -249,9 +254,55 @@ fn largest_difference(
     largest
 }
 
-/// Five trials against full solutions of the same lengths: with errors as they are drawn, and ten times as large (more
-/// corrections are needed then). Where weights depend on the beams, full solutions weigh by their own, and what that does
-/// grows with the square of the errors: small ones show that the rest is right.
+/// The errors of lengths and of what is known with which a full solution is the true one: nothing is left, so that it is the
+/// same with any weights.
+fn errors_of(network: &Network, base: &Solution, disturbed: &Network, full: &Solution) -> Vec<f64> {
+    let computed = |network: &Network, solution: &Solution| -> Vec<f64> {
+        let readings = network.readings.iter().zip(&solution.residuals_mm);
+        readings
+            .map(|(reading, residual)| reading.length_mm - residual)
+            .collect()
+    };
+    let pairs = computed(disturbed, full)
+        .into_iter()
+        .zip(computed(network, base));
+    let constants = [full, base].map(|solution| solution.mean_constant_mm.unwrap());
+    let of_known = network.dead_paths.iter().map(|known| {
+        let [after, before] =
+            [full, base].map(|solution| solution.stations[known.station].dead_path_mm);
+        (after + constants[0] - before - constants[1]) / known.sigma_mm
+    });
+    pairs
+        .map(|(after, before)| after - before)
+        .chain(of_known)
+        .collect()
+}
+
+/// How far the linear answer is off at any point, in units of its standard uncertainty.
+fn linear_misses(trials: &Trials, errors: &[f64], full: &Solution, base: &Solution) -> f64 {
+    const SMALL: f64 = 1e-4;
+    let small: Vec<f64> = errors.iter().map(|error| SMALL * error).collect();
+    let mut workspace = trials.workspace();
+    let linear = trials.solve(&small, &mut workspace);
+    let u_mm = base.group_covariance(0)[(0, 0)].sqrt();
+    let places = full.points_mm.iter().zip(&base.points_mm);
+    let missed = places
+        .enumerate()
+        .map(|(i, (after, before))| (linear.point_mm(i) / SMALL - (after - before)).norm() / u_mm);
+    missed.fold(0.0, f64::max)
+}
+
+/// Which errors a trial is given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Given {
+    /// As they are drawn, so many times as large.
+    Drawn(f64),
+    /// Those with which the full solution of drawn ones is the true one.
+    OfSolution(f64),
+}
+
+/// Five trials against full solutions of the same lengths. Where weights depend on the beams, full solutions weigh by their own,
+/// and what that does grows with the square of the errors; it does nothing where no residuals are left.
 #[test]
 fn trials_are_the_full_solution() {
     let equal = Noise {
@@ -262,32 +313,40 @@ fn trials_are_the_full_solution() {
         length_sigma_relative: 5e-7,
         ..NOISE
     };
-    for (noise, is_tied, factor, limit) in [
-        (equal, false, 1.0, 1e-6),
-        (equal, false, 10.0, 1e-6),
-        (equal, true, 1.0, 1e-6),
-        (equal, true, 10.0, 1e-6),
-        (of_beams, false, 0.01, 1e-7),
-        (of_beams, true, 0.01, 1e-7),
-    ] {
-        let network = with_dead_paths(irregular::network(30, noise, is_tied));
+    let cases = [
+        (equal, Given::Drawn(1.0), 1e-6),
+        (equal, Given::Drawn(10.0), 1e-6),
+        (of_beams, Given::Drawn(0.01), 1e-7),
+        (of_beams, Given::OfSolution(1.0), 1e-6),
+        (of_beams, Given::OfSolution(10.0), 1e-6),
+    ];
+    for ((noise, given, limit), is_tied) in cases.iter().flat_map(|c| [(c, false), (c, true)]) {
+        let network = with_dead_paths(irregular::network(30, *noise, is_tied));
         let solution = solve(&network, &Settings::default()).unwrap();
         assert!(solution.termination.is_converged());
         let trials = Trials::new(&network, &solution);
         let mut workspace = trials.workspace();
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let mut errors = vec![0.0; trials.errors()];
-        let mut largest = 0.0_f64;
+        let (Given::Drawn(factor) | Given::OfSolution(factor)) = *given;
+        let (mut largest, mut linear) = (0.0_f64, 0.0_f64);
         for _ in 0..5 {
             trials.draw(&mut rng, &mut errors);
             errors.iter_mut().for_each(|error| *error *= factor);
             let disturbed = disturbed(&network, &solution, &errors);
             let full = solve(&disturbed, &Settings::default()).unwrap();
             assert!(full.termination.is_converged());
+            let errors = match given {
+                Given::Drawn(_) => errors.clone(),
+                Given::OfSolution(_) => errors_of(&network, &solution, &disturbed, &full),
+            };
             let trial = trials.solve(&errors, &mut workspace);
             largest = largest.max(largest_difference(&network, trial, &full, &solution));
+            linear = linear.max(linear_misses(&trials, &errors, &full, &solution));
         }
-        println!("{noise:?}, tied {is_tied}, errors x {factor}: {largest:.1e} u");
-        assert!(largest < limit);
+        println!("{noise:?}, tied {is_tied}, {given:?}: {largest:.1e} u, linear {linear:.1e} u");
+        assert!(largest < *limit);
+        // It takes the corrections.
+        assert!(factor < 10.0 || linear > 1e-3);
     }
 }

@@ -101,7 +101,7 @@ pub(crate) fn add_noise(network: &mut Network, truth: &Truth, rng: &mut ChaCha8R
 /// decomposition (the solver has datum equations).
 #[expect(
     clippy::disallowed_methods,
-    reason = "of three rows and columns it is another algorithm, which is right"
+    reason = "matrices of three by three are decomposed by another algorithm, which is right"
 )]
 pub(crate) fn best_fit(points: &[Point3<f64>], nominal: &[Point3<f64>]) -> Isometry3<f64> {
     let centre =

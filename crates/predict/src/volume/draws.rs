@@ -14,7 +14,7 @@ const MOST_RESULTS: usize = 3000;
 /// Variances that are left below this part of a result's own are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// `R` with `cov = R Rᵀ`, for component and location errors; `None` if these are too many.
+/// `R` with `cov = R Rᵀ`, for component and location errors; `None` if these are too many or not finite.
 pub(crate) struct Root(DMatrix<f64>);
 
 impl Root {
@@ -24,6 +24,9 @@ impl Root {
             return None;
         }
         let dense = machine.factors.dense();
+        if !dense.iter().all(|x| x.is_finite()) {
+            return None;
+        }
         // µm and ″ are of one size, mm and rad are not.
         let u: Vec<f64> = (0..count).map(|i| dense[(i, i)].max(0.0).sqrt()).collect();
         let correlation = DMatrix::from_fn(count, count, |i, j| {
