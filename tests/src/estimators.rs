@@ -104,12 +104,7 @@ pub fn study(methods: &[(&str, Method)], seeds: &Range<u64>) -> Result<Vec<Study
 /// What is stated for exact lengths with the noise that the campaigns declare.
 fn known_noise(scenario: &Scenario, method: Method) -> Result<BTreeMap<String, f64>, String> {
     let mut scenario = scenario.clone();
-    scenario.noise = NoiseSpec {
-        length_sigma_um: Some(0.0),
-        length_sigma_ppm: Some(0.0),
-        repeatability_um: Some(0.0),
-        exact: true,
-    };
+    scenario.noise = NoiseSpec::NONE;
     let exact = scatter(&scenario, &settings(&scenario, method), 0..1)?;
     let all = exact.campaigns.into_iter().flatten();
     Ok(all.map(|deviation| (deviation.name, deviation.u)).collect())

@@ -243,6 +243,16 @@ pub struct NoiseSpec {
     pub exact: bool,
 }
 
+impl NoiseSpec {
+    /// None at all: lengths are exact, whatever the instrument declares.
+    pub const NONE: Self = Self {
+        length_sigma_um: Some(0.0),
+        length_sigma_ppm: Some(0.0),
+        repeatability_um: Some(0.0),
+        exact: true,
+    };
+}
+
 /// When readings are taken. The clock starts at `start_s` at the first station.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "an object: the timing")]

@@ -78,12 +78,7 @@ fn targets_on_the_bed_are_no_poses() {
 fn targets_on_the_bed_make_stations_better() {
     let exact = |targets: usize| {
         let mut scenario = with_bed(targets);
-        scenario.noise = NoiseSpec {
-            length_sigma_um: Some(0.0),
-            length_sigma_ppm: Some(0.0),
-            repeatability_um: Some(0.0),
-            exact: true,
-        };
+        scenario.noise = NoiseSpec::NONE;
         let simulated = simulate(&scenario, 1).unwrap();
         calibrated(&simulated, &scenario, Method::Joint)
     };

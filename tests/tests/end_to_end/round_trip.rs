@@ -25,12 +25,7 @@ fn scenario(text: &str) -> Scenario {
 }
 
 pub(crate) fn without_noise(mut scenario: Scenario) -> Scenario {
-    scenario.noise = NoiseSpec {
-        length_sigma_um: Some(0.0),
-        length_sigma_ppm: Some(0.0),
-        repeatability_um: Some(0.0),
-        exact: true,
-    };
+    scenario.noise = NoiseSpec::NONE;
     scenario
 }
 

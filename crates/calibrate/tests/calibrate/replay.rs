@@ -19,12 +19,7 @@ const SCENARIOS: [&str; 3] = [
 /// Lengths without noise of a machine with its errors and `more` of them (µm and ″ over half a travel).
 fn exact(scenario: &Scenario, more: f64) -> Campaign {
     let mut scenario = scenario.clone();
-    scenario.noise = NoiseSpec {
-        length_sigma_um: Some(0.0),
-        length_sigma_ppm: Some(0.0),
-        repeatability_um: Some(0.0),
-        exact: true,
-    };
+    scenario.noise = NoiseSpec::NONE;
     for errors in scenario.errors.values_mut() {
         // No pose has a place for it.
         (errors.lost_motion_um, errors.lost_motion_arcsec) = (None, None);

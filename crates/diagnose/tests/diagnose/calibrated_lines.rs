@@ -9,10 +9,7 @@ use nalgebra::{DMatrix, DVector, Point3, Vector6};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use trueaxis_calibrate::{Settings as Calibrating, calibrate};
-use trueaxis_campaign::{
-    Campaign, Direction, PointReading, Points, Run, Step, Stop, Target, Verification,
-    VerificationKind, VerificationReading,
-};
+use trueaxis_campaign::{Campaign, Direction, PointReading, Points, Run, Step, Stop, Target};
 use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose_against};
 use trueaxis_kinematics::{
     ARCSEC, GeometricErrors, LocationError, MICROMETRE, Machine, MotionError,
@@ -20,52 +17,17 @@ use trueaxis_kinematics::{
 use trueaxis_predict::CalibratedMachine;
 
 use crate::counts::Counts;
+use crate::iso_run::{Place, TARGET_MM, places, table};
 use crate::machines::normal;
 use crate::{campaign, generator, three_axes};
 
 const SIGMA_UM: f64 = 0.5;
 /// Of one coordinate of a measured point.
 const POINT_SIGMA_UM: f64 = 0.7;
-const TARGET_MM: [f64; 3] = [100.0, 300.0, 200.0];
 
-/// Cycles there and back along X, 21 positions each way.
-const CYCLES: u32 = 5;
-const STEP_MM: f64 = 20.0;
-
-/// Where X stands at the readings, each with its cycle and direction.
-fn stands() -> Vec<(u32, Direction, f64)> {
-    let mut stands = Vec::new();
-    for cycle in 1..=CYCLES {
-        let there = (0..21).map(|i| (cycle, Direction::Forward, STEP_MM * f64::from(i)));
-        let back = (0..21).rev();
-        let back = back.map(|i| (cycle, Direction::Backward, STEP_MM * f64::from(i)));
-        stands.extend(there.chain(back));
-    }
-    stands
-}
-
-fn table(values_um: &[f64]) -> Verification {
-    let rows = stands().into_iter().zip(values_um).enumerate();
-    let readings = rows.map(
-        |(row, ((cycle, direction, x_mm), &value_um))| VerificationReading {
-            time_s: None,
-            cycle,
-            direction,
-            positions: vec![x_mm, 0.0, 0.0],
-            value_um,
-            line: row + 2,
-        },
-    );
-    Verification {
-        name: "LI along X".into(),
-        kind: VerificationKind::Positioning {
-            axis: 0,
-            target_mm: TARGET_MM.into(),
-        },
-        u_um: None,
-        u_ppm: None,
-        readings: readings.collect(),
-    }
+/// Where X stands at the readings: five cycles there and back, 21 positions each way.
+fn stands() -> Vec<Place> {
+    places(5, &[0.0], &[1.0])
 }
 
 /// Error curves of every axis: a wave each, zero at home for position and angles.
@@ -181,27 +143,24 @@ fn setting(seed: u64, lambda: f64, form: impl Fn(f64) -> f64) -> Setting {
         let actual = machine.position(&truth, 2, &[x_mm, 0.0, 0.0], TARGET_MM.into());
         (actual.x - TARGET_MM[0] - x_mm) / MICROMETRE
     };
-    let trace: Vec<f64> = stands().iter().map(|stand| form(stand.2)).collect();
+    let trace: Vec<f64> = stands().iter().map(|stand| form(stand.x_mm)).collect();
     let visible = visible(&calibration, &trace);
     let size = if visible > 0.0 { lambda / visible } else { 0.0 };
-    let values = stands()
-        .into_iter()
-        .zip(&trace)
-        .map(|((_, _, x_mm), form)| {
-            // The interferometer's zero is anywhere.
-            17.0 + read(x_mm) + size * form + SIGMA_UM * normal(&mut generator)
-        });
+    let values = stands().into_iter().zip(&trace).map(|(stand, form)| {
+        // The interferometer's zero is anywhere.
+        17.0 + read(stand.x_mm) + size * form + SIGMA_UM * normal(&mut generator)
+    });
     let values: Vec<f64> = values.collect();
     Setting {
         calibration,
-        campaign: campaign(vec![table(&values)]),
+        campaign: campaign(vec![table(&stands(), &values, false)]),
     }
 }
 
 /// `√(tᵀ R t)` with `R = V⁻¹ - V⁻¹1 (1ᵀV⁻¹1)⁻¹ 1ᵀV⁻¹`: a trace in standard deviations, where readings scatter, predictions are
 /// uncertain (`V` is the covariance of both), and the zero is unknown.
 fn visible(calibration: &CalibratedMachine, trace: &[f64]) -> f64 {
-    let line = table(trace);
+    let line = table(&stands(), trace, false);
     let readings = line.readings.iter();
     let all: Vec<_> = readings.map(|r| (&line.kind, &r.positions[..])).collect();
     let noise = DMatrix::identity(trace.len(), trace.len()) * SIGMA_UM.powi(2);

@@ -1,6 +1,5 @@
 //! A run after ISO 230-2: cycles there and back over one line or several.
 
-use nalgebra::Point3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -24,6 +23,7 @@ pub(crate) struct Place {
 }
 
 pub(crate) const POSITIONS: usize = 21;
+pub(crate) const TARGET_MM: [f64; 3] = [100.0, 300.0, 200.0];
 const STEP_MM: f64 = 20.0;
 
 /// Where and when: cycles there and back at `speeds` (one after the other), for each parked position.
@@ -105,7 +105,7 @@ pub(crate) fn table(places: &[Place], values_um: &[f64], timed: bool) -> Verific
         name: "LI along X".into(),
         kind: VerificationKind::Positioning {
             axis: 0,
-            target_mm: Point3::new(100.0, 300.0, 200.0),
+            target_mm: TARGET_MM.into(),
         },
         u_um: None,
         u_ppm: None,

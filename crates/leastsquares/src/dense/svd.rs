@@ -4,7 +4,7 @@
 //! Small singular values come out as accurately as the columns determine them (J. Demmel, K. Veselić, *SIAM J. Matrix
 //! Anal. Appl.* 13, 1204, 1992). The time goes with the cube of the columns and is a second for 400.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use crate::Error;
 use crate::dot::dot;
@@ -65,20 +65,20 @@ impl Svd {
         let lengths: Vec<f64> = squares.map(length).collect();
         let mut order: Vec<usize> = (0..columns).collect();
         order.sort_by(|&i, &j| lengths[j].total_cmp(&lengths[i]));
-        let unit = |i: usize| match lengths[i] > 0.0 {
-            true => turned.column(i) / lengths[i],
-            false => DVector::zeros(turned.nrows()),
-        };
-        let units: Vec<_> = order.iter().map(|&i| unit(i)).collect();
-        let u = from_columns(turned.nrows(), &units);
-        let sorted: Vec<_> = order.iter().map(|&i| v.column(i).into_owned()).collect();
+        for (mut column, &length) in turned.column_iter_mut().zip(&lengths) {
+            match length > 0.0 {
+                true => column /= length,
+                false => column.fill(0.0),
+            }
+        }
+        let u = turned.select_columns(&order);
         Ok(Self {
             u: match q {
                 Some(q) => q * u,
                 None => u,
             },
             values: order.iter().map(|&i| size * lengths[i]).collect(),
-            v: from_columns(columns, &sorted),
+            v: v.select_columns(&order),
         })
     }
 
@@ -142,13 +142,9 @@ fn turn(matrix: &mut DMatrix<f64>, (i, j): (usize, usize), cos: f64, sin: f64) {
     }
 }
 
-fn from_columns(rows: usize, columns: &[DVector<f64>]) -> DMatrix<f64> {
-    DMatrix::from_fn(rows, columns.len(), |i, k| columns[k][i])
-}
-
 #[cfg(test)]
 mod tests {
-    use nalgebra::Vector3;
+    use nalgebra::{DVector, Vector3};
 
     use super::*;
 
