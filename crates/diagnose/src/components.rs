@@ -56,9 +56,7 @@ use crate::components::curve_set::curve_sets;
 use crate::components::search::Search;
 use crate::said::Said;
 
-/// Looks for effects in the curves of a calibration, which should hold its covariance
-/// ([`trueaxis_calibrate::Settings::covariance`]); without it the values of a curve count as
-/// independent, and a notice says so.
+/// Looks for effects in the curves of a calibration.
 pub(crate) fn diagnose_components(calibration: &Calibration, machine: &Machine) -> Said {
     let scene = Scene {
         machine: machine.clone(),
@@ -68,12 +66,6 @@ pub(crate) fn diagnose_components(calibration: &Calibration, machine: &Machine) 
         temperatures: Vec::new(),
     };
     let mut notices = Vec::new();
-    if calibration.covariance.is_none() {
-        notices.push(
-            "the calibration has no covariance: the values of an error curve count as independent"
-                .to_owned(),
-        );
-    }
     let sets = curve_sets(calibration, machine, &mut notices);
     let causes = Search::new(&scene, sets).causes();
     let axes = calibration.axes.iter();

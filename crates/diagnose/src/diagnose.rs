@@ -46,39 +46,24 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
             Err(error) => return Err(error),
         }
     }
-    let explained = |calibration: Option<&Calibration>| {
-        let wanted = calibration.filter(|_| settings.explain_curves);
-        wanted.map(|calibration| diagnose_components(calibration, &campaign.machine))
-    };
-    let as_measured = diagnosis.calibration.clone();
-    let (outcome, mut components) = rayon::join(
-        || {
-            campaign
-                .lengths
-                .as_ref()
-                .map(|lengths| diagnose_lengths(campaign, lengths, adjustment.as_ref()))
-        },
-        || explained(as_measured.as_ref()),
-    );
-    if let (Some(lengths), Some(outcome)) = (&campaign.lengths, outcome.transpose()?) {
-        let explained_by = |entry: &Entry| entry.causes.len() + entry.disturbances.len();
-        let mut is_changed = outcome.0.entries.iter().map(explained_by).sum::<usize>() > 0;
-        let corrected = with_lengths(&mut diagnosis, campaign, lengths, outcome, settings)?;
-        let campaign = corrected.as_ref().unwrap_or(campaign);
-        is_changed |= with_runs(&mut diagnosis, campaign, settings)?;
-        if is_changed {
-            components = explained(diagnosis.calibration.as_ref());
-        }
-    }
-    if let (None, Some(points)) = (&campaign.lengths, &campaign.points)
-        && with_points(&mut diagnosis, campaign, points, settings)?
-    {
-        components = explained(diagnosis.calibration.as_ref());
+    if let Some(lengths) = &campaign.lengths {
+        let said = diagnose_lengths(campaign, lengths, adjustment.as_ref())?;
+        let corrected = with_lengths(&mut diagnosis, campaign, lengths, said, settings)?;
+        with_runs(
+            &mut diagnosis,
+            corrected.as_ref().unwrap_or(campaign),
+            settings,
+        )?;
+    } else if let Some(points) = &campaign.points {
+        with_points(&mut diagnosis, campaign, points, settings)?;
     }
     let calibration = diagnosis.calibration.as_ref();
     let predicts = calibration.map(Calibration::calibrated_machine);
     with_verification(&mut diagnosis, campaign, predicts.as_ref(), settings);
-    diagnosis.take(components.unwrap_or_default());
+    let curves = diagnosis.calibration.as_ref();
+    if let Some(calibration) = curves.filter(|_| settings.explain_curves) {
+        diagnosis.take(diagnose_components(calibration, &campaign.machine));
+    }
     if diagnosis.levels.is_empty() && diagnosis.notices.is_empty() {
         let why = "nothing was judged: there is nothing that could contradict the model";
         diagnosis.notices.push(why.to_owned());
@@ -241,13 +226,13 @@ fn with_lengths(
     Ok(without)
 }
 
-/// What the points say, and the calibration without the causes and gross errors that they show; whether there are any.
+/// What the points say, and the calibration without the causes and gross errors that they show.
 fn with_points(
     diagnosis: &mut Diagnosis,
     campaign: &Campaign,
     points: &Points,
     settings: &Settings,
-) -> Result<bool, Error> {
+) -> Result<(), Error> {
     let (mut said, corrected) = diagnose_points(campaign, points, &diagnosis.scene)?;
     if let (Some(corrected), Some(_)) = (&corrected, &diagnosis.calibration) {
         for entry in &mut said.entries {
@@ -259,7 +244,7 @@ fn with_points(
         }
     }
     diagnosis.take(said);
-    Ok(corrected.is_some())
+    Ok(())
 }
 
 /// What wanders in the lengths and `calibrate --with-effects` does not take out.
@@ -304,14 +289,14 @@ fn with_better(
     Ok(())
 }
 
-/// What runs of one axis say against each other, and the calibration without the causes; whether there are any.
+/// What runs of one axis say against each other, and the calibration without the causes.
 fn with_runs(
     diagnosis: &mut Diagnosis,
     campaign: &Campaign,
     settings: &Settings,
-) -> Result<bool, Error> {
+) -> Result<(), Error> {
     let Some((mut said, corrected)) = diagnose_runs(campaign, &diagnosis.scene, settings)? else {
-        return Ok(false);
+        return Ok(());
     };
     if let Some(corrected) = &corrected {
         for entry in &mut said.entries {
@@ -322,7 +307,7 @@ fn with_runs(
         .not_observable
         .retain(|unseen| unseen.effect != "cross_coupling");
     diagnosis.take(said);
-    Ok(corrected.is_some())
+    Ok(())
 }
 
 /// Stations, targets, and the axes that move in any of the data.
@@ -342,46 +327,33 @@ fn scene_of_all(campaign: &Campaign) -> Scene {
     scene
 }
 
-/// A calibration even of data that the screening refuses: what is wrong with them is the question here.
-/// With its covariance, unless that does not fit into memory. What had to be given up is a notice.
+/// A calibration even of data that the screening refuses: what is wrong with them is the question here. What had to be
+/// given up is a notice.
 fn calibrated<'a>(
     campaign: &'a Campaign,
     settings: &Settings,
     notices: &mut Vec<String>,
 ) -> Result<(Calibration, Option<LengthsAdjustment<'a>>), Error> {
-    let mut wanted = trueaxis_calibrate::Settings {
-        covariance: true,
-        ..settings.calibration
+    let wanted = settings.calibration;
+    let refused = match calibrate_with_adjustment(campaign, &wanted) {
+        Err(error) if wanted.robust => error,
+        calibrated => return calibrated.map_err(Error::Calibrate),
     };
-    let mut given_up = Vec::new();
-    let mut first = None;
-    loop {
-        let error = match calibrate_with_adjustment(campaign, &wanted) {
-            Ok(calibration) => {
-                notices.extend(given_up);
-                return Ok(calibration);
-            }
-            Err(error) => error,
-        };
-        let is_too_large = matches!(error, trueaxis_calibrate::Error::CovarianceTooLarge { .. });
-        if is_too_large && wanted.covariance {
-            wanted.covariance = false;
-            given_up.push(format!(
-                "calibrated without covariance, so that error curves are not explained: {error}"
-            ));
-        } else if wanted.robust {
-            wanted.robust = false;
-            // What the error advises further is a matter of `calibrate`.
-            let text = error.to_string();
-            let why = text.split("; --no-robust").next().unwrap_or_default();
-            given_up.push(format!(
-                "calibrated with all lengths at full weight, since otherwise: {why}"
-            ));
-        } else {
-            return Err(Error::Calibrate(first.unwrap_or(error)));
-        }
-        first.get_or_insert(error);
+    let with_all = trueaxis_calibrate::Settings {
+        robust: false,
+        ..wanted
+    };
+    let Ok(calibrated) = calibrate_with_adjustment(campaign, &with_all) else {
+        return Err(Error::Calibrate(refused));
+    };
+    // What the error advises further is a matter of `calibrate`.
+    let text = refused.to_string();
+    let why = text.split("; --no-robust").next().unwrap_or_default();
+    let notice = format!("calibrated with all lengths at full weight, since otherwise: {why}");
+    if !notices.contains(&notice) {
+        notices.push(notice);
     }
+    Ok(calibrated)
 }
 
 /// The campaign with lengths less what the causes do to them.

@@ -56,14 +56,26 @@ impl FactoredCovariance {
 
     /// The covariance as one matrix, symmetric to the last bit.
     pub fn dense(&self) -> DMatrix<f64> {
-        let (rows, columns) = self.sensitivities.shape();
-        let sensitivities =
-            DMatrix::from_row_iterator(rows, columns, self.sensitivities.elements());
+        self.of_results(&(0..self.results()).collect::<Vec<_>>())
+    }
+
+    /// The covariance of some results, in this order, as one matrix, symmetric to the last bit.
+    pub fn of_results(&self, places: &[usize]) -> DMatrix<f64> {
+        let mut sensitivities = DMatrix::zeros(places.len(), self.shared.nrows());
+        for (i, &place) in places.iter().enumerate() {
+            for (column, x) in self.sensitivities.row(place) {
+                sensitivities[(i, column)] = x;
+            }
+        }
         let through = &sensitivities * &self.shared;
         let mut matrix = through * sensitivities.transpose();
-        for (n, own) in self.own.iter().enumerate() {
-            let mut block = matrix.fixed_view_mut::<6, 6>(6 * n, 6 * n);
-            block += own;
+        for (i, a) in places.iter().enumerate() {
+            let Some(own) = self.own.get(a / 6) else {
+                continue;
+            };
+            for (j, b) in places.iter().enumerate().filter(|(_, b)| *b / 6 == a / 6) {
+                matrix[(i, j)] += own[(a % 6, b % 6)];
+            }
         }
         matrix.fill_lower_triangle_with_upper_triangle();
         matrix

@@ -15,7 +15,6 @@ use trueaxis_calibrate::{AxisResult, Calibration};
 use trueaxis_campaign::Direction;
 use trueaxis_effects::{AxisPosition, Effect, Subject};
 use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Component, MICROMETRE, Machine, MotionError};
-use trueaxis_predict::Output;
 
 /// Curves that are judged together.
 #[derive(Debug, Clone)]
@@ -69,8 +68,13 @@ pub(crate) fn curve_sets(
         }
         let content = &machine.axes()[result.axis];
         for components in groups(content) {
-            let set = CurveSet::new(calibration, result, content, components);
-            sets.push(set.thinned(stride));
+            sets.push(CurveSet::new(
+                calibration,
+                result,
+                stride,
+                content,
+                components,
+            ));
         }
     }
     sets
@@ -91,28 +95,27 @@ fn groups(axis: &Axis) -> Vec<Vec<Component>> {
 }
 
 impl CurveSet {
+    /// Every `stride`-th position of the curves of an axis.
     fn new(
         calibration: &Calibration,
         result: &AxisResult,
+        stride: usize,
         content: &Axis,
         components: Vec<Component>,
     ) -> Self {
-        let nodes: Vec<(f64, f64)> = result
-            .nodes
+        let nodes = || result.nodes.iter().step_by(stride);
+        let values = components
             .iter()
-            .map(|node| (node.position, side(node.direction)))
-            .collect();
-        let values = components.iter().flat_map(|component| {
-            let nodes = result.nodes.iter();
-            nodes.map(|node| in_unit(&node.error, *component))
-        });
+            .flat_map(|component| nodes().map(|node| in_unit(&node.error, *component)));
         let mut set = Self {
             axis: result.axis,
             content: content.clone(),
             values: values.collect(),
-            covariance: covariance(calibration, result, &components),
+            covariance: covariance(calibration, result, stride, &components),
             base: Vec::new(),
-            nodes,
+            nodes: nodes()
+                .map(|node| (node.position, side(node.direction)))
+                .collect(),
             components,
         };
         set.base = set.gauge();
@@ -129,33 +132,19 @@ impl CurveSet {
         variances: Vec<f64>,
     ) -> Self {
         let stride = positions.len().div_ceil(MOST_STEPS);
+        let kept = |all: Vec<f64>| all.into_iter().step_by(stride);
+        let variances: Vec<f64> = kept(variances).collect();
         let mut set = Self {
             axis,
             content: content.clone(),
             components: vec![component],
-            nodes: positions.into_iter().map(|q| (q, 1.0)).collect(),
-            values,
+            nodes: kept(positions).map(|q| (q, 1.0)).collect(),
+            values: kept(values).collect(),
             covariance: DMatrix::from_diagonal(&variances.into()),
             base: Vec::new(),
         };
         set.base = set.gauge();
-        set.thinned(stride)
-    }
-
-    /// Every `stride`-th step of each curve.
-    fn thinned(mut self, stride: usize) -> Self {
-        if stride <= 1 {
-            return self;
-        }
-        let steps = self.nodes.len();
-        let kept: Vec<usize> = (0..self.values.len())
-            .filter(|i| (i % steps).is_multiple_of(stride))
-            .collect();
-        self.nodes = self.nodes.iter().copied().step_by(stride).collect();
-        self.values = kept.iter().map(|&i| self.values[i]).collect();
-        self.covariance = self.covariance.select_rows(&kept).select_columns(&kept);
-        self.base = self.gauge();
-        self
+        set
     }
 
     /// Curve after curve, what a function of curve and step says.
@@ -256,54 +245,33 @@ fn side(direction: Option<Direction>) -> f64 {
 
 /// One component, µm or arcsec.
 fn in_unit(error: &MotionError, component: Component) -> f64 {
-    let unit = if component.is_angular() {
-        ARCSEC
-    } else {
-        MICROMETRE
-    };
-    error.to_vector()[component.index()] / unit
+    error.to_vector()[component.index()] / unit(component)
 }
 
-/// Of the curves of an axis, µm and arcsec; diagonal if the calibration does not hold it.
+/// Of a component, in mm or rad.
+fn unit(component: Component) -> f64 {
+    match component.is_angular() {
+        true => ARCSEC,
+        false => MICROMETRE,
+    }
+}
+
+/// Of every `stride`-th position of the curves of an axis, µm and arcsec.
 fn covariance(
     calibration: &Calibration,
     result: &AxisResult,
+    stride: usize,
     components: &[Component],
 ) -> DMatrix<f64> {
-    let steps = result.nodes.len();
-    let Some(all) = &calibration.covariance else {
-        let u = components.iter().flat_map(|component| {
-            let unit = if component.is_angular() {
-                ARCSEC
-            } else {
-                MICROMETRE
-            };
-            let nodes = result.nodes.iter();
-            nodes.map(move |node| (node.u[component.index()] / unit).powi(2))
-        });
-        let u: Vec<f64> = u.collect();
-        return DMatrix::from_diagonal(&u.into());
-    };
-    let places: Vec<usize> = components
+    let before = calibration.axes.iter();
+    let before = before.take_while(|axis| axis.axis != result.axis);
+    let first: usize = before.map(|axis| axis.nodes.len()).sum();
+    let nodes = || (first..first + result.nodes.len()).step_by(stride);
+    let places = components
         .iter()
-        .flat_map(|wanted| {
-            all.outputs
-                .iter()
-                .enumerate()
-                .filter_map(move |(i, output)| match output {
-                    Output::ComponentError {
-                        axis, component, ..
-                    } if *axis == result.name && component == wanted => Some(i),
-                    _ => None,
-                })
-        })
-        .collect();
-    assert_eq!(
-        places.len(),
-        steps * components.len(),
-        "a covariance holds every result of its calibration"
-    );
-    DMatrix::from_fn(places.len(), places.len(), |i, j| {
-        all.matrix[(places[i], places[j])]
-    })
+        .flat_map(|component| nodes().map(|node| 6 * node + component.index()));
+    let places: Vec<usize> = places.collect();
+    // All components of a set are of one kind.
+    let unit = unit(components[0]);
+    calibration.factors.of_results(&places) / (unit * unit)
 }

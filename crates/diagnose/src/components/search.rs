@@ -1,5 +1,6 @@
 //! One effect at a time, each with the earlier ones in the model; at the end each against all others.
 
+use rayon::prelude::*;
 use trueaxis_effects::{Effect, Scene};
 use trueaxis_kinematics::AxisKind;
 
@@ -71,7 +72,7 @@ impl<'a> Search<'a> {
     pub(crate) fn causes(mut self) -> Vec<Cause> {
         self.share_size_of_rest();
         // How much is looked at, before anything is judged.
-        let first: Vec<Judged> = self.sets.iter().map(SetSearch::judged).collect();
+        let first: Vec<Judged> = self.sets.par_iter().map(SetSearch::judged).collect();
         for (search, judged) in self.sets.iter().zip(&first) {
             search.count_tests(judged, &mut self.family);
         }
@@ -79,10 +80,12 @@ impl<'a> Search<'a> {
         for _ in &pairs {
             self.family.add(Bow::EFFECT, Null::independent(1.0));
         }
-        for (search, judged) in self.sets.iter_mut().zip(first) {
-            search.select(judged, &self.family);
-            search.confirm(&self.family);
-        }
+        let family = &self.family;
+        let each = self.sets.par_iter_mut().zip(first);
+        each.for_each(|(search, judged)| {
+            search.select(judged, family);
+            search.confirm(family);
+        });
         let mut causes: Vec<Cause> = self
             .sets
             .iter()
@@ -116,7 +119,7 @@ impl<'a> Search<'a> {
         };
         let likelihoods: Vec<_> = self
             .sets
-            .iter()
+            .par_iter()
             .map(|search| {
                 let all = backgrounds(&search.set, &search.model(None), &search.prior);
                 (kind(search), SmoothLikelihood::new(&all))

@@ -120,6 +120,9 @@ pub(crate) fn wandered_mm<D: Wanders>(data: &D, model: &D::Model, at: &D) -> Vec
 /// More that wander at once cannot be separated.
 const MOST: usize = 3;
 
+/// A size rests that changes by less than this part of itself beside the others: what it leaves hardly depends on it.
+const RESTS: f64 = 0.1;
+
 /// A disturbance with its judgement beside the others.
 #[derive(Debug, Clone)]
 pub(crate) struct JudgedDisturbance {
@@ -130,24 +133,38 @@ pub(crate) struct JudgedDisturbance {
     pub(crate) rivals: Vec<Wanderer>,
 }
 
-/// What wanders beside causes. Where it would be several single things, it may be one that they have in common: then
+/// What wanders beside causes. Where it would be several things of their own, it may be one that they have in common: then
 /// that is tried first, too, and the better explanation taken.
 pub(crate) fn wandering<D: Wanders>(
     base: &D,
     suspects: &[Suspect],
 ) -> Result<Vec<JudgedDisturbance>, Error> {
-    let (first, noise) = one_after_the_other(base, suspects, None)?;
-    let is_common = |wanderer: &Wanderer| wanderer.of_kind(base.scene()) == 1;
-    if first.len() < 2 || first.iter().any(|j| is_common(&j.disturbance.wanderer)) {
+    let all = base.wanderers();
+    let adjusted = base.adjust(suspects.to_vec(), None)?;
+    let judged = judge_all(base, &adjusted, &all, all.len());
+    let Some(leader) = leader(base, &judged) else {
+        return Ok(Vec::new());
+    };
+    let (first, noise) = joined_by_others(base, suspects, leader)?;
+    let is_common = |judged: &&JudgedDisturbance| {
+        let wanderer = judged.disturbance.wanderer;
+        wanderer.of_kind(base.scene()) == 1
+    };
+    let who = |judged: &JudgedDisturbance| judged.disturbance.wanderer.who;
+    let are_several = first.iter().any(|one| who(one) != who(&first[0]));
+    if !are_several || first.iter().any(|one| is_common(&one)) {
         return Ok(first);
     }
-    let mut all = vec![(first, noise)];
-    for common in base.wanderers().into_iter().filter(is_common) {
-        all.push(one_after_the_other(base, suspects, Some(common))?);
+    let mut ways = vec![(first, noise)];
+    for common in judged.iter().filter(is_common) {
+        if common.p_value < SMOOTH_LEVEL {
+            let way = joined_by_others(base, suspects, common.clone())?;
+            ways.extend(Some(way).filter(|(way, _)| way.iter().any(|o| is_common(&o))));
+        }
     }
-    let noises = all.iter().map(|(_, noise)| *noise);
+    let noises = ways.iter().map(|(_, noise)| *noise);
     let plain = base.adjust(suspects.to_vec(), least::<D>(noises))?;
-    let scored = all.into_iter().map(|(judged, _)| {
+    let scored = ways.into_iter().map(|(judged, _)| {
         let price = 2.0 * DECISIVE * judged.len() as f64;
         (of_wandering(base, &plain, &judged).0 - price, judged)
     });
@@ -155,55 +172,65 @@ pub(crate) fn wandering<D: Wanders>(
     Ok(best.map(|best| best.1).unwrap_or_default())
 }
 
-/// What wanders beside causes, one after the other from `first`, each with the size that it has beside the others, and
-/// the noise beside all.
-fn one_after_the_other<D: Wanders>(
+/// The first of judged disturbances, with those that explain as much; none if the data do not show it.
+fn leader<D: Wanders>(base: &D, judged: &[JudgedDisturbance]) -> Option<JudgedDisturbance> {
+    let (first, others) = judged.split_first()?;
+    if first.p_value >= SMOOTH_LEVEL {
+        return None;
+    }
+    let is_rival = |other: &&JudgedDisturbance| first.evidence - other.evidence < DECISIVE;
+    let rivals = others.iter().filter(is_rival);
+    let rivals = rivals.map(|other| other.disturbance.wanderer);
+    let twin = base.twin(first.disturbance.wanderer);
+    Some(JudgedDisturbance {
+        rivals: twin.into_iter().chain(rivals).collect(),
+        ..first.clone()
+    })
+}
+
+/// A disturbance, and what wanders beside it and causes, one after the other, each with the size that it has beside the
+/// others; and the noise beside all.
+fn joined_by_others<D: Wanders>(
     base: &D,
     suspects: &[Suspect],
-    first: Option<Wanderer>,
+    first: JudgedDisturbance,
 ) -> Result<(Vec<JudgedDisturbance>, D::Noise), Error> {
     let all = base.wanderers();
-    let mut own: Vec<JudgedDisturbance> = Vec::new();
+    let mut own = vec![first];
     loop {
         let here = base.beside(disturbances(&own));
-        let adjusted = here.adjust(suspects.to_vec(), None)?;
+        let mut adjusted = here.adjust(suspects.to_vec(), None)?;
+        let mut moved = false;
         for k in 0..own.len() {
             let mut others = disturbances(&own);
-            let wanderer = others.remove(k).wanderer;
+            let Disturbance {
+                wanderer, width, ..
+            } = others.remove(k);
             let without = base
                 .beside(others)
                 .adjust(suspects.to_vec(), Some(D::noise(&adjusted)))?;
             if let Some(again) = judge(base, &without, wanderer, all.len()) {
+                moved |= (again.disturbance.width - width).abs() > RESTS * width;
                 let rivals = std::mem::take(&mut own[k].rivals);
                 own[k] = JudgedDisturbance { rivals, ..again };
             }
         }
+        let count = own.len();
         own.retain(|judged| judged.p_value < SMOOTH_LEVEL);
         if own.len() == MOST {
             return Ok((own, D::noise(&adjusted)));
         }
-        let is_next = |w: &Wanderer| match (first, own.is_empty()) {
-            (Some(first), true) => *w == first,
-            _ => own.iter().all(|o| o.disturbance.wanderer != *w),
-        };
-        let others: Vec<Wanderer> = all.iter().copied().filter(is_next).collect();
-        let here = base.beside(disturbances(&own));
-        let adjusted = match own.is_empty() {
-            true => adjusted,
-            false => here.adjust(suspects.to_vec(), None)?,
-        };
+        if moved || own.len() < count {
+            let here = base.beside(disturbances(&own));
+            adjusted = here.adjust(suspects.to_vec(), None)?;
+        }
+        let is_new = |w: &Wanderer| own.iter().all(|o| o.disturbance.wanderer != *w);
+        let others: Vec<Wanderer> = all.iter().copied().filter(is_new).collect();
         let judged = judge_all(base, &adjusted, &others, all.len());
-        let Some(next) = judged.first().filter(|next| next.p_value < SMOOTH_LEVEL) else {
-            return Ok((own, D::noise(&adjusted)));
-        };
-        let is_rival = |other: &&JudgedDisturbance| next.evidence - other.evidence < DECISIVE;
-        let rivals = judged.iter().skip(1).filter(is_rival);
-        let rivals: Vec<Wanderer> = rivals.map(|j| j.disturbance.wanderer).collect();
-        let twin = base.twin(next.disturbance.wanderer);
-        own.push(JudgedDisturbance {
-            rivals: twin.into_iter().chain(rivals).collect(),
-            ..next.clone()
-        });
+        match leader(base, &judged) {
+            Some(next) => own.push(next),
+            None => return Ok((own, D::noise(&adjusted))),
+        }
     }
 }
 
