@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::Machine;
 use trueaxis_mistakes::Mistakes;
-use trueaxis_poses::{LengthsAdjustment, MeasuredPoses, Poses, measure};
+use trueaxis_poses::{LengthsAdjustment, MeasuredPoses, Poses, at_one_temperature, measure};
 use trueaxis_predict::OutputCovariance;
 
 use crate::Error;
@@ -37,11 +37,12 @@ use crate::settings::{ReferencePoint, Settings};
 /// # Errors
 /// See [`Error`]; nothing is returned that is not converged or not determined.
 pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration, Error> {
-    calibrate_in_parts(campaign, settings).map(|(calibration, _)| calibration)
+    let campaign = at_one_temperature(campaign);
+    calibrate_in_parts(&campaign, settings).map(|(calibration, _)| calibration)
 }
 
 /// As [`calibrate`], with the adjustment if lengths were measured: whoever looks further at the lengths starts
-/// from it.
+/// from it. They should hold [at one temperature](at_one_temperature).
 ///
 /// # Errors
 /// Those of [`calibrate`].

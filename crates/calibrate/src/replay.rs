@@ -39,7 +39,8 @@ pub struct Replay<'a> {
     places: Vec<usize>,
 }
 
-/// Calibrates a campaign and keeps what other errors of its measurement need.
+/// Calibrates a campaign and keeps what other errors of its measurement need; its lengths should hold
+/// [at one temperature](trueaxis_poses::at_one_temperature).
 ///
 /// # Errors
 /// Those of [`crate::calibrate()`].

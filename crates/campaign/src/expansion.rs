@@ -85,6 +85,7 @@ fn expansion(axis: usize, spec: &AxisSpec) -> Result<Option<AxisExpansion>, Docu
         ppm_per_k,
         temperature_column: column.to_owned(),
         temperature_sigma_k: spec.temperature_sigma_k,
+        lengths_hold_at_c: None,
     }))
 }
 

@@ -124,6 +124,8 @@ pub struct AxisExpansion {
     pub temperature_column: String,
     /// Standard uncertainty of that temperature as the axis', K.
     pub temperature_sigma_k: Option<f64>,
+    /// The temperature that the lengths have been referred to, °C; none where they are as measured.
+    pub lengths_hold_at_c: Option<f64>,
 }
 
 impl AxisExpansion {

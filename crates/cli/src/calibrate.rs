@@ -6,7 +6,7 @@ use trueaxis_calibrate::{
     calibrate_with_effects,
 };
 use trueaxis_campaign::{checksums, read};
-use trueaxis_poses::scene_of;
+use trueaxis_poses::{at_one_temperature, scene_of};
 use trueaxis_predict::{FactoredCovariance, OutputCovariance};
 
 use crate::args::CalibrateArgs;
@@ -32,8 +32,9 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     let mut checked = Vec::new();
     let mut of_effects = Vec::new();
     let mut calibration = if args.reliability {
+        let at_one = at_one_temperature(&campaign);
         let (calibration, replay) =
-            calibrate_for_replay(&campaign, &settings).with_context(in_file)?;
+            calibrate_for_replay(&at_one, &settings).with_context(in_file)?;
         if let (Some(found), Some(lengths)) = (replay.reliability()?, &campaign.lengths) {
             let index = found.index_json(replay.results(), lengths);
             extra.push((LengthsReliability::MATRIX_FILE, found.to_npy()));

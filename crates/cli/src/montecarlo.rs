@@ -8,6 +8,7 @@ use trueaxis_montecarlo::{
     FirstOrder, Outcome, Propagation, Settings, Trials, Validation, chance_of_ratio, propagate,
     validate,
 };
+use trueaxis_poses::at_one_temperature;
 use trueaxis_predict::{Output, Unit};
 
 use crate::args::MontecarloArgs;
@@ -31,6 +32,7 @@ const MOST_LISTED: usize = 5;
 pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
     let mut campaign = read(&args.campaign)?;
     let systematic = without_systematic_parts(&mut campaign);
+    let campaign = at_one_temperature(&campaign);
     let in_file = || args.campaign.display().to_string();
     let (calibration, replay) =
         calibrate_for_replay(&campaign, &args.model.settings()).with_context(in_file)?;

@@ -3,7 +3,7 @@
 use trueaxis_calibrate::{Calibration, calibrate_with_adjustment};
 use trueaxis_campaign::{Campaign, Lengths, Points};
 use trueaxis_effects::Scene;
-use trueaxis_poses::LengthsAdjustment;
+use trueaxis_poses::{LengthsAdjustment, at_one_temperature};
 use trueaxis_predict::{CalibratedMachine, check_same_machine};
 
 use crate::changes::changes;
@@ -31,6 +31,7 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
     if !is_read && !measured {
         return Err(Error::NothingMeasured);
     }
+    let campaign = &*at_one_temperature(campaign);
     let mut diagnosis = Diagnosis::new(campaign);
     let mut adjustment = None;
     if measured {

@@ -1,6 +1,7 @@
 //! From lengths to poses or to points.
 
 mod adjustment;
+mod at_one_temperature;
 mod circumstances;
 mod common_value;
 mod effects;
@@ -16,6 +17,7 @@ mod targets_that_moved;
 mod weak_stations;
 
 pub use adjustment::LengthsAdjustment;
+pub use at_one_temperature::at_one_temperature;
 pub use circumstances::{
     LengthCircumstances, Observation, constant_feed_per_s, length_circumstances, scene_of,
     temperature_histories,

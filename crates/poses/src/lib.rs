@@ -51,8 +51,8 @@ mod words;
 pub use error::Error;
 pub use lengths::{
     EffectsOnLengths, LengthCircumstances, LengthsAdjustment, Observation, ReflectorConstant,
-    ScaleBasis, ScaleResult, SideDifference, constant_feed_per_s, length_circumstances, scene_of,
-    temperature_histories,
+    ScaleBasis, ScaleResult, SideDifference, at_one_temperature, constant_feed_per_s,
+    length_circumstances, scene_of, temperature_histories,
 };
 pub use measure::{MeasuredPoses, NoiseByEquations, measure};
 pub use poses::{PoseNoise, PoseObservation, Poses, TargetBody, ThroughSources, turned_about};

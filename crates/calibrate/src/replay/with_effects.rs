@@ -18,7 +18,7 @@
 use nalgebra::{DMatrix, DVector};
 use trueaxis_campaign::Campaign;
 use trueaxis_effects::{GivenEffect, ResolvedEffect, ResolvedEffects};
-use trueaxis_poses::{EffectsOnLengths, scene_of};
+use trueaxis_poses::{EffectsOnLengths, at_one_temperature, scene_of};
 
 use crate::replay::calibrate_for_replay;
 use crate::result::calibration::Calibration;
@@ -36,6 +36,7 @@ pub fn calibrate_with_effects(
     effects: &ResolvedEffects,
     settings: &Settings,
 ) -> Result<Calibration, Error> {
+    let campaign = &*at_one_temperature(campaign);
     let on_lengths = EffectsOnLengths::new(campaign)?;
     let effects_mm = on_lengths.of(&effects.effects);
     let corrected = on_lengths.taken_out(&effects_mm);

@@ -1,7 +1,8 @@
 //! Linear axes at 20 °C (ISO 1): what their thermal expansion did is taken out of the positioning errors.
 //!
 //! At the temperature T an axis with the expansion coefficient α travels longer by `α (T - 20 °C) q`. With the
-//! mean of T over the readings at a position `q`,
+//! temperature at which the lengths hold ([`trueaxis_poses::at_one_temperature`]), or the mean of T over the readings at a
+//! position `q` where they are as measured,
 //!
 //! ```text
 //! E(20 °C) = E - α (T - 20 °C) q d     u² grows by (α q u(T) d)²     d: direction of the axis
@@ -32,7 +33,16 @@ pub(crate) fn refer_to_20_degrees(campaign: &Campaign, calibration: &mut Calibra
         let axis = calibration.axes[k].axis;
         let expansion = campaign.expansions.iter().find(|e| e.axis == axis);
         let Some(expansion) = expansion else { continue };
-        match temperatures(campaign, lengths, &calibration.axes[k], expansion) {
+        let hold_at_c = expansion.lengths_hold_at_c;
+        let at_one = hold_at_c.map(|c| vec![c; calibration.axes[k].nodes.len()]);
+        if hold_at_c.is_none() && changes(lengths, expansion) {
+            notices.push(format!(
+                "axis {}: the lengths could not be referred to one temperature; only the mean of each position is taken out",
+                calibration.axes[k].name
+            ));
+        }
+        let of_nodes = || temperatures(campaign, lengths, &calibration.axes[k], expansion);
+        match at_one.or_else(of_nodes) {
             Some(temperatures) => refer(campaign, calibration, k, expansion, &temperatures),
             None => notices.push(format!(
                 "axis {}: `{}` has no value in its rows, so its errors are not referred to 20 °C",
@@ -42,6 +52,14 @@ pub(crate) fn refer_to_20_degrees(campaign: &Campaign, calibration: &mut Calibra
     }
     notices.extend(scale_holds_at(campaign, lengths, &calibration.axes));
     calibration.notices.extend(notices);
+}
+
+/// Whether the temperature of an axis changes while lengths are measured.
+fn changes(lengths: &Lengths, expansion: &AxisExpansion) -> bool {
+    let column = lengths.logged_column(&expansion.temperature_column);
+    let mut values = column.into_iter().flat_map(|c| c.values.iter().flatten());
+    let first = values.next();
+    values.any(|value| Some(value) != first)
 }
 
 /// The mean temperature at each position of an axis, °C; where none was logged, the mean of the axis.

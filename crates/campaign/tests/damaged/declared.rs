@@ -227,6 +227,7 @@ fn axes_expand_with_a_logged_temperature() {
         ppm_per_k: 11.5,
         temperature_column: "machine_temp_x_c".to_owned(),
         temperature_sigma_k: Some(0.2),
+        lengths_hold_at_c: None,
     };
     assert_eq!(campaign.expansions, [expected]);
     let folder = tempfile::tempdir().unwrap();

@@ -20,7 +20,8 @@ pub struct EffectsOnLengths<'a> {
     network: Network,
     solution: Solution,
     circumstances: Vec<LengthCircumstances>,
-    temperatures: Vec<TemperatureHistory>,
+    /// What effects with a column go with.
+    pub(super) temperatures: Vec<TemperatureHistory>,
 }
 
 impl<'a> EffectsOnLengths<'a> {
