@@ -1,7 +1,7 @@
 //! Eight blocks of the same shape, linearised and eliminated side by side.
 //!
 //! A block's whitened rows are `[A | B | r]`. Few of the shared unknowns are in a row: a run of
-//! [`RUN`] that stand side by side (a station), and columns behind all runs that any row may use.
+//! four that stand side by side (a station), and columns behind all runs that any row may use.
 //! With the Cholesky factor `AᵀA = RᵀR` and what ties the blocks to the rest,
 //!
 //! ```text
@@ -20,7 +20,7 @@ mod elimination;
 use crate::lanes::{LANES, Lanes, add_several_times, add_times, scale, zeros};
 
 /// Shared unknowns that stand side by side in a row.
-pub const RUN: usize = 4;
+pub(crate) const RUN: usize = 4;
 
 /// What is left of a column after the columns before it, relative to its length, below which an
 /// unknown counts as free: its uncertainty would be a million times that of a direct reading.
@@ -197,7 +197,7 @@ impl BlockBatch {
         if used == LANES {
             return;
         }
-        let mask = Lanes::from_fn(|lane| f64::from(u8::from(lane < used)));
+        let mask = Lanes::mask(used);
         let (length, unknowns) = (self.shape.row_len(), self.shape.unknowns);
         for row in self.rows.chunks_exact_mut(length) {
             for x in &mut row[unknowns..] {

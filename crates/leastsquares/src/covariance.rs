@@ -5,7 +5,7 @@
 //! cov(x_i, s)   = -Z_i Σ_s                    Σ: inverse of the reduced matrix
 //! ```
 
-use nalgebra::{DMatrix, DMatrixView, Dyn, MatrixView, U1};
+use nalgebra::{DMatrix, DMatrixView, Dyn, U1};
 
 use crate::factors::Factors;
 use crate::reduced::ReducedSolution;
@@ -16,8 +16,7 @@ use crate::reduced::ReducedSolution;
 pub struct Covariance {
     shared: usize,
     factors: Factors,
-    /// The rows of `Σ`, one after the other.
-    reduced_inverse: Vec<f64>,
+    reduced_inverse: DMatrix<f64>,
 }
 
 impl Covariance {
@@ -33,9 +32,8 @@ impl Covariance {
     /// `Σ`: symmetric matrix of the shared unknowns and, behind them, the datum multipliers. Its
     /// leading part is the covariance of the shared unknowns; the whole of it is indefinite and
     /// makes sense only between couplings.
-    pub fn reduced_inverse(&self) -> DMatrixView<'_, f64> {
-        // Symmetric: rows are columns.
-        DMatrixView::from_slice(&self.reduced_inverse, self.width(), self.width())
+    pub fn reduced_inverse(&self) -> &DMatrix<f64> {
+        &self.reduced_inverse
     }
 
     /// Rows and columns of `Σ`: the number of shared unknowns and datum multipliers.
@@ -43,42 +41,35 @@ impl Covariance {
         self.factors.width()
     }
 
-    /// The rows of `Σ`, one after the other.
-    pub fn reduced_inverse_rows(&self) -> &[f64] {
-        &self.reduced_inverse
-    }
-
     /// Covariance of the shared unknowns.
-    pub fn shared(&self) -> MatrixView<'_, f64, Dyn, Dyn, U1, Dyn> {
-        let (count, width) = (self.shared, self.width());
-        MatrixView::from_slice_with_strides_generic(
-            &self.reduced_inverse,
-            Dyn(count),
-            Dyn(count),
-            U1,
-            Dyn(width),
-        )
+    pub fn shared(&self) -> DMatrixView<'_, f64, U1, Dyn> {
+        self.reduced_inverse
+            .view((0, 0), (self.shared, self.shared))
     }
 
     /// `R⁻¹` of block `i`: upper triangular; the block's covariance with all shared unknowns held
     /// is `R⁻¹R⁻ᵀ`.
     pub fn inverse_factor(&self, i: usize) -> DMatrixView<'_, f64> {
-        let n = self.size(i);
+        let n = self.factors.unknowns(i);
         DMatrixView::from_slice(self.factors.inverse_factor(i), n, n)
     }
 
     /// `Zᵀ` of block `i`: one row for each shared unknown and datum multiplier.
     pub fn coupling_transposed(&self, i: usize) -> DMatrixView<'_, f64> {
-        DMatrixView::from_slice(self.factors.coupling(i), self.width(), self.size(i))
+        DMatrixView::from_slice(
+            self.factors.coupling(i),
+            self.width(),
+            self.factors.unknowns(i),
+        )
     }
 
     /// The columns of `R⁻¹` of block `i`, one after the other.
-    pub fn inverse_factor_columns(&self, i: usize) -> &[f64] {
+    pub(crate) fn inverse_factor_columns(&self, i: usize) -> &[f64] {
         self.factors.inverse_factor(i)
     }
 
     /// The rows of `Z` of block `i`, one after the other.
-    pub fn coupling_rows(&self, i: usize) -> &[f64] {
+    pub(crate) fn coupling_rows(&self, i: usize) -> &[f64] {
         self.factors.coupling(i)
     }
 
@@ -91,11 +82,7 @@ impl Covariance {
     /// The part of the covariance between blocks `i` and `k` that comes through the shared
     /// unknowns; for `i ≠ k` it is the whole.
     pub fn between(&self, i: usize, k: usize) -> DMatrix<f64> {
-        let left = self.coupling_transposed(i).tr_mul(&self.reduced_inverse());
+        let left = self.coupling_transposed(i).tr_mul(&self.reduced_inverse);
         left * self.coupling_transposed(k)
-    }
-
-    fn size(&self, i: usize) -> usize {
-        self.factors.range(i).len()
     }
 }

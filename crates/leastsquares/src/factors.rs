@@ -78,9 +78,9 @@ impl Factors {
         parts
     }
 
-    /// Where the unknowns of block `i` are among those of all blocks.
-    pub(crate) fn range(&self, i: usize) -> Range<usize> {
-        self.starts[i]..self.starts[i + 1]
+    /// Number of unknowns of block `i`.
+    pub(crate) fn unknowns(&self, i: usize) -> usize {
+        self.starts[i + 1] - self.starts[i]
     }
 
     pub(crate) fn inverse_factor(&self, i: usize) -> &[f64] {

@@ -13,7 +13,7 @@
 use crate::block_batch::{BlockBatch, Shape};
 use crate::covariance::Covariance;
 use crate::lane_products::{LaneMatrix, add_product, subtract_product};
-use crate::lanes::{LANES, Lanes, side_by_side, zeros};
+use crate::lanes::{Lanes, side_by_side, zeros};
 
 /// `O`, `T` and the residuals of eight blocks, and memory to make them.
 #[derive(Debug, Clone, Default)]
@@ -45,7 +45,7 @@ impl HatRows {
         let Shape { rows, unknowns, .. } = batch.shape();
         (self.unknowns, self.width) = (unknowns, covariance.width());
         self.take_factors(covariance, (first, used));
-        let mask = Lanes::from_fn(|lane| f64::from(u8::from(lane < used)));
+        let mask = Lanes::mask(used);
         self.rows.clear();
         self.residual.clear();
         for row in 0..rows {
@@ -69,12 +69,8 @@ impl HatRows {
     #[inline(always)]
     fn take_factors(&mut self, covariance: &Covariance, (first, used): (usize, usize)) {
         let block = |lane: usize| first + lane.min(used - 1);
-        let (mut columns, mut rows): ([&[f64]; LANES], [&[f64]; LANES]) =
-            ([&[]; LANES], [&[]; LANES]);
-        for lane in 0..LANES {
-            columns[lane] = covariance.inverse_factor_columns(block(lane));
-            rows[lane] = covariance.coupling_rows(block(lane));
-        }
+        let columns = |lane| covariance.inverse_factor_columns(block(lane));
+        let rows = |lane| covariance.coupling_rows(block(lane));
         let n = self.unknowns;
         side_by_side(columns, n * n, &mut self.inverse_factor);
         side_by_side(rows, n * self.width, &mut self.coupling);

@@ -43,6 +43,12 @@ impl Lanes {
         ])
     }
 
+    /// One in the first `used` lanes, zero in the others.
+    #[inline(always)]
+    pub fn mask(used: usize) -> Self {
+        Self::from_fn(|lane| f64::from(u8::from(lane < used)))
+    }
+
     /// `self · factor + sum`, rounded once. Without an instruction for it (x86-64 outside
     /// [`crate::in_widest_registers`], or before 2013) it is slow.
     #[inline(always)]
@@ -117,15 +123,20 @@ pub fn zeros<T: Copy + Default>(all: &mut Vec<T>, count: usize) {
     all.resize(count, T::default());
 }
 
-/// Puts eight slices side by side, an element of each in every lane; a lane whose slice is empty has zeros.
+/// Puts the slices of eight lanes side by side.
 ///
 /// # Panics
 /// If a slice has another length.
 #[inline(always)]
-pub fn side_by_side(slices: [&[f64]; LANES], length: usize, lanes: &mut Vec<Lanes>) {
+pub(crate) fn side_by_side<'a>(
+    of_lane: impl Fn(usize) -> &'a [f64],
+    length: usize,
+    lanes: &mut Vec<Lanes>,
+) {
     zeros(lanes, length);
-    for (lane, slice) in slices.into_iter().enumerate() {
-        assert!(slice.is_empty() || slice.len() == length, "equal slices");
+    for lane in 0..LANES {
+        let slice = of_lane(lane);
+        assert_eq!(slice.len(), length, "equal slices");
         for (place, x) in lanes.iter_mut().zip(slice) {
             lanes_only();
             place.0[lane] = *x;
@@ -177,7 +188,7 @@ pub(crate) fn add_several_times<const N: usize>(
 
 /// `x <- factor x`, element by element.
 #[inline(always)]
-pub fn scale(x: &mut [Lanes], factor: Lanes) {
+pub(crate) fn scale(x: &mut [Lanes], factor: Lanes) {
     let (fours, rest) = x.as_chunks_mut::<FOUR>();
     for [a, b, c, d] in fours {
         lanes_only();

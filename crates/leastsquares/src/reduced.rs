@@ -16,12 +16,11 @@
 //! [`SHARED_RANK_TOL`]. Eigenvalues cost more than all the rest, so they are looked at only if the
 //! inverse does not rule it out ([`Reduced::rules_out_free`]).
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
 use crate::dense::symmetric_eigen;
 use crate::dot::dot;
-use crate::inverse::invert;
 
 /// Sums over some or all blocks.
 #[derive(Debug, Clone)]
@@ -42,8 +41,8 @@ pub struct ReducedSolution {
     pub(crate) shared: usize,
     /// `s`, then `λ`.
     pub unknowns: Vec<f64>,
-    /// Symmetric inverse of the matrix, rows contiguous.
-    pub(crate) inverse: Vec<f64>,
+    /// Symmetric inverse of the matrix.
+    pub(crate) inverse: DMatrix<f64>,
 }
 
 /// Relative eigenvalue of the scaled normal matrix below which a combination of shared unknowns
@@ -126,11 +125,6 @@ impl Reduced {
         self.count(other.observations, other.block_unknowns, other.squares);
     }
 
-    /// Whether all sums are finite.
-    pub fn is_finite(&self) -> bool {
-        self.matrix.iter().all(|x| x.is_finite())
-    }
-
     /// Solves for `s` and `λ` after checking that only the datum's motions are free.
     /// `free_motions` are motions that change no observation, their part in the shared unknowns, one
     /// for each constraint; they only serve to name what is free beyond them.
@@ -142,25 +136,27 @@ impl Reduced {
         free_motions: impl FnOnce() -> Vec<Vec<f64>>,
     ) -> Result<ReducedSolution, Error> {
         let width = self.width();
-        let (scale, mut inverse) = self.scaled(width)?;
-        let inverted = invert(&mut inverse, width);
+        let (scale, upper) = self.scaled(width)?;
+        // The rows of the upper triangle are the columns of the lower one.
+        let mut matrix = DMatrix::from_vec(width, width, upper);
+        matrix.fill_upper_triangle_with_lower_triangle();
+        let inverse = matrix.lu().try_inverse();
         // The norm of a matrix is not below its largest eigenvalue.
-        if !inverted || !self.rules_out_free(dot(&inverse, &inverse).sqrt()) {
+        if !inverse
+            .as_ref()
+            .is_some_and(|inverse| self.rules_out_free(inverse.norm()))
+        {
             let motions = orthonormal(&free_motions(), &scale);
             self.check_rank(&scale, &motions, self.datum)?;
         }
-        if !inverted {
-            return Err(Error::NotFinite {
-                what: "the inverse of the reduced system",
-            });
-        }
-        for (i, row) in inverse.chunks_exact_mut(width.max(1)).enumerate() {
-            for (x, s) in row.iter_mut().zip(&scale) {
-                *x *= scale[i] * s;
-            }
-        }
-        let right: Vec<f64> = (0..width).map(|i| self.at(i, width)).collect();
-        let unknowns = finite(times(&inverse, &right))?;
+        let inverse = inverse.ok_or(Error::NotFinite {
+            what: "the inverse of the reduced system",
+        })?;
+        let scale = DVector::from_vec(scale);
+        let inverse = 0.5 * (&inverse + inverse.transpose());
+        let inverse = inverse.component_mul(&(&scale * scale.transpose()));
+        let right = DVector::from_fn(width, |i, _| self.at(i, width));
+        let unknowns = finite((&inverse * right).data.into())?;
         Ok(ReducedSolution {
             shared: self.shared,
             unknowns,
@@ -186,7 +182,7 @@ impl Reduced {
     /// The first `n` rows and columns of the matrix with unit diagonal, which makes unknowns of
     /// different units comparable, and the scales for it; of the matrix the upper triangle.
     pub(crate) fn scaled(&self, n: usize) -> Result<(Vec<f64>, Vec<f64>), Error> {
-        if !self.is_finite() {
+        if !self.matrix.iter().all(|x| x.is_finite()) {
             return Err(Error::NotFinite {
                 what: "the reduced system",
             });
@@ -228,7 +224,7 @@ impl Reduced {
         });
         let eigen = symmetric_eigen(scaled)?;
         let (values, vectors) = (eigen.eigenvalues, eigen.eigenvectors);
-        let largest = values.iter().fold(0.0_f64, |max, value| max.max(*value));
+        let largest = values.iter().copied().fold(0.0, f64::max);
         let limit = SHARED_RANK_TOL;
         let free: Vec<usize> = (0..self.shared)
             .filter(|&i| values[i] <= limit * largest)
@@ -248,20 +244,13 @@ impl Reduced {
             }
         }
         let total: f64 = shares.iter().sum();
-        let mut named: Vec<(usize, f64)> = shares
-            .iter()
-            .enumerate()
-            .map(|(k, share)| (k, share / total))
-            .filter(|&(_, share)| share > FREE_SHARE_TOL)
-            .collect();
+        let shares = shares.iter().map(|share| share / total).enumerate();
+        let mut named: Vec<(usize, f64)> = shares.filter(|x| x.1 > FREE_SHARE_TOL).collect();
         named.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-        let eigenvalue = free
-            .iter()
-            .fold(0.0_f64, |max, &i| max.max(values[i] / largest));
-        let defect = free.len() - expected;
+        let eigenvalues = free.iter().map(|&i| values[i] / largest);
         Err(Error::SharedRank {
-            defect,
-            eigenvalue,
+            defect: free.len() - expected,
+            eigenvalue: eigenvalues.fold(0.0, f64::max),
             limit,
             free: named,
         })
@@ -298,12 +287,6 @@ fn remove(vector: &mut [f64], unit: &[f64]) {
     for (v, u) in vector.iter_mut().zip(unit) {
         *v -= along * u;
     }
-}
-
-/// Product of a matrix with contiguous rows and a vector.
-fn times(matrix: &[f64], vector: &[f64]) -> Vec<f64> {
-    let rows = matrix.chunks_exact(vector.len().max(1));
-    rows.map(|row| dot(row, vector)).collect()
 }
 
 /// A solution, if it is finite.

@@ -40,7 +40,7 @@ pub(crate) struct ReadingTest {
 /// Below this part of a reading's weight, what the residuals keep of an error in it is rounding.
 pub(crate) const CHECKED_TOL: f64 = 1e-9;
 
-/// The tests of all readings and visits.
+/// The tests of all readings and visits, in measuring order.
 #[derive(Debug, Default)]
 pub(crate) struct Tests {
     /// Of every reading.
@@ -58,18 +58,14 @@ pub(crate) fn test_all(influence: &BatchInfluence<'_>) -> Tests {
     let tested = influence.of_pieces(
         #[inline(always)]
         |piece, rows| {
-            let (mut tests, mut slots, mut work) =
-                (Tests::default(), Slots::default(), BatchTests::default());
+            let mut tests = OfGroups::default();
+            let (mut slots, mut work) = (Slots::default(), BatchTests::default());
             for b in piece {
                 influence.fill(b, rows);
                 work.fill(influence, &batches[b], rows);
                 slots.take(network, &by_group, batches[b].groups.clone());
-                work.append(
-                    (network, &by_group),
-                    (&batches[b], rows),
-                    &slots,
-                    &mut tests,
-                );
+                let taken = (&batches[b], rows.variances.as_slice(), &slots);
+                work.append((network, &by_group), taken, &mut tests);
             }
             tests
         },
@@ -78,17 +74,12 @@ pub(crate) fn test_all(influence: &BatchInfluence<'_>) -> Tests {
         readings: vec![ReadingTest::UNCHECKED; network.readings.len()],
         visits: vec![0.0; network.visits.len()],
     };
-    // From the order of the groups to that of measuring.
-    let mut visits = (0..network.groups.len()).flat_map(|group| by_group.of(group));
-    for part in tested {
-        let mut readings = part.readings.as_slice();
-        // The parts first: a zip asks its left side once more than its right.
-        for (w, &visit) in part.visits.into_iter().zip(visits.by_ref()) {
-            let content = network.visits[visit].readings.clone();
-            let (own, rest) = readings.split_at(content.len());
-            tests.readings[content].copy_from_slice(own);
+    for OfGroups { readings, visits } in tested {
+        for (reading, test) in readings {
+            tests.readings[reading] = test;
+        }
+        for (visit, w) in visits {
             tests.visits[visit] = w;
-            readings = rest;
         }
     }
     tests
@@ -102,6 +93,13 @@ impl ReadingTest {
         kept: 0.0,
         redundancy: 0.0,
     };
+}
+
+/// The tests of some groups: each reading and visit with its number.
+#[derive(Default)]
+struct OfGroups {
+    readings: Vec<(usize, ReadingTest)>,
+    visits: Vec<(usize, f64)>,
 }
 
 /// The tests of a batch, and memory to make them.
@@ -176,20 +174,19 @@ impl BatchTests {
         }
     }
 
-    /// Appends the tests of the groups of a batch with these rows, whose readings are in these slots.
+    /// Appends the tests of the groups of a batch with these variances, whose readings are in these slots.
     fn append(
         &self,
         (network, by_group): (&Network, &VisitsByGroup),
-        (batch, rows): (&Batch, &BatchRows),
-        slots: &Slots,
-        tests: &mut Tests,
+        (batch, variances, slots): (&Batch, &[Lanes], &Slots),
+        tests: &mut OfGroups,
     ) {
         for (lane, group) in batch.groups.clone().enumerate() {
-            for (_, own) in slots.visits((lane, group), network, by_group) {
+            for (number, own) in slots.visits((lane, group), network, by_group) {
                 let of_slot = |&(slot, reading): &(usize, usize)| {
                     let factor = network.variance_factor(reading);
-                    let inflation = rows.variances[slot].0[lane] * (1.0 - 1.0 / factor);
-                    self.readings[slot].reading(lane, inflation)
+                    let inflation = variances[slot].0[lane] * (1.0 - 1.0 / factor);
+                    (reading, self.readings[slot].reading(lane, inflation))
                 };
                 tests.readings.extend(own.iter().map(of_slot));
                 let of_visit = |&(slot, _): &(usize, usize)| {
@@ -197,7 +194,7 @@ impl BatchTests {
                     self.visits[visit].w(lane)
                 };
                 let w = own.first().filter(|_| own.len() > 1).map_or(0.0, of_visit);
-                tests.visits.push(w);
+                tests.visits.push((number, w));
             }
         }
     }

@@ -10,7 +10,9 @@
 //! so what needs the hat matrix is linear in the number of lengths.
 
 use std::ops::Range;
+use std::sync::Arc;
 
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 use trueaxis_leastsquares::lane_products::{LaneMatrix, SharedMatrix};
 use trueaxis_leastsquares::{Covariance, HatRows, Lanes, in_widest_registers, lanes_only, zeros};
@@ -68,7 +70,7 @@ impl<'a> BatchInfluence<'a> {
         self.network
     }
 
-    pub(crate) fn batches(&self) -> &[Batch] {
+    pub(crate) fn batches(&self) -> &Arc<Vec<Batch>> {
         &self.model.batches
     }
 
@@ -85,15 +87,16 @@ impl<'a> BatchInfluence<'a> {
         self.covariance.width()
     }
 
-    /// The rows of `Σ`.
-    pub(crate) fn sigma(&self) -> &[f64] {
-        self.covariance.reduced_inverse_rows()
+    /// `Σ`.
+    pub(crate) fn sigma(&self) -> &DMatrix<f64> {
+        self.covariance.reduced_inverse()
     }
 
     /// The same for products in lanes.
     #[inline(always)]
     pub(crate) fn shared_sigma(&self) -> SharedMatrix<'_> {
-        SharedMatrix::by_rows(self.sigma(), [self.width(); 2])
+        // Symmetric: columns are rows.
+        SharedMatrix::by_rows(self.sigma().as_slice(), [self.width(); 2])
     }
 
     /// The pieces of the batches, in order.
@@ -158,7 +161,7 @@ impl<'a> BatchInfluence<'a> {
         let groups = (batch.groups.start, used);
         hat.fill(&memory.equations, self.covariance, groups);
 
-        let mask = Lanes::from_fn(|lane| f64::from(u8::from(lane < used)));
+        let mask = Lanes::mask(used);
         variances.clear();
         there.clear();
         for slot in 0..batch.slots() {

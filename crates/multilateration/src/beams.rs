@@ -82,8 +82,7 @@ impl Beams {
                 squares = residual.mul_add(residual, squares);
             }
         }
-        let used = batch.groups.len();
-        squares * Lanes::from_fn(|lane| f64::from(u8::from(lane < used)))
+        squares * Lanes::mask(batch.groups.len())
     }
 
     /// Cosine of the angle between the beams of two slots.

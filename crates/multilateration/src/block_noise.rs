@@ -42,19 +42,17 @@ pub struct BlockNoise<'a> {
 impl Solution {
     /// The whole noise, as given.
     pub fn noise(&self) -> BlockNoise<'_> {
-        let width = self.covariance.width();
         BlockNoise {
             covariance: &self.covariance,
             of_lengths: None,
-            shared: DMatrix::from_row_slice(width, width, self.covariance.reduced_inverse_rows()),
+            shared: self.covariance.reduced_inverse().clone(),
         }
     }
 
     /// The part of the covariance of the shared sources that comes from what is known beside the lengths, with
     /// its uncertainty: `Σ KᵀK Σ` for whitened rows `K`. `network` must be the one that was solved.
     pub fn known_noise(&self, network: &Network) -> DMatrix<f64> {
-        let width = self.covariance.width();
-        let sigma = DMatrix::from_row_slice(width, width, self.covariance.reduced_inverse_rows());
+        let (sigma, width) = (self.covariance.reduced_inverse(), self.covariance.width());
         let mut known = DMatrix::zeros(width, width);
         for row in self.known_rows(network) {
             let mut through = DVector::zeros(width);
@@ -83,32 +81,25 @@ impl Solution {
                     add_symmetric_product(&mut sum, shared.transposed(), part);
                     append_blocks(batch, rows, &mut memory, &mut blocks);
                 }
-                (
-                    blocks,
-                    sum.into_iter().map(Lanes::sum).collect::<Vec<f64>>(),
-                )
+                let sum = sum.into_iter().map(Lanes::sum);
+                (blocks, DMatrix::from_row_iterator(width, width, sum))
             },
         );
-        let (mut blocks, mut middle) = (
-            Vec::with_capacity(network.groups.len()),
-            vec![0.0; width * width],
-        );
-        for (mut part, sum) in pieces {
-            blocks.append(&mut part);
-            for (m, x) in middle.iter_mut().zip(sum) {
-                *m += x;
-            }
+        let mut blocks = Vec::with_capacity(network.groups.len());
+        let mut middle = DMatrix::zeros(width, width);
+        for (part, sum) in pieces {
+            blocks.extend(part);
+            middle += sum;
         }
-        let mut middle = DMatrix::from_row_slice(width, width, &middle);
         middle.fill_lower_triangle_with_upper_triangle();
-        let sigma = DMatrix::from_row_slice(width, width, influence.sigma());
+        let sigma = influence.sigma();
         let mut shared = DMatrix::zeros(2 * width, 2 * width);
         let size = (width, width);
         shared
             .view_mut((0, 0), size)
-            .copy_from(&(&sigma * middle * &sigma));
-        shared.view_mut((0, width), size).copy_from(&-&sigma);
-        shared.view_mut((width, 0), size).copy_from(&-&sigma);
+            .copy_from(&(sigma * middle * sigma));
+        shared.view_mut((0, width), size).copy_from(&-sigma);
+        shared.view_mut((width, 0), size).copy_from(&-sigma);
         BlockNoise {
             covariance: &self.covariance,
             of_lengths: Some(blocks),
@@ -124,17 +115,13 @@ impl BlockNoise<'_> {
     /// # Panics
     /// If there is no such group.
     pub fn block(&self, group: usize) -> (DMatrix<f64>, DMatrix<f64>) {
-        let factor = self.covariance.inverse_factor_columns(group);
-        let n = self.covariance.inverse_factor(group).ncols();
-        let width = self.covariance.width();
-        let coupling = DMatrix::from_row_slice(n, width, self.covariance.coupling_rows(group));
+        let factor = self.covariance.inverse_factor(group);
+        let coupling = self.covariance.coupling_transposed(group).transpose();
         match &self.of_lengths {
-            None => {
-                let factor = DMatrix::from_column_slice(n, n, factor);
-                (&factor * factor.transpose(), coupling)
-            }
+            None => (factor * factor.transpose(), coupling),
             Some(blocks) => {
                 let (own, mixed) = &blocks[group];
+                let (n, width) = coupling.shape();
                 let mut doubled = coupling.resize_horizontally(2 * width, 0.0);
                 doubled.view_mut((0, width), (n, width)).copy_from(mixed);
                 (own.clone(), doubled)

@@ -33,7 +33,7 @@ pub struct Placed {
 }
 
 /// A rigid body is three points that are not in line.
-pub(crate) const RIGID: usize = 3;
+const RIGID: usize = 3;
 
 /// Points whose distances from a line are less than this part of their extent are in line: what turns
 /// them about it is not seen.
@@ -57,7 +57,7 @@ pub(crate) fn are_in_line(points: &[Point3<f64>]) -> bool {
 impl Bodies {
     /// Checks that there is a body for each group that names one, and that its points show its pose.
     pub(crate) fn check(&self, points_of_groups: &[std::ops::Range<usize>]) -> Result<(), Error> {
-        let malformed = |what: String| Err(Error::Malformed { what });
+        let malformed = |what: String| Err(Error::malformed(what));
         let (found, need) = (self.of_groups.len(), points_of_groups.len());
         if found != need {
             return malformed(format!("bodies are given for {found} of {need} groups"));

@@ -43,11 +43,9 @@ pub(crate) struct Components {
 /// must not be zero. `None` if the residuals say nothing.
 pub(crate) fn components(influence: &BatchInfluence<'_>) -> Option<Components> {
     let sums = sums(influence);
-    let width = influence.width();
-    let sigma = DMatrix::from_row_slice(width, width, influence.sigma());
-    // Σ M for V_1, for the identity, and for V_1 V_1.
-    let [through, through_all, through_twice] =
-        [&sums.length, &sums.all, &sums.twice].map(|middle| &sigma * middle);
+    // Σ M for V_1 V_1, for V_1, and for the identity.
+    let [through_twice, through, through_all] =
+        sums.shared.map(|middle| influence.sigma() * middle);
     let through_repeatability = &through_all - &through;
     // Traces of products.
     let both = [
@@ -55,7 +53,7 @@ pub(crate) fn components(influence: &BatchInfluence<'_>) -> Option<Components> {
         through.tr_dot(&through_repeatability),
         through_repeatability.tr_dot(&through_repeatability),
     ];
-    let absorbed = pairs([&through_twice, &through, &through_all].map(|a| a.trace()));
+    let absorbed = pairs([through_twice, through, through_all].map(|a| a.trace()));
     let [first, mixed, second] =
         std::array::from_fn(|pair| sums.left[pair] - absorbed[pair] + 0.5 * both[pair]);
     let left = Matrix2::new(first, mixed, mixed, second);
@@ -75,10 +73,8 @@ struct Sums {
     right: Vector2<f64>,
     /// What of `½ tr(P V_k P V_l)` is a sum over groups, for the pairs 11, 12, 22.
     left: [f64; 3],
-    /// `Tᵀ V_1 T`, `Tᵀ T` and `Tᵀ V_1 V_1 T`.
-    length: DMatrix<f64>,
-    all: DMatrix<f64>,
-    twice: DMatrix<f64>,
+    /// `Tᵀ V_1 V_1 T`, `Tᵀ V_1 T` and `Tᵀ T`.
+    shared: [DMatrix<f64>; 3],
 }
 
 fn sums(influence: &BatchInfluence<'_>) -> Sums {
@@ -102,14 +98,15 @@ fn sums(influence: &BatchInfluence<'_>) -> Sums {
         for (sum, x) in sums.left.iter_mut().zip(part.left) {
             *sum += x;
         }
-        sums.length += part.length;
-        sums.all += part.all;
-        sums.twice += part.twice;
+        for (sum, x) in sums.shared.iter_mut().zip(part.shared) {
+            *sum += x;
+        }
         sums
     })
 }
 
 /// The sums of a piece, lane by lane.
+#[derive(Default)]
 struct LaneSums {
     /// `rᵀ V_1 r` and `rᵀ r` of the whitened residuals.
     residuals: [Lanes; 2],
@@ -118,10 +115,8 @@ struct LaneSums {
     absorbed: Form,
     own: Form,
     mixed: Form,
-    /// Upper triangles of `Tᵀ V_1 T`, `Tᵀ T` and `Tᵀ V_1 V_1 T`.
-    length: Vec<Lanes>,
-    all: Vec<Lanes>,
-    twice: Vec<Lanes>,
+    /// Upper triangles of `Tᵀ V_1 V_1 T`, `Tᵀ V_1 T` and `Tᵀ T`.
+    shared: [Vec<Lanes>; 3],
 }
 
 /// A symmetric form that is linear in both parts of the noise: its values for `V_1` twice, for `V_1` and
@@ -162,14 +157,8 @@ fn pairs([twice, once, all]: [f64; 3]) -> [f64; 3] {
 impl LaneSums {
     fn new(width: usize) -> Self {
         Self {
-            residuals: [Lanes::ZERO; 2],
-            noise: Form::default(),
-            absorbed: Form::default(),
-            own: Form::default(),
-            mixed: Form::default(),
-            length: vec![Lanes::ZERO; width * width],
-            all: vec![Lanes::ZERO; width * width],
-            twice: vec![Lanes::ZERO; width * width],
+            shared: [(); 3].map(|()| vec![Lanes::ZERO; width * width]),
+            ..Self::default()
         }
     }
 
@@ -186,9 +175,7 @@ impl LaneSums {
         Sums {
             right: Vector2::new(length, all - length) * 0.5,
             left: std::array::from_fn(|k| 0.5 * (noise[k] + own[k]) - absorbed[k] + mixed[k]),
-            length: whole(self.length),
-            all: whole(self.all),
-            twice: whole(self.twice),
+            shared: self.shared.map(whole),
         }
     }
 }
@@ -251,9 +238,10 @@ impl Products {
             sums.mixed
                 .add_products([*a_part, *a_all], [*b_part, *b_all]);
         }
-        add_symmetric_product(&mut sums.all, shared.transposed(), shared);
-        add_symmetric_product(&mut sums.length, shared.transposed(), shared_part);
-        add_symmetric_product(&mut sums.twice, shared_part.transposed(), shared_part);
+        let [twice, once, all] = &mut sums.shared;
+        add_symmetric_product(twice, shared_part.transposed(), shared_part);
+        add_symmetric_product(once, shared.transposed(), shared_part);
+        add_symmetric_product(all, shared.transposed(), shared);
     }
 
     /// The residuals and traces of a visit alone; makes its rows of `V_1 O` and `V_1 T`.

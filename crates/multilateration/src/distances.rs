@@ -80,14 +80,9 @@ impl Solution {
                 found.of_shared[(k, column)] += g;
             }
             if let Some((group, h)) = &of_group {
-                let rows = self.covariance.coupling_rows(*group).chunks_exact(width);
-                for (h, row) in h.iter().zip(rows) {
-                    for (sum, z) in found.of_shared.row_mut(k).iter_mut().zip(row) {
-                        *sum -= h * z;
-                    }
-                }
-                let factor = self.covariance.inverse_factor_columns(*group);
-                let factor = DMatrix::from_column_slice(h.len(), h.len(), factor);
+                let through = self.covariance.coupling_transposed(*group) * h;
+                found.of_shared.row_mut(k).tr_copy_from(&-through);
+                let factor = self.covariance.inverse_factor(*group);
                 let own = factor.tr_mul(h);
                 for (other, seen) in found.of_groups.iter().enumerate() {
                     if let Some((_, h)) = seen.as_ref().filter(|(other, _)| other == group) {

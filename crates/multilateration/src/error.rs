@@ -184,6 +184,13 @@ pub enum Error {
     LeastSquares(#[source] trueaxis_leastsquares::Error),
 }
 
+impl Error {
+    /// That the network contradicts itself.
+    pub(crate) fn malformed(what: impl Into<String>) -> Self {
+        Self::Malformed { what: what.into() }
+    }
+}
+
 /// A part of a network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {

@@ -182,15 +182,15 @@ fn settle(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstim
         let Some(found) = adjusted.components() else {
             return Ok(None);
         };
+        let told_apart = found.separation >= LEAST_SEPARATION;
         let settled = (0..2)
             .all(|k| (found.factors[k] - 1.0).abs() <= SETTLED * found.covariance[(k, k)].sqrt());
         if settled {
             // A return that is small beside the lengths is known well enough when these are.
             let worth = 2.0 / found.covariance[(0, 0)] >= LEAST_DEGREES_OF_FREEDOM;
-            let told_apart = found.separation >= LEAST_SEPARATION;
-            let relative_covariance = found.covariance;
-            return Ok((worth && told_apart)
-                .then(|| estimated(adjusted.network.noise, given, relative_covariance)));
+            let noise = adjusted.network.noise;
+            let settled = (worth && told_apart).then(|| estimated(noise, given, found.covariance));
+            return Ok(settled);
         }
         let step = |k: usize| {
             let factor = found.factors[k];
@@ -208,7 +208,6 @@ fn settle(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstim
         }
         adjusted.solve_with(noise)?;
         if vanished {
-            let told_apart = found.separation >= LEAST_SEPARATION;
             return match told_apart {
                 true => lengths_only(adjusted, given).map(Some),
                 false => Ok(None),
@@ -251,18 +250,9 @@ fn scaled(noise: Noise, length: f64, repeatability: f64) -> Noise {
 }
 
 fn kept(given: Noise) -> NoiseEstimate {
-    let part = |sigma_mm: f64| PartEstimate {
-        sigma_mm,
-        u_mm: 0.0,
-        degrees_of_freedom: f64::INFINITY,
-        p_value: None,
-    };
     NoiseEstimate {
-        noise: given,
         basis: NoiseBasis::Given,
-        relative_covariance: Matrix2::zeros(),
-        length: part(given.length_sigma_mm),
-        repeatability: part(given.repeatability_mm),
+        ..estimated(given, given, Matrix2::zeros())
     }
 }
 

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Point3};
 use trueaxis_campaign::{Campaign, Direction, Lengths, Step};
 use trueaxis_kinematics::Ideal;
 
-use crate::bodies::{Bodies, Body, Placed, RIGID, are_in_line};
+use crate::bodies::{Bodies, Body, Placed, are_in_line};
 use crate::{Network, Noise, Reading, Reflectors, Visit};
 
 /// A campaign's network and what its groups are.
@@ -247,13 +247,7 @@ struct Shapes {
 /// Finds the bodies: targets that move together and whose shape the groups show. Groups that have three
 /// targets in common that are not in line show one shape; groups with fewer than that of their own show none.
 fn shapes(campaign: &Campaign, groups: &[Group], kinds: &[Together]) -> Shapes {
-    let are_rigid = |targets: &[usize]| {
-        let home: Vec<_> = targets
-            .iter()
-            .map(|&t| campaign.targets[t].home_mm)
-            .collect();
-        targets.len() >= RIGID && !are_in_line(&home)
-    };
+    let are_rigid = |targets: &[usize]| !are_in_line(&home_mm(campaign, targets));
     let common = |a: &[usize], b: &[usize]| -> Vec<usize> {
         a.iter().filter(|t| b.contains(t)).copied().collect()
     };
@@ -268,21 +262,18 @@ fn shapes(campaign: &Campaign, groups: &[Group], kinds: &[Together]) -> Shapes {
             continue;
         }
         // It may tie several that were apart; what they have together ties further ones.
-        let first = shapes
-            .iter()
-            .position(|(k, other)| *k == kind && are_rigid(&common(&targets, other)));
+        let mut first = None;
         while let Some(next) = shapes
             .iter()
             .position(|(k, other)| *k == kind && are_rigid(&common(&targets, other)))
         {
+            first.get_or_insert(next);
             targets.extend(shapes.remove(next).1);
             targets.sort_unstable();
             targets.dedup();
         }
-        shapes.insert(
-            first.unwrap_or(shapes.len()).min(shapes.len()),
-            (kind, targets),
-        );
+        let place = first.unwrap_or(shapes.len()).min(shapes.len());
+        shapes.insert(place, (kind, targets));
     }
     let body_of = |(group, kind): (&Group, &Together)| {
         let holds = |(k, targets): &(Together, Vec<usize>)| {
@@ -297,16 +288,18 @@ fn shapes(campaign: &Campaign, groups: &[Group], kinds: &[Together]) -> Shapes {
     }
 }
 
+fn home_mm(campaign: &Campaign, targets: &[usize]) -> Vec<Point3<f64>> {
+    let home = targets.iter().map(|&t| campaign.targets[t].home_mm);
+    home.collect()
+}
+
 /// The bodies with their nominal shapes and poses.
 fn bodies(campaign: &Campaign, groups: &[Group], targets: Vec<Vec<usize>>) -> Bodies {
     let mut bodies = Bodies {
         bodies: targets
             .iter()
             .map(|targets| Body {
-                home_mm: targets
-                    .iter()
-                    .map(|&t| campaign.targets[t].home_mm)
-                    .collect(),
+                home_mm: home_mm(campaign, targets),
             })
             .collect(),
         of_groups: Vec::with_capacity(groups.len()),
@@ -315,17 +308,16 @@ fn bodies(campaign: &Campaign, groups: &[Group], targets: Vec<Vec<usize>>) -> Bo
     for group in groups {
         let step = &campaign.steps[group.step];
         let ref_from_home = motion(campaign, step, &group.targets);
-        let places = group.body.map_or_else(Vec::new, |body| {
-            let place = |target: &usize| targets[body].partition_point(|t| t < target);
-            group.targets.iter().map(place).collect()
-        });
+        let mut places = Vec::new();
         if let Some(body) = group.body {
-            // On a lower stage that is not at home a target is not at home in the body's frame.
-            for (&target, &place) in group.targets.iter().zip(&places) {
+            for &target in &group.targets {
+                let place = targets[body].partition_point(|&t| t < target);
+                // On a lower stage that is not at home a target is not at home in the body's frame.
                 if !std::mem::replace(&mut is_placed[body][place], true) {
                     bodies.bodies[body].home_mm[place] =
                         ref_from_home.inverse() * nominal(campaign, step, target);
                 }
+                places.push(place);
             }
         }
         bodies.of_groups.push(Placed {

@@ -25,31 +25,28 @@ pub(crate) fn check(network: &Network, removed: &[Removed]) -> Result<(), Error>
             limit: MOST_REMOVED,
         });
     }
-    let mut stations = vec![(0, 0); network.stations.len()];
-    let mut groups = vec![(0, 0); network.groups.len()];
+    // Of the stations, and behind them of the groups: readings that leave, and all.
+    let stations = network.stations.len();
+    let mut counts = vec![(0, 0); stations + network.groups.len()];
     let mut is_removed = vec![false; readings];
     for removed in removed {
         is_removed[removed.reading] = true;
     }
     for visit in &network.visits {
         for reading in visit.readings.clone() {
-            for count in [&mut stations[visit.station], &mut groups[visit.group]] {
-                count.0 += usize::from(is_removed[reading]);
-                count.1 += 1;
+            for part in [visit.station, stations + visit.group] {
+                counts[part].0 += usize::from(is_removed[reading]);
+                counts[part].1 += 1;
             }
         }
     }
-    let parts = stations
-        .iter()
-        .enumerate()
-        .map(|(j, c)| (Part::Station(j), c));
-    let parts = parts.chain(groups.iter().enumerate().map(|(g, c)| (Part::Group(g), c)));
-    for (part, &(lost, all)) in parts {
-        if lost as f64 > MOST_OF_A_PART * all as f64 {
+    for (number, (removed, readings)) in counts.into_iter().enumerate() {
+        if removed as f64 > MOST_OF_A_PART * readings as f64 {
+            let group = number.checked_sub(stations);
             return Err(Error::PartLost {
-                part,
-                removed: lost,
-                readings: all,
+                part: group.map_or(Part::Station(number), Part::Group),
+                removed,
+                readings,
                 limit: MOST_OF_A_PART,
             });
         }

@@ -88,7 +88,7 @@ pub struct KnownDeadPath {
 impl Network {
     /// Checks indices and numbers, so that the rest of the crate can rely on them.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let malformed = |what: String| Err(Error::Malformed { what });
+        let malformed = |what: String| Err(Error::malformed(what));
         let mut next = 0;
         for (i, group) in self.groups.iter().enumerate() {
             if group.start != next || group.end <= next || group.end > self.nominal_mm.len() {
@@ -156,22 +156,14 @@ impl Network {
         if let Some(reflectors) = &self.reflectors {
             reflectors.check(self.nominal_mm.len())?;
         }
-        self.check_dead_paths()?;
-        self.noise.check()
-    }
-
-    fn check_dead_paths(&self) -> Result<(), Error> {
-        let is_good = |known: &KnownDeadPath| {
+        for known in &self.dead_paths {
             let numbers_are_good =
                 known.length_mm.is_finite() && known.sigma_mm.is_finite() && known.sigma_mm > 0.0;
-            numbers_are_good && known.station < self.stations.len()
-        };
-        match self.dead_paths.iter().find(|known| !is_good(known)) {
-            Some(known) => Err(Error::Malformed {
-                what: format!("{known:?} is no dead path of a station"),
-            }),
-            None => Ok(()),
+            if !numbers_are_good || known.station >= self.stations.len() {
+                return malformed(format!("{known:?} is no dead path of a station"));
+            }
         }
+        self.noise.check()
     }
 
     /// The body that the points of a group are tied to.
@@ -209,16 +201,9 @@ impl Network {
         let network = Self {
             visits: visits.collect(),
             readings: kept.iter().map(|&i| self.readings[i]).collect(),
-            stations: self.stations.clone(),
-            nominal_mm: self.nominal_mm.clone(),
-            groups: self.groups.clone(),
-            noise: self.noise,
             interruptions: Vec::new(),
             variance_factors: Vec::new(),
-            bodies: self.bodies.clone(),
-            reflectors: self.reflectors.clone(),
-            bed: self.bed,
-            dead_paths: self.dead_paths.clone(),
+            ..self.clone()
         };
         (network, kept)
     }

@@ -49,7 +49,7 @@ impl Noise {
             let what = format!(
                 "noise must have a positive length_sigma_mm and no negative part, found {self:?}"
             );
-            Err(Error::Malformed { what })
+            Err(Error::malformed(what))
         }
     }
 

@@ -198,12 +198,9 @@ fn reduced<P: Send>(
         },
     );
     // Of several errors the first.
-    let mut whole: Option<Reduced> = None;
-    for sum in sums {
-        match &mut whole {
-            Some(whole) => whole.merge(&sum?),
-            None => whole = Some(sum?),
-        }
-    }
-    Ok(whole.unwrap_or_else(|| Reduced::new(model.shared(), gauge.constraints())))
+    let none = Reduced::new(model.shared(), gauge.constraints());
+    sums.into_iter().try_fold(none, |mut whole, sum| {
+        whole.merge(&sum?);
+        Ok(whole)
+    })
 }

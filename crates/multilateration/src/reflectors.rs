@@ -36,23 +36,17 @@ impl Reflectors {
 
     /// Checks that each point has one that is there.
     pub(crate) fn check(&self, points: usize) -> Result<(), Error> {
-        if self
-            .sigma_mm
-            .is_some_and(|sigma| !sigma.is_finite() || sigma <= 0.0)
-        {
-            return Err(Error::Malformed {
-                what: "the standard deviation of reflectors is not positive and finite".to_owned(),
-            });
+        let is_usable = |sigma: f64| sigma.is_finite() && sigma > 0.0;
+        if !self.sigma_mm.is_none_or(is_usable) {
+            let what = "the standard deviation of reflectors is not positive and finite";
+            return Err(Error::malformed(what));
         }
         let found = self.of_points.len();
         let largest = self.of_points.iter().max();
         if found != points || largest.is_some_and(|&r| r >= self.count) {
-            return Err(Error::Malformed {
-                what: format!(
-                    "reflectors are named for {found} of {points} points, of {}",
-                    self.count
-                ),
-            });
+            let count = self.count;
+            let what = format!("reflectors are named for {found} of {points} points, of {count}");
+            return Err(Error::malformed(what));
         }
         Ok(())
     }

@@ -27,12 +27,20 @@ pub(crate) fn scale(tests: &[ReadingTest], factors: &[f64]) -> f64 {
         (factor < REMOVED && test.sigma_mm.is_finite()).then_some(test.w.abs())
     };
     let mut sizes: Vec<f64> = tests.iter().zip(factors).filter_map(taking_part).collect();
-    if sizes.is_empty() {
-        return 1.0;
+    match sizes.is_empty() {
+        true => 1.0,
+        false => median(&mut sizes) / NORMAL_MEDIAN,
     }
-    let middle = sizes.len() / 2;
-    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-    *median / NORMAL_MEDIAN
+}
+
+/// The median, of an even number the upper one; puts them in another order.
+///
+/// # Panics
+/// If there are none.
+pub(crate) fn median(sizes: &mut [f64]) -> f64 {
+    *sizes
+        .select_nth_unstable_by(sizes.len() / 2, f64::total_cmp)
+        .1
 }
 
 /// Variance factor of a reading at distance `t`, in widths of the weights.
@@ -56,10 +64,8 @@ pub(crate) fn distances_from_neighbours(tests: &[ReadingTest], zeros: &[usize]) 
             let to = (place + NEIGHBOURS + 1).min(sequence.len());
             window.clear();
             window.extend(sequence[from..to].iter().map(|&i| tests[i].error_mm));
-            let middle = window.len() / 2;
-            let (_, &mut median_mm, _) = window.select_nth_unstable_by(middle, f64::total_cmp);
             let test = &tests[reading];
-            distances[reading] = (test.error_mm - median_mm) / test.sigma_mm;
+            distances[reading] = (test.error_mm - median(&mut window)) / test.sigma_mm;
         }
     }
     distances

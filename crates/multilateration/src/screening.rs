@@ -242,17 +242,10 @@ impl<'a> Screening<'a> {
         if self.solution.is_none() {
             self.solve()?;
         }
-        let tests = match &self.tests {
-            Some(tests) => Rc::clone(tests),
-            None => Rc::new(
-                self.solution
-                    .as_ref()
-                    .map_or_else(Tests::default, |solution| {
-                        test_all(&BatchInfluence::new(&self.network, solution))
-                    }),
-            ),
-        };
-        self.tests = Some(Rc::clone(&tests));
+        let all =
+            |solution: &Arc<Solution>| test_all(&BatchInfluence::new(&self.network, solution));
+        let new = || Rc::new(self.solution.as_ref().map(all).unwrap_or_default());
+        let tests = Rc::clone(self.tests.get_or_insert_with(new));
         let scale = match (self.noise_known, self.declared) {
             (Some(_), _) => 1.0,
             // With few lengths the median may be small by chance; what is declared is not.

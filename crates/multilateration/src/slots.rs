@@ -219,19 +219,14 @@ fn append_keys(network: &Network, visits: &[usize], keys: &mut Vec<(Key, usize)>
 }
 
 fn slot_visits(slots: &[Key]) -> Vec<SlotVisit> {
-    let mut visits: Vec<SlotVisit> = Vec::new();
-    for (slot, key) in slots.iter().enumerate() {
-        let goes_on = slot > 0 && {
-            let before = &slots[slot - 1];
-            (before.station, before.ordinal) == (key.station, key.ordinal)
-        };
-        match visits.last_mut() {
-            Some(visit) if goes_on => visit.slots.end = slot + 1,
-            _ => visits.push(SlotVisit {
-                station: key.station,
-                slots: slot..slot + 1,
-            }),
-        }
-    }
-    visits
+    let of_visits = slots.chunk_by(|a, b| (a.station, a.ordinal) == (b.station, b.ordinal));
+    let visit = |end: &mut usize, keys: &[Key]| {
+        let first = *end;
+        *end += keys.len();
+        Some(SlotVisit {
+            station: keys[0].station,
+            slots: first..*end,
+        })
+    };
+    of_visits.scan(0, visit).collect()
 }

@@ -134,32 +134,28 @@ impl Solution {
     /// The constants of the reflectors with their covariance, mm and mm²: as they are where dead paths are known,
     /// relative to their mean otherwise; none where there is one reflector and no known dead path.
     pub fn reflector_constants(&self) -> (Vec<f64>, DMatrix<f64>) {
-        let Some((mean_mm, column)) = self.mean_constant_mm.zip(self.mean_constant_column()) else {
+        let Some(mean_mm) = self.mean_constant_mm else {
             return (self.reflectors_mm.clone(), self.reflector_covariance());
         };
-        let count = self.reflectors_mm.len().max(1);
-        let shared = self.covariance.shared();
-        // All columns from that of the mean on: it, and the contrasts.
-        let h = DMatrix::from_fn(count, count, |i, m| match m {
-            0 => 1.0,
-            _ => contrast(i, m - 1),
-        });
-        let covariance = DMatrix::from_fn(count, count, |i, j| shared[(column + i, column + j)]);
         let relative = |i: usize| self.reflectors_mm.get(i).copied().unwrap_or_default();
-        let constants = (0..count).map(|i| mean_mm + relative(i));
-        (constants.collect(), &h * covariance * h.transpose())
+        let constants = (0..self.reflectors_mm.len().max(1)).map(|i| mean_mm + relative(i));
+        (constants.collect(), self.covariance_of_constants(1))
     }
 
     /// Covariance of the reflectors' constants, relative to their mean, mm².
     pub fn reflector_covariance(&self) -> DMatrix<f64> {
-        let count = self.reflectors_mm.len();
-        let contrasts = count.saturating_sub(1);
+        self.covariance_of_constants(0)
+    }
+
+    /// Of `means` (the mean constant, or nothing) and the contrasts, the last of the shared unknowns.
+    fn covariance_of_constants(&self, means: usize) -> DMatrix<f64> {
+        let columns = self.reflectors_mm.len().saturating_sub(1) + means;
         let shared = self.covariance.shared();
-        let first = shared.nrows() - contrasts;
-        let h = DMatrix::from_fn(count, contrasts, contrast);
-        let of_contrasts =
-            DMatrix::from_fn(contrasts, contrasts, |i, j| shared[(first + i, first + j)]);
-        &h * of_contrasts * h.transpose()
+        let first = shared.nrows() - columns;
+        let h = DMatrix::from_fn(self.reflectors_mm.len().max(means), columns, |i, m| {
+            m.checked_sub(means).map_or(1.0, |m| contrast(i, m))
+        });
+        &h * shared.view((first, first), (columns, columns)) * h.transpose()
     }
 
     fn contrasts_mm(&self) -> Vec<f64> {

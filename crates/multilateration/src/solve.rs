@@ -8,7 +8,8 @@ use crate::adjustment::GroupAdjustment;
 use crate::batches::{Batch, batches, check_seen};
 use crate::pieces::within_pool;
 use crate::reflectors::constants_mm;
-use crate::start::{Image, Start, start};
+use crate::robust_weights::median;
+use crate::start::{Start, start};
 use crate::state::{DATUM, PER_STATION, POSE, State, with_interruptions};
 use crate::undetermined::named;
 use crate::{Error, Network, Solution, Station};
@@ -87,7 +88,7 @@ pub(crate) fn refine_batches<'a>(
     );
     if found != need {
         let what = format!("a solution of other stations and points: {found:?}, needed {need:?}");
-        return Err(Error::Malformed { what });
+        return Err(Error::malformed(what));
     }
     let mut state = near.state();
     state.dead_paths_mm = with_interruptions(network, state.dead_paths_mm);
@@ -95,17 +96,17 @@ pub(crate) fn refine_batches<'a>(
     let sizes = sizes.map(|body| body.home_mm.len());
     let poses = network.bodies.as_ref().map_or(0, |_| network.groups.len());
     state.contrasts_mm.resize(network.contrasts(), 0.0);
-    let mean_constant_mm = match network.has_mean_constant() {
-        true => state.mean_constant_mm,
-        false => 0.0,
-    };
+    if !network.has_mean_constant() {
+        state.mean_constant_mm = 0.0;
+    }
     let same_ties = state.poses.len() == poses && state.shapes_mm.iter().map(Vec::len).eq(sizes);
     if !same_ties {
-        let contrasts_mm = state.contrasts_mm;
-        state = State::new(network, state.stations, state.dead_paths_mm, state.points);
-        state.contrasts_mm = contrasts_mm;
+        state = State {
+            contrasts_mm: state.contrasts_mm,
+            mean_constant_mm: state.mean_constant_mm,
+            ..State::new(network, state.stations, state.dead_paths_mm, state.points)
+        };
     }
-    state.mean_constant_mm = mean_constant_mm;
     Ok(Refined {
         mirror_image_open: near.mirror_image_open,
         ..adjust_from(network, batches, state, settings)?
@@ -131,16 +132,9 @@ const FAR_MM: f64 = 1.0;
 
 /// Readings that are far off at the start, and by how much (mm).
 pub(crate) fn far_at(start: &Start, network: &Network) -> Vec<(usize, f64)> {
-    let sizes_mm: Vec<f64> = start
-        .state
-        .residuals_mm(network)
-        .iter()
-        .map(|r| r.abs())
-        .collect();
-    let mut sorted = sizes_mm.clone();
-    let middle = sorted.len() / 2;
-    let (_, &mut median, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
-    let limit_mm = (FAR * median).max(FAR_MM);
+    let mut sizes_mm = start.state.residuals_mm(network);
+    sizes_mm.iter_mut().for_each(|r| *r = r.abs());
+    let limit_mm = (FAR * median(&mut sizes_mm.clone())).max(FAR_MM);
     let sizes = sizes_mm.into_iter().enumerate();
     sizes.filter(|&(_, size_mm)| size_mm > limit_mm).collect()
 }
@@ -258,7 +252,7 @@ fn choose_sides<'a>(
     (network, batches): (&'a Network, &Arc<Vec<Batch>>),
     settings: &Settings,
     start: &State,
-    images: &[Option<Image>],
+    images: &[Option<Station>],
     first: Result<Refined<'a>, Error>,
 ) -> Result<Solution, Error> {
     let open: Vec<usize> = (0..images.len()).filter(|&j| images[j].is_some()).collect();
@@ -267,7 +261,7 @@ fn choose_sides<'a>(
         let mut state = start.clone();
         for (bit, &j) in open[..tried].iter().enumerate() {
             if let Some(image) = images[j].filter(|_| choice >> bit & 1 == 1) {
-                state.stations[j] = image.position;
+                state.stations[j] = image.position_mm;
                 state.dead_paths_mm[j] = image.dead_path_mm;
             }
         }
@@ -320,11 +314,8 @@ pub(crate) fn batches_of(network: &Network) -> Result<Arc<Vec<Batch>>, Error> {
     let readings = network.readings.len();
     // A mean constant needs no length: known dead paths tell it.
     let shared = PER_STATION * found + network.interruptions.len();
-    let of_group = |g: usize| match network.body_of(g) {
-        Some(_) => POSE,
-        None => 3 * network.groups[g].len(),
-    };
-    let of_groups: usize = (0..network.groups.len()).map(of_group).sum();
+    let of_batch = |batch: &Batch| batch.groups.len() * batch.unknowns();
+    let of_groups: usize = batches.iter().map(of_batch).sum();
     let bodies = network.bodies.iter().flat_map(|bodies| &bodies.bodies);
     let shapes: usize = bodies
         .map(|body| (3 * body.home_mm.len()).saturating_sub(POSE))

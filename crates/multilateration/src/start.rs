@@ -2,11 +2,10 @@
 
 mod station;
 
-use nalgebra::Point3;
-
 use self::station::{Cloud, Sighting, StationFit, find_station, residual_mm};
+use crate::robust_weights::median;
 use crate::state::State;
-use crate::{Error, Network};
+use crate::{Error, Network, Station};
 
 /// Readings used to find one station: enough for a start, and the time stays linear.
 const MAX_READINGS: usize = 2000;
@@ -24,14 +23,7 @@ pub(crate) struct Start {
     pub(crate) state: State,
     /// For each station its mirror image, if that fits the nominal points as well and nothing is
     /// known about where the station stands.
-    pub(crate) images: Vec<Option<Image>>,
-}
-
-/// The other place where a station may stand.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Image {
-    pub(crate) position: Point3<f64>,
-    pub(crate) dead_path_mm: f64,
+    pub(crate) images: Vec<Option<Station>>,
 }
 
 pub(crate) fn start(network: &Network) -> Result<Start, Error> {
@@ -57,17 +49,13 @@ pub(crate) fn start(network: &Network) -> Result<Start, Error> {
         };
         stations.push(fit.position);
         dead_paths_mm.push(fit.dead_path_mm);
-        let other = fits
-            .iter()
-            .find(|other| cloud.on_other_side(fit.position, other.position));
-        images.push(
-            other
-                .filter(|_| network.stations[j].is_none())
-                .map(|other| Image {
-                    position: other.position,
-                    dead_path_mm: other.dead_path_mm,
-                }),
-        );
+        let is_open = network.stations[j].is_none();
+        let mut others = fits.iter().filter(|_| is_open);
+        let image = others.find(|other| cloud.on_other_side(fit.position, other.position));
+        images.push(image.map(|image| Station {
+            position_mm: image.position,
+            dead_path_mm: image.dead_path_mm,
+        }));
     }
     let points = network.nominal_mm.clone();
     Ok(Start {
@@ -78,28 +66,19 @@ pub(crate) fn start(network: &Network) -> Result<Start, Error> {
 
 /// For each station the number of its readings, and evenly spread ones of them.
 fn sightings(network: &Network) -> Vec<(usize, Vec<Sighting>)> {
-    let mut counts = vec![0; network.stations.len()];
+    let mut seen = vec![Vec::new(); network.stations.len()];
     for visit in &network.visits {
-        counts[visit.station] += visit.readings.len();
+        let sightings = network.readings_of(visit).iter().map(|reading| Sighting {
+            point: network.nominal_mm[network.point(visit.group, reading.point)],
+            length_mm: reading.length_mm,
+        });
+        seen[visit.station].extend(sightings);
     }
-    let mut seen: Vec<_> = counts.into_iter().map(|all| (all, Vec::new())).collect();
-    let mut skip = vec![0; seen.len()];
-    for visit in &network.visits {
-        let (all, some) = &mut seen[visit.station];
-        let every = all.div_ceil(MAX_READINGS).max(1);
-        let skip = &mut skip[visit.station];
-        for reading in network.readings_of(visit) {
-            if *skip == 0 {
-                *skip = every;
-                some.push(Sighting {
-                    point: network.nominal_mm[network.point(visit.group, reading.point)],
-                    length_mm: reading.length_mm,
-                });
-            }
-            *skip -= 1;
-        }
-    }
-    seen
+    let spread = |all: Vec<Sighting>| {
+        let every = all.len().div_ceil(MAX_READINGS).max(1);
+        (all.len(), all.into_iter().step_by(every).collect())
+    };
+    seen.into_iter().map(spread).collect()
 }
 
 /// A reading this many times the median of a poor fit spoils it.
@@ -119,9 +98,7 @@ fn without_far(
         .min_by(|a, b| a.rms_mm.total_cmp(&b.rms_mm))
         .filter(|fit| fit.rms_mm > POOR_FIT * cloud.radius_mm)?;
     let size_mm = |s: &Sighting| residual_mm(s, fit.position, fit.dead_path_mm).abs();
-    let mut sizes_mm: Vec<f64> = sightings.iter().map(size_mm).collect();
-    let middle = sizes_mm.len() / 2;
-    let (_, &mut median_mm, _) = sizes_mm.select_nth_unstable_by(middle, f64::total_cmp);
+    let median_mm = median(&mut sightings.iter().map(size_mm).collect::<Vec<_>>());
     let near = sightings.iter().filter(|s| size_mm(s) <= FAR * median_mm);
     let rest: Vec<Sighting> = near.copied().collect();
     let far = sightings.len() - rest.len();

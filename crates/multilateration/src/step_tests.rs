@@ -15,7 +15,7 @@ use trueaxis_leastsquares::dot;
 
 use crate::baarda::CHECKED_TOL;
 use crate::network::Network;
-use crate::whitened::Whitened;
+use crate::whitened::{Whitened, add_times};
 
 /// The test of a step in a station's zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,10 +43,9 @@ pub(crate) fn largest_steps(network: &Network, rows: &Whitened) -> Vec<StepTest>
             occupations[zeros[reading]].push((reading, number));
         }
     }
-    let largest = occupations
-        .par_iter()
-        .map(|occupation| largest_step(occupation, network, rows));
-    largest.collect::<Vec<_>>().into_iter().flatten().collect()
+    let occupations = occupations.par_iter();
+    let largest = occupations.filter_map(|occupation| largest_step(occupation, network, rows));
+    largest.collect()
 }
 
 /// Adds the readings of a zero (with their visits) one by one from the last to the first; after each
@@ -133,9 +132,8 @@ impl Sums {
             self.of_visit.clear();
             self.of_visit.resize(self.unit.len(), 0.0);
         }
-        let range = rows.rows_of(visit);
-        let first = rows.group_of_row[range.start] * rows.own_width;
-        let own = &mut self.own[first..first + rows.own_width];
+        let range = rows.visits[visit].clone();
+        let own = &mut self.own[rows.columns_of_group(range.start)];
         let before = dot(own, own);
         for ((row, &x), sum) in range.zip(&self.unit).zip(&mut self.of_visit) {
             self.step.numerator += x * rows.residuals[row];
@@ -145,12 +143,6 @@ impl Sums {
             add_times(&mut self.shared, x, rows.shared_row(row));
         }
         self.step.own_squares += dot(own, own) - before;
-    }
-}
-
-fn add_times(sum: &mut [f64], factor: f64, x: &[f64]) {
-    for (sum, x) in sum.iter_mut().zip(x) {
-        *sum += factor * x;
     }
 }
 

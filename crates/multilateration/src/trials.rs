@@ -37,6 +37,7 @@ use self::groups::{At, TrialGroups};
 use crate::batch_influence::{BatchInfluence, BatchRows};
 use crate::known::KnownRow;
 use crate::network::Network;
+use crate::slots::Slots;
 use crate::solution::Solution;
 use crate::state::{DATUM, PER_STATION, zero_column};
 
@@ -106,14 +107,14 @@ impl Trials {
     pub fn new(network: &Network, solution: &Solution) -> Self {
         let influence = BatchInfluence::new(network, solution);
         let by_group = network.visits_by_group();
-        let (mut slots, mut rows) = (Default::default(), BatchRows::default());
+        let (mut slots, mut rows) = (Slots::default(), BatchRows::default());
         let mut noise = ErrorNoise::new(network);
         let mut groups = Vec::with_capacity(influence.batches().len());
         let mut starts = vec![0];
         for b in 0..influence.batches().len() {
             influence.fill(b, &mut rows);
             let batch = &influence.batches()[b];
-            crate::slots::Slots::take(&mut slots, network, &by_group, batch.groups.clone());
+            slots.take(network, &by_group, batch.groups.clone());
             noise.take((network, &by_group), (batch, &rows), &slots);
             let of_batch = TrialGroups::new(&influence, b, &rows, &slots);
             for _ in batch.groups.clone() {
@@ -127,7 +128,7 @@ impl Trials {
             groups,
             starts,
             points: network.nominal_mm.len(),
-            reduced_inverse: influence.sigma().to_vec(),
+            reduced_inverse: influence.sigma().as_slice().to_vec(),
             shared: solution.covariance.shared().nrows(),
             stations: network.stations.len(),
             mean_constant: solution.mean_constant_column(),
@@ -336,14 +337,6 @@ impl Corrections {
     /// Of all points, in the order of the network, mm.
     pub fn points_mm(&self) -> &[Vector3<f64>] {
         &self.points
-    }
-
-    /// Of one point, mm.
-    ///
-    /// # Panics
-    /// If the network has no such point.
-    pub fn point_mm(&self, point: usize) -> Vector3<f64> {
-        self.points[point]
     }
 
     /// Of the unknowns of a group, in the order of its covariance ([`Solution::covariance`]): x y z of each

@@ -12,49 +12,42 @@ use crate::{Error, Network, StationUnknown};
 pub(crate) fn named(network: &Network, error: LeastSquaresError) -> Error {
     match error {
         LeastSquaresError::BlockRank {
-            block,
-            pivot,
-            limit,
-            ..
-        } if network.body_of(block).is_some() => Error::PoseNotDetermined {
-            group: block,
-            lengths: lengths_of(network, block),
-            pivot,
-            limit,
-        },
-        LeastSquaresError::TooFewRows { block, rows, .. } if network.body_of(block).is_some() => {
-            Error::PoseNotDetermined {
-                group: block,
-                lengths: rows,
-                pivot: 0.0,
-                limit: BLOCK_RANK_TOL,
-            }
-        }
-        LeastSquaresError::BlockRank {
-            block,
+            block: group,
             unknown,
             pivot,
             limit,
-        } => Error::PointNotDetermined {
-            group: block,
-            point: unknown / 3,
-            pivot,
-            limit,
+        } => match network.body_of(group) {
+            Some(_) => Error::PoseNotDetermined {
+                group,
+                lengths: lengths_of(network, group),
+                pivot,
+                limit,
+            },
+            None => Error::PointNotDetermined {
+                group,
+                point: unknown / 3,
+                pivot,
+                limit,
+            },
         },
         LeastSquaresError::TooFewRows {
-            block,
+            block: group,
             rows,
             unknowns,
-        } => {
-            let point = network.groups[block].len().saturating_sub(1);
-            let seen = rows / unknowns.div_ceil(3).max(1);
-            Error::PointSeenTooRarely {
-                group: block,
-                point,
-                seen,
+        } => match network.body_of(group) {
+            Some(_) => Error::PoseNotDetermined {
+                group,
+                lengths: rows,
+                pivot: 0.0,
+                limit: BLOCK_RANK_TOL,
+            },
+            None => Error::PointSeenTooRarely {
+                group,
+                point: network.groups[group].len().saturating_sub(1),
+                seen: rows / unknowns.div_ceil(3).max(1),
                 need: MIN_STATIONS_PER_POINT,
-            }
-        }
+            },
+        },
         LeastSquaresError::SharedRank {
             defect,
             eigenvalue,

@@ -70,7 +70,7 @@ impl Whitened {
             own: vec![0.0; rows * own_width],
             shared_width,
             shared: vec![0.0; rows * shared_width],
-            reduced_inverse: influence.sigma().to_vec(),
+            reduced_inverse: influence.sigma().as_slice().to_vec(),
             residuals: vec![0.0; rows],
             degrees_of_freedom: solution.degrees_of_freedom(),
             visits: network.visits.iter().map(|v| v.readings.clone()).collect(),
@@ -144,34 +144,27 @@ impl Whitened {
 
     /// What the adjustment cannot absorb of a whitened column, in place: `x <- M x`.
     pub fn project(&self, x: &mut [f64]) {
-        let (own_width, width) = (self.own_width, self.shared_width);
-        let mut of_groups = vec![0.0; self.groups * own_width];
-        let mut of_shared = vec![0.0; width];
-        let add = |sum: &mut [f64], row: &[f64], factor: f64| {
-            sum.iter_mut().zip(row).for_each(|(s, r)| *s += factor * r);
-        };
+        let mut of_groups = vec![0.0; self.groups * self.own_width];
+        let mut of_shared = vec![0.0; self.shared_width];
         for (row, &value) in x.iter().enumerate().filter(|(_, value)| **value != 0.0) {
-            let group = &mut of_groups[self.group_of_row[row] * own_width..][..own_width];
-            add(group, &self.own[row * own_width..][..own_width], value);
-            add(&mut of_shared, &self.shared[row * width..][..width], value);
+            add_times(
+                &mut of_groups[self.columns_of_group(row)],
+                value,
+                self.own_row(row),
+            );
+            add_times(&mut of_shared, value, self.shared_row(row));
         }
-        let rows = self.reduced_inverse.chunks_exact(width.max(1));
+        let rows = self.reduced_inverse.chunks_exact(self.shared_width.max(1));
         let through: Vec<f64> = rows.map(|row| dot(row, &of_shared)).collect();
         for (row, value) in x.iter_mut().enumerate() {
-            let group = &of_groups[self.group_of_row[row] * own_width..][..own_width];
-            *value -= dot(&self.own[row * own_width..][..own_width], group)
-                + dot(&self.shared[row * width..][..width], &through);
+            *value -= dot(self.own_row(row), &of_groups[self.columns_of_group(row)])
+                + dot(self.shared_row(row), &through);
         }
     }
 
     /// Row `i` of `L⁻¹` of a visit, up to the diagonal.
     fn weight_row(&self, visit: usize, i: usize) -> &[f64] {
         &self.weights[self.weight_starts[visit]..][factor_len(i)..factor_len(i + 1)]
-    }
-
-    /// The rows of a visit.
-    pub(crate) fn rows_of(&self, visit: usize) -> Range<usize> {
-        self.visits[visit].clone()
     }
 
     /// Writes a unit error of a reading of a visit, whitened: an element for each row of the visit.
@@ -187,6 +180,12 @@ impl Whitened {
         unit.extend((0..rows.len()).map(|i| element(i).unwrap_or_default()));
     }
 
+    /// Where the unknowns of the group of a row are among those of all groups, of [`Whitened::own_width`] each.
+    pub(crate) fn columns_of_group(&self, row: usize) -> Range<usize> {
+        let group = self.group_of_row[row];
+        group * self.own_width..(group + 1) * self.own_width
+    }
+
     /// Row of `O`.
     pub(crate) fn own_row(&self, row: usize) -> &[f64] {
         &self.own[row * self.own_width..][..self.own_width]
@@ -195,6 +194,13 @@ impl Whitened {
     /// Row of `T`.
     pub(crate) fn shared_row(&self, row: usize) -> &[f64] {
         &self.shared[row * self.shared_width..][..self.shared_width]
+    }
+}
+
+/// `sum += factor x`.
+pub(crate) fn add_times(sum: &mut [f64], factor: f64, x: &[f64]) {
+    for (sum, x) in sum.iter_mut().zip(x) {
+        *sum += factor * x;
     }
 }
 
@@ -224,14 +230,11 @@ impl VisitRows<'_> {
         for (row, &(slot, reading)) in places.iter().enumerate() {
             self.readings[row] = reading;
             self.residuals[row] = hat.hat.residual()[slot].0[lane];
-            let of_own = self.own[row * own_width..].iter_mut();
-            of_own
-                .zip(own.row(slot))
-                .for_each(|(x, lanes)| *x = lanes.0[lane]);
+            let of_own = self.own[row * own_width..].iter_mut().zip(own.row(slot));
+            of_own.for_each(|(x, lanes)| *x = lanes.0[lane]);
             let of_shared = self.shared[row * shared_width..].iter_mut();
-            of_shared
-                .zip(shared.row(slot))
-                .for_each(|(x, lanes)| *x = lanes.0[lane]);
+            let of_shared = of_shared.zip(shared.row(slot));
+            of_shared.for_each(|(x, lanes)| *x = lanes.0[lane]);
             // The places first: a zip asks its left side once more than its right.
             for (&(other, _), weight) in places[..=row].iter().zip(&mut weights) {
                 *weight = part.unit_errors.at(slot - start, other - start).0[lane];

@@ -59,25 +59,6 @@ pub struct Adjusted {
     pub termination: Termination,
 }
 
-impl Adjusted {
-    /// Number of residuals less number of unknowns.
-    pub fn degrees_of_freedom(&self) -> usize {
-        self.residuals.len().saturating_sub(self.unknowns.len())
-    }
-
-    /// Standard deviations of the unknowns for the variance that the residuals show; none without
-    /// a covariance or without degrees of freedom.
-    pub fn standard_deviations(&self) -> Option<Vec<f64>> {
-        let covariance = self.covariance.as_ref()?;
-        if self.degrees_of_freedom() == 0 {
-            return None;
-        }
-        let variance = self.squares / self.degrees_of_freedom() as f64;
-        let deviations = (0..covariance.nrows()).map(|j| (variance * covariance[(j, j)]).sqrt());
-        Some(deviations.collect())
-    }
-}
-
 /// Newton's steps start at an offset below this fraction of the residuals: near enough for their
 /// quadratic convergence, and the sum of squares can still guide until there.
 const NEAR: f64 = 1e-3;

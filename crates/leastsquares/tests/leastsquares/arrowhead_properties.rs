@@ -161,7 +161,7 @@ proptest! {
             }
             let covariance = solved.covariance.block(i);
             let coupling = solved.covariance.coupling_transposed(i);
-            let with_shared = -coupling.tr_mul(&solved.covariance.reduced_inverse());
+            let with_shared = -coupling.tr_mul(solved.covariance.reduced_inverse());
             for k in 0..block.unknowns {
                 for j in 0..block.unknowns {
                     prop_assert!((covariance[(k, j)] - inverse[(first + k, first + j)]).abs() < tol);

@@ -81,8 +81,10 @@ fn check_spread(regression: &Regression, adjusted: &Adjusted) {
     let limit = -(CERTIFIED_ROUNDING + 2.0 * rounding).log10();
     let squares = digits(&[adjusted.squares], &[certified.squares]);
     assert!(squares > limit, "{name}: sum of squares, {squares} digits");
-    let deviations = adjusted.standard_deviations().unwrap();
-    let deviations = digits(&deviations, &certified.deviations);
+    let degrees_of_freedom = adjusted.residuals.len() - adjusted.unknowns.len();
+    let variance = adjusted.squares / degrees_of_freedom as f64;
+    let variances = adjusted.covariance.as_ref().unwrap().diagonal() * variance;
+    let deviations = digits(variances.map(f64::sqrt).as_slice(), &certified.deviations);
     assert!(
         deviations > limit,
         "{name}: deviations, {deviations} digits"

@@ -1,6 +1,5 @@
 //! The exact gradient and the correction of eight groups.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
@@ -8,20 +7,20 @@ use trueaxis_leastsquares::lane_products::add_product;
 use trueaxis_leastsquares::{LANES, Lanes, add_times, lanes_only, zeros};
 
 use crate::batch_influence::{BatchInfluence, BatchRows};
+use crate::batches::Batch;
 use crate::beams::take_points;
 use crate::lane_vectors::{LaneVector, add, at, cross, dot, minus, plus, splat, times};
-use crate::slots::{Layout, Slots};
+use crate::slots::Slots;
 use crate::state::{DATUM, PER_STATION, zero_column};
 use crate::tie::Tie;
 
 /// Eight groups at the solution.
 #[derive(Debug, Clone)]
 pub(crate) struct TrialGroups {
-    groups: Range<usize>,
-    first_points: [usize; LANES],
-    points: usize,
+    batches: Arc<Vec<Batch>>,
+    /// The number of theirs.
+    number: usize,
     unknowns: usize,
-    layout: Arc<Layout>,
     /// The reading of each slot; none where it is missing.
     readings: Vec<[Option<usize>; LANES]>,
     /// From the station of each slot to its point, mm, and how far that is.
@@ -32,8 +31,6 @@ pub(crate) struct TrialGroups {
     /// The column of the dead path of each slot, where that is not the station's for all lanes.
     zeros: Vec<[usize; LANES]>,
     tie: Option<Tie>,
-    /// What a unit of each contrast of the reflectors does to the length of each slot.
-    contrasts: Vec<Lanes>,
     /// Lever arms of the rotations of the datum at the nominal points, x y z of each; and one in lanes with a
     /// group, zero in others.
     levers: Vec<Lanes>,
@@ -78,7 +75,8 @@ impl TrialGroups {
         rows: &BatchRows,
         slots: &Slots,
     ) -> Self {
-        let (batch, state) = (&influence.batches()[b], influence.state());
+        let batches = influence.batches();
+        let (batch, state) = (&batches[b], influence.state());
         let mut readings = vec![[None; LANES]; batch.slots()];
         for (lane, _) in batch.groups.clone().enumerate() {
             for &(slot, reading) in slots.places(lane) {
@@ -105,7 +103,7 @@ impl TrialGroups {
             add_product(&mut weights[first..], errors.transposed(), errors);
         }
         // Lanes without a group would count twice.
-        let used = Lanes::from_fn(|lane| f64::from(u8::from(lane < batch.groups.len())));
+        let used = Lanes::mask(batch.groups.len());
         let mut levers = Vec::new();
         let nominal_mm = batch.own(&influence.network().nominal_mm);
         take_points(batch, nominal_mm, &mut levers);
@@ -126,24 +124,15 @@ impl TrialGroups {
         add_product(&mut own, factor, factor.transposed());
         let coupling = (0..unknowns).flat_map(|k| factors.coupling().row(k).to_vec());
         Self {
-            groups: batch.groups.clone(),
-            first_points: batch.first_points,
-            points: batch.points,
+            batches: Arc::clone(batches),
+            number: b,
             unknowns,
-            layout: Arc::clone(&batch.layout),
             readings,
             beams_mm,
             distances_mm,
             weights,
             zeros: batch.zeros.iter().map(columns).collect(),
             tie: batch.body.map(|_| rows.tie().clone()),
-            contrasts: batch
-                .layout
-                .point_of_slot
-                .iter()
-                .flat_map(|&point| batch.contrasts_of(point))
-                .copied()
-                .collect(),
             levers,
             used,
             own,
@@ -161,9 +150,13 @@ impl TrialGroups {
     }
 
     #[inline(always)]
-    fn contrasts_of(&self, slot: usize) -> &[Lanes] {
-        let each = self.contrasts.len() / self.slots();
-        &self.contrasts[slot * each..][..each]
+    fn batch(&self) -> &Batch {
+        &self.batches[self.number]
+    }
+
+    #[inline(always)]
+    fn points(&self) -> usize {
+        self.batch().points
     }
 
     /// Writes the errors of the readings of each slot, zeros where there is none.
@@ -187,19 +180,19 @@ impl TrialGroups {
             moved.extend_from_slice(values.own);
             return;
         };
-        zeros(moved, 3 * self.points);
+        zeros(moved, 3 * self.points());
         arms.clear();
         arms.extend_from_slice(&tied.arms_mm);
-        let deformations = tied.deformations.chunks_exact(3 * self.points);
+        let deformations = tied.deformations.chunks_exact(3 * self.points());
         for (deformation, amount) in deformations.zip(&values.shared[tied.first..]) {
             let amount = Lanes::splat(*amount);
             for (arm, x) in arms.iter_mut().zip(deformation) {
                 *arm = amount.mul_add(*x, *arm);
             }
         }
-        zeros(after, 3 * self.points);
+        zeros(after, 3 * self.points());
         let (shift, turn) = (at(values.own, 0), at(values.own, 1));
-        for point in 0..self.points {
+        for point in 0..self.points() {
             let arm = turned(turn, at(arms, point));
             let before = at(&tied.arms_mm, point);
             after[3 * point..3 * point + 3].copy_from_slice(&arm);
@@ -212,7 +205,7 @@ impl TrialGroups {
     /// order.
     #[inline(always)]
     pub(crate) fn add_to_closure(&self, closure: &mut [Lanes; DATUM], scratch: &Scratch) {
-        for point in 0..self.points {
+        for point in 0..self.points() {
             let moved = times(at(&scratch.moved, point), self.used);
             add(&mut closure[..3], moved);
             add(&mut closure[3..], cross(at(&self.levers, point), moved));
@@ -238,9 +231,10 @@ impl TrialGroups {
             turned: arms,
             ..
         } = scratch;
-        zeros(forces, 3 * self.points);
+        zeros(forces, 3 * self.points());
         let mut weights = self.weights.as_slice();
-        for visit in &self.layout.visits {
+        let batch = self.batch();
+        for visit in &batch.layout.visits {
             let count = visit.slots.len();
             let of_visit = &residuals[visit.slots.clone()];
             let station = PER_STATION * visit.station;
@@ -252,11 +246,12 @@ impl TrialGroups {
                     weighted = p.mul_add(*r, weighted);
                 }
                 let force = times(units[slot], weighted);
-                add(&mut forces[3 * self.layout.point_of_slot[slot]..], force);
+                let point = batch.layout.point_of_slot[slot];
+                add(&mut forces[3 * point..], force);
                 for (sum, x) in shared[station..].iter_mut().zip(force) {
                     *sum -= x;
                 }
-                let contrasts = self.contrasts_of(slot);
+                let contrasts = batch.contrasts_of(point);
                 let first = shared.len() - contrasts.len();
                 add_times(&mut shared[first..], weighted, contrasts);
                 match self.zeros.get(slot) {
@@ -274,16 +269,16 @@ impl TrialGroups {
             return;
         };
         own.fill(Lanes::ZERO);
-        for point in 0..self.points {
+        for point in 0..self.points() {
             let force = at(forces, point);
             add(&mut own[..3], force);
             add(&mut own[3..], cross(at(arms, point), force));
         }
         let turn = at(values.own, 1);
         let columns = shared[tied.first..].iter_mut();
-        let deformations = tied.deformations.chunks_exact(3 * self.points);
+        let deformations = tied.deformations.chunks_exact(3 * self.points());
         for (deformation, sum) in deformations.zip(columns) {
-            for point in 0..self.points {
+            for point in 0..self.points() {
                 let (x, force) = (turned(turn, at(deformation, point)), at(forces, point));
                 *sum += dot(x, force);
             }
@@ -301,18 +296,20 @@ impl TrialGroups {
         } = scratch;
         residuals.clear();
         units.clear();
-        for visit in &self.layout.visits {
+        let batch = self.batch();
+        for visit in &batch.layout.visits {
             let station = &values.shared[PER_STATION * visit.station..][..PER_STATION];
             let place = splat(station[0], station[1], station[2]);
             for slot in visit.slots.clone() {
-                let point = at(moved, self.layout.point_of_slot[slot]);
-                let beam = plus(self.beams_mm[slot], minus(point, place));
+                let point = batch.layout.point_of_slot[slot];
+                let moved = minus(at(moved, point), place);
+                let beam = plus(self.beams_mm[slot], moved);
                 let distance = dot(beam, beam).sqrt();
                 let dead_path = match self.zeros.get(slot) {
                     None => Lanes::splat(station[PER_STATION - 1]),
                     Some(columns) => Lanes::from_fn(|lane| values.shared[columns[lane]]),
                 };
-                let contrasts = self.contrasts_of(slot);
+                let contrasts = batch.contrasts_of(point);
                 let amounts = &values.shared[values.shared.len() - contrasts.len()..];
                 let constant = product(contrasts, amounts, |a| Lanes::splat(*a));
                 let longer = distance - self.distances_mm[slot] + constant;
@@ -357,11 +354,12 @@ impl TrialGroups {
         scratch: &mut Scratch,
     ) {
         self.displace(values, scratch);
-        for (lane, group) in self.groups.clone().enumerate() {
+        let batch = self.batch();
+        for (lane, group) in batch.groups.clone().enumerate() {
             for (value, x) in groups[starts[group]..].iter_mut().zip(values.own) {
                 *value = x.0[lane];
             }
-            let own = &mut points[self.first_points[lane]..][..self.points];
+            let own = &mut points[batch.first_points[lane]..][..batch.points];
             for (k, point) in own.iter_mut().enumerate() {
                 *point = Vector3::from(at(&scratch.moved, k).map(|x| x.0[lane]));
             }

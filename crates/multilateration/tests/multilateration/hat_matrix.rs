@@ -1,6 +1,6 @@
 //! What the adjustment leaves of errors in the lengths, and the tests that follow from it, against their definitions.
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{DMatrix, DVector, Isometry3, Point3, Vector3};
 use trueaxis_kinematics::centroid;
 use trueaxis_multilateration::{
     Network, Noise, Reflectors, Settings, Solution, Whitened, contrast, solve,
@@ -49,6 +49,40 @@ fn residuals_are_what_is_left() {
         rows.whiten(&mut whitened);
         for (found, expected) in whitened.iter().zip(&rows.residuals) {
             assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+        }
+    }
+}
+
+/// `W C Wᵀ = 1` of each visit, with the covariance by its definition.
+#[test]
+fn weights_whiten_the_covariance() {
+    for is_tied in [false, true] {
+        let (network, solution) = solved(FEW, NOISE, is_tied);
+        let rows = Whitened::new(&network, &solution);
+        for visit in &network.visits {
+            let own = visit.readings.clone();
+            let column = |reading: usize| {
+                let mut error = vec![0.0; network.readings.len()];
+                error[reading] = 1.0;
+                rows.whiten(&mut error);
+                DVector::from_column_slice(&error[own.clone()])
+            };
+            let w = DMatrix::from_columns(&own.clone().map(column).collect::<Vec<_>>());
+            let beam = |reading: usize| {
+                let first = network.groups[visit.group].start;
+                let point = first + network.readings[reading].point;
+                solution.points_mm[point] - solution.stations[visit.station].position_mm
+            };
+            let covariance = |i: usize, j: usize| {
+                let [a, b] = [i, j].map(|k| beam(own.start + k));
+                let common = NOISE.repeatability_mm.powi(2) * a.normalize().dot(&b.normalize());
+                let alone = NOISE.length_sigma_at_mm(a.norm()).powi(2)
+                    * network.variance_factors[own.start + i];
+                common + if i == j { alone } else { 0.0 }
+            };
+            let whitened = &w * DMatrix::from_fn(own.len(), own.len(), covariance) * w.transpose();
+            let off = whitened - DMatrix::identity(own.len(), own.len());
+            assert!(off.amax() < 1e-12, "{visit:?}: {off}");
         }
     }
 }

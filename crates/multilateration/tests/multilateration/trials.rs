@@ -30,7 +30,7 @@ fn corrections_keep_the_datum() {
     let corrections = trials.solve(&errors_mm, &mut workspace);
     let (mut shift, mut turn, mut size) = (Vector3::zeros(), Vector3::zeros(), 0.0);
     for (i, nominal) in network.nominal_mm.iter().enumerate() {
-        let correction = corrections.point_mm(i);
+        let correction = corrections.points_mm()[i];
         shift += correction;
         turn += nominal.coords.cross(&correction);
         size += correction.norm();
@@ -59,7 +59,7 @@ fn scatter_of_trials_is_the_stated_covariance() {
         trials.draw(&mut rng, &mut errors_mm);
         let corrections = trials.solve(&errors_mm, &mut workspace);
         for (i, squares) in point_squares.iter_mut().enumerate() {
-            *squares += corrections.point_mm(i).map(|x| x * x);
+            *squares += corrections.points_mm()[i].map(|x| x * x);
         }
         for (j, squares) in station_squares.iter_mut().enumerate() {
             let position = corrections.station_mm(j);
@@ -192,7 +192,10 @@ fn largest_difference(
         let covariance = base.group_covariance(group);
         for point in points.clone() {
             let moved = full.points_mm[point] - base.points_mm[point];
-            compare((trial.point_mm(point) - moved).norm(), covariance[(0, 0)]);
+            compare(
+                (trial.points_mm()[point] - moved).norm(),
+                covariance[(0, 0)],
+            );
         }
         let is_tied = network
             .bodies
@@ -286,9 +289,9 @@ fn linear_misses(trials: &Trials, errors: &[f64], full: &Solution, base: &Soluti
     let linear = trials.solve(&small, &mut workspace);
     let u_mm = base.group_covariance(0)[(0, 0)].sqrt();
     let places = full.points_mm.iter().zip(&base.points_mm);
-    let missed = places
-        .enumerate()
-        .map(|(i, (after, before))| (linear.point_mm(i) / SMALL - (after - before)).norm() / u_mm);
+    let missed = places.enumerate().map(|(i, (after, before))| {
+        (linear.points_mm()[i] / SMALL - (after - before)).norm() / u_mm
+    });
     missed.fold(0.0, f64::max)
 }
 

@@ -155,10 +155,8 @@ impl LengthsAdjustment<'_> {
     }
 
     /// `Σ`.
-    fn shared_covariance(&self) -> DMatrix<f64> {
-        let covariance = &self.screened.solution.covariance;
-        let width = covariance.width();
-        DMatrix::from_row_slice(width, width, covariance.reduced_inverse_rows())
+    fn shared_covariance(&self) -> &DMatrix<f64> {
+        self.screened.solution.covariance.reduced_inverse()
     }
 
     fn misfit_of_length(&self, known: &KnownLength, misfit: &Contradiction) -> KnownMisfit {
