@@ -1,7 +1,7 @@
 //! The positions to command, so that the tool comes where it was meant to be.
 
 use nalgebra::Point3;
-use trueaxis_kinematics::{GeometricErrors, Ideal, MICROMETRE, Machine, MotionError};
+use trueaxis_kinematics::{AxisKind, GeometricErrors, MICROMETRE, Machine, MotionError};
 
 use crate::Error;
 use crate::freedom::{Freedom, Moved};
@@ -66,20 +66,12 @@ pub fn correct(
     tool_home_mm: Point3<f64>,
     moved: Moved,
 ) -> Result<Corrected, Error> {
-    let wanted = machine.tool_in_workpiece(&Ideal, commanded);
     let freedom = Freedom::new(machine, commanded, tool_home_mm, moved);
-    let error_at = |positions: &[f64]| {
-        let actual = machine.tool_in_workpiece(errors, positions);
-        MotionError::new(
-            actual * tool_home_mm - wanted * tool_home_mm,
-            (actual.rotation * wanted.rotation.inverse()).scaled_axis(),
-        )
-    };
     let mut positions = commanded.to_vec();
     let (mut last_size, mut contraction) = (f64::INFINITY, 0.0_f64);
     let mut iterations = 0;
     loop {
-        let left = error_at(&positions);
+        let left = machine.tool_error_at(errors, commanded, &positions, tool_home_mm);
         let correction = freedom.undoing(&left);
         let size = size_mm(machine, &correction);
         if size < RESIDUAL_MM {
@@ -121,17 +113,14 @@ pub fn axis_deviations(
 ) -> Vec<f64> {
     let error = machine.tool_error(errors, commanded, tool_home_mm);
     let undoing = Freedom::new(machine, commanded, tool_home_mm, moved).undoing(&error);
-    undoing
-        .into_iter()
-        .map(|displacement| -displacement)
-        .collect()
+    undoing.into_iter().map(|by| -by).collect()
 }
 
 fn size_mm(machine: &Machine, correction: &[f64]) -> f64 {
     let axes = machine.axes().iter().zip(correction);
     let sizes = axes.map(|(axis, correction)| match axis.kind() {
-        trueaxis_kinematics::AxisKind::Linear => correction.abs(),
-        trueaxis_kinematics::AxisKind::Rotary => correction.abs() * LEVER_MM,
+        AxisKind::Linear => correction.abs(),
+        AxisKind::Rotary => correction.abs() * LEVER_MM,
     });
     // Unlike `f64::max`, a sum keeps what is not a number.
     sizes.sum()

@@ -114,10 +114,24 @@ const EXPERIMENTAL: &str =
 
 /// The error for a format of one file that got more.
 fn one_file(format: &'static str, found: usize) -> Error {
-    Error::Unsuitable {
-        format,
-        takes: "one old file",
-        lacks: format!("{found} were given"),
+    Error::unsuitable(format, "one old file", format!("{found} were given"))
+}
+
+/// Whether a control has room for so many points of a table.
+fn check_points(
+    what: impl FnOnce() -> String,
+    format: &'static str,
+    points: usize,
+    most: usize,
+) -> Result<(), Error> {
+    match points <= most {
+        true => Ok(()),
+        false => Err(Error::TooManyPoints {
+            what: what(),
+            format,
+            points,
+            most,
+        }),
     }
 }
 
@@ -183,6 +197,13 @@ pub struct ExportedFile {
     pub text: String,
 }
 
+impl ExportedFile {
+    fn new(name: impl Into<String>, text: String) -> Self {
+        let name = name.into();
+        Self { name, text }
+    }
+}
+
 /// Tables for a control.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Export {
@@ -196,18 +217,15 @@ pub struct Export {
     pub announcement: Announcement,
 }
 
-/// What the control makes of a table: what it adds to the commanded positions.
-pub(crate) trait Rule {
-    /// mm or rad for each axis.
-    fn added(&self, commanded: &[f64]) -> Result<Vec<f64>, Error>;
-}
+/// What the control makes of a table: what it adds to the commanded positions, mm or rad for each axis.
+type Rule = dyn Fn(&[f64]) -> Result<Vec<f64>, Error>;
 
 /// The files of a format before they are judged.
 pub(crate) struct Tables {
     files: Vec<ExportedFile>,
     notes: Vec<String>,
     is_experimental: bool,
-    rule: Box<dyn Rule>,
+    rule: Box<Rule>,
 }
 
 /// Makes the tables.
@@ -221,22 +239,16 @@ pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
         .old_files
         .check(description.name, machine, request.onto)?;
     if request.sign.is_some() && format != Format::Heidenhain {
-        return Err(Error::Unsuitable {
-            format: format.name(),
-            takes: "no sign",
-            lacks: format!("only {} leaves that choice", Format::Heidenhain.name()),
-        });
+        let lacks = format!("only {} leaves that choice", Format::Heidenhain.name());
+        return Err(Error::unsuitable(format.name(), "no sign", lacks));
     }
     if request.levers && format != Format::Sinumerik {
-        return Err(Error::Unsuitable {
-            format: format.name(),
-            takes: "no levers",
-            lacks: format!("only {} multiplies tables", Format::Sinumerik.name()),
-        });
+        let lacks = format!("only {} multiplies tables", Format::Sinumerik.name());
+        return Err(Error::unsuitable(format.name(), "no levers", lacks));
     }
     let tables = (description.tables)(request)?;
     Ok(Export {
-        announcement: Announcement::new(request, tables.rule.as_ref())?,
+        announcement: Announcement::new(request, &tables.rule)?,
         files: tables.files,
         notes: tables.notes,
         is_experimental: tables.is_experimental,
@@ -266,11 +278,8 @@ impl Request<'_> {
         let mut axes = self.axes()?;
         axes.retain(|&axis| all[axis].kind() == AxisKind::Linear);
         if axes.is_empty() {
-            return Err(Error::Unsuitable {
-                format,
-                takes: "errors over linear axes",
-                lacks: "none of those asked for is linear and was measured".to_owned(),
-            });
+            let lacks = "none of those asked for is linear and was measured";
+            return Err(Error::unsuitable(format, "errors over linear axes", lacks));
         }
         Ok(axes)
     }

@@ -152,8 +152,19 @@ impl Machine {
         positions: &[f64],
         tool_home_mm: Point3<f64>,
     ) -> MotionError {
+        self.tool_error_at(errors, positions, positions, tool_home_mm)
+    }
+
+    /// The same of a machine that is sent to `positions` and meant to be at `commanded`.
+    pub fn tool_error_at(
+        &self,
+        errors: &impl GeometricErrors,
+        commanded: &[f64],
+        positions: &[f64],
+        tool_home_mm: Point3<f64>,
+    ) -> MotionError {
         let actual = self.tool_in_workpiece(errors, positions);
-        let ideal = self.tool_in_workpiece(&Ideal, positions);
+        let ideal = self.tool_in_workpiece(&Ideal, commanded);
         MotionError::new(
             actual * tool_home_mm - ideal * tool_home_mm,
             (actual.rotation * ideal.rotation.inverse()).scaled_axis(),

@@ -3,8 +3,8 @@
 //! The control's rule is applied to the machine as calibrated: along the line of each axis and over the whole volume.
 //! What the calibration does not know is in none of these figures.
 
-use trueaxis_kinematics::{AxisKind, MICROMETRE, MotionError};
-use trueaxis_predict::{CalibratedMachine, Places};
+use trueaxis_kinematics::{AxisKind, MotionError};
+use trueaxis_predict::Places;
 
 use crate::Error;
 use crate::export::{Request, Rule};
@@ -49,10 +49,10 @@ pub struct Announcement {
 }
 
 impl Announcement {
-    pub(crate) fn new(request: &Request<'_>, rule: &dyn Rule) -> Result<Self, Error> {
+    pub(crate) fn new(request: &Request<'_>, rule: &Rule) -> Result<Self, Error> {
         let places = request.machine.places(NODES, request.at);
-        let seen = |apply: bool| Seen::new(request, rule, apply);
-        let (before, after) = (seen(false)?, seen(true)?);
+        let before = Seen::new(request, None)?;
+        let after = Seen::new(request, Some(rule))?;
         let lines = request.axes()?.into_iter().map(|axis| {
             Ok(LineFigures {
                 axis,
@@ -71,17 +71,15 @@ impl Announcement {
 /// The machine with the rule applied or not.
 struct Seen<'a> {
     request: &'a Request<'a>,
-    rule: &'a dyn Rule,
-    apply: bool,
+    rule: Option<&'a Rule>,
     home: MotionError,
 }
 
 impl<'a> Seen<'a> {
-    fn new(request: &'a Request<'a>, rule: &'a dyn Rule, apply: bool) -> Result<Self, Error> {
+    fn new(request: &'a Request<'a>, rule: Option<&'a Rule>) -> Result<Self, Error> {
         let mut seen = Self {
             request,
             rule,
-            apply,
             home: MotionError::default(),
         };
         seen.home = seen.error(&vec![0.0; request.machine.machine().axes().len()])?;
@@ -90,21 +88,20 @@ impl<'a> Seen<'a> {
 
     /// The error of the tool against where the command means it to be.
     fn error(&self, commanded: &[f64]) -> Result<MotionError, Error> {
-        let machine: &CalibratedMachine = self.request.machine;
         let mut positions = commanded.to_vec();
-        if self.apply {
-            let added = self.rule.added(commanded)?;
+        if let Some(rule) = self.rule {
+            let added = rule(commanded)?;
             positions
                 .iter_mut()
                 .zip(added)
                 .for_each(|(q, added)| *q += added);
         }
+        let machine = self.request.machine;
         let nominal = machine.machine();
-        let wanted = nominal.tool_in_workpiece(&trueaxis_kinematics::Ideal, commanded);
-        let actual = nominal.tool_in_workpiece(machine, &positions);
+        let error = nominal.tool_error_at(machine, commanded, &positions, self.request.at);
         Ok(MotionError::new(
-            actual * self.request.at - wanted * self.request.at - self.home.translation_mm,
-            (actual.rotation * wanted.rotation.inverse()).scaled_axis(),
+            error.translation_mm - self.home.translation_mm,
+            error.rotation_rad,
         ))
     }
 
@@ -139,17 +136,5 @@ impl<'a> Seen<'a> {
             high = deviation.max(high);
         }
         Ok(high - low)
-    }
-}
-
-impl Sizes {
-    /// In words: `rms 12.3, largest 25.1 µm; rotation 8.1″ at most`.
-    pub fn in_words(&self) -> String {
-        format!(
-            "rms {:.2}, largest {:.2} µm; rotation of the tool {:.2}″ at most",
-            self.rms_mm / MICROMETRE,
-            self.max_mm / MICROMETRE,
-            self.rotation_rad / trueaxis_kinematics::ARCSEC
-        )
     }
 }

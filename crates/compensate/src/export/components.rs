@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use trueaxis_kinematics::{AxisKind, GeometricErrors, LocationError, Machine, MotionError};
 use trueaxis_predict::CalibratedMachine;
 
+use crate::export::Request;
 use crate::export::line::{interpolate, positions};
-use crate::export::{Request, Rule};
 use crate::{Error, Moved, correct};
 
 /// Names of axes in the standard.
@@ -40,11 +40,12 @@ impl Components {
             .iter()
             .find(|axis| !NAMES.contains(&axis.name()));
         if let Some(axis) = other {
-            return Err(Error::Unsuitable {
+            let lacks = format!("this machine has an axis {}", axis.name());
+            return Err(Error::unsuitable(
                 format,
-                takes: "axes named X, Y, Z, A, B, C",
-                lacks: format!("this machine has an axis {}", axis.name()),
-            });
+                "axes named X, Y, Z, A, B, C",
+                lacks,
+            ));
         }
         // A shift that is there at home is the zero of the control, unless rotary axes show it.
         let all_linear = machine
@@ -100,6 +101,12 @@ impl Components {
         })
     }
 
+    /// What the control adds: the linear axes bring the tool point to its place.
+    pub(crate) fn added(&self, commanded: &[f64]) -> Result<Vec<f64>, Error> {
+        let found = correct(&self.machine, self, commanded, self.at, Moved::Linear)?;
+        Ok(found.added_to(commanded))
+    }
+
     /// The convention, for the notes.
     pub(crate) fn notes(&self, request: &Request<'_>) -> Vec<String> {
         let names = |branch| {
@@ -143,13 +150,5 @@ impl GeometricErrors for Components {
         };
         let of = |c: usize| interpolate(&own.positions, |k| own.errors[k].to_vector()[c], position);
         MotionError::from_vector(&nalgebra::Vector6::from_fn(|c, _| of(c)))
-    }
-}
-
-/// The linear axes bring the tool point to its place.
-impl Rule for Components {
-    fn added(&self, commanded: &[f64]) -> Result<Vec<f64>, Error> {
-        let found = correct(&self.machine, self, commanded, self.at, Moved::Linear)?;
-        Ok(found.added_to(commanded))
     }
 }

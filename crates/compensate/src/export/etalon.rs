@@ -52,12 +52,9 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         }
     }
     Ok(Tables {
-        files: vec![ExportedFile {
-            name: "etalon.txt".to_owned(),
-            text,
-        }],
+        files: vec![ExportedFile::new("etalon.txt", text)],
         notes,
         is_experimental: true,
-        rule: Box::new(components),
+        rule: Box::new(move |commanded| components.added(commanded)),
     })
 }

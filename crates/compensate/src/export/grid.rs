@@ -13,7 +13,7 @@ use trueaxis_predict::ERROR_COLUMNS;
 use crate::export::line::positions;
 use crate::export::named_errors::wrong;
 use crate::export::{
-    Description, ExportedFile, OldFiles, Request, Rule, Tables, csv, one_file, rising,
+    Description, ExportedFile, OldFiles, Request, Tables, check_points, csv, one_file, rising,
 };
 use crate::{Error, Moved, correct};
 
@@ -94,7 +94,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         text.push('\n');
     }
     Ok(Tables {
-        files: vec![ExportedFile { name: "grid.csv".to_owned(), text }],
+        files: vec![ExportedFile::new("grid.csv", text)],
         notes: vec![
             "e: actual minus nominal, zero at home; add_: what to add to the commanded position; all other axes at home, and what \
              they do is not in it"
@@ -102,20 +102,12 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             request.origin(),
         ],
         is_experimental: false,
-        rule: Box::new(own),
+        rule: Box::new(move |commanded| Ok(own.added(commanded))),
     })
 }
 
 fn check_rows(rows: usize) -> Result<(), Error> {
-    if rows <= MOST_ROWS {
-        return Ok(());
-    }
-    Err(Error::TooManyPoints {
-        what: "the grid".to_owned(),
-        format: FORMAT.name,
-        points: rows,
-        most: MOST_ROWS,
-    })
+    check_points(|| "the grid".to_owned(), FORMAT.name, rows, MOST_ROWS)
 }
 
 /// The node of a row, the first axis fastest.
@@ -223,19 +215,17 @@ impl Grid {
         let at_home = vec![0.0; self.values[0].len()];
         let values = (0..rows).map(|row| {
             let node = commanded(&self.axes, &nodes, row, &at_home);
-            let (a, b) = (self.added(&node)?, other.added(&node)?);
-            Ok(a.iter().zip(b).map(|(a, b)| a + b).collect())
+            let (a, b) = (self.added(&node), other.added(&node));
+            a.iter().zip(b).map(|(a, b)| a + b).collect()
         });
         Ok(Self {
             axes: self.axes.clone(),
-            values: values.collect::<Result<_, Error>>()?,
+            values: values.collect(),
             nodes,
         })
     }
-}
 
-impl Rule for Grid {
-    fn added(&self, commanded: &[f64]) -> Result<Vec<f64>, Error> {
+    fn added(&self, commanded: &[f64]) -> Vec<f64> {
         // Rows of the corners with their weights.
         let mut corners = vec![(0, 1.0)];
         let mut stride = 1;
@@ -268,6 +258,6 @@ impl Rule for Grid {
             let pairs = sum.iter_mut().zip(&self.values[row]);
             pairs.for_each(|(sum, value)| *sum += weight * value);
         }
-        Ok(sum)
+        sum
     }
 }

@@ -25,7 +25,9 @@ use trueaxis_kinematics::AxisKind;
 use crate::Error;
 use crate::export::line::{Line, Sums, interpolate, spacing};
 use crate::export::named_errors::wrong;
-use crate::export::{Description, ExportedFile, OldFiles, Request, TableSign, Tables, csv, rising};
+use crate::export::{
+    Description, ExportedFile, OldFiles, Request, TableSign, Tables, check_points, csv, rising,
+};
 
 pub(super) const FORMAT: Description = Description {
     name: "heidenhain",
@@ -83,43 +85,27 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             (Some(one), None) | (None, Some(one)) => one,
             (None, None) => continue,
         };
-        if table.positions.len() > MOST_POINTS {
-            return Err(Error::TooManyPoints {
-                what: format!("axis {name}"),
-                format: FORMAT.name,
-                points: table.positions.len(),
-                most: MOST_POINTS,
-            });
-        }
+        let what = || format!("axis {name}");
+        check_points(what, FORMAT.name, table.positions.len(), MOST_POINTS)?;
         spacing(request, axis, &table.positions, FORMAT.name)?;
-        files.push(ExportedFile {
-            name: file,
-            text: table.text(),
-        });
+        files.push(ExportedFile::new(file, table.text()));
         moving.push(name);
     }
-    files.push(ExportedFile {
-        name: ASSIGNMENT.to_owned(),
-        text: format!(
-            "ACTIVE,{}\n*,{}.com\n",
-            moving.join(","),
-            moving.join(".com,")
-        ),
-    });
+    let (axes_row, files_row) = (moving.join(","), moving.join(".com,"));
+    let text = format!("ACTIVE,{axes_row}\n*,{files_row}.com\n");
+    files.push(ExportedFile::new(ASSIGNMENT, text));
     let notes = notes(request, sign, linear.len() < axes.len());
-    files.push(ExportedFile {
-        name: README.to_owned(),
-        text: format!(
-            "Experimental: the rule of the control is known in part, from one public manual.\n\
-             Run one line at low feed, measure it, and only then trust the tables.\n\n- {}\n",
-            notes.join("\n- ")
-        ),
-    });
+    let text = format!(
+        "Experimental: the rule of the control is known in part, from one public manual.\n\
+         Run one line at low feed, measure it, and only then trust the tables.\n\n- {}\n",
+        notes.join("\n- ")
+    );
+    files.push(ExportedFile::new(README, text));
     Ok(Tables {
         files,
         notes,
         is_experimental: true,
-        rule: Box::new(Sums::new(request, lines)),
+        rule: Sums::new(request, lines).rule(),
     })
 }
 

@@ -72,12 +72,9 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     text.push_str(&blocks.join("#\n"));
     notes.push(format!("max_records {records} or more"));
     Ok(Tables {
-        files: vec![ExportedFile {
-            name: "volcomp.csv".to_owned(),
-            text,
-        }],
+        files: vec![ExportedFile::new("volcomp.csv", text)],
         notes,
         is_experimental: true,
-        rule: Box::new(components),
+        rule: Box::new(move |commanded| components.added(commanded)),
     })
 }

@@ -10,7 +10,6 @@
 //! Sources: `klippy/extras/skew_correction.py`, and "Skew correction" in Klipper's documentation.
 
 use crate::Error;
-use crate::export::marlin::Factors;
 use crate::export::skew::Skew;
 use crate::export::{Description, ExportedFile, OldFiles, Request, Tables};
 
@@ -38,12 +37,12 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         request.origin()
     );
     Ok(Tables {
-        files: vec![ExportedFile { name: "skew.cfg".to_owned(), text }],
+        files: vec![ExportedFile::new("skew.cfg", text)],
         notes: vec![
             "squareness alone, as AC, BD, AD of a square of 100 mm; needs [skew_correction]; SAVE_CONFIG keeps it".to_owned(),
             request.origin(),
         ],
         is_experimental: false,
-        rule: Box::new(Factors { skew, factors }),
+        rule: Box::new(move |commanded| Ok(skew.added(factors, commanded))),
     })
 }

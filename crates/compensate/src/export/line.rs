@@ -37,13 +37,7 @@ impl Line {
         format: &'static str,
     ) -> Result<Self, Error> {
         let positions = positions(request, axis)?;
-        let machine = request.machine.machine();
-        let along = |errors: &dyn Errors, position: f64| -> Vec<f64> {
-            let mut commanded = vec![0.0; machine.axes().len()];
-            commanded[axis] = position;
-            errors.deviations(request, axis, &commanded)
-        };
-        let home = along(request.machine, 0.0);
+        let home = deviations(request, request.machine, axis, 0.0);
         let from = |direction| {
             let approach = Approach {
                 machine: request.machine,
@@ -51,12 +45,9 @@ impl Line {
                 direction,
             };
             let at = |&position: &f64| -> Vec<f64> {
-                let deviations = along(&approach, position);
-                deviations
-                    .iter()
-                    .zip(&home)
-                    .map(|(d, home)| d - home)
-                    .collect()
+                let deviations = deviations(request, &approach, axis, position);
+                let pairs = deviations.iter().zip(&home);
+                pairs.map(|(d, home)| d - home).collect()
             };
             positions.iter().map(at).collect()
         };
@@ -72,18 +63,21 @@ impl Line {
 
     /// The deviations of axis `of` at a position: linear between the positions, constant outside; the mean of both sides.
     pub(crate) fn at(&self, of: usize, position: f64) -> f64 {
-        let mean = |k: usize| 0.5 * (self.forward[k][of] + self.backward[k][of]);
-        interpolate(&self.positions, mean, position)
+        interpolate(&self.positions, |k| self.mean(of, k), position)
+    }
+
+    /// The mean of both sides of the deviation of axis `of` at position number `k`.
+    pub(crate) fn mean(&self, of: usize, k: usize) -> f64 {
+        0.5 * (self.forward[k][of] + self.backward[k][of])
     }
 
     /// Mean slope of the deviation of axis `of`, by least squares.
     pub(crate) fn slope(&self, of: usize) -> f64 {
         let count = self.positions.len() as f64;
         let mean_position = self.positions.iter().sum::<f64>() / count;
-        let deviation = |k: usize| 0.5 * (self.forward[k][of] + self.backward[k][of]);
         let (mut products, mut squares) = (0.0, 0.0);
         for (k, position) in self.positions.iter().enumerate() {
-            products += (position - mean_position) * deviation(k);
+            products += (position - mean_position) * self.mean(of, k);
             squares += (position - mean_position).powi(2);
         }
         if squares > 0.0 {
@@ -209,10 +203,13 @@ impl Sums {
         let linear = axes.map(|axis| axis.kind() == AxisKind::Linear).collect();
         Self { lines, linear }
     }
-}
 
-impl Rule for Sums {
-    fn added(&self, commanded: &[f64]) -> Result<Vec<f64>, Error> {
+    /// What the control makes of the tables.
+    pub(crate) fn rule(self) -> Box<Rule> {
+        Box::new(move |commanded| Ok(self.added(commanded)))
+    }
+
+    pub(crate) fn added(&self, commanded: &[f64]) -> Vec<f64> {
         let mut added = vec![0.0; commanded.len()];
         for line in &self.lines {
             for (of, sum) in added.iter_mut().enumerate() {
@@ -221,24 +218,25 @@ impl Rule for Sums {
                 }
             }
         }
-        Ok(added)
+        added
     }
 }
 
-/// Errors of a machine, of whichever kind.
-trait Errors {
-    fn deviations(&self, request: &Request<'_>, axis: usize, commanded: &[f64]) -> Vec<f64>;
-}
-
-impl<E: GeometricErrors> Errors for E {
-    /// Linear axes by the position of the tool point, a rotary axis by its angle.
-    fn deviations(&self, request: &Request<'_>, axis: usize, commanded: &[f64]) -> Vec<f64> {
-        let machine = request.machine.machine();
-        let of = |moved| axis_deviations(machine, self, commanded, request.at, moved);
-        let mut deviations = of(Moved::Linear);
-        if machine.axes()[axis].kind() == AxisKind::Rotary {
-            deviations[axis] = of(Moved::All)[axis];
-        }
-        deviations
+/// How far the axes are off with axis `axis` at a position and all others at home: linear axes by the position of the tool
+/// point, a rotary axis by its angle, mm or rad.
+fn deviations(
+    request: &Request<'_>,
+    errors: &impl GeometricErrors,
+    axis: usize,
+    position: f64,
+) -> Vec<f64> {
+    let machine = request.machine.machine();
+    let mut commanded = vec![0.0; machine.axes().len()];
+    commanded[axis] = position;
+    let of = |moved| axis_deviations(machine, errors, &commanded, request.at, moved);
+    let mut deviations = of(Moved::Linear);
+    if machine.axes()[axis].kind() == AxisKind::Rotary {
+        deviations[axis] = of(Moved::All)[axis];
     }
+    deviations
 }

@@ -24,7 +24,7 @@ use crate::Error;
 use crate::export::line::{Line, interpolate};
 use crate::export::named_errors::wrong;
 use crate::export::skew::Skew;
-use crate::export::{Description, ExportedFile, OldFiles, Request, Rule, Tables, rising};
+use crate::export::{Description, ExportedFile, OldFiles, Request, Tables, check_points, rising};
 
 pub(super) const FORMAT: Description = Description {
     name: "linuxcnc",
@@ -70,14 +70,8 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             (None, Some(old)) => old,
             (None, None) => continue,
         };
-        if triplets.len() > MOST_LINES {
-            return Err(Error::TooManyPoints {
-                what: format!("axis {}", request.name(axis)),
-                format: FORMAT.name,
-                points: triplets.len(),
-                most: MOST_LINES,
-            });
-        }
+        let what = || format!("axis {}", request.name(axis));
+        check_points(what, FORMAT.name, triplets.len(), MOST_LINES)?;
         let mut text = String::new();
         for triplet in triplets {
             let [nominal, forward, backward] = triplet.map(|x| round(x, 7));
@@ -96,10 +90,8 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         (one, other) => one.or(other),
     };
     if let Some(joined) = joined {
-        files.push(ExportedFile {
-            name: matrix::FILE.to_owned(),
-            text: matrix::text(&request.origin(), &joined),
-        });
+        let text = matrix::text(&request.origin(), &joined);
+        files.push(ExportedFile::new(matrix::FILE, text));
         notes.push(format!(
             "{}: [KINS] KINEMATICS = matrixkins, then source this file; if a matrix was active while the machine was measured, give \
              its file with --onto",
@@ -110,7 +102,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         files,
         notes,
         is_experimental: false,
-        rule: Box::new(Joints { lines, skew }),
+        rule: Box::new(move |commanded| Ok(added(&lines, skew.as_ref(), commanded))),
     })
 }
 
@@ -168,25 +160,19 @@ fn summed(request: &Request<'_>, line: &Line, old: &[[f64; 3]]) -> Vec<[f64; 3]>
     nominal.iter().map(at).collect()
 }
 
-struct Joints {
-    lines: Vec<Line>,
-    skew: Option<Skew>,
-}
-
-impl Rule for Joints {
-    fn added(&self, commanded: &[f64]) -> Result<Vec<f64>, Error> {
-        let mut added = vec![0.0; commanded.len()];
-        if let Some(skew) = &self.skew {
-            for (row, &axis) in skew.axes.iter().enumerate() {
-                for (column, &other) in skew.axes.iter().enumerate().filter(|(c, _)| *c != row) {
-                    added[axis] -= skew.slopes[row][column] * commanded[other];
-                }
+/// What the control adds: the matrix takes the mean slopes away, the files what is left of each joint.
+fn added(lines: &[Line], skew: Option<&Skew>, commanded: &[f64]) -> Vec<f64> {
+    let mut added = vec![0.0; commanded.len()];
+    if let Some(skew) = skew {
+        for (row, &axis) in skew.axes.iter().enumerate() {
+            for (column, &other) in skew.axes.iter().enumerate().filter(|(c, _)| *c != row) {
+                added[axis] -= skew.slopes[row][column] * commanded[other];
             }
         }
-        for line in &self.lines {
-            let joint = commanded[line.axis] + added[line.axis];
-            added[line.axis] -= line.at(line.axis, joint);
-        }
-        Ok(added)
     }
+    for line in lines {
+        let joint = commanded[line.axis] + added[line.axis];
+        added[line.axis] -= line.at(line.axis, joint);
+    }
+    added
 }

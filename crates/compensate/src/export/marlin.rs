@@ -10,7 +10,7 @@ use trueaxis_files::round;
 
 use crate::Error;
 use crate::export::skew::Skew;
-use crate::export::{Description, ExportedFile, OldFiles, Request, Rule, Tables};
+use crate::export::{Description, ExportedFile, OldFiles, Request, Tables};
 
 pub(super) const FORMAT: Description = Description {
     name: "marlin",
@@ -25,25 +25,13 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let [i, j, k] = factors.map(|factor| format!("{factor:.9}"));
     let text = format!("; {}\nM852 I{i} J{j} K{k}\n", request.origin());
     Ok(Tables {
-        files: vec![ExportedFile { name: "skew.gcode".to_owned(), text }],
+        files: vec![ExportedFile::new("skew.gcode", text)],
         notes: vec![
             "squareness alone; a factor is positive if the second axis leans towards the first; M500 keeps it".to_owned(),
             "the firmware prints six decimals (0.2″); it calculates with 32 bits".to_owned(),
             request.origin(),
         ],
         is_experimental: false,
-        rule: Box::new(Factors { skew, factors }),
+        rule: Box::new(move |commanded| Ok(skew.added(factors, commanded))),
     })
-}
-
-/// As the firmware applies them.
-pub(crate) struct Factors {
-    pub(crate) skew: Skew,
-    pub(crate) factors: [f64; 3],
-}
-
-impl Rule for Factors {
-    fn added(&self, commanded: &[f64]) -> Result<Vec<f64>, Error> {
-        Ok(self.skew.added(self.factors, commanded))
-    }
 }

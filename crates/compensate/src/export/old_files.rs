@@ -42,11 +42,10 @@ impl OldFiles {
                 let of_axes = axes.map(|axis| format!("{}{ending}", axis.name()));
                 Ok(of_axes.chain(of_all.map(str::to_owned)).collect())
             }
-            Self::None => Err(Error::Unsuitable {
-                format,
-                takes: "no old tables",
-                lacks: "switch its skew correction off before you measure".to_owned(),
-            }),
+            Self::None => {
+                let lacks = "switch its skew correction off before you measure";
+                Err(Error::unsuitable(format, "no old tables", lacks))
+            }
         }
     }
 

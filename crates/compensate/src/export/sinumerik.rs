@@ -29,10 +29,10 @@ use trueaxis_kinematics::AxisKind;
 
 use crate::Error;
 use crate::export::line::{Line, Sums};
-use crate::export::sinumerik::levers::{Lever, WithLevers};
+use crate::export::sinumerik::levers::Lever;
 use crate::export::sinumerik::sag::{Placed, Sag};
 use crate::export::sinumerik::table::{Kind, Table};
-use crate::export::{Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Rule, Tables};
+use crate::export::{Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Tables};
 
 pub(super) const FORMAT: Description = Description {
     name: "sinumerik",
@@ -65,7 +65,8 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
                     .all(|&i| axes[i].kind() == AxisKind::Linear)
         });
         for output in std::iter::once(axis).chain(others) {
-            let values = (0..line.positions.len()).map(|k| value(request, &line, output, k));
+            let values = 0..line.positions.len();
+            let values = values.map(|k| request.in_file(output, line.mean(output, k)));
             sag.tables.push(Table {
                 kind: match output == axis {
                     true => Kind::Encoder,
@@ -106,15 +107,11 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             table.values.len()
         ));
     }
-    let mut files = vec![ExportedFile {
-        name: "AX_EEC.INI".to_owned(),
-        text: text("%_N_AX_EEC_INI", request, &encoder),
-    }];
+    let encoder_text = text("%_N_AX_EEC_INI", request, &encoder);
+    let mut files = vec![ExportedFile::new("AX_EEC.INI", encoder_text)];
     if !cross.is_empty() {
-        files.push(ExportedFile {
-            name: "NC_CEC.INI".to_owned(),
-            text: text("%_N_NC_CEC_INI", request, &cross),
-        });
+        let cross_text = text("%_N_NC_CEC_INI", request, &cross);
+        files.push(ExportedFile::new("NC_CEC.INI", cross_text));
         notes.push(format!(
             "{} sag compensation tables; $MN_MM_CEC_MAX_POINTS for each, $MA_CEC_ENABLE, $SN_CEC_TABLE_ENABLE; a 828D has eight tables \
              of 200 points",
@@ -135,15 +132,17 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     }
     notes.push(request.origin());
     let lines = Sums::new(request, lines);
-    let rule: Box<dyn Rule> = match request.levers {
-        true => Box::new(WithLevers { lines, levers }),
-        false => Box::new(lines),
-    };
     Ok(Tables {
         files,
         notes,
         is_experimental: true,
-        rule,
+        rule: Box::new(move |commanded| {
+            let mut added = lines.added(commanded);
+            for lever in &levers {
+                added[lever.output] -= lever.at(commanded);
+            }
+            Ok(added)
+        }),
     })
 }
 
@@ -180,11 +179,6 @@ fn text(name: &str, request: &Request<'_>, tables: &[Placed<'_>]) -> String {
     }
     text.push_str("M17\n");
     text
-}
-
-/// The mean of both sides of approach, mm or degrees.
-fn value(request: &Request<'_>, line: &Line, of: usize, k: usize) -> f64 {
-    request.in_file(of, 0.5 * (line.forward[k][of] + line.backward[k][of]))
 }
 
 fn lost_motion(request: &Request<'_>, line: &Line) -> Option<String> {

@@ -22,11 +22,9 @@ impl Skew {
     /// For machines with linear axes X, Y, Z along the reference directions, if none is asked for alone.
     pub(crate) fn new(request: &Request<'_>, format: &'static str) -> Result<Self, Error> {
         if let Some(axis) = request.axis {
-            return Err(Error::Unsuitable {
-                format,
-                takes: "the squareness of X, Y and Z together",
-                lacks: format!("{} alone is asked for", request.name(axis)),
-            });
+            let takes = "the squareness of X, Y and Z together";
+            let lacks = format!("{} alone is asked for", request.name(axis));
+            return Err(Error::unsuitable(format, takes, lacks));
         }
         let machine = request.machine.machine();
         let index = |i: usize| {
@@ -38,10 +36,9 @@ impl Skew {
                     && off.norm() < ALONG
                     && !request.machine.steps(axis).is_empty()
             });
-            found.ok_or_else(|| Error::Unsuitable {
-                format,
-                takes: "the squareness of linear axes X, Y, Z along x, y, z",
-                lacks: format!("no such axis {name} was measured"),
+            found.ok_or_else(|| {
+                let takes = "the squareness of linear axes X, Y, Z along x, y, z";
+                Error::unsuitable(format, takes, format!("no such axis {name} was measured"))
             })
         };
         let axes = [index(0)?, index(1)?, index(2)?];

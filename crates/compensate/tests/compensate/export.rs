@@ -49,11 +49,11 @@ fn controls_leave_what_was_announced() {
             let after = export.announcement.after.max_mm;
             let found = largest(&machine, &control);
             println!(
-                "{} {}: before {}; after {}",
+                "{} {}: before {:?}; after {:?}",
                 machine.name,
                 format.name(),
-                export.announcement.before.in_words(),
-                export.announcement.after.in_words()
+                export.announcement.before,
+                export.announcement.after
             );
             assert!(
                 (found - after).abs() < 0.02 * MICROMETRE,

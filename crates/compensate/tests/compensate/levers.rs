@@ -34,9 +34,8 @@ fn levers_take_away_what_lines_cannot() {
     let with = |products| largest(&machine, &control(&levers, &machine, products));
     let announced = levers.announcement.after;
     println!(
-        "lines {:.2}; announced {}; found {:.2}; angles act {:.2}; other sign {:.2}; no products {:.2} µm",
+        "lines {:.2}; announced {announced:?}; found {:.2}; angles act {:.2}; other sign {:.2}; no products {:.2} µm",
         lines / MICROMETRE,
-        announced.in_words(),
         with(Products::Alone) / MICROMETRE,
         with(Products::WithFactor) / MICROMETRE,
         with(Products::OtherSign) / MICROMETRE,
@@ -60,10 +59,8 @@ fn levers_leave_the_lines_alone() {
         let machine = calibrated(&scenario(text), false);
         let (plain, levers) = (made(&request(&machine)), made(&with_levers(&machine)));
         println!(
-            "{}: lines {}; levers {}",
-            machine.name,
-            plain.announcement.after.in_words(),
-            levers.announcement.after.in_words()
+            "{}: lines {:?}; levers {:?}",
+            machine.name, plain.announcement.after, levers.announcement.after
         );
         assert_eq!(plain.announcement.lines, levers.announcement.lines);
         let [plain, levers] = [&plain, &levers].map(|e| control(e, &machine, Products::Alone));

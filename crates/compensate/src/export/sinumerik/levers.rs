@@ -18,10 +18,10 @@
 use trueaxis_files::round;
 use trueaxis_kinematics::{AxisKind, Branch, Machine};
 
-use crate::export::line::{Line, Sums, interpolate};
+use crate::export::Request;
+use crate::export::line::{Line, interpolate};
 use crate::export::sinumerik::sag::Product;
 use crate::export::sinumerik::table::{Kind, Table};
-use crate::export::{Request, Rule};
 use crate::{Error, Moved, axis_deviations};
 
 /// What stays below this everywhere gets no table, mm: second-order effects of the levers that no angle turns.
@@ -33,7 +33,7 @@ pub(super) struct Lever {
     /// The axis whose angle it is.
     angle_of: usize,
     along: usize,
-    output: usize,
+    pub(super) output: usize,
     /// Of the axis whose angle it is, rising, mm.
     positions: Vec<f64>,
     step: f64,
@@ -81,11 +81,11 @@ impl Lever {
             }
         }
         match all.is_empty() {
-            true => Err(Error::Unsuitable {
+            true => Err(Error::unsuitable(
                 format,
-                takes: "levers with an angle of a linear axis that acts along another one",
-                lacks: "these axes have none".to_owned(),
-            }),
+                "levers with an angle of a linear axis that acts along another one",
+                "these axes have none",
+            )),
             false => Ok(all),
         }
     }
@@ -118,7 +118,8 @@ impl Lever {
         }
     }
 
-    fn at(&self, commanded: &[f64]) -> f64 {
+    /// The deviation that it makes, mm.
+    pub(super) fn at(&self, commanded: &[f64]) -> f64 {
         let slope = interpolate(
             &self.positions,
             |k| self.slopes[k],
@@ -166,20 +167,4 @@ fn slopes(request: &Request<'_>, line: &Line, along: usize, travel: [f64; 2]) ->
         pairs.map(|(slope, home)| slope - home).collect()
     };
     line.positions.iter().map(less_home).collect()
-}
-
-/// What tables of lines and their levers take away.
-pub(super) struct WithLevers {
-    pub(super) lines: Sums,
-    pub(super) levers: Vec<Lever>,
-}
-
-impl Rule for WithLevers {
-    fn added(&self, commanded: &[f64]) -> Result<Vec<f64>, Error> {
-        let mut added = self.lines.added(commanded)?;
-        for lever in &self.levers {
-            added[lever.output] -= lever.at(commanded);
-        }
-        Ok(added)
-    }
 }

@@ -123,11 +123,7 @@ impl Sag {
             _ => None,
         };
         if let Some((takes, lacks)) = too_many {
-            return Err(Error::Unsuitable {
-                format,
-                takes,
-                lacks,
-            });
+            return Err(Error::unsuitable(format, takes, lacks));
         }
         for Placed { table, .. } in encoders.iter().chain(&cross) {
             table.check(request.name(table.input), format)?;

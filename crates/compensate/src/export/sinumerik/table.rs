@@ -5,6 +5,7 @@ use std::fmt::Write;
 use trueaxis_files::round;
 
 use crate::Error;
+use crate::export::check_points;
 use crate::export::line::interpolate;
 
 /// Decimals of mm and degrees.
@@ -76,7 +77,7 @@ impl Table {
         )]
         let points = intervals.min(1e9) as usize + 1;
         let both = || format!("axis {name}, the old and the new table in one");
-        check_points(points, format, both)?;
+        check_points(both, format, points, MOST_POINTS)?;
         let at = |k: usize| {
             let position = min + step * k as f64;
             self.at(position) + other.at(position)
@@ -91,7 +92,8 @@ impl Table {
 
     /// Whether a control has room for it.
     pub(crate) fn check(&self, name: &str, format: &'static str) -> Result<(), Error> {
-        check_points(self.values.len(), format, || format!("axis {name}"))
+        let what = || format!("axis {name}");
+        check_points(what, format, self.values.len(), MOST_POINTS)
     }
 
     /// The largest value, either sign.
@@ -133,22 +135,6 @@ impl Table {
             ),
         };
     }
-}
-
-fn check_points(
-    points: usize,
-    format: &'static str,
-    what: impl FnOnce() -> String,
-) -> Result<(), Error> {
-    if points <= MOST_POINTS {
-        return Ok(());
-    }
-    Err(Error::TooManyPoints {
-        what: what(),
-        format,
-        points,
-        most: MOST_POINTS,
-    })
 }
 
 /// The largest distance of which both are multiples.

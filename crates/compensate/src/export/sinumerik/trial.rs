@@ -50,8 +50,5 @@ pub(super) fn file(request: &Request<'_>, product: &Product) -> ExportedFile {
     constant.write(&mut text, 0, Some(1));
     small.write(&mut text, 1, None);
     text.push_str("M17\n");
-    ExportedFile {
-        name: FILE.to_owned(),
-        text,
-    }
+    ExportedFile::new(FILE, text)
 }
