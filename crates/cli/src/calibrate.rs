@@ -11,7 +11,7 @@ use trueaxis_predict::{FactoredCovariance, OutputCovariance};
 
 use crate::args::CalibrateArgs;
 use crate::exit::Exit;
-use crate::talk::{notice, say};
+use crate::talk::{notice, notice_all, say_all};
 use crate::{effects_input, summary};
 
 /// Significance at which `--fail-on-misfit` rejects the model.
@@ -78,12 +78,8 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
         results.report()?;
     }
 
-    for line in lines.iter().chain(&checked) {
-        say(line);
-    }
-    for text in &notices {
-        notice(text);
-    }
+    say_all(lines.iter().chain(&checked));
+    notice_all(&notices);
     results.end(args.result.json.then_some(&text))?;
     Ok(Exit::of_misfit(args.fail_on_misfit && is_rejected))
 }

@@ -7,7 +7,7 @@ use trueaxis_kinematics::Branch;
 use crate::args::CheckArgs;
 use crate::exit::Exit;
 use crate::output;
-use crate::talk::{notice, say};
+use crate::talk::{notice_all, say, say_all};
 
 mod coverage;
 mod json;
@@ -15,9 +15,7 @@ mod json;
 pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
     describe(&campaign);
-    for text in &campaign.notices {
-        notice(text);
-    }
+    notice_all(&campaign.notices);
     say(&format!("{}: good", args.campaign.display()));
     if args.json {
         output::print(&json::text(&campaign))?;
@@ -87,9 +85,7 @@ fn describe(campaign: &Campaign) {
             counted(steps, "step")
         ));
     }
-    for line in coverage::lines(campaign) {
-        say(&line);
-    }
+    say_all(coverage::lines(campaign));
     for verification in &campaign.verification {
         let readings = counted(verification.readings.len(), "reading");
         say(&format!("  verify    {}: {readings}", verification.name));

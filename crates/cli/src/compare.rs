@@ -10,7 +10,7 @@ use trueaxis_predict::{CalibratedMachine, Difference, check_same_machine, positi
 use crate::args::CompareArgs;
 use crate::exit::Exit;
 use crate::predict::source;
-use crate::talk::{notice, say};
+use crate::talk::{notice, say, say_all};
 use crate::traceability::{of_calibration, traced};
 
 /// Decimals of µm, ″ and `E_n`.
@@ -27,11 +27,9 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
     let mut results = args.result.folder(&second.campaign)?;
     results.write("comparison.json", text.as_bytes())?;
     for (name, machine) in [("first", &first), ("second", &second)] {
-        for line in source(machine) {
-            say(&format!("{name}: {line}"));
-        }
+        say_all(source(machine).iter().map(|line| format!("{name}: {line}")));
     }
-    table(&differences).iter().for_each(|line| say(line));
+    say_all(table(&differences));
     say(&summary(&differences));
     for (axis, kind, [a, b]) in first.other_travels(&second) {
         let travel = |[from, to]: [f64; 2]| match kind {

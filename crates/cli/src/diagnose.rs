@@ -14,7 +14,7 @@ use trueaxis_simulate::replay;
 
 use crate::args::DiagnoseArgs;
 use crate::exit::Exit;
-use crate::talk::{notice, say};
+use crate::talk::{notice_all, say_all};
 use crate::traceability::{of_calibration, traced};
 
 /// What was found in the lengths, for `calibrate --with-effects`.
@@ -54,12 +54,8 @@ pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
     let earlier = earlier.iter().flatten();
     notices.extend(earlier.map(|path| format!("{} is of an earlier diagnosis", path.display())));
 
-    for line in story::lines(&diagnosis) {
-        say(&line);
-    }
-    for text in &notices {
-        notice(text);
-    }
+    say_all(story::lines(&diagnosis));
+    notice_all(&notices);
     results.end(args.result.json.then_some(&text))?;
     Ok(Exit::of_misfit(
         args.fail_on_misfit && diagnosis.verdict.is_misfit(),

@@ -5,8 +5,13 @@ use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use trueaxis_campaign::Error as Campaign;
+use trueaxis_compensate::Error as Compensate;
+use trueaxis_effects::Error as Effects;
 use trueaxis_files::{DocumentError, DocumentProblem, Part, Place, field_span};
+use trueaxis_import::{Error as Import, Problem as ImportProblem};
 use trueaxis_predict::ReadError;
+use trueaxis_simulate::Error as Simulate;
 
 /// Columns that a line takes at most; what is left and right of the mark is cut.
 const WIDTH: usize = 100;
@@ -67,52 +72,40 @@ pub(crate) fn file(error: &anyhow::Error) -> Option<PathBuf> {
 }
 
 fn place<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<Cow<'e, Place>> {
-    if let Some(trueaxis_compensate::Error::Table { file, line, .. }) = cause.downcast_ref() {
+    if let Some(Compensate::Table { file, line, .. }) = cause.downcast_ref() {
         return Some(Cow::Owned(*Place::line(Path::new(file), *line)));
     }
     place_of_document(cause).map(Cow::Borrowed)
 }
 
 fn place_of_document<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<&'e Place> {
-    if let Some(error) = cause.downcast_ref::<ReadError>() {
-        return match error {
-            ReadError::Document(error) => Some(&error.place),
-            ReadError::Machine(error) => Some(&error.place),
-            _ => None,
-        };
-    }
-    if let Some(trueaxis_effects::Error::Document(error)) = cause.downcast_ref() {
-        return Some(&error.place);
-    }
-    let of_campaign = || {
-        cause
-            .downcast_ref()
-            .map(|e: &trueaxis_campaign::Error| &*e.place)
+    let of_calibration = |error: &'e ReadError| match error {
+        ReadError::Document(error) => Some(&*error.place),
+        ReadError::Machine(error) => Some(&*error.place),
+        _ => None,
     };
-    let of_document = || cause.downcast_ref().map(|e: &DocumentError| &*e.place);
-    let of_scenario = || {
-        cause
-            .downcast_ref()
-            .map(|e: &trueaxis_simulate::Error| &*e.place)
+    let of_effects = |error: &'e Effects| match error {
+        Effects::Document(error) => Some(&*error.place),
+        Effects::Field { .. } => None,
     };
-    let of_import = || {
-        cause
-            .downcast_ref()
-            .map(|e: &trueaxis_import::Error| &*e.place)
-    };
-    let found = of_campaign().or_else(of_document);
-    found.or_else(of_scenario).or_else(of_import)
+    let found = cause.downcast_ref().and_then(of_calibration);
+    found
+        .or_else(|| cause.downcast_ref().and_then(of_effects))
+        .or_else(|| cause.downcast_ref().map(|e: &Campaign| &*e.place))
+        .or_else(|| cause.downcast_ref().map(|e: &DocumentError| &*e.place))
+        .or_else(|| cause.downcast_ref().map(|e: &Simulate| &*e.place))
+        .or_else(|| cause.downcast_ref().map(|e: &Import| &*e.place))
 }
 
 /// What was found, where the separators of the file are not known.
 fn word<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<&'e str> {
-    if let Some(trueaxis_compensate::Error::Table { found, .. }) = cause.downcast_ref() {
+    if let Some(Compensate::Table { found, .. }) = cause.downcast_ref() {
         return Some(found);
     }
-    match &cause.downcast_ref::<trueaxis_import::Error>()?.problem {
-        trueaxis_import::Problem::Cell { found, .. } => Some(found),
-        trueaxis_import::Problem::NoSuchColumn { name, .. } => Some(name),
-        trueaxis_import::Problem::Document(
+    match &cause.downcast_ref::<Import>()?.problem {
+        ImportProblem::Cell { found, .. } => Some(found),
+        ImportProblem::NoSuchColumn { name, .. } => Some(name),
+        ImportProblem::Document(
             DocumentProblem::UnknownName { name, .. } | DocumentProblem::UnknownField { name, .. },
         ) => Some(name),
         _ => None,

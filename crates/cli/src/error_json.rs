@@ -1,6 +1,7 @@
 //! What a verb with `--json` prints where there is no result, for programs that read it.
 
 use serde_json::json;
+use trueaxis_files::value_to_json;
 
 use crate::codes;
 use crate::drawing::{self, Spot};
@@ -23,6 +24,5 @@ pub(crate) fn text(error: &anyhow::Error, exit: Exit) -> String {
         "column": at.map(|(_, column)| column),
         "help": code.and_then(explain::help),
     });
-    // Numbers and strings have no way to fail.
-    trueaxis_files::to_json(&document).expect("numbers and strings serialise")
+    value_to_json(&document)
 }

@@ -11,7 +11,7 @@ use crate::exit::Exit;
 use crate::given_file::Unreadable;
 use crate::output::Results;
 use crate::predict::source;
-use crate::talk::{notice, say};
+use crate::talk::{notice, say_all};
 
 pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
     let machine = CalibratedMachine::read(&args.calibration)?;
@@ -33,16 +33,9 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
     };
     let folder = args.onto.as_deref().map_or(Path::new(""), folder_of);
     let tables = export(format, &request).map_err(|error| in_folder(error, folder))?;
-    for line in source(&machine) {
-        say(&line);
-    }
-    for line in announced(&machine, &tables.announcement) {
-        say(&line);
-    }
-    tables
-        .notes
-        .iter()
-        .for_each(|note| say(&format!("  {note}")));
+    say_all(source(&machine));
+    say_all(announced(&machine, &tables.announcement));
+    say_all(tables.notes.iter().map(|note| format!("  {note}")));
     if tables.is_experimental {
         notice(&format!(
             "{} is experimental: not all of its rule is public; check it with one measured line before you trust it",

@@ -10,7 +10,7 @@ use trueaxis_import::{Imported, Kind, Map, Skipped};
 use crate::args::{ImportArgs, ImportTableArgs, ImportWhat};
 use crate::exit::Exit;
 use crate::output;
-use crate::talk::{notice, say};
+use crate::talk::{notice_all, say, say_all};
 
 /// Rows that the preview shows.
 const PREVIEW_ROWS: usize = 5;
@@ -34,16 +34,10 @@ fn table(args: &ImportTableArgs, kind: Kind, default: &str) -> anyhow::Result<Ex
         counted(imported.rows.len(), "row"),
         counted(imported.stops, "stop")
     ));
-    for line in preview(&imported) {
-        say(&line);
-    }
+    say_all(preview(&imported));
     say("skipped");
-    for line in skipped(&imported.skipped) {
-        say(&line);
-    }
-    for text in &imported.notices {
-        notice(text);
-    }
+    say_all(skipped(&imported.skipped));
+    notice_all(&imported.notices);
     say(&format!("written: {}", out.display()));
     Ok(Exit::Good)
 }

@@ -15,7 +15,7 @@ use crate::args::MontecarloArgs;
 use crate::exit::Exit;
 use crate::montecarlo_file::{self, Compared};
 use crate::summary::in_words;
-use crate::talk::{notice, say};
+use crate::talk::{notice, notice_all, say_all};
 use crate::traceability::traced;
 use crate::{progress, summary};
 
@@ -70,12 +70,8 @@ pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
     let mut results = args.result.folder(&campaign.name)?;
     results.write("montecarlo.json", text.as_bytes())?;
     let adjustment = summary::adjustment(&calibration);
-    for line in adjustment.into_iter().chain(lines(&propagation, &compared)) {
-        say(&line);
-    }
-    for text in campaign.notices.iter().chain(&calibration.notices) {
-        notice(text);
-    }
+    say_all(adjustment.into_iter().chain(lines(&propagation, &compared)));
+    notice_all(campaign.notices.iter().chain(&calibration.notices));
     if systematic {
         notice(
             "noise is redrawn; how well nests were set and temperatures are known is no noise, and left out of \

@@ -8,7 +8,7 @@ use trueaxis_predict::{CalibratedMachine, Prediction, coverage_factor, to_csv};
 
 use crate::args::PredictArgs;
 use crate::exit::Exit;
-use crate::talk::{notice, say};
+use crate::talk::{notice, say_all};
 
 pub(crate) fn run(args: &PredictArgs) -> anyhow::Result<Exit> {
     let machine = CalibratedMachine::read(&args.calibration)?;
@@ -28,13 +28,9 @@ pub(crate) fn run(args: &PredictArgs) -> anyhow::Result<Exit> {
     let mut results = args.result.folder(&machine.campaign)?;
     let text = to_csv(&columns, rows.iter().cloned());
     results.write("predicted.csv", text.as_bytes())?;
-    for line in source(&machine) {
-        say(&line);
-    }
+    say_all(source(&machine));
     let lines: Vec<usize> = positions.iter().map(|p| p.line).collect();
-    for line in summary(&machine, &predictions, &lines) {
-        say(&line);
-    }
+    say_all(summary(&machine, &predictions, &lines));
     if positions.iter().all(|p| p.point_mm.is_none()) {
         let [x, y, z]: [f64; 3] = default_mm.coords.into();
         notice(&format!(

@@ -13,16 +13,14 @@ use self::figures::{Figures, LENGTH_SIGMA_UM, Measurement, figures};
 use crate::args::Table1Args;
 use crate::exit::Exit;
 use crate::output;
-use crate::talk::say;
+use crate::talk::say_all;
 
 /// Figures closer than this to the printed ones repeat them.
 const CLOSE: f64 = 0.12;
 
 pub(crate) fn run(args: &Table1Args) -> anyhow::Result<Exit> {
     let table = Table::new(args.trials as usize, args.seed)?;
-    for line in table.lines() {
-        say(&line);
-    }
+    say_all(table.lines());
     if args.json {
         output::print(&trueaxis_files::to_json(&table).context("table1.json")?)?;
     }

@@ -25,6 +25,11 @@ pub(crate) fn say(line: &str) {
     }
 }
 
+/// Line after line, unless all shall be quiet.
+pub(crate) fn say_all(lines: impl IntoIterator<Item: AsRef<str>>) {
+    lines.into_iter().for_each(|line| say(line.as_ref()));
+}
+
 /// One line. A closed standard error is no reason to fail.
 pub(crate) fn say_always(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
@@ -51,4 +56,9 @@ pub(crate) fn error(error: &anyhow::Error) {
 /// Something that the user must know although there is a result.
 pub(crate) fn notice(text: &str) {
     say(&format!("notice: {text}"));
+}
+
+/// Notice after notice.
+pub(crate) fn notice_all(texts: impl IntoIterator<Item: AsRef<str>>) {
+    texts.into_iter().for_each(|text| notice(text.as_ref()));
 }

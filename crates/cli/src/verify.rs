@@ -13,7 +13,7 @@ use trueaxis_predict::CalibratedMachine;
 use crate::args::VerifyArgs;
 use crate::exit::Exit;
 use crate::predict::source;
-use crate::talk::{notice, say};
+use crate::talk::{notice_all, say_all};
 use crate::traceability::{of_calibration, traced};
 
 pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
@@ -38,18 +38,11 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
         results.report()?;
     }
 
-    for line in source(&machine) {
-        say(&line);
-    }
-    for entry in &verified {
-        lines(entry, args.compensated)
-            .iter()
-            .for_each(|line| say(line));
-    }
-    for found in &parallel {
-        angles(&machine, found).iter().for_each(|line| say(line));
-    }
-    campaign.notices.iter().for_each(|text| notice(text));
+    say_all(source(&machine));
+    let of_entry = |entry| lines(entry, args.compensated);
+    say_all(verified.iter().flat_map(of_entry));
+    say_all(parallel.iter().flat_map(|found| angles(&machine, found)));
+    notice_all(&campaign.notices);
     results.end(args.result.json.then_some(&text))?;
     let is_refused = verified.iter().any(Verified::is_misfit);
     Ok(match is_refused && args.fail_on_misfit {
@@ -74,10 +67,7 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
         entry.name,
         counted(readings, "reading")
     )];
-    let range = |of: fn(&Point) -> f64| {
-        let all = entry.points.iter().map(of);
-        all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
-    };
+    let range = |of: fn(&Point) -> f64| range(entry.points.iter().map(of));
     let u = entry.points.iter().map(|point| point.u_prediction_um);
     let u = match u.clone().any(f64::is_nan) {
         true => "u of the predictions is not known".to_owned(),
@@ -122,6 +112,11 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
     lines
 }
 
+/// Largest less smallest.
+fn range(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+}
+
 /// Pitch and yaw from parallel lines.
 fn angles(machine: &CalibratedMachine, found: &ParallelLines) -> Vec<String> {
     let name = machine.machine().axes()[found.axis].name();
@@ -132,10 +127,7 @@ fn angles(machine: &CalibratedMachine, found: &ParallelLines) -> Vec<String> {
         counted(found.positions.len(), "position")
     )];
     for curve in &found.angles {
-        let range = |values: &[f64]| {
-            let high = values.iter().copied().fold(f64::MIN, f64::max);
-            (high - values.iter().copied().fold(f64::MAX, f64::min)) / ARCSEC
-        };
+        let range = |values: &[f64]| range(values.iter().copied()) / ARCSEC;
         let u = match curve.u_largest() {
             Some(u) => format!("; U of that {:.2}″ (k = 2)", 2.0 * u / ARCSEC),
             None => String::new(),

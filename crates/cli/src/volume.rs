@@ -10,7 +10,7 @@ use trueaxis_report::Report;
 use crate::args::VolumeArgs;
 use crate::exit::Exit;
 use crate::predict::source;
-use crate::talk::{notice, say};
+use crate::talk::{notice, say_all};
 use crate::traceability::{of_calibration, traced};
 
 /// Shares that are listed.
@@ -46,10 +46,8 @@ pub(crate) fn run(args: &VolumeArgs) -> anyhow::Result<Exit> {
     if results.folder.join(Report::FILE).exists() {
         results.report()?;
     }
-    for line in source(&machine).into_iter().chain(lines(&machine, &volume)) {
-        say(&line);
-    }
-    after_lines(&after).iter().for_each(|line| say(line));
+    say_all(source(&machine).into_iter().chain(lines(&machine, &volume)));
+    say_all(after_lines(&after));
     if !has_map {
         notice("no map was written: no linear axis was measured");
     }

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 use trueaxis_campaign::{Campaign, Hole};
+use trueaxis_files::value_to_json;
 
 /// The text of the document.
 pub(super) fn text(campaign: &Campaign) -> String {
@@ -19,8 +20,7 @@ pub(super) fn text(campaign: &Campaign) -> String {
         "coverage": entries(campaign),
         "notices": campaign.notices,
     });
-    // Numbers and strings have no way to fail.
-    trueaxis_files::to_json(&document).expect("numbers and strings serialise")
+    value_to_json(&document)
 }
 
 /// Targets on the bed have no run, those of a points campaign no station.
