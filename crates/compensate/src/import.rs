@@ -4,13 +4,12 @@
 //! (right-hand rule), of linear axes at the origin of the reference frame, of rotary ones at the centre in the file or on the
 //! nominal axis: as [`crate::export()`] writes them. They say neither by whom nor how well they were measured.
 
-use std::io::{self, Seek, Write};
-
-use nalgebra::Point3;
+use nalgebra::{DMatrix, Matrix6, Point3, Vector6};
 use serde_json::{Value, json};
 use trueaxis_campaign::{InputFile, MachineSpec};
-use trueaxis_files::{NpzWriter, round};
+use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE, Machine, MotionError};
+use trueaxis_predict::{FactoredCovariance, Rows};
 
 use crate::export::named_errors::{AxisErrors, NamedErrors};
 use crate::export::{etalon, in_file, isg, unit};
@@ -53,21 +52,10 @@ pub struct Imported {
     pub format: Format,
     /// Content of `calibration.json`.
     pub calibration: Value,
-    /// What `covariance.npz` holds; none without uncertainties.
-    pub covariance: Option<DeclaredCovariance>,
+    /// That of the results, in the units of `calibration.json`; none without uncertainties.
+    pub covariance: Option<FactoredCovariance>,
     /// What a user must know.
     pub notices: Vec<String>,
-}
-
-/// The covariance of results of which each has its own declared uncertainty.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DeclaredCovariance {
-    /// Of all axes together.
-    steps: usize,
-    /// Standard uncertainties of displacements and angles, µm and ″.
-    of_components: [f64; 2],
-    /// Of each location error, mm or ″.
-    of_locations: Vec<f64>,
 }
 
 /// Makes a calibration of a file in the format `ISG_CSV` or in the exchange format of Etalon, whichever it is.
@@ -123,15 +111,15 @@ pub fn import(import: &Import<'_>) -> Result<Imported, Error> {
             "inputs": [import.file],
         },
     });
-    let locations = || axes.iter().flat_map(|axis| &axis.locations);
-    let of_location = |is_angular| location_units(is_angular, u).2;
-    let covariance = u.map(|_| DeclaredCovariance {
-        steps: axes.iter().map(|axis| axis.positions.len()).sum(),
-        of_components: [false, true].map(|is_angular| units(is_angular, u).2.unwrap_or_default()),
-        of_locations: locations()
-            .filter_map(|(c, _)| of_location(c.is_angular()))
-            .collect(),
-    });
+    let steps = axes.iter().map(|axis| axis.positions.len()).sum();
+    let of_components = [false, true].map(|is_angular| units(is_angular, u).2);
+    let locations = axes.iter().flat_map(|axis| &axis.locations);
+    let of_locations = locations.filter_map(|(c, _)| location_units(c.is_angular(), u).2);
+    let of_locations = of_locations.collect();
+    let covariance = match of_components {
+        [Some(um), Some(arcsec)] => Some(covariance(steps, [um, arcsec], of_locations)),
+        _ => None,
+    };
     Ok(Imported {
         format,
         calibration,
@@ -307,29 +295,18 @@ fn location_units(is_angular: bool, u: Option<U>) -> (f64, &'static str, Option<
     }
 }
 
-impl DeclaredCovariance {
-    /// Writes `covariance.npz`: blocks of the steps, and a column for each location error; in the units of
-    /// `calibration.json`.
-    ///
-    /// # Errors
-    /// Those of `out`.
-    pub fn write_npz(&self, out: impl Write + Seek) -> io::Result<()> {
-        let (steps, count) = (self.steps, self.of_locations.len());
-        let results = 6 * steps + count;
-        let own = (0..36 * steps).map(|i| match i % 36 % 7 {
-            0 => self.of_components[i % 6 / 3].powi(2),
-            _ => 0.0,
-        });
-        let sensitivities =
-            (0..results * count).map(|i| match (i / count).checked_sub(6 * steps) {
-                Some(row) if row == i % count => self.of_locations[row],
-                _ => 0.0,
-            });
-        let shared = (0..count * count).map(|i| if i % (count + 1) == 0 { 1.0 } else { 0.0 });
-        let mut npz = NpzWriter::new(out);
-        npz.array("own", &[steps, 6, 6], own)?;
-        npz.array("sensitivities", &[results, count], sensitivities)?;
-        npz.array("shared", &[count, count], shared)?;
-        npz.finish().map(drop)
-    }
+/// Each result has its own uncertainty: the same block for each step, and a column for each location error.
+fn covariance(steps: usize, [um, arcsec]: [f64; 2], of_locations: Vec<f64>) -> FactoredCovariance {
+    let u = Vector6::new(um, um, um, arcsec, arcsec, arcsec);
+    let columns: Vec<usize> = (0..of_locations.len()).collect();
+    let of_steps = DMatrix::zeros(6 * steps, columns.len());
+    let of_locations = DMatrix::from_diagonal(&of_locations.into());
+    FactoredCovariance::new(
+        vec![Matrix6::from_diagonal(&u.component_mul(&u)); steps],
+        vec![
+            Rows::of_columns(0, &columns, &of_steps),
+            Rows::of_columns(6 * steps, &columns, &of_locations),
+        ],
+        &DMatrix::identity(columns.len(), columns.len()),
+    )
 }

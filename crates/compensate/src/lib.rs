@@ -28,7 +28,7 @@ pub use export::{
     Announcement, Export, ExportedFile, Format, LineFigures, Request, Sizes, TableSign, export,
 };
 pub use freedom::Moved;
-pub use import::{DeclaredCovariance, DeclaredUncertainty, Import, Imported, import};
+pub use import::{DeclaredUncertainty, Import, Imported, import};
 pub use remains::{Left, Remains, remains};
 pub use verify::iso_230_2::{Positioning, Side};
 pub use verify::iso_230_4::Circular;

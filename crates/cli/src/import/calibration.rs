@@ -14,7 +14,7 @@ use crate::exit::Exit;
 use crate::export::in_folder;
 use crate::given_file::{Unreadable, read_text};
 use crate::output::Results;
-use crate::talk::{notice, say};
+use crate::talk::{notice, notice_all, say};
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ImportCalibrationArgs {
@@ -79,9 +79,12 @@ pub(crate) fn run(args: &ImportCalibrationArgs) -> anyhow::Result<Exit> {
         imported.format.name(),
         machine.name
     ));
-    imported.notices.iter().for_each(|text| notice(text));
+    notice_all(&imported.notices);
     if let Some(covariance) = &imported.covariance {
-        results.write_by(FactoredCovariance::FILE, |out| covariance.write_npz(out))?;
+        let as_they_are = vec![1.0; covariance.results()];
+        results.write_by(FactoredCovariance::FILE, |out| {
+            covariance.write_npz(out, &as_they_are)
+        })?;
     } else if let Some(path) = results.of_an_earlier_run(FactoredCovariance::FILE) {
         let path = path.display();
         notice(&format!(

@@ -39,7 +39,8 @@ fn read(imported: &Imported) -> CalibratedMachine {
     std::fs::write(&path, imported.calibration.to_string()).unwrap();
     if let Some(covariance) = &imported.covariance {
         let file = std::fs::File::create(folder.path().join("covariance.npz")).unwrap();
-        covariance.write_npz(file).unwrap();
+        let as_they_are = vec![1.0; covariance.results()];
+        covariance.write_npz(file, &as_they_are).unwrap();
     }
     CalibratedMachine::read(&path).unwrap()
 }
