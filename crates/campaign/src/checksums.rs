@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::Serialize;
-use trueaxis_files::sha256;
+use trueaxis_files::{FileProblem, sha256};
 
 use crate::document::{Document, FORMAT};
 use crate::{Error, Place, Problem, text_file};
@@ -38,8 +38,9 @@ pub fn checksums(path: &Path) -> Result<Vec<InputFile>, Error> {
     let named = named.map(|name| (folder.join(&name), name));
     let all = std::iter::once((path.to_owned(), own.to_string_lossy().into_owned())).chain(named);
     let checksum = |(file, name): (std::path::PathBuf, String)| {
-        let sha256 = sha256(&file)
-            .map_err(|source| Problem::Unreadable { source }.at(Place::file(&file)))?;
+        let sha256 = sha256(&file).map_err(|source| {
+            Problem::File(FileProblem::Unreadable { source }).at(Place::file(&file))
+        })?;
         Ok(InputFile { name, sha256 })
     };
     all.map(checksum).collect()

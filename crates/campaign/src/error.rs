@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
-use trueaxis_files::{DocumentError, DocumentProblem, counted};
+use trueaxis_files::{DocumentError, DocumentProblem, FileProblem, counted};
 
 use crate::{Alternatives, ColumnFault, Place, UnitMistake};
 
@@ -51,8 +51,7 @@ impl Problem {
     }
 
     pub(crate) fn missing(name: &str) -> Self {
-        let name = name.to_owned();
-        Self::Document(DocumentProblem::MissingField { name })
+        Self::Document(DocumentProblem::missing(name))
     }
 
     /// The error with this problem.
@@ -66,31 +65,15 @@ impl Problem {
 
 /// What can be wrong with the files of a campaign. An [`Error`] says where it is.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum Problem {
     /// Of a JSON document, or of a name or value anywhere.
     #[error(transparent)]
     Document(DocumentProblem),
 
     // The file as a whole.
-    /// There is no such file.
-    #[error("there is no such file; {hint}")]
-    NotFound {
-        /// Who names the file, or what to give instead.
-        hint: String,
-    },
-    /// A folder stands where a file is needed.
-    #[error("this is a folder, expected a file; {hint}")]
-    Folder {
-        /// Who names the file, or what to give instead.
-        hint: String,
-    },
-    /// The operating system refuses to read the file.
-    #[error("the file cannot be read; check its permissions")]
-    Unreadable {
-        /// The reason of the operating system.
-        source: io::Error,
-    },
+    /// The file cannot be read.
+    #[error(transparent)]
+    File(FileProblem),
     /// The file cannot be written.
     #[error("the file cannot be written; check the folder and its permissions")]
     Unwritable {

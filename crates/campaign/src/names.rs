@@ -3,7 +3,7 @@
 
 use trueaxis_files::DocumentProblem;
 
-use crate::{Alternatives, Error, Place, Problem};
+use crate::{Error, Place, Problem};
 
 /// The names of one kind, in the order of the file.
 pub(crate) struct Names<'a> {
@@ -41,12 +41,8 @@ impl<'a> Names<'a> {
     /// The error for a name that [`Names::find`] does not know.
     pub(crate) fn unknown(&self, place: Box<Place>, name: &[u8]) -> Error {
         let name = String::from_utf8_lossy(name);
-        Problem::Document(DocumentProblem::UnknownName {
-            what: self.what,
-            alternatives: Alternatives::new(&name, &self.names),
-            name: name.into_owned(),
-        })
-        .at(place)
+        let problem = DocumentProblem::unknown_name(self.what, &name, &self.names);
+        Problem::Document(problem).at(place)
     }
 }
 

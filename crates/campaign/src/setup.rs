@@ -114,10 +114,7 @@ pub(crate) fn stations(entries: Vec<StationEntry>) -> Result<Vec<Station>, Docum
 
 /// A dead path is known with its uncertainty, or not at all.
 fn dead_path(path: &str, entry: &StationEntry) -> Result<Option<KnownDeadPath>, DocumentError> {
-    let missing = |name: &str| {
-        let name = name.to_owned();
-        Err(DocumentProblem::MissingField { name }.in_field(path))
-    };
+    let missing = |name| Err(DocumentProblem::missing(name).in_field(path));
     check_sigma_mm(
         format!("{path}.dead_path_sigma_mm"),
         entry.dead_path_sigma_mm,

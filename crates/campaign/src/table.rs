@@ -4,6 +4,7 @@ use std::io;
 use std::path::Path;
 
 use csv::ByteRecord;
+use trueaxis_files::FileProblem;
 
 use crate::names::Names;
 use crate::text_file::newlines;
@@ -150,10 +151,8 @@ impl<'a> Table<'a> {
     }
 
     fn unreadable(&self, error: csv::Error) -> Error {
-        Problem::Unreadable {
-            source: io::Error::from(error),
-        }
-        .at(Place::file(self.file))
+        let source = io::Error::from(error);
+        Problem::File(FileProblem::Unreadable { source }).at(Place::file(self.file))
     }
 
     /// The error for a table without rows.

@@ -1,8 +1,8 @@
 //! Reading a text file as UTF-8.
 
-use std::fs;
-use std::io;
 use std::path::Path;
+
+use trueaxis_files::read_bytes;
 
 use crate::{Error, Place, Problem};
 
@@ -11,19 +11,8 @@ const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 /// The text of `file` without a byte order mark. `hint` says what to do if it is not there.
 pub(crate) fn read(file: &Path, hint: &str) -> Result<String, Error> {
     let place = || Place::file(file);
-    if file.is_dir() {
-        return Err(Problem::Folder {
-            hint: hint.to_owned(),
-        }
-        .at(place()));
-    }
-    let mut bytes = fs::read(file).map_err(|source| match source.kind() {
-        io::ErrorKind::NotFound => Problem::NotFound {
-            hint: hint.to_owned(),
-        }
-        .at(place()),
-        _ => Problem::Unreadable { source }.at(place()),
-    })?;
+    let bytes = read_bytes(file, hint);
+    let mut bytes = bytes.map_err(|problem| Problem::File(problem).at(place()))?;
     if bytes.starts_with(BYTE_ORDER_MARK) {
         bytes.drain(..BYTE_ORDER_MARK.len());
     }

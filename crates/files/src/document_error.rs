@@ -106,6 +106,25 @@ impl DocumentProblem {
         }
     }
 
+    /// A [`DocumentProblem::MissingField`].
+    pub fn missing(name: &str) -> Self {
+        let name = name.to_owned();
+        Self::MissingField { name }
+    }
+
+    /// A [`DocumentProblem::UnknownName`] of something of the kind `what`, of which these names are known.
+    pub fn unknown_name<S: AsRef<str>>(
+        what: &'static str,
+        name: &str,
+        known: impl IntoIterator<Item = S>,
+    ) -> Self {
+        Self::UnknownName {
+            what,
+            name: name.to_owned(),
+            alternatives: Alternatives::new(name, known),
+        }
+    }
+
     /// The error with this problem in a field of a document.
     pub fn in_field(self, path: impl Into<String>) -> DocumentError {
         DocumentError {

@@ -1,6 +1,6 @@
 //! Where each column of the table is in an export.
 
-use trueaxis_files::{Alternatives, DocumentProblem};
+use trueaxis_files::DocumentProblem;
 
 use crate::finder::{Finder, splits};
 use crate::import::Kind;
@@ -178,11 +178,7 @@ fn check_known(map: &Map) -> Result<(), Error> {
     let known: Vec<&str> = known.copied().collect();
     for name in map.columns.keys() {
         if !known.contains(&name.as_str()) && !is_logged(name) {
-            let problem = DocumentProblem::UnknownName {
-                what: "column of the table",
-                name: name.clone(),
-                alternatives: Alternatives::new(name, &known),
-            };
+            let problem = DocumentProblem::unknown_name("column of the table", name, &known);
             return Err(Problem::Document(problem).at(map.place(&format!("columns.{name}"))));
         }
     }

@@ -1,9 +1,8 @@
 //! What can be wrong with an export or its map.
 
 use std::fmt;
-use std::io;
 
-use trueaxis_files::{Alternatives, DocumentError, DocumentProblem, Place, counted};
+use trueaxis_files::{Alternatives, DocumentError, DocumentProblem, FileProblem, Place, counted};
 
 /// An export that cannot be imported, or a map that cannot be read.
 ///
@@ -53,29 +52,13 @@ impl Problem {
 
 /// What can be wrong with an export or its map. An [`Error`] says where.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum Problem {
     /// Of a name or value anywhere.
     #[error(transparent)]
     Document(DocumentProblem),
-    /// There is no such file.
-    #[error("there is no such file; {hint}")]
-    NotFound {
-        /// What to give instead.
-        hint: &'static str,
-    },
-    /// A folder stands where a file is needed.
-    #[error("this is a folder, expected a file; {hint}")]
-    Folder {
-        /// What to give instead.
-        hint: &'static str,
-    },
-    /// The operating system refuses to read the file.
-    #[error("the file cannot be read; check its permissions")]
-    Unreadable {
-        /// The reason of the operating system.
-        source: io::Error,
-    },
+    /// The file cannot be read.
+    #[error(transparent)]
+    File(FileProblem),
     /// The file holds a NUL, as programs and spreadsheets in their own format do.
     #[error("this is not text; export the points as ASCII or CSV")]
     NoText,

@@ -32,16 +32,9 @@ pub(crate) fn splits(map: &Map, names: Names<'_>) -> Result<Vec<SplitCell>, Erro
         })?;
         for name in pattern.names() {
             if !COMMON.contains(&name) && !map.axes.contains_key(name) {
-                let problem = DocumentProblem::UnknownName {
-                    what: "field",
-                    name: name.to_owned(),
-                    alternatives: Alternatives::new(
-                        name,
-                        COMMON
-                            .into_iter()
-                            .chain(map.axes.keys().map(String::as_str)),
-                    ),
-                };
+                let known = COMMON.into_iter();
+                let known = known.chain(map.axes.keys().map(String::as_str));
+                let problem = DocumentProblem::unknown_name("field", name, known);
                 return Err(Problem::Document(problem).at(map.place(&field)));
             }
         }
@@ -112,11 +105,7 @@ impl Finder<'_> {
         });
         for axis in moving {
             if !map.axes.contains_key(axis) {
-                let problem = DocumentProblem::UnknownName {
-                    what: "axis",
-                    name: axis.clone(),
-                    alternatives: Alternatives::new(axis, map.axes.keys()),
-                };
+                let problem = DocumentProblem::unknown_name("axis", axis, map.axes.keys());
                 return Err(Problem::Document(problem).at(map.place("stops.path")));
             }
         }

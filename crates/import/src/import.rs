@@ -1,10 +1,8 @@
 //! The way from an export to a table.
 
-use std::fs;
-use std::io;
 use std::path::Path;
 
-use trueaxis_files::{Part, Place, csv_cell};
+use trueaxis_files::{Part, Place, csv_cell, read_bytes};
 
 use crate::cells::cells;
 use crate::clock::Clock;
@@ -65,15 +63,8 @@ impl Imported {
 ///
 /// # Errors
 /// If there is no such file or it cannot be read; `hint` says what to give instead.
-pub(crate) fn bytes(file: &Path, hint: &'static str) -> Result<Vec<u8>, Error> {
-    if file.is_dir() {
-        return Err(Problem::Folder { hint }.at(Place::file(file)));
-    }
-    let read = fs::read(file).map_err(|source| match source.kind() {
-        io::ErrorKind::NotFound => Problem::NotFound { hint },
-        _ => Problem::Unreadable { source },
-    });
-    read.map_err(|problem| problem.at(Place::file(file)))
+pub(crate) fn bytes(file: &Path, hint: &str) -> Result<Vec<u8>, Error> {
+    read_bytes(file, hint).map_err(|problem| Problem::File(problem).at(Place::file(file)))
 }
 
 /// The table of that kind from the export in `file`.

@@ -145,14 +145,12 @@ impl Reader<'_> {
     }
 
     fn counting(&self, row: &RowText<'_>, source: &Option<Source>) -> Result<Option<u32>, Fault> {
-        let Some(source) = source else {
-            return Ok(None);
+        let counting = |source: &Source| {
+            let text = row.text(source);
+            let number = text.parse().ok().filter(|&number: &u32| number > 0);
+            number.ok_or_else(|| self.fault(source, text, "a whole number from 1".to_owned()))
         };
-        let text = row.text(source);
-        let number = text.parse().ok().filter(|&number: &u32| number > 0);
-        number
-            .map(Some)
-            .ok_or_else(|| self.fault(source, text, "a whole number from 1".to_owned()))
+        source.as_ref().map(counting).transpose()
     }
 
     fn direction(&self, row: &RowText<'_>, source: &Option<Source>) -> Result<Option<i8>, Fault> {

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 /// A report that cannot be made.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum Error {
     /// The folder holds no result.
     #[error(

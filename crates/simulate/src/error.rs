@@ -78,7 +78,6 @@ impl From<trueaxis_effects::Error> for Error {
 
 /// What can be wrong with a scenario. An [`Error`] says where it is.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum Problem {
     /// The file of the scenario cannot be read.
     #[error("the file cannot be read")]

@@ -8,7 +8,7 @@ use std::path::Path;
 use nalgebra::{Point3, Vector6};
 use serde::Deserialize;
 use trueaxis_campaign::{Direction, MachineSpec};
-use trueaxis_files::{Alternatives, DocumentError, DocumentProblem, Format, field_line};
+use trueaxis_files::{DocumentError, DocumentProblem, Format, field_line};
 use trueaxis_kinematics::{AxisKind, Component, LocationError, Machine, MotionError};
 
 use crate::calibrated_machine::{CalibratedMachine, MeasuredAxis};
@@ -190,7 +190,7 @@ impl Measured {
         for component in Component::ALL {
             let name = component.name(&entry.name);
             let Some(curve) = entry.components.get(&name) else {
-                let problem = DocumentProblem::MissingField { name };
+                let problem = DocumentProblem::missing(&name);
                 return Err(problem.in_field(format!("{field}.components")));
             };
             require(&format!("components.{name}"), curve.value_um.len())?;
@@ -266,12 +266,10 @@ impl Measured {
         let unknown = entries.keys().find(|name| !known.contains(name));
         match unknown {
             None => Ok(()),
-            Some(name) => Err(DocumentProblem::UnknownName {
-                what: "location error",
-                alternatives: Alternatives::new(name, &known),
-                name: name.clone(),
+            Some(name) => {
+                let problem = DocumentProblem::unknown_name("location error", name, &known);
+                Err(problem.in_field(format!("location_errors.{name}")))
             }
-            .in_field(format!("location_errors.{name}"))),
         }
     }
 
@@ -324,8 +322,7 @@ impl Measured {
 
 /// Either all errors have standard uncertainties or none has.
 fn no_u(unit: Unit, field: String) -> DocumentError {
-    let name = format!("u_{}", unit.suffix());
-    DocumentProblem::MissingField { name }.in_field(field)
+    DocumentProblem::missing(&format!("u_{}", unit.suffix())).in_field(field)
 }
 
 /// Standard uncertainties of one result that differ by no more are the same: relative, and what `calibration.json`
