@@ -40,6 +40,15 @@ pub(crate) const LOGGED_COLUMNS: [&str; 5] = [
 ];
 
 impl LoggedQuantity {
+    /// Whether a column of that name holds temperatures.
+    pub fn is_temperature(name: &str) -> bool {
+        let quantity = Self::of_column(name);
+        matches!(
+            quantity,
+            Some(Self::AirTemperature | Self::MachineTemperature)
+        )
+    }
+
     /// What a column of that name holds; none if the format has no such logged column.
     pub fn of_column(name: &str) -> Option<Self> {
         use LoggedQuantity::{AirHumidity, AirPressure, AirTemperature, MachineTemperature};

@@ -22,6 +22,22 @@ impl AxisKind {
         }
     }
 
+    /// A position in mm or rad, of one in mm or degrees as files have it. Zero loses its sign: -0 and 0 are one place.
+    pub fn position_from_file(self, position: f64) -> f64 {
+        match self {
+            Self::Linear => position + 0.0,
+            Self::Rotary => position.to_radians() + 0.0,
+        }
+    }
+
+    /// A position in mm or degrees, of one in mm or rad.
+    pub fn position_in_file(self, position: f64) -> f64 {
+        match self {
+            Self::Linear => position,
+            Self::Rotary => position.to_degrees(),
+        }
+    }
+
     /// The unit of positions in files: `mm` or `deg`.
     pub fn position_unit(self) -> &'static str {
         match self {

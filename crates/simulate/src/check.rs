@@ -23,6 +23,18 @@ pub(crate) fn positive(field: &str, number: f64) -> Result<(), Error> {
     finite(field, &[number])
 }
 
+/// A standard deviation of the scenario's part `part`, else what the instrument declares of that name, else none.
+pub(crate) fn sigma(
+    part: &str,
+    name: &str,
+    own: Option<f64>,
+    declared: Option<f64>,
+) -> Result<f64, Error> {
+    let part = if own.is_some() { part } else { "instrument" };
+    let sigma = own.or(declared).unwrap_or(0.0);
+    not_negative(&format!("{part}.{name}"), sigma).map(|()| sigma)
+}
+
 fn value(
     field: &str,
     values: &[f64],

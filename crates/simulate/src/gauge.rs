@@ -157,10 +157,10 @@ fn at_home(q: &[f64], values: &[Vector3<f64>]) -> Option<Vector3<f64>> {
     let above = q.partition_point(|&q| q < 0.0);
     match (above.checked_sub(1), values.get(above)) {
         (None, first) => first.copied(),
-        (Some(below), None) => values.get(below).copied(),
+        (Some(below), None) => Some(values[below]),
         (Some(below), Some(value_above)) => {
-            let (q0, q1) = (q.get(below)?, q.get(above)?);
-            Some(values.get(below)?.lerp(value_above, -q0 / (q1 - q0)))
+            let (q0, q1) = (q[below], q[above]);
+            Some(values[below].lerp(value_above, -q0 / (q1 - q0)))
         }
     }
 }
@@ -181,8 +181,7 @@ fn turn(d: &Unit<Vector3<f64>>, angle_rad: f64) -> Rotation3<f64> {
 
 /// Number of values; `None` for none.
 fn count(values: &[f64]) -> Option<f64> {
-    let count = u32::try_from(values.len()).ok()?;
-    (count > 0).then_some(f64::from(count))
+    (!values.is_empty()).then_some(values.len() as f64)
 }
 
 fn squares_about_mean(values: &[f64]) -> f64 {

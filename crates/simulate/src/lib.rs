@@ -61,7 +61,6 @@
 //! The file format is described in `docs/scenario.md` of the repository and field by field at
 //! [`Scenario`].
 
-mod axis_unit;
 mod check;
 mod circumstances;
 mod error;

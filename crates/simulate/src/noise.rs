@@ -26,11 +26,7 @@ impl Noise {
     /// The noise of a scenario: its own, else what the instrument declares, else none.
     pub(crate) fn of(scenario: &Scenario) -> Result<Self, Error> {
         let (noise, declared) = (&scenario.noise, &scenario.instrument);
-        let sigma = |name: &str, own: Option<f64>, declared: Option<f64>| {
-            let part = if own.is_some() { "noise" } else { "instrument" };
-            let sigma = own.or(declared).unwrap_or(0.0);
-            check::not_negative(&format!("{part}.{name}"), sigma).map(|()| sigma)
-        };
+        let sigma = |name, own, declared| check::sigma("noise", name, own, declared);
         let (a, a_declared) = (noise.length_sigma_um, declared.length_sigma_um);
         let (b, b_declared) = (noise.length_sigma_ppm, declared.length_sigma_ppm);
         let (m, m_declared) = (noise.repeatability_um, declared.repeatability_um);

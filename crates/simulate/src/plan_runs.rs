@@ -4,7 +4,6 @@ use trueaxis_campaign::{AxisSpec, Direction};
 use trueaxis_files::{DocumentProblem, index_of};
 use trueaxis_kinematics::{Axis, Machine};
 
-use crate::axis_unit;
 use crate::check;
 use crate::plan::PlannedTarget;
 use crate::{Error, Problem, RunSpec, Scenario, Sweep};
@@ -132,7 +131,7 @@ impl RunPlan<'_> {
             return Err(problem.at(field));
         }
         let kind = self.machine.axes()[axis].kind();
-        Ok(axis_unit::from_file(kind, position))
+        Ok(kind.position_from_file(position))
     }
 
     fn measured_targets(

@@ -23,9 +23,7 @@ pub(crate) fn read_errors(
     for (name, spec) in &scenario.errors {
         let field = format!("errors.{name}");
         let index = index_of(&field, "axis", name, &names)?;
-        let (Some(axis), Some(errors)) = (machine.axes().get(index), all.get_mut(index)) else {
-            continue;
-        };
+        let (axis, errors) = (&machine.axes()[index], &mut all[index]);
         if *spec == AxisErrors::default() {
             continue;
         }
@@ -79,10 +77,7 @@ fn location(
     let mut location = LocationError::default();
     for (name, value) in &spec.location_errors {
         let field = format!("{field}.location_errors.{name}");
-        let index = index_of(&field, "location error", name, &known)?;
-        let Some(&component) = components.get(index) else {
-            continue;
-        };
+        let component = components[index_of(&field, "location error", name, &known)?];
         let (given, unit) = location_value(&field, component, value)?;
         if let Some(reason) = taken(component).filter(|_| given != 0.0) {
             return Err(Problem::TakenByFrame {
@@ -146,17 +141,11 @@ fn refuse_unseen_lost_motion(
     if errors.half_lost_motion == MotionError::default() {
         return Ok(());
     }
-    let one_way = runs
-        .iter()
-        .find(|run| run.axis == index && run.directions.len() < 2);
-    match one_way {
-        None => Ok(()),
-        Some(run) => Err(Problem::LostMotionUnseen {
-            axis: axis.name().to_owned(),
-            run: run.name.clone(),
-        }
-        .at(field)),
-    }
+    let is_one_way = |run: &&PlannedRun| run.axis == index && run.directions.len() < 2;
+    runs.iter().find(is_one_way).map_or(Ok(()), |run| {
+        let (axis, run) = (axis.name().to_owned(), run.name.clone());
+        Err(Problem::LostMotionUnseen { axis, run }.at(field))
+    })
 }
 
 fn gauge(

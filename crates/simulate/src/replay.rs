@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 
 use trueaxis_campaign::{Campaign, MachineSpec};
 use trueaxis_effects::{GivenEffect, GivenParameter, GivenSubject};
-use trueaxis_files::counted;
+use trueaxis_files::{counted, round};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 
 use crate::{
@@ -78,9 +78,6 @@ pub enum ReplayError {
     #[error(transparent)]
     Scenario(#[from] Error),
 }
-
-/// Degrees are written to this, as in `calibration.json`.
-const PER_DEGREE: f64 = 1e9;
 
 /// The scenario that measures `campaign` again if `truth` is true of it.
 ///
@@ -187,11 +184,11 @@ fn reflectors(truth: &Truth) -> Vec<ReflectorSpec> {
     reflectors.collect()
 }
 
-/// mm or degrees.
+/// mm or, to nine decimals as in `calibration.json`, degrees.
 fn in_file(kind: AxisKind, position: f64) -> f64 {
     match kind {
         AxisKind::Linear => position,
-        AxisKind::Rotary => (position.to_degrees() * PER_DEGREE).round() / PER_DEGREE,
+        AxisKind::Rotary => round(position.to_degrees(), 9),
     }
 }
 

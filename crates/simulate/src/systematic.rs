@@ -91,15 +91,7 @@ impl PlannedSystematic {
         check_reflectors(&declared)?;
         let (reflector_names, reflector_of_target) = reflectors(&declared);
         let own = &scenario.systematic;
-        let sigma = |name: &str, own: Option<f64>, declared: Option<f64>| {
-            let part = if own.is_some() {
-                "systematic"
-            } else {
-                "instrument"
-            };
-            let sigma = own.or(declared).unwrap_or(0.0);
-            check::not_negative(&format!("{part}.{name}"), sigma).map(|()| sigma)
-        };
+        let sigma = |name, own, declared| check::sigma("systematic", name, own, declared);
         let instrument = &scenario.instrument;
         let (reflector_um, scale_ppm) = (instrument.reflector_sigma_um, instrument.scale_sigma_ppm);
         if let Some(sigma_mm) = own.position_sigma_mm {

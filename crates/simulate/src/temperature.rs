@@ -150,7 +150,7 @@ pub(crate) fn check_temperatures(scenario: &Scenario) -> Result<(), Error> {
     })?;
     for (i, spec) in scenario.temperatures.iter().enumerate() {
         let field = format!("temperatures[{i}]");
-        if !is_temperature(&spec.column) {
+        if !LoggedQuantity::is_temperature(&spec.column) {
             let found = format!("a column `{}`", spec.column);
             let expected = "machine_temp_c, machine_temp_<name>_c or air_temp_c";
             let problem = DocumentProblem::value(found, expected);
@@ -162,12 +162,6 @@ pub(crate) fn check_temperatures(scenario: &Scenario) -> Result<(), Error> {
         }
     }
     Ok(())
-}
-
-fn is_temperature(column: &str) -> bool {
-    use LoggedQuantity::{AirTemperature, MachineTemperature};
-    let quantity = LoggedQuantity::of_column(column);
-    matches!(quantity, Some(AirTemperature | MachineTemperature))
 }
 
 /// The temperatures that effects may go with: those of the machine, and that of air which the instrument does not

@@ -4,7 +4,6 @@ use trueaxis_campaign::Direction;
 use trueaxis_kinematics::{Axis, AxisKind, GeometricErrors, LocationError, MotionError};
 
 use crate::Term;
-use crate::axis_unit;
 use crate::gauge::GaugePart;
 
 /// The true errors of one axis.
@@ -34,7 +33,7 @@ impl TrueAxis {
     pub(crate) fn faultless(axis: &Axis) -> Self {
         Self {
             kind: axis.kind(),
-            travel: axis.travel().map(|q| axis_unit::to_file(axis.kind(), q)),
+            travel: axis.travel().map(|q| axis.kind().position_in_file(q)),
             location: LocationError::default(),
             curves: Default::default(),
             gauge: GaugePart::none(axis),
@@ -44,7 +43,7 @@ impl TrueAxis {
 
     /// The curves as the scenario gives them, at `position` (mm or rad).
     pub(crate) fn as_given(&self, position: f64) -> MotionError {
-        let q = axis_unit::to_file(self.kind, position);
+        let q = self.kind.position_in_file(position);
         let values = self.curves.each_ref().map(|curve| {
             let terms = curve.terms.iter();
             curve.scale * terms.map(|term| term.value(q, self.travel)).sum::<f64>()

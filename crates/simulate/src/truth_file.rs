@@ -11,7 +11,6 @@ use serde_json::{Value, json};
 use trueaxis_files::{Place, round};
 use trueaxis_kinematics::{ARCSEC, Component, MICROMETRE};
 
-use crate::axis_unit;
 use crate::{Error, Problem, TrueComponents, TrueLocation, Truth};
 
 /// Decimals of the values.
@@ -70,7 +69,7 @@ impl Serialize for Truth {
 
 fn of_axis(axis: &TrueComponents) -> Value {
     let positions = axis.positions.iter();
-    let positions = positions.map(|&q| round(axis_unit::to_file(axis.kind, q), DECIMALS));
+    let positions = positions.map(|&q| round(axis.kind.position_in_file(q), DECIMALS));
     let components = Component::ALL.into_iter().map(|component| {
         let (field, unit) = match component.is_angular() {
             true => ("value_arcsec", ARCSEC),
