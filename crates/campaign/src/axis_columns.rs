@@ -57,13 +57,21 @@ impl<'a> AxisColumns<'a> {
             let cell = row.cell(known.column);
             if known.cell.is_empty() || known.cell != cell {
                 let number = row.number(known.column)?;
-                known.position = position_unit::from_file(known.axis.kind(), number);
+                known.position = known.axis.kind().position_from_file(number);
                 known.cell.clear();
                 known.cell.extend_from_slice(cell);
             }
             positions.push(known.position);
         }
         Ok(())
+    }
+
+    /// The positions of all axes, which are within the travel, mm or rad.
+    pub(crate) fn read_within_travel(&mut self, row: &Row<'_>) -> Result<Vec<f64>, Error> {
+        let mut positions = Vec::with_capacity(self.axes.len());
+        self.read(row, &mut positions)?;
+        self.check_travel(row, &positions)?;
+        Ok(positions)
     }
 
     /// Checks that `positions`, read from `row`, are within the travel.

@@ -186,7 +186,7 @@ pub(crate) struct RunEntry {
 
 /// All kinds of verification. Which fields belong to which kind is checked afterwards: a tagged
 /// enum would lose the line and the path of what is wrong inside it.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object: a verification")]
 pub(crate) struct VerificationEntry {
     /// Name of the verification.
@@ -221,30 +221,12 @@ pub(crate) struct VerificationEntry {
     pub(crate) readings: String,
 }
 
-impl VerificationEntry {
-    /// Without what only some kinds have.
-    pub(crate) fn new(name: String, kind: VerificationKindEntry, readings: String) -> Self {
-        Self {
-            name,
-            kind,
-            axis: None,
-            target_mm: None,
-            ball_mm: None,
-            ball_carried_by: None,
-            center_mm: None,
-            length_is_calibrated: None,
-            u_um: None,
-            u_ppm: None,
-            readings,
-        }
-    }
-}
-
 /// The kinds of verification.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum VerificationKindEntry {
     /// Displacement along an axis against the commanded one.
+    #[default]
     Positioning,
     /// Change of length between two balls.
     Ballbar,

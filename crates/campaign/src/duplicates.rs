@@ -28,9 +28,8 @@ fn check_stop<R: Reading>(file: &Path, readings: &[R], targets: &[Target]) -> Re
     for (i, second) in readings.iter().enumerate() {
         let first = readings[..i].iter().find(|r| r.target() == second.target());
         if let Some(first) = first {
-            let target = targets.get(second.target());
             return Err(Problem::TargetReadTwice {
-                target: target.map(|t| t.name.clone()).unwrap_or_default(),
+                target: targets[second.target()].name.clone(),
                 first_line: first.line(),
             }
             .at(Place::line(file, second.line())));

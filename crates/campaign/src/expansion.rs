@@ -48,8 +48,7 @@ fn expansion(axis: usize, spec: &AxisSpec) -> Result<Option<AxisExpansion>, Docu
     };
     let Some(ppm_per_k) = spec.expansion_ppm_per_k else {
         if spec.temperature_column.is_some() || spec.temperature_sigma_k.is_some() {
-            let name = "expansion_ppm_per_k".to_owned();
-            return Err(DocumentProblem::MissingField { name }.in_field(path));
+            return Err(DocumentProblem::missing("expansion_ppm_per_k").in_field(path));
         }
         return Ok(None);
     };
@@ -71,13 +70,9 @@ fn expansion(axis: usize, spec: &AxisSpec) -> Result<Option<AxisExpansion>, Docu
     }
     let column = spec.temperature_column.as_deref();
     let column = column.unwrap_or(AxisExpansion::DEFAULT_COLUMN);
-    if !is_temperature(column) {
+    if !LoggedQuantity::is_temperature(column) {
         let known = LOGGED_COLUMNS.iter().filter(|name| name.contains("_temp_"));
-        let problem = DocumentProblem::UnknownName {
-            what: "temperature column",
-            name: column.to_owned(),
-            alternatives: Alternatives::new(column, known),
-        };
+        let problem = DocumentProblem::unknown_name("temperature column", column, known);
         return Err(problem.in_field(format!("{path}.temperature_column")));
     }
     Ok(Some(AxisExpansion {
@@ -99,7 +94,7 @@ pub(crate) fn check_columns(
         let column = &expansion.temperature_column;
         if lengths.logged_column(column).is_none() {
             let logged = lengths.logged.iter().map(|column| column.name.as_str());
-            let temperatures = logged.filter(|column| is_temperature(column));
+            let temperatures = logged.filter(|column| LoggedQuantity::is_temperature(column));
             let found = format!("{name} has no column `{column}`");
             let expected = format!(
                 "a column with the temperature of the axis; {}",
@@ -110,10 +105,4 @@ pub(crate) fn check_columns(
         }
     }
     Ok(())
-}
-
-fn is_temperature(column: &str) -> bool {
-    use LoggedQuantity::{AirTemperature, MachineTemperature};
-    let quantity = LoggedQuantity::of_column(column);
-    matches!(quantity, Some(AirTemperature | MachineTemperature))
 }

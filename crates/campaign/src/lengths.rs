@@ -8,7 +8,7 @@ use crate::logged::LOGGED_COLUMNS;
 use crate::reading::readings_of;
 use crate::rows::Rows;
 use crate::steps::Steps;
-use crate::stops::{Sighting, StopReader, StopWriter, append, required_columns};
+use crate::stops::{StopReader, StopWriter, append, required_columns};
 use crate::table::{Column, Table};
 use crate::{Campaign, Error, LengthReading, Lengths, LoggedColumn, LoggedQuantity, Problem, Stop};
 
@@ -110,11 +110,7 @@ pub(crate) fn text(campaign: &Campaign, lengths: &Lengths) -> String {
     for stop in &lengths.stops {
         let readings = readings_of(stop, &lengths.readings);
         for (index, reading) in stop.readings.clone().zip(readings) {
-            let sighting = Sighting {
-                time_s: reading.time_s,
-                target: reading.target,
-            };
-            writer.start_row(&mut rows, stop, &sighting, true);
+            writer.start_row(&mut rows, stop, reading);
             rows.length_mm(reading.length_mm);
             for column in &lengths.logged {
                 rows.optional_number(column.values.get(index).copied().flatten());

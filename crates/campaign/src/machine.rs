@@ -85,7 +85,7 @@ impl AxisSpec {
             return Err(Problem::value(found, expected).at(place("travel")));
         }
         let direction = Vector3::from(self.direction);
-        let travel = self.travel.map(|end| position_unit::from_file(kind, end));
+        let travel = self.travel.map(|end| kind.position_from_file(end));
         let axis = match (kind, self.position_mm) {
             (AxisKind::Linear, None) => Axis::linear(name, direction, travel),
             (AxisKind::Rotary, Some(point_mm)) => {

@@ -64,21 +64,24 @@ pub(crate) fn without_rows<R: Reading>(
     stops: &[Stop],
     readings: &[R],
 ) -> Vec<String> {
-    let run = |stop: &Stop| campaign.steps.get(stop.step).and_then(|step| step.run);
-    let stations = unseen(
-        campaign.stations.iter().map(|s| s.name.as_str()),
-        stops.iter().map(|stop| stop.station),
-    );
+    let stations = match R::HAS_STATION {
+        true => unseen(
+            campaign.stations.iter().map(|s| s.name.as_str()),
+            stops.iter().map(|stop| stop.station),
+        ),
+        // A points campaign may list stations, but has no column for them.
+        false => Vec::new(),
+    };
     let runs = unseen(
         campaign.runs.iter().map(|r| r.name.as_str()),
-        stops.iter().filter_map(run),
+        stops
+            .iter()
+            .filter_map(|stop| campaign.steps[stop.step].run),
     );
     let targets = unseen(
         campaign.targets.iter().map(|t| t.name.as_str()),
         readings.iter().map(Reading::target),
     );
-    // A points campaign may list stations, but has no column for them.
-    let stations = if R::HAS_STATION { stations } else { Vec::new() };
     [("station", stations), ("run", runs), ("target", targets)]
         .into_iter()
         .flat_map(|(what, names)| names.into_iter().map(move |name| (what, name)))
@@ -92,10 +95,6 @@ fn unseen<'a>(
     seen: impl Iterator<Item = usize>,
 ) -> Vec<&'a str> {
     let mut names: Vec<Option<&str>> = names.map(Some).collect();
-    for index in seen {
-        if let Some(name) = names.get_mut(index) {
-            *name = None;
-        }
-    }
+    seen.for_each(|index| names[index] = None);
     names.into_iter().flatten().collect()
 }

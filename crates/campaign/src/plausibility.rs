@@ -105,8 +105,8 @@ pub(crate) fn check_lengths(
         let runs: Vec<usize> = (0..campaign.runs.len()).collect();
         let suspects = hypothesis::for_lengths(campaign, &runs, &[small.station]);
         return Err(Problem::LengthsTooSmall {
-            station: station_name(campaign, small.station),
-            target: target_name(campaign, small.target),
+            station: campaign.stations[small.station].name.clone(),
+            target: campaign.targets[small.target].name.clone(),
             spread_mm: small.spread_mm,
             least_mm: small.least_mm,
             mistake: suspects.into_iter().find(explains).and_then(|h| h.mistake),
@@ -160,8 +160,8 @@ fn too_large(
 ) -> Error {
     Problem::LengthsTooLarge {
         first_line: worst.ends[0].line,
-        station: station_name(campaign, worst.station),
-        target: target_name(campaign, worst.ends[1].target),
+        station: campaign.stations[worst.station].name.clone(),
+        target: campaign.targets[worst.ends[1].target].name.clone(),
         change_mm: worst.observed_mm,
         moved_mm: nominal.distance_mm(worst),
         mistake,
@@ -175,19 +175,6 @@ fn isolated(name: &str, campaign: &Campaign, worst: &Pair, nominal_mm: f64) -> S
     format!(
         "{name} lines {} and {}: target `{}` is seen to move by {:.3} mm, nominally it moves by \
          {nominal_mm:.3} mm; one of the rows is wrong, or the beam was broken in between",
-        first.line,
-        second.line,
-        target_name(campaign, second.target),
-        worst.observed_mm
+        first.line, second.line, campaign.targets[second.target].name, worst.observed_mm
     )
-}
-
-fn station_name(campaign: &Campaign, station: usize) -> String {
-    let station = campaign.stations.get(station);
-    station.map(|s| s.name.clone()).unwrap_or_default()
-}
-
-fn target_name(campaign: &Campaign, target: usize) -> String {
-    let target = campaign.targets.get(target);
-    target.map(|t| t.name.clone()).unwrap_or_default()
 }

@@ -37,9 +37,7 @@ pub(crate) fn read(
 
     let mut readings = Vec::new();
     while let Some(row) = table.next_row()? {
-        let mut positions = Vec::with_capacity(machine.axes().len());
-        axes.read(&row, &mut positions)?;
-        axes.check_travel(&row, &positions)?;
+        let positions = axes.read_within_travel(&row)?;
         let [x, y, z] = deviations.map(|column| row.optional_number(column));
         let deviation_um = [x?, y?, z?];
         if deviation_um.iter().all(Option::is_none) {
@@ -111,8 +109,11 @@ pub(crate) fn text(check: &PointCheck, machine: &Machine) -> String {
 /// The entry that belongs to the table in the file `readings`.
 pub(crate) fn to_entry(check: &PointCheck, readings: String) -> VerificationEntry {
     VerificationEntry {
+        name: check.name.clone(),
+        kind: VerificationKindEntry::Points,
         u_um: check.u_um,
         u_ppm: check.u_ppm,
-        ..VerificationEntry::new(check.name.clone(), VerificationKindEntry::Points, readings)
+        readings,
+        ..VerificationEntry::default()
     }
 }

@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use crate::reading::readings_of;
 use crate::rows::Rows;
 use crate::steps::Steps;
-use crate::stops::{Sighting, StopReader, StopWriter, required_columns};
+use crate::stops::{StopReader, StopWriter, required_columns};
 use crate::table::{Column, Row, Table};
 use crate::{Campaign, Error, PointReading, Points, Problem};
 
@@ -72,11 +72,7 @@ pub(crate) fn text(campaign: &Campaign, points: &Points) -> String {
     let writer = StopWriter::of(campaign);
     for stop in &points.stops {
         for reading in readings_of(stop, &points.readings) {
-            let sighting = Sighting {
-                time_s: reading.time_s,
-                target: reading.target,
-            };
-            writer.start_row(&mut rows, stop, &sighting, false);
+            writer.start_row(&mut rows, stop, reading);
             reading.position_mm.iter().for_each(|&c| rows.number(c));
             if has_sigma {
                 rows.optional_number(reading.sigma_um);

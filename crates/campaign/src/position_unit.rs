@@ -2,15 +2,7 @@
 
 use trueaxis_kinematics::AxisKind;
 
-/// From the file's unit to the model's. Zero loses its sign: -0 and 0 are one position.
-pub(crate) fn from_file(kind: AxisKind, position: f64) -> f64 {
-    match kind {
-        AxisKind::Linear => position + 0.0,
-        AxisKind::Rotary => position.to_radians() + 0.0,
-    }
-}
-
-/// From the model's unit to the file's, such that [`from_file`] returns `position` again.
+/// From the model's unit to the file's, such that [`AxisKind::position_from_file`] returns `position` again.
 ///
 /// Multiplying by 180/π alone would print 22.5° as 22.499999999999996. Of the decimal numbers
 /// that read as `position`, the shortest is the one that was in the file. A few angles (one in
@@ -40,7 +32,10 @@ mod tests {
     use super::*;
 
     fn through(degrees: f64) -> f64 {
-        in_file(AxisKind::Rotary, from_file(AxisKind::Rotary, degrees))
+        in_file(
+            AxisKind::Rotary,
+            AxisKind::Rotary.position_from_file(degrees),
+        )
     }
 
     /// Every multiple of 0.0001° of a turn prints as it was read.
@@ -59,8 +54,8 @@ mod tests {
     fn any_angle_is_stable_after_one_pass() {
         for i in 0..20_000 {
             let angle = f64::from(i) * 3.141_592e-4 + 1e-9;
-            let once = from_file(AxisKind::Rotary, in_file(AxisKind::Rotary, angle));
-            let twice = from_file(AxisKind::Rotary, in_file(AxisKind::Rotary, once));
+            let once = AxisKind::Rotary.position_from_file(in_file(AxisKind::Rotary, angle));
+            let twice = AxisKind::Rotary.position_from_file(in_file(AxisKind::Rotary, once));
             assert!((once - angle).abs() <= angle * f64::EPSILON);
             assert_eq!(once.to_bits(), twice.to_bits());
         }
@@ -69,7 +64,7 @@ mod tests {
     #[test]
     fn minus_zero_is_zero() {
         for kind in [AxisKind::Linear, AxisKind::Rotary] {
-            assert_eq!(from_file(kind, -0.0).to_bits(), 0.0_f64.to_bits());
+            assert_eq!(kind.position_from_file(-0.0).to_bits(), 0.0_f64.to_bits());
             assert_eq!(in_file(kind, -0.0).to_bits(), 0.0_f64.to_bits());
         }
     }

@@ -34,14 +34,10 @@ pub fn read_positions(file: &Path, machine: &Machine) -> Result<Vec<Position>, E
     let point = PointColumns::of(&table)?;
     let mut positions = Vec::new();
     while let Some(row) = table.next_row()? {
-        let mut axes = Vec::new();
-        columns.read(&row, &mut axes)?;
-        columns.check_travel(&row, &axes)?;
-        let point_mm = point.read(&row)?;
         positions.push(Position {
             line: row.line(),
-            axes,
-            point_mm,
+            axes: columns.read_within_travel(&row)?,
+            point_mm: point.read(&row)?,
         });
     }
     if positions.is_empty() {

@@ -92,38 +92,35 @@ struct Folder<'f, 't> {
 
 impl<'t> Folder<'_, 't> {
     fn read_lengths(&self, name: &str, campaign: &mut Campaign) -> Result<(), Error> {
-        self.check_list("stations", campaign.stations.is_empty(), "lengths")?;
-        self.check_list("targets", campaign.targets.is_empty(), "lengths")?;
-        self.check_list("runs", campaign.runs.is_empty(), "lengths")?;
+        self.check_lists(&["stations", "targets", "runs"], campaign, "lengths")?;
         let (file, text) = self.text(name, "lengths")?;
         let (lengths, steps) = lengths::read(&file, &text, campaign)?;
         expansion::check_columns(name, &campaign.expansions, &lengths)
             .map_err(|error| Error::from(error).in_file(self.path))?;
         let (stops, readings) = (&lengths.stops, &lengths.readings);
         check_rows(&file, name, campaign, stops, readings, steps)?;
-        let notices = plausibility::check_lengths(&file, name, campaign, &lengths)?;
+        let unusual = plausibility::check_lengths(&file, name, campaign, &lengths)?;
         let copies = plausibility::check_copies(&file, name, campaign, stops, readings)?;
-        let cut = notices::without_line_end(name, &text);
+        campaign.notices.extend(unusual.into_iter().chain(copies));
         campaign
             .notices
-            .extend(notices.into_iter().chain(copies).chain(cut));
+            .extend(notices::without_line_end(name, &text));
         campaign.lengths = Some(lengths);
         Ok(())
     }
 
     fn read_points(&self, name: &str, campaign: &mut Campaign) -> Result<(), Error> {
-        self.check_list("targets", campaign.targets.is_empty(), "points")?;
-        self.check_list("runs", campaign.runs.is_empty(), "points")?;
+        self.check_lists(&["targets", "runs"], campaign, "points")?;
         let (file, text) = self.text(name, "points")?;
         let (points, steps) = points::read(&file, &text, campaign)?;
         let (stops, readings) = (&points.stops, &points.readings);
         check_rows(&file, name, campaign, stops, readings, steps)?;
-        let notices = plausibility::check_points(&file, name, campaign, &points)?;
+        let unusual = plausibility::check_points(&file, name, campaign, &points)?;
         let copies = plausibility::check_copies(&file, name, campaign, stops, readings)?;
-        let cut = notices::without_line_end(name, &text);
+        campaign.notices.extend(unusual.into_iter().chain(copies));
         campaign
             .notices
-            .extend(notices.into_iter().chain(copies).chain(cut));
+            .extend(notices::without_line_end(name, &text));
         campaign.points = Some(points);
         Ok(())
     }
@@ -163,11 +160,21 @@ impl<'t> Folder<'_, 't> {
         Ok(())
     }
 
-    fn check_list(&self, list: &str, is_empty: bool, needed_by: &'static str) -> Result<(), Error> {
-        if !is_empty {
-            return Ok(());
-        }
-        Err(Problem::EmptyList { needed_by }.at(Place::field(self.path, list)))
+    /// Lists of `campaign.json` without which a table cannot be read.
+    fn check_lists(
+        &self,
+        lists: &[&str],
+        campaign: &Campaign,
+        needed_by: &'static str,
+    ) -> Result<(), Error> {
+        let is_empty = |list: &&&str| match **list {
+            "stations" => campaign.stations.is_empty(),
+            "targets" => campaign.targets.is_empty(),
+            _ => campaign.runs.is_empty(),
+        };
+        lists.iter().find(is_empty).map_or(Ok(()), |list| {
+            Err(Problem::EmptyList { needed_by }.at(Place::field(self.path, *list)))
+        })
     }
 
     /// The file that `field` of `campaign.json` names: its path and its text.

@@ -25,17 +25,14 @@ pub(crate) fn check(file: &Path, campaign: &Campaign, steps: &Steps) -> Result<(
                 }
             }
         }
-        let own_axis_moves = moved_in_line.get(run.axis).is_some_and(Option::is_some);
+        let own_axis_moves = moved_in_line[run.axis].is_some();
         let first_motion = moved_in_line.iter().flatten().min();
         if let (false, Some(&line)) = (own_axis_moves, first_motion) {
             let moving = axes.iter().zip(&moved_in_line);
             let moving = moving.filter(|(_, moved)| moved.is_some());
             return Err(Problem::WrongAxisMoves {
                 run: run.name.clone(),
-                axis: axes
-                    .get(run.axis)
-                    .map(|axis| axis.name().to_owned())
-                    .unwrap_or_default(),
+                axis: axes[run.axis].name().to_owned(),
                 moving: moving.map(|(axis, _)| axis.name().to_owned()).collect(),
             }
             .at(Place::line(file, line)));

@@ -4,6 +4,7 @@ use trueaxis_kinematics::Machine;
 
 use crate::axis_columns::AxisColumns;
 use crate::names::Names;
+use crate::reading::Reading;
 use crate::rows::{Rows, position_cells};
 use crate::steps::Steps;
 use crate::table::{Column, Row, Table};
@@ -211,21 +212,15 @@ impl<'a> StopWriter<'a> {
 
     /// Writes the columns up to `target`. An index that points nowhere gives an empty name, which
     /// no reading accepts.
-    pub(crate) fn start_row(
-        &self,
-        rows: &mut Rows,
-        stop: &Stop,
-        sighting: &Sighting,
-        has_station: bool,
-    ) {
+    pub(crate) fn start_row<R: Reading>(&self, rows: &mut Rows, stop: &Stop, reading: &R) {
         let campaign = self.campaign;
         let station = campaign.stations.get(stop.station).map(|s| s.name.as_str());
         let step = campaign.steps.get(stop.step);
         let run = step.and_then(|step| campaign.runs.get(step.run?));
-        let target = campaign.targets.get(sighting.target);
+        let target = campaign.targets.get(reading.target());
         let position_cells = self.position_cells.get(stop.step);
-        rows.time_s(sighting.time_s);
-        if has_station {
+        rows.time_s(reading.time_s());
+        if R::HAS_STATION {
             rows.name(station.unwrap_or_default());
         }
         rows.counting_number(stop.repeat);
@@ -235,10 +230,6 @@ impl<'a> StopWriter<'a> {
             None => rows.name(""),
         }
         rows.positions(position_cells.map(String::as_str).unwrap_or_default());
-        rows.name(
-            target
-                .map(|target| target.name.as_str())
-                .unwrap_or_default(),
-        );
+        rows.name(target.map(|t| t.name.as_str()).unwrap_or_default());
     }
 }

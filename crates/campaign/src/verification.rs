@@ -26,68 +26,60 @@ fn kind(
     entry: &VerificationEntry,
     machine: &Machine,
 ) -> Result<Option<VerificationKind>, Error> {
-    let fields = Fields {
-        path: format!("verification[{index}]"),
-        machine,
+    use VerificationKindEntry::{Ballbar, Points, Positioning};
+    let path = format!("verification[{index}]");
+    // Which fields an entry may have depends on its kind.
+    for (name, kind, of, is_there) in [
+        ("axis", "positioning", Positioning, entry.axis.is_some()),
+        (
+            "target_mm",
+            "positioning",
+            Positioning,
+            entry.target_mm.is_some(),
+        ),
+        ("ball_mm", "ballbar", Ballbar, entry.ball_mm.is_some()),
+        (
+            "ball_carried_by",
+            "ballbar",
+            Ballbar,
+            entry.ball_carried_by.is_some(),
+        ),
+        ("center_mm", "ballbar", Ballbar, entry.center_mm.is_some()),
+        (
+            "length_is_calibrated",
+            "ballbar",
+            Ballbar,
+            entry.length_is_calibrated.is_some(),
+        ),
+    ] {
+        if is_there && of != entry.kind {
+            let found = format!("`{name}` belongs to the kind `{kind}`");
+            let expected = "only fields of the kind given; remove it, or correct `kind`";
+            let place = Place::in_field(format!("{path}.{name}"));
+            return Err(Problem::value(found, expected).at(place));
+        }
+    }
+    let missing = |name| Problem::missing(name).at(Place::in_field(path.as_str()));
+    let point =
+        |name, value: Option<[f64; 3]>| value.map(Point3::from).ok_or_else(|| missing(name));
+    let axis = |name, value: Option<&String>| -> Result<usize, Error> {
+        let field = format!("{path}.{name}");
+        let axis = value.ok_or_else(|| missing(name))?;
+        Ok(index_of(field, "axis", axis, &axis_names(machine))?)
     };
-    let is_of = |kind| std::mem::discriminant(&entry.kind) == std::mem::discriminant(&kind);
-    if !is_of(VerificationKindEntry::Positioning) {
-        fields.foreign("axis", "positioning", entry.axis.is_some())?;
-        fields.foreign("target_mm", "positioning", entry.target_mm.is_some())?;
-    }
-    if !is_of(VerificationKindEntry::Ballbar) {
-        let carrier = entry.ball_carried_by.is_some();
-        fields.foreign("ball_mm", "ballbar", entry.ball_mm.is_some())?;
-        fields.foreign("ball_carried_by", "ballbar", carrier)?;
-        fields.foreign("center_mm", "ballbar", entry.center_mm.is_some())?;
-        let calibrated = entry.length_is_calibrated.is_some();
-        fields.foreign("length_is_calibrated", "ballbar", calibrated)?;
-    }
     Ok(match entry.kind {
-        VerificationKindEntry::Positioning => Some(VerificationKind::Positioning {
-            axis: fields.axis("axis", entry.axis.as_ref())?,
-            target_mm: fields.point("target_mm", entry.target_mm)?,
+        Positioning => Some(VerificationKind::Positioning {
+            axis: axis("axis", entry.axis.as_ref())?,
+            target_mm: point("target_mm", entry.target_mm)?,
         }),
-        VerificationKindEntry::Ballbar => Some(VerificationKind::Ballbar {
-            ball_mm: fields.point("ball_mm", entry.ball_mm)?,
-            ball_carrier: fields.axis("ball_carried_by", entry.ball_carried_by.as_ref())?,
-            center_mm: fields.point("center_mm", entry.center_mm)?,
+        Ballbar => Some(VerificationKind::Ballbar {
+            ball_mm: point("ball_mm", entry.ball_mm)?,
+            ball_carrier: axis("ball_carried_by", entry.ball_carried_by.as_ref())?,
+            center_mm: point("center_mm", entry.center_mm)?,
             length_is_calibrated: entry.length_is_calibrated.unwrap_or(false),
         }),
-        VerificationKindEntry::Points => None,
+        Points => None,
     })
-}
-
-/// Which fields an entry may have depends on its kind.
-struct Fields<'a> {
-    path: String,
-    machine: &'a Machine,
-}
-
-impl Fields<'_> {
-    fn axis(&self, name: &str, value: Option<&String>) -> Result<usize, Error> {
-        let axis = self.needed(name, value)?;
-        let field = format!("{}.{name}", self.path);
-        Ok(index_of(field, "axis", axis, &axis_names(self.machine))?)
-    }
-
-    fn point(&self, name: &str, value: Option<[f64; 3]>) -> Result<Point3<f64>, Error> {
-        self.needed(name, value).map(Point3::from)
-    }
-
-    fn needed<T>(&self, name: &str, value: Option<T>) -> Result<T, Error> {
-        value.ok_or_else(|| Problem::missing(name).at(Place::in_field(self.path.as_str())))
-    }
-
-    fn foreign(&self, name: &str, kind: &str, is_there: bool) -> Result<(), Error> {
-        if !is_there {
-            return Ok(());
-        }
-        let found = format!("`{name}` belongs to the kind `{kind}`");
-        let expected = "only fields of the kind given; remove it, or correct `kind`";
-        let place = Place::in_field(format!("{}.{name}", self.path));
-        Err(Problem::value(found, expected).at(place))
-    }
 }
 
 /// Entry number `index` without its readings; none of point checks. A standard uncertainty is more than zero; its proportional part may
@@ -137,9 +129,7 @@ pub(crate) fn read(
 
     let mut readings = Vec::new();
     while let Some(row) = table.next_row()? {
-        let mut positions = Vec::with_capacity(machine.axes().len());
-        axes.read(&row, &mut positions)?;
-        axes.check_travel(&row, &positions)?;
+        let positions = axes.read_within_travel(&row)?;
         readings.push(VerificationReading {
             time_s: time.map(|column| row.time_s(column)).transpose()?,
             cycle: row.counting_number(cycle)?,
@@ -197,29 +187,32 @@ pub(crate) fn to_entry(
     readings: String,
 ) -> VerificationEntry {
     let axis_name = |axis: usize| machine.axes().get(axis).map(|a| a.name().to_owned());
-    let name = verification.name.clone();
-    let mut entry = VerificationEntry {
+    let entry = VerificationEntry {
+        name: verification.name.clone(),
         u_um: verification.u_um,
         u_ppm: verification.u_ppm,
-        ..VerificationEntry::new(name, VerificationKindEntry::Positioning, readings)
+        readings,
+        ..VerificationEntry::default()
     };
     match verification.kind {
-        VerificationKind::Positioning { axis, target_mm } => {
-            entry.axis = axis_name(axis);
-            entry.target_mm = Some(target_mm.into());
-        }
+        VerificationKind::Positioning { axis, target_mm } => VerificationEntry {
+            kind: VerificationKindEntry::Positioning,
+            axis: axis_name(axis),
+            target_mm: Some(target_mm.into()),
+            ..entry
+        },
         VerificationKind::Ballbar {
             ball_mm,
             ball_carrier,
             center_mm,
             length_is_calibrated,
-        } => {
-            entry.kind = VerificationKindEntry::Ballbar;
-            entry.ball_mm = Some(ball_mm.into());
-            entry.ball_carried_by = axis_name(ball_carrier);
-            entry.center_mm = Some(center_mm.into());
-            entry.length_is_calibrated = length_is_calibrated.then_some(true);
-        }
+        } => VerificationEntry {
+            kind: VerificationKindEntry::Ballbar,
+            ball_mm: Some(ball_mm.into()),
+            ball_carried_by: axis_name(ball_carrier),
+            center_mm: Some(center_mm.into()),
+            length_is_calibrated: length_is_calibrated.then_some(true),
+            ..entry
+        },
     }
-    entry
 }

@@ -11,7 +11,6 @@ use nalgebra::Point3;
 
 use super::hypothesis::{self, Hypothesis};
 use super::nominal::NominalPoints;
-use super::station_name;
 use crate::reading::readings_of;
 use crate::{Campaign, Error, Lengths, Place, Problem};
 
@@ -96,22 +95,13 @@ fn quantile(mut values: Vec<f64>, part: f64) -> f64 {
 fn samples(lengths: &Lengths, nominal: &NominalPoints, stations: usize) -> Vec<Sample> {
     let mut counts = vec![0_usize; stations];
     for stop in &lengths.stops {
-        if let Some(count) = counts.get_mut(stop.station) {
-            *count += stop.readings.len();
-        }
+        counts[stop.station] += stop.readings.len();
     }
     let mut passed = vec![0_usize; stations];
     let mut samples = vec![Sample::default(); stations];
     for stop in &lengths.stops {
-        let station = stop.station;
-        let (Some(sample), Some(passed), Some(count)) = (
-            samples.get_mut(station),
-            passed.get_mut(station),
-            counts.get(station),
-        ) else {
-            continue;
-        };
-        let every = count.div_ceil(SAMPLE).max(1);
+        let (sample, passed) = (&mut samples[stop.station], &mut passed[stop.station]);
+        let every = counts[stop.station].div_ceil(SAMPLE).max(1);
         for reading in readings_of(stop, &lengths.readings) {
             if *passed == 0 {
                 sample.first_line = reading.line;
@@ -139,7 +129,7 @@ fn check_unit(file: &Path, campaign: &Campaign, seen: &Seen) -> Result<(), Error
     let suspects = hypothesis::for_small_lengths(campaign);
     match suspects.into_iter().find(fits).and_then(|h| h.mistake) {
         Some(mistake) => Err(Problem::ScaleAgainstApprox {
-            station: station_name(campaign, seen.station),
+            station: campaign.stations[seen.station].name.clone(),
             misfit_mm,
             mistake,
         }
@@ -164,11 +154,10 @@ fn check_names(file: &Path, campaign: &Campaign, seen: &[Seen]) -> Result<(), Er
         let Some((index, fits_misfit_mm)) = *other else {
             continue;
         };
-        let other_too = seems_to_be.get(index).copied().flatten();
-        if let (Some(fits), Some(_)) = (seen.get(index), other_too) {
+        if seems_to_be[index].is_some() {
             return Err(Problem::SwappedStations {
-                station: station_name(campaign, one.station),
-                fits: station_name(campaign, fits.station),
+                station: campaign.stations[one.station].name.clone(),
+                fits: campaign.stations[seen[index].station].name.clone(),
                 own_misfit_mm: one.sample.misfit_mm(one.approx_mm, 1.0),
                 fits_misfit_mm,
             }

@@ -11,7 +11,6 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::station_name;
 use crate::reading::{Reading, readings_of};
 use crate::{Campaign, Error, Place, Problem, Stop};
 
@@ -40,9 +39,8 @@ pub(crate) fn check<R: Reading>(
 ) -> Result<Option<String>, Error> {
     let mut contents: BTreeMap<Series, Content> = BTreeMap::new();
     for stop in stops {
-        let step = campaign.steps.get(stop.step);
         // What stands still may read the same again.
-        let Some(run) = step.and_then(|step| step.run) else {
+        let Some(run) = campaign.steps[stop.step].run else {
             continue;
         };
         let series = (stop.station, run, stop.repeat);
@@ -66,9 +64,9 @@ pub(crate) fn check<R: Reading>(
             Some(&(original, _)) if original.0 != series.0 => {
                 return Err(Problem::StationCopied {
                     count: content.count,
-                    run: run_name(campaign, series.1),
-                    station: station_name(campaign, series.0),
-                    original: station_name(campaign, original.0),
+                    run: campaign.runs[series.1].name.clone(),
+                    station: campaign.stations[series.0].name.clone(),
+                    original: campaign.stations[original.0].name.clone(),
                     original_line: contents[&original].first_line,
                 }
                 .at(Place::line(file, content.first_line)));
@@ -81,7 +79,7 @@ pub(crate) fn check<R: Reading>(
         return Ok(None);
     };
     let from = if R::HAS_STATION {
-        format!(" from station `{}`", station_name(campaign, station))
+        format!(" from station `{}`", campaign.stations[station].name)
     } else {
         String::new()
     };
@@ -93,15 +91,8 @@ pub(crate) fn check<R: Reading>(
         "{name} line {}: repeat {repeat} of run `{}`{from} equals repeat {original} (line {line}) in all \
          {} readings to the last digit{more}; a copy is no second measurement and makes every uncertainty too \
          small: remove it, unless a program made the data without noise",
-        content.first_line,
-        run_name(campaign, run),
-        content.count,
+        content.first_line, campaign.runs[run].name, content.count,
     )))
-}
-
-fn run_name(campaign: &Campaign, run: usize) -> String {
-    let run = campaign.runs.get(run);
-    run.map(|run| run.name.clone()).unwrap_or_default()
 }
 
 /// Of what was read where; the time is none of it.

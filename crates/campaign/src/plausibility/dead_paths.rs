@@ -6,7 +6,6 @@
 
 use std::path::Path;
 
-use super::{station_name, target_name};
 use crate::reading::readings_of;
 use crate::{Campaign, Error, LengthReading, Lengths, Place, Problem};
 
@@ -36,7 +35,7 @@ pub(crate) fn check(
         let found = format!(
             "a length of {} mm, which with the dead path of station `{}` ({} mm) is a distance of {} mm",
             first.length_mm,
-            station_name(campaign, j),
+            station.name,
             known.length_mm,
             first.length_mm + known.length_mm,
         );
@@ -48,8 +47,7 @@ pub(crate) fn check(
         }
         notices.push(format!(
             "{name} line {}, target `{}`: {found} ({negative} such length(s) of the station)",
-            first.line,
-            target_name(campaign, first.target),
+            first.line, campaign.targets[first.target].name,
         ));
     }
     Ok(notices)

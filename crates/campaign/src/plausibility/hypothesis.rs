@@ -136,8 +136,7 @@ pub(crate) fn for_lengths(
     let mut hypotheses = of_columns(campaign, runs);
     hypotheses.extend(all);
     for &index in stations {
-        let name = campaign.stations.get(index).map(|s| s.name.as_str());
-        let columns = format!("length_mm of station {}", name.unwrap_or_default());
+        let columns = format!("length_mm of station {}", campaign.stations[index].name);
         hypotheses.extend(measured(campaign, Some(index), columns));
     }
     hypotheses
@@ -202,11 +201,9 @@ fn of_columns(campaign: &Campaign, runs: &[usize]) -> Vec<Hypothesis> {
 
 fn of_these_columns(campaign: &Campaign, columns: &[usize]) -> Vec<Hypothesis> {
     let axes = campaign.machine.axes();
-    let chosen = || columns.iter().filter_map(|&i| Some((i, axes.get(i)?)));
-    let Some((_, first)) = chosen().next() else {
-        return Vec::new();
-    };
-    let units: &[Unit] = match first.kind() {
+    let chosen = || columns.iter().map(|&i| (i, &axes[i]));
+    let kind = axes[columns[0]].kind();
+    let units: &[Unit] = match kind {
         AxisKind::Linear => &LENGTH_UNITS,
         AxisKind::Rotary => &ANGLE_UNITS,
     };
@@ -217,16 +214,14 @@ fn of_these_columns(campaign: &Campaign, columns: &[usize]) -> Vec<Hypothesis> {
     possible
         .map(|unit| {
             let mut hypothesis = Hypothesis::as_given(campaign);
-            for (index, factor) in hypothesis.axis_factors.iter_mut().enumerate() {
-                if columns.contains(&index) {
-                    *factor = unit.factor;
-                }
+            for &index in columns {
+                hypothesis.axis_factors[index] = unit.factor;
             }
             hypothesis.mistake = Some(Box::new(UnitMistake {
                 columns: names.join(", "),
                 looks_like: unit.name,
                 symbol: unit.symbol,
-                expected: first.kind().position_unit(),
+                expected: kind.position_unit(),
                 factor: unit.factor,
             }));
             hypothesis
@@ -237,8 +232,8 @@ fn of_these_columns(campaign: &Campaign, columns: &[usize]) -> Vec<Hypothesis> {
 /// Whether positions times `factor` are those of a machine: within the travel if they grow, and
 /// beyond all machines as given if they shrink.
 fn stays_possible(campaign: &Campaign, index: usize, axis: &Axis, factor: f64) -> bool {
-    let positions = campaign.steps.iter().filter_map(|s| s.positions.get(index));
-    let (lowest, highest) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &q| {
+    let positions = campaign.steps.iter().map(|step| step.positions[index]);
+    let (lowest, highest) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| {
         (l.min(q), h.max(q))
     });
     if factor < 1.0 {

@@ -43,10 +43,9 @@ impl NominalPoints {
         }
     }
 
-    /// The target at the step; the origin if there is no such target or step.
+    /// The target at the step.
     pub(crate) fn at(&self, step: usize, target: usize) -> Point3<f64> {
-        let index = step * self.targets + target;
-        self.points.get(index).copied().unwrap_or_default()
+        self.points[step * self.targets + target]
     }
 
     /// Nominal distance between the ends of a pair, mm.

@@ -199,8 +199,7 @@ impl Pair {
 }
 
 fn run_of(stop: &Stop, campaign: &Campaign) -> usize {
-    let step = campaign.steps.get(stop.step);
-    step.and_then(|step| step.run).unwrap_or(BED)
+    campaign.steps[stop.step].run.unwrap_or(BED)
 }
 
 /// Pairs of a group, and how many of them contradict.
