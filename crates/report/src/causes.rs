@@ -230,11 +230,9 @@ fn misfits(
 
 /// A name, shortened to a number of letters.
 fn tick(name: &str, most: usize) -> String {
-    let most = most.clamp(1, 12);
-    match name.chars().count() > most {
-        true if most == 1 => String::new(),
-        true => name.chars().take(most - 1).chain(['…']).collect(),
-        false => name.to_owned(),
+    match most {
+        0 | 1 if name.chars().count() > 1 => String::new(),
+        most => words::shortened(name, most.clamp(1, 12)),
     }
 }
 

@@ -8,6 +8,7 @@ use crate::page::Figure;
 use crate::residuals::{Residuals, Row};
 use crate::svg::plot::{Frame, Plot, series_mark};
 use crate::svg::ticks::{Scale, range};
+use crate::words::shortened;
 
 /// Above this many lengths each figure shows every n-th dot, and all that stand out.
 const MOST_DOTS: usize = 20_000;
@@ -19,6 +20,9 @@ const MANY: usize = 100_000;
 /// A residual of this many standard deviations stands out: it is always drawn, and named.
 const FAR: f64 = 3.5;
 const MOST_NAMED: usize = 200;
+
+/// Letters of a name under a tick.
+const MOST_LETTERS: usize = 6;
 
 const WIDE: [f64; 2] = [900.0, 280.0];
 const SMALL: [f64; 2] = [340.0, 230.0];
@@ -123,18 +127,16 @@ fn shown(residuals: &Residuals, every: usize) -> impl Iterator<Item = (usize, &R
 
 /// What all but the far ones lie in: a wrong length must not make the others a line.
 fn of_used(residuals: &Residuals) -> Scale {
-    let used = residuals.rows.iter().filter(|row| row.used);
-    let [low, high] = range(used.map(|row| row.residual_um));
+    let [low, high] = range(residuals.used().map(|row| row.residual_um));
     let half = low.abs().max(high.abs());
     Scale::new(-half, half, 5)
 }
 
 /// Dashed lines between which 95 % of the residuals lie where noise alone is left; of the median length.
 fn draw_noise(plot: &mut Plot, residuals: &Residuals, from: f64, to: f64) {
-    let used = residuals.rows.iter().filter(|row| row.used);
-    let u = used.map(|row| (row.residual_um / row.standardized).abs());
-    let mut u: Vec<f64> = u.filter(|u| u.is_finite()).collect();
-    u.sort_by(f64::total_cmp);
+    let u = residuals.used();
+    let u = u.map(|row| (row.residual_um / row.standardized).abs());
+    let u = ascending(u.filter(|u| u.is_finite()));
     if let Some(u) = u.get(u.len() / 2) {
         for edge in [-1.96 * u, 1.96 * u] {
             plot.line("rule", &[[from, edge], [to, edge]]);
@@ -185,11 +187,7 @@ fn in_time(residuals: &Residuals, every: usize) -> Figure {
 fn by_series(residuals: &Residuals) -> Figure {
     let (series, targets) = (residuals.series.len(), residuals.targets.len());
     let mut sums = vec![(0.0, 0_usize); series * targets];
-    for row in residuals
-        .rows
-        .iter()
-        .filter(|row| row.used && row.standardized.is_finite())
-    {
+    for row in residuals.used().filter(|row| row.standardized.is_finite()) {
         let (squares, count) = &mut sums[row.series * targets + row.target];
         *squares += row.standardized * row.standardized;
         *count += 1;
@@ -223,7 +221,9 @@ fn by_series(residuals: &Residuals) -> Figure {
     let most = 8;
     let every = series.div_ceil(most).max(1);
     let named = residuals.series.iter().enumerate().step_by(every);
-    x.ticks = named.map(|(k, name)| (k as f64, short(name))).collect();
+    x.ticks = named
+        .map(|(k, name)| (k as f64, shortened(name, MOST_LETTERS)))
+        .collect();
     let mut plot = Plot::new(&frame, x, Scale::new(low.max(0.0), high, 5));
     for (series, target, rms, half) in rms {
         let spread = 0.7 * ((target as f64 + 0.5) / targets as f64 - 0.5);
@@ -242,23 +242,10 @@ fn by_series(residuals: &Residuals) -> Figure {
     Figure::new(&format!("residuals-{}s", by(residuals)), plot.finish())
 }
 
-/// A name that has room under a tick.
-fn short(name: &str) -> String {
-    const MOST: usize = 6;
-    match name.chars().count() > MOST {
-        true => name.chars().take(MOST - 1).chain(['…']).collect(),
-        false => name.to_owned(),
-    }
-}
-
 /// Quantiles of the standardized residuals against those of the normal distribution.
 fn quantiles(residuals: &Residuals) -> Figure {
-    let used = residuals.rows.iter().filter(|row| row.used);
-    let mut w: Vec<f64> = used
-        .map(|row| row.standardized)
-        .filter(|w| w.is_finite())
-        .collect();
-    w.sort_by(f64::total_cmp);
+    let w = residuals.used().map(|row| row.standardized);
+    let w = ascending(w.filter(|w| w.is_finite()));
     let count = w.len();
     let probability = |k: usize| (k as f64 + 0.5) / count as f64;
     // All of the tails, where the question is; every n-th of the middle.
@@ -357,13 +344,14 @@ fn over_position(
     Some(Figure::new(&format!("residuals-{name}"), plot.finish()))
 }
 
-fn redundancy(residuals: &Residuals) -> Option<Redundancy> {
-    let mut numbers: Vec<f64> = residuals
-        .rows
-        .iter()
-        .filter_map(|row| row.redundancy)
-        .collect();
+fn ascending(numbers: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut numbers: Vec<f64> = numbers.collect();
     numbers.sort_by(f64::total_cmp);
+    numbers
+}
+
+fn redundancy(residuals: &Residuals) -> Option<Redundancy> {
+    let numbers = ascending(residuals.rows.iter().filter_map(|row| row.redundancy));
     Some(Redundancy {
         // Of lengths with common noise it may be below zero: nothing of an error shows.
         least: fixed(numbers.first()?.max(0.0), 2),

@@ -88,7 +88,7 @@ impl Input {
         // A point may be the mean of several readings: there are more residuals than observations.
         let is_other = |of: &Residuals| match (of.of_points, adjustment.rms_residual_um) {
             (true, Some(rms_um)) => (of.rms_um() - rms_um).abs() > ROUNDING_UM,
-            _ => of.used() != adjustment.observations,
+            _ => of.used().count() != adjustment.observations,
         };
         let says = "residuals.csv is not of this calibration and left out.";
         leave_out(&mut self.residuals, left_out, is_other, says);

@@ -92,9 +92,9 @@ impl Residuals {
         (squares / self.rows.len().max(1) as f64).sqrt()
     }
 
-    /// How many of the lengths were used.
-    pub(crate) fn used(&self) -> usize {
-        self.rows.iter().filter(|row| row.used).count()
+    /// Those of the lengths that were used.
+    pub(crate) fn used(&self) -> impl Iterator<Item = &Row> {
+        self.rows.iter().filter(|row| row.used)
     }
 
     /// Positions of all axes at a row.

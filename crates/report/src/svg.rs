@@ -74,6 +74,10 @@ impl Drawing {
             let letter = if d.is_empty() { 'M' } else { 'L' };
             let _ = write!(d, "{letter}{} {}", coordinate(x), coordinate(y));
         }
+        self.path_of(class, &d);
+    }
+
+    fn path_of(&mut self, class: &str, d: &str) {
         if !d.is_empty() {
             self.element(format_args!(r#"path class="{class}" d="{d}""#));
         }
@@ -99,16 +103,10 @@ impl Drawing {
     ) {
         let mut d = String::new();
         for [x, y] in points {
-            let _ = write!(
-                d,
-                "M{} {}{mark}",
-                coordinate(x + from[0]),
-                coordinate(y + from[1])
-            );
+            let (x, y) = (coordinate(x + from[0]), coordinate(y + from[1]));
+            let _ = write!(d, "M{x} {y}{mark}");
         }
-        if !d.is_empty() {
-            self.element(format_args!(r#"path class="{class}" d="{d}""#));
-        }
+        self.path_of(class, &d);
     }
 
     /// For a page, which has the style.

@@ -101,6 +101,14 @@ pub(crate) fn unit(unit: &str) -> &str {
     }
 }
 
+/// A text of at most so many letters, cut if it is longer.
+pub(crate) fn shortened(text: &str, most: usize) -> String {
+    match text.chars().count() > most {
+        true => text.chars().take(most - 1).chain(['…']).collect(),
+        false => text.to_owned(),
+    }
+}
+
 /// With a capital.
 pub(crate) fn sentence(text: &str) -> String {
     let mut letters = text.chars();

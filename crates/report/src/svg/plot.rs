@@ -2,6 +2,7 @@
 
 use crate::svg::Drawing;
 use crate::svg::ticks::Scale;
+use crate::words::shortened;
 
 /// Space for what stands beside the plotting area.
 const LEFT: f64 = 52.0;
@@ -25,19 +26,6 @@ pub(crate) struct Plot {
 
 /// Width of a letter of a title, on average with some reserve.
 const TITLE_LETTER: f64 = 7.6;
-
-/// A title that has room.
-fn shortened(title: &str, width: f64) -> String {
-    let most = (width / TITLE_LETTER).floor();
-    if title.chars().count() as f64 <= most {
-        return title.to_owned();
-    }
-    let kept = title
-        .chars()
-        .zip(1..)
-        .take_while(|(_, count)| f64::from(*count) < most);
-    kept.map(|(c, _)| c).chain(['…']).collect()
-}
 
 /// What stands around a plot.
 pub(crate) struct Frame<'a> {
@@ -71,12 +59,15 @@ impl Plot {
         let (left, right) = (LEFT, self.width - RIGHT);
         let (top, bottom) = (self.top, self.bottom);
         if !frame.title.is_empty() {
-            self.drawing.text(
-                [4.0, 16.0],
-                "t",
-                "start",
-                &shortened(frame.title, self.width),
-            );
+            // No plot is so narrow that not a letter has room.
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "letters in a width"
+            )]
+            let most = (self.width / TITLE_LETTER) as usize;
+            let title = shortened(frame.title, most);
+            self.drawing.text([4.0, 16.0], "t", "start", &title);
         }
         for (value, text) in self.y.ticks.clone() {
             let y = self.at([self.x.low, value])[1];
