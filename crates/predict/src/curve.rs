@@ -199,9 +199,7 @@ impl Side {
             beyond: 0.0,
         }
     }
-}
 
-impl Side {
     /// The positions about which a closed curve has steps on both sides. Near its ends it goes on, and does not jump to the other
     /// end: the steps there, at the same angle, differ by their noise, and a position that is corrected must not jump.
     fn whole_stencils(&self) -> RangeInclusive<f64> {

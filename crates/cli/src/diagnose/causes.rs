@@ -98,20 +98,19 @@ fn rivals(cause: &Cause, scene: &Scene) -> String {
     if cause.rivals.is_empty() {
         return "nothing else that is known explains the data nearly as well".to_owned();
     }
-    let names: Vec<String> = cause
-        .rivals
-        .iter()
-        .take(MOST_RIVALS)
-        .map(|rival| in_words::effect(&rival.effect, scene))
-        .collect();
     let more = match cause.rivals.len().saturating_sub(MOST_RIVALS) {
         0 => String::new(),
         more => format!(" or {more} more"),
     };
-    format!(
-        "these data cannot tell it from {}{more}",
-        names.join(" or ")
-    )
+    let names = names_of_rivals(cause, scene);
+    format!("these data cannot tell it from {names}{more}")
+}
+
+/// The first of the rivals.
+fn names_of_rivals(cause: &Cause, scene: &Scene) -> String {
+    let rivals = cause.rivals.iter().take(MOST_RIVALS);
+    let names = rivals.map(|rival| in_words::effect(&rival.effect, scene));
+    names.collect::<Vec<_>>().join(" or ")
 }
 
 /// The largest changes, and the consequence of leaving the cause in.
@@ -217,15 +216,9 @@ pub(crate) fn of_curve(cause: &Cause, scene: &Scene) -> String {
             s => format!(", {:.0} % of the curve", 100.0 * s),
         })
         .unwrap_or_default();
-    let rivals: Vec<String> = cause
-        .rivals
-        .iter()
-        .take(MOST_RIVALS)
-        .map(|rival| in_words::effect(&rival.effect, scene))
-        .collect();
-    let or = match rivals.is_empty() {
+    let or = match cause.rivals.is_empty() {
         true => String::new(),
-        false => format!(" (or {})", rivals.join(" or ")),
+        false => format!(" (or {})", names_of_rivals(cause, scene)),
     };
     let data = match cause.data.join(", ").as_str() {
         "error curves" => String::new(),

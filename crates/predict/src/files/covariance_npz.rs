@@ -27,9 +27,7 @@ const ROWS: usize = 768;
 impl FactoredCovariance {
     /// Name of its file, beside `calibration.json`.
     pub const FILE: &str = "covariance.npz";
-}
 
-impl FactoredCovariance {
     /// Writes `covariance.npz`, each result times a factor: one over the size of its unit.
     ///
     /// # Errors
@@ -51,12 +49,9 @@ impl FactoredCovariance {
         let elements = elements.map(|(i, x)| x * per_unit[i / columns]);
         npz.array(SENSITIVITIES, &[rows, columns], elements)?;
         npz.array(SHARED, &[columns, columns], shared.iter().copied())?;
-        npz.finish()?;
-        Ok(())
+        npz.finish().map(drop)
     }
-}
 
-impl FactoredCovariance {
     /// The covariance of `results` results, those of `nodes` nodes first, from the bytes of a file, in its units.
     pub(crate) fn from_npz(
         bytes: &[u8],
