@@ -45,18 +45,3 @@ impl<'a> Names<'a> {
         Problem::Document(problem).at(place)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn finds_in_any_order() {
-        let mut names = Names::new("target", ["P", "Q", "K"]);
-        for (name, index) in [("K", 2), ("P", 0), ("P", 0), ("Q", 1), ("K", 2), ("Q", 1)] {
-            assert_eq!(names.find(name.as_bytes()), Some(index));
-        }
-        assert_eq!(names.find(b"R"), None);
-        assert_eq!(Names::new("target", []).find(b"P"), None);
-    }
-}

@@ -49,26 +49,3 @@ impl Steps {
         self.last
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_step_is_a_run_and_all_positions() {
-        let mut steps = Steps::default();
-        let visits = [
-            (Some(0), [0.0, 1.0]),
-            (Some(0), [0.0, 2.0]),
-            (Some(0), [0.0, 1.0]),
-            (Some(1), [0.0, 1.0]),
-            (None, [0.0, 1.0]),
-        ];
-        let found = visits.map(|(run, positions)| {
-            steps
-                .find(run, &positions)
-                .unwrap_or_else(|| steps.add(run, &positions, 1))
-        });
-        assert_eq!(found, [0, 1, 0, 2, 3]);
-    }
-}

@@ -142,30 +142,6 @@ mod tests {
     const TRAVEL: [f64; 2] = [100.0, 500.0];
 
     #[test]
-    fn polynomial_runs_over_the_travel() {
-        let term = Term::Polynomial {
-            coefficients: vec![1.0, 2.0, 4.0],
-        };
-        assert!((term.value(100.0, TRAVEL) - 3.0).abs() < 1e-15);
-        assert!((term.value(300.0, TRAVEL) - 1.0).abs() < 1e-15);
-        assert!((term.value(500.0, TRAVEL) - 7.0).abs() < 1e-15);
-        assert!((term.value(400.0, TRAVEL) - 3.0).abs() < 1e-15);
-    }
-
-    #[test]
-    fn sine_has_its_phase_at_zero() {
-        let term = Term::Sine {
-            amplitude: 2.0,
-            period_mm: Some(40.0),
-            period_deg: None,
-            phase_deg: 90.0,
-        };
-        for (q, expected) in [(0.0, 2.0), (10.0, 0.0), (20.0, -2.0), (40.0, 2.0)] {
-            assert!((term.value(q, TRAVEL) - expected).abs() < 1e-14);
-        }
-    }
-
-    #[test]
     fn table_interpolates_and_holds_its_ends() {
         let term = Term::Table {
             positions: vec![0.0, 10.0, 30.0],
