@@ -235,6 +235,7 @@ fn judged<'a>(
         let directions = calibration.map(|c| prediction_directions(&[comparison], c, sigma_um));
         let given = Given {
             calibrated: calibration.is_some(),
+            level,
             sigma_um,
             resolution_um,
             hidden_um,
@@ -261,12 +262,12 @@ fn judged<'a>(
         ));
         return None;
     }
-    let mut found = Series::new(name, plain, level);
+    let mut found = Series::new(name, plain);
     if floor_um.is_none() {
         // Then what is left with the causes in the model.
         for _ in 0..2 {
             let left_um = found.left_um().max(resolution_um);
-            found = Series::new(name, posed(left_um), level);
+            found = Series::new(name, posed(left_um));
         }
         found.noise_floor_um = found.left_um().max(resolution_um);
     }

@@ -1,9 +1,10 @@
 //! Which causes are claimed: those that help on unused readings, and that do not merely imitate what
 //! nothing explains.
 
-use crate::engine::{Chosen, Family, is_imitation};
+use crate::engine::{Chosen, Omnibus, is_imitation, still_left};
 use crate::selection::Fit;
 use crate::verification::held_out::gain_of;
+use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;
 
 /// Drops causes that do not gain on unused readings with a probability of nine in ten, the weakest first.
@@ -11,10 +12,10 @@ use crate::verification::problem::Problem;
 /// The gain of a true cause of strength λ scatters by 2/λ of itself: at λ = 7 a two-sided interval of
 /// 95 % would lose 6 % of the true ones, this bound loses 1 %. Whether a gain is *claimed* is told by the
 /// interval.
-pub(crate) fn with_gain(problem: &Problem<'_>, causes: &mut Vec<Chosen>, folds: &[usize]) {
+pub(crate) fn with_gain(problem: &Problem<'_>, causes: &mut Vec<Chosen>) {
     while !causes.is_empty() {
         let bounds = (0..causes.len()).map(|k| {
-            let gain = gain_of(problem, causes, k, folds);
+            let gain = gain_of(problem, causes, k);
             // What cannot be held out cannot be refuted.
             (k, gain.map_or(0.0, |gain| gain.upper_bound))
         });
@@ -26,15 +27,19 @@ pub(crate) fn with_gain(problem: &Problem<'_>, causes: &mut Vec<Chosen>, folds: 
 }
 
 /// Drops causes whose effect lies where structure is left.
-pub(crate) fn without_imitations(
-    problem: &Problem<'_>,
-    causes: &mut Vec<Chosen>,
-    left: &[(&Family, f64)],
-) {
+pub(crate) fn without_imitations(problem: &Problem<'_>, causes: &mut Vec<Chosen>) {
+    let tests = omnibus(problem, &problem.listed.with(causes));
+    let squares = |t: &Omnibus| t.drop - t.test.columns as f64;
+    let left = still_left(&problem.families, &tests, problem.level, squares);
     causes.retain(|cause| {
         let columns = problem.listed.columns(std::slice::from_ref(cause));
         let fit = Fit::new(&problem.listed.base, &columns);
         let candidate = &problem.listed.candidates[cause.candidate];
-        !is_imitation(&problem.listed.base, &fit, candidate.is_of_any_form(), left)
+        !is_imitation(
+            &problem.listed.base,
+            &fit,
+            candidate.is_of_any_form(),
+            &left,
+        )
     });
 }

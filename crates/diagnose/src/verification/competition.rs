@@ -4,9 +4,9 @@
 //! begins with what wanders; a third has nothing else. The one with the most evidence is taken: each further name costs
 //! [`DECISIVE`], and what can be anything twice that.
 
-use crate::engine::{Chosen, Family, Listed, Omnibus, beside_one_of, still_left};
+use crate::engine::{Chosen, Listed, beside_one_of};
 use crate::selection::DECISIVE;
-use crate::verification::believed;
+use crate::verification::believed::{with_gain, without_imitations};
 use crate::verification::held_out::{gain, held_out};
 use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;
@@ -22,25 +22,16 @@ pub(crate) struct Model<'a> {
     pub(crate) causes: Vec<Chosen>,
 }
 
-/// How a comparison is looked at.
-pub(crate) struct Look {
-    pub(crate) families: Vec<Family>,
-    /// Of each reading the fold that it is left out with.
-    pub(crate) folds: Vec<usize>,
-    /// Of false alarms.
-    pub(crate) level: f64,
-}
-
 /// Searches until one holds, at most.
 const MOST_TRIES: usize = 3;
 
 /// The model with the most evidence, if what wanders in it helps on readings that were not used; else that of causes alone.
-pub(crate) fn compete<'a>(plain: &Problem<'a>, look: &Look) -> Model<'a> {
+pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
     let of_causes = Model {
-        causes: causes(plain, look),
+        causes: causes(plain),
         ..only(plain, Vec::new())
     };
-    let is_complete = !is_left(&of_causes, look);
+    let is_complete = !is_left(&of_causes);
     let alone = match of_causes.causes.is_empty() && is_complete {
         true => Vec::new(),
         false => wandering(plain, &[]),
@@ -48,54 +39,54 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>, look: &Look) -> Model<'a> {
     let mut models = Vec::new();
     if !is_complete {
         // A form of one parameter that leaves much of what wanders may be right; others imitate it.
-        let mut suspects = search(&plain.listed, &[], look.level);
+        let mut suspects = search(&plain.listed, &[], plain.level);
         let mut holding = suspects.clone();
-        without_imitations(plain, &mut holding, look);
+        without_imitations(plain, &mut holding);
         suspects.retain(|cause| {
             let candidate = &plain.listed.candidates[cause.candidate];
             let is_simple = candidate.plausible.len() == 1 && !candidate.is_of_any_form();
             is_simple || holding.contains(cause)
         });
-        models.extend(beside(plain, suspects, look));
+        models.extend(beside(plain, suspects));
         if models
             .iter()
             .all(|m| !have_same(&m.causes, &of_causes.causes))
         {
-            models.extend(beside(plain, of_causes.causes.clone(), look));
+            models.extend(beside(plain, of_causes.causes.clone()));
         }
     }
     // Where causes explain all, what wanders must do it alone to be better.
-    let explains = |m: &Model<'_>| !m.causes.is_empty() && !is_left(m, look);
+    let explains = |m: &Model<'_>| !m.causes.is_empty() && !is_left(m);
     let is_explained = is_complete && !of_causes.causes.is_empty() || models.iter().any(explains);
     if !alone.is_empty() {
         models.push(only(plain, alone.clone()));
         if !is_explained {
             // A cause may be what the second one has taken.
             if let [first, _, ..] = alone.as_slice() {
-                models.extend(with_causes(plain, vec![first.clone()], look));
+                models.extend(with_causes(plain, vec![first.clone()]));
             }
-            models.extend(with_causes(plain, alone, look));
+            models.extend(with_causes(plain, alone));
         }
     }
     // The first of those that are as good.
     let mut most = evidence(plain, &of_causes);
     let mut best = None;
     for model in models {
-        let model = described(plain, model, look);
+        let model = described(plain, model);
         let evidence = evidence(plain, &model);
         if evidence > most {
             (most, best) = (evidence, Some(model));
         }
     }
     // What wanders and does not predict is left unexplained.
-    best.filter(|model| helps(plain, model, look))
+    best.filter(|model| helps(plain, model))
         .unwrap_or(of_causes)
 }
 
 /// Whether what wanders gains on readings that were not used, with a probability of nine in ten.
-fn helps(plain: &Problem<'_>, model: &Model<'_>, look: &Look) -> bool {
-    let without = held_out(plain, &model.causes, &look.folds);
-    let with = held_out(&model.problem, &model.causes, &look.folds);
+fn helps(plain: &Problem<'_>, model: &Model<'_>) -> bool {
+    let without = held_out(plain, &model.causes);
+    let with = held_out(&model.problem, &model.causes);
     // What cannot be held out cannot be refuted.
     gain(plain, &without, &with).is_none_or(|gain| gain.upper_bound < 1.0)
 }
@@ -114,7 +105,7 @@ const BESIDE: f64 = 0.001;
 
 /// Causes with what wanders beside them, without those that are not significant there or imitate what is left; none if
 /// nothing wanders.
-fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>, look: &Look) -> Option<Model<'a>> {
+fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>) -> Option<Model<'a>> {
     loop {
         let found = causes.len();
         if found == 0 {
@@ -124,9 +115,9 @@ fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>, look: &Look) -> Opti
         if model.wandering.is_empty() {
             return None;
         }
-        let level = look.level.min(BESIDE);
+        let level = plain.level.min(BESIDE);
         drop_superfluous(&model.problem.listed, &mut causes, level);
-        without_imitations(&model.problem, &mut causes, look);
+        without_imitations(&model.problem, &mut causes);
         if causes.len() == found {
             model.causes = causes;
             return Some(model);
@@ -135,13 +126,9 @@ fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>, look: &Look) -> Opti
 }
 
 /// The causes that are found where something wanders, with what wanders beside them.
-fn with_causes<'a>(
-    plain: &Problem<'a>,
-    first: Vec<FittedProcess>,
-    look: &Look,
-) -> Option<Model<'a>> {
-    let found = causes(&plain.beside(&first), look);
-    beside(plain, found, look)
+fn with_causes<'a>(plain: &Problem<'a>, first: Vec<FittedProcess>) -> Option<Model<'a>> {
+    let found = causes(&plain.beside(&first));
+    beside(plain, found)
 }
 
 /// Whether two models have the same causes.
@@ -151,16 +138,16 @@ fn have_same(first: &[Chosen], second: &[Chosen]) -> bool {
 }
 
 /// Whether a test finds anything that the model leaves.
-fn is_left(model: &Model<'_>, look: &Look) -> bool {
+fn is_left(model: &Model<'_>) -> bool {
     let projection = model.problem.listed.with(&model.causes);
-    let tests = omnibus(&model.problem, &look.families, &projection);
-    tests.iter().any(|t| t.test.p_value < look.level)
+    let tests = omnibus(&model.problem, &projection);
+    tests.iter().any(|t| t.test.p_value < model.problem.level)
 }
 
 /// Causes that hold on unused readings, structure beside them that they do not merely imitate. What does not hold
 /// gives its place to the next.
-fn causes(problem: &Problem<'_>, look: &Look) -> Vec<Chosen> {
-    let level = look.level;
+fn causes(problem: &Problem<'_>) -> Vec<Chosen> {
+    let level = problem.level;
     let listed = &problem.listed;
     let mut excluded: Vec<usize> = Vec::new();
     for _ in 0..MOST_TRIES {
@@ -168,10 +155,10 @@ fn causes(problem: &Problem<'_>, look: &Look) -> Vec<Chosen> {
         let first: Vec<usize> = chosen.iter().map(|c| c.candidate).collect();
         // Beside what wanders the neighbours of a reading predict it with a cause and without.
         if !problem.wanders {
-            believed::with_gain(problem, &mut chosen, &look.folds);
+            with_gain(problem, &mut chosen);
         }
         let found = chosen.len();
-        without_imitations(problem, &mut chosen, look);
+        without_imitations(problem, &mut chosen);
         if chosen.len() < found {
             drop_superfluous(listed, &mut chosen, level);
         }
@@ -185,14 +172,6 @@ fn causes(problem: &Problem<'_>, look: &Look) -> Vec<Chosen> {
         excluded.extend(first);
     }
     Vec::new()
-}
-
-/// Drops causes that merely imitate what is left.
-pub(crate) fn without_imitations(problem: &Problem<'_>, causes: &mut Vec<Chosen>, look: &Look) {
-    let left = omnibus(problem, &look.families, &problem.listed.with(causes));
-    let squares = |t: &Omnibus| t.drop - t.test.columns as f64;
-    let left = still_left(&look.families, &left, look.level, squares);
-    believed::without_imitations(problem, causes, &left);
 }
 
 /// Twice the logarithm of the marginal likelihood ratio against the model without anything, less what names cost.
@@ -221,7 +200,7 @@ fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
 const PART: f64 = 0.1;
 
 /// The model without causes that do not describe the course that they give a name.
-fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>, look: &Look) -> Model<'a> {
+fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>) -> Model<'a> {
     loop {
         let listed = &model.problem.listed;
         let wanders_on = |k: usize| {
@@ -247,6 +226,6 @@ fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>, look: &Look) -> Mode
         others.remove(undescribed);
         model = only(plain, wandering(plain, &others));
         model.causes = others;
-        drop_superfluous(&model.problem.listed, &mut model.causes, look.level);
+        drop_superfluous(&model.problem.listed, &mut model.causes, plain.level);
     }
 }

@@ -51,7 +51,8 @@ pub(crate) fn pass_blocks(comparison: &Comparison<'_>) -> Vec<usize> {
 }
 
 /// Held-out errors of a model with causes.
-pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen], folds: &[usize]) -> HeldOut {
+pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen]) -> HeldOut {
+    let folds = &problem.folds;
     // The causes as they are, and with each other value of one of the shapes.
     let mut variants = vec![causes.to_vec()];
     for (k, cause) in causes.iter().enumerate() {
@@ -176,12 +177,7 @@ pub(crate) fn gain_of_blocks(sums: &[[f64; 3]]) -> Option<BoundedGain> {
 }
 
 /// What one cause gains beside the others.
-pub(crate) fn gain_of(
-    problem: &Problem<'_>,
-    causes: &[Chosen],
-    k: usize,
-    folds: &[usize],
-) -> Option<BoundedGain> {
-    let before = held_out(problem, &without(causes, k), folds);
-    gain(problem, &before, &held_out(problem, causes, folds))
+pub(crate) fn gain_of(problem: &Problem<'_>, causes: &[Chosen], k: usize) -> Option<BoundedGain> {
+    let before = held_out(problem, &without(causes, k));
+    gain(problem, &before, &held_out(problem, causes))
 }

@@ -22,9 +22,11 @@ use crate::verification::problem::Problem;
 /// Waves of each family.
 const WAVES: usize = 6;
 
-/// All families.
-pub(crate) fn families(problem: &Problem<'_>) -> Vec<Family> {
-    let comparison = problem.comparison;
+/// All families, whitened.
+pub(crate) fn families(
+    comparison: &Comparison<'_>,
+    whiten: impl Fn(&[f64]) -> Vec<f64>,
+) -> Vec<Family> {
     let arrivals = &comparison.arrivals;
     let over =
         |f: &dyn Fn(f64) -> f64| arrivals.iter().map(|a| f(a.progress)).collect::<Vec<f64>>();
@@ -55,7 +57,7 @@ pub(crate) fn families(problem: &Problem<'_>) -> Vec<Family> {
     let of_cycle = cycles.iter().cloned().chain(tilted).collect();
     let family = |varies_with, columns: Vec<Vec<f64>>| Family {
         varies_with,
-        columns: columns.iter().map(|c| problem.whiten(c)).collect(),
+        columns: columns.iter().map(|c| whiten(c)).collect(),
     };
     vec![
         family("time", time),
@@ -82,12 +84,8 @@ fn position_columns(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
 }
 
 /// The tests of a model; p-values family-wise over all of them.
-pub(crate) fn omnibus(
-    problem: &Problem<'_>,
-    families: &[Family],
-    model: &Projection,
-) -> Vec<Omnibus> {
-    let mut tests = Omnibus::of_all(model, families, MOST_OF_FREEDOM);
+pub(crate) fn omnibus(problem: &Problem<'_>, model: &Projection) -> Vec<Omnibus> {
+    let mut tests = Omnibus::of_all(model, &problem.families, MOST_OF_FREEDOM);
     let count = tests.len() as f64;
     for Omnibus { test, .. } in &mut tests {
         // 1 - (1 - p)^m without losing small p.

@@ -79,7 +79,7 @@ impl Stack<'_> {
         let of_shape = |columns: &&[Vec<f64>]| columns.iter().map(projected).collect();
         let scale = problem.sigma_um / self.scales_um[number];
         let fold = |fold: usize| {
-            let all = series.look.folds.iter().enumerate();
+            let all = series.plain.folds.iter().enumerate();
             let rows = all.filter(|(_, own)| **own == fold).map(|(row, _)| row);
             LeftOut::new(&model, rows.collect())
         };

@@ -8,12 +8,16 @@
 //! [            0             ] = [  0    I  ] [ x ] + noise of variance one
 //! ```
 
+use std::sync::Arc;
+
 use trueaxis_effects::Scene;
 
-use crate::engine::{Chosen, Listed};
+use crate::engine::{Chosen, Family, Listed};
 use crate::selection::Projection;
 use crate::verification::comparison::Comparison;
+use crate::verification::held_out::folds;
 use crate::verification::hypotheses::candidates;
+use crate::verification::omnibus::families;
 use crate::verification::wandering::FittedProcess;
 
 /// What there is to explain, and what may explain it.
@@ -35,12 +39,20 @@ pub(crate) struct Problem<'a> {
     /// That of the base model with the prediction taken as it is, for readings that are held out: a
     /// prediction that learns from the other readings is no longer that of the calibration.
     pub(crate) as_predicted: Projection,
+    /// What is left is tested to vary with.
+    pub(crate) families: Arc<[Family]>,
+    /// Of each reading the fold that it is left out with.
+    pub(crate) folds: Arc<[usize]>,
+    /// Of false alarms.
+    pub(crate) level: f64,
     pseudo: usize,
 }
 
 /// What a comparison is whitened with: columns over the readings in µm per unit.
 pub(crate) struct Given<'a> {
     pub(crate) calibrated: bool,
+    /// Of false alarms.
+    pub(crate) level: f64,
     pub(crate) sigma_um: f64,
     /// Standard uncertainty from the last digit, and what that hides of the noise.
     pub(crate) resolution_um: f64,
@@ -70,6 +82,9 @@ impl<'a> Problem<'a> {
             comparison,
             calibrated: given.calibrated,
             wanders: false,
+            families: families(comparison, whiten).into(),
+            folds: folds(comparison).into(),
+            level: given.level,
             sigma_um,
             hidden,
             least_variance: (given.resolution_um / sigma_um).powi(2) + hidden,
@@ -95,6 +110,8 @@ impl<'a> Problem<'a> {
                 base: with(&self.listed.base),
                 candidates: self.listed.candidates.clone(),
             },
+            families: self.families.clone(),
+            folds: self.folds.clone(),
             ..*self
         }
     }

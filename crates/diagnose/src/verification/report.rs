@@ -28,7 +28,6 @@ pub(crate) fn causes(
     chosen: &[Chosen],
     (base, after): (&Projection, &Projection),
     wandered: &[f64],
-    folds: &[usize],
 ) -> Vec<Cause> {
     let joint = Fit::new(&problem.listed.base, &problem.listed.columns(chosen));
     let variance =
@@ -64,7 +63,7 @@ pub(crate) fn causes(
         let mut fitted = combined(base.rows(), columns, &all.estimates);
         base.project(&mut fitted);
         let misfit: Vec<f64> = rest.iter().zip(&fitted).map(|(a, b)| a + b).collect();
-        let gain = gain_of(problem, chosen, k, folds);
+        let gain = gain_of(problem, chosen, k);
         let curve = match candidate.is_free {
             true => curve(problem.comparison, columns, &all, variance),
             false => Vec::new(),

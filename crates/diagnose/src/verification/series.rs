@@ -5,9 +5,9 @@ use trueaxis_effects::{Level, Scene};
 use crate::engine::{Chosen, Omnibus, without};
 use crate::said::Entry;
 use crate::selection::{Part, Projection, add};
-use crate::verification::competition::{Look, Model, compete, only};
-use crate::verification::held_out::{self, HeldOut};
-use crate::verification::omnibus;
+use crate::verification::competition::{Model, compete, only};
+use crate::verification::held_out::{HeldOut, gain, held_out};
+use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;
 use crate::verification::report;
 use crate::verification::wandered::{Course, wandered};
@@ -19,7 +19,6 @@ pub(crate) struct Series<'a> {
     pub(crate) name: &'a str,
     /// The base model without anything.
     pub(crate) plain: Problem<'a>,
-    pub(crate) look: Look,
     pub(crate) model: Model<'a>,
     /// Standard deviation of an arrival that is stated, µm.
     pub(crate) noise_floor_um: f64,
@@ -27,18 +26,11 @@ pub(crate) struct Series<'a> {
 
 impl<'a> Series<'a> {
     /// Finds the causes of a verification, and what wanders beside them or instead of them.
-    pub(crate) fn new(name: &'a str, plain: Problem<'a>, level: f64) -> Self {
-        let look = Look {
-            families: omnibus::families(&plain),
-            folds: held_out::folds(plain.comparison),
-            level,
-        };
-        let model = compete(&plain, &look);
+    pub(crate) fn new(name: &'a str, plain: Problem<'a>) -> Self {
         Self {
             name,
             noise_floor_um: plain.reading_um(),
-            look,
-            model,
+            model: compete(&plain),
             plain,
         }
     }
@@ -68,17 +60,14 @@ impl<'a> Series<'a> {
 
     /// What is said of it; the `first` of its causes come first, then the one without which most is left.
     pub(crate) fn entry(&self, scene: &Scene, first: &[usize]) -> Entry {
-        let Self { plain, look, .. } = self;
-        let Look {
-            families, folds, ..
-        } = look;
+        let plain = &self.plain;
         let Model {
             problem,
             wandering,
             causes: chosen,
         } = &self.model;
         let before = &plain.listed.base;
-        let tests = omnibus::omnibus(plain, families, before);
+        let tests = omnibus(plain, before);
         let left_without = |k: usize| {
             let left = problem.listed.with(&without(chosen, k)).squares();
             let place = first.iter().position(|own| *own == chosen[k].candidate);
@@ -90,7 +79,7 @@ impl<'a> Series<'a> {
         ranked.sort_by(|(a, _), (b, _)| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
         let chosen: Vec<Chosen> = ranked.into_iter().map(|(_, cause)| cause).collect();
         let after = problem.listed.with(&chosen);
-        let tests_after = omnibus::omnibus(problem, families, &after);
+        let tests_after = omnibus(problem, &after);
         let courses = wandering
             .iter()
             .map(|own| (own, Course::new(problem, own, &after)));
@@ -99,15 +88,15 @@ impl<'a> Series<'a> {
         for (_, own) in &courses {
             add(&mut course, &own.whitened, 1.0);
         }
-        let causes = report::causes(problem, scene, &chosen, (before, &after), &course, folds);
-        let unexplained = unexplained(problem, &after, &tests_after, look.level);
+        let causes = report::causes(problem, scene, &chosen, (before, &after), &course);
+        let unexplained = unexplained(problem, &after, &tests_after);
         let of_causes = chosen.iter().map(std::slice::from_ref);
         let of_causes = of_causes.map(|cause| Part::Free(problem.listed.columns(cause)));
         let smooth = wandering.iter().map(|w| Part::Smooth(w.columns(plain)));
         let parts: Vec<Part> = of_causes.chain(smooth).collect();
-        let held_before = held_out::held_out(plain, &[], folds);
-        let held_after = held_out::held_out(problem, &chosen, folds);
-        let gain = held_out::gain(problem, &held_before, &held_after);
+        let held_before = held_out(plain, &[]);
+        let held_after = held_out(problem, &chosen);
+        let gain = gain(problem, &held_before, &held_after);
         let is_plain = chosen.is_empty() && wandering.is_empty();
         let is_single = chosen.len() + wandering.len() == 1;
         let gain = gain.map(|bounded| bounded.gain).filter(|_| !is_plain);
@@ -141,9 +130,8 @@ fn unexplained(
     problem: &Problem<'_>,
     after: &Projection,
     tests: &[Omnibus],
-    level: f64,
 ) -> Option<Unexplained> {
-    let clear = || tests.iter().filter(|t| t.test.p_value < level);
+    let clear = || tests.iter().filter(|t| t.test.p_value < problem.level);
     // Squares beyond what noise leaves in the columns of the clearest test.
     let excess = clear().map(|t| {
         let columns = t.test.columns as f64;

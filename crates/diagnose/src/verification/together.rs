@@ -18,7 +18,7 @@ use crate::Cause;
 use crate::diagnosis::SIZES_DIFFER;
 use crate::engine::{Candidate, Chosen, Listed, without};
 use crate::selection::{Hypothesis, f_test};
-use crate::verification::competition::without_imitations;
+use crate::verification::believed::without_imitations;
 use crate::verification::joined::joint_cause;
 use crate::verification::search::{contains, drop_superfluous, search_beside, simplest};
 use crate::verification::series::Series;
@@ -225,7 +225,7 @@ fn is_believed(stack: &Stack<'_>, of_each: &[Vec<Chosen>], causes: &[Chosen], k:
         }
         let series = &stack.all[number];
         let mut kept = of_each[number].clone();
-        without_imitations(&series.model.problem, &mut kept, &series.look);
+        without_imitations(&series.model.problem, &mut kept);
         let is_it = |c: &Chosen| Some(c.candidate) == stack.members[cause.candidate][number];
         of_each[number].iter().any(is_it) && !kept.iter().any(is_it)
     };
