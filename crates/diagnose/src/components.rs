@@ -58,21 +58,25 @@ use crate::said::Said;
 
 /// Looks for effects in the curves of a calibration.
 pub(crate) fn diagnose_components(calibration: &Calibration, machine: &Machine) -> Said {
-    let scene = Scene {
-        machine: machine.clone(),
-        stations: Vec::new(),
-        targets: Vec::new(),
-        moving: calibration.axes.iter().map(|axis| axis.axis).collect(),
-        temperatures: Vec::new(),
-    };
     let mut notices = Vec::new();
     let sets = curve_sets(calibration, machine, &mut notices);
-    let causes = Search::new(&scene, sets).causes();
     let axes = calibration.axes.iter();
+    let scene = scene_of(machine, axes.clone().map(|axis| axis.axis).collect());
     Said {
-        curves: causes,
+        curves: Search::new(&scene, sets).causes(),
         not_observable: axes.filter_map(unseen::periods_of_the_step).collect(),
         notices,
         ..Said::default()
+    }
+}
+
+/// A machine of which some axes move.
+fn scene_of(machine: &Machine, moving: Vec<usize>) -> Scene {
+    Scene {
+        machine: machine.clone(),
+        stations: Vec::new(),
+        targets: Vec::new(),
+        moving,
+        temperatures: Vec::new(),
     }
 }

@@ -122,6 +122,15 @@ impl Fitted {
             ..panel(group)
         })
     }
+
+    /// The same, of angles in arcsec or of displacements.
+    pub(crate) fn of_angles(mut self, is_angular: bool) -> Self {
+        self.is_angular = is_angular;
+        for panel in &mut self.beside {
+            panel.is_angular = is_angular;
+        }
+        self
+    }
 }
 
 /// Time, or an axis, with the size of its unit.

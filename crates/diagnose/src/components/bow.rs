@@ -20,13 +20,8 @@ use crate::components::search::{Found, SetSearch};
 use crate::diagnosis::{Cause, EstimatedParameter};
 use crate::selection::Score;
 
-/// The bow that two curves agree on.
-#[derive(Debug, Clone)]
-pub(crate) struct Bow {
-    /// Logarithm of the p-value of both curves together.
-    pub(crate) ln_p: f64,
-    found: Found,
-}
+/// Its effect.
+pub(crate) const BOW: &str = "guideway_bow";
 
 /// Probability that a curve without a bow asks for one, below which it does by itself.
 const EACH: f64 = 0.05;
@@ -34,32 +29,30 @@ const EACH: f64 = 0.05;
 /// Largest difference of the two estimates in standard uncertainties: one true bow in 370 fails.
 const AGREE: f64 = 3.0;
 
-impl Bow {
-    /// Its effect.
-    pub(crate) const EFFECT: &'static str = "guideway_bow";
-
-    /// The cause, with the sagitta over the measured positions.
-    pub(crate) fn cause(mut self, straightness: &CurveSet, p_value: f64, scene: &Scene) -> Cause {
-        self.found.p_value = p_value;
-        let mut cause = report::cause(straightness, &self.found, scene);
-        // b (L/2)², b in µm/m².
-        let metres = 0.5e-3 * straightness.travel();
-        let bow = &cause.parameters[0];
-        cause.parameters.push(EstimatedParameter {
-            name: "sagitta".to_owned(),
-            value: bow.value * metres * metres,
-            u: bow.u * metres * metres,
-            unit: "um",
-        });
-        cause
-    }
+/// The cause, with the sagitta over the measured positions.
+pub(crate) fn cause_of_bow(straightness: &CurveSet, found: &Found, scene: &Scene) -> Cause {
+    let mut cause = report::cause(straightness, found, scene);
+    // b (L/2)², b in µm/m².
+    let metres = 0.5e-3 * straightness.travel();
+    let bow = &cause.parameters[0];
+    cause.parameters.push(EstimatedParameter {
+        name: "sagitta".to_owned(),
+        value: bow.value * metres * metres,
+        u: bow.u * metres * metres,
+        unit: "um",
+    });
+    cause
 }
 
-/// The bow of a straightness and its matching angle, if both ask for the same one.
-pub(crate) fn find_bow(straightness: &SetSearch, angle: &SetSearch, scene: &Scene) -> Option<Bow> {
+/// The bow of a straightness and its matching angle, if both ask for the same one; its p-value beside others is to be filled in.
+pub(crate) fn find_bow(
+    straightness: &SetSearch,
+    angle: &SetSearch,
+    scene: &Scene,
+) -> Option<Found> {
     let set = &straightness.set;
     let subject = Subject::component(set.axis, set.components[0]);
-    let candidate = Candidate::new(effect(Bow::EFFECT)?, subject, vec![0.0], scene);
+    let candidate = Candidate::new(effect(BOW)?, subject, vec![0.0], scene);
     let (score, own) = of_curve(straightness, &candidate)?;
     let (score_angle, of_angle) = of_curve(angle, &candidate)?;
     let (b1, b2) = (own.parameters[0], of_angle.parameters[0]);
@@ -79,7 +72,7 @@ pub(crate) fn find_bow(straightness: &SetSearch, angle: &SetSearch, scene: &Scen
         curve: own.curve.iter().map(|y| y * mean / b1).collect(),
         ..own
     };
-    let found = Found {
+    Some(Found {
         candidate,
         estimate,
         score: Score {
@@ -91,8 +84,7 @@ pub(crate) fn find_bow(straightness: &SetSearch, angle: &SetSearch, scene: &Scen
         },
         p_value: 1.0,
         rivals: Vec::new(),
-    };
-    Some(Bow { ln_p, found })
+    })
 }
 
 /// What one of the two curves says by itself, with all that was found in it in the model.

@@ -13,8 +13,11 @@
 use nalgebra::{DMatrix, Rotation3, Vector3};
 use trueaxis_calibrate::{AxisResult, Calibration};
 use trueaxis_campaign::Direction;
-use trueaxis_effects::{AxisPosition, Effect, Subject};
+use trueaxis_effects::AxisPosition;
 use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Component, MICROMETRE, Machine, MotionError};
+
+use crate::components::candidates::Candidate;
+use crate::selection::Hypothesis;
 
 /// Curves that are judged together.
 #[derive(Debug, Clone)]
@@ -213,14 +216,11 @@ impl CurveSet {
         gaps.get(gaps.len() / 2).copied().unwrap_or(0.0)
     }
 
-    /// What units of an effect's parameters add to the curves, µm or arcsec.
-    pub(crate) fn columns(
-        &self,
-        effect: &Effect,
-        subject: &Subject,
-        parameters: usize,
-        shape: f64,
-    ) -> Vec<Vec<f64>> {
+    /// What units of the parameters of a candidate add to the curves at a shape, µm or arcsec.
+    pub(crate) fn columns(&self, candidate: &Candidate, shape: f64) -> Vec<Vec<f64>> {
+        let Hypothesis {
+            effect, subject, ..
+        } = &candidate.hypothesis;
         let of_parameter = |k: usize| {
             self.column(|c, position, direction| {
                 let at = AxisPosition {
@@ -231,7 +231,7 @@ impl CurveSet {
                 in_unit(&effect.motion(subject, k, shape, &at), self.components[c])
             })
         };
-        (0..parameters).map(of_parameter).collect()
+        (0..candidate.parameters).map(of_parameter).collect()
     }
 }
 

@@ -17,7 +17,7 @@ use crate::components::background::Background;
 use crate::components::candidates::{Candidate, spacing};
 use crate::components::curve_set::CurveSet;
 use crate::components::judgement::ln_sum;
-use crate::selection::{dot, gram_of};
+use crate::selection::{combined, dot, gram_of};
 use trueaxis_effects::Shape;
 
 /// An effect with its values.
@@ -53,20 +53,12 @@ pub(crate) fn estimate(
     candidate: &Candidate,
     shape: f64,
 ) -> Estimate {
-    let hypothesis = &candidate.hypothesis;
-    let columns_at = |shape| {
-        set.columns(
-            hypothesis.effect,
-            &hypothesis.subject,
-            candidate.parameters,
-            shape,
-        )
-    };
+    let columns_at = |shape| set.columns(candidate, shape);
     let linear = candidate.parameters;
     let mut columns = columns_at(shape);
     let (mut mean, mut covariance) = mixture(backgrounds, &columns);
     let (mut period, mut u_period) = (shape, 0.0);
-    if hypothesis.effect.shape == Shape::Period {
+    if candidate.hypothesis.effect.shape == Shape::Period {
         for _ in 0..MAX_STEPS {
             let derivative = derivative(&columns_at, mean.rows(0, linear).as_slice(), period);
             columns = columns_at(period);
@@ -85,7 +77,7 @@ pub(crate) fn estimate(
     let parameters: Vec<f64> = mean.rows(0, linear).iter().copied().collect();
     let covariance = covariance.view((0, 0), (linear, linear)).into_owned();
     Estimate {
-        curve: sum(&columns_at(period), &parameters),
+        curve: combined(set.values.len(), &columns_at(period), &parameters),
         parameters,
         covariance,
         shape: period,
@@ -94,25 +86,17 @@ pub(crate) fn estimate(
     }
 }
 
-/// `X θ`.
-pub(crate) fn sum(columns: &[Vec<f64>], parameters: &[f64]) -> Vec<f64> {
-    let mut curve = vec![0.0; columns.first().map_or(0, Vec::len)];
-    for (column, value) in columns.iter().zip(parameters) {
-        for (sum, x) in curve.iter_mut().zip(column) {
-            *sum += value * x;
-        }
-    }
-    curve
-}
-
 fn derivative(
     columns_at: &impl Fn(f64) -> Vec<Vec<f64>>,
     parameters: &[f64],
     period: f64,
 ) -> Vec<f64> {
     let h = period * DIFFERENCE;
-    let (above, below) = (columns_at(period + h), columns_at(period - h));
-    let (above, below) = (sum(&above, parameters), sum(&below, parameters));
+    let at = |period: f64| {
+        let columns = columns_at(period);
+        combined(columns[0].len(), &columns, parameters)
+    };
+    let (above, below) = (at(period + h), at(period - h));
     let pairs = above.iter().zip(&below);
     pairs.map(|(a, b)| (a - b) / (2.0 * h)).collect()
 }

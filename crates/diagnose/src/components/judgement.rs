@@ -44,20 +44,9 @@ const NEGLIGIBLE: f64 = -20.0;
 impl Judgement {
     /// Whitens the candidate's columns for each size.
     pub(crate) fn new(set: &CurveSet, backgrounds: &[Background], candidate: &Candidate) -> Self {
-        let hypothesis = candidate.hypothesis;
-        let raw: Columns = candidate
-            .shapes
-            .iter()
-            .map(|&shape| {
-                let columns = set.columns(
-                    hypothesis.effect,
-                    &hypothesis.subject,
-                    candidate.parameters,
-                    shape,
-                );
-                (shape, columns)
-            })
-            .collect();
+        let shapes = candidate.shapes.iter();
+        let raw = shapes.map(|&shape| (shape, set.columns(candidate, shape)));
+        let raw: Columns = raw.collect();
         let mut turned: Option<(i32, Columns)> = None;
         let mut scans = Vec::with_capacity(backgrounds.len());
         for background in backgrounds {

@@ -4,11 +4,11 @@
 //! proportion to position, has a name, and is found as in the curves of a calibration: on a smooth background.
 
 use trueaxis_campaign::VerificationKind;
-use trueaxis_effects::Scene;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, Ideal, MICROMETRE, Machine};
 
 use crate::Cause;
 use crate::components::curve_set::{CurveSet, FEWEST_STEPS};
+use crate::components::scene_of;
 use crate::components::search::Search;
 use crate::verification::base::{lines, places};
 use crate::verification::comparison::Comparison;
@@ -77,13 +77,6 @@ pub(crate) fn diagnose_line_curve(
     if values.iter().any(|value| !value.is_finite()) {
         return None;
     }
-    let scene = Scene {
-        machine: machine.clone(),
-        stations: Vec::new(),
-        targets: Vec::new(),
-        moving: vec![axis],
-        temperatures: Vec::new(),
-    };
     // Between groups of neighbouring stops a wave of any length fits.
     let largest = nodes.windows(2).map(|pair| pair[1] - pair[0]);
     let largest = largest.fold(0.0, f64::max);
@@ -91,7 +84,7 @@ pub(crate) fn diagnose_line_curve(
     if largest > MOST_STEPS_APART * set.step() {
         return None;
     }
-    let mut causes = Search::new(&scene, vec![set]).causes();
+    let mut causes = Search::new(&scene_of(machine, vec![axis]), vec![set]).causes();
     for cause in &mut causes {
         cause.data = vec![format!("mean curve of {name}")];
     }

@@ -117,11 +117,7 @@ fn fitted(set: &CurveSet, effect: &[f64], scene: &Scene) -> Option<Fitted> {
     let rows: Vec<Row> = values.enumerate().map(row).collect();
     let name = |k: usize| set.components[k].name(set.content.name());
     let fitted = Fitted::new(&rows, name, scene)?;
-    let is_angular = set.components[0].is_angular();
-    Some(Fitted {
-        is_angular,
-        ..fitted
-    })
+    Some(fitted.of_angles(set.components[0].is_angular()))
 }
 
 /// By what part the squares of the curves fall without the effect, and the rms of the effect, both after

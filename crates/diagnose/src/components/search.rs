@@ -5,7 +5,7 @@ use trueaxis_effects::{Effect, Scene};
 use trueaxis_kinematics::AxisKind;
 
 use crate::components::background::{Background, backgrounds};
-use crate::components::bow::{Bow, find_bow};
+use crate::components::bow::{BOW, cause_of_bow, find_bow};
 use crate::components::candidates::{Candidate, candidates};
 use crate::components::curve_set::CurveSet;
 use crate::components::estimate::{Estimate, estimate};
@@ -78,7 +78,7 @@ impl<'a> Search<'a> {
         }
         let pairs = self.straightness_and_angle();
         for _ in &pairs {
-            self.family.add(Bow::EFFECT, Null::independent(1.0));
+            self.family.add(BOW, Null::independent(1.0));
         }
         let family = &self.family;
         let each = self.sets.par_iter_mut().zip(first);
@@ -96,12 +96,11 @@ impl<'a> Search<'a> {
             .collect();
         for (straightness, angle) in pairs {
             let (a, b) = (&self.sets[straightness], &self.sets[angle]);
-            let Some(bow) = find_bow(a, b, self.scene) else {
-                continue;
-            };
-            let p_value = self.family.p_value(Bow::EFFECT, bow.ln_p);
-            if p_value <= LEVEL {
-                causes.push(bow.cause(&a.set, p_value, self.scene));
+            if let Some(mut found) = find_bow(a, b, self.scene) {
+                found.p_value = self.family.p_value(BOW, found.score.ln_p);
+                if found.p_value <= LEVEL {
+                    causes.push(cause_of_bow(&a.set, &found, self.scene));
+                }
             }
         }
         causes.sort_by(|a, b| {
@@ -248,19 +247,9 @@ impl SetSearch {
             return Vec::new();
         };
         let fit = |score: &Score| {
-            let candidate = &self.candidates[score.scan];
-            let hypothesis = &candidate.hypothesis;
-            let columns = self.set.columns(
-                hypothesis.effect,
-                &hypothesis.subject,
-                candidate.parameters,
-                score.shape,
-            );
-            let whitened: Vec<Vec<f64>> = columns
-                .iter()
-                .map(|column| background.whiten(column))
-                .collect();
-            Fit::new(&background.projection, &whitened)
+            let columns = self.set.columns(&self.candidates[score.scan], score.shape);
+            let whitened = columns.iter().map(|column| background.whiten(column));
+            Fit::new(&background.projection, &whitened.collect::<Vec<_>>())
         };
         let own = fit(leader);
         let others = scores.iter().filter(|score| score.scan != leader.scan);

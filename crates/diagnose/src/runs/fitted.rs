@@ -33,18 +33,7 @@ pub(super) fn fitted(
     let shown = runs.max_by(|(_, a), (_, b)| variation(a).total_cmp(&variation(b)));
     let (shown, rows) = shown?;
     let fitted = Fitted::of_coordinates(&rows, 3, |group| shown.name(group, scene), scene)?;
-    let is_angular = shown.is_angular;
-    let beside = fitted.beside.into_iter();
-    Some(Fitted {
-        is_angular,
-        beside: beside
-            .map(|beside| Fitted {
-                is_angular,
-                ..beside
-            })
-            .collect(),
-        ..fitted
-    })
+    Some(fitted.of_angles(shown.is_angular))
 }
 
 /// Squares of the effect about the mean of each coordinate, in units of the noise: what is the same all along an axis is
