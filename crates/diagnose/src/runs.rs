@@ -16,12 +16,12 @@ use trueaxis_effects::{Level, ResolvedEffect, Scene};
 use trueaxis_leastsquares::chi_squared_upper_tail;
 use trueaxis_poses::EffectsOnLengths;
 
-use crate::engine::{Judged, Listed, with_uncertainties};
+use crate::engine::{Judged, Listed};
 use crate::runs::fitted::fitted;
 use crate::runs::hypotheses::{candidates, unseen};
 use crate::runs::search::{rivals, search};
 use crate::said::{Entry, Said};
-use crate::selection::{Projection, f_test};
+use crate::selection::{Part, Projection, f_test};
 use crate::{Cause, Error, LevelReport, Misfit, OmnibusTest, Settings, Shares, Unexplained};
 
 /// Family-wise level of the causes, and level of the misfit of the runs: together 0.7 % of campaigns whose runs agree
@@ -151,30 +151,28 @@ fn compared(
         sigma_um * (model.squares() / model.degrees_of_freedom.max(1.0)).sqrt()
     };
     let unexplained = is_left.then(|| unexplained(judge, &after, rms_um(&after), sigma_um, share));
-    let columns = judged.iter().map(|j| listed.columns(&[j.cause]));
-    let columns: Vec<Vec<Vec<f64>>> = columns.collect();
+    let parts = judged
+        .iter()
+        .map(|j| Part::Free(listed.columns(&[j.cause])));
+    let parts: Vec<Part> = parts.collect();
     let misfit = |model: &Projection| Misfit {
         rms_um: rms_um(model),
         heldout_rms_um: None,
     };
-    let effects = judged.iter().map(|j| {
-        let hypothesis = listed.hypothesis(&j.cause);
-        hypothesis.resolved(j.fit.estimates.clone(), 0.0)
+    let causes = judged.iter().map(|judged| Cause {
+        fitted: fitted(scene, comparisons, judged),
+        ..cause(scene, on_lengths, &listed, judged)
     });
-    let effects: Vec<ResolvedEffect> = effects.collect();
+    let causes: Vec<Cause> = causes.collect();
+    let effects: Vec<ResolvedEffect> = causes.iter().map(|c| c.effect.clone()).collect();
     // What is seen in part only cannot be taken out.
     let is_whole = judged.iter().all(|j| j.fit.seen.iter().all(|&seen| seen));
     let corrected = (!effects.is_empty() && is_whole).then(|| {
         let effects_mm = on_lengths.of(&effects);
         on_lengths.taken_out(&effects_mm)
     });
-    let causes = judged.iter().zip(effects);
-    let causes = causes.map(|(judged, effect)| Cause {
-        fitted: fitted(scene, comparisons, judged),
-        ..cause(scene, on_lengths, &listed, judged, effect)
-    });
     let entry = Entry {
-        causes: causes.collect(),
+        causes,
         disturbances: Vec::new(),
         report: LevelReport {
             level: Level::Lengths,
@@ -183,7 +181,7 @@ fn compared(
             before: misfit(base),
             after: misfit(&after),
             gain: None,
-            shares: Shares::new(base, &columns, is_left),
+            shares: Shares::of_parts(base, &parts, is_left),
             unexplained,
             tests: vec![judge.test(base)],
             tests_after: vec![judge.test(&after)],
@@ -257,23 +255,13 @@ fn cause(
     on_lengths: &EffectsOnLengths<'_>,
     listed: &Listed,
     judged: &Judged,
-    effect: ResolvedEffect,
 ) -> Cause {
-    let fit = &judged.fit;
-    let count = fit.estimates.len();
-    let u = |k: usize| match fit.seen[k] {
-        true => fit.covariance[k * count + k].sqrt(),
-        false => f64::INFINITY,
-    };
-    let hypothesis = listed.hypothesis(&judged.cause);
-    let parameters = with_uncertainties(scene, hypothesis, &fit.estimates, u, (0.0, 0.0));
-    let effects_mm = on_lengths.of(std::slice::from_ref(&effect));
+    let cause = listed.cause(judged, (scene, Level::Lengths), &judged.fit, 1.0);
+    let effects_mm = on_lengths.of(std::slice::from_ref(&cause.effect));
     let squares: f64 = effects_mm.iter().map(|e| e * e).sum();
     Cause {
-        p_value: judged.p_value,
-        delta_bic: judged.score.bic,
         explained_rms_um: 1e3 * (squares / effects_mm.len().max(1) as f64).sqrt(),
         rivals: rivals(listed, judged),
-        ..Cause::of(Level::Lengths, effect, parameters, fit.covariance.clone())
+        ..cause
     }
 }

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use trueaxis_effects::ResolvedEffect;
+use trueaxis_effects::{Level, ResolvedEffect, Scene};
 
-use crate::Rival;
+use crate::engine::with_uncertainties;
 use crate::selection::{Fit, FixedScan, Hypothesis, Null, Projection, Scan, Score, rank};
+use crate::{Cause, Rival};
 
 /// An effect on a subject with the columns of all its shapes.
 pub(crate) struct Candidate {
@@ -159,6 +160,34 @@ impl Listed {
             fit: Fit::new(&beside.model, &self.columns(&causes[k..=k])),
             beside,
         })
+    }
+
+    /// A judged cause with its parameters from a fit of its columns to observations of this variance; its size in the data and
+    /// its rivals are to be filled in.
+    pub(crate) fn cause(
+        &self,
+        judged: &Judged,
+        (scene, level): (&Scene, Level),
+        fit: &Fit,
+        variance: f64,
+    ) -> Cause {
+        let candidate = &self.candidates[judged.cause.candidate];
+        let count = candidate.plausible.len();
+        let own = fit.part(0..count);
+        let covariance: Vec<f64> = own.covariance.iter().map(|c| c * variance).collect();
+        // What the data do not show has no uncertainty.
+        let u = |k: usize| match own.seen[k] {
+            true => covariance[k * count + k].max(0.0).sqrt(),
+            false => f64::INFINITY,
+        };
+        let shape = (judged.cause.shape, judged.cause.u_shape);
+        let parameters = with_uncertainties(scene, &candidate.hypothesis, &own.estimates, u, shape);
+        let effect = candidate.resolved(&own.estimates, judged.cause.shape);
+        Cause {
+            p_value: judged.p_value,
+            delta_bic: judged.score.bic,
+            ..Cause::of(level, effect, parameters, covariance)
+        }
     }
 
     /// What cannot be told from a judged cause: its score, its fit and its columns say.

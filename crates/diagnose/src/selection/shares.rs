@@ -45,13 +45,7 @@ pub(crate) enum Part {
 }
 
 impl Shares {
-    /// Of whitened columns of causes in a base model; `is_left` if a test finds something beside them.
-    pub(crate) fn new(base: &Projection, causes: &[Vec<Vec<f64>>], is_left: bool) -> Self {
-        let parts: Vec<Part> = causes.iter().cloned().map(Part::Free).collect();
-        Self::of_parts(base, &parts, is_left)
-    }
-
-    /// The same of causes, then disturbances.
+    /// Of causes, then disturbances, in a base model; `is_left` if a test finds something beside them.
     pub(crate) fn of_parts(base: &Projection, parts: &[Part], is_left: bool) -> Self {
         // Grown from the subset without its last part.
         let mut models = vec![base.clone()];
@@ -127,13 +121,14 @@ mod tests {
                 .collect::<Vec<_>>()
         };
         let base = Projection::dense(vec![3.0, 2.0, 1.0, 1.0, 1.0, 1.0], &[]);
-        let shares = Shares::new(&base, &[vec![unit(0)], vec![unit(1)]], true);
+        let of_two = |k| [0, k].map(|k| Part::Free(vec![unit(k)]));
+        let shares = Shares::of_parts(&base, &of_two(1), true);
         assert!((shares.causes[0] - 8.0 / 17.0).abs() < 1e-12, "{shares:?}");
         assert!((shares.causes[1] - 3.0 / 17.0).abs() < 1e-12, "{shares:?}");
         assert!((shares.noise - 4.0 / 17.0).abs() < 1e-12, "{shares:?}");
         let sum = shares.causes.iter().sum::<f64>() + shares.unexplained + shares.noise;
         assert!((sum - 1.0).abs() < 1e-12, "{shares:?}");
-        let twice = Shares::new(&base, &[vec![unit(0)], vec![unit(0)]], false);
+        let twice = Shares::of_parts(&base, &of_two(0), false);
         assert!((twice.causes[0] - twice.causes[1]).abs() < 1e-12);
         assert!((twice.causes[0] - 4.0 / 17.0).abs() < 1e-12, "{twice:?}");
         assert!(twice.unexplained.abs() < 1e-12);

@@ -1,11 +1,10 @@
 //! A cause that several series have in common, as the outcome says it: once, with all its data.
 
-use trueaxis_effects::Scene;
+use trueaxis_effects::{Level, Scene};
 
-use crate::engine::{Chosen, Listed, without};
+use crate::engine::{Chosen, Listed};
 use crate::said::Entry;
-use crate::selection::Fit;
-use crate::verification::report::{rivals, sized};
+use crate::verification::report::rivals;
 use crate::verification::series::Series;
 use crate::verification::together::Shared;
 use crate::{Cause, Fitted};
@@ -20,16 +19,10 @@ pub(crate) fn joint_cause(
     variance: f64,
 ) -> Option<Cause> {
     let judged = listed.judge(causes, k)?;
-    let candidate = &listed.candidates[causes[k].candidate];
-    let fit = Fit::new(
-        &listed.with(&without(causes, k)),
-        &listed.columns(&causes[k..=k]),
-    );
+    let level = (scene, Level::Verification);
     Some(Cause {
-        p_value: judged.p_value,
-        delta_bic: judged.score.bic,
         rivals: rivals(listed, &causes[k..=k], &judged),
-        ..sized(scene, candidate, &causes[k], &fit, variance)
+        ..listed.cause(&judged, level, &judged.fit, variance)
     })
 }
 

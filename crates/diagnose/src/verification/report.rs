@@ -2,9 +2,7 @@
 
 use trueaxis_effects::{Level, Scene, Subject};
 
-use crate::engine::{
-    Candidate, Chosen, Judged, Listed, places as places_by, side, with_uncertainties,
-};
+use crate::engine::{Chosen, Judged, Listed, places as places_by, side};
 use crate::fitted::{Against, Fitted, Row};
 use crate::selection::{Fit, Projection, combined, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
@@ -53,7 +51,8 @@ pub(crate) fn causes(
         let Some(judged) = problem.listed.judge(chosen, k) else {
             continue;
         };
-        let mut sized = sized(scene, candidate, cause, &all, variance);
+        let level = (scene, Level::Verification);
+        let mut sized = problem.listed.cause(&judged, level, &all, variance);
         // Without a clock times count readings.
         for parameter in &mut sized.parameters[candidate.plausible.len()..] {
             if parameter.unit == "s" && !problem.comparison.timed {
@@ -69,8 +68,6 @@ pub(crate) fn causes(
             false => Vec::new(),
         };
         causes.push(Cause {
-            p_value: judged.p_value,
-            delta_bic: judged.score.bic,
             explained_rms_um: rms_of_readings_um(problem, &fitted),
             heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
             rivals: rivals(&problem.listed, &chosen[k..=k], &judged),
@@ -80,28 +77,6 @@ pub(crate) fn causes(
         });
     }
     causes
-}
-
-/// A cause with its parameters from a fit of its columns to observations of this variance.
-pub(crate) fn sized(
-    scene: &Scene,
-    candidate: &Candidate,
-    cause: &Chosen,
-    fit: &Fit,
-    variance: f64,
-) -> Cause {
-    let count = candidate.plausible.len();
-    let own = fit.part(0..count);
-    let covariance: Vec<f64> = own.covariance.iter().map(|c| c * variance).collect();
-    // What these lines do not show has no uncertainty.
-    let u = |i: usize| match own.seen[i] {
-        true => covariance[i * count + i].max(0.0).sqrt(),
-        false => f64::INFINITY,
-    };
-    let shape = (cause.shape, cause.u_shape);
-    let parameters = with_uncertainties(scene, &candidate.hypothesis, &own.estimates, u, shape);
-    let effect = candidate.resolved(&own.estimates, cause.shape);
-    Cause::of(Level::Verification, effect, parameters, covariance)
 }
 
 /// The misfit without a cause, and what its fit explains.
