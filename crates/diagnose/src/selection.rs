@@ -36,7 +36,7 @@ pub(crate) use f_test::{f_test, ln_f_test};
 pub(crate) use fixed_scan::{FixedScan, gram as gram_of, gram_matrix};
 pub(crate) use gram::Gram;
 pub(crate) use null::Null;
-pub(crate) use projection::{Arrowhead, Projection, add, combined};
+pub(crate) use projection::{Projection, add, combined};
 pub(crate) use rivals::{ALIKE, DECISIVE, Fit, cosine, is_rival};
 pub(crate) use scan::{Hypothesis, Scan};
 pub(crate) use score::{EQUAL, Score, by_evidence, marginal as marginal_of, rank};

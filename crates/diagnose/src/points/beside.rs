@@ -66,7 +66,7 @@ impl Wanders for Base<'_> {
     }
 
     fn columns_mm(&self, _: &Model, wanderer: Wanderer) -> Vec<Vec<f64>> {
-        self.columns_of_unit_mm(&self.here(), wanderer)
+        self.columns_of_unit_mm(wanderer)
     }
 
     fn moved_squares(
@@ -121,17 +121,12 @@ impl Wanders for Base<'_> {
 }
 
 impl Base<'_> {
-    fn columns_of_unit_mm(&self, all: &[Here], wanderer: Wanderer) -> Vec<Vec<f64>> {
+    /// What a unit of each coefficient does to the coordinates, mm.
+    pub(crate) fn columns_of_unit_mm(&self, wanderer: Wanderer) -> Vec<Vec<f64>> {
         let subject = wanderer.subject();
-        wanderer.columns(all, |i, coordinates: &[(&'static Effect, usize)]| {
+        wanderer.columns(&self.here(), |i, coordinates| {
             let moved = coordinates.iter().map(|&c| self.moved_mm(i, c, &subject));
             moved.collect()
         })
-    }
-
-    /// What a disturbance does to the coordinates, with coefficients of unit variance, mm.
-    pub(crate) fn wandered_columns_mm(&self, own: &Disturbance) -> Vec<Vec<f64>> {
-        let all = self.here();
-        own.scaled(&all, self.columns_of_unit_mm(&all, own.wanderer))
     }
 }

@@ -3,13 +3,15 @@
 //! The whitened system has blocks of six columns for each pose, whose orthonormal bases are `O`, and the shapes of
 //! all stages, whose basis `T` is orthogonal to them; what the data do not determine has no part in either.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use crate::engine::Suspect;
+use crate::engine::{Suspect, Wanders};
 use crate::points::base::{Base, of_pose};
 use crate::points::noise::Noise;
 use crate::points::readings::Reading;
-use crate::selection::{Arrowhead, Fit, Projection};
+use crate::selection::{Fit, Projection};
 
 /// An adjusted model.
 pub(crate) struct Model {
@@ -49,7 +51,8 @@ impl Model {
             suspects: Vec::new(),
         };
         for own in &base.disturbances {
-            let columns = model.whitened(base, &base.wandered_columns_mm(own));
+            let columns_mm = base.columns_of_unit_mm(own.wanderer);
+            let columns = model.whitened(base, &own.scaled(&base.here(), columns_mm));
             model.bare = model.bare.beside(&columns).0;
         }
         let columns = model.whitened(base, causes_mm);
@@ -110,9 +113,8 @@ impl Model {
 
 /// `Xᵀ M X` of columns that are nothing but in a few rows of one pose from `first` on; rows one after the other.
 pub(crate) fn left_of(projection: &Projection, first: usize, columns: &[Vec<f64>]) -> Vec<f64> {
-    let (own_width, width) = projection.widths();
     let through = |column: &Vec<f64>| {
-        let mut sums = vec![0.0; own_width + width];
+        let mut sums = vec![0.0; projection.own_width + projection.shared_width];
         for (k, x) in column.iter().enumerate() {
             let rows = [
                 projection.own_row(first + k),
@@ -203,17 +205,17 @@ fn eliminated(base: &Base<'_>, noise: Noise, weights: &[f64]) -> Projection {
             .for_each(|(e, t)| *e -= along * t);
     }
     let group_of = |r: &Reading| r.pose.unwrap_or(groups - 1);
-    let width = unit.ncols();
-    Projection::arrowhead(Arrowhead {
-        residuals,
+    let group_of_row = readings.all.iter().flat_map(|r| [group_of(r); 3]);
+    Projection {
         degrees_of_freedom,
-        group_of_row: readings.all.iter().flat_map(|r| [group_of(r); 3]).collect(),
+        group_of_row: Arc::new(group_of_row.collect()),
         groups,
-        own: basis,
+        own: Arc::new(basis),
         own_width: 6,
-        shared: unit.transpose().iter().copied().collect(),
-        shared_width: width,
-    })
+        shared_width: unit.ncols(),
+        shared: Arc::new(unit.transpose().iter().copied().collect()),
+        ..Projection::of_nothing(residuals)
+    }
 }
 
 /// Orthonormal columns that span those of a matrix, without what is nothing to rounding.

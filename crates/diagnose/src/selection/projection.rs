@@ -21,40 +21,24 @@ pub(crate) struct Projection {
     /// `e = M y`.
     pub(crate) residuals: Vec<f64>,
     /// `yᵀ M y`.
-    pub(super) squares: f64,
+    pub(crate) squares: f64,
     /// Observations less parameters of the base model.
     pub(crate) degrees_of_freedom: f64,
     /// Columns with a prior as far as the data take them, `Σ x/(1 + x)`.
     pub(crate) taken: f64,
     /// Whether columns with a prior are in it, so that `M² ≠ M`.
-    pub(super) is_soft: bool,
-    pub(super) group_of_row: Arc<Vec<usize>>,
-    pub(super) groups: usize,
-    /// `O`, row after row.
-    pub(super) own: Arc<Vec<f64>>,
-    pub(super) own_width: usize,
-    /// `T`, row after row.
-    pub(super) shared: Arc<Vec<f64>>,
-    pub(super) shared_width: usize,
-    /// `Σ` of the first columns of `T`, row after row; of the others it is the identity.
-    pub(super) sigma: Arc<Vec<f64>>,
-    pub(super) sigma_width: usize,
-}
-
-/// The parts of a projection whose shared columns are orthonormal, and orthogonal to those of all groups.
-pub(crate) struct Arrowhead {
-    /// `e = M y`.
-    pub(crate) residuals: Vec<f64>,
-    /// Trace of `M`.
-    pub(crate) degrees_of_freedom: f64,
-    pub(crate) group_of_row: Vec<usize>,
+    pub(crate) is_soft: bool,
+    pub(crate) group_of_row: Arc<Vec<usize>>,
     pub(crate) groups: usize,
     /// `O`, row after row.
-    pub(crate) own: Vec<f64>,
+    pub(crate) own: Arc<Vec<f64>>,
     pub(crate) own_width: usize,
-    /// `T`, row after row.
-    pub(crate) shared: Vec<f64>,
+    /// `T`, row after row; orthonormal columns, and orthogonal to those of all groups, if there is no `Σ`.
+    pub(crate) shared: Arc<Vec<f64>>,
     pub(crate) shared_width: usize,
+    /// `Σ` of the first columns of `T`, row after row; of the others it is the identity.
+    pub(crate) sigma: Arc<Vec<f64>>,
+    pub(crate) sigma_width: usize,
 }
 
 /// What must be left of a column, relative to its length, for it to count as something new.
@@ -62,7 +46,7 @@ const NEW_TOL: f64 = 1e-6;
 
 impl Projection {
     /// That of observations without a base model.
-    fn of_nothing(observations: Vec<f64>) -> Self {
+    pub(crate) fn of_nothing(observations: Vec<f64>) -> Self {
         let rows = observations.len();
         Self {
             degrees_of_freedom: rows as f64,
@@ -86,16 +70,14 @@ impl Projection {
         Self {
             sigma: Arc::new(whitened.reduced_inverse.clone()),
             sigma_width: whitened.shared_width,
-            ..Self::arrowhead(Arrowhead {
-                residuals: whitened.residuals.clone(),
-                degrees_of_freedom: whitened.degrees_of_freedom as f64,
-                group_of_row: whitened.group_of_row.clone(),
-                groups: whitened.groups,
-                own: whitened.own.clone(),
-                own_width: whitened.own_width,
-                shared: whitened.shared.clone(),
-                shared_width: whitened.shared_width,
-            })
+            degrees_of_freedom: whitened.degrees_of_freedom as f64,
+            group_of_row: Arc::new(whitened.group_of_row.clone()),
+            groups: whitened.groups,
+            own: Arc::new(whitened.own.clone()),
+            own_width: whitened.own_width,
+            shared: Arc::new(whitened.shared.clone()),
+            shared_width: whitened.shared_width,
+            ..Self::of_nothing(whitened.residuals.clone())
         }
     }
 
@@ -133,20 +115,6 @@ impl Projection {
             group_of_row: Arc::new(group_of_row),
             own: Arc::new(own),
             ..stack
-        }
-    }
-
-    /// That of an eliminated system: `Σ = I`.
-    pub(crate) fn arrowhead(parts: Arrowhead) -> Self {
-        Self {
-            degrees_of_freedom: parts.degrees_of_freedom,
-            group_of_row: Arc::new(parts.group_of_row),
-            groups: parts.groups,
-            own: Arc::new(parts.own),
-            own_width: parts.own_width,
-            shared: Arc::new(parts.shared),
-            shared_width: parts.shared_width,
-            ..Self::of_nothing(parts.residuals)
         }
     }
 
@@ -236,24 +204,8 @@ impl Projection {
             squares,
             shared: Arc::new(shared),
             shared_width: width,
-            sigma: Arc::clone(&self.sigma),
-            sigma_width: self.sigma_width,
-            is_soft: self.is_soft,
-            taken: self.taken,
-            degrees_of_freedom: self.degrees_of_freedom,
-            group_of_row: Arc::clone(&self.group_of_row),
-            groups: self.groups,
-            own: Arc::clone(&self.own),
-            own_width: self.own_width,
+            ..self.clone()
         }
-    }
-
-    pub(crate) fn groups(&self) -> usize {
-        self.groups
-    }
-
-    pub(crate) fn group_of_row(&self, row: usize) -> usize {
-        self.group_of_row[row]
     }
 
     /// Row of `O`.
@@ -269,16 +221,6 @@ impl Projection {
     /// Row of `Σ` up to where it is the identity, of the first columns of `T`.
     pub(crate) fn sigma_row(&self, row: usize) -> &[f64] {
         &self.sigma[row * self.sigma_width..(row + 1) * self.sigma_width]
-    }
-
-    /// Number of columns of `T` from which on `Σ` is the identity.
-    pub(crate) fn sigma_width(&self) -> usize {
-        self.sigma_width
-    }
-
-    /// Columns of `O` and `T`.
-    pub(crate) fn widths(&self) -> (usize, usize) {
-        (self.own_width, self.shared_width)
     }
 }
 

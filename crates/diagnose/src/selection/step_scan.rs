@@ -180,11 +180,11 @@ struct Sums {
 
 impl Sums {
     fn new(projection: &Projection, parameters: usize) -> Self {
-        let (own, shared) = projection.widths();
+        let (own, shared) = (projection.own_width, projection.shared_width);
         Self {
             parameters,
             squares: vec![0.0; parameters * parameters],
-            own: vec![0.0; projection.groups() * own * parameters],
+            own: vec![0.0; projection.groups * own * parameters],
             own_squares: vec![0.0; parameters * parameters],
             shared: vec![0.0; shared * parameters],
         }
@@ -206,7 +206,7 @@ impl Sums {
         Self::add_squares(&mut self.squares, x, n, 1.0);
         let own_row = projection.own_row(row);
         let size = own_row.len() * n;
-        let group = projection.group_of_row(row);
+        let group = projection.group_of_row[row];
         let own = &mut self.own[group * size..(group + 1) * size];
         Self::add_squares(&mut self.own_squares, own, n, -1.0);
         for (sums, o) in own.chunks_exact_mut(n).zip(own_row) {
@@ -236,7 +236,7 @@ impl Sums {
             .collect();
         let mut through = vec![0.0; n];
         for (k, own) in self.shared.chunks_exact(n).enumerate() {
-            if k < projection.sigma_width() {
+            if k < projection.sigma_width {
                 through.fill(0.0);
                 let others = self.shared.chunks_exact(n);
                 for (sigma, other) in projection.sigma_row(k).iter().zip(others) {

@@ -27,7 +27,7 @@ pub(crate) struct LeftOut {
 
 impl LeftOut {
     pub(crate) fn new(model: &Projection, rows: Vec<usize>) -> Self {
-        let (_, width) = model.widths();
+        let width = model.shared_width;
         let t = DMatrix::from_fn(rows.len(), width, |i, k| model.shared_row(rows[i])[k]);
         let eigen = SymmetricEigen::new(DMatrix::identity(width, width) - t.transpose() * &t);
         Self {
