@@ -25,7 +25,7 @@ pub(crate) fn wandered<D: Wanders>(
         let wanderer = judged.disturbance.wanderer;
         let coefficients = Coefficients::new(base, &all, adjusted, &judged);
         let course = coefficients.course();
-        let range = range(base, &all, wanderer, course);
+        let (range, unit) = range(base, &all, wanderer, course);
         Disturbance {
             level,
             data: String::new(),
@@ -35,7 +35,7 @@ pub(crate) fn wandered<D: Wanders>(
             share: 0.0,
             correlation_length: CorrelationLength {
                 value: judged.disturbance.length * (range[1] - range[0]),
-                unit: unit(base, wanderer, course),
+                unit,
             },
             period: None,
             heldout_gain: gain.map(|gain| 1.0 - gain.heldout_rms_ratio),
@@ -67,44 +67,28 @@ fn whose(level: Level, wanderer: Wanderer, course: Option<usize>) -> Wandering {
     }
 }
 
-/// The axis over whose positions it varies.
-fn axis_of(wanderer: Wanderer, course: Option<usize>) -> Option<usize> {
-    course.or(wanderer.subject().axis)
-}
-
-/// Its range: s, mm or degrees. Of occupations the longest.
+/// The range of its argument, time or the positions of an axis, and the unit: s, mm or deg. Of occupations the longest.
 fn range<D: Wanders>(
     base: &D,
     all: &[Here],
     wanderer: Wanderer,
     course: Option<usize>,
-) -> [f64; 2] {
-    match axis_of(wanderer, course) {
-        Some(axis) => base
-            .ends(axis)
-            .map(|end| match base.scene().machine.axes()[axis].kind() {
-                AxisKind::Linear => end,
-                AxisKind::Rotary => end.to_degrees(),
-            }),
-        None if wanderer.with == With::Campaign => span_s(all.iter()),
-        None => {
-            let occupations = wanderer
-                .courses(all)
-                .into_iter()
-                .map(|station| span_s(all.iter().filter(|here| here.station == station)));
-            let longest = occupations.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
-            longest.unwrap_or_default()
-        }
+) -> ([f64; 2], &'static str) {
+    if let Some(axis) = course.or(wanderer.subject().axis) {
+        let ends = base.ends(axis);
+        return match base.scene().machine.axes()[axis].kind() {
+            AxisKind::Linear => (ends, "mm"),
+            AxisKind::Rotary => (ends.map(f64::to_degrees), "deg"),
+        };
     }
-}
-
-fn unit<D: Wanders>(base: &D, wanderer: Wanderer, course: Option<usize>) -> &'static str {
-    let kind = axis_of(wanderer, course).map(|axis| base.scene().machine.axes()[axis].kind());
-    match kind {
-        Some(AxisKind::Linear) => "mm",
-        Some(AxisKind::Rotary) => "deg",
-        None => "s",
+    if wanderer.with == With::Campaign {
+        return (span_s(all.iter()), "s");
     }
+    let courses = wanderer.courses(all).into_iter();
+    let occupations =
+        courses.map(|station| span_s(all.iter().filter(|here| here.station == station)));
+    let longest = occupations.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
+    (longest.unwrap_or_default(), "s")
 }
 
 /// First and last of some readings, s.
@@ -188,7 +172,7 @@ impl<'h> Coefficients<'h> {
                     let own = self.all.iter();
                     span_s(own.filter(|here| here.station == courses[course]))
                 }
-                _ => range(base, self.all, self.wanderer, axis),
+                _ => range(base, self.all, self.wanderer, axis).0,
             };
             for point in 0..points {
                 let x = point as f64 / (points - 1) as f64;
