@@ -117,7 +117,10 @@ impl CurveSet {
             covariance: covariance(calibration, result, stride, &components),
             base: Vec::new(),
             nodes: nodes()
-                .map(|node| (node.position, side(node.direction)))
+                .map(|node| {
+                    let side = node.direction.map_or(1, Direction::sign);
+                    (node.position, f64::from(side))
+                })
                 .collect(),
             components,
         };
@@ -232,14 +235,6 @@ impl CurveSet {
             })
         };
         (0..candidate.parameters).map(of_parameter).collect()
-    }
-}
-
-/// +1 or -1.
-fn side(direction: Option<Direction>) -> f64 {
-    match direction {
-        Some(Direction::Backward) => -1.0,
-        Some(Direction::Forward) | None => 1.0,
     }
 }
 

@@ -3,7 +3,6 @@
 //! The curve contradicts nothing: it is the machine as far as anyone knows. But what repeats along it, or is in
 //! proportion to position, has a name, and is found as in the curves of a calibration: on a smooth background.
 
-use trueaxis_campaign::VerificationKind;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, Ideal, MICROMETRE, Machine};
 
 use crate::Cause;
@@ -28,9 +27,7 @@ pub(crate) fn diagnose_line_curve(
     machine: &Machine,
     name: &str,
 ) -> Option<Vec<Cause>> {
-    let VerificationKind::Positioning { axis, .. } = *comparison.kind else {
-        return None;
-    };
+    let axis = comparison.line()?;
     if lines(comparison).iter().any(|line| *line > 0) {
         return None;
     }

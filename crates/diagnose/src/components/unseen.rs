@@ -2,6 +2,7 @@
 //! constant at every step, and what is constant belongs to the value at home.
 
 use trueaxis_calibrate::AxisResult;
+use trueaxis_files::round;
 use trueaxis_kinematics::{AxisKind, Component};
 
 use crate::diagnosis::NotObservable;
@@ -21,7 +22,7 @@ pub(crate) fn periods_of_the_step(axis: &AxisResult) -> Option<NotObservable> {
         AxisKind::Rotary => (step.to_degrees(), "deg"),
     };
     let periods: Vec<String> = (1..=LISTED)
-        .map(|n| format!("{}", rounded(size / f64::from(n))))
+        .map(|n| format!("{}", round(size / f64::from(n), 3)))
         .collect();
     let name = &axis.name;
     let amount = |component: &Component| {
@@ -39,9 +40,9 @@ pub(crate) fn periods_of_the_step(axis: &AxisResult) -> Option<NotObservable> {
         subject: format!("axis {name}"),
         reason: format!(
             "the step is {} {unit}: an error with the period {} {unit} and so on is the same at every step and cannot be told from none; a period below {} {unit} shows as a longer one",
-            rounded(size),
+            round(size, 3),
             periods.join(", "),
-            rounded(2.0 * size)
+            round(2.0 * size, 3)
         ),
         bias_per_unit: Component::ALL.iter().map(amount).collect(),
         measure: format!(
@@ -60,9 +61,4 @@ fn equal_step(axis: &AxisResult) -> Option<f64> {
     gaps.retain(|gap| *gap > EQUAL_TOL * largest);
     let smallest = gaps.iter().copied().fold(f64::INFINITY, f64::min);
     (largest > 0.0 && largest - smallest <= EQUAL_TOL * largest).then_some(largest)
-}
-
-/// To three decimals, without trailing zeros.
-fn rounded(value: f64) -> f64 {
-    (value * 1000.0).round() / 1000.0
 }
