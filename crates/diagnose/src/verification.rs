@@ -42,7 +42,7 @@ mod wandered;
 mod wanderer;
 mod wandering;
 
-use trueaxis_campaign::{Campaign, Verification, VerificationKind};
+use trueaxis_campaign::{Campaign, Verification};
 use trueaxis_effects::Scene;
 use trueaxis_kinematics::{Ideal, Machine};
 use trueaxis_predict::CalibratedMachine;
@@ -51,10 +51,11 @@ use crate::components::diagnose_line_curve;
 use crate::said::Said;
 use crate::verification::arrivals::is_same;
 use crate::verification::base::base_columns;
-use crate::verification::comparison::Comparison;
+use crate::verification::comparison::{Comparison, line};
 use crate::verification::gross_errors::gross_errors;
 use crate::verification::joined::join;
 use crate::verification::noise_floor::{noise_floor_um, repeats};
+use crate::verification::not_observable::not_observable;
 use crate::verification::prediction_error::prediction_directions;
 use crate::verification::problem::{Given, Problem};
 use crate::verification::resolution::{hidden_um, resolution_um};
@@ -204,12 +205,7 @@ fn judged<'a>(
     asked: Asked<'_>,
     outcome: &mut Said,
 ) -> Option<Series<'a>> {
-    let Asked {
-        calibration,
-        scene,
-        explain_curves,
-        level,
-    } = asked;
+    let calibration = asked.calibration;
     if comparison.runs_against_its_direction() {
         outcome.notices.push(format!(
             "{name}: without time_s the rows are taken in the order of measuring, but some go against their direction, as in a table sorted by position; what goes with time is judged in the order of the rows"
@@ -235,17 +231,17 @@ fn judged<'a>(
         let directions = calibration.map(|c| prediction_directions(&[comparison], c, sigma_um));
         let given = Given {
             calibrated: calibration.is_some(),
-            level,
+            level: asked.level,
             sigma_um,
             resolution_um,
             hidden_um,
             base: &base,
             prediction: &directions.unwrap_or_default(),
         };
-        Problem::new(comparison, scene, &given)
+        Problem::new(comparison, asked.scene, &given)
     };
     let curve = match calibration {
-        None if explain_curves => {
+        None if asked.explain_curves => {
             diagnose_line_curve(comparison, floor_um, comparison.machine, name)
         }
         _ => None,
@@ -271,7 +267,7 @@ fn judged<'a>(
         }
         found.noise_floor_um = found.left_um().max(resolution_um);
     }
-    let unseen = not_observable::not_observable(&found.plain, scene, name, calibration.is_some());
+    let unseen = not_observable(&found.plain, asked.scene, name);
     // What the mean curve absorbs was looked for in the curve itself.
     let in_curve = |id: &str| is_explained && ["scale_error", "cyclic_error"].contains(&id);
     let unseen = unseen.into_iter().filter(|u| !in_curve(u.effect));
@@ -281,7 +277,7 @@ fn judged<'a>(
 
 /// Axes that stand elsewhere at the readings of a line than in all steps that its axis was calibrated at.
 fn parked_elsewhere(campaign: &Campaign, verification: &Verification) -> Vec<usize> {
-    let VerificationKind::Positioning { axis, .. } = verification.kind else {
+    let Some(axis) = line(&verification.kind) else {
         return Vec::new();
     };
     let calibrated: Vec<&[f64]> = campaign

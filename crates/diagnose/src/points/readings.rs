@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use nalgebra::Point3;
-use trueaxis_campaign::{Campaign, Direction, Points, Stop};
+use trueaxis_campaign::{Campaign, Points, Stop};
 use trueaxis_poses::constant_feed_per_s;
 
 /// A measured point.
@@ -110,10 +110,7 @@ impl Readings {
                         },
                         step: stop.step,
                         axis,
-                        side: match stop.direction {
-                            Direction::Forward => 1.0,
-                            Direction::Backward => -1.0,
-                        },
+                        side: f64::from(stop.direction.sign()),
                         repeat: stop.repeat,
                         sweep,
                         speed_per_s,

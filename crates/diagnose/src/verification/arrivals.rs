@@ -12,7 +12,7 @@
 //! timed reading at each position does not say whether the machine stopped there; it is taken as read on
 //! the fly, so that an offset of the time stamps stays among the possible causes.
 
-use trueaxis_campaign::{Direction, VerificationReading};
+use trueaxis_campaign::VerificationReading;
 
 /// One visit of a commanded position.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +39,13 @@ pub(crate) struct Arrival {
     pub(crate) speeds_per_s: Vec<f64>,
 }
 
+impl Arrival {
+    /// Whether two that follow each other are of one pass: of one cycle in one direction.
+    pub(crate) fn is_of_pass(&self, next: &Self) -> bool {
+        self.cycle == next.cycle && is_same(self.direction, next.direction)
+    }
+}
+
 /// Whether a table has a clock; otherwise the numbers of its rows stand for it.
 pub(crate) fn are_timed(readings: &[VerificationReading]) -> bool {
     readings.iter().all(|reading| reading.time_s.is_some())
@@ -50,7 +57,7 @@ pub(crate) fn arrivals(readings: &[VerificationReading], measured: Option<usize>
     let mut all: Vec<Arrival> = Vec::new();
     for (row, reading) in readings.iter().enumerate() {
         let time_s = reading.time_s.filter(|_| timed).unwrap_or(row as f64);
-        let direction = sign(reading.direction);
+        let direction = f64::from(reading.direction.sign());
         let same = all.last_mut().filter(|last| {
             last.cycle == reading.cycle
                 && is_same(last.direction, direction)
@@ -99,13 +106,6 @@ fn are_same(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).all(|(a, b)| is_same(*a, *b))
 }
 
-fn sign(direction: Direction) -> f64 {
-    match direction {
-        Direction::Forward => 1.0,
-        Direction::Backward => -1.0,
-    }
-}
-
 fn set_progress(all: &mut [Arrival]) {
     let times = || all.iter().map(|arrival| arrival.time_s);
     let first = times().fold(f64::INFINITY, f64::min);
@@ -119,9 +119,7 @@ fn set_progress(all: &mut [Arrival]) {
 
 /// Sides and speeds, pass after pass.
 fn set_motion(all: &mut [Arrival], timed: bool) {
-    let of_pass =
-        |a: &Arrival, b: &Arrival| a.cycle == b.cycle && is_same(a.direction, b.direction);
-    for pass in all.chunk_by_mut(of_pass) {
+    for pass in all.chunk_by_mut(Arrival::is_of_pass) {
         let positions: Vec<Vec<f64>> = pass.iter().map(|a| a.positions.clone()).collect();
         let times: Vec<f64> = pass.iter().map(|a| a.time_s).collect();
         let moving = (0..positions[0].len()).filter(|&axis| {

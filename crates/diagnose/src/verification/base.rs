@@ -14,7 +14,7 @@
 use trueaxis_campaign::VerificationKind;
 use trueaxis_predict::{ball_bar_set_up, positioning_lines};
 
-use crate::verification::arrivals::is_same;
+use crate::verification::arrivals::{Arrival, is_same};
 use crate::verification::comparison::Comparison;
 
 /// The columns, µm per unit.
@@ -64,21 +64,32 @@ pub(crate) fn lines(comparison: &Comparison<'_>) -> Vec<usize> {
 /// For each reading the number of the commanded position of the measured axis.
 pub(crate) fn places(comparison: &Comparison<'_>) -> Vec<usize> {
     let measured = comparison.axis();
-    numbered(comparison, |positions| vec![positions[measured]])
+    numbered(comparison, |a| vec![a.positions[measured]])
 }
 
 /// For each reading the number of its commanded positions of all axes.
 pub(crate) fn stands(comparison: &Comparison<'_>) -> Vec<usize> {
-    numbered(comparison, <[f64]>::to_vec)
+    numbered(comparison, |a| a.positions.clone())
+}
+
+/// For each reading the number of its commanded positions and direction.
+pub(crate) fn cells(comparison: &Comparison<'_>) -> Vec<usize> {
+    numbered(comparison, |a| [&a.positions[..], &[a.direction]].concat())
+}
+
+/// For each reading the number of its cycle.
+pub(crate) fn cycles(comparison: &Comparison<'_>) -> Vec<usize> {
+    numbered(comparison, |a| vec![f64::from(a.cycle)])
+}
+
+/// For each reading the number of its cycle and direction, forward first.
+pub(crate) fn passes(comparison: &Comparison<'_>) -> Vec<usize> {
+    numbered(comparison, |a| vec![f64::from(a.cycle), -a.direction])
 }
 
 /// Numbers the different values of a key in rising order.
-fn numbered(comparison: &Comparison<'_>, key: impl Fn(&[f64]) -> Vec<f64>) -> Vec<usize> {
-    let keys: Vec<Vec<f64>> = comparison
-        .arrivals
-        .iter()
-        .map(|a| key(&a.positions))
-        .collect();
+fn numbered(comparison: &Comparison<'_>, key: impl Fn(&Arrival) -> Vec<f64>) -> Vec<usize> {
+    let keys: Vec<Vec<f64>> = comparison.arrivals.iter().map(key).collect();
     let order = |a: &Vec<f64>, b: &Vec<f64>| {
         let pairs = a.iter().zip(b).map(|(a, b)| a.total_cmp(b));
         pairs

@@ -49,11 +49,7 @@ impl<'a> Comparison<'a> {
         errors: &impl GeometricErrors,
     ) -> Self {
         let kind = &verification.kind;
-        let measured = match *kind {
-            VerificationKind::Positioning { axis, .. } => Some(axis),
-            VerificationKind::Ballbar { .. } => None,
-        };
-        let arrivals = arrivals(&verification.readings, measured);
+        let arrivals = arrivals(&verification.readings, line(kind));
         let points = arrivals
             .iter()
             .map(|a| MeasuredPoint::new(machine, kind, &a.positions));
@@ -65,9 +61,7 @@ impl<'a> Comparison<'a> {
             let at = |arrival: &Arrival| arrival.positions[axis];
             arrivals.iter().any(|a| !is_same(at(a), at(&arrivals[0])))
         });
-        let of_pass =
-            |a: &Arrival, b: &Arrival| a.cycle == b.cycle && is_same(a.direction, b.direction);
-        let passes = arrivals.chunk_by(of_pass).enumerate();
+        let passes = arrivals.chunk_by(Arrival::is_of_pass).enumerate();
         let passes = passes.flat_map(|(number, pass)| std::iter::repeat_n(number, pass.len()));
         let mut comparison = Self {
             machine,
@@ -130,6 +124,11 @@ impl<'a> Comparison<'a> {
         .collect()
     }
 
+    /// The axis of a line; none of a ball bar.
+    pub(crate) fn line(&self) -> Option<usize> {
+        line(self.kind)
+    }
+
     /// The axis measured, or the outermost one that moves the ball.
     pub(crate) fn axis(&self) -> usize {
         match *self.kind {
@@ -159,7 +158,7 @@ impl<'a> Comparison<'a> {
     /// Whether rows without a clock pass the positions of a line backwards although they came from below, or the other way: then their
     /// order is not that of measuring.
     pub(crate) fn runs_against_its_direction(&self) -> bool {
-        let VerificationKind::Positioning { axis, .. } = *self.kind else {
+        let Some(axis) = self.line() else {
             return false;
         };
         let mut first = 0;
@@ -179,13 +178,13 @@ impl<'a> Comparison<'a> {
     pub(crate) fn unit_of_time(&self) -> &'static str {
         if self.timed { "s" } else { "readings" }
     }
+}
 
-    /// The cycles in order.
-    pub(crate) fn cycles(&self) -> Vec<u32> {
-        let mut cycles: Vec<u32> = self.arrivals.iter().map(|a| a.cycle).collect();
-        cycles.sort_unstable();
-        cycles.dedup();
-        cycles
+/// The axis of a line; none of a ball bar.
+pub(crate) fn line(kind: &VerificationKind) -> Option<usize> {
+    match *kind {
+        VerificationKind::Positioning { axis, .. } => Some(axis),
+        VerificationKind::Ballbar { .. } => None,
     }
 }
 

@@ -11,12 +11,14 @@
 //! together because each hides the other. Three in a row, more than a few, or those after which readings stay where they were are
 //! no slips but structure, and stay.
 
+use nalgebra::{DMatrix, DVector};
 use trueaxis_campaign::Verification;
 
 use crate::Rejected;
 use crate::selection::{Projection, dot, ln_f_test};
+use crate::verification::base::{cells, passes};
 use crate::verification::comparison::Comparison;
-use crate::verification::noise_floor::{cells, passes, scatter};
+use crate::verification::noise_floor::scatter;
 use crate::verification::resolution::resolution_um;
 
 /// Probability of leaving out anything of readings that are in order, for each file.
@@ -213,32 +215,18 @@ struct Tested {
 impl Tested {
     /// None if the model takes them as they are: then they cannot be tested.
     fn new(left: &Projection, arrivals: &[usize], resolution_um: f64) -> Option<Self> {
-        let m = |a: usize, b: usize| {
-            f64::from(u8::from(a == b)) - dot(left.shared_row(a), left.shared_row(b))
-        };
-        let e = |k: usize| left.residuals[arrivals[k]];
-        let inverse = match *arrivals {
-            [a] => (m(a, a) > LEAST_REDUNDANCY).then(|| [1.0 / m(a, a), 0.0, 0.0])?,
-            [a, b] => {
-                let determinant = m(a, a) * m(b, b) - m(a, b) * m(a, b);
-                (determinant > LEAST_REDUNDANCY)
-                    .then(|| [m(b, b), -m(a, b), m(a, a)].map(|x| x / determinant))?
-            }
-            _ => return None,
-        };
-        let errors = match arrivals.len() {
-            1 => vec![inverse[0] * e(0)],
-            _ => vec![
-                inverse[0] * e(0) + inverse[1] * e(1),
-                inverse[1] * e(0) + inverse[2] * e(1),
-            ],
-        };
-        let drop: f64 = errors
-            .iter()
-            .enumerate()
-            .map(|(k, error)| error * e(k))
-            .sum();
         let rank = arrivals.len();
+        let m = DMatrix::from_fn(rank, rank, |i, k| {
+            let taken = dot(left.shared_row(arrivals[i]), left.shared_row(arrivals[k]));
+            f64::from(u8::from(i == k)) - taken
+        });
+        if m.determinant() <= LEAST_REDUNDANCY {
+            return None;
+        }
+        let inverse = m.try_inverse()?;
+        let e = DVector::from_fn(rank, |k, _| left.residuals[arrivals[k]]);
+        let errors = &inverse * &e;
+        let drop = errors.dot(&e);
         let freedom = left.degrees_of_freedom - rank as f64;
         // No less than the last digit of the readings has.
         let rest = (left.squares() - drop).max(freedom * resolution_um.powi(2));
@@ -246,7 +234,7 @@ impl Tested {
         let slip = |(k, error_um): (usize, &f64)| Slip {
             arrival: arrivals[k],
             error_um: *error_um,
-            u_um: s * inverse[2 * k].sqrt(),
+            u_um: s * inverse[(k, k)].sqrt(),
         };
         Some(Self {
             slips: errors.iter().enumerate().map(slip).collect(),

@@ -34,31 +34,29 @@ pub(crate) fn candidates(
     scene: &Scene,
     whiten: impl Fn(Vec<f64>) -> Vec<f64>,
 ) -> Vec<Candidate> {
-    let scene = Scene {
-        moving: comparison.moving.clone(),
-        ..scene.clone()
-    };
     let mut all = Vec::new();
     for &effect in catalogue() {
         if !effect.levels.contains(&Level::Verification) {
             continue;
         }
-        // An axis that stands, but elsewhere than in the calibration, is coupled as one that moves.
-        let beside = Scene {
-            moving: with(&scene.moving, &comparison.parked_elsewhere),
+        let mut scene = Scene {
+            moving: comparison.moving.clone(),
             ..scene.clone()
         };
-        // Nor does an axis stand that came to one position from both sides.
-        let turning = Scene {
-            moving: with(&scene.moving, &turning(comparison)),
-            ..scene.clone()
-        };
-        let subjects = match effect.id {
-            "backlash" => effect.subjects(&turning).into_iter(),
-            "cross_coupling" => effect.subjects(&beside).into_iter(),
-            _ => effect.subjects(&scene).into_iter(),
-        };
-        let subjects: Vec<Subject> = subjects.filter(|s| is_seen(comparison, s)).collect();
+        match effect.id {
+            // An axis that stands, but elsewhere than in the calibration, is coupled as one that moves.
+            "cross_coupling" => scene.moving.extend(&comparison.parked_elsewhere),
+            // Nor does an axis stand that came to one position from both sides.
+            "backlash" => {
+                let turns = |axis: &usize| comes_from_both_sides(comparison, *axis);
+                scene.moving.extend(comparison.line().filter(turns));
+            }
+            _ => {}
+        }
+        scene.moving.sort_unstable();
+        scene.moving.dedup();
+        let mut subjects = effect.subjects(&scene);
+        subjects.retain(|subject| is_seen(comparison, subject));
         for &subject in &subjects {
             let hypothesis = Hypothesis {
                 effect,
@@ -100,23 +98,6 @@ pub(crate) fn candidates(
             }
         }
     }
-    all
-}
-
-/// The measured axis, if it came from both sides.
-fn turning(comparison: &Comparison<'_>) -> Vec<usize> {
-    let VerificationKind::Positioning { axis, .. } = *comparison.kind else {
-        return Vec::new();
-    };
-    let is_turning = comes_from_both_sides(comparison, axis);
-    is_turning.then_some(axis).into_iter().collect()
-}
-
-/// Both in rising order.
-fn with(moving: &[usize], parked: &[usize]) -> Vec<usize> {
-    let mut all = [moving, parked].concat();
-    all.sort_unstable();
-    all.dedup();
     all
 }
 

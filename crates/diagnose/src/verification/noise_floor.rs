@@ -14,7 +14,7 @@
 use trueaxis_campaign::VerificationKind;
 
 use crate::selection::Projection;
-use crate::verification::base::{indicators, set_up, stands};
+use crate::verification::base::{cells, indicators, passes, set_up};
 use crate::verification::comparison::Comparison;
 
 /// A standard deviation from fewer degrees of freedom is uncertain by more than a quarter.
@@ -49,35 +49,6 @@ pub(crate) fn scatter(comparison: &Comparison<'_>) -> Option<Projection> {
     columns.extend(pass_columns(comparison, false));
     let left = Projection::dense(comparison.difference_um.clone(), &columns);
     (left.degrees_of_freedom >= LEAST_DEGREES_OF_FREEDOM && left.squares() > 0.0).then_some(left)
-}
-
-/// For each reading the number of its positions and direction.
-pub(crate) fn cells(comparison: &Comparison<'_>) -> Vec<usize> {
-    let stands = stands(comparison);
-    let arrivals = comparison.arrivals.iter();
-    let mut cells: Vec<usize> = stands
-        .iter()
-        .zip(arrivals)
-        .map(|(stand, arrival)| 2 * stand + usize::from(arrival.direction > 0.0))
-        .collect();
-    // Only numbers that occur.
-    let mut used = cells.clone();
-    used.sort_unstable();
-    used.dedup();
-    for cell in &mut cells {
-        *cell = used.binary_search(cell).unwrap_or_default();
-    }
-    cells
-}
-
-/// For each reading the number of its cycle and direction.
-pub(crate) fn passes(comparison: &Comparison<'_>) -> Vec<usize> {
-    let cycles = comparison.cycles();
-    let number = |cycle: &u32| cycles.binary_search(cycle).unwrap_or_default();
-    let arrivals = comparison.arrivals.iter();
-    arrivals
-        .map(|a| 2 * number(&a.cycle) + usize::from(a.direction < 0.0))
-        .collect()
 }
 
 /// An offset (and a slope), or a set-up, for each pass.

@@ -18,7 +18,6 @@ pub(crate) fn not_observable(
     problem: &Problem<'_>,
     scene: &Scene,
     name: &str,
-    calibrated: bool,
 ) -> Vec<NotObservable> {
     let seen = problem.listed.beside(&[]).numbers;
     let mut all = Vec::new();
@@ -34,8 +33,10 @@ pub(crate) fn not_observable(
         } else if bias.is_empty() {
             format!("{name}: {}", not_reached(problem, effect, &subject))
         } else {
-            format!("{name}: {}", absorbed(problem.comparison, calibrated))
-                + " absorbs all that it does"
+            format!(
+                "{name}: {}",
+                absorbed(problem.comparison, problem.calibrated)
+            ) + " absorbs all that it does"
         };
         all.push(NotObservable {
             effect: effect.id,

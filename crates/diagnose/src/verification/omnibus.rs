@@ -15,7 +15,7 @@ use trueaxis_campaign::VerificationKind;
 
 use crate::engine::{Family, MOST_OF_FREEDOM, Omnibus};
 use crate::selection::Projection;
-use crate::verification::base::{indicators, lines};
+use crate::verification::base::{cycles, indicators, lines};
 use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;
 
@@ -49,10 +49,7 @@ pub(crate) fn families(
     let of_direction = std::iter::once(direction.clone())
         .chain(of_direction)
         .collect();
-    let cycles = comparison.cycles();
-    let number = |cycle: u32| cycles.binary_search(&cycle).unwrap_or_default();
-    let numbers: Vec<usize> = arrivals.iter().map(|a| number(a.cycle)).collect();
-    let cycles = indicators(&numbers);
+    let cycles = indicators(&cycles(comparison));
     let tilted = cycles.iter().map(|cycle| times(cycle, &position[0]));
     let of_cycle = cycles.iter().cloned().chain(tilted).collect();
     let family = |varies_with, columns: Vec<Vec<f64>>| Family {

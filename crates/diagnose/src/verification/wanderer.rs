@@ -18,7 +18,6 @@
 
 use std::f64::consts::TAU;
 
-use trueaxis_campaign::VerificationKind;
 use trueaxis_effects::{Layer, Level, Subject};
 use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::{half_waves, matern_roots};
@@ -81,9 +80,8 @@ pub(crate) enum Wanderer {
 /// All that a comparison may show beside its base model.
 pub(crate) fn wanderers(comparison: &Comparison<'_>, calibrated: bool) -> Vec<Wanderer> {
     use Wanderer::{Instrument, Machine, Position, Scale, Sides};
-    let axis = match *comparison.kind {
-        VerificationKind::Ballbar { .. } => return vec![Position, Instrument, Machine],
-        VerificationKind::Positioning { axis, .. } => axis,
+    let Some(axis) = comparison.line() else {
+        return vec![Position, Instrument, Machine];
     };
     let is_rotary = comparison.machine.axes()[axis].kind() == AxisKind::Rotary;
     let moves = comparison.moving.contains(&axis);
@@ -105,7 +103,7 @@ impl Wanderer {
             varies_with,
         };
         // A ball bar shows more than one axis.
-        let axis = is_line(comparison).then(|| comparison.axis());
+        let axis = comparison.line();
         let of_axis = |varies_with| Wandering {
             subject: Subject {
                 axis,
@@ -124,7 +122,7 @@ impl Wanderer {
 
     /// The same columns under another name.
     pub(crate) fn twin(self, comparison: &Comparison<'_>) -> Option<Self> {
-        (is_line(comparison) && self == Self::Instrument).then_some(Self::Machine)
+        (comparison.line().is_some() && self == Self::Instrument).then_some(Self::Machine)
     }
 
     /// Whether a course in time is all that it is.
@@ -137,7 +135,7 @@ impl Wanderer {
         let arrival = &comparison.arrivals[row];
         match self.is_of_time() {
             true => arrival.progress,
-            false if is_line(comparison) => comparison.travelled(arrival),
+            false if comparison.line().is_some() => comparison.travelled(arrival),
             false => 0.5 + comparison.around[row] / TAU,
         }
     }
@@ -150,7 +148,7 @@ impl Wanderer {
 
     /// Different arguments: over a line as many as it has positions.
     fn stops(self, comparison: &Comparison<'_>) -> usize {
-        match self.is_of_time() || !is_line(comparison) {
+        match self.is_of_time() || comparison.line().is_none() {
             true => comparison.arrivals.len(),
             false => places(comparison).iter().max().map_or(0, |last| last + 1),
         }
@@ -266,7 +264,7 @@ impl Wanderer {
             let last = times.fold(f64::NEG_INFINITY, f64::max);
             return ([first, last], comparison.unit_of_time());
         }
-        if !is_line(comparison) {
+        if comparison.line().is_none() {
             return ([-180.0, 180.0], "deg");
         }
         let ends = comparison.range;
@@ -275,8 +273,4 @@ impl Wanderer {
             AxisKind::Rotary => (ends.map(f64::to_degrees), "deg"),
         }
     }
-}
-
-fn is_line(comparison: &Comparison<'_>) -> bool {
-    matches!(comparison.kind, VerificationKind::Positioning { .. })
 }
