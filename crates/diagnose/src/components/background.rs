@@ -38,6 +38,12 @@ pub(crate) struct Background {
     pub(crate) smooth: i32,
     /// Whitened curves after the base.
     pub(crate) projection: Projection,
+    pub(crate) whitening: Whitening,
+}
+
+/// `(Λ + w²)^{-1/2} Qᵀ`.
+#[derive(Debug, Clone)]
+pub(crate) struct Whitening {
     /// `Qᵀ`, the same for all w of an s.
     turn: Arc<DMatrix<f64>>,
     /// `(Λ + w²)^{-1/2}`.
@@ -85,10 +91,12 @@ pub(crate) fn backgrounds(
         let turn = Arc::new(eigen.eigenvectors.transpose());
         for &w in &rough {
             let variances = eigen.eigenvalues.map(|value| value.max(0.0) + w * w);
-            let scales: Vec<f64> = variances.iter().map(|v| 1.0 / v.sqrt()).collect();
-            let whiten = |column: &[f64]| scaled(&scales, &turned(&turn, column));
-            let whitened: Vec<Vec<f64>> = base.iter().map(|column| whiten(column)).collect();
-            let projection = Projection::dense(whiten(&set.values), &whitened);
+            let whitening = Whitening {
+                turn: Arc::clone(&turn),
+                scales: variances.iter().map(|v| 1.0 / v.sqrt()).collect(),
+            };
+            let whitened: Vec<Vec<f64>> = base.iter().map(|c| whitening.whiten(c)).collect();
+            let projection = Projection::dense(whitening.whiten(&set.values), &whitened);
             // Flat in w: in equal ratios each point stands for a width in proportion.
             let ln_likelihood = w.ln()
                 - 0.5
@@ -100,52 +108,36 @@ pub(crate) fn backgrounds(
                 ln_likelihood,
                 smooth: number,
                 projection,
-                turn: Arc::clone(&turn),
-                scales: scales.clone(),
+                whitening,
             });
         }
     }
     all
 }
 
-impl Background {
+impl Whitening {
     /// Whitens a column.
     pub(crate) fn whiten(&self, column: &[f64]) -> Vec<f64> {
         self.scaled(&self.turned(column))
     }
 
-    /// Turns a column; the same for all backgrounds with one `smooth`.
+    /// Turns a column; the same for all sizes with one s.
     pub(crate) fn turned(&self, column: &[f64]) -> Vec<f64> {
-        turned(&self.turn, column)
+        let mut turned = vec![0.0; column.len()];
+        let values = column.iter().enumerate();
+        for (j, &value) in values.filter(|(_, value)| **value != 0.0) {
+            for (sum, element) in turned.iter_mut().zip(self.turn.column(j).iter()) {
+                *sum += element * value;
+            }
+        }
+        turned
     }
 
     /// Whitens a turned column.
     pub(crate) fn scaled(&self, turned: &[f64]) -> Vec<f64> {
-        scaled(&self.scales, turned)
+        let pairs = self.scales.iter().zip(turned);
+        pairs.map(|(scale, x)| scale * x).collect()
     }
-}
-
-fn scaled(scales: &[f64], turned: &[f64]) -> Vec<f64> {
-    scales
-        .iter()
-        .zip(turned)
-        .map(|(scale, x)| scale * x)
-        .collect()
-}
-
-fn turned(turn: &DMatrix<f64>, column: &[f64]) -> Vec<f64> {
-    let n = column.len();
-    let mut turned = vec![0.0; n];
-    for (j, &value) in column
-        .iter()
-        .enumerate()
-        .filter(|(_, value)| **value != 0.0)
-    {
-        for (sum, element) in turned.iter_mut().zip(turn.column(j).iter()) {
-            *sum += element * value;
-        }
-    }
-    turned
 }
 
 /// K of all curves of a set; different curves are independent.

@@ -107,7 +107,10 @@ fn mixture(backgrounds: &[Background], columns: &[Vec<f64>]) -> (DVector<f64>, D
     let mut of_sizes: Vec<(f64, DVector<f64>, DMatrix<f64>)> = Vec::new();
     for background in backgrounds {
         let projection = &background.projection;
-        let whitened: Vec<Vec<f64>> = columns.iter().map(|c| background.whiten(c)).collect();
+        let whitened: Vec<Vec<f64>> = columns
+            .iter()
+            .map(|c| background.whitening.whiten(c))
+            .collect();
         let gram = gram_of(projection, &whitened);
         if gram.rank() == 0 {
             continue;

@@ -172,7 +172,12 @@ type Columns = Vec<(f64, Vec<Vec<f64>>)>;
 
 /// Turns the columns of all shapes.
 fn turn(background: &Background, raw: &Columns) -> Columns {
-    let turned = |columns: &Vec<Vec<f64>>| columns.iter().map(|c| background.turned(c)).collect();
+    let turned = |columns: &Vec<Vec<f64>>| {
+        columns
+            .iter()
+            .map(|c| background.whitening.turned(c))
+            .collect()
+    };
     raw.iter()
         .map(|(shape, columns)| (*shape, turned(columns)))
         .collect()
@@ -185,7 +190,7 @@ fn scan(background: &Background, candidate: &Candidate, turned: &Columns) -> Opt
         let columns = columns.map_or(&[][..], |(_, columns)| columns);
         columns
             .iter()
-            .map(|column| background.scaled(column))
+            .map(|column| background.whitening.scaled(column))
             .collect()
     };
     FixedScan::new(

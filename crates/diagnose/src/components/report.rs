@@ -22,7 +22,6 @@ pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
     let hypothesis = &found.candidate.hypothesis;
     let estimate = &found.estimate;
     let n = estimate.parameters.len();
-    let u = |k: usize| estimate.covariance[(k, k)].max(0.0).sqrt();
     // Waves as short as two steps may as well be shorter ones: the period is at most that, with no uncertainty.
     let is_shortest = hypothesis.effect.shape == Shape::Period
         && estimate.shape <= 2.0 * set.step() * (1.0 + 1e-9);
@@ -31,12 +30,19 @@ pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
         false => estimate.u_shape,
     };
     let of_shape = (estimate.shape, u_shape);
-    let mut parameters = with_uncertainties(scene, hypothesis, &estimate.parameters, u, of_shape);
+    let covariance: Vec<f64> = (0..n * n)
+        .map(|k| estimate.covariance[(k / n, k % n)])
+        .collect();
+    let linear = (
+        &estimate.parameters[..],
+        &covariance[..],
+        &vec![true; n][..],
+    );
+    let mut parameters = with_uncertainties(scene, hypothesis, linear, of_shape);
     let unit = parameters.first().map_or("um", |parameter| parameter.unit);
     let derived = amplitude_and_phase(found, unit);
     parameters.splice(n..n, derived);
     let (share, rms_um) = share_and_rms(set, &estimate.curve);
-    let covariance = (0..n * n).map(|k| estimate.covariance[(k / n, k % n)]);
     let effect = hypothesis.resolved(estimate.parameters.clone(), estimate.shape);
     Cause {
         data: vec!["error curves".to_owned()],
@@ -46,7 +52,7 @@ pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
         rivals: found.rivals.clone(),
         share_of_curve: Some(share),
         fitted: fitted(set, &estimate.curve, scene),
-        ..Cause::of(Level::Components, effect, parameters, covariance.collect())
+        ..Cause::of(Level::Components, effect, parameters, covariance)
     }
 }
 

@@ -248,7 +248,9 @@ impl SetSearch {
         };
         let fit = |score: &Score| {
             let columns = self.set.columns(&self.candidates[score.scan], score.shape);
-            let whitened = columns.iter().map(|column| background.whiten(column));
+            let whitened = columns
+                .iter()
+                .map(|column| background.whitening.whiten(column));
             Fit::new(&background.projection, &whitened.collect::<Vec<_>>())
         };
         let own = fit(leader);

@@ -74,7 +74,6 @@ fn estimated<D: Measured>(
     model: &D::Model,
     suspect: &Suspect,
 ) -> (Vec<EstimatedParameter>, Vec<f64>) {
-    let n = suspect.parameters.len();
     let (mut covariance, mut u_shape) = (suspect.covariance.clone(), suspect.u_shape);
     match suspect.hypothesis.effect.shape {
         Shape::Instant => {
@@ -87,18 +86,9 @@ fn estimated<D: Measured>(
         }
         Shape::Fixed | Shape::Period | Shape::Waves => {}
     }
-    let u = |k: usize| match suspect.seen.get(k) {
-        Some(false) => f64::INFINITY,
-        _ => covariance[k * n + k].max(0.0).sqrt(),
-    };
+    let linear = (&suspect.parameters[..], &covariance[..], &suspect.seen[..]);
     let shape = (suspect.shape, u_shape);
-    let all = with_uncertainties(
-        data.scene(),
-        &suspect.hypothesis,
-        &suspect.parameters,
-        u,
-        shape,
-    );
+    let all = with_uncertainties(data.scene(), &suspect.hypothesis, linear, shape);
     (all, covariance)
 }
 
@@ -124,18 +114,22 @@ fn with_time_constant<D: Measured>(
         .collect();
     beside_shape(&Fit::new(&D::bare(model).extended(&others), &all), n)
 }
-/// Parameters of a hypothesis with their values, the shape (value, standard uncertainty) last; `u` of the linear ones by
-/// number.
+
+/// Parameters of a hypothesis: the linear ones with their values, covariance (rows one after the other), and whether the data see
+/// all of each, then the shape with its value and standard uncertainty.
 pub(crate) fn with_uncertainties(
     scene: &Scene,
     hypothesis: &Hypothesis,
-    values: &[f64],
-    u: impl Fn(usize) -> f64,
+    (values, covariance, seen): (&[f64], &[f64], &[bool]),
     (shape, u_shape): (f64, f64),
 ) -> Vec<EstimatedParameter> {
     let Hypothesis {
         effect, subject, ..
     } = hypothesis;
+    let u = |k: usize| match seen[k] {
+        true => covariance[k * values.len() + k].max(0.0).sqrt(),
+        false => f64::INFINITY,
+    };
     let linear = effect.parameters(scene, subject).into_iter().enumerate();
     let linear = linear.map(|(k, parameter)| (parameter, values[k], u(k)));
     let of_shape = shape_parameter(effect, scene, subject).map(|p| match p.unit {

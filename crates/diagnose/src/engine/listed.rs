@@ -172,16 +172,11 @@ impl Listed {
         variance: f64,
     ) -> Cause {
         let candidate = &self.candidates[judged.cause.candidate];
-        let count = candidate.plausible.len();
-        let own = fit.part(0..count);
+        let own = fit.part(0..candidate.plausible.len());
         let covariance: Vec<f64> = own.covariance.iter().map(|c| c * variance).collect();
-        // What the data do not show has no uncertainty.
-        let u = |k: usize| match own.seen[k] {
-            true => covariance[k * count + k].max(0.0).sqrt(),
-            false => f64::INFINITY,
-        };
+        let linear = (&own.estimates[..], &covariance[..], &own.seen[..]);
         let shape = (judged.cause.shape, judged.cause.u_shape);
-        let parameters = with_uncertainties(scene, &candidate.hypothesis, &own.estimates, u, shape);
+        let parameters = with_uncertainties(scene, &candidate.hypothesis, linear, shape);
         let effect = candidate.resolved(&own.estimates, judged.cause.shape);
         Cause {
             p_value: judged.p_value,

@@ -104,8 +104,7 @@ impl Gram {
     /// The parameters `G⁺ s`; what the data do not see stays zero.
     pub(crate) fn estimates(&self, s: &[f64]) -> Vec<f64> {
         let mut estimates = vec![0.0; self.parameters];
-        let vectors = self.vectors.chunks_exact(self.parameters.max(1));
-        for ((value, z), vector) in self.standardised(s).zip(vectors) {
+        for (value, z, vector) in self.directions(s) {
             for (estimate, v) in estimates.iter_mut().zip(vector) {
                 *estimate += v * z / value.sqrt();
             }
@@ -149,8 +148,7 @@ impl Gram {
     pub(crate) fn shrunk(&self, s: &[f64]) -> Vec<f64> {
         let (variance, _) = self.most_likely_width(s);
         let mut estimates = vec![0.0; self.parameters];
-        let vectors = self.vectors.chunks_exact(self.parameters.max(1));
-        for ((value, z), vector) in self.standardised(s).zip(vectors) {
+        for (value, z, vector) in self.directions(s) {
             let x = variance * value;
             for (estimate, v) in estimates.iter_mut().zip(vector) {
                 *estimate += v * z / value.sqrt() * x / (1.0 + x);
