@@ -5,9 +5,9 @@ use trueaxis_campaign::{Campaign, Points};
 use trueaxis_effects::{Level, ResolvedEffect, Scene};
 
 use crate::engine::{
-    Candidates, Competed, Found, HeldOut, JudgedDisturbance, Measured, OMNIBUS_LEVEL, Omnibus,
-    Search, Suspect, Wanders, cause, compete, find_causes, is_imitation, of_catalogue, scans,
-    settled, still_left, unexplained, wandered, wandered_mm, whitened_columns,
+    Candidates, Competed, Found, HeldOut, Measured, OMNIBUS_LEVEL, Omnibus, Search, Suspect,
+    Wanders, cause, compete, find_causes, is_imitation, of_catalogue, scans, settled, still_left,
+    unexplained, wandered, wandered_mm, whitened_columns,
 };
 use crate::points::base::Base;
 use crate::points::fitted::fitted;
@@ -46,9 +46,9 @@ pub(crate) fn diagnose_points(
     }
     let all = of_catalogue(Level::Points, scene, |_| true);
     let mut believed = Believed::search(&screened.base, plain, &all)?;
-    if !believed.found.is_empty() {
+    if !believed.found().is_empty() {
         // What stood out of everything may have been a part of a cause, or have hidden beneath it.
-        let again = Screened::beside(campaign, points, scene, &suspects(&believed.found));
+        let again = Screened::beside(campaign, points, scene, &suspects(believed.found()));
         if again.numbers() != screened.numbers() {
             let plain = Model::estimated(&again.base, &[]);
             believed = Believed::search(&again.base, plain, &all)?;
@@ -123,11 +123,7 @@ fn not_judged(base: &Base<'_>, freedom: f64) -> Said {
 
 /// The causes that are believed, what wanders beside them, and what the model with both leaves and gains.
 struct Believed<'a> {
-    /// The points, what wanders in their covariance.
-    base: Base<'a>,
-    found: Vec<Found>,
-    wandering: Vec<JudgedDisturbance>,
-    model: Model,
+    competed: Competed<Base<'a>>,
     after: Vec<Omnibus>,
     heldout: Option<HeldOut>,
 }
@@ -136,10 +132,11 @@ impl<'a> Believed<'a> {
     /// No causes, and nothing tested.
     fn nothing(base: Base<'a>, model: Model) -> Self {
         Self {
-            base,
-            found: Vec::new(),
-            wandering: Vec::new(),
-            model,
+            competed: Competed {
+                base,
+                search: Search::without_causes(model),
+                wandering: Vec::new(),
+            },
             after: Vec::new(),
             heldout: None,
         }
@@ -155,35 +152,31 @@ impl<'a> Believed<'a> {
         let model = compete(base, &before, search, &candidates)?;
         let count = model.search.found.len();
         let believed = Self::of(model)?;
-        if believed.found.len() == count {
+        if believed.found().len() == count {
             return Ok(believed);
         }
         // What took the place of a cause may be something that wanders.
-        Self::of(settled(base, suspects(&believed.found), &candidates)?)
+        Self::of(settled(base, suspects(believed.found()), &candidates)?)
     }
 
     /// The causes of a model but those that predict unused points worse than nothing, or merely imitate what is left.
-    fn of(model: Competed<Base<'a>>) -> Result<Self, Error> {
-        let Competed {
-            base,
-            search,
-            wandering,
-        } = model;
-        let Search {
-            mut found,
-            adjusted: mut model,
-            ..
-        } = search;
+    fn of(mut competed: Competed<Base<'a>>) -> Result<Self, Error> {
         loop {
+            let Competed {
+                base,
+                search,
+                wandering,
+            } = &mut competed;
+            let (found, model) = (&mut search.found, &search.adjusted);
             let count = found.len();
-            let families = families(&base, &model);
-            let after = omnibus(&model, &families);
+            let families = families(base, model);
+            let after = omnibus(model, &families);
             let left = still_left(&families, &after, OMNIBUS_LEVEL, |t| t.excess);
             let is_one = |cause: &Found| {
                 let Suspect {
                     hypothesis, shape, ..
                 } = &cause.suspect;
-                let columns = base.columns(&model)(hypothesis, *shape);
+                let columns = base.columns(model)(hypothesis, *shape);
                 let fit = Fit::new(&model.bare, &columns);
                 is_imitation(&model.bare, &fit, hypothesis.is_of_time(), &left)
             };
@@ -194,25 +187,26 @@ impl<'a> Believed<'a> {
                 let is_plain = found.is_empty() && wandering.is_empty();
                 let heldout = match is_plain {
                     true => None,
-                    false => held_out(&base, &model, &suspects(&found)),
+                    false => held_out(base, model, &suspects(found)),
                 };
                 if found.is_empty() || heldout.is_none_or(|h| !h.is_loss()) {
                     return Ok(Self {
-                        base,
-                        found,
-                        wandering,
-                        model,
+                        competed,
                         after,
                         heldout,
                     });
                 }
                 found.clear();
             }
-            model = base.refit(suspects(&found))?;
-            for (found, suspect) in found.iter_mut().zip(&model.suspects) {
+            search.adjusted = base.refit(suspects(found))?;
+            for (found, suspect) in found.iter_mut().zip(&search.adjusted.suspects) {
                 found.suspect = suspect.clone();
             }
         }
+    }
+
+    fn found(&self) -> &[Found] {
+        &self.competed.search.found
     }
 }
 
@@ -224,14 +218,12 @@ fn said(
 ) -> Result<(Said, Option<Campaign>), Error> {
     let gross = &screened.gross;
     let Believed {
-        base,
-        found,
-        wandering,
-        model,
+        competed,
         after,
         heldout,
     } = believed;
-    let base = &base;
+    let (base, wandering) = (&competed.base, competed.wandering);
+    let (found, model) = (competed.search.found, competed.search.adjusted);
     // Both in the noise that is left at the end.
     let sharp = Model::with(&base.beside(Vec::new()), &[], model.noise, None);
     let noise_um = model.noise.mean_um(&base.readings);
