@@ -18,7 +18,7 @@ use trueaxis_poses::EffectsOnLengths;
 
 use crate::engine::{Judged, Listed};
 use crate::runs::fitted::fitted;
-use crate::runs::hypotheses::{candidates, unseen};
+use crate::runs::hypotheses::{candidates, not_observable};
 use crate::runs::search::{rivals, search};
 use crate::said::{Entry, Said};
 use crate::selection::{Part, Projection, f_test};
@@ -132,7 +132,6 @@ fn compared(
         candidates: candidates(scene, replay, comparisons, on_lengths).into(),
     };
     let base = &listed.base;
-    let unseen = unseen(scene, &listed);
     let is_left = |model: &Projection| judge.p_value(model) < MISFIT_LEVEL;
     let found = search(&listed, CAUSE_LEVEL, is_left);
     let mut after = listed.with(&found);
@@ -190,7 +189,7 @@ fn compared(
     };
     let said = Said {
         entries: vec![entry],
-        not_observable: Vec::from_iter(unseen),
+        not_observable: Vec::from_iter(not_observable(scene, &listed)),
         ..Said::default()
     };
     (said, corrected)

@@ -6,7 +6,7 @@ use trueaxis_kinematics::MICROMETRE;
 use trueaxis_poses::EffectsOnLengths;
 
 use crate::NotObservable;
-use crate::engine::{Candidate, Listed, in_words, plausible};
+use crate::engine::{Candidate, Listed, in_words, plausible, unseen};
 use crate::selection::{Hypothesis, gram_of};
 
 /// Effects that give one axis another curve in another run. What else changes with time contradicts the lengths
@@ -74,7 +74,7 @@ pub(super) fn candidates(
 }
 
 /// The pairs of axes whose coupling the runs do not show.
-pub(super) fn unseen(scene: &Scene, listed: &Listed) -> Option<NotObservable> {
+pub(super) fn not_observable(scene: &Scene, listed: &Listed) -> Option<NotObservable> {
     let coupling = effect("cross_coupling")?;
     let hidden = listed.candidates.iter().filter(|candidate| {
         let Hypothesis {
@@ -86,16 +86,7 @@ pub(super) fn unseen(scene: &Scene, listed: &Listed) -> Option<NotObservable> {
     let subjects: Vec<String> = hidden
         .map(|candidate| in_words(&candidate.hypothesis.subject, scene))
         .collect();
-    (!subjects.is_empty()).then(|| NotObservable {
-        effect: coupling.id,
-        subject: subjects.join("; "),
-        reason: "no axis was measured twice with another one parked elsewhere, so that the curves \
-                 take all of it, or a part"
-            .to_owned(),
-        bias_per_unit: vec![(
-            "calibration".to_owned(),
-            coupling.explanation.consequence.to_owned(),
-        )],
-        measure: coupling.explanation.separate_by.to_owned(),
-    })
+    let why = "no axis was measured twice with another one parked elsewhere, so that the curves take all of it, or a part";
+    let bias = ("calibration", coupling.explanation.consequence);
+    (!subjects.is_empty()).then(|| unseen(coupling, subjects.join("; "), why, bias))
 }

@@ -126,8 +126,12 @@ pub(crate) struct BoundedGain {
     pub(crate) upper_bound: f64,
 }
 
-/// Squares before, after, and those expected of noise alone, of each block of readings.
-fn squares_of_blocks(problem: &Problem<'_>, before: &HeldOut, after: &HeldOut) -> Vec<[f64; 3]> {
+/// What causes gain on readings that the models were not fitted to: `after` against `before`.
+pub(crate) fn gain(
+    problem: &Problem<'_>,
+    before: &HeldOut,
+    after: &HeldOut,
+) -> Option<BoundedGain> {
     let numbers = pass_blocks(problem.comparison);
     let mut sums = vec![[0.0; 3]; numbers.iter().max().map_or(0, |last| last + 1)];
     for (row, &block) in numbers.iter().enumerate() {
@@ -137,19 +141,10 @@ fn squares_of_blocks(problem: &Problem<'_>, before: &HeldOut, after: &HeldOut) -
             sums[block][2] += before.expected[row];
         }
     }
-    sums
+    gain_of_blocks(&sums)
 }
 
-/// What causes gain on readings that the models were not fitted to: `after` against `before`.
-pub(crate) fn gain(
-    problem: &Problem<'_>,
-    before: &HeldOut,
-    after: &HeldOut,
-) -> Option<BoundedGain> {
-    gain_of_blocks(&squares_of_blocks(problem, before, after))
-}
-
-/// The same from the squares of all blocks.
+/// The same from the squares of each block of readings: before, after, and those expected of noise alone.
 pub(crate) fn gain_of_blocks(sums: &[[f64; 3]]) -> Option<BoundedGain> {
     let total = |k: usize| sums.iter().map(|s| s[k]).sum::<f64>();
     let (before, after, noise) = (total(0), total(1), total(2));

@@ -130,24 +130,15 @@ pub(crate) fn is_of_both_sides(
     effect: &str,
     subject: &Subject,
 ) -> bool {
-    let Some(axis) = subject
-        .axis
-        .filter(|_| lost_motion::FORMS.contains(&effect))
-    else {
-        return true;
-    };
-    comes_from_both_sides(comparison, axis)
+    let is_lost_motion = lost_motion::FORMS.contains(&effect);
+    let axis = subject.axis.filter(|_| is_lost_motion);
+    axis.is_none_or(|axis| comes_from_both_sides(comparison, axis))
 }
 
 /// Whether an axis came from either side.
 pub(crate) fn comes_from_both_sides(comparison: &Comparison<'_>, axis: usize) -> bool {
-    let comes_from = |side: f64| {
-        comparison
-            .arrivals
-            .iter()
-            .any(|a| a.sides[axis] * side > 0.0)
-    };
-    comes_from(1.0) && comes_from(-1.0)
+    let sides = || comparison.arrivals.iter().map(|a| a.sides[axis]);
+    sides().any(|side| side > 0.0) && sides().any(|side| side < 0.0)
 }
 
 /// The shapes that are tried.

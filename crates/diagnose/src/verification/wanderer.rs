@@ -96,27 +96,23 @@ pub(crate) fn wanderers(comparison: &Comparison<'_>, calibrated: bool) -> Vec<Wa
 impl Wanderer {
     /// By its public name.
     pub(crate) fn whose(self, comparison: &Comparison<'_>) -> Wandering {
-        let of = |layer, varies_with: &'static [&'static str]| Wandering {
+        let is_of_axis = !matches!(self, Self::Instrument | Self::Machine);
+        Wandering {
             level: Level::Verification,
-            layer,
-            subject: Subject::default(),
-            varies_with,
-        };
-        // A ball bar shows more than one axis.
-        let axis = comparison.line();
-        let of_axis = |varies_with| Wandering {
+            layer: match self {
+                Self::Instrument => Layer::Instrument,
+                _ => Layer::Machine,
+            },
             subject: Subject {
-                axis,
+                // A ball bar shows more than one axis.
+                axis: comparison.line().filter(|_| is_of_axis),
                 ..Subject::default()
             },
-            ..of(Layer::Machine, varies_with)
-        };
-        match self {
-            Self::Instrument => of(Layer::Instrument, &["time"]),
-            Self::Machine => of(Layer::Machine, &["time"]),
-            Self::Scale => of_axis(&["time"]),
-            Self::Position => of_axis(&["position"]),
-            Self::Sides => of_axis(&["position", "direction"]),
+            varies_with: match self {
+                Self::Instrument | Self::Machine | Self::Scale => &["time"],
+                Self::Position => &["position"],
+                Self::Sides => &["position", "direction"],
+            },
         }
     }
 
