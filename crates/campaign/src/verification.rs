@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nalgebra::Point3;
 use trueaxis_files::index_of;
-use trueaxis_kinematics::Machine;
+use trueaxis_kinematics::{Ideal, Machine};
 
 use crate::axis_columns::AxisColumns;
 use crate::document::{VerificationEntry, VerificationKindEntry};
@@ -142,10 +142,52 @@ pub(crate) fn read(
     if readings.is_empty() {
         return Err(table.no_rows());
     }
+    check_bar(file, &declared.kind, &readings, machine)?;
     Ok(Verification {
         readings,
         ..declared
     })
+}
+
+/// A bar gives way by a millimetre or two.
+const BAR_GIVES_MM: f64 = 2.0;
+
+/// Refuses rows between which the nominal distance of the balls of a bar changes by more than a bar can.
+fn check_bar(
+    file: &Path,
+    kind: &VerificationKind,
+    readings: &[VerificationReading],
+    machine: &Machine,
+) -> Result<(), Error> {
+    let VerificationKind::Ballbar {
+        ball_mm,
+        ball_carrier,
+        center_mm,
+        ..
+    } = *kind
+    else {
+        return Ok(());
+    };
+    let length_mm = |reading: &VerificationReading| {
+        let ball = machine.position(&Ideal, ball_carrier, &reading.positions, ball_mm);
+        (ball - center_mm).norm()
+    };
+    let Some((first, others)) = readings.split_first() else {
+        return Ok(());
+    };
+    let first_mm = length_mm(first);
+    let is_other = |r: &&VerificationReading| (length_mm(r) - first_mm).abs() > BAR_GIVES_MM;
+    let Some(other) = others.iter().find(is_other) else {
+        return Ok(());
+    };
+    let found = format!(
+        "the balls nominally {:.3} mm apart, {first_mm:.3} mm in line {}",
+        length_mm(other),
+        first.line
+    );
+    let expected = "a bar that keeps its length; check ball_mm, ball_carried_by, center_mm and the positions. center_mm is a place on \
+                    the bed: where both balls move, a bar cannot be given";
+    Err(Problem::value(found, expected).at(Place::line(file, other.line)))
 }
 
 /// The text that [`read`] reads as `verification`.

@@ -13,6 +13,7 @@ mod linuxcnc;
 mod marlin;
 pub(crate) mod named_errors;
 mod old_files;
+mod sides;
 mod sinumerik;
 mod skew;
 mod with_old;
@@ -25,6 +26,7 @@ use trueaxis_predict::CalibratedMachine;
 use crate::Error;
 pub use announcement::{Announcement, LineFigures, Sizes};
 use old_files::OldFiles;
+use sides::Sides;
 
 /// A control, or the way in which it is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -105,6 +107,7 @@ struct Description {
     /// A line for its help.
     text: &'static str,
     old_files: OldFiles,
+    sides: Sides,
     tables: fn(&Request<'_>) -> Result<Tables, Error>,
 }
 
@@ -246,7 +249,8 @@ pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
         let lacks = format!("only {} multiplies tables", Format::Sinumerik.name());
         return Err(Error::unsuitable(format.name(), "no levers", lacks));
     }
-    let tables = (description.tables)(request)?;
+    let mut tables = (description.tables)(request)?;
+    tables.notes.extend(description.sides.note(request));
     Ok(Export {
         announcement: Announcement::new(request, &tables.rule)?,
         files: tables.files,

@@ -31,7 +31,22 @@ fn parts(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
     parts.push(scale(campaign, measured));
     parts.push(nests(campaign));
     parts.extend(temperatures(campaign));
+    parts.extend(repeatability(campaign));
     parts
+}
+
+/// Of points: residuals of one visit show the instrument, but not where the machine would have stood at another. Lengths
+/// from several stations, or repeats, show it.
+fn repeatability(campaign: &Campaign) -> Option<Part> {
+    let points = campaign.points.as_ref()?;
+    let visits = points.stops.iter();
+    let mut visits: Vec<_> = visits.map(|s| (s.step, s.direction.sign())).collect();
+    visits.sort_unstable();
+    let is_repeated = visits.windows(2).any(|pair| pair[0] == pair[1]);
+    let is_open = campaign.instrument.repeatability_um.is_none() && !is_repeated;
+    is_open.then(|| {
+        Err("repeatability of the machine: `repeatability_um` is not declared, and no position was visited twice".to_owned())
+    })
 }
 
 /// What location errors are relative to.

@@ -208,6 +208,25 @@ fn rows_that_were_sorted() {
     );
 }
 
+/// The balls of a bar are nowhere else than its length apart.
+#[test]
+fn a_bar_keeps_its_length() {
+    assert_refused(
+        &rotary_table(),
+        &[(
+            |f| {
+                f.replace(
+                    "campaign.json",
+                    "\"center_mm\": [0, 0, 59.2]",
+                    "\"center_mm\": [30, 0, 59.2]",
+                )
+            },
+            "dbb_a.csv line 3: the balls nominally 169.277 mm apart, 126.859 mm in line 2; expected a bar that keeps its \
+             length; check ball_mm … where both balls move",
+        )],
+    );
+}
+
 /// A clock that begins again at each station is no sorted table.
 #[test]
 fn a_clock_that_was_reset_is_a_notice() {

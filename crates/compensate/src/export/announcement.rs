@@ -1,6 +1,7 @@
 //! What a table can take away: said beforehand, by the calibration itself.
 //!
-//! The control's rule is applied to the machine as calibrated: along the line of each axis and over the whole volume.
+//! The control's rule is applied to the machine as calibrated: along the line of each axis and over the whole volume, at nodes
+//! of a grid and between them, since a grid may have its nodes where the table has its points.
 //! What the calibration does not know is in none of these figures.
 
 use trueaxis_kinematics::{AxisKind, MotionError};
@@ -50,7 +51,8 @@ pub struct Announcement {
 
 impl Announcement {
     pub(crate) fn new(request: &Request<'_>, rule: &Rule) -> Result<Self, Error> {
-        let places = request.machine.places(NODES, request.at);
+        let nodes = request.machine.places(NODES, request.at);
+        let places = [nodes.clone(), nodes.between()];
         let before = Seen::new(request, None)?;
         let after = Seen::new(request, Some(rule))?;
         let lines = request.axes()?.into_iter().map(|axis| {
@@ -105,16 +107,18 @@ impl<'a> Seen<'a> {
         ))
     }
 
-    fn over(&self, places: &Places) -> Result<Sizes, Error> {
+    fn over(&self, places: &[Places]) -> Result<Sizes, Error> {
         let mut sizes = Sizes::default();
-        for number in 0..places.count() {
-            let error = self.error(&places.at(number))?;
+        let all = places.iter().flat_map(|p| (0..p.count()).map(|k| p.at(k)));
+        for commanded in all {
+            let error = self.error(&commanded)?;
             let size = error.translation_mm.norm();
             sizes.rms_mm += size * size;
             sizes.max_mm = sizes.max_mm.max(size);
             sizes.rotation_rad = sizes.rotation_rad.max(error.rotation_rad.norm());
         }
-        sizes.rms_mm = (sizes.rms_mm / places.count() as f64).sqrt();
+        let count: usize = places.iter().map(Places::count).sum();
+        sizes.rms_mm = (sizes.rms_mm / count as f64).sqrt();
         Ok(sizes)
     }
 

@@ -14,6 +14,7 @@ use trueaxis_kinematics::Component;
 
 use crate::Error;
 use crate::export::components::Components;
+use crate::export::sides::Sides;
 use crate::export::with_old::onto;
 use crate::export::{Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Tables};
 
@@ -21,6 +22,7 @@ pub(super) const FORMAT: Description = Description {
     name: "etalon",
     text: "Etalon exchange format: all component and location errors (experimental)",
     old_files: OldFiles::Named(&["etalon.txt"]),
+    sides: Sides::Mean,
     tables,
 };
 

@@ -12,6 +12,7 @@ use trueaxis_predict::ERROR_COLUMNS;
 
 use crate::export::line::positions;
 use crate::export::named_errors::wrong;
+use crate::export::sides::Sides;
 use crate::export::{
     Description, ExportedFile, OldFiles, Request, Tables, check_points, csv, one_file, rising,
 };
@@ -21,6 +22,7 @@ pub(super) const FORMAT: Description = Description {
     name: "grid",
     text: "Neutral CSV of error vectors and corrections over the linear axes",
     old_files: OldFiles::Named(&["grid.csv"]),
+    sides: Sides::Mean,
     tables,
 };
 

@@ -25,6 +25,7 @@ use trueaxis_kinematics::AxisKind;
 use crate::Error;
 use crate::export::line::{Line, Sums, interpolate, spacing};
 use crate::export::named_errors::wrong;
+use crate::export::sides::Sides;
 use crate::export::{
     Description, ExportedFile, OldFiles, Request, TableSign, Tables, check_points, csv, rising,
 };
@@ -38,6 +39,7 @@ pub(super) const FORMAT: Description = Description {
         of_all: None,
         beside: &[ASSIGNMENT, README],
     },
+    sides: Sides::Columns,
     tables,
 };
 

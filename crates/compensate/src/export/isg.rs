@@ -16,6 +16,7 @@ use trueaxis_kinematics::{AxisKind, Component};
 
 use crate::Error;
 use crate::export::components::Components;
+use crate::export::sides::Sides;
 use crate::export::with_old::{WithOld, onto};
 use crate::export::{Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Tables};
 
@@ -23,6 +24,7 @@ pub(super) const FORMAT: Description = Description {
     name: "isg",
     text: "ISG kernel, Beckhoff TF5280 (ISG_CSV): all component and location errors (experimental)",
     old_files: OldFiles::Named(&["volcomp.csv"]),
+    sides: Sides::Mean,
     tables,
 };
 

@@ -10,6 +10,7 @@
 //! Sources: `klippy/extras/skew_correction.py`, and "Skew correction" in Klipper's documentation.
 
 use crate::Error;
+use crate::export::sides::Sides;
 use crate::export::skew::Skew;
 use crate::export::{Description, ExportedFile, OldFiles, Request, Tables};
 
@@ -17,6 +18,7 @@ pub(super) const FORMAT: Description = Description {
     name: "klipper",
     text: "Klipper: SET_SKEW",
     old_files: OldFiles::None,
+    sides: Sides::Elsewhere,
     tables,
 };
 

@@ -23,6 +23,7 @@ use trueaxis_files::round;
 use crate::Error;
 use crate::export::line::{Line, interpolate};
 use crate::export::named_errors::wrong;
+use crate::export::sides::Sides;
 use crate::export::skew::Skew;
 use crate::export::{Description, ExportedFile, OldFiles, Request, Tables, check_points, rising};
 
@@ -35,6 +36,7 @@ pub(super) const FORMAT: Description = Description {
         of_all: Some(matrix::FILE),
         beside: &[],
     },
+    sides: Sides::Columns,
     tables,
 };
 

@@ -9,6 +9,7 @@
 use trueaxis_files::round;
 
 use crate::Error;
+use crate::export::sides::Sides;
 use crate::export::skew::Skew;
 use crate::export::{Description, ExportedFile, OldFiles, Request, Tables};
 
@@ -16,6 +17,7 @@ pub(super) const FORMAT: Description = Description {
     name: "marlin",
     text: "Marlin: skew factors, M852",
     old_files: OldFiles::None,
+    sides: Sides::Elsewhere,
     tables,
 };
 

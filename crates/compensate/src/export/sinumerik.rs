@@ -29,6 +29,7 @@ use trueaxis_kinematics::AxisKind;
 
 use crate::Error;
 use crate::export::line::{Line, Sums};
+use crate::export::sides::Sides;
 use crate::export::sinumerik::levers::Lever;
 use crate::export::sinumerik::sag::{Placed, Sag};
 use crate::export::sinumerik::table::{Kind, Table};
@@ -38,6 +39,7 @@ pub(super) const FORMAT: Description = Description {
     name: "sinumerik",
     text: "Siemens SINUMERIK: $AA_ENC_COMP and $AN_CEC (experimental)",
     old_files: OldFiles::Named(&["AX_EEC.INI", "NC_CEC.INI"]),
+    sides: Sides::Elsewhere,
     tables,
 };
 

@@ -33,9 +33,11 @@ fn made(format: Format, machine: &CalibratedMachine) -> (Export, Control) {
 
 /// The largest error over the volume that the announcement looks at, mm.
 pub(crate) fn largest(machine: &CalibratedMachine, control: &Control) -> f64 {
-    let places = machine.places(11, tool());
-    let at = |i: usize| error(machine, machine, control, &places.at(i)).norm();
-    (0..places.count()).map(at).fold(0.0, f64::max)
+    let nodes = machine.places(11, tool());
+    let places = [nodes.clone(), nodes.between()];
+    let all = places.iter().flat_map(|p| (0..p.count()).map(|k| p.at(k)));
+    all.map(|q| error(machine, machine, control, &q).norm())
+        .fold(0.0, f64::max)
 }
 
 /// The models of the controls, which share nothing with the writers, leave what was announced; formats that hold

@@ -18,6 +18,9 @@ const PRIMES: [usize; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
 /// Reference directions.
 const DIRECTIONS: usize = 3;
 
+/// Where between two nodes, as part of their distance: the golden section meets no table's points often.
+const BETWEEN: f64 = 0.381_966;
+
 /// Where axes stand.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Places {
@@ -74,6 +77,16 @@ impl Places {
             visits: (0..more).map(|_| points).product(),
             axes: machine.machine.axes().len(),
         }
+    }
+
+    /// The same between the nodes of the grid, which may be where a table has its points.
+    #[must_use]
+    pub fn between(mut self) -> Self {
+        for axis in self.grid.iter_mut().flatten() {
+            let pairs = axis.positions.windows(2);
+            axis.positions = pairs.map(|q| q[0] + BETWEEN * (q[1] - q[0])).collect();
+        }
+        self
     }
 
     /// Nodes of the grid along each reference direction: one where no axis makes it.

@@ -75,6 +75,20 @@ pub(crate) fn covariances(campaign: &Campaign) -> [DMatrix<f64>; 2] {
     [own, returns]
 }
 
+/// No residual of a single visit shows how well the machine returns.
+#[test]
+fn one_visit_without_a_declared_repeatability_is_said_to_lack_it() {
+    let lacks = |repeats: u32, repeatability_um: Option<f64>| {
+        let mut campaign =
+            points_campaign(simulated(&two_branches()), repeats, &Isometry3::identity());
+        campaign.instrument.repeatability_um = repeatability_um;
+        let calibration = calibrate(&campaign, &settings(Method::Nine)).unwrap();
+        let lacks = calibration.uncertainty.lacks;
+        lacks.iter().any(|part| part.starts_with("repeatability"))
+    };
+    assert!(lacks(1, None) && !lacks(2, None) && !lacks(1, Some(1.0)));
+}
+
 #[test]
 fn coordinates_propagate_to_everything() {
     let frame = Isometry3::new(
