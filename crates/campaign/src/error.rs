@@ -259,6 +259,26 @@ pub enum Problem {
         /// Its first row.
         original_line: usize,
     },
+    /// Positions of one run that are nearly the same.
+    #[error(
+        "run `{run}` stops at {position} {unit} here and at {other} {unit} in line {other_line}: positions differ in \
+         the last digits, and each would be a step of its own; give the commanded positions, not what the encoders \
+         show (steps that are meant to differ: by {near} {unit} or more, or in a run of their own)"
+    )]
+    NearPositions {
+        /// The run.
+        run: String,
+        /// The position as in the file.
+        position: f64,
+        /// The one that came before it.
+        other: f64,
+        /// Where that is.
+        other_line: usize,
+        /// mm or deg.
+        unit: &'static str,
+        /// Below which distance steps are not meant to differ.
+        near: f64,
+    },
     /// A run in which only other axes move.
     #[error(
         "run `{run}` is of axis {axis}, but {axis} never moves in it, only {}; correct the \

@@ -10,7 +10,10 @@ use crate::rows::Rows;
 use crate::steps::Steps;
 use crate::stops::{StopReader, StopWriter, append, required_columns};
 use crate::table::{Column, Table};
-use crate::{Campaign, Error, LengthReading, Lengths, LoggedColumn, LoggedQuantity, Problem, Stop};
+use crate::{
+    Campaign, Error, LengthReading, Lengths, LoggedColumn, LoggedQuantity, Problem, Stop,
+    near_positions,
+};
 
 /// Columns before those of the axes.
 const FIRST_COLUMNS: [&str; 5] = ["time_s", "station", "repeat", "run", "direction"];
@@ -44,7 +47,7 @@ pub(crate) fn read(
     if all.readings.is_empty() {
         return Err(no_rows);
     }
-    let (stops, steps) = all.stops;
+    let (stops, steps) = near_positions::join(&campaign.machine, all.stops);
     let lengths = Lengths {
         stops,
         readings: all.readings,

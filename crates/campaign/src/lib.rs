@@ -81,6 +81,7 @@ mod logged;
 mod machine;
 mod model;
 mod names;
+mod near_positions;
 mod notices;
 mod plausibility;
 mod point_checks;

@@ -9,7 +9,7 @@ use crate::rows::Rows;
 use crate::steps::Steps;
 use crate::stops::{StopReader, StopWriter, required_columns};
 use crate::table::{Column, Row, Table};
-use crate::{Campaign, Error, PointReading, Points, Problem};
+use crate::{Campaign, Error, PointReading, Points, Problem, near_positions};
 
 /// Columns before those of the axes.
 const FIRST_COLUMNS: [&str; 4] = ["time_s", "repeat", "run", "direction"];
@@ -47,7 +47,7 @@ pub(crate) fn read(file: &Path, text: &str, campaign: &Campaign) -> Result<(Poin
     if readings.is_empty() {
         return Err(table.no_rows());
     }
-    let (stops, steps) = reader.finish();
+    let (stops, steps) = near_positions::join(&campaign.machine, reader.finish());
     Ok((Points { stops, readings }, steps))
 }
 

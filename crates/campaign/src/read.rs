@@ -10,7 +10,8 @@ use crate::reading::Reading;
 use crate::steps::Steps;
 use crate::{
     Campaign, Error, Place, Problem, Stop, date, duplicates, expansion, known_lengths, lengths,
-    notices, plausibility, point_checks, points, run_axes, setup, text_file, verification,
+    near_positions, notices, plausibility, point_checks, points, run_axes, setup, text_file,
+    verification,
 };
 
 /// Reads the campaign at `path` (its `campaign.json`) with every file that it names, and checks
@@ -201,6 +202,7 @@ fn check_rows<R: Reading>(
 ) -> Result<(), Error> {
     duplicates::check(file, stops, readings, &campaign.targets)?;
     let clock = plausibility::check_order(file, name, stops, readings)?;
+    near_positions::check(file, campaign, &steps)?;
     run_axes::check(file, campaign, &steps)?;
     campaign.steps = steps.steps;
     let unseen = notices::without_rows(name, campaign, stops, readings);

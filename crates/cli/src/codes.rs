@@ -98,6 +98,7 @@ fn of_campaign(problem: &Problem, place: &Place) -> &'static str {
         Problem::PointsImpossible { .. } => "E217",
         Problem::ScaleAgainstApprox { .. } => "E218",
         Problem::SwappedStations { .. } => "E219",
+        Problem::NearPositions { .. } => "E222",
     }
 }
 

@@ -290,11 +290,98 @@ fn rows_against_each_other() {
     );
 }
 
+/// As `cell` of a column from one station is another there.
+fn from_second_station(files: &mut Files, column: &str, cell: &str, other: &str) {
+    files.column("lengths.csv", column, |own, row| {
+        let is_it = own == cell && row["station"] == "S2";
+        if is_it { other } else { own }.to_owned()
+    });
+}
+
+#[test]
+fn positions_that_differ_in_the_last_digits() {
+    assert_refused(
+        &three_axes(),
+        &[
+            (
+                |f| from_second_station(f, "X", "100", "100.0002"),
+                "lengths.csv line 95, column X: run `x` stops at 100.0002 mm here and at 100 mm in line 5 … \
+                 differ in the last digits … give the commanded positions, not what the encoders show … by 0.05 mm",
+            ),
+            // A parked axis: smaller, and larger than a share of its own jitter.
+            (
+                |f| from_second_station(f, "Y", "0", "0.003"),
+                "lengths.csv line 92, column Y: run `x` stops at 0.003 mm here and at 0 mm in line 2",
+            ),
+            // All positions as encoders show them, none twice.
+            (
+                |f| {
+                    let count = std::cell::Cell::new(0.0);
+                    f.column("lengths.csv", "X", |cell, _| {
+                        count.set(count.get() + 1.0);
+                        (cell.parse::<f64>().unwrap() + 1e-5 * count.get()).to_string()
+                    });
+                },
+                "column X: run `x` stops at",
+            ),
+        ],
+    );
+    assert_refused(
+        &rotary_table(),
+        &[(
+            |f| from_second_station(f, "C", "45", "45.0003"),
+            "lengths.csv line 59, column C: run `c` stops at 45.0003 deg here and at 45 deg in line 8",
+        )],
+    );
+    assert_refused(
+        &table_points(),
+        &[(
+            |f| f.cell("points.csv", 10, "C", "45.0003"),
+            "points.csv line 10, column C: run `c` stops at 45.0003 deg here and at 45 deg in line 8",
+        )],
+    );
+    // Steps that are meant to differ.
+    for other in ["100.06", "100.5"] {
+        let mut files = three_axes();
+        from_second_station(&mut files, "X", "100", other);
+        let campaign = files.read().unwrap();
+        assert_eq!(
+            campaign.steps.len(),
+            three_axes().read().unwrap().steps.len() + 1
+        );
+    }
+    // Two runs of one axis, each with its own grid.
+    let mut files = three_axes();
+    files.json(
+        r#"{ "name": "y","#,
+        r#"{ "name": "x2", "axis": "X" }, { "name": "y","#,
+    );
+    files.lines("lengths.csv", |lines| {
+        for line in lines {
+            let shifted = line
+                .replace(",x,", ",x2,")
+                .replace(",100,0,0,", ",100.002,0,0,");
+            if line.starts_with(|c: char| c.is_ascii_digit()) && line.contains(",S2,") {
+                *line = shifted;
+            }
+        }
+    });
+    files.read().unwrap();
+}
+
 /// What looks like damage but is none.
 #[test]
 fn harmless_differences() {
     type Change = fn(&mut Files);
-    let accepted: [Change; 6] = [
+    let accepted: [Change; 8] = [
+        // Positions rounded differently, first as commanded and first not.
+        |f| from_second_station(f, "X", "100", "100.00000000000006"),
+        |f| {
+            f.column("lengths.csv", "X", |cell, row| match row["station"] {
+                "S1" => cell.replace("300", "299.99999999999994"),
+                _ => cell.to_owned(),
+            });
+        },
         // Byte order marks.
         |f| {
             f.0.values_mut().for_each(|text| text.insert(0, '\u{feff}'));
