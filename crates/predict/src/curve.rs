@@ -10,10 +10,17 @@
 //! with Newton's remainder, a divided difference of fourth order (J. Stoer, R. Bulirsch, *Introduction to Numerical
 //! Analysis*, 2.1.3 and 2.1.4). Of three steps it takes two at a time, of four three, so that a step can be left out
 //! to see how well that goes ([`crate::remainder`]). A rotary axis whose steps go round a full turn has no
-//! ends. Outside its steps an axis has the errors of the nearest.
+//! ends. Outside its steps an axis has the errors of the last.
+//!
+//! The polynomial amplifies noise by the ratio of distances: of two steps 0.5 mm apart beside one at 50 mm it makes a
+//! hundredfold. Steps that nearly coincide, as those of two runs of an axis may, are therefore one *knot*: at their mean
+//! position, with the mean of their errors, so that the curve stays continuous and linear in the data and its uncertainty
+//! follows. No gap between neighbouring knots is smaller than a quarter of another in the same polynomial ([`NEAR`]). Steps
+//! of equal distance are knots of their own.
 
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
+use std::slice;
 
 use trueaxis_campaign::Direction;
 use trueaxis_kinematics::AxisKind;
@@ -28,6 +35,10 @@ const CLOSING_GAP: f64 = 1.5;
 
 /// Positions this close are one, mm or rad: files round degrees to 1e-9.
 const SAME: f64 = 1e-9;
+
+/// Steps whose distance is less than this part of another in the same polynomial are one knot: then the uncertainty half way
+/// is at most 1.4 times that of a step, and five times in the first gap, if the others are as short as they may be.
+const NEAR: f64 = 0.25;
 
 /// The steps of an axis, on each side of approach.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,14 +66,18 @@ struct Side {
     /// First and last step.
     range: [f64; 2],
     is_closed: bool,
-    /// Number of steps in a polynomial.
+    /// Number of knots in a polynomial.
     order: usize,
+    /// All steps, in order.
+    steps: Vec<f64>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A step, or steps that nearly coincide.
+#[derive(Debug, Clone, PartialEq)]
 struct Knot {
+    /// The mean of its steps.
     position: f64,
-    node: usize,
+    nodes: Vec<usize>,
 }
 
 impl Curve {
@@ -73,7 +88,7 @@ impl Curve {
             let own = numbered.filter(|(_, node)| node.direction == side);
             let knots = own.map(|(number, node)| Knot {
                 position: node.position,
-                node: number,
+                nodes: vec![number],
             });
             Side::new(kind, side, knots.collect())
         };
@@ -84,13 +99,8 @@ impl Curve {
 
     /// The steps in rising order, each once, mm or rad.
     pub(crate) fn steps(&self) -> Vec<f64> {
-        let of_side = |side: &Side| -> Vec<f64> {
-            let [first, last] = side.range;
-            let positions = side.knots.iter().map(|knot| knot.position);
-            let own = positions.filter(|q| (first..=last).contains(q));
-            own.collect()
-        };
-        let mut steps: Vec<f64> = self.sides.iter().flat_map(of_side).collect();
+        let own = self.sides.iter().flat_map(|side| &side.steps);
+        let mut steps: Vec<f64> = own.copied().collect();
         steps.sort_by(f64::total_cmp);
         steps.dedup_by(|a, b| (*a - *b).abs() <= SAME);
         steps
@@ -138,20 +148,20 @@ impl Curve {
 }
 
 impl Side {
-    fn new(kind: AxisKind, direction: Option<Direction>, mut knots: Vec<Knot>) -> Self {
-        let steps = knots.len();
-        let at = |k: Option<&Knot>| k.map_or(0.0, |knot| knot.position);
-        let range = [at(knots.first()), at(knots.last())];
-        let gaps = knots
-            .windows(2)
-            .map(|pair| pair[1].position - pair[0].position);
-        let largest_gap = gaps.fold(0.0, f64::max);
+    /// Of its steps, in order.
+    fn new(kind: AxisKind, direction: Option<Direction>, steps: Vec<Knot>) -> Self {
+        let positions: Vec<f64> = steps.iter().map(|knot| knot.position).collect();
+        let at = |q: Option<&f64>| q.copied().unwrap_or_default();
+        let range = [at(positions.first()), at(positions.last())];
+        let mut knots = well_apart(steps);
+        let count = knots.len();
+        let largest_gap = gaps(&knots).into_iter().fold(0.0, f64::max);
         let closing_gap = TAU - (range[1] - range[0]);
         let is_closed = kind == AxisKind::Rotary
-            && steps > MOST_STEPS
+            && count > MOST_STEPS
             && closing_gap <= CLOSING_GAP * largest_gap;
         if is_closed {
-            knots = with_other_turns(&knots, range);
+            knots = with_other_turns(&knots, NEAR * largest_gap);
         }
         Self {
             direction,
@@ -159,7 +169,8 @@ impl Side {
             range,
             is_closed,
             // One step fewer than there are, so that one can be left out; two always make a line.
-            order: steps.saturating_sub(1).clamp(2, MOST_STEPS).min(steps),
+            order: count.saturating_sub(1).clamp(2, MOST_STEPS).min(count),
+            steps: positions,
         }
     }
 
@@ -167,6 +178,13 @@ impl Side {
         let [first, last] = self.range;
         if self.is_closed && !self.whole_stencils().contains(&position) {
             position = first + (position - first).rem_euclid(TAU);
+        }
+        let beyond = match self.is_closed {
+            true => 0.0,
+            false => (first - position).max(position - last),
+        };
+        if beyond > 0.0 {
+            position = position.clamp(first, last);
         }
         let above = self.knots.partition_point(|knot| knot.position < position);
         let neighbours = self.knots[above.saturating_sub(1)..].iter().take(2);
@@ -178,15 +196,12 @@ impl Side {
                 ..Sample::default()
             };
         };
-        let beyond = match self.is_closed {
-            true => 0.0,
-            false => (first - position).max(position - last),
-        };
-        if distance(nearest) <= SAME || beyond > 0.0 {
+        let beyond = if beyond > SAME { beyond } else { 0.0 };
+        if distance(nearest) <= SAME || self.knots.len() == 1 {
             return Sample {
-                weights: vec![(nearest.node, 1.0)],
+                weights: of_nodes(slice::from_ref(nearest), |_| 1.0),
                 remainder: 0.0,
-                beyond: if beyond > SAME { beyond } else { 0.0 },
+                beyond,
             };
         }
         let start = above.saturating_sub(1).saturating_sub((self.order - 1) / 2);
@@ -196,7 +211,7 @@ impl Side {
         Sample {
             weights: lagrange(stencil, position),
             remainder: distances.product(),
-            beyond: 0.0,
+            beyond,
         }
     }
 
@@ -209,23 +224,64 @@ impl Side {
     }
 }
 
-/// As many steps of the turns before and after as a polynomial at the ends takes; steps of both ends that are at
+/// Distances of neighbouring knots.
+fn gaps(knots: &[Knot]) -> Vec<f64> {
+    let pairs = knots.windows(2);
+    pairs
+        .map(|pair| pair[1].position - pair[0].position)
+        .collect()
+}
+
+/// Makes one of neighbours that nearly coincide, those nearest beside the others first, until none do.
+fn well_apart(mut knots: Vec<Knot>) -> Vec<Knot> {
+    loop {
+        let gaps = gaps(&knots);
+        // The gaps that may be in a polynomial with it.
+        let within = MOST_STEPS - 2;
+        let share = |k: usize| {
+            let around = &gaps[k.saturating_sub(within)..gaps.len().min(k + within + 1)];
+            gaps[k] / around.iter().copied().fold(f64::MIN_POSITIVE, f64::max)
+        };
+        let shares = (0..gaps.len()).map(|k| (k, share(k)));
+        let nearest = shares.min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((k, _)) = nearest.filter(|&(_, share)| share < NEAR) else {
+            return knots;
+        };
+        let next = knots.remove(k + 1);
+        let knot = &mut knots[k];
+        let share = next.nodes.len() as f64 / (knot.nodes.len() + next.nodes.len()) as f64;
+        knot.position += share * (next.position - knot.position);
+        knot.nodes.extend(next.nodes);
+    }
+}
+
+/// Shares the weights of knots among their steps.
+fn of_nodes(knots: &[Knot], weight: impl Fn(&Knot) -> f64) -> Vec<(usize, f64)> {
+    let shared = knots.iter().flat_map(|knot| {
+        let share = weight(knot) / knot.nodes.len() as f64;
+        knot.nodes.iter().map(move |&node| (node, share))
+    });
+    shared.collect()
+}
+
+/// As many knots of the turns before and after as a polynomial at the ends takes; those of both ends that are nearly at
 /// the same angle are there once.
-fn with_other_turns(knots: &[Knot], [first, last]: [f64; 2]) -> Vec<Knot> {
+fn with_other_turns(knots: &[Knot], near: f64) -> Vec<Knot> {
+    let [first, last] = [&knots[0], &knots[knots.len() - 1]].map(|knot| knot.position);
     let turned = |by: f64| {
         knots.iter().map(move |knot| Knot {
             position: knot.position + by,
-            ..*knot
+            ..knot.clone()
         })
     };
-    let before = turned(-TAU).filter(|knot| knot.position < first - SAME);
+    let before = turned(-TAU).filter(|knot| knot.position < first - near);
     let mut before: Vec<Knot> = before.collect();
     before.drain(..before.len().saturating_sub(MOST_STEPS));
-    let after = turned(TAU).filter(|knot| knot.position > last + SAME);
+    let after = turned(TAU).filter(|knot| knot.position > last + near);
     let after = after.take(MOST_STEPS);
     before
         .into_iter()
-        .chain(knots.iter().copied())
+        .chain(knots.iter().cloned())
         .chain(after)
         .collect()
 }
@@ -237,9 +293,9 @@ fn lagrange(stencil: &[Knot], position: f64) -> Vec<(usize, f64)> {
             .iter()
             .filter(|i| i.position.total_cmp(&j.position).is_ne());
         let factors = others.map(|i| (position - i.position) / (j.position - i.position));
-        (j.node, factors.product())
+        factors.product()
     };
-    stencil.iter().map(weight).collect()
+    of_nodes(stencil, weight)
 }
 
 /// `f[q_0, …] = Σ_j f_j / Π_{i≠j} (q_j - q_i)`.
@@ -249,14 +305,17 @@ fn divided_difference(knots: &[Knot]) -> Vec<(usize, f64)> {
             .iter()
             .filter(|i| i.position.total_cmp(&j.position).is_ne());
         let factors = others.map(|i| j.position - i.position);
-        (j.node, factors.product::<f64>().recip())
+        factors.product::<f64>().recip()
     };
-    knots.iter().map(weight).collect()
+    of_nodes(knots, weight)
 }
 
 #[cfg(test)]
 mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_distr::StandardNormal;
     use trueaxis_campaign::Direction::{Backward, Forward};
+    use trueaxis_montecarlo::ChaCha8Rng;
 
     use super::*;
     use crate::interpolation::tests::at;
@@ -297,7 +356,7 @@ mod tests {
 
     #[test]
     fn cubics_come_back_and_quartics_differ_by_the_remainder() {
-        let nodes = places([0.0, 10.0, 30.0, 35.0, 50.0, 80.0]);
+        let nodes = places([0.0, 10.0, 30.0, 38.0, 50.0, 80.0]);
         let curve = Curve::new(AxisKind::Linear, &nodes);
         let cubic = |q: f64| 3.0 - 0.2 * q + 0.01 * q * q - 2e-4 * q.powi(3);
         let quartic = |q: f64| cubic(q) + 7e-6 * q.powi(4);
@@ -352,6 +411,95 @@ mod tests {
                 "{steps}"
             );
         }
+    }
+
+    /// Standard uncertainty where each step has that of 1, all independent.
+    fn u(sample: &Sample) -> f64 {
+        let squares = sample.weights.iter().map(|(_, weight)| weight * weight);
+        squares.sum::<f64>().sqrt()
+    }
+
+    #[test]
+    fn steps_that_nearly_coincide_do_not_amplify_noise() {
+        let wave_um = |q: f64| 5.0 * (TAU * q / 200.0).sin();
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        for gap in [0.0001, 0.5, 3.0] {
+            let nodes = places((0..20).flat_map(|k| [0.0, gap].map(|by| 20.0 * f64::from(k) + by)));
+            let curve = Curve::new(AxisKind::Linear, &nodes);
+            // Between steps, at them, within pairs and beyond the ends.
+            let between = (-4..=1544).map(|k| 0.25 * f64::from(k));
+            let places: Vec<f64> = between.chain(nodes.iter().map(|n| n.position)).collect();
+            let samples: Vec<Sample> = places.iter().map(|&q| curve.at(q)).collect();
+            for _ in 0..20 {
+                let noise = || random.sample::<f64, _>(StandardNormal);
+                let noise: Vec<f64> = std::iter::repeat_with(noise).take(nodes.len()).collect();
+                for (q, sample) in places.iter().zip(&samples) {
+                    let weights = sample.weights.iter();
+                    let found = weights.map(|&(n, w)| w * (wave_um(nodes[n].position) + noise[n]));
+                    let off = found.sum::<f64>() - wave_um(q.clamp(0.0, 380.0 + gap));
+                    assert!(off.abs() < 4.5 * u(sample) + 0.1, "{gap} {q}: {off}");
+                }
+            }
+            let largest = samples.iter().map(u).fold(0.0, f64::max);
+            assert!(largest < 1.1, "{gap}: {largest}");
+            // The mean of the pair, and no jump anywhere.
+            assert_eq!(curve.at(40.0 + 0.5 * gap).weights, [(4, 0.5), (5, 0.5)]);
+            assert_eq!(curve.steps().len(), nodes.len());
+            for q in nodes.iter().map(|node| node.position) {
+                let [below, above] =
+                    [q - 1e-9, q + 1e-9].map(|q| value(&curve, &nodes, wave_um, q));
+                assert!((below - above).abs() < 1e-6, "{gap} {q}: {below} {above}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_grid_amplifies_noise_more_than_fivefold() {
+        let mut random = ChaCha8Rng::seed_from_u64(2);
+        for _ in 0..200 {
+            let gap = || 10_f64.powf(random.random_range(-3.0..2.0));
+            let gaps = std::iter::repeat_with(gap).take(30);
+            let positions = gaps.scan(0.0, |q, gap| {
+                *q += gap;
+                Some(*q)
+            });
+            let nodes = places(positions);
+            let curve = Curve::new(AxisKind::Linear, &nodes);
+            let [first, last] = [nodes[0].position, nodes[29].position];
+            for k in 0..=1000 {
+                let q = first + (last - first) * f64::from(k) / 1000.0;
+                assert!(u(&curve.at(q)) < 5.0, "{q} of {nodes:?}");
+            }
+        }
+    }
+
+    /// The ends of a turn, too: 359.99° is 0°.
+    #[test]
+    fn ends_of_a_turn_that_nearly_coincide_do_not_amplify_noise() {
+        let degrees = (0..18).map(|k| 20.0 * f64::from(k)).chain([359.99]);
+        let nodes = places(degrees.map(f64::to_radians));
+        let curve = Curve::new(AxisKind::Rotary, &nodes);
+        for k in -300..=4000 {
+            let q = (0.1 * f64::from(k)).to_radians();
+            assert!(u(&curve.at(q)) < 1.1, "{k}: {}", u(&curve.at(q)));
+        }
+    }
+
+    #[test]
+    fn steps_of_like_distances_are_knots_of_their_own() {
+        for positions in [
+            vec![0.0, 10.0, 20.0, 30.0, 40.0],
+            vec![0.0, 5.0, 25.0, 40.0, 45.0, 65.0],
+        ] {
+            let curve = Curve::new(AxisKind::Linear, &places(positions.iter().copied()));
+            let knots = curve.sides[0].knots.iter();
+            let own = knots.map(|knot| (knot.position, knot.nodes.clone()));
+            let expected = positions.iter().enumerate().map(|(k, &q)| (q, vec![k]));
+            assert!(own.eq(expected));
+        }
+        let equal = Curve::new(AxisKind::Linear, &places([0.0, 10.0, 20.0, 30.0, 40.0]));
+        let expected = [(1, -0.0625), (2, 0.5625), (3, 0.5625), (4, -0.0625)];
+        assert_eq!(equal.at(25.0).weights, expected);
     }
 
     #[test]

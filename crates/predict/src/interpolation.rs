@@ -26,6 +26,9 @@ pub(crate) fn sides_of(nodes: &[Node]) -> Vec<Option<Direction>> {
 
 /// Weights of the nodes, which are in order of position, whose sum is the curve at `position`: linear interpolation;
 /// the mean of the sides of approach that reach the position; the nearest node if none does.
+///
+/// It serves the adjustment, where parked axes stand. No weight is below 0 or above 1, so that nodes which nearly coincide
+/// amplify nothing here and each stays its own; predictions between nodes are those of `curve.rs`.
 pub fn weights_at(nodes: &[Node], position: f64) -> Vec<(usize, f64)> {
     let above = nodes.partition_point(|node| node.position < position);
     let (low, high) = nodes.split_at(above);
