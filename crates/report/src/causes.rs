@@ -313,6 +313,10 @@ fn parameters(cause: &Cause) -> String {
                     fixed(2.0 * u, digits)
                 )
             }
+            // The shortest that the steps show.
+            None if parameter.u.is_none() && parameter.name == "period" => {
+                format!("{name} at most {}{unit}", fixed(parameter.value, 1))
+            }
             None if parameter.u.is_none() && parameter.value == 0.0 => format!("{name} –"),
             None if parameter.u.is_none() => format!(
                 "{name} {}{unit} (seen in part only)",
@@ -347,4 +351,25 @@ fn changes(cause: &Cause) -> String {
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     let largest = all.into_iter().take(MOST_CHANGES).map(|(_, text)| text);
     largest.collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn a_period_without_u_is_the_shortest() {
+        let told = |name: &str| {
+            let parameter = json!({ "name": name, "value": 40.0, "unit": "mm" });
+            let cause = json!({ "effect": "cyclic_error", "parameters": [parameter] });
+            parameters(&serde_json::from_value(cause).unwrap())
+        };
+        assert_eq!(told("period"), "period at most 40.0\u{a0}mm");
+        assert_eq!(
+            told("amplitude"),
+            "amplitude 40.0\u{a0}mm (seen in part only)"
+        );
+    }
 }
