@@ -102,6 +102,12 @@ struct WithMachine {
     machine: MachineSpec,
 }
 
+/// What a document says it is.
+#[derive(Deserialize)]
+struct SaysFormat {
+    format: String,
+}
+
 const CAMPAIGN: Format = Format {
     name: "trueaxis-campaign",
     version: 1,
@@ -116,7 +122,9 @@ const CALIBRATION: Format = Format {
 
 fn read_machine(path: &Path) -> anyhow::Result<MachineSpec> {
     let text = read_text(path, "--machine wants a campaign.json with the machine")?;
-    let format = match text.contains(CALIBRATION.name) {
+    // What is no JSON is refused as a campaign.
+    let said = serde_json::from_str::<SaysFormat>(&text);
+    let format = match said.is_ok_and(|said| said.format == CALIBRATION.name) {
         true => CALIBRATION,
         false => CAMPAIGN,
     };

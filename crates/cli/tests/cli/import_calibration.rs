@@ -164,4 +164,9 @@ fn what_is_wrong_is_refused_with_its_place() {
     assert_eq!(file_names(current), names);
     // The machine of a calibration will do.
     machine("calibrated/calibration.json").assert_good();
+    // That of a campaign whose name tells of one, too.
+    let text = fs::read_to_string(shipped("fxyz").join("campaign.json")).unwrap();
+    let renamed = text.replacen("FXYZ machine", "after the trueaxis-calibration", 1);
+    fs::write(current.join("renamed.json"), renamed).unwrap();
+    machine("renamed.json").assert_good();
 }
