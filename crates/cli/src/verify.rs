@@ -44,11 +44,8 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     say_all(parallel.iter().flat_map(|found| angles(&machine, found)));
     notice_all(&campaign.notices);
     results.end(args.result.json.then_some(&text))?;
-    let is_refused = verified.iter().any(Verified::is_misfit);
-    Ok(match is_refused && args.fail_on_misfit {
-        true => Exit::Misfit,
-        false => Exit::Good,
-    })
+    let is_rejected = verified.iter().any(Verified::is_misfit);
+    Ok(Exit::of_misfit(args.fail_on_misfit && is_rejected))
 }
 
 fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {

@@ -143,6 +143,8 @@ fn readings_that_do_not() {
     );
     let outcome = verify(folder.path(), &["--fail-on-misfit"]);
     assert_eq!(outcome.code, Some(6), "{}", outcome.stderr);
+    let says = "the data reject the model (--fail-on-misfit)";
+    assert!(outcome.stderr.contains(says), "{}", outcome.stderr);
     // Another machine's.
     let other = shipped("rotary-stage").join("campaign.json");
     let args = [
