@@ -18,6 +18,7 @@
 //!   instants at once.
 //! - [`ranking`]: all of them against what a model leaves by the numbers of [`crate::selection`]; the best and its
 //!   rivals.
+//! - [`between`]: a shape between two of a list.
 //! - [`search`]: lengths and points. One cause joins after the other; each is judged beside the others, gives way to a
 //!   better one, or leaves.
 //! - [`listed`]: what verification and runs choose their causes from, one after the other, in a linear model.
@@ -30,6 +31,7 @@
 //! - [`mod@places`]: where the misfit lives; [`mod@unseen`]: what the data cannot show.
 //! - [`estimated`]: parameters with their uncertainties, shapes included.
 
+mod between;
 mod competition;
 mod culprit;
 pub(crate) mod disturbance;
@@ -49,10 +51,10 @@ pub(crate) mod wandering;
 
 pub(crate) use competition::{Candidates, Competed, compete, only_wandering, settled};
 pub(crate) use culprit::{Culprit, Culprits};
-pub(crate) use estimated::{cause, with_uncertainties};
+pub(crate) use estimated::{cause, derivative, u_in_gap_s, with_uncertainties};
 pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
 pub(crate) use hypotheses::{duration_s, in_equal_ratios, of_catalogue, scan, scans};
-pub(crate) use listed::{Beside, Candidate, Chosen, Judged, Listed, without};
+pub(crate) use listed::{Beside, Candidate, Chosen, Finer, Judged, Listed, without};
 pub(crate) use measured::{Found, Measured, Suspect};
 pub(crate) use omnibus::{
     Family, MOST_OF_FREEDOM, OMNIBUS_LEVEL, Omnibus, family_wise, is_imitation, still_left,

@@ -255,7 +255,7 @@ fn cause(
     listed: &Listed,
     judged: &Judged,
 ) -> Cause {
-    let cause = listed.cause(judged, (scene, Level::Lengths), &judged.fit, 1.0);
+    let cause = listed.cause(judged, (scene, Level::Lengths), (&judged.fit, 0.0), 1.0);
     let effects_mm = on_lengths.of(std::slice::from_ref(&cause.effect));
     let squares: f64 = effects_mm.iter().map(|e| e * e).sum();
     Cause {

@@ -39,7 +39,7 @@ pub(crate) use null::Null;
 pub(crate) use projection::{Projection, add, combined};
 pub(crate) use rivals::{ALIKE, DECISIVE, Fit, cosine, is_rival};
 pub(crate) use scan::{Hypothesis, Scan};
-pub(crate) use score::{EQUAL, Score, by_evidence, marginal as marginal_of, rank};
+pub(crate) use score::{EQUAL, Score, best_shape, by_evidence, marginal as marginal_of, rank};
 pub(crate) use shares::Part;
 pub use shares::Shares;
 pub(crate) use step_scan::{StepScan, VisitTimes};

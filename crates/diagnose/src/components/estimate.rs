@@ -17,6 +17,7 @@ use crate::components::background::Background;
 use crate::components::candidates::{Candidate, spacing};
 use crate::components::curve_set::CurveSet;
 use crate::components::judgement::ln_sum;
+use crate::engine::derivative;
 use crate::selection::{combined, dot, gram_of};
 use trueaxis_effects::Shape;
 
@@ -43,9 +44,6 @@ const MAX_STEPS: usize = 8;
 /// A step of the period that ends the iteration, in standard uncertainties.
 const STEP_TOL: f64 = 1e-3;
 
-/// Relative difference of periods for the derivative: half of the digits remain.
-const DIFFERENCE: f64 = 1e-5;
-
 /// Estimates a candidate from a shape near the right one.
 pub(crate) fn estimate(
     set: &CurveSet,
@@ -60,7 +58,7 @@ pub(crate) fn estimate(
     let (mut period, mut u_period) = (shape, 0.0);
     if candidate.hypothesis.effect.shape == Shape::Period {
         for _ in 0..MAX_STEPS {
-            let derivative = derivative(&columns_at, mean.rows(0, linear).as_slice(), period);
+            let derivative = derivative(columns_at, mean.rows(0, linear).as_slice(), period);
             columns = columns_at(period);
             columns.push(derivative);
             (mean, covariance) = mixture(backgrounds, &columns);
@@ -84,21 +82,6 @@ pub(crate) fn estimate(
         u_shape: u_period,
         columns,
     }
-}
-
-fn derivative(
-    columns_at: &impl Fn(f64) -> Vec<Vec<f64>>,
-    parameters: &[f64],
-    period: f64,
-) -> Vec<f64> {
-    let h = period * DIFFERENCE;
-    let at = |period: f64| {
-        let columns = columns_at(period);
-        combined(columns[0].len(), &columns, parameters)
-    };
-    let (above, below) = (at(period + h), at(period - h));
-    let pairs = above.iter().zip(&below);
-    pairs.map(|(a, b)| (a - b) / (2.0 * h)).collect()
 }
 
 /// Mean and covariance of the columns' factors over all sizes of the rest.

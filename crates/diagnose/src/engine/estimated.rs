@@ -146,7 +146,7 @@ pub(crate) fn with_uncertainties(
 }
 
 /// Standard uncertainty of an instant within the gap between the starts of the visits before and after it, s.
-fn u_in_gap_s(starts_s: impl Iterator<Item = f64> + Clone, instant_s: f64) -> f64 {
+pub(crate) fn u_in_gap_s(starts_s: impl Iterator<Item = f64> + Clone, instant_s: f64) -> f64 {
     let before = starts_s
         .clone()
         .filter(|&t| t <= instant_s)
@@ -171,8 +171,23 @@ fn by_shape([shorter, longer]: [(f64, Vec<Vec<f64>>); 2], values: &[f64], rows: 
     derivative
 }
 
+/// Relative difference of shapes for the derivative of a closed form: half of the digits remain.
+const DIFFERENCE: f64 = 1e-5;
+
+/// The derivative of an effect with values by its shape, from columns in closed form.
+pub(crate) fn derivative(
+    columns_at: impl Fn(f64) -> Vec<Vec<f64>>,
+    values: &[f64],
+    shape: f64,
+) -> Vec<f64> {
+    let h = shape * DIFFERENCE;
+    let ends = [shape - h, shape + h].map(|shape| (shape, columns_at(shape)));
+    let rows = ends[0].1.first().map_or(0, Vec::len);
+    by_shape(ends, values, rows)
+}
+
 /// Covariance of the first `n` parameters of a fit, and the standard uncertainty of the shape, which is the next one.
-fn beside_shape(fit: &Fit, n: usize) -> (Vec<f64>, f64) {
+pub(super) fn beside_shape(fit: &Fit, n: usize) -> (Vec<f64>, f64) {
     let width = fit.seen.len();
     let u = match fit.seen[n] {
         true => fit.covariance[n * width + n].sqrt(),

@@ -1,15 +1,25 @@
 //! Hypotheses whose whitened columns are listed for every shape: readings and runs, where nothing is adjusted anew.
+//!
+//! The list has neighbours that hardly lose anything of what lies between them. Where that matters the best of a list is
+//! looked for between its neighbours ([`Finer`]), and that joins the list of the hypothesis for this model. A period or time
+//! constant joins the parameters by its derivative ([`Listed::sizes`]), so that all of them carry its uncertainty.
 
+use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 use trueaxis_effects::{Level, ResolvedEffect, Scene};
 
-use crate::engine::with_uncertainties;
-use crate::selection::{Fit, FixedScan, Hypothesis, Null, Projection, Scan, Score, rank};
+use crate::engine::between::{golden_section, neighbours};
+use crate::engine::estimated::beside_shape;
+use crate::engine::{derivative, with_uncertainties};
+use crate::selection::{
+    Fit, FixedScan, Hypothesis, Null, Projection, Scan, Score, best_shape, dot, rank,
+};
 use crate::{Cause, Rival};
 
 /// An effect on a subject with the columns of all its shapes.
-pub(crate) struct Candidate {
+pub(crate) struct Candidate<'a> {
     pub(crate) hypothesis: Hypothesis,
     pub(crate) shapes: Vec<f64>,
     pub(crate) columns: Vec<Vec<Vec<f64>>>,
@@ -17,7 +27,20 @@ pub(crate) struct Candidate {
     pub(crate) plausible: Vec<Option<[f64; 2]>>,
     /// Whether it has more columns than the effect has parameters: its size is a free function of the position.
     pub(crate) is_free: bool,
+    /// Shapes between those of the list, where there are any.
+    pub(crate) finer: Option<Finer<'a>>,
 }
+
+/// Shapes between those of a list.
+pub(crate) struct Finer<'a> {
+    /// Whitened columns of any shape.
+    pub(crate) columns: ColumnsAt<'a>,
+    /// All instants; none of a shape that takes every value in between.
+    pub(crate) instants: Option<Vec<f64>>,
+}
+
+/// Whitened columns of a shape.
+pub(crate) type ColumnsAt<'a> = Box<dyn Fn(f64) -> Vec<Vec<f64>> + Send + Sync + 'a>;
 
 /// A hypothesis in the model, at one shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,10 +53,10 @@ pub(crate) struct Chosen {
 }
 
 /// What there is to explain, and what may explain it.
-pub(crate) struct Listed {
+pub(crate) struct Listed<'a> {
     /// The base model's projection.
     pub(crate) base: Projection,
-    pub(crate) candidates: Arc<[Candidate]>,
+    pub(crate) candidates: Arc<[Candidate<'a>]>,
 }
 
 /// The other hypotheses beside a model with causes.
@@ -58,10 +81,25 @@ pub(crate) struct Judged {
     pub(crate) beside: Beside,
 }
 
+/// A cause with its parameters in the model of all.
+pub(crate) struct Sized {
+    /// Of its linear parameters; a covariance for observations of variance one.
+    pub(crate) fit: Fit,
+    /// Standard uncertainty of its shape for such observations, if it joined them.
+    pub(crate) u_shape: Option<f64>,
+}
+
+/// What a shape of a list must explain, in units of the noise, for what a better one in between explains beyond it to matter.
+const WORTH_REFINING: f64 = 20.0;
+
+/// Parts of the distance of two neighbours in the list to which a shape is found: to compare what it explains, and in the end.
+const ROUGHLY: f64 = 1e-2;
+const REFINED: f64 = 1e-5;
+
 /// Part of the level at which a free form is preferred to its mean and slope.
 const FREE_FORM: f64 = 0.1;
 
-impl Candidate {
+impl Candidate<'_> {
     /// The effect with the values of its parameters, which come first.
     pub(crate) fn resolved(&self, estimates: &[f64], shape: f64) -> ResolvedEffect {
         let values = &estimates[..self.plausible.len()];
@@ -73,11 +111,56 @@ impl Candidate {
         self.hypothesis.is_of_time() || self.is_free
     }
 
-    /// The columns at the nearest shape.
-    pub(crate) fn columns(&self, shape: f64) -> &[Vec<f64>] {
+    /// The columns at a shape: of the nearest in the list, if there are none between them.
+    pub(crate) fn columns(&self, shape: f64) -> Cow<'_, [Vec<f64>]> {
         let distance = |k: &usize| (self.shapes[*k] - shape).abs();
         let nearest = (0..self.shapes.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        nearest.map_or(&[], |k| &self.columns[k])
+        match (nearest, &self.finer) {
+            (Some(k), Some(finer)) if distance(&k) > 0.0 => Cow::Owned((finer.columns)(shape)),
+            (Some(k), _) => Cow::Borrowed(&self.columns[k]),
+            (None, _) => Cow::Borrowed(&[]),
+        }
+    }
+
+    /// The shape between the neighbours of one in the list that explains most of what a model leaves, to a part of their distance;
+    /// none where there is nothing in between.
+    fn refined(&self, model: &Projection, shape: f64, part: f64) -> Option<f64> {
+        let finer = self.finer.as_ref()?;
+        let [before, after] = neighbours(&self.shapes, shape);
+        let [low, high] = [before.unwrap_or(shape), after.unwrap_or(shape)];
+        let gained = |shape: f64| Fit::new(model, &(finer.columns)(shape)).gained();
+        match &finer.instants {
+            Some(all) => {
+                let between = all.iter().filter(|&&t| low <= t && t <= high);
+                let between = between.map(|&t| (t, gained(t)));
+                between
+                    .max_by(|a, b| a.1.total_cmp(&b.1))
+                    .map(|(instant, _)| instant)
+            }
+            None => {
+                let is_close = |a: f64, b: f64| b - a <= part * (high - low);
+                Some(golden_section([low, high], is_close, gained))
+            }
+        }
+    }
+
+    /// Standard deviation of an instant over its marginal likelihood between its neighbours in the list.
+    fn u_instant(&self, model: &Projection, instant: f64) -> Option<f64> {
+        let all = self.finer.as_ref()?.instants.as_ref()?;
+        let [before, after] = neighbours(&self.shapes, instant);
+        let [low, high] = [before.unwrap_or(instant), after.unwrap_or(instant)];
+        let between = all.iter().copied().filter(|&t| low <= t && t <= high);
+        let columns = |shape: f64| self.columns(shape).into_owned();
+        let between: Vec<f64> = between.collect();
+        let scan = FixedScan::new(self.hypothesis, model, &between, columns)?;
+        let scans: [Box<dyn Scan>; 1] = [Box::new(scan)];
+        rank(model, &scans).first().map(|score| score.u_shape)
+    }
+
+    /// What the observations change by with the shape of an effect with values; none of one that has nothing in between.
+    fn by_shape(&self, values: &[f64], shape: f64) -> Option<Vec<f64>> {
+        let finer = self.finer.as_ref().filter(|f| f.instants.is_none())?;
+        Some(derivative(&finer.columns, values, shape))
     }
 
     /// Logarithm of the probability that noise has at most for what this form explains beyond a smaller one, if `level` is that of
@@ -95,24 +178,25 @@ impl Candidate {
     fn is_possible(&self, model: &Projection, shape: f64) -> bool {
         let is_any = self.plausible.iter().all(Option::is_none);
         let variance = model.squares() / model.degrees_of_freedom.max(1.0);
-        is_any || Fit::new(model, self.columns(shape)).is_possible(&self.plausible, variance)
+        is_any || Fit::new(model, &self.columns(shape)).is_possible(&self.plausible, variance)
     }
 }
 
-impl Listed {
+impl<'a> Listed<'a> {
     pub(crate) fn hypothesis(&self, cause: &Chosen) -> &Hypothesis {
         &self.candidates[cause.candidate].hypothesis
     }
 
     /// The candidate that a score is of.
-    pub(crate) fn candidate(&self, beside: &Beside, score: &Score) -> &Candidate {
+    pub(crate) fn candidate(&self, beside: &Beside, score: &Score) -> &Candidate<'a> {
         &self.candidates[beside.numbers[score.scan]]
     }
 
     /// The columns of causes, one cause after the other.
     pub(crate) fn columns(&self, causes: &[Chosen]) -> Vec<Vec<f64>> {
         let of_cause = |chosen: &Chosen| self.candidates[chosen.candidate].columns(chosen.shape);
-        causes.iter().flat_map(of_cause).cloned().collect()
+        let all = causes.iter().map(of_cause);
+        all.flat_map(Cow::into_owned).collect()
     }
 
     /// The projection with causes in the model.
@@ -126,17 +210,25 @@ impl Listed {
     /// would fit anything.
     pub(crate) fn beside(&self, causes: &[Chosen]) -> Beside {
         let model = self.with(causes);
+        let worth = WORTH_REFINING * model.squares() / model.degrees_of_freedom.max(1.0);
         let (mut scans, mut numbers): (Vec<Box<dyn Scan>>, _) = (Vec::new(), Vec::new());
         for (number, candidate) in self.candidates.iter().enumerate() {
             if causes.iter().any(|cause| cause.candidate == number) {
                 continue;
             }
-            let columns = |shape: f64| candidate.columns(shape).to_vec();
+            let columns = |shape: f64| candidate.columns(shape).into_owned();
             let shapes = &candidate.shapes;
-            if let Some(scan) = FixedScan::new(candidate.hypothesis, &model, shapes, columns) {
-                scans.push(Box::new(scan));
-                numbers.push(number);
+            let Some(mut scan) = FixedScan::new(candidate.hypothesis, &model, shapes, columns)
+            else {
+                continue;
+            };
+            let best = best_shape(&model, &scan).filter(|(_, explained, _)| *explained > worth);
+            let finer = best.and_then(|(shape, ..)| candidate.refined(&model, shape, ROUGHLY));
+            if let Some(shape) = finer {
+                scan.add(&model, shape, &candidate.columns(shape));
             }
+            scans.push(Box::new(scan));
+            numbers.push(number);
         }
         let mut scores = rank(&model, &scans);
         scores.retain(|s| self.candidates[numbers[s.scan]].is_possible(&model, s.shape));
@@ -146,6 +238,67 @@ impl Listed {
             scans,
             numbers,
         }
+    }
+
+    /// A scored hypothesis as a cause, with its shape as close as the data tell it.
+    pub(crate) fn chosen(&self, beside: &Beside, score: &Score) -> Chosen {
+        let candidate = self.candidate(beside, score);
+        let shape = candidate.refined(&beside.model, score.shape, REFINED);
+        let shape = shape.unwrap_or(score.shape);
+        let u_instant = candidate.u_instant(&beside.model, shape);
+        Chosen {
+            candidate: beside.numbers[score.scan],
+            shape,
+            u_shape: u_instant.unwrap_or(score.u_shape),
+        }
+    }
+
+    /// All causes free together, with those of their shapes that take every value.
+    pub(crate) fn sizes(&self, causes: &[Chosen]) -> Vec<Sized> {
+        let linear = Fit::new(&self.base, &self.columns(causes));
+        let (mut first, mut columns, mut places) = (0, Vec::new(), Vec::new());
+        for cause in causes {
+            let candidate = &self.candidates[cause.candidate];
+            let own = candidate.columns(cause.shape);
+            let of_linear = first..first + own.len();
+            first = of_linear.end;
+            let values = &linear.estimates[of_linear.clone()];
+            let by_shape = candidate.by_shape(values, cause.shape);
+            let place = columns.len();
+            // As long as another column, so that what the data see of it is not taken for rounding.
+            let scale = by_shape.as_ref().map(|by_shape| {
+                let squares = own.iter().map(|column| dot(column, column));
+                (squares.fold(0.0, f64::max) / dot(by_shape, by_shape)).sqrt()
+            });
+            columns.extend(own.into_owned());
+            columns.extend(by_shape.zip(scale).map(|(mut by_shape, scale)| {
+                by_shape.iter_mut().for_each(|x| *x *= scale);
+                by_shape
+            }));
+            places.push((of_linear, place..columns.len(), scale));
+        }
+        let all = Fit::new(&self.base, &columns);
+        let of_cause = |(of_linear, place, scale): (Range<usize>, Range<usize>, Option<f64>)| {
+            let count = of_linear.len();
+            let fit = linear.part(of_linear);
+            match scale {
+                None => Sized {
+                    fit: Fit {
+                        covariance: all.part(place).covariance,
+                        ..fit
+                    },
+                    u_shape: None,
+                },
+                Some(scale) => {
+                    let (covariance, u) = beside_shape(&all.part(place), count);
+                    Sized {
+                        fit: Fit { covariance, ..fit },
+                        u_shape: Some(u * scale),
+                    }
+                }
+            }
+        };
+        places.into_iter().map(of_cause).collect()
     }
 
     /// Cause `k` if the others are in the model; `None` if they leave nothing of it.
@@ -162,20 +315,20 @@ impl Listed {
         })
     }
 
-    /// A judged cause with its parameters from a fit of its columns to observations of this variance; its size in the data and
-    /// its rivals are to be filled in.
+    /// A judged cause with its parameters from a fit of its columns to observations of this variance, and the standard uncertainty
+    /// of its shape; its size in the data and its rivals are to be filled in.
     pub(crate) fn cause(
         &self,
         judged: &Judged,
         (scene, level): (&Scene, Level),
-        fit: &Fit,
+        (fit, u_shape): (&Fit, f64),
         variance: f64,
     ) -> Cause {
         let candidate = &self.candidates[judged.cause.candidate];
         let own = fit.part(0..candidate.plausible.len());
         let covariance: Vec<f64> = own.covariance.iter().map(|c| c * variance).collect();
         let linear = (&own.estimates[..], &covariance[..], &own.seen[..]);
-        let shape = (judged.cause.shape, judged.cause.u_shape);
+        let shape = (judged.cause.shape, u_shape);
         let parameters = with_uncertainties(scene, &candidate.hypothesis, linear, shape);
         let effect = candidate.resolved(&own.estimates, judged.cause.shape);
         Cause {
@@ -200,8 +353,8 @@ impl Listed {
         let rival = |score: &Score| {
             let candidate = self.candidate(beside, score);
             let columns = candidate.columns(score.shape);
-            let other = Fit::new(&beside.model, columns);
-            is_close(score, &other, columns).then(|| Rival {
+            let other = Fit::new(&beside.model, &columns);
+            is_close(score, &other, &columns).then(|| Rival {
                 effect: candidate.resolved(&other.estimates, score.shape),
                 delta_bic: score.bic,
             })
@@ -213,14 +366,6 @@ impl Listed {
 impl Beside {
     pub(crate) fn null(&self) -> Null {
         Null::simulated(&self.model, &self.scans)
-    }
-
-    pub(crate) fn chosen(&self, score: &Score) -> Chosen {
-        Chosen {
-            candidate: self.numbers[score.scan],
-            shape: score.shape,
-            u_shape: score.u_shape,
-        }
     }
 }
 

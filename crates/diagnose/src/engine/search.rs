@@ -11,6 +11,7 @@
 use trueaxis_effects::Shape;
 
 use crate::Error;
+use crate::engine::between::{golden_section, neighbours};
 use crate::engine::{Culprits, Found, Measured, Ranking, Suspect};
 use crate::selection::{DECISIVE, EQUAL, Fit, Hypothesis, Null, Scan};
 
@@ -204,7 +205,7 @@ fn judged<D: Measured>(
     // An explanation with the same evidence is no reason to change.
     let best = ranking.leader(null, D::CAUSE_LEVEL, Some(&own.hypothesis))?;
     let (mut suspect, mut fit) = ranking.suspect(best);
-    if let Some(ends) = neighbours(data, &suspect) {
+    if let Some(ends) = ends(data, &suspect) {
         (suspect, fit) = refined(data, without, &suspect, ends);
     }
     Some(Found {
@@ -217,7 +218,7 @@ fn judged<D: Measured>(
 }
 
 /// Between which values a shape that was found in its list is looked for more closely; `None` if the list has all.
-fn neighbours<D: Measured>(data: &D, suspect: &Suspect) -> Option<[f64; 2]> {
+fn ends<D: Measured>(data: &D, suspect: &Suspect) -> Option<[f64; 2]> {
     let shape = suspect.hypothesis.effect.shape;
     if !matches!(
         shape,
@@ -225,15 +226,12 @@ fn neighbours<D: Measured>(data: &D, suspect: &Suspect) -> Option<[f64; 2]> {
     ) {
         return None;
     }
-    let (all, found) = (data.shapes(shape), suspect.shape);
-    match (
-        all.iter().rfind(|&&s| s < found),
-        all.iter().find(|&&s| s > found),
-    ) {
-        (Some(&before), Some(&after)) => Some([before, after]),
-        (Some(&before), None) => Some([before, found * found / before]),
-        (None, Some(&after)) => Some([found * found / after, after]),
-        (None, None) => None,
+    let found = suspect.shape;
+    match neighbours(&data.shapes(shape), found) {
+        [Some(before), Some(after)] => Some([before, after]),
+        [Some(before), None] => Some([before, found * found / before]),
+        [None, Some(after)] => Some([found * found / after, after]),
+        [None, None] => None,
     }
 }
 
@@ -255,22 +253,4 @@ fn refined<D: Measured>(
     let fit = at(shape);
     let refined = Suspect::new(suspect.hypothesis, (shape, suspect.u_shape), &fit);
     (refined, fit)
-}
-
-/// Where `value` is largest between two ends, by golden section until `is_close`.
-fn golden_section(
-    [mut low, mut high]: [f64; 2],
-    is_close: impl Fn(f64, f64) -> bool,
-    value: impl Fn(f64) -> f64,
-) -> f64 {
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    while !is_close(low, high) {
-        let (a, b) = (high - golden * (high - low), low + golden * (high - low));
-        if value(a) > value(b) {
-            high = b;
-        } else {
-            low = a;
-        }
-    }
-    0.5 * (low + high)
 }

@@ -23,7 +23,7 @@ pub(super) fn candidates(
     replay: &Replay<'_>,
     comparisons: &[RunComparison],
     on_lengths: &EffectsOnLengths<'_>,
-) -> Vec<Candidate> {
+) -> Vec<Candidate<'static>> {
     let mut responses = replay.responses();
     let rows = comparisons.iter().map(|c| c.observations.len()).sum();
     let mut column = |effect: &'static Effect, subject: Subject, k: usize, count: usize| {
@@ -63,6 +63,7 @@ pub(super) fn candidates(
             };
             all.push(Candidate {
                 is_free: false,
+                finer: None,
                 columns: vec![columns],
                 shapes: vec![0.0],
                 plausible: plausible(&hypothesis, scene),

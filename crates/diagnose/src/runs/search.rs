@@ -34,7 +34,7 @@ pub(super) fn search(
         let variance = model.squares() / model.degrees_of_freedom;
         let enough = best.statistic - DECISIVE * variance.max(1.0);
         let plain = scores.iter().find(|s| plain(s) && s.statistic >= enough);
-        found.push(beside.chosen(plain.unwrap_or(best)));
+        found.push(listed.chosen(&beside, plain.unwrap_or(best)));
     }
     found
 }

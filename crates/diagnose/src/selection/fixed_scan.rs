@@ -39,23 +39,33 @@ impl FixedScan {
         for (columns, &shape) in all.into_iter().zip(shapes) {
             let taken = &all_taken[first..first + columns.len()];
             first += columns.len();
-            let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
-            let gram = Gram::new(&gram_matrix_of(&columns, taken), &before);
-            if gram.rank() > 0 {
-                let concerned = concerned(&columns);
-                let cut = |column: &Vec<f64>| column[concerned.clone()].to_vec();
-                seen.push(FixedShape {
-                    shape,
-                    columns: columns.iter().map(cut).collect(),
-                    concerned,
-                    gram,
-                });
-            }
+            seen.extend(FixedShape::new(shape, &columns, taken));
         }
         (!seen.is_empty()).then_some(Self {
             hypothesis,
             shapes: seen,
             rows: projection.rows(),
+        })
+    }
+
+    /// With one more shape, if the data see it.
+    pub(crate) fn add(&mut self, projection: &Projection, shape: f64, columns: &[Vec<f64>]) {
+        let taken = projection.taken_of_all(columns);
+        self.shapes.extend(FixedShape::new(shape, columns, &taken));
+    }
+}
+
+impl FixedShape {
+    fn new(shape: f64, columns: &[Vec<f64>], taken: &[Taken]) -> Option<Self> {
+        let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
+        let gram = Gram::new(&gram_matrix_of(columns, taken), &before);
+        let concerned = concerned(columns);
+        let cut = |column: &Vec<f64>| column[concerned.clone()].to_vec();
+        (gram.rank() > 0).then(|| Self {
+            shape,
+            columns: columns.iter().map(cut).collect(),
+            concerned: concerned.clone(),
+            gram,
         })
     }
 }

@@ -103,7 +103,7 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
 const NEGLIGIBLE: f64 = 40.0;
 
 /// The shape whose statistic is the least likely from noise, its statistic and rank.
-fn best_shape(projection: &Projection, scan: &dyn Scan) -> Option<(f64, f64, usize)> {
+pub(crate) fn best_shape(projection: &Projection, scan: &dyn Scan) -> Option<(f64, f64, usize)> {
     let mut of_ranks: Vec<(f64, f64)> = Vec::new();
     scan.for_each(&projection.residuals, &mut |shape, gram, s| {
         let rank = gram.rank();

@@ -5,7 +5,7 @@
 //! [`DECISIVE`], and what can be anything twice that.
 
 use crate::engine::{Chosen, Listed, beside_one_of};
-use crate::selection::DECISIVE;
+use crate::selection::{DECISIVE, Score};
 use crate::verification::believed::{with_gain, without_imitations};
 use crate::verification::held_out::{gain, held_out};
 use crate::verification::omnibus::omnibus;
@@ -189,7 +189,7 @@ fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
     };
     for (k, cause) in model.causes.iter().enumerate() {
         let beside = listed.beside(&model.causes[..k]);
-        let own = |score: &&_| beside.chosen(score).candidate == cause.candidate;
+        let own = |score: &&Score| beside.numbers[score.scan] == cause.candidate;
         sum += beside.scores.iter().find(own).map_or(0.0, |s| s.evidence);
     }
     let names = model.causes.len() + 2 * model.wandering.len();

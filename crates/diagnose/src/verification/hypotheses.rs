@@ -4,7 +4,7 @@ use trueaxis_campaign::VerificationKind;
 use trueaxis_effects::{Level, Scene, Shape, Subject, catalogue};
 use trueaxis_kinematics::{AxisKind, Component};
 
-use crate::engine::{Candidate, in_equal_ratios, plausible};
+use crate::engine::{Candidate, Finer, in_equal_ratios, plausible};
 use crate::selection::Hypothesis;
 use crate::verification::comparison::Comparison;
 use crate::verification::lost_motion;
@@ -18,22 +18,22 @@ const LEAST_READINGS: f64 = 3.0;
 /// Instants that are tried at most.
 const INSTANTS: usize = 100;
 
-/// Steps of the wave number in waves over the range: an eighth of a wave more or less leaves 98 % of a
-/// sine explained.
-const WAVE_STEP: f64 = 0.25;
+/// Steps of the wave number in waves over the range: a sixteenth of a wave more or less leaves 98.7 % of the squares of a sine
+/// explained, `(sin x/x)²` for `x = π/16`.
+const WAVE_STEP: f64 = 0.125;
 
 /// Steps of the wave number that are tried at most; the grid stays small enough to look at in no time.
-const MOST_STEPS: u32 = 200;
+const MOST_STEPS: u32 = 400;
 
 /// Whole waves per turn that are tried at most.
 const MOST_PER_TURN: u32 = 12;
 
 /// Every effect of this level on every subject that moves.
-pub(crate) fn candidates(
-    comparison: &Comparison<'_>,
+pub(crate) fn candidates<'a>(
+    comparison: &'a Comparison<'a>,
     scene: &Scene,
-    whiten: impl Fn(Vec<f64>) -> Vec<f64>,
-) -> Vec<Candidate> {
+    whiten: impl Fn(Vec<f64>) -> Vec<f64> + Copy + Send + Sync + 'a,
+) -> Vec<Candidate<'a>> {
     let mut all = Vec::new();
     for &effect in catalogue() {
         if !effect.levels.contains(&Level::Verification) {
@@ -66,18 +66,26 @@ pub(crate) fn candidates(
             let plausible = plausible(&hypothesis, &scene);
             let shapes = shapes(comparison, effect.shape, &subject);
             let is_seen = is_of_both_sides(comparison, effect.id, &subject);
-            let column = |k, shape| match is_seen {
+            let column = move |k, shape| match is_seen {
                 true => comparison.column(effect, &subject, k, shape),
                 false => vec![0.0; comparison.arrivals.len()],
             };
             let count = plausible.len();
-            let columns = |&shape: &f64| (0..count).map(|k| whiten(column(k, shape))).collect();
+            let columns = move |shape: f64| -> Vec<Vec<f64>> {
+                (0..count).map(|k| whiten(column(k, shape))).collect()
+            };
+            let instants = (effect.shape == Shape::Instant).then(|| instants(comparison));
+            let has_more = instants.is_some() || is_continuous(effect.shape);
             all.push(Candidate {
                 hypothesis,
-                columns: shapes.iter().map(columns).collect(),
+                columns: shapes.iter().map(|&shape| columns(shape)).collect(),
                 shapes,
                 plausible: plausible.clone(),
                 is_free: false,
+                finer: has_more.then(|| Finer {
+                    columns: Box::new(columns),
+                    instants,
+                }),
             });
             if effect.id != lost_motion::EFFECT || subject.axis != Some(comparison.axis()) {
                 continue;
@@ -85,7 +93,7 @@ pub(crate) fn candidates(
             let straight = [column(0, 0.0), column(1, 0.0)];
             let waves = 1..=lost_motion::most_waves(comparison);
             let more = lost_motion::waves(comparison, &straight, waves.clone().count());
-            let columns: Vec<Vec<f64>> = straight.into_iter().chain(more).map(&whiten).collect();
+            let columns: Vec<Vec<f64>> = straight.into_iter().chain(more).map(whiten).collect();
             if !waves.is_empty() {
                 let first = |k| columns[..count + k].to_vec();
                 all.push(Candidate {
@@ -94,6 +102,7 @@ pub(crate) fn candidates(
                     shapes: waves.map(|k| k as f64).collect(),
                     plausible,
                     is_free: true,
+                    finer: None,
                 });
             }
         }
@@ -159,25 +168,40 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
             in_equal_ratios(shortest, ratio, TIME_CONSTANTS)
         }
         Shape::Instant => {
-            let mut times: Vec<f64> = comparison.arrivals.iter().map(|a| a.time_s).collect();
-            times.sort_by(f64::total_cmp);
-            let stride = times.len().div_ceil(INSTANTS).max(1);
-            let between = times.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
-            between.step_by(stride).collect()
+            let stride = comparison.arrivals.len().div_ceil(INSTANTS).max(1);
+            instants(comparison).into_iter().step_by(stride).collect()
         }
         Shape::Period => periods(comparison, subject),
         Shape::Waves => (1..=MOST_PER_TURN).map(f64::from).collect(),
     }
 }
 
-/// Periods from two steps to twice the range of the axis.
+/// Between two arrivals each.
+fn instants(comparison: &Comparison<'_>) -> Vec<f64> {
+    let mut times: Vec<f64> = comparison.arrivals.iter().map(|a| a.time_s).collect();
+    times.sort_by(f64::total_cmp);
+    let between = times.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+    between.collect()
+}
+
+/// Whether a shape may have any value between two of its list; waves of a turn are whole, and instants lie between two arrivals.
+pub(crate) fn is_continuous(shape: Shape) -> bool {
+    matches!(
+        shape,
+        Shape::TimeConstant | Shape::SettlingTime | Shape::Period
+    )
+}
+
+/// Periods from two steps, the shortest that equal steps tell from a longer one, to twice the range of the axis.
 fn periods(comparison: &Comparison<'_>, subject: &Subject) -> Vec<f64> {
     let Some([range, step]) = subject.axis.and_then(|axis| sampling(comparison, axis)) else {
         return Vec::new();
     };
     let most = 0.5 * range / step;
     let waves = (2..=MOST_STEPS).map(|k| f64::from(k) * WAVE_STEP);
-    let waves = waves.take_while(|waves| *waves <= most);
+    let waves = waves.take_while(|waves| *waves < most);
+    let last = f64::from(MOST_STEPS) * WAVE_STEP;
+    let waves = waves.chain([most].into_iter().filter(|most| *most <= last));
     waves.map(|waves| range / waves).collect()
 }
 

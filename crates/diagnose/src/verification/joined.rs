@@ -12,17 +12,19 @@ use crate::{Cause, Fitted};
 /// With the size that all series have in common, from observations of this variance; what each shows of it is to be
 /// filled in ([`join`]).
 pub(crate) fn joint_cause(
-    listed: &Listed,
+    listed: &Listed<'_>,
     scene: &Scene,
     causes: &[Chosen],
     k: usize,
     variance: f64,
 ) -> Option<Cause> {
     let judged = listed.judge(causes, k)?;
+    let sized = listed.sizes(causes).swap_remove(k);
+    let u_shape = sized.u_shape.map_or(0.0, |u| u * variance.sqrt());
     let level = (scene, Level::Verification);
     Some(Cause {
         rivals: rivals(listed, &causes[k..=k], &judged),
-        ..listed.cause(&judged, level, &judged.fit, variance)
+        ..listed.cause(&judged, level, (&sized.fit, u_shape), variance)
     })
 }
 

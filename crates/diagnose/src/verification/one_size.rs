@@ -10,8 +10,11 @@
 //!
 //! summed over the series, and the errors of prediction are `ε_y - ε_x θ`. A shape is chosen anew on the rest of each fold.
 
+use std::borrow::Cow;
+
 use crate::engine::{Chosen, FOLDS};
 use crate::selection::{Gram, add, dot};
+use crate::verification::arrivals::is_same;
 use crate::verification::held_out::{BoundedGain, gain_of_blocks, pass_blocks};
 use crate::verification::left_out::LeftOut;
 use crate::verification::series::Series;
@@ -45,11 +48,13 @@ impl Stack<'_> {
     /// What a cause with one size for all gains beside the others; `causes` are those of each series.
     pub(crate) fn gain_of(&self, cause: &Chosen, causes: &[Vec<Chosen>]) -> Option<BoundedGain> {
         let candidate = &self.listed.candidates[cause.candidate];
-        let shapes: Vec<f64> = match candidate.hypothesis.has_shape() {
-            true => candidate.shapes.clone(),
-            false => vec![cause.shape],
-        };
-        let columns: Vec<&[Vec<f64>]> = shapes.iter().map(|s| candidate.columns(*s)).collect();
+        let mut shapes = vec![cause.shape];
+        if candidate.hypothesis.has_shape() {
+            let others = candidate.shapes.iter();
+            shapes.extend(others.filter(|shape| !is_same(**shape, cause.shape)));
+        }
+        let columns = shapes.iter().map(|s| candidate.columns(*s));
+        let columns: Vec<Cow<'_, [Vec<f64>]>> = columns.collect();
         let showing = (0..self.all.len()).filter_map(|number| {
             let own = self.members[cause.candidate][number]?;
             let others = causes[number].iter().filter(|c| c.candidate != own);
@@ -63,7 +68,12 @@ impl Stack<'_> {
     }
 
     /// A series beside other causes.
-    fn beside(&self, number: usize, others: &[Chosen], shapes: &[&[Vec<f64>]]) -> Beside<'_> {
+    fn beside(
+        &self,
+        number: usize,
+        others: &[Chosen],
+        shapes: &[Cow<'_, [Vec<f64>]>],
+    ) -> Beside<'_> {
         let series = &self.all[number];
         let problem = &series.model.problem;
         let model = problem
@@ -76,7 +86,7 @@ impl Stack<'_> {
             model.project(&mut left);
             Column { whole, left }
         };
-        let of_shape = |columns: &&[Vec<f64>]| columns.iter().map(projected).collect();
+        let of_shape = |columns: &Cow<'_, [Vec<f64>]>| columns.iter().map(projected).collect();
         let scale = problem.sigma_um / self.scales_um[number];
         let fold = |fold: usize| {
             let all = series.plain.folds.iter().enumerate();

@@ -35,7 +35,7 @@ pub(crate) struct Problem<'a> {
     /// The part of the variance of a row that the last digit hides from the residuals.
     pub(crate) hidden: f64,
     /// The base model and the hypotheses.
-    pub(crate) listed: Listed,
+    pub(crate) listed: Listed<'a>,
     /// That of the base model with the prediction taken as it is, for readings that are held out: a
     /// prediction that learns from the other readings is no longer that of the calibration.
     pub(crate) as_predicted: Projection,
@@ -65,7 +65,7 @@ pub(crate) struct Given<'a> {
 impl<'a> Problem<'a> {
     pub(crate) fn new(comparison: &'a Comparison<'a>, scene: &Scene, given: &Given<'_>) -> Self {
         let (sigma_um, pseudo) = (given.sigma_um, given.prediction.len());
-        let whiten = |column: &[f64]| whitened(column, sigma_um, pseudo);
+        let whiten = move |column: &[f64]| whitened(column, sigma_um, pseudo);
         let mut columns: Vec<Vec<f64>> = given.base.iter().map(|c| whiten(c)).collect();
         let observations = whiten(&comparison.difference_um);
         let as_predicted = Projection::dense(observations.clone(), &columns);
@@ -76,7 +76,7 @@ impl<'a> Problem<'a> {
         }
         let hidden = (given.hidden_um / sigma_um).powi(2);
         let base = Projection::dense(observations, &columns).with_hidden(hidden);
-        let candidates = candidates(comparison, scene, |column| whiten(&column));
+        let candidates = candidates(comparison, scene, move |column| whiten(&column));
         Self {
             as_predicted,
             comparison,

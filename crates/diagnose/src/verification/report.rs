@@ -1,8 +1,8 @@
 //! What was found in one verification, as the outcome says it.
 
-use trueaxis_effects::{Level, Scene, Subject};
+use trueaxis_effects::{Level, Scene, Shape, Subject};
 
-use crate::engine::{Chosen, Judged, Listed, places as places_by, side};
+use crate::engine::{Chosen, Judged, Listed, places as places_by, side, u_in_gap_s};
 use crate::fitted::{Against, Fitted, Row};
 use crate::selection::{Fit, Projection, combined, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
@@ -41,30 +41,35 @@ pub(crate) fn causes(
     for (rest, residual) in rest.iter_mut().zip(&base.residuals) {
         *rest = residual - *rest;
     }
-    let mut first = 0;
+    let times = problem.comparison.arrivals.iter().map(|a| a.time_s);
     let mut causes = Vec::new();
-    for (k, cause) in chosen.iter().enumerate() {
+    let sizes = problem.listed.sizes(chosen);
+    for (k, (cause, sized)) in chosen.iter().zip(sizes).enumerate() {
         let candidate = &problem.listed.candidates[cause.candidate];
         let columns = candidate.columns(cause.shape);
-        let all = joint.part(first..first + columns.len());
-        first += columns.len();
         let Some(judged) = problem.listed.judge(chosen, k) else {
             continue;
         };
         let level = (scene, Level::Verification);
-        let mut sized = problem.listed.cause(&judged, level, &all, variance);
+        let u_shape = match (candidate.hypothesis.effect.shape, sized.u_shape) {
+            (Shape::Instant, _) => cause.u_shape.hypot(u_in_gap_s(times.clone(), cause.shape)),
+            (_, Some(u)) => u * variance.sqrt(),
+            (_, None) => cause.u_shape,
+        };
+        let own = (&sized.fit, u_shape);
+        let mut said = problem.listed.cause(&judged, level, own, variance);
         // Without a clock times count readings.
-        for parameter in &mut sized.parameters[candidate.plausible.len()..] {
+        for parameter in &mut said.parameters[candidate.plausible.len()..] {
             if parameter.unit == "s" && !problem.comparison.timed {
                 parameter.unit = "readings";
             }
         }
-        let mut fitted = combined(base.rows(), columns, &all.estimates);
+        let mut fitted = combined(base.rows(), &columns, &sized.fit.estimates);
         base.project(&mut fitted);
         let misfit: Vec<f64> = rest.iter().zip(&fitted).map(|(a, b)| a + b).collect();
         let gain = gain_of(problem, chosen, k);
         let curve = match candidate.is_free {
-            true => curve(problem.comparison, columns, &all, variance),
+            true => curve(problem.comparison, &columns, &sized.fit, variance),
             false => Vec::new(),
         };
         causes.push(Cause {
@@ -73,7 +78,7 @@ pub(crate) fn causes(
             rivals: rivals(&problem.listed, &chosen[k..=k], &judged),
             curve,
             fitted: shown(problem, scene, &misfit, &fitted),
-            ..sized
+            ..said
         });
     }
     causes

@@ -91,7 +91,7 @@ fn best(listed: &Listed, causes: &[Chosen], excluded: &[usize], level: f64) -> O
         !is_second_of_time && !excluded.contains(&number)
     });
     let leader = simplest(listed, &beside, &possible, level)?;
-    (beside.null().family_wise(leader.ln_p) < level).then(|| beside.chosen(leader))
+    (beside.null().family_wise(leader.ln_p) < level).then(|| listed.chosen(&beside, leader))
 }
 
 /// Coverage factor of the uncertainty of a time constant, which is resolved if it is longer.
@@ -169,7 +169,7 @@ fn refine(listed: &Listed, causes: &mut [Chosen]) {
         let beside = listed.beside(&without(causes, k));
         let own = |score: &&Score| beside.numbers[score.scan] == causes[k].candidate;
         if let Some(score) = beside.scores.iter().find(own) {
-            causes[k] = beside.chosen(score);
+            causes[k] = listed.chosen(&beside, score);
         }
     }
 }

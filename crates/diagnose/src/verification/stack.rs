@@ -12,14 +12,15 @@
 use trueaxis_effects::Shape;
 use trueaxis_predict::CalibratedMachine;
 
-use crate::engine::{Candidate, Chosen, Listed, without};
+use crate::engine::{Candidate, Chosen, Finer, Listed, without};
 use crate::selection::{Fit, Hypothesis, Projection, combined, dot};
+use crate::verification::hypotheses::is_continuous;
 use crate::verification::prediction_error::prediction_directions;
 use crate::verification::series::Series;
 
 /// The system and what may be common to its series.
 pub(crate) struct Stack<'s> {
-    pub(crate) listed: Listed,
+    pub(crate) listed: Listed<'s>,
     /// Of each hypothesis its number in each series that shows it.
     pub(crate) members: Vec<Vec<Option<usize>>>,
     /// `s_f`, µm.
@@ -32,7 +33,7 @@ const SHOWN: f64 = 0.1;
 
 /// Whether an effect of a series is the same in another: it belongs to the machine or to the way in which it is read, not
 /// to the time of one series or to the range of its positions.
-pub(crate) fn is_of_all(candidate: &Candidate) -> bool {
+pub(crate) fn is_of_all(candidate: &Candidate<'_>) -> bool {
     let Hypothesis { effect, .. } = candidate.hypothesis;
     let is_of_its_clock = candidate.hypothesis.is_of_time() || effect.id == "axis_expansion";
     let has_shape_of_all = matches!(effect.shape, Shape::Fixed | Shape::Period | Shape::Waves);
@@ -81,11 +82,11 @@ impl<'s> Stack<'s> {
             scales_um,
             all,
         };
-        let mut candidates: Vec<Candidate> = Vec::new();
+        let mut candidates: Vec<Candidate<'s>> = Vec::new();
         for series in all {
             for candidate in series.plain.listed.candidates.iter() {
                 let hypothesis = &candidate.hypothesis;
-                let is_listed = |other: &Candidate| other.hypothesis.is(hypothesis);
+                let is_listed = |other: &Candidate<'_>| other.hypothesis.is(hypothesis);
                 if is_of_all(candidate)
                     && is_wanted(hypothesis)
                     && !candidates.iter().any(is_listed)
@@ -101,7 +102,7 @@ impl<'s> Stack<'s> {
     }
 
     /// One hypothesis over all series, with the shapes of the series that tries most.
-    fn joined(&self, hypothesis: &Hypothesis) -> (Candidate, Vec<Option<usize>>) {
+    fn joined(&self, hypothesis: &Hypothesis) -> (Candidate<'s>, Vec<Option<usize>>) {
         let members: Vec<Option<usize>> = self
             .all
             .iter()
@@ -116,44 +117,25 @@ impl<'s> Stack<'s> {
         let (shapes, plausible) = largest.map_or_else(Default::default, |candidate| {
             (candidate.shapes.clone(), candidate.plausible.clone())
         });
-        let columns = |&shape: &f64| -> Vec<Vec<f64>> {
-            let parameters = 0..plausible.len();
-            parameters
-                .map(|k| self.column(hypothesis, &members, k, shape))
-                .collect()
+        let (all, scales_um) = (self.all, self.scales_um.clone());
+        let (hypothesis, of_each, count) = (*hypothesis, members.clone(), plausible.len());
+        let columns = move |shape: f64| -> Vec<Vec<f64>> {
+            let of_each = all.iter().zip(&of_each).zip(&scales_um);
+            let column = |k| column(of_each.clone(), &hypothesis, k, shape);
+            (0..count).map(column).collect()
         };
         let candidate = Candidate {
-            hypothesis: *hypothesis,
-            columns: shapes.iter().map(columns).collect(),
+            hypothesis,
+            columns: shapes.iter().map(|&shape| columns(shape)).collect(),
             shapes,
             plausible,
             is_free: false,
+            finer: is_continuous(hypothesis.effect.shape).then(|| Finer {
+                columns: Box::new(columns),
+                instants: None,
+            }),
         };
         (candidate, members)
-    }
-
-    /// What a unit of a parameter does to all readings.
-    fn column(
-        &self,
-        Hypothesis {
-            effect, subject, ..
-        }: &Hypothesis,
-        members: &[Option<usize>],
-        parameter: usize,
-        shape: f64,
-    ) -> Vec<f64> {
-        let mut whole = Vec::with_capacity(self.listed.base.rows());
-        for ((series, member), scale_um) in self.all.iter().zip(members).zip(&self.scales_um) {
-            let comparison = series.plain.comparison;
-            match member {
-                Some(_) => {
-                    let column = comparison.column(effect, subject, parameter, shape);
-                    whole.extend(column.iter().map(|x| x / scale_um));
-                }
-                None => whole.resize(whole.len() + series.plain.readings(), 0.0),
-            }
-        }
-        whole
     }
 
     /// The rows of a series.
@@ -191,13 +173,23 @@ impl<'s> Stack<'s> {
         own
     }
 
+    /// How many shapes more than one a cause has if each series has that at which it was named.
+    pub(crate) fn more_shapes(&self, cause: &Chosen) -> usize {
+        let shape = |k| self.own_shape(cause.candidate, k).unwrap_or(cause.shape);
+        let mut shapes: Vec<f64> = (0..self.all.len()).map(shape).collect();
+        shapes.sort_by(f64::total_cmp);
+        shapes.dedup();
+        shapes.len() - 1
+    }
+
     /// The columns of a cause with a size of its own, and where it was named a shape of its own, in each series.
     pub(crate) fn apart(&self, cause: &Chosen) -> Vec<Vec<f64>> {
         let candidate = &self.listed.candidates[cause.candidate];
         let of_series = |number: usize| {
             let shape = self.own_shape(cause.candidate, number);
-            let columns = candidate.columns(shape.unwrap_or(cause.shape)).iter();
-            columns.map(move |column| self.of_series(number, column))
+            let columns = candidate.columns(shape.unwrap_or(cause.shape));
+            let columns = columns.iter().map(|column| self.of_series(number, column));
+            columns.collect::<Vec<_>>()
         };
         (0..self.all.len()).flat_map(of_series).collect()
     }
@@ -255,6 +247,29 @@ impl<'s> Stack<'s> {
             .columns(cause.shape)
             .len() as f64
     }
+}
+
+/// What a unit of a parameter does to all readings: of each series, whether it shows it, and its scale, µm.
+fn column<'s>(
+    of_each: impl Iterator<Item = ((&'s Series<'s>, &'s Option<usize>), &'s f64)>,
+    Hypothesis {
+        effect, subject, ..
+    }: &Hypothesis,
+    parameter: usize,
+    shape: f64,
+) -> Vec<f64> {
+    let mut whole = Vec::new();
+    for ((series, member), scale_um) in of_each {
+        let comparison = series.plain.comparison;
+        match member {
+            Some(_) => {
+                let column = comparison.column(effect, subject, parameter, shape);
+                whole.extend(column.iter().map(|x| x / scale_um));
+            }
+            None => whole.resize(whole.len() + series.plain.readings(), 0.0),
+        }
+    }
+    whole
 }
 
 /// Standard deviation of a reading that the causes of a series leave, µm.

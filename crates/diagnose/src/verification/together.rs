@@ -142,7 +142,7 @@ fn exchanged(listed: &Listed, mut causes: Vec<Chosen>, level: f64) -> Vec<Chosen
             };
             let scores = &judged.beside.scores;
             if let Some(leader) = simplest(listed, &judged.beside, scores, level) {
-                causes[k] = judged.beside.chosen(leader);
+                causes[k] = listed.chosen(&judged.beside, leader);
             }
         }
         if causes == before {
@@ -157,7 +157,7 @@ fn other_forms(listed: &Listed, cause: &Chosen) -> Vec<Hypothesis> {
     let with = |columns: &[Vec<f64>]| listed.base.extended(columns);
     let own = listed.columns(std::slice::from_ref(cause));
     let with_own = with(&own);
-    let is_form = |candidate: &&Candidate| {
+    let is_form = |candidate: &&Candidate<'_>| {
         candidate.shapes.len() == 1 && {
             let columns = &candidate.columns[0];
             contains(&listed.base, &with_own, columns)
@@ -183,7 +183,8 @@ impl Sizes {
         let others = stack.listed.with(&without(causes, k));
         let common = others.extended(&stack.listed.columns(&causes[k..=k]));
         let apart = others.extended(&stack.apart(&causes[k]));
-        let rank = (common.degrees_of_freedom - apart.degrees_of_freedom).max(0.0);
+        let rank = (common.degrees_of_freedom - apart.degrees_of_freedom).max(0.0)
+            + stack.more_shapes(&causes[k]) as f64;
         let drop = common.squares() - apart.squares();
         #[expect(
             clippy::cast_possible_truncation,

@@ -16,6 +16,7 @@ mod lines;
 mod machines;
 mod made_points;
 mod odd;
+mod periods;
 mod points;
 mod several;
 mod slips;
