@@ -22,7 +22,7 @@ use nalgebra::{DMatrix, DVector, Point3};
 use trueaxis_campaign::{Campaign, Direction, Verification, VerificationKind};
 use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
 use trueaxis_predict::{
-    Approach, CalibratedMachine, MeasuredPoint, ball_bar_set_up, carrier, check_same_machine,
+    CalibratedMachine, MeasuredPoint, ball_bar_set_up, carrier, check_same_machine,
     measured_home_mm, positioning_lines, predicted_reading_um,
 };
 
@@ -231,19 +231,8 @@ fn predicted_from_its_side(
     kind: &VerificationKind,
     point: &Point,
 ) -> f64 {
-    let (nominal, at) = (machine.machine(), &point.positions);
-    match *kind {
-        VerificationKind::Positioning { axis, .. } => {
-            let direction = point.direction.unwrap_or(Direction::Forward);
-            let approach = Approach {
-                machine,
-                axis,
-                direction,
-            };
-            predicted_reading_um(nominal, kind, &approach, at, at)
-        }
-        VerificationKind::Ballbar { .. } => predicted_reading_um(nominal, kind, machine, at, at),
-    }
+    let from = point.direction.unwrap_or(Direction::Forward);
+    machine.predicted_reading_um(kind, &point.positions, from)
 }
 
 /// Readings by position and side, in the order in which they first occur.

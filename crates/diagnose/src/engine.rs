@@ -10,7 +10,7 @@
 //! | base model | stations, poses, shapes | poses, shapes | zero of a line, set-up of a bar, errors of the prediction | error curves, places |
 //! | covariance | noise, repeatability, what wanders | noise, repeatability | that of the prediction | that of the poses |
 //! | refit | nonlinear adjustment | linear, variances anew | linear | linear |
-//! | instants | between visits | between stops | a hundred of a list | none |
+//! | instants | between visits | between stops | a hundred of a list, then those beside the best | none |
 //!
 //! Common to them, here:
 //!

@@ -44,7 +44,7 @@ mod wandering;
 
 use trueaxis_campaign::{Campaign, Verification};
 use trueaxis_effects::Scene;
-use trueaxis_kinematics::{Ideal, Machine};
+use trueaxis_kinematics::Machine;
 use trueaxis_predict::CalibratedMachine;
 
 use crate::components::diagnose_line_curve;
@@ -94,7 +94,7 @@ pub(crate) fn diagnose_verification(
         .map(|verification| without_gross_errors(machine, verification, calibration, &mut outcome))
         .collect();
     let comparisons = kept.iter().map(|verification| {
-        let mut comparison = compared(machine, verification, calibration);
+        let mut comparison = Comparison::new(machine, verification, calibration);
         if calibration.is_some() {
             comparison.parked_elsewhere = parked_elsewhere(campaign, verification);
         }
@@ -132,17 +132,6 @@ struct Asked<'a> {
     explain_curves: bool,
     /// Its part of the false alarms.
     level: f64,
-}
-
-fn compared<'a>(
-    machine: &'a Machine,
-    verification: &'a Verification,
-    calibration: Option<&CalibratedMachine>,
-) -> Comparison<'a> {
-    match calibration {
-        Some(calibration) => Comparison::new(machine, verification, calibration),
-        None => Comparison::new(machine, verification, &Ideal),
-    }
 }
 
 /// The verifications without those that repeat an earlier one reading by reading: as a second measurement they would make
@@ -183,7 +172,10 @@ fn without_gross_errors(
     calibration: Option<&CalibratedMachine>,
     outcome: &mut Said,
 ) -> Verification {
-    let gross = gross_errors(verification, &compared(machine, verification, calibration));
+    let gross = gross_errors(
+        verification,
+        &Comparison::new(machine, verification, calibration),
+    );
     let mut kept = verification.clone();
     for (row, _) in gross.iter().rev() {
         kept.readings.remove(*row);

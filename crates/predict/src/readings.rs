@@ -9,9 +9,10 @@
 //! Displacements are from home: where an instrument has its zero, and where the centre of a bar is, is not the machine's.
 
 use nalgebra::{DMatrix, Matrix6xX, Point3, RowDVector, RowVector3, Vector3, Vector6};
-use trueaxis_campaign::VerificationKind;
+use trueaxis_campaign::{Direction, VerificationKind};
 use trueaxis_kinematics::{AxisKind, Branch, GeometricErrors, Ideal, MICROMETRE, Machine};
 
+use crate::approach::Approach;
 use crate::calibrated_machine::{CalibratedAxis, CalibratedMachine};
 use crate::predict::influences;
 use trueaxis_kinematics::axis_twist::TRANSLATION;
@@ -137,11 +138,45 @@ pub fn predicted_reading_um(
 }
 
 impl CalibratedMachine {
+    /// What is read on this machine at commanded positions without compensation, µm: on a line whose axis comes from one side, with
+    /// the error curve of that side, where the sides are apart.
+    pub fn predicted_reading_um(
+        &self,
+        kind: &VerificationKind,
+        commanded: &[f64],
+        from: Direction,
+    ) -> f64 {
+        let machine = &self.machine;
+        match *kind {
+            VerificationKind::Positioning { axis, .. } => {
+                let approach = Approach {
+                    machine: self,
+                    axis,
+                    direction: from,
+                };
+                predicted_reading_um(machine, kind, &approach, commanded, commanded)
+            }
+            VerificationKind::Ballbar { .. } => {
+                predicted_reading_um(machine, kind, self, commanded, commanded)
+            }
+        }
+    }
+
     /// The covariance of the readings that this machine predicts, each of a kind and at commanded positions, from that of the calibration
     /// and of the interpolation, µm²: to first order by the displacement of the point along the direction that counts. NaN
     /// if the calibration has no uncertainties.
     pub fn covariance_of_readings(&self, readings: &[(&VerificationKind, &[f64])]) -> DMatrix<f64> {
-        let rows = readings.iter().map(|(kind, at)| self.row(kind, at));
+        let rows = readings.iter().map(|(kind, at)| self.row(kind, at, None));
+        self.covariance_of_rows(&rows.collect::<Vec<_>>())
+    }
+
+    /// The same of what [`CalibratedMachine::predicted_reading_um`] predicts, each with the side that its axis comes from.
+    pub fn covariance_of_approached(
+        &self,
+        readings: &[(&VerificationKind, &[f64], Direction)],
+    ) -> DMatrix<f64> {
+        let rows = readings.iter();
+        let rows = rows.map(|(kind, at, from)| self.row(kind, at, Some(*from)));
         self.covariance_of_rows(&rows.collect::<Vec<_>>())
     }
 
@@ -153,7 +188,7 @@ impl CalibratedMachine {
             [0, 1, 2].map(|c| {
                 let counts =
                     |(axis, effect): &(_, Matrix6xX<f64>)| (*axis, effect.row(c).into_owned());
-                self.row_of(effects.iter().map(counts), positions)
+                self.row_of(effects.iter().map(counts), positions, None)
             })
         });
         self.covariance_of_rows(&rows.collect::<Vec<_>>())
@@ -185,8 +220,12 @@ impl CalibratedMachine {
         covariance / (MICROMETRE * MICROMETRE)
     }
 
-    /// How a reading depends on the results.
-    fn row(&self, kind: &VerificationKind, commanded: &[f64]) -> Row {
+    /// How a reading depends on the results, on a line with the curve of the side that its axis comes from.
+    fn row(&self, kind: &VerificationKind, commanded: &[f64], from: Option<Direction>) -> Row {
+        let from = from.and_then(|from| match *kind {
+            VerificationKind::Positioning { axis, .. } => Some((axis, from)),
+            VerificationKind::Ballbar { .. } => None,
+        });
         let along: RowVector3<f64> = MeasuredPoint::new(&self.machine, kind, commanded)
             .along
             .transpose();
@@ -199,7 +238,7 @@ impl CalibratedMachine {
             let columns = counts.iter().copied();
             (*axis, RowDVector::from_iterator(counts.ncols(), columns))
         });
-        self.row_of(counts, commanded)
+        self.row_of(counts, commanded, from)
     }
 
     /// The same, from what one unit of each of [`trueaxis_kinematics::axis_twist`] of each axis does to the reading.
@@ -207,13 +246,19 @@ impl CalibratedMachine {
         &self,
         axes: impl Iterator<Item = (&'a CalibratedAxis, RowDVector<f64>)>,
         commanded: &[f64],
+        from: Option<(usize, Direction)>,
     ) -> Row {
         let mut row = Row::default();
         for (axis, counts) in axes {
             let position = commanded[axis.axis];
             let mut effect = Matrix6xX::zeros(counts.ncols());
             effect.set_row(0, &counts);
-            let sample = axis.curve.at(position);
+            let sample = match from {
+                Some((measured, side)) if measured == axis.axis => {
+                    axis.curve.at_from(position, side)
+                }
+                _ => axis.curve.at(position),
+            };
             let places = influences(&self.machine, axis, &sample, &effect);
             row.results
                 .extend(places.into_iter().map(|(place, c)| (place, c[0])));

@@ -1,10 +1,11 @@
-//! Measured minus predicted ([`predicted_reading_um`]), reading by reading, and what an effect does to each.
+//! Measured minus predicted, as in `verify` ([`CalibratedMachine::predicted_reading_um`]), reading by reading, and what an effect
+//! does to each.
 
-use trueaxis_campaign::{Verification, VerificationKind};
+use trueaxis_campaign::{Direction, Verification, VerificationKind};
 use trueaxis_effects::{Circumstances, Effect, Subject};
-use trueaxis_kinematics::{GeometricErrors, MICROMETRE, Machine};
+use trueaxis_kinematics::{Ideal, MICROMETRE, Machine};
 use trueaxis_leastsquares::half_waves;
-use trueaxis_predict::{MeasuredPoint, carrier, predicted_reading_um};
+use trueaxis_predict::{CalibratedMachine, MeasuredPoint, carrier, predicted_reading_um};
 
 use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same};
 
@@ -42,11 +43,11 @@ pub(crate) struct Comparison<'a> {
 }
 
 impl<'a> Comparison<'a> {
-    /// Of the readings with the machine that `errors` predict.
+    /// Of the readings with what a calibration predicts, or an ideal machine.
     pub(crate) fn new(
         machine: &'a Machine,
         verification: &'a Verification,
-        errors: &impl GeometricErrors,
+        calibration: Option<&CalibratedMachine>,
     ) -> Self {
         let kind = &verification.kind;
         let arrivals = arrivals(&verification.readings, line(kind));
@@ -54,9 +55,11 @@ impl<'a> Comparison<'a> {
             .iter()
             .map(|a| MeasuredPoint::new(machine, kind, &a.positions));
         let points: Vec<MeasuredPoint> = points.collect();
-        let difference = arrivals.iter().map(|a| {
-            a.value_um - predicted_reading_um(machine, kind, errors, &a.positions, &a.positions)
-        });
+        let predicted_um = |a: &Arrival| match calibration {
+            Some(calibration) => calibration.predicted_reading_um(kind, &a.positions, came_from(a)),
+            None => predicted_reading_um(machine, kind, &Ideal, &a.positions, &a.positions),
+        };
+        let difference = arrivals.iter().map(|a| a.value_um - predicted_um(a));
         let moving = (0..machine.axes().len()).filter(|&axis| {
             let at = |arrival: &Arrival| arrival.positions[axis];
             arrivals.iter().any(|a| !is_same(at(a), at(&arrivals[0])))
@@ -177,6 +180,14 @@ impl<'a> Comparison<'a> {
     /// What times are counted in.
     pub(crate) fn unit_of_time(&self) -> &'static str {
         if self.timed { "s" } else { "readings" }
+    }
+}
+
+/// The side that the measured axis of a line came from.
+pub(crate) fn came_from(arrival: &Arrival) -> Direction {
+    match arrival.direction > 0.0 {
+        true => Direction::Forward,
+        false => Direction::Backward,
     }
 }
 

@@ -2,17 +2,18 @@
 //!
 //! A calibration is uncertain, and its errors are correlated from one position to the next: in a
 //! comparison they look like structure. Their covariance `K` is that of the calibrated machine
-//! ([`CalibratedMachine::covariance_of_readings`]).
+//! ([`CalibratedMachine::covariance_of_approached`]), by the side of each reading where the calibration keeps the sides apart.
 //!
 //! `K` has few directions that matter; they come from a pivoted Cholesky factorisation, which stops when
 //! what is left is far below the noise. As unknowns with the pseudo-observations `0 = x ± 1` they join
 //! the base model, which is the same as adding `K` to the covariance of the readings.
 
 use nalgebra::DVector;
+use trueaxis_campaign::Direction;
 use trueaxis_predict::{CalibratedMachine, pivoted_cholesky};
 
-use crate::verification::base::stands;
-use crate::verification::comparison::Comparison;
+use crate::verification::base::{cells, stands};
+use crate::verification::comparison::{Comparison, came_from};
 
 /// Variance of a prediction, in variances of an arrival, that may be left out.
 const NEGLIGIBLE: f64 = 1e-3;
@@ -26,17 +27,22 @@ pub(crate) fn prediction_directions(
     if !machine.has_uncertainties {
         return Vec::new();
     }
-    let (mut readings, mut of_arrivals): (Vec<(_, &[f64])>, Vec<usize>) = Default::default();
+    let (mut readings, mut of_arrivals) = (Vec::<(_, &[f64], _)>::new(), Vec::new());
     for comparison in comparisons {
-        let (first, stands) = (readings.len(), stands(comparison));
+        let axis = comparison.line();
+        let stands = match axis.is_some_and(|axis| machine.keeps_sides_apart(axis)) {
+            true => cells(comparison),
+            false => stands(comparison),
+        };
+        let first = readings.len();
         let count = stands.iter().max().map_or(0, |max| max + 1);
-        readings.resize(first + count, (comparison.kind, &[]));
+        readings.resize(first + count, (comparison.kind, &[], Direction::Forward));
         for (arrival, stand) in comparison.arrivals.iter().zip(stands) {
-            readings[first + stand].1 = &arrival.positions;
+            readings[first + stand] = (comparison.kind, &arrival.positions, came_from(arrival));
             of_arrivals.push(first + stand);
         }
     }
-    let prediction = machine.covariance_of_readings(&readings);
+    let prediction = machine.covariance_of_approached(&readings);
     let of_stands = pivoted_cholesky(&prediction, NEGLIGIBLE * noise_um * noise_um);
     let spread = |column: &DVector<f64>| of_arrivals.iter().map(|&stand| column[stand]).collect();
     of_stands.iter().map(spread).collect()

@@ -19,6 +19,7 @@ mod odd;
 mod periods;
 mod points;
 mod several;
+mod sides;
 mod slips;
 mod true_gain;
 mod unknown;
