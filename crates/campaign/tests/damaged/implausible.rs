@@ -219,7 +219,7 @@ fn a_bar_keeps_its_length() {
                     "campaign.json",
                     "\"center_mm\": [0, 0, 59.2]",
                     "\"center_mm\": [30, 0, 59.2]",
-                )
+                );
             },
             "dbb_a.csv line 3: the balls nominally 169.277 mm apart, 126.859 mm in line 2; expected a bar that keeps its \
              length; check ball_mm … where both balls move",
