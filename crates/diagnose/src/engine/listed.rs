@@ -264,6 +264,8 @@ impl<'a> Listed<'a> {
             first = of_linear.end;
             let values = &linear.estimates[of_linear.clone()];
             let by_shape = candidate.by_shape(values, cause.shape);
+            // What a shape does not change cannot tell it.
+            let by_shape = by_shape.filter(|by_shape| dot(by_shape, by_shape) > 0.0);
             let place = columns.len();
             // As long as another column, so that what the data see of it is not taken for rounding.
             let scale = by_shape.as_ref().map(|by_shape| {

@@ -158,7 +158,8 @@ pub(crate) fn wandering<D: Wanders>(
     let mut ways = vec![(first, noise)];
     for common in judged.iter().filter(is_common) {
         if common.p_value < SMOOTH_LEVEL {
-            let way = joined_by_others(base, suspects, common.clone())?;
+            let common = with_rivals(base, common, &[]);
+            let way = joined_by_others(base, suspects, common)?;
             ways.extend(Some(way).filter(|(way, _)| way.iter().any(|o| is_common(&o))));
         }
     }
@@ -178,14 +179,23 @@ fn leader<D: Wanders>(base: &D, judged: &[JudgedDisturbance]) -> Option<JudgedDi
     if first.p_value >= SMOOTH_LEVEL {
         return None;
     }
-    let is_rival = |other: &&JudgedDisturbance| first.evidence - other.evidence < DECISIVE;
+    Some(with_rivals(base, first, others))
+}
+
+/// A disturbance with its other name and those of others that explain as much.
+fn with_rivals<D: Wanders>(
+    base: &D,
+    own: &JudgedDisturbance,
+    others: &[JudgedDisturbance],
+) -> JudgedDisturbance {
+    let is_rival = |other: &&JudgedDisturbance| own.evidence - other.evidence < DECISIVE;
     let rivals = others.iter().filter(is_rival);
     let rivals = rivals.map(|other| other.disturbance.wanderer);
-    let twin = base.twin(first.disturbance.wanderer);
-    Some(JudgedDisturbance {
+    let twin = base.twin(own.disturbance.wanderer);
+    JudgedDisturbance {
         rivals: twin.into_iter().chain(rivals).collect(),
-        ..first.clone()
-    })
+        ..own.clone()
+    }
 }
 
 /// A disturbance, and what wanders beside it and causes, one after the other, each with the size that it has beside the
@@ -197,34 +207,40 @@ fn joined_by_others<D: Wanders>(
 ) -> Result<(Vec<JudgedDisturbance>, D::Noise), Error> {
     let all = base.wanderers();
     let mut own = vec![first];
+    // What is not significant beside the others would come back for ever.
+    let mut dropped: Vec<Wanderer> = Vec::new();
     loop {
         let here = base.beside(disturbances(&own));
         let mut adjusted = here.adjust(suspects.to_vec(), None)?;
         let mut moved = false;
         for k in 0..own.len() {
             let mut others = disturbances(&own);
-            let Disturbance {
-                wanderer, width, ..
-            } = others.remove(k);
+            let before = others.remove(k);
             let without = base
                 .beside(others)
                 .adjust(suspects.to_vec(), Some(D::noise(&adjusted)))?;
-            if let Some(again) = judge(base, &without, wanderer, all.len()) {
-                moved |= (again.disturbance.width - width).abs() > RESTS * width;
+            if let Some(again) = judge(base, &without, before.wanderer, all.len()) {
+                let now = &again.disturbance;
+                moved |= (now.width - before.width).abs() > RESTS * before.width
+                    || now.length.total_cmp(&before.length).is_ne();
                 let rivals = std::mem::take(&mut own[k].rivals);
                 own[k] = JudgedDisturbance { rivals, ..again };
             }
         }
-        let count = own.len();
-        own.retain(|judged| judged.p_value < SMOOTH_LEVEL);
+        let is_left = |judged: &JudgedDisturbance| judged.p_value < SMOOTH_LEVEL;
+        let (kept, gone): (Vec<_>, Vec<_>) = own.into_iter().partition(is_left);
+        own = kept;
         if own.len() == MOST {
             return Ok((own, D::noise(&adjusted)));
         }
-        if moved || own.len() < count {
+        moved |= !gone.is_empty();
+        dropped.extend(gone.iter().map(|judged| judged.disturbance.wanderer));
+        if moved {
             let here = base.beside(disturbances(&own));
             adjusted = here.adjust(suspects.to_vec(), None)?;
         }
-        let is_new = |w: &Wanderer| own.iter().all(|o| o.disturbance.wanderer != *w);
+        let is_new =
+            |w: &Wanderer| !dropped.contains(w) && own.iter().all(|o| o.disturbance.wanderer != *w);
         let others: Vec<Wanderer> = all.iter().copied().filter(is_new).collect();
         let judged = judge_all(base, &adjusted, &others, all.len());
         match leader(base, &judged) {

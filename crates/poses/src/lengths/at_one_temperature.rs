@@ -9,7 +9,6 @@ use std::borrow::Cow;
 use trueaxis_campaign::Campaign;
 use trueaxis_effects::{ResolvedEffect, Subject, TemperatureHistory, effect};
 
-use crate::lengths::circumstances::temperature_history;
 use crate::lengths::effects::EffectsOnLengths;
 
 /// The campaign with lengths as if its axes had kept the temperatures of the first reading
@@ -20,38 +19,80 @@ pub fn at_one_temperature(campaign: &Campaign) -> Cow<'_, Campaign> {
         return Cow::Borrowed(campaign);
     };
     let mut expansions = campaign.expansions.clone();
-    let (mut effects, mut histories) = (Vec::new(), Vec::new());
+    let mut open = Vec::new();
     for expansion in &mut expansions {
         let column = lengths.logged_column(&expansion.temperature_column);
-        let history = column.map(|column| temperature_history(lengths, column));
-        let Some(history) = history.filter(|_| expansion.lengths_hold_at_c.is_none()) else {
+        let of_rows = column.and_then(|column| without_gaps(&column.values));
+        let Some(of_rows) = of_rows.filter(|_| expansion.lengths_hold_at_c.is_none()) else {
             continue;
         };
-        let first_c = history.nodes().next().map(|(_, value_c)| value_c);
-        expansion.lengths_hold_at_c = first_c;
-        effects.extend(first_c.map(|_| ResolvedEffect {
-            effect: growth,
-            subject: Subject::axis(expansion.axis).with_column(histories.len()),
-            parameters: vec![expansion.ppm_per_k],
-            shape: 0.0,
-        }));
-        histories.push(history);
+        expansion.lengths_hold_at_c = of_rows.first().copied();
+        open.push((expansion.axis, expansion.ppm_per_k, of_rows));
     }
-    let changes = |history: &TemperatureHistory| {
-        let mut kelvins = history
-            .nodes()
-            .map(|(time_s, _)| history.warmer_k(time_s, 0.0));
-        kelvins.any(|warmer_k| warmer_k.abs() > 0.0)
+    let changes = |of_rows: &[f64]| {
+        of_rows
+            .windows(2)
+            .any(|pair| pair[0].total_cmp(&pair[1]).is_ne())
     };
-    if !histories.iter().any(changes) {
+    if !open.iter().any(|(.., of_rows)| changes(of_rows)) {
         return Cow::Borrowed(campaign);
     }
     let Ok(mut on_lengths) = EffectsOnLengths::new(campaign) else {
         return Cow::Borrowed(campaign);
     };
-    on_lengths.temperatures = histories;
+    // At all readings 1 K warmer than before them: what a kelvin does to each length.
+    let times = lengths.readings.iter().map(|reading| reading.time_s);
+    let start_s = times.fold(f64::INFINITY, f64::min);
+    on_lengths.temperatures = vec![TemperatureHistory::new(start_s - 1.0, 0.5, vec![0.0, 1.0])];
+    let mut effects_mm = vec![0.0; lengths.readings.len()];
+    for (axis, ppm_per_k, of_rows) in open {
+        let of_one_k = on_lengths.of(&[ResolvedEffect {
+            effect: growth,
+            subject: Subject::axis(axis).with_column(0),
+            parameters: vec![ppm_per_k],
+            shape: 0.0,
+        }]);
+        for ((sum, mm_per_k), at_c) in effects_mm.iter_mut().zip(of_one_k).zip(&of_rows) {
+            *sum += mm_per_k * (at_c - of_rows[0]);
+        }
+    }
     Cow::Owned(Campaign {
         expansions,
-        ..on_lengths.taken_out(&on_lengths.of(&effects))
+        ..on_lengths.taken_out(&effects_mm)
     })
+}
+
+/// A value for each row: where none was logged straight from the one before to the one after, by rows; none without any.
+fn without_gaps(values: &[Option<f64>]) -> Option<Vec<f64>> {
+    let logged = values.iter().enumerate();
+    let logged: Vec<(usize, f64)> = logged.filter_map(|(i, v)| Some((i, (*v)?))).collect();
+    let (first, last) = (logged.first()?, logged.last()?);
+    let mut whole = vec![first.1; first.0];
+    for pair in logged.windows(2) {
+        let ((from, a), (to, b)) = (pair[0], pair[1]);
+        let part = |row: usize| (row - from) as f64 / (to - from) as f64;
+        whole.extend((from..to).map(|row| a + (b - a) * part(row)));
+    }
+    whole.resize(values.len(), last.1);
+    Some(whole)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaps_are_bridged_and_ends_go_on() {
+        let values = [None, Some(20.0), None, Some(21.0), Some(23.0), None];
+        let whole = without_gaps(&values).unwrap();
+        let expected = [20.0, 20.0, 20.5, 21.0, 23.0, 23.0];
+        assert_eq!(whole.len(), expected.len());
+        assert!(
+            whole
+                .iter()
+                .zip(expected)
+                .all(|(a, b)| (a - b).abs() < 1e-12)
+        );
+        assert!(without_gaps(&[None, None]).is_none());
+    }
 }

@@ -103,7 +103,7 @@ pub fn temperature_histories(campaign: &Campaign) -> Vec<TemperatureHistory> {
 }
 
 /// The course of a temperature, as it was logged with the lengths.
-pub(super) fn temperature_history(lengths: &Lengths, column: &LoggedColumn) -> TemperatureHistory {
+fn temperature_history(lengths: &Lengths, column: &LoggedColumn) -> TemperatureHistory {
     let readings = lengths.readings.iter().zip(&column.values);
     let logged = readings.filter_map(|(reading, value)| Some((reading.time_s, (*value)?)));
     TemperatureHistory::from_logged(&logged.collect::<Vec<_>>())
