@@ -157,9 +157,9 @@ fn verified(
     }
     let readings: Vec<_> = points
         .iter()
-        .map(|point| (kind, point.positions.as_slice()))
+        .map(|point| (kind, point.positions.as_slice(), came_from(point)))
         .collect();
-    let covariance = machine.covariance_of_readings(&readings);
+    let covariance = machine.covariance_of_approached(&readings);
     let set_up = set_up(nominal, kind, &points);
     let p_value = settle(machine, &mut points, &covariance, &set_up, is_compensated);
     Ok(Verified {
@@ -231,8 +231,11 @@ fn predicted_from_its_side(
     kind: &VerificationKind,
     point: &Point,
 ) -> f64 {
-    let from = point.direction.unwrap_or(Direction::Forward);
-    machine.predicted_reading_um(kind, &point.positions, from)
+    machine.predicted_reading_um(kind, &point.positions, came_from(point))
+}
+
+fn came_from(point: &Point) -> Direction {
+    point.direction.unwrap_or(Direction::Forward)
 }
 
 /// Readings by position and side, in the order in which they first occur.

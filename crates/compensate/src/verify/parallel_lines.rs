@@ -18,7 +18,7 @@ use trueaxis_leastsquares::dense::Svd;
 use trueaxis_predict::{CalibratedMachine, carrier, positioning_lines};
 
 use crate::export::rising;
-use crate::verify::{Point, SAME, Verified};
+use crate::verify::{Point, SAME, Verified, came_from};
 
 /// Distances of lines below this tell no angle, mm.
 const LEAST_LEVER_MM: f64 = 1.0;
@@ -243,9 +243,9 @@ fn curve(
     };
     let readings: Vec<_> = points
         .iter()
-        .map(|(line, point)| (line.kind, point.positions.as_slice()))
+        .map(|(line, point)| (line.kind, point.positions.as_slice(), came_from(point)))
         .collect();
-    let covariance = function * machine.covariance_of_readings(&readings) * function.transpose();
+    let covariance = function * machine.covariance_of_approached(&readings) * function.transpose();
     let u = covariance.diagonal();
     let declared: Option<Vec<f64>> = points.iter().map(|(_, point)| point.u_reading_um).collect();
     AngleCurve {
