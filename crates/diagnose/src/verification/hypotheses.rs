@@ -22,6 +22,9 @@ const INSTANTS: usize = 100;
 /// explained, `(sin x/x)²` for `x = π/16`.
 const WAVE_STEP: f64 = 0.125;
 
+/// Steps of the wave number of the longest period, twice the range: a wave that is longer is a slope and a bow.
+const FEWEST_STEPS: u32 = 4;
+
 /// Steps of the wave number that are tried at most; the grid stays small enough to look at in no time.
 const MOST_STEPS: u32 = 400;
 
@@ -75,9 +78,7 @@ pub(crate) fn candidates<'a>(
                 (0..count).map(|k| whiten(column(k, shape))).collect()
             };
             let instants = (effect.shape == Shape::Instant).then(|| instants(comparison));
-            // A bar looks along its axes so unevenly that a free period would take what is theirs.
-            let is_line = matches!(comparison.kind, VerificationKind::Positioning { .. });
-            let has_more = instants.is_some() || is_continuous(effect.shape) && is_line;
+            let has_more = instants.is_some() || is_continuous(effect.shape);
             all.push(Candidate {
                 hypothesis,
                 columns: shapes.iter().map(|&shape| columns(shape)).collect(),
@@ -200,19 +201,11 @@ fn periods(comparison: &Comparison<'_>, subject: &Subject) -> Vec<f64> {
         return Vec::new();
     };
     let most = 0.5 * range / step;
-    let steps = |step: f64| (2..=MOST_STEPS).map(move |k| f64::from(k) * step);
-    let waves: Vec<f64> = match comparison.kind {
-        VerificationKind::Positioning { .. } => {
-            let last = f64::from(MOST_STEPS) * WAVE_STEP;
-            let shortest = [most].into_iter().filter(|most| *most <= last);
-            let longer = steps(WAVE_STEP).take_while(|waves| *waves < most);
-            longer.chain(shortest).collect()
-        }
-        VerificationKind::Ballbar { .. } => steps(2.0 * WAVE_STEP)
-            .take_while(|waves| *waves <= most)
-            .collect(),
-    };
-    waves.into_iter().map(|waves| range / waves).collect()
+    let waves = (FEWEST_STEPS..=MOST_STEPS).map(|k| f64::from(k) * WAVE_STEP);
+    let waves = waves.take_while(|waves| *waves < most);
+    let last = f64::from(MOST_STEPS) * WAVE_STEP;
+    let waves = waves.chain([most].into_iter().filter(|most| *most <= last));
+    waves.map(|waves| range / waves).collect()
 }
 
 /// Range of the commanded positions of an axis and the typical step between neighbours.
