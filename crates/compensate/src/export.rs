@@ -120,7 +120,7 @@ fn one_file(format: &'static str, found: usize) -> Error {
     Error::unsuitable(format, "one old file", format!("{found} were given"))
 }
 
-/// Whether a control has room for so many points of a table.
+/// Refuses a table with more points than the control holds.
 fn check_points(
     what: impl FnOnce() -> String,
     format: &'static str,
@@ -250,7 +250,9 @@ pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
         return Err(Error::unsuitable(format.name(), "no levers", lacks));
     }
     let mut tables = (description.tables)(request)?;
-    tables.notes.extend(description.sides.note(request));
+    tables
+        .notes
+        .extend(description.sides.note(request, description.name));
     Ok(Export {
         announcement: Announcement::new(request, &tables.rule)?,
         files: tables.files,

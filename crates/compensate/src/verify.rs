@@ -159,7 +159,7 @@ fn verified(
         .iter()
         .map(|point| (kind, point.positions.as_slice(), came_from(point)))
         .collect();
-    let covariance = machine.covariance_of_approached(&readings);
+    let covariance = machine.covariance_of_readings(&readings);
     let set_up = set_up(nominal, kind, &points);
     let p_value = settle(machine, &mut points, &covariance, &set_up, is_compensated);
     Ok(Verified {

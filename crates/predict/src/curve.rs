@@ -63,8 +63,6 @@ struct Side {
     direction: Option<Direction>,
     /// In order of position; behind the ends of a closed turn those of the turns before and after it.
     knots: Vec<Knot>,
-    /// First and last step.
-    range: [f64; 2],
     is_closed: bool,
     /// Number of knots in a polynomial.
     order: usize,
@@ -151,12 +149,11 @@ impl Side {
     /// Of its steps, in order.
     fn new(kind: AxisKind, direction: Option<Direction>, steps: Vec<Knot>) -> Self {
         let positions: Vec<f64> = steps.iter().map(|knot| knot.position).collect();
-        let at = |q: Option<&f64>| q.copied().unwrap_or_default();
-        let range = [at(positions.first()), at(positions.last())];
+        let [first, last] = ends(&positions);
         let mut knots = well_apart(steps);
         let count = knots.len();
         let largest_gap = gaps(&knots).into_iter().fold(0.0, f64::max);
-        let closing_gap = TAU - (range[1] - range[0]);
+        let closing_gap = TAU - (last - first);
         let is_closed = kind == AxisKind::Rotary
             && count > MOST_STEPS
             && closing_gap <= CLOSING_GAP * largest_gap;
@@ -166,7 +163,6 @@ impl Side {
         Self {
             direction,
             knots,
-            range,
             is_closed,
             // One step fewer than there are, so that one can be left out; two always make a line.
             order: count.saturating_sub(1).clamp(2, MOST_STEPS).min(count),
@@ -175,7 +171,7 @@ impl Side {
     }
 
     fn at(&self, mut position: f64) -> Sample {
-        let [first, last] = self.range;
+        let [first, last] = ends(&self.steps);
         if self.is_closed && !self.whole_stencils().contains(&position) {
             position = first + (position - first).rem_euclid(TAU);
         }
@@ -222,6 +218,11 @@ impl Side {
         let last = self.knots.len() - 1 - inner;
         self.knots[inner].position..=self.knots[last].position
     }
+}
+
+/// First and last of the steps.
+fn ends(steps: &[f64]) -> [f64; 2] {
+    [steps.first(), steps.last()].map(|q| q.copied().unwrap_or_default())
 }
 
 /// Distances of neighbouring knots.

@@ -162,21 +162,15 @@ impl CalibratedMachine {
         }
     }
 
-    /// The covariance of the readings that this machine predicts, each of a kind and at commanded positions, from that of the calibration
-    /// and of the interpolation, µm²: to first order by the displacement of the point along the direction that counts. NaN
-    /// if the calibration has no uncertainties.
-    pub fn covariance_of_readings(&self, readings: &[(&VerificationKind, &[f64])]) -> DMatrix<f64> {
-        let rows = readings.iter().map(|(kind, at)| self.row(kind, at, None));
-        self.covariance_of_rows(&rows.collect::<Vec<_>>())
-    }
-
-    /// The same of what [`CalibratedMachine::predicted_reading_um`] predicts, each with the side that its axis comes from.
-    pub fn covariance_of_approached(
+    /// The covariance of the readings that [`CalibratedMachine::predicted_reading_um`] predicts, each of a kind, at commanded positions
+    /// and with the side that its axis comes from, from that of the calibration and of the interpolation, µm²: to first order by the
+    /// displacement of the point along the direction that counts. NaN if the calibration has no uncertainties.
+    pub fn covariance_of_readings(
         &self,
         readings: &[(&VerificationKind, &[f64], Direction)],
     ) -> DMatrix<f64> {
         let rows = readings.iter();
-        let rows = rows.map(|(kind, at, from)| self.row(kind, at, Some(*from)));
+        let rows = rows.map(|(kind, at, from)| self.row(kind, at, *from));
         self.covariance_of_rows(&rows.collect::<Vec<_>>())
     }
 
@@ -221,11 +215,11 @@ impl CalibratedMachine {
     }
 
     /// How a reading depends on the results, on a line with the curve of the side that its axis comes from.
-    fn row(&self, kind: &VerificationKind, commanded: &[f64], from: Option<Direction>) -> Row {
-        let from = from.and_then(|from| match *kind {
+    fn row(&self, kind: &VerificationKind, commanded: &[f64], from: Direction) -> Row {
+        let from = match *kind {
             VerificationKind::Positioning { axis, .. } => Some((axis, from)),
             VerificationKind::Ballbar { .. } => None,
-        });
+        };
         let along: RowVector3<f64> = MeasuredPoint::new(&self.machine, kind, commanded)
             .along
             .transpose();

@@ -101,7 +101,7 @@ pub(crate) fn unit(unit: &str) -> &str {
     }
 }
 
-/// A text of at most so many letters, cut if it is longer.
+/// The text, cut to `most` letters where it is longer.
 pub(crate) fn shortened(text: &str, most: usize) -> String {
     match text.chars().count() > most {
         true => text.chars().take(most - 1).chain(['…']).collect(),

@@ -1,8 +1,7 @@
 //! Linear axes at 20 °C (ISO 1): what their thermal expansion did is taken out of the positioning errors.
 //!
 //! At the temperature T an axis with the expansion coefficient α travels longer by `α (T - 20 °C) q`. With the
-//! temperature at which the lengths hold ([`trueaxis_poses::at_one_temperature`]), or the mean of T over the readings at a
-//! position `q` where they are as measured,
+//! temperature T at which all lengths hold ([`trueaxis_poses::at_one_temperature`]),
 //!
 //! ```text
 //! E(20 °C) = E - α (T - 20 °C) q d     u² grows by (α q u(T) d)²     d: direction of the axis
@@ -33,20 +32,15 @@ pub(crate) fn refer_to_20_degrees(campaign: &Campaign, calibration: &mut Calibra
         let axis = calibration.axes[k].axis;
         let expansion = campaign.expansions.iter().find(|e| e.axis == axis);
         let Some(expansion) = expansion else { continue };
-        let hold_at_c = expansion.lengths_hold_at_c;
-        let at_one = hold_at_c.map(|c| vec![c; calibration.axes[k].nodes.len()]);
-        if hold_at_c.is_none() && changes(lengths, expansion) {
-            notices.push(format!(
-                "axis {}: the lengths could not be referred to one temperature; only the mean of each position is taken out",
-                calibration.axes[k].name
-            ));
-        }
-        let of_nodes = || temperatures(campaign, lengths, &calibration.axes[k], expansion);
-        match at_one.or_else(of_nodes) {
-            Some(temperatures) => refer(campaign, calibration, k, expansion, &temperatures),
-            None => notices.push(format!(
-                "axis {}: `{}` has no value in its rows, so its errors are not referred to 20 °C",
-                calibration.axes[k].name, expansion.temperature_column
+        let name = &calibration.axes[k].name;
+        match (expansion.lengths_hold_at_c, is_logged(lengths, expansion)) {
+            (Some(hold_at_c), _) => refer(campaign, calibration, k, expansion, hold_at_c),
+            (None, true) => notices.push(format!(
+                "axis {name}: its lengths could not be corrected for their temperatures, so its errors are not referred to 20 °C"
+            )),
+            (None, false) => notices.push(format!(
+                "axis {name}: `{}` has no value in its rows, so its errors are not referred to 20 °C",
+                expansion.temperature_column
             )),
         }
     }
@@ -54,50 +48,9 @@ pub(crate) fn refer_to_20_degrees(campaign: &Campaign, calibration: &mut Calibra
     calibration.notices.extend(notices);
 }
 
-/// Whether the temperature of an axis changes while lengths are measured.
-fn changes(lengths: &Lengths, expansion: &AxisExpansion) -> bool {
+fn is_logged(lengths: &Lengths, expansion: &AxisExpansion) -> bool {
     let column = lengths.logged_column(&expansion.temperature_column);
-    let mut values = column.into_iter().flat_map(|c| c.values.iter().flatten());
-    let first = values.next();
-    values.any(|value| Some(value) != first)
-}
-
-/// The mean temperature at each position of an axis, °C; where none was logged, the mean of the axis.
-fn temperatures(
-    campaign: &Campaign,
-    lengths: &Lengths,
-    axis: &AxisResult,
-    expansion: &AxisExpansion,
-) -> Option<Vec<f64>> {
-    let column = lengths.logged_column(&expansion.temperature_column)?;
-    let mut sums = vec![(0.0, 0_usize); axis.nodes.len()];
-    for stop in &lengths.stops {
-        let step = &campaign.steps[stop.step];
-        if campaign.axis_under_test(stop.step) != Some(axis.axis) {
-            continue;
-        }
-        let position = step.positions[axis.axis];
-        let first = axis.nodes.partition_point(|node| node.position < position);
-        let here = axis.nodes[first..].iter().zip(&mut sums[first..]);
-        for (node, sum) in here.take_while(|(node, _)| node.position <= position) {
-            if node.direction.is_none_or(|side| side == stop.direction) {
-                for value in column.values[stop.readings.clone()].iter().flatten() {
-                    sum.0 += value;
-                    sum.1 += 1;
-                }
-            }
-        }
-    }
-    let mean = |&(sum, count): &(f64, usize)| (count > 0).then(|| sum / count as f64);
-    let all = sums
-        .iter()
-        .fold((0.0, 0), |all, one| (all.0 + one.0, all.1 + one.1));
-    let of_axis = mean(&all)?;
-    Some(
-        sums.iter()
-            .map(|sum| mean(sum).unwrap_or(of_axis))
-            .collect(),
-    )
+    column.is_some_and(|column| column.values.iter().any(Option::is_some))
 }
 
 fn refer(
@@ -105,15 +58,15 @@ fn refer(
     calibration: &mut Calibration,
     k: usize,
     expansion: &AxisExpansion,
-    temperatures_c: &[f64],
+    hold_at_c: f64,
 ) {
     let machine: &Machine = &campaign.machine;
     let direction = machine.axes()[expansion.axis].direction().into_inner();
     let per_k =
         |position: f64| -> Vector3<f64> { direction * (expansion.ppm_per_k * PPM * position) };
     let axis = &mut calibration.axes[k];
-    for (node, temperature_c) in axis.nodes.iter_mut().zip(temperatures_c) {
-        node.error.translation_mm -= per_k(node.position) * (temperature_c - REFERENCE_C);
+    for node in &mut axis.nodes {
+        node.error.translation_mm -= per_k(node.position) * (hold_at_c - REFERENCE_C);
     }
     let Some(sigma_k) = expansion.temperature_sigma_k else {
         return;

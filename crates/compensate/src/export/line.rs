@@ -87,11 +87,12 @@ impl Line {
         }
     }
 
-    /// Reversal of the axis itself: the mean of forward minus backward, mm or rad; negative where motion is lost.
-    pub(crate) fn reversal(&self) -> f64 {
+    /// Lost motion of the axis itself, mm or degrees: the mean of backward minus forward. Positive where the encoder leads the machine:
+    /// forward it stops short.
+    pub(crate) fn lost_motion(&self, request: &Request<'_>) -> f64 {
         let pairs = self.forward.iter().zip(&self.backward);
         let sum: f64 = pairs.map(|(f, b)| f[self.axis] - b[self.axis]).sum();
-        sum / self.positions.len() as f64
+        request.in_file(self.axis, -sum / self.positions.len() as f64)
     }
 
     /// The distance of the positions, which must be one.

@@ -1,9 +1,12 @@
 //! Lost motion that the tables of a format do not take away.
 
-use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
+use trueaxis_files::round;
 
 use crate::export::Request;
 use crate::export::line::Line;
+
+/// A hundredth of a micrometre, or a twentieth of an arc second.
+const DECIMALS: i32 = 5;
 
 /// What a format does with the two sides of approach.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,7 +21,7 @@ pub(super) enum Sides {
 
 impl Sides {
     /// What stays, of the axes that tables are asked for; none if nothing does.
-    pub(super) fn note(self, request: &Request<'_>) -> Option<String> {
+    pub(super) fn note(self, request: &Request<'_>, format: &'static str) -> Option<String> {
         let axes = request.axes().ok()?;
         let apart = |axis: &&usize| request.machine.keeps_sides_apart(**axis);
         match self {
@@ -29,8 +32,13 @@ impl Sides {
                     .to_owned()
             }),
             Self::Mean => {
-                let lost = axes.iter().filter(apart);
-                let lost: Vec<String> = lost.filter_map(|&axis| lost_motion(request, axis)).collect();
+                let lines = axes.iter().filter(apart);
+                let lines = lines.filter_map(|&axis| Line::new(request, axis, format).ok());
+                let lost = lines.map(|line| {
+                    let (name, unit) = (request.name(line.axis), request.unit(line.axis));
+                    format!("{name} {} {unit}", round(line.lost_motion(request), DECIMALS))
+                });
+                let lost: Vec<String> = lost.collect();
                 (!lost.is_empty()).then(|| {
                     format!(
                         "the tables hold the mean of both sides of approach: lost motion stays ({}), and the figures above are \
@@ -41,15 +49,4 @@ impl Sides {
             }
         }
     }
-}
-
-/// The mean over the line of an axis, with its name.
-fn lost_motion(request: &Request<'_>, axis: usize) -> Option<String> {
-    let line = Line::new(request, axis, "").ok()?;
-    let (unit, symbol) = match request.machine.machine().axes()[axis].kind() {
-        AxisKind::Linear => (MICROMETRE, "µm"),
-        AxisKind::Rotary => (ARCSEC, "″"),
-    };
-    let lost = -line.reversal() / unit;
-    Some(format!("{} {lost:.2} {symbol}", request.name(axis)))
 }

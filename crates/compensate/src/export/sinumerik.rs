@@ -186,8 +186,7 @@ fn text(name: &str, request: &Request<'_>, tables: &[Placed<'_>]) -> String {
 fn lost_motion(request: &Request<'_>, line: &Line) -> Option<String> {
     let own = request.machine.keeps_sides_apart(line.axis);
     own.then(|| {
-        // Positive where the encoder leads the machine: forward it stops short.
-        let backlash = round(request.in_file(line.axis, -line.reversal()), DECIMALS);
+        let backlash = round(line.lost_motion(request), DECIMALS);
         let (name, unit) = (request.name(line.axis), request.unit(line.axis));
         format!("{name}: $MA_BACKLASH = {backlash} {unit}")
     })

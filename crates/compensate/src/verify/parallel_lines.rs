@@ -245,7 +245,7 @@ fn curve(
         .iter()
         .map(|(line, point)| (line.kind, point.positions.as_slice(), came_from(point)))
         .collect();
-    let covariance = function * machine.covariance_of_approached(&readings) * function.transpose();
+    let covariance = function * machine.covariance_of_readings(&readings) * function.transpose();
     let u = covariance.diagonal();
     let declared: Option<Vec<f64>> = points.iter().map(|(_, point)| point.u_reading_um).collect();
     AngleCurve {

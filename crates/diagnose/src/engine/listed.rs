@@ -281,23 +281,20 @@ impl<'a> Listed<'a> {
         }
         let all = Fit::new(&self.base, &columns);
         let of_cause = |(of_linear, place, scale): (Range<usize>, Range<usize>, Option<f64>)| {
-            let count = of_linear.len();
-            let fit = linear.part(of_linear);
-            match scale {
-                None => Sized {
-                    fit: Fit {
-                        covariance: all.part(place).covariance,
-                        ..fit
-                    },
-                    u_shape: None,
-                },
+            let (count, joint) = (of_linear.len(), all.part(place));
+            let (covariance, u_shape) = match scale {
+                None => (joint.covariance, None),
                 Some(scale) => {
-                    let (covariance, u) = beside_shape(&all.part(place), count);
-                    Sized {
-                        fit: Fit { covariance, ..fit },
-                        u_shape: Some(u * scale),
-                    }
+                    let (covariance, u) = beside_shape(&joint, count);
+                    (covariance, Some(u * scale))
                 }
+            };
+            Sized {
+                fit: Fit {
+                    covariance,
+                    ..linear.part(of_linear)
+                },
+                u_shape,
             }
         };
         places.into_iter().map(of_cause).collect()

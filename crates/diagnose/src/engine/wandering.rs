@@ -146,21 +146,23 @@ pub(crate) fn wandering<D: Wanders>(
         return Ok(Vec::new());
     };
     let (first, noise) = joined_by_others(base, suspects, leader)?;
-    let is_common = |judged: &&JudgedDisturbance| {
+    let is_common = |judged: &JudgedDisturbance| {
         let wanderer = judged.disturbance.wanderer;
         wanderer.of_kind(base.scene()) == 1
     };
     let who = |judged: &JudgedDisturbance| judged.disturbance.wanderer.who;
     let are_several = first.iter().any(|one| who(one) != who(&first[0]));
-    if !are_several || first.iter().any(|one| is_common(&one)) {
+    if !are_several || first.iter().any(is_common) {
         return Ok(first);
     }
     let mut ways = vec![(first, noise)];
-    for common in judged.iter().filter(is_common) {
-        if common.p_value < SMOOTH_LEVEL {
-            let common = with_rivals(base, common, &[]);
-            let way = joined_by_others(base, suspects, common)?;
-            ways.extend(Some(way).filter(|(way, _)| way.iter().any(|o| is_common(&o))));
+    let is_tried = |judged: &&JudgedDisturbance| is_common(judged) && judged.p_value < SMOOTH_LEVEL;
+    for common in judged.iter().filter(is_tried) {
+        let common = with_rivals(base, common, &[]);
+        let way = joined_by_others(base, suspects, common)?;
+        // Where the others made it superfluous, they were found before.
+        if way.0.iter().any(is_common) {
+            ways.push(way);
         }
     }
     let noises = ways.iter().map(|(_, noise)| *noise);

@@ -2,7 +2,7 @@
 //!
 //! A calibration is uncertain, and its errors are correlated from one position to the next: in a
 //! comparison they look like structure. Their covariance `K` is that of the calibrated machine
-//! ([`CalibratedMachine::covariance_of_approached`]), by the side of each reading where the calibration keeps the sides apart.
+//! ([`CalibratedMachine::covariance_of_readings`]), by the side of each reading where the calibration keeps the sides apart.
 //!
 //! `K` has few directions that matter; they come from a pivoted Cholesky factorisation, which stops when
 //! what is left is far below the noise. As unknowns with the pseudo-observations `0 = x ± 1` they join
@@ -42,7 +42,7 @@ pub(crate) fn prediction_directions(
             of_arrivals.push(first + stand);
         }
     }
-    let prediction = machine.covariance_of_approached(&readings);
+    let prediction = machine.covariance_of_readings(&readings);
     let of_stands = pivoted_cholesky(&prediction, NEGLIGIBLE * noise_um * noise_um);
     let spread = |column: &DVector<f64>| of_arrivals.iter().map(|&stand| column[stand]).collect();
     of_stands.iter().map(spread).collect()

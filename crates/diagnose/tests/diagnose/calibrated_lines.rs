@@ -162,7 +162,8 @@ fn setting(seed: u64, lambda: f64, form: impl Fn(f64) -> f64) -> Setting {
 fn visible(calibration: &CalibratedMachine, trace: &[f64]) -> f64 {
     let line = table(&stands(), trace, false);
     let readings = line.readings.iter();
-    let all: Vec<_> = readings.map(|r| (&line.kind, &r.positions[..])).collect();
+    let all = readings.map(|r| (&line.kind, &r.positions[..], r.direction));
+    let all: Vec<_> = all.collect();
     let noise = DMatrix::identity(trace.len(), trace.len()) * SIGMA_UM.powi(2);
     let weights = (calibration.covariance_of_readings(&all) + noise)
         .try_inverse()

@@ -12,11 +12,12 @@ use trueaxis_effects::{ResolvedEffect, Subject, TemperatureHistory, effect};
 use crate::lengths::effects::EffectsOnLengths;
 
 /// The campaign with lengths as if its axes had kept the temperatures of the first reading
-/// ([`trueaxis_campaign::AxisExpansion::lengths_hold_at_c`]), if it declares an expansion and its temperatures change; else as
-/// it is, also where its lengths cannot be adjusted, which their calibration will say.
+/// ([`trueaxis_campaign::AxisExpansion::lengths_hold_at_c`]), if it declares an expansion; else as it is, also where its lengths cannot be
+/// adjusted, which their calibration will say.
 pub fn at_one_temperature(campaign: &Campaign) -> Cow<'_, Campaign> {
+    let as_it_is = Cow::Borrowed(campaign);
     let (Some(lengths), Some(growth)) = (&campaign.lengths, effect("thermal_growth")) else {
-        return Cow::Borrowed(campaign);
+        return as_it_is;
     };
     let mut expansions = campaign.expansions.clone();
     let mut open = Vec::new();
@@ -29,16 +30,18 @@ pub fn at_one_temperature(campaign: &Campaign) -> Cow<'_, Campaign> {
         expansion.lengths_hold_at_c = of_rows.first().copied();
         open.push((expansion.axis, expansion.ppm_per_k, of_rows));
     }
-    let changes = |of_rows: &[f64]| {
-        of_rows
-            .windows(2)
-            .any(|pair| pair[0].total_cmp(&pair[1]).is_ne())
-    };
-    if !open.iter().any(|(.., of_rows)| changes(of_rows)) {
-        return Cow::Borrowed(campaign);
+    if open.is_empty() {
+        return as_it_is;
+    }
+    open.retain(|(.., of_rows)| of_rows.windows(2).any(|t| t[0].total_cmp(&t[1]).is_ne()));
+    if open.is_empty() {
+        return Cow::Owned(Campaign {
+            expansions,
+            ..campaign.clone()
+        });
     }
     let Ok(mut on_lengths) = EffectsOnLengths::new(campaign) else {
-        return Cow::Borrowed(campaign);
+        return as_it_is;
     };
     // At all readings 1 K warmer than before them: what a kelvin does to each length.
     let times = lengths.readings.iter().map(|reading| reading.time_s);

@@ -96,17 +96,18 @@ fn temperatures_of(campaign: &Campaign) -> impl Iterator<Item = (&LoggedColumn, 
 
 /// The courses of the temperatures of the scene ([`scene_of`]), as they were logged.
 pub fn temperature_histories(campaign: &Campaign) -> Vec<TemperatureHistory> {
-    let columns = temperatures_of(campaign).zip(campaign.lengths.iter().cycle());
-    columns
-        .map(|((column, _), lengths)| temperature_history(lengths, column))
-        .collect()
-}
-
-/// The course of a temperature, as it was logged with the lengths.
-fn temperature_history(lengths: &Lengths, column: &LoggedColumn) -> TemperatureHistory {
-    let readings = lengths.readings.iter().zip(&column.values);
-    let logged = readings.filter_map(|(reading, value)| Some((reading.time_s, (*value)?)));
-    TemperatureHistory::from_logged(&logged.collect::<Vec<_>>())
+    let readings = campaign
+        .lengths
+        .iter()
+        .flat_map(|lengths| &lengths.readings);
+    let times: Vec<f64> = readings.map(|reading| reading.time_s).collect();
+    let history = |column: &LoggedColumn| {
+        let values = times.iter().zip(&column.values);
+        let logged: Vec<(f64, f64)> = values.filter_map(|(&t, v)| Some((t, (*v)?))).collect();
+        TemperatureHistory::from_logged(&logged)
+    };
+    let columns = temperatures_of(campaign);
+    columns.map(|(column, _)| history(column)).collect()
 }
 
 /// The circumstances of the readings with the numbers `kept` (ascending), in measuring order.

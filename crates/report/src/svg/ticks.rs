@@ -89,7 +89,7 @@ impl Scale {
     }
 }
 
-/// Lowest and highest of what is finite, with a margin of 6 % on both sides; 0 to 0 of nothing.
+/// The least and greatest finite value, with a margin of 6 % on both sides; `[0, 0]` if there is none.
 pub(crate) fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let finite = values.filter(|x| x.is_finite());
     let [low, high] = finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {

@@ -1,0 +1,364 @@
+//! What can be wrong with the files of a campaign.
+
+use std::io;
+
+use trueaxis_files::{DocumentProblem, FileProblem, counted};
+
+use crate::{Alternatives, ColumnFault, Error, Place, UnitMistake};
+
+impl Problem {
+    pub(crate) fn value(found: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self::Document(DocumentProblem::value(found, expected))
+    }
+
+    pub(crate) fn missing(name: &str) -> Self {
+        Self::Document(DocumentProblem::missing(name))
+    }
+
+    /// The error with this problem.
+    pub(crate) fn at(self, place: Box<Place>) -> Error {
+        Error {
+            place,
+            problem: self,
+        }
+    }
+}
+
+/// What can be wrong with the files of a campaign. An [`Error`] says where it is.
+#[derive(Debug, thiserror::Error)]
+pub enum Problem {
+    /// Of a JSON document, or of a name or value anywhere.
+    #[error(transparent)]
+    Document(DocumentProblem),
+
+    // The file as a whole.
+    /// The file cannot be read.
+    #[error(transparent)]
+    File(FileProblem),
+    /// The file cannot be written.
+    #[error("the file cannot be written; check the folder and its permissions")]
+    Unwritable {
+        /// The reason of the operating system.
+        source: io::Error,
+    },
+    /// The file holds nothing.
+    #[error("the file is empty; was it saved completely?")]
+    Empty,
+    /// The file is not UTF-8.
+    #[error("this line is not UTF-8 text; save the file with the encoding UTF-8")]
+    NotUtf8,
+
+    /// The kinematics cannot be built.
+    #[error("{problem}")]
+    Machine {
+        /// Why.
+        problem: Box<trueaxis_kinematics::Error>,
+    },
+
+    // What belongs together.
+    /// The campaign has no measurement.
+    #[error(
+        "the campaign has no data; name its file in `lengths` or `points`, or add a \
+         `verification`"
+    )]
+    NothingMeasured,
+    /// Lengths and points in one campaign.
+    #[error(
+        "the campaign has both `lengths` and `points`; choose one: keep `lengths` for \
+         multilateration, or `points` if another instrument measured coordinates"
+    )]
+    TwoMeasurements,
+    /// The data refer to a list that is empty.
+    #[error(
+        "the list is empty, but `{needed_by}` refers to it; add one entry for each \
+         name in the data"
+    )]
+    EmptyList {
+        /// `lengths` or `points`.
+        needed_by: &'static str,
+    },
+
+    // CSV files.
+    /// The fields are not separated by commas.
+    #[error(
+        "the columns are separated by {separator}; expected commas, and points as \
+         decimal marks: export the table as comma separated values"
+    )]
+    Separator {
+        /// The name of the separator found.
+        separator: &'static str,
+    },
+    /// The first line names no column.
+    #[error("no column is known in `{found}`; expected the header {expected}")]
+    NoHeader {
+        /// Its text.
+        found: String,
+        /// The header wanted.
+        expected: String,
+    },
+    /// A column that must be there.
+    #[error("the column is missing; found only {}: add it", found.join(", "))]
+    MissingColumn {
+        /// The columns that are there.
+        found: Vec<String>,
+    },
+    /// A column that the format does not have.
+    #[error("unknown column; {alternatives}")]
+    UnknownColumn {
+        /// The columns that exist.
+        alternatives: Alternatives,
+    },
+    /// A column stands twice in the header.
+    #[error("the column stands twice in the header; remove one")]
+    DuplicateColumn,
+    /// More than one column of the header is wrong.
+    #[error(
+        "{} columns are wrong: {}; known: {}",
+        faults.len(),
+        in_a_row(faults),
+        known.join(", ")
+    )]
+    Columns {
+        /// What is wrong with each.
+        faults: Vec<ColumnFault>,
+        /// The columns that exist.
+        known: Vec<String>,
+    },
+    /// A row is longer or shorter than the header.
+    #[error(
+        "found {found} fields, expected {expected} as in the header; a decimal comma \
+         would split a number in two"
+    )]
+    FieldCount {
+        /// Number of fields in the row.
+        found: usize,
+        /// Number of columns.
+        expected: usize,
+    },
+    /// A header without rows.
+    #[error("there are no rows below the header; expected one at least")]
+    NoRows,
+
+    // What the rows say together.
+    /// A commanded position beyond the end of the axis.
+    #[error(
+        "position {position} {unit} is outside the travel {low} to {high} {unit} of \
+         the axis; {hint}"
+    )]
+    OutsideTravel {
+        /// The position as in the file.
+        position: f64,
+        /// Lower end, as in `campaign.json`.
+        low: f64,
+        /// Upper end, as in `campaign.json`.
+        high: f64,
+        /// mm or deg.
+        unit: &'static str,
+        /// What could be done.
+        hint: &'static str,
+    },
+    /// A target read twice without a motion in between.
+    #[error(
+        "target `{target}` is read a second time in the same stop, first in line \
+         {first_line}; keep one of the two rows, or increase `repeat`"
+    )]
+    TargetReadTwice {
+        /// The target.
+        target: String,
+        /// The first row.
+        first_line: usize,
+    },
+    /// Rows that stand in the file twice.
+    #[error(
+        "the same stop with the same time {time_s} s stands in line {first_line} \
+         already; remove the duplicated rows"
+    )]
+    StopRepeated {
+        /// Its time, s.
+        time_s: f64,
+        /// The first row.
+        first_line: usize,
+    },
+    /// Rows in another order than that of measuring.
+    #[error(
+        "the rows are not in measuring order: the time goes back {}, here from {before_s} s to \
+         {time_s} s, and the rows would be {} in {} of stations in the order of time, not {} in {}; sort the table by time_s",
+        how_often(*times), counted(*stops_by_time, "stop"), counted(*occupations_by_time, "occupation"),
+        counted(*stops, "stop"), counted(*occupations, "occupation")
+    )]
+    NotInMeasuringOrder {
+        /// How often the time goes back.
+        times: usize,
+        /// The time before it first goes back, s.
+        before_s: f64,
+        /// The time after it, s.
+        time_s: f64,
+        /// Groups of consecutive rows of one visit of the machine.
+        stops: usize,
+        /// Groups of consecutive rows of one station.
+        occupations: usize,
+        /// The same, if the rows were sorted by time.
+        stops_by_time: usize,
+        /// The same, if the rows were sorted by time.
+        occupations_by_time: usize,
+    },
+    /// The readings of one station under the name of another.
+    #[error(
+        "all {count} readings of run `{run}` from station `{station}` equal those from station `{original}` \
+         (line {original_line}) to the last digit; no two stations see the same lengths: put in what was \
+         measured from `{station}`, or remove these rows"
+    )]
+    StationCopied {
+        /// How many.
+        count: usize,
+        /// The run.
+        run: String,
+        /// The station named in the rows.
+        station: String,
+        /// The station with the same readings.
+        original: String,
+        /// Its first row.
+        original_line: usize,
+    },
+    /// Positions of one run that are nearly the same.
+    #[error(
+        "run `{run}` stops at {position} {unit} here and at {other} {unit} in line {other_line}: positions differ in \
+         the last digits, and each would be a step of its own; give the commanded positions, not what the encoders \
+         show (steps that are meant to differ: by {near} {unit} or more, or in a run of their own)"
+    )]
+    NearPositions {
+        /// The run.
+        run: String,
+        /// The position as in the file.
+        position: f64,
+        /// The one that came before it.
+        other: f64,
+        /// Where that is.
+        other_line: usize,
+        /// mm or deg.
+        unit: &'static str,
+        /// Below which distance steps are not meant to differ.
+        near: f64,
+    },
+    /// A run in which only other axes move.
+    #[error(
+        "run `{run}` is of axis {axis}, but {axis} never moves in it, only {}; correct the \
+         axis of the run or the columns",
+        moving.join(", ")
+    )]
+    WrongAxisMoves {
+        /// The run.
+        run: String,
+        /// Its axis.
+        axis: String,
+        /// The axes that do move.
+        moving: Vec<String>,
+    },
+
+    // What cannot be true of a machine.
+    /// Lengths change more than the targets move.
+    #[error(
+        "station `{station}` sees the length to target `{target}` change by \
+         {change_mm:.3} mm from line {first_line} to here, but the target moves only \
+         {moved_mm:.3} mm; {}",
+        UnitMistake::advice(mistake.as_deref())
+    )]
+    LengthsTooLarge {
+        /// The earlier of the two rows.
+        first_line: usize,
+        /// The station.
+        station: String,
+        /// The target.
+        target: String,
+        /// Change of the length, mm.
+        change_mm: f64,
+        /// Nominal distance between the target's two positions, mm.
+        moved_mm: f64,
+        /// What would explain it.
+        mistake: Option<Box<UnitMistake>>,
+    },
+    /// Lengths change less than they must from wherever the station stands.
+    #[error(
+        "the lengths from station `{station}` to target `{target}` vary by only \
+         {spread_mm:.4} mm (standard deviation), expected at least {least_mm:.1} mm for the \
+         motion of the target; {}",
+        UnitMistake::advice(mistake.as_deref())
+    )]
+    LengthsTooSmall {
+        /// The station.
+        station: String,
+        /// The target.
+        target: String,
+        /// Standard deviation of the lengths, mm.
+        spread_mm: f64,
+        /// The least that the motion allows, mm.
+        least_mm: f64,
+        /// What would explain it.
+        mistake: Option<Box<UnitMistake>>,
+    },
+    /// Measured points are not as far apart as the machine moved.
+    #[error(
+        "the point is {measured_mm:.3} mm from the one in line {first_line}, but \
+         nominally {nominal_mm:.3} mm; {}",
+        UnitMistake::advice(mistake.as_deref())
+    )]
+    PointsImpossible {
+        /// The earlier of the two rows.
+        first_line: usize,
+        /// Distance of the measured points, mm.
+        measured_mm: f64,
+        /// Nominal distance, mm.
+        nominal_mm: f64,
+        /// What would explain it.
+        mistake: Option<Box<UnitMistake>>,
+    },
+    /// Lengths fit the rough positions of the stations only in another unit.
+    #[error(
+        "from the approx_mm of station `{station}` the lengths would be {misfit_mm:.1} \
+         mm different (80 % of them less); {mistake}"
+    )]
+    ScaleAgainstApprox {
+        /// The station.
+        station: String,
+        /// Misfit as given, mm.
+        misfit_mm: f64,
+        /// What would explain it.
+        mistake: Box<UnitMistake>,
+    },
+    /// The lengths of a station fit the place of another.
+    #[error(
+        "the lengths of station `{station}` fit the approx_mm of station `{fits}` (80 \
+         % within {fits_misfit_mm:.1} mm) and not its own (80 % within {own_misfit_mm:.1} mm); \
+         exchange the names in this column, or the approx_mm in campaign.json"
+    )]
+    SwappedStations {
+        /// The station named in the rows.
+        station: String,
+        /// The station that it seems to be.
+        fits: String,
+        /// Misfit to its own place, mm.
+        own_misfit_mm: f64,
+        /// Misfit to the other place, mm.
+        fits_misfit_mm: f64,
+    },
+
+    // Writing.
+    /// A campaign, made by a program, that contradicts itself.
+    #[error("the campaign cannot be written: {problem}")]
+    Inconsistent {
+        /// What is wrong.
+        problem: String,
+    },
+}
+
+fn in_a_row(faults: &[ColumnFault]) -> String {
+    let faults: Vec<String> = faults.iter().map(ToString::to_string).collect();
+    faults.join("; ")
+}
+
+fn how_often(times: usize) -> String {
+    match times {
+        1 => "once".to_owned(),
+        _ => format!("{times} times"),
+    }
+}
