@@ -16,7 +16,7 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose};
+use trueaxis_diagnose::{Diagnosis, Rival, Settings, Verdict, diagnose};
 use trueaxis_tests::blind::{self, Hidden, Kind};
 
 /// What a diagnosis says of one campaign.
@@ -183,10 +183,14 @@ fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Dia
         let (shape, p) = (cause.effect.shape, cause.p_value);
         line += &format!(" {id} {who:?} at {shape:.0} p={p:.1e}");
         for rival in &cause.rivals {
-            line += &format!(
-                " | {} {:?}",
-                rival.effect.effect.id, rival.effect.subject.station
-            );
+            line += &match rival {
+                Rival::Effect { effect, .. } => {
+                    format!(" | {} {:?}", effect.effect.id, effect.subject.station)
+                }
+                Rival::Disturbance { whose, .. } => {
+                    format!(" | ~{}", whose.in_words(&diagnosis.scene))
+                }
+            };
         }
     }
     for hidden in hidden {
@@ -209,8 +213,15 @@ fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Dia
     }
     let wanders = |hidden: &Hidden| {
         let all = diagnosis.disturbances.iter();
-        let all = all.flat_map(|own| std::iter::once(&own.whose).chain(&own.rivals));
-        all.into_iter().any(|whose| is_wandering(hidden, whose))
+        let mut all = all.flat_map(|own| std::iter::once(&own.whose).chain(&own.rivals));
+        all.any(|whose| is_wandering(hidden, whose))
+    };
+    let may_wander = |hidden: &Hidden| {
+        let mut rivals = causes.iter().flat_map(|cause| &cause.rivals);
+        rivals.any(|rival| match rival {
+            Rival::Effect { .. } => false,
+            Rival::Disturbance { whose, .. } => is_wandering(hidden, whose),
+        })
     };
     let right = if name == "clean" {
         diagnosis.verdict == Verdict::Clean
@@ -226,9 +237,9 @@ fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Dia
     let held = !hidden.is_empty()
         && hidden.iter().all(|h| {
             let holds = |c: &trueaxis_diagnose::Cause| {
-                is(h, &c.effect) || c.rivals.iter().any(|r| is(h, &r.effect))
+                is(h, &c.effect) || c.rival_effects().any(|r| is(h, r))
             };
-            causes.iter().any(|c| holds(c))
+            causes.iter().any(|c| holds(c)) || wanders(h) || may_wander(h)
         });
     let mut inside = Vec::new();
     if let (Some(hidden), Some(cause)) = (hidden.first(), causes.first())

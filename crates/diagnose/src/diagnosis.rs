@@ -8,7 +8,7 @@ use trueaxis_effects::{
 };
 
 use crate::json::rounded;
-use crate::{CurvePoint, Disturbance, Fitted, Shares};
+use crate::{CurvePoint, Disturbance, Fitted, Shares, Wandering};
 
 /// A diagnosis of a campaign.
 #[derive(Debug, Clone)]
@@ -248,11 +248,21 @@ pub struct EstimatedParameter {
 
 /// Another explanation.
 #[derive(Debug, Clone)]
-pub struct Rival {
-    /// The effect with its subject and values.
-    pub effect: ResolvedEffect,
-    /// BIC against the model without either, the other causes in it; negative is better.
-    pub delta_bic: f64,
+pub enum Rival {
+    /// An effect of the catalogue.
+    Effect {
+        /// With its subject and values.
+        effect: ResolvedEffect,
+        /// BIC against the model without either, the other causes in it; negative is better.
+        delta_bic: f64,
+    },
+    /// Something that wanders in a course that nobody knows.
+    Disturbance {
+        /// What wanders.
+        whose: Wandering,
+        /// Twice the logarithm of its marginal likelihood ratio against the same model; positive is better.
+        evidence: f64,
+    },
 }
 
 /// A change of a result of the calibration.
@@ -329,6 +339,14 @@ pub struct Follows<'a> {
 }
 
 impl Cause {
+    /// Its rivals of the catalogue.
+    pub fn rival_effects(&self) -> impl Iterator<Item = &ResolvedEffect> {
+        self.rivals.iter().filter_map(|rival| match rival {
+            Rival::Effect { effect, .. } => Some(effect),
+            Rival::Disturbance { .. } => None,
+        })
+    }
+
     /// What to tell a calibration engineer about it.
     pub fn explanation(&self) -> Explanation {
         let beyond_doubt = |sign: f64| {

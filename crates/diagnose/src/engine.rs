@@ -49,7 +49,9 @@ mod unseen;
 mod wandered;
 pub(crate) mod wandering;
 
-pub(crate) use competition::{Candidates, Competed, compete, only_wandering, settled};
+pub(crate) use competition::{
+    Candidates, Competed, add_rival_disturbances, compete, only_wandering, settled,
+};
 pub(crate) use culprit::{Culprit, Culprits};
 pub(crate) use estimated::{cause, derivative, u_in_gap_s, with_uncertainties};
 pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};

@@ -94,6 +94,29 @@ pub(crate) struct Rival {
     #[serde(default)]
     pub(crate) subject: Map<String, Value>,
     pub(crate) delta_bic: Option<f64>,
+    /// Of a disturbance.
+    #[serde(default)]
+    layer: String,
+    #[serde(default)]
+    varies_with: Vec<String>,
+}
+
+impl Rival {
+    /// `station jump of station S2`, or that of a disturbance in the data of a cause.
+    pub(crate) fn name(&self, of: &Cause) -> String {
+        if self.effect != "disturbance" {
+            return words::effect(&self.effect, &self.subject);
+        }
+        let disturbance = Disturbance {
+            layer: self.layer.clone(),
+            level: of.level.clone(),
+            data: of.data.clone(),
+            subject: self.subject.clone(),
+            varies_with: self.varies_with.clone(),
+            ..Disturbance::default()
+        };
+        disturbance.name()
+    }
 }
 
 #[derive(Debug, Deserialize)]

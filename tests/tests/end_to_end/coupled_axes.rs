@@ -80,8 +80,10 @@ fn count(corner_um: f64, seeds: std::ops::Range<u64>) -> Count {
         let cause = causes
             .find(|cause| cause.data == [of_runs.data.as_str()])
             .filter(|cause| {
-                let mut rivals = cause.rivals.iter().map(|rival| &rival.effect);
-                along_z(cause).is_some() || rivals.any(|r| r.effect.id == "cross_coupling")
+                along_z(cause).is_some()
+                    || cause
+                        .rival_effects()
+                        .any(|r| r.effect.id == "cross_coupling")
             });
         let Some(cause) = cause else {
             println!(
@@ -105,10 +107,7 @@ fn count(corner_um: f64, seeds: std::ops::Range<u64>) -> Count {
         count
             .z
             .extend(along_z(cause).map(|p| (p.value - truth) / p.u));
-        let rivals = cause
-            .rivals
-            .iter()
-            .map(|r| (r.effect.effect.id, r.effect.subject));
+        let rivals = cause.rival_effects().map(|r| (r.effect.id, r.subject));
         println!(
             "{corner_um}: {:?} {:?}",
             cause.effect.subject, cause.parameters

@@ -43,7 +43,7 @@ fn is(hidden: &Hidden, effect: &ResolvedEffect) -> bool {
 }
 
 fn holds(cause: &Cause, hidden: &Hidden) -> bool {
-    is(hidden, &cause.effect) || cause.rivals.iter().any(|rival| is(hidden, &rival.effect))
+    is(hidden, &cause.effect) || cause.rival_effects().any(|rival| is(hidden, rival))
 }
 
 /// Every effect that lengths can show is found, alone or among those that the data do not tell apart.
@@ -120,7 +120,7 @@ fn what_cannot_be_told_apart_is_not() {
         let diagnosis = diagnosis(&kind, &[hidden], 3);
         assert_eq!(diagnosis.verdict, Verdict::Ambiguous, "{name}");
         let causes = of_lengths(&diagnosis);
-        let rivals = causes[0].rivals.iter().map(|r| &r.effect);
+        let rivals = causes[0].rival_effects();
         let names: Vec<&str> = rivals
             .chain([&causes[0].effect])
             .map(|effect| effect.effect.id)

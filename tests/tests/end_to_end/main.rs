@@ -14,6 +14,7 @@ mod diagnosis;
 mod expansion;
 mod first_order;
 mod gross_errors;
+mod ideal_observer;
 mod interruptions;
 mod known;
 mod machines;

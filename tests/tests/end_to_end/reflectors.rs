@@ -167,7 +167,7 @@ fn a_reflector_is_named_where_it_is_declared_to_be_another() {
 
     let two = diagnosed(&[0, 1]);
     assert_eq!(two.verdict, Verdict::Ambiguous, "{:?}", two.causes);
-    let rivals = two.causes[0].rivals.iter().map(|rival| &rival.effect);
+    let rivals = two.causes[0].rival_effects();
     let mut either: Vec<_> = rivals
         .chain([&two.causes[0].effect])
         .map(|effect| (effect.effect.id, effect.subject.target))

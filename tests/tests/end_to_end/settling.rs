@@ -5,7 +5,7 @@ use trueaxis_tests::blind::{self, Kind};
 
 /// Ids and stations of a cause and its rivals.
 fn explanations(cause: &Cause) -> Vec<(&'static str, Option<usize>)> {
-    let rivals = cause.rivals.iter().map(|rival| &rival.effect);
+    let rivals = cause.rival_effects();
     let all = rivals.chain([&cause.effect]);
     all.map(|e| (e.effect.id, e.subject.station)).collect()
 }

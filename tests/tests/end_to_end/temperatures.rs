@@ -61,8 +61,8 @@ fn growth(seed: u64) -> ([f64; 3], Value) {
 
 /// Whether a cause goes with the temperature and nothing that goes with time explains as much.
 fn is_named(cause: &Cause) -> bool {
-    let with_time = |rival: &trueaxis_diagnose::Rival| rival.effect.subject.column.is_none();
-    cause.effect.subject.column.is_some() && !cause.rivals.iter().any(with_time)
+    let mut rivals = cause.rival_effects();
+    cause.effect.subject.column.is_some() && rivals.all(|rival| rival.subject.column.is_some())
 }
 
 /// Of so many campaigns in how many the column is named, the coefficients along X, Y, Z are inside their 95 %

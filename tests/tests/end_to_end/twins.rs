@@ -42,7 +42,7 @@ fn named(diagnosis: &Diagnosis) -> Vec<&'static str> {
     let causes = diagnosis.causes.iter();
     let of_lengths = causes.filter(|cause| cause.level == Level::Lengths);
     let ids = of_lengths.flat_map(|cause| {
-        let rivals = cause.rivals.iter().map(|rival| rival.effect.effect.id);
+        let rivals = cause.rival_effects().map(|rival| rival.effect.id);
         std::iter::once(cause.effect.effect.id).chain(rivals)
     });
     ids.collect()

@@ -1,6 +1,6 @@
 //! What a diagnosis says about its causes.
 
-use trueaxis_diagnose::{Cause, Change, EstimatedParameter, LevelReport};
+use trueaxis_diagnose::{Cause, Change, EstimatedParameter, LevelReport, Rival};
 use trueaxis_effects::{ResolvedEffect, Scene};
 
 use crate::diagnose::in_words;
@@ -82,8 +82,12 @@ pub(crate) fn is_clear_but_for_its_form(cause: &Cause) -> bool {
         ["backlash", "position_dependent_backlash"].contains(&effect.effect.id)
             && effect.subject == cause.effect.subject
     };
+    let is_other_form = |rival: &Rival| match rival {
+        Rival::Effect { effect, .. } => is_form(effect),
+        Rival::Disturbance { .. } => false,
+    };
     let mut rivals = cause.rivals.iter();
-    !cause.rivals.is_empty() && is_form(&cause.effect) && rivals.all(|r| is_form(&r.effect))
+    !cause.rivals.is_empty() && is_form(&cause.effect) && rivals.all(is_other_form)
 }
 
 /// What tells one lost motion from one that changes along the axis.
@@ -108,9 +112,14 @@ fn rivals(cause: &Cause, scene: &Scene) -> String {
 
 /// The first of the rivals.
 fn names_of_rivals(cause: &Cause, scene: &Scene) -> String {
+    let name = |rival: &Rival| match rival {
+        Rival::Effect { effect, .. } => in_words::effect(effect, scene),
+        Rival::Disturbance { whose, .. } => {
+            format!("a course of unknown form of {}", whose.in_words(scene))
+        }
+    };
     let rivals = cause.rivals.iter().take(MOST_RIVALS);
-    let names = rivals.map(|rival| in_words::effect(&rival.effect, scene));
-    names.collect::<Vec<_>>().join(" or ")
+    rivals.map(name).collect::<Vec<_>>().join(" or ")
 }
 
 /// The largest changes, and the consequence of leaving the cause in.

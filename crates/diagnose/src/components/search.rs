@@ -259,7 +259,7 @@ impl SetSearch {
             .filter_map(|score| {
                 let other = fit(score);
                 let hypothesis = &self.candidates[score.scan].hypothesis;
-                is_rival(leader, score, cosine(&own, &other)).then(|| Rival {
+                is_rival(leader, score, cosine(&own, &other)).then(|| Rival::Effect {
                     effect: hypothesis.resolved(other.estimates, score.shape),
                     delta_bic: score.bic,
                 })

@@ -14,7 +14,7 @@ use trueaxis_effects::Layer;
 use crate::Error;
 use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::engine::wandering::{
-    JudgedDisturbance, Wanders, disturbances, least, of_wandering, wandering,
+    JudgedDisturbance, Wanders, disturbances, judge_all, least, of_wandering, wandering,
 };
 use crate::engine::{
     Culprit, Culprits, Found, Omnibus, Search, Suspect, find_causes, scan, scans, settle,
@@ -94,6 +94,37 @@ pub(crate) fn compete<D: Wanders>(
         model = better(base, model, wandering_first)?;
     }
     Ok(model)
+}
+
+/// Adds to causes the disturbances that may have been there instead: of the same thing, and with more evidence. What makes a
+/// further cause a rival, odds of 20 to 1, is the price of a form that can be anything. `wandering` is in the model anyway.
+pub(crate) fn add_rival_disturbances<D: Wanders>(
+    base: &D,
+    adjusted: &D::Model,
+    wandering: &[JudgedDisturbance],
+    found: &mut [Found],
+) -> Result<(), Error> {
+    let all = base.wanderers();
+    for (k, found) in found.iter_mut().enumerate() {
+        let culprits = Culprits::of(base, found);
+        let is_known = |w: &Wanderer| wandering.iter().any(|own| own.disturbance.wanderer == *w);
+        let of_same = |w: &&Wanderer| is_of(&culprits, **w) && !is_known(w);
+        let of_same: Vec<Wanderer> = all.iter().filter(of_same).copied().collect();
+        if of_same.is_empty() {
+            continue;
+        }
+        let mut others = D::suspects(adjusted).to_vec();
+        others.remove(k);
+        let without = base.refit_near(adjusted, others)?;
+        let judged = judge_all(base, &without, &of_same, all.len());
+        for judged in judged.iter().filter(|own| own.evidence > found.evidence) {
+            let wanderer = judged.disturbance.wanderer;
+            let names = [Some(wanderer), base.twin(wanderer)].into_iter().flatten();
+            let names = names.map(|name| (name, judged.evidence));
+            found.wandering.extend(names);
+        }
+    }
+    Ok(())
 }
 
 /// A cause is no more than a part of what wanders if this part of what it explains is left to a disturbance of the

@@ -6,6 +6,7 @@
 
 use trueaxis_effects::{Parameter, ResolvedEffect, Scene, Shape, shape_parameter};
 
+use crate::engine::wandered::whose;
 use crate::engine::{Found, Measured, Suspect, duration_s};
 use crate::selection::{Fit, Hypothesis};
 use crate::{Cause, EstimatedParameter, Fitted, Gain, Rival};
@@ -23,16 +24,22 @@ pub(crate) fn cause<D: Measured>(
     (explained_rms_um, fitted): (f64, Option<Fitted>),
 ) -> Cause {
     let (parameters, covariance) = estimated(data, model, &found.suspect);
-    let rival = |(suspect, bic): (Suspect, f64)| Rival {
+    let effects = found.rivals.into_iter();
+    let effects = effects.map(|(suspect, bic)| Rival::Effect {
         effect: suspect.resolved(),
         delta_bic: bic,
-    };
+    });
+    let disturbances = found.wandering.into_iter();
+    let disturbances = disturbances.map(|(wanderer, evidence)| Rival::Disturbance {
+        whose: whose(of, wanderer, None),
+        evidence,
+    });
     Cause {
         p_value: found.p_value,
         delta_bic: found.bic,
         explained_rms_um,
         heldout_gain: gain.map(|g| 1.0 - g.heldout_rms_ratio),
-        rivals: found.rivals.into_iter().map(rival).collect(),
+        rivals: effects.chain(disturbances).collect(),
         fitted,
         ..Cause::of(of, found.suspect.resolved(), parameters, covariance)
     }

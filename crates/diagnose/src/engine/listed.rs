@@ -353,7 +353,7 @@ impl<'a> Listed<'a> {
             let candidate = self.candidate(beside, score);
             let columns = candidate.columns(score.shape);
             let other = Fit::new(&beside.model, &columns);
-            is_close(score, &other, &columns).then(|| Rival {
+            is_close(score, &other, &columns).then(|| Rival::Effect {
                 effect: candidate.resolved(&other.estimates, score.shape),
                 delta_bic: score.bic,
             })

@@ -4,6 +4,7 @@ use trueaxis_effects::{ResolvedEffect, Scene, Shape};
 
 use crate::Error;
 use crate::engine::Culprit;
+use crate::engine::disturbance::Wanderer;
 use crate::selection::{Fit, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 /// Data of one kind with their base model.
@@ -115,8 +116,12 @@ pub(crate) struct Found {
     pub(crate) p_value: f64,
     /// Drop of the BIC by this cause.
     pub(crate) bic: f64,
+    /// Twice the logarithm of its marginal likelihood ratio.
+    pub(crate) evidence: f64,
     /// Drop of the sum of squares by this cause.
     pub(crate) statistic: f64,
     /// What explains as much, with its BIC.
     pub(crate) rivals: Vec<(Suspect, f64)>,
+    /// What may have wandered instead, with its evidence.
+    pub(crate) wandering: Vec<(Wanderer, f64)>,
 }

@@ -211,8 +211,10 @@ fn judged<D: Measured>(
     Some(Found {
         p_value: null.family_wise(best.ln_p),
         bic: best.bic,
+        evidence: best.evidence,
         statistic: best.statistic,
         rivals: ranking.rivals::<D>(best, &fit),
+        wandering: Vec::new(),
         suspect,
     })
 }

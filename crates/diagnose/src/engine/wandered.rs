@@ -51,7 +51,7 @@ pub(crate) fn wandered<D: Wanders>(
 }
 
 /// What wanders, by its public name; with the position of the axis of one course.
-fn whose(level: Level, wanderer: Wanderer, course: Option<usize>) -> Wandering {
+pub(crate) fn whose(level: Level, wanderer: Wanderer, course: Option<usize>) -> Wandering {
     Wandering {
         level,
         layer: wanderer.layer(),

@@ -253,7 +253,7 @@ fn joined_by_others<D: Wanders>(
 }
 
 /// Disturbances of what an adjusted model leaves, the one with the most evidence first.
-fn judge_all<D: Wanders>(
+pub(crate) fn judge_all<D: Wanders>(
     base: &D,
     adjusted: &D::Model,
     wanderers: &[Wanderer],

@@ -8,10 +8,10 @@ use serde::ser::{SerializeMap, Serializer};
 use trueaxis_effects::{GivenEffect, GivenParameter, GivenSubject, Scene};
 use trueaxis_files::{Ordered, round, significant};
 
-use crate::json::disturbance::{CurvePointFile, point};
+use crate::json::disturbance::{CurvePointFile, ID, point};
 use crate::json::fitted::FittedFile;
 use crate::json::um;
-use crate::{Cause, Change, EstimatedParameter};
+use crate::{Cause, Change, EstimatedParameter, Rival};
 
 #[derive(Serialize, JsonSchema)]
 pub(super) struct CauseFile<'a> {
@@ -57,12 +57,44 @@ struct FollowsFile {
     unit: &'static str,
 }
 
+/// An effect, or a disturbance with its layer and what it varies with.
 #[derive(Serialize, JsonSchema)]
 struct RivalFile {
     effect: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    layer: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    varies_with: Option<&'static [&'static str]>,
     subject: GivenSubject,
+    /// Of a disturbance less its evidence, which is on the same scale.
     delta_bic: f64,
     parameters: Vec<GivenParameter>,
+}
+
+impl RivalFile {
+    fn new(rival: &Rival, scene: &Scene) -> Self {
+        match rival {
+            Rival::Effect { effect, delta_bic } => {
+                let given = effect.to_given(scene);
+                Self {
+                    effect: effect.effect.id,
+                    layer: None,
+                    varies_with: None,
+                    subject: given.subject,
+                    delta_bic: round(*delta_bic, 2),
+                    parameters: given.parameters,
+                }
+            }
+            Rival::Disturbance { whose, evidence } => Self {
+                effect: ID,
+                layer: Some(whose.layer.name()),
+                varies_with: Some(whose.varies_with),
+                subject: GivenSubject::new(&whose.subject, scene),
+                delta_bic: round(-evidence, 2),
+                parameters: Vec::new(),
+            },
+        }
+    }
 }
 
 /// `{ "max_um": 2.2 }`: the field carries the unit.
@@ -96,15 +128,10 @@ impl JsonSchema for ChangeFile<'_> {
 impl<'a> CauseFile<'a> {
     pub(super) fn new(rank: usize, cause: &'a Cause, scene: &Scene) -> Self {
         let explanation = cause.explanation();
-        let rivals = cause.rivals.iter().map(|rival| {
-            let given = rival.effect.to_given(scene);
-            RivalFile {
-                effect: rival.effect.effect.id,
-                subject: given.subject,
-                delta_bic: round(rival.delta_bic, 2),
-                parameters: given.parameters,
-            }
-        });
+        let rivals = cause
+            .rivals
+            .iter()
+            .map(|rival| RivalFile::new(rival, scene));
         let changes = cause.changes.iter();
         Self {
             rank,

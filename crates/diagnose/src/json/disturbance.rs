@@ -49,7 +49,7 @@ struct AlikeFile {
 }
 
 /// The effect's id.
-const ID: &str = "disturbance";
+pub(super) const ID: &str = "disturbance";
 
 impl<'a> DisturbanceFile<'a> {
     pub(super) fn new(own: &'a Disturbance, scene: &Scene) -> Self {

@@ -6,9 +6,9 @@ use trueaxis_multilateration::{Noise, network_from_campaign};
 use trueaxis_poses::LengthsAdjustment;
 
 use crate::engine::{
-    Candidates, Competed, Found, HeldOut, JudgedDisturbance, Omnibus, Suspect, Wanders, cause,
-    compete, find_causes, of_catalogue, only_wandering, scans, wandered, wandered_mm,
-    whitened_columns,
+    Candidates, Competed, Found, HeldOut, JudgedDisturbance, Omnibus, Suspect, Wanders,
+    add_rival_disturbances, cause, compete, find_causes, of_catalogue, only_wandering, scans,
+    wandered, wandered_mm, whitened_columns,
 };
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
@@ -66,6 +66,12 @@ pub(crate) fn diagnose_lengths(
         named = left_alone(&base, plain.network.noise, &before)?;
         heldout = held_out_by(&named);
     }
+    add_rival_disturbances(
+        &named.base,
+        &named.adjusted,
+        &named.wandering,
+        &mut named.found,
+    )?;
     let Named {
         base,
         found,

@@ -6,8 +6,8 @@ use trueaxis_effects::{Level, ResolvedEffect, Scene};
 
 use crate::engine::{
     Candidates, Competed, Found, HeldOut, Measured, OMNIBUS_LEVEL, Omnibus, Search, Suspect,
-    Wanders, cause, compete, find_causes, is_imitation, of_catalogue, scans, settled, still_left,
-    unexplained, wandered, wandered_mm, whitened_columns,
+    Wanders, add_rival_disturbances, cause, compete, find_causes, is_imitation, of_catalogue,
+    scans, settled, still_left, unexplained, wandered, wandered_mm, whitened_columns,
 };
 use crate::points::base::Base;
 use crate::points::fitted::fitted;
@@ -55,6 +55,12 @@ pub(crate) fn diagnose_points(
         }
         screened = again;
     }
+    let Competed {
+        base,
+        search,
+        wandering,
+    } = &mut believed.competed;
+    add_rival_disturbances(base, &search.adjusted, wandering, &mut search.found)?;
     said(&screened, points, believed)
 }
 

@@ -11,7 +11,6 @@ use crate::verification::held_out::{gain, held_out};
 use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;
 use crate::verification::search::{drop_superfluous, search};
-use crate::verification::wanderer::Wanderer;
 use crate::verification::wandering::{FittedProcess, wandering};
 
 /// Causes, and what wanders beside them.
@@ -205,12 +204,8 @@ fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>) -> Model<'a> {
         let listed = &model.problem.listed;
         let wanders_on = |k: usize| {
             let hypothesis = listed.hypothesis(&model.causes[k]);
-            let is_its_course = |own: &FittedProcess| match own.wanderer {
-                Wanderer::Instrument | Wanderer::Machine => hypothesis.is_of_time(),
-                Wanderer::Scale => hypothesis.effect.id == "axis_expansion",
-                Wanderer::Position | Wanderer::Sides => false,
-            };
-            let Some(own) = model.wandering.iter().find(|own| is_its_course(own)) else {
+            let mut wandering = model.wandering.iter();
+            let Some(own) = wandering.find(|own| own.wanderer.is_course_of(hypothesis)) else {
                 return false;
             };
             let explained = listed.judge(&model.causes, k).map_or(0.0, |judged| {

@@ -10,6 +10,7 @@ use crate::verification::held_out::gain_of;
 use crate::verification::lost_motion::curve;
 use crate::verification::problem::Problem;
 use crate::verification::search::{contains, ln_more};
+use crate::verification::wandering::{FittedProcess, instead_of};
 use crate::{Cause, Place, Rival};
 
 /// Root mean square of a column over the readings, µm.
@@ -19,13 +20,14 @@ pub(crate) fn rms_of_readings_um(problem: &Problem<'_>, column: &[f64]) -> f64 {
     problem.sigma_um * (squares / readings.len() as f64).sqrt()
 }
 
-/// The causes with their values, rivals and gains. `base` is the model without anything, `wandered` what wanders, whitened.
+/// The causes with their values, rivals and gains. `base` is the model without anything; `wandering` is beside them, and
+/// `wandered` what it does, whitened.
 pub(crate) fn causes(
     problem: &Problem<'_>,
     scene: &Scene,
     chosen: &[Chosen],
     (base, after): (&Projection, &Projection),
-    wandered: &[f64],
+    (wandering, wandered): (&[FittedProcess], &[f64]),
 ) -> Vec<Cause> {
     let joint = Fit::new(&problem.listed.base, &problem.listed.columns(chosen));
     let variance =
@@ -75,7 +77,10 @@ pub(crate) fn causes(
         causes.push(Cause {
             explained_rms_um: rms_of_readings_um(problem, &fitted),
             heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
-            rivals: rivals(&problem.listed, &chosen[k..=k], &judged),
+            rivals: rivals(&problem.listed, &chosen[k..=k], &judged)
+                .into_iter()
+                .chain(wanders_instead(problem, wandering, chosen, k, &judged))
+                .collect(),
             curve,
             fitted: shown(problem, scene, &misfit, &fitted),
             ..said
@@ -136,12 +141,33 @@ pub(crate) fn rivals(listed: &Listed, cause: &[Chosen], judged: &Judged) -> Vec<
     // Straight and free lost motion are one effect in two forms: the better of them is said.
     let mut said: Vec<(&str, Subject)> = Vec::new();
     rivals.retain(|rival| {
-        let name = (rival.effect.effect.id, rival.effect.subject);
+        let Rival::Effect { effect, .. } = rival else {
+            return true;
+        };
+        let name = (effect.effect.id, effect.subject);
         let is_new = !said.contains(&name);
         said.push(name);
         is_new
     });
     rivals
+}
+
+/// What may have wandered in place of a cause.
+fn wanders_instead(
+    problem: &Problem<'_>,
+    wandering: &[FittedProcess],
+    chosen: &[Chosen],
+    k: usize,
+    judged: &Judged,
+) -> Vec<Rival> {
+    let rivals = instead_of(problem, wandering, chosen, k, judged.score.evidence);
+    let rivals = rivals
+        .into_iter()
+        .map(|(wanderer, evidence)| Rival::Disturbance {
+            whose: wanderer.whose(problem.comparison),
+            evidence,
+        });
+    rivals.collect()
 }
 
 /// Where the misfit lives: by direction and by cycle.

@@ -88,7 +88,13 @@ impl<'a> Series<'a> {
         for (_, own) in &courses {
             add(&mut course, &own.whitened, 1.0);
         }
-        let causes = report::causes(problem, scene, &chosen, (before, &after), &course);
+        let causes = report::causes(
+            problem,
+            scene,
+            &chosen,
+            (before, &after),
+            (wandering, &course),
+        );
         let unexplained = unexplained(problem, &after, &tests_after);
         let of_causes = chosen.iter().map(std::slice::from_ref);
         let of_causes = of_causes.map(|cause| Part::Free(problem.listed.columns(cause)));

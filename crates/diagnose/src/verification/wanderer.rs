@@ -24,6 +24,7 @@ use trueaxis_leastsquares::{half_waves, matern_roots};
 
 use crate::Wandering;
 use crate::engine::correlation_lengths;
+use crate::selection::Hypothesis;
 use crate::verification::arrivals::Arrival;
 use crate::verification::base::places;
 use crate::verification::comparison::Comparison;
@@ -124,6 +125,15 @@ impl Wanderer {
     /// Whether a course in time is all that it is.
     pub(crate) fn is_of_time(self) -> bool {
         matches!(self, Self::Instrument | Self::Machine | Self::Scale)
+    }
+
+    /// Whether a cause gives a name to its course.
+    pub(crate) fn is_course_of(self, cause: &Hypothesis) -> bool {
+        match self {
+            Self::Instrument | Self::Machine => cause.is_of_time(),
+            Self::Scale => cause.effect.id == "axis_expansion",
+            Self::Position | Self::Sides => false,
+        }
     }
 
     /// The course of an arrival, 0 to 1.

@@ -1,6 +1,6 @@
 //! What wanders beside causes: judged as in the lengths, by its evidence ([`Smooth`]) and a p-value of all together.
 
-use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth};
+use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth, without};
 use crate::selection::{DECISIVE, Projection, by_evidence};
 use crate::verification::problem::Problem;
 use crate::verification::wandered::curve;
@@ -77,6 +77,31 @@ fn again(
     }
     own.retain(|judged| judged.p_value < SMOOTH_LEVEL);
     own
+}
+
+/// What may have wandered in place of cause `k` of several, with its evidence: more than that of the cause, as in the lengths.
+pub(crate) fn instead_of(
+    problem: &Problem<'_>,
+    known: &[FittedProcess],
+    causes: &[Chosen],
+    k: usize,
+    evidence: f64,
+) -> Vec<(Wanderer, f64)> {
+    let all = wanderers(problem.comparison, problem.calibrated);
+    let hypothesis = problem.listed.hypothesis(&causes[k]);
+    let others = without(causes, k);
+    let is_new =
+        |w: &&Wanderer| w.is_course_of(hypothesis) && known.iter().all(|own| own.wanderer != **w);
+    let judged = all.iter().filter(is_new).filter_map(|wanderer| {
+        let judged = judge(problem, &others, *wanderer, all.len())?;
+        Some((*wanderer, judged.evidence))
+    });
+    let as_good = judged.filter(|(_, own)| *own > evidence);
+    let names = as_good.flat_map(|(wanderer, own)| {
+        let names = [Some(wanderer), wanderer.twin(problem.comparison)].into_iter();
+        names.flatten().map(move |name| (name, own))
+    });
+    names.collect()
 }
 
 /// What one explains of what a model with causes leaves. Smooth courses and swings are equally likely beforehand, and so is

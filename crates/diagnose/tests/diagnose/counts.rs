@@ -22,12 +22,10 @@ impl Counts {
         };
         let causes = &found.causes;
         let first = causes.iter().any(|c| is_it(&c.effect));
-        let rival = causes
-            .iter()
-            .any(|c| c.rivals.iter().any(|r| is_it(&r.effect)));
+        let rival = causes.iter().any(|c| c.rival_effects().any(&is_it));
         let others = causes
             .iter()
-            .any(|c| !is_it(&c.effect) && !c.rivals.iter().any(|r| is_it(&r.effect)));
+            .any(|c| !is_it(&c.effect) && !c.rival_effects().any(&is_it));
         let before = self.right();
         match found.verdict {
             _ if others => self.wrong += 1,

@@ -41,9 +41,8 @@ fn show(cause: &Cause) -> String {
         cause.delta_bic,
         parameters.join(" "),
         cause
-            .rivals
-            .iter()
-            .map(|r| r.effect.effect.id)
+            .rival_effects()
+            .map(|r| r.effect.id)
             .collect::<Vec<_>>()
     )
 }
@@ -82,7 +81,7 @@ fn trial(effect: &'static str, seed: u64, counts: &mut Counts, notes: &mut Vec<S
     counts.trials += 1;
     let mut found = false;
     for cause in named(&diagnosis) {
-        let rival = cause.rivals.iter().any(|r| r.effect.effect.id == effect);
+        let rival = cause.rival_effects().any(|r| r.effect.id == effect);
         if !found && is(cause, effect, &hidden, &scenario) {
             found = true;
             counts.right += u32::from(!rival);

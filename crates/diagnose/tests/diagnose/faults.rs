@@ -84,7 +84,7 @@ fn a_step_cycle_shows_lost_motion_as_sweeps_do() {
             };
             assert_eq!(cause.effect.effect.id, "backlash");
             // Whether it also changes along the axis may stay open: the same cause.
-            let rivals: Vec<&str> = cause.rivals.iter().map(|r| r.effect.effect.id).collect();
+            let rivals: Vec<&str> = cause.rival_effects().map(|r| r.effect.id).collect();
             assert!(
                 rivals.iter().all(|r| *r == "position_dependent_backlash"),
                 "{rivals:?}"
@@ -177,7 +177,7 @@ fn the_instrument_is_a_suspect() {
     for seed in 0..4 {
         let found = found(line(false, 0.5, seed, |row, _, _| -0.5 * row as f64));
         let names = found.causes.iter().flat_map(|cause| {
-            let rivals = cause.rivals.iter().map(|r| r.effect.effect.id);
+            let rivals = cause.rival_effects().map(|r| r.effect.id);
             rivals.chain([cause.effect.effect.id])
         });
         let names: Vec<&str> = names.collect();

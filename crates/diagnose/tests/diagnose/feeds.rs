@@ -27,7 +27,7 @@ fn assert_ambiguous_at_one_feed(seeds: u64) {
             let found = outcome(lost_um, late_s, &[25.0], seed);
             assert_eq!(found.verdict, Verdict::Ambiguous, "{seed}");
             let cause = &found.causes[0];
-            let rivals = cause.rivals.iter().map(|r| r.effect.effect.id);
+            let rivals = cause.rival_effects().map(|r| r.effect.id);
             let names: Vec<&str> = rivals.chain([cause.effect.effect.id]).collect();
             assert!(names.contains(&"backlash"), "{seed} {names:?}");
             assert!(names.contains(&"timestamp_offset"), "{seed} {names:?}");
@@ -63,7 +63,7 @@ fn assert_named_at_two_feeds(seeds: u64) {
             assert_eq!(cause.effect.effect.id, effect, "{seed}");
             let is_other = |id: &str| id == other;
             assert!(
-                !cause.rivals.iter().any(|r| is_other(r.effect.effect.id)),
+                !cause.rival_effects().any(|r| is_other(r.effect.id)),
                 "{seed}"
             );
         }

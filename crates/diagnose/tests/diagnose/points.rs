@@ -51,9 +51,8 @@ impl Count {
                 self.inside[1] += usize::from(parameter.u.is_finite());
             }
         }
-        let explains = |c: &trueaxis_diagnose::Cause| {
-            is_it(&c.effect) || c.rivals.iter().any(|r| is_it(&r.effect))
-        };
+        let explains =
+            |c: &trueaxis_diagnose::Cause| is_it(&c.effect) || c.rival_effects().any(&is_it);
         let of_points = || found.causes.iter().filter(|c| c.share_of_curve.is_none());
         let is_wrong = of_points().any(|c| c.rivals.is_empty() && !is_it(&c.effect));
         match found.verdict {
@@ -244,11 +243,7 @@ fn targets_on_the_bed_tell_twins_apart() {
             panic!("{id}: {}", counts::summary(&found));
         };
         let is_twin = |e: &ResolvedEffect| e.effect.id == twin;
-        let mut all = cause
-            .rivals
-            .iter()
-            .map(|r| &r.effect)
-            .chain([&cause.effect]);
+        let mut all = cause.rival_effects().chain([&cause.effect]);
         assert!(!all.any(is_twin), "{id}: {cause:?}");
         assert_eq!(cause.effect.effect.id, id, "{}", counts::summary(&found));
     }

@@ -105,13 +105,13 @@ fn count(case: Case, seeds: std::ops::Range<u64>) -> [usize; 3] {
                 let size = &cause.parameters[0];
                 let is_inside = (size.value.abs() - case.truth()).abs() < 1.96 * size.u;
                 let pair = ["backlash", "timestamp_offset"];
-                let mut rivals = cause.rivals.iter();
-                let is_right = !rivals.any(|r| pair.contains(&r.effect.effect.id));
+                let mut rivals = cause.rival_effects();
+                let is_right = !rivals.any(|r| pair.contains(&r.effect.id));
                 [is_right, false, is_right && is_inside]
             }
             None => {
                 let is_wrong = of_readings(&found).iter().any(|c| {
-                    let mut all = c.rivals.iter().map(|r| r.effect.effect.id);
+                    let mut all = c.rival_effects().map(|r| r.effect.id);
                     c.effect.effect.id != case.effect() && all.all(|id| id != case.effect())
                 });
                 report(&format!("{case:?} {seed}: {}", summary(&found)));
