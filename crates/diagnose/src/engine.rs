@@ -64,7 +64,7 @@ pub(crate) use omnibus::{
 };
 pub(crate) use places::{places, side};
 pub(crate) use ranking::{Ranking, plausible};
-pub(crate) use search::{SHAPE_ERROR, Search, find_causes, settle};
+pub(crate) use search::{FURTHER_LEVEL, SHAPE_ERROR, Search, find_causes, settle};
 pub(crate) use smooth::{Posterior, SMOOTH_LEVEL, Smooth, beside_one_of, correlation_lengths};
 pub(crate) use unseen::{in_words, length_scale, unseen, without_trace};
 pub(crate) use wandered::wandered;

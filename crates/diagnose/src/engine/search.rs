@@ -104,7 +104,7 @@ fn free<D: Measured>(all: &[Hypothesis], suspects: &[Suspect]) -> Vec<Hypothesis
 /// A further cause that explains less than this part of what the others explain may be no more than
 /// their shape, which is never quite that of the catalogue; for the same reason it must be more certain.
 pub(crate) const SHAPE_ERROR: f64 = 0.05;
-const FURTHER_LEVEL: f64 = 0.001;
+pub(crate) const FURTHER_LEVEL: f64 = 0.001;
 
 /// What the weakest of several causes explains, if it is not a cause of its own.
 fn not_its_own<D: Measured>(data: &D, found: &[Found]) -> Option<f64> {

@@ -4,7 +4,7 @@
 //! begins with what wanders; a third has nothing else. The one with the most evidence is taken: each further name costs
 //! [`DECISIVE`], and what can be anything twice that.
 
-use crate::engine::{Chosen, Listed, beside_one_of};
+use crate::engine::{Chosen, FURTHER_LEVEL, Listed, beside_one_of};
 use crate::selection::{DECISIVE, Score};
 use crate::verification::believed::{with_gain, without_imitations};
 use crate::verification::held_out::{gain, held_out};
@@ -99,9 +99,6 @@ pub(crate) fn only<'a>(plain: &Problem<'a>, wandering: Vec<FittedProcess>) -> Mo
     }
 }
 
-/// Level of a cause beside what wanders, as of a further cause in the lengths: the true course is never quite the process.
-const BESIDE: f64 = 0.001;
-
 /// Causes with what wanders beside them, without those that are not significant there or imitate what is left; none if
 /// nothing wanders.
 fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>) -> Option<Model<'a>> {
@@ -114,7 +111,8 @@ fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>) -> Option<Model<'a>>
         if model.wandering.is_empty() {
             return None;
         }
-        let level = plain.level.min(BESIDE);
+        // The true course is never quite the process.
+        let level = plain.level.min(FURTHER_LEVEL);
         drop_superfluous(&model.problem.listed, &mut causes, level);
         without_imitations(&model.problem, &mut causes);
         if causes.len() == found {

@@ -1,7 +1,7 @@
 //! Finding the causes: one at a time, each judged against noise through the same model.
 //!
 //! 1. All hypotheses against what the model leaves; the one with the most evidence joins if noise alone
-//!    gives one as good with less than the level (family-wise).
+//!    gives one as good with less than the level (family-wise), a further cause with less than [`FURTHER_LEVEL`].
 //! 2. Of nested forms (constant play within play that changes along the axis) the larger joins only if
 //!    what it has more is significant by itself.
 //! 3. Shapes of all causes are looked for again with the others in the model.
@@ -9,7 +9,7 @@
 
 use trueaxis_effects::Shape;
 
-use crate::engine::{Beside, Chosen, Listed, SHAPE_ERROR, without};
+use crate::engine::{Beside, Chosen, FURTHER_LEVEL, Listed, SHAPE_ERROR, without};
 use crate::selection::{DECISIVE, Projection, Score, ln_f_test};
 
 /// Causes named at most: more are no longer an explanation.
@@ -36,7 +36,11 @@ pub(crate) fn search_beside(
         if causes.len() == most {
             break;
         }
-        let Some(next) = best(listed, &causes, excluded, level) else {
+        let least = match causes.is_empty() {
+            true => level,
+            false => level.min(FURTHER_LEVEL),
+        };
+        let Some(next) = best(listed, &causes, excluded, least) else {
             break;
         };
         if causes.contains(&next) {
