@@ -20,6 +20,7 @@ use crate::identify::axis_data::AxisData;
 use crate::identify::context::Context;
 use crate::identify::identify_axes::Identified;
 use crate::identify::state::State;
+use crate::report::expansion::since_20_degrees;
 use crate::result::calibration::Calibration;
 use crate::result::numbered::NumberedResult;
 use crate::settings::Settings;
@@ -115,8 +116,12 @@ impl Replay<'_> {
     /// All results in mm and rad, in the order of [`Calibration::results`].
     fn collect(&self, state: &State, stations: &[Station]) -> Vec<f64> {
         let mut all = Vec::new();
-        for error in state.axes.iter().flat_map(|axis| &axis.curve) {
-            all.extend(error.to_vector().iter());
+        for (data, axis) in self.data.iter().zip(&state.axes) {
+            let longer = since_20_degrees(self.campaign, data.axis);
+            for (node, error) in data.nodes.iter().zip(&axis.curve) {
+                all.extend((error.translation_mm - longer * node.position).iter());
+                all.extend(error.rotation_rad.iter());
+            }
         }
         for (components, values) in self.identified.reported.iter().zip(&state.axes) {
             all.extend(components.iter().map(|c| c.of(&values.location)));

@@ -34,7 +34,7 @@ pub(crate) fn refer_to_20_degrees(campaign: &Campaign, calibration: &mut Calibra
         let Some(expansion) = expansion else { continue };
         let name = &calibration.axes[k].name;
         match (expansion.lengths_hold_at_c, is_logged(lengths, expansion)) {
-            (Some(hold_at_c), _) => refer(campaign, calibration, k, expansion, hold_at_c),
+            (Some(_), _) => refer(campaign, calibration, k, expansion),
             (None, true) => notices.push(format!(
                 "axis {name}: its lengths could not be corrected for their temperatures, so its errors are not referred to 20 °C"
             )),
@@ -53,25 +53,34 @@ fn is_logged(lengths: &Lengths, expansion: &AxisExpansion) -> bool {
     column.is_some_and(|column| column.values.iter().any(Option::is_some))
 }
 
-fn refer(
-    campaign: &Campaign,
-    calibration: &mut Calibration,
-    k: usize,
-    expansion: &AxisExpansion,
-    hold_at_c: f64,
-) {
-    let machine: &Machine = &campaign.machine;
+/// What an axis travels longer than at 20 °C at the temperature at which its lengths hold, for each mm of its position;
+/// nothing where it is not referred to 20 °C.
+pub(crate) fn since_20_degrees(campaign: &Campaign, axis: usize) -> Vector3<f64> {
+    let own = campaign.expansions.iter().find(|e| e.axis == axis);
+    let since = own.and_then(|own| {
+        let since_k = own.lengths_hold_at_c? - REFERENCE_C;
+        Some(per_k(&campaign.machine, own) * since_k)
+    });
+    since.unwrap_or_else(Vector3::zeros)
+}
+
+fn per_k(machine: &Machine, expansion: &AxisExpansion) -> Vector3<f64> {
     let direction = machine.axes()[expansion.axis].direction().into_inner();
-    let per_k =
-        |position: f64| -> Vector3<f64> { direction * (expansion.ppm_per_k * PPM * position) };
+    direction * (expansion.ppm_per_k * PPM)
+}
+
+fn refer(campaign: &Campaign, calibration: &mut Calibration, k: usize, expansion: &AxisExpansion) {
+    let machine = &campaign.machine;
+    let longer = since_20_degrees(campaign, expansion.axis);
     let axis = &mut calibration.axes[k];
     for node in &mut axis.nodes {
-        node.error.translation_mm -= per_k(node.position) * (hold_at_c - REFERENCE_C);
+        node.error.translation_mm -= longer * node.position;
     }
     let Some(sigma_k) = expansion.temperature_sigma_k else {
         return;
     };
     let name = axis.name.clone();
+    let per_k = per_k(machine, expansion);
     let change = |output: &Output| match output {
         Output::ComponentError {
             axis,
@@ -79,7 +88,7 @@ fn refer(
             position,
             ..
         } if *axis == name && !component.is_angular() => {
-            per_k(*position)[component.index()] * sigma_k
+            per_k[component.index()] * position * sigma_k
         }
         _ => 0.0,
     };
