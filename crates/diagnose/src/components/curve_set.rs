@@ -70,17 +70,30 @@ pub(crate) fn curve_sets(
             ));
         }
         let content = &machine.axes()[result.axis];
+        let sides: Vec<_> = result.nodes.iter().map(|node| node.direction).collect();
+        let kept = thinned(&sides, stride);
         for components in groups(content) {
             sets.push(CurveSet::new(
                 calibration,
                 result,
-                stride,
+                &kept,
                 content,
                 components,
             ));
         }
     }
     sets
+}
+
+/// Every `stride`-th node of each side of approach, in order: sides that take turns lose as much of either.
+fn thinned(sides: &[Option<Direction>], stride: usize) -> Vec<usize> {
+    let kept = [None, Some(Direction::Backward), Some(Direction::Forward)].map(|side| {
+        let own = (0..sides.len()).filter(move |&node| sides[node] == side);
+        own.step_by(stride)
+    });
+    let mut kept: Vec<usize> = kept.into_iter().flatten().collect();
+    kept.sort_unstable();
+    kept
 }
 
 fn groups(axis: &Axis) -> Vec<Vec<Component>> {
@@ -98,15 +111,15 @@ fn groups(axis: &Axis) -> Vec<Vec<Component>> {
 }
 
 impl CurveSet {
-    /// Every `stride`-th position of the curves of an axis.
+    /// The nodes of the curves of an axis that are kept.
     fn new(
         calibration: &Calibration,
         result: &AxisResult,
-        stride: usize,
+        kept: &[usize],
         content: &Axis,
         components: Vec<Component>,
     ) -> Self {
-        let nodes = || result.nodes.iter().step_by(stride);
+        let nodes = || kept.iter().map(|&node| &result.nodes[node]);
         let values = components
             .iter()
             .flat_map(|component| nodes().map(|node| in_unit(&node.error, *component)));
@@ -114,7 +127,7 @@ impl CurveSet {
             axis: result.axis,
             content: content.clone(),
             values: values.collect(),
-            covariance: covariance(calibration, result, stride, &components),
+            covariance: covariance(calibration, result, kept, &components),
             base: Vec::new(),
             nodes: nodes()
                 .map(|node| {
@@ -251,22 +264,37 @@ fn unit(component: Component) -> f64 {
     }
 }
 
-/// Of every `stride`-th position of the curves of an axis, µm and arcsec.
+/// Of the nodes of the curves of an axis that are kept, µm and arcsec.
 fn covariance(
     calibration: &Calibration,
     result: &AxisResult,
-    stride: usize,
+    kept: &[usize],
     components: &[Component],
 ) -> DMatrix<f64> {
     let before = calibration.axes.iter();
     let before = before.take_while(|axis| axis.axis != result.axis);
     let first: usize = before.map(|axis| axis.nodes.len()).sum();
-    let nodes = || (first..first + result.nodes.len()).step_by(stride);
-    let places = components
-        .iter()
-        .flat_map(|component| nodes().map(|node| 6 * node + component.index()));
+    let places = components.iter().flat_map(|component| {
+        let nodes = kept.iter().map(|node| first + node);
+        nodes.map(|node| 6 * node + component.index())
+    });
     let places: Vec<usize> = places.collect();
     // All components of a set are of one kind.
     let unit = unit(components[0]);
     calibration.factors.of_results(&places) / (unit * unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nodes are sorted by position, backward before forward: every second of all would be those of one side.
+    #[test]
+    fn both_sides_of_approach_are_thinned_alike() {
+        let both = [Some(Direction::Backward), Some(Direction::Forward)];
+        let sides = both.repeat(3);
+        assert_eq!(thinned(&sides, 2), [0, 1, 4, 5]);
+        assert_eq!(thinned(&[None; 5], 2), [0, 2, 4]);
+        assert_eq!(thinned(&sides, 1), [0, 1, 2, 3, 4, 5]);
+    }
 }
