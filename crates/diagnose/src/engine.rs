@@ -53,7 +53,7 @@ pub(crate) use competition::{
     Candidates, Competed, add_rival_disturbances, compete, only_wandering, settled,
 };
 pub(crate) use culprit::{Culprit, Culprits};
-pub(crate) use estimated::{cause, derivative, u_in_gap_s, with_uncertainties};
+pub(crate) use estimated::{cause, derivative, with_uncertainties};
 pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
 pub(crate) use hypotheses::{duration_s, in_equal_ratios, of_catalogue, scan, scans};
 pub(crate) use listed::{Beside, Candidate, Chosen, Finer, Judged, Listed, without};

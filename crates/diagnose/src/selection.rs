@@ -33,13 +33,13 @@ mod soft;
 mod step_scan;
 
 pub(crate) use f_test::{f_test, ln_f_test};
-pub(crate) use fixed_scan::{FixedScan, gram as gram_of, gram_matrix};
+pub(crate) use fixed_scan::{FixedScan, gram as gram_of, gram_matrix, middle};
 pub(crate) use gram::Gram;
 pub(crate) use null::Null;
 pub(crate) use projection::{Projection, add, combined};
 pub(crate) use rivals::{ALIKE, DECISIVE, Fit, cosine, is_rival};
 pub(crate) use scan::{Hypothesis, Scan};
-pub(crate) use score::{EQUAL, Score, best_shape, by_evidence, marginal as marginal_of, rank};
+pub(crate) use score::{EQUAL, Score, best_shape, by_evidence, mean_evidence, rank};
 pub(crate) use shares::Part;
 pub use shares::Shares;
 pub(crate) use step_scan::{StepScan, VisitTimes};

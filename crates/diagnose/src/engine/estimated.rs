@@ -1,8 +1,8 @@
 //! A cause with its parameters and their uncertainties.
 //!
-//! Of an instant the data say that it lies between two visits, or in one of them: it is uniform over
-//! that gap, whatever the likelihood says of its neighbours. A time constant joins the linear parameters
-//! by its derivative, so that all of them carry its uncertainty.
+//! Of an instant the data say that it lies between two visits in which the effect shows, or in one of them; its score has
+//! that in its uncertainty. A time constant joins the linear parameters by its derivative, so that all of them carry its
+//! uncertainty.
 
 use trueaxis_effects::{Parameter, ResolvedEffect, Scene, Shape, shape_parameter};
 
@@ -83,15 +83,10 @@ fn estimated<D: Measured>(
 ) -> (Vec<EstimatedParameter>, Vec<f64>) {
     let (mut covariance, mut u_shape) = (suspect.covariance.clone(), suspect.u_shape);
     match suspect.hypothesis.effect.shape {
-        Shape::Instant => {
-            let visits = data.visits();
-            let starts_s = visits.iter().map(|visit| visit.span_s[0]);
-            u_shape = u_shape.hypot(u_in_gap_s(starts_s, suspect.shape));
-        }
         Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
             (covariance, u_shape) = with_time_constant(data, model, suspect);
         }
-        Shape::Fixed | Shape::Period | Shape::Waves => {}
+        Shape::Fixed | Shape::Instant | Shape::Period | Shape::Waves => {}
     }
     let linear = (&suspect.parameters[..], &covariance[..], &suspect.seen[..]);
     let shape = (suspect.shape, u_shape);
@@ -150,21 +145,6 @@ pub(crate) fn with_uncertainties(
         unit: parameter.unit,
     };
     linear.chain(of_shape).map(estimated).collect()
-}
-
-/// Standard uncertainty of an instant within the gap between the starts of the visits before and after it, s.
-pub(crate) fn u_in_gap_s(starts_s: impl Iterator<Item = f64> + Clone, instant_s: f64) -> f64 {
-    let before = starts_s
-        .clone()
-        .filter(|&t| t <= instant_s)
-        .fold(f64::NEG_INFINITY, f64::max);
-    let after = starts_s
-        .filter(|&t| t > instant_s)
-        .fold(f64::INFINITY, f64::min);
-    match before.is_finite() && after.is_finite() {
-        true => (after - before) / 12_f64.sqrt(),
-        false => 0.0,
-    }
 }
 
 /// What the observations change by with a shape, from the columns at a shorter and a longer one.

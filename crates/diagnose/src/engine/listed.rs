@@ -14,7 +14,7 @@ use crate::engine::between::{golden_section, neighbours};
 use crate::engine::estimated::beside_shape;
 use crate::engine::{derivative, with_uncertainties};
 use crate::selection::{
-    Fit, FixedScan, Hypothesis, Null, Projection, Scan, Score, best_shape, dot, rank,
+    Fit, FixedScan, Hypothesis, Null, Projection, Scan, Score, best_shape, dot, middle, rank,
 };
 use crate::{Cause, Rival};
 
@@ -35,8 +35,8 @@ pub(crate) struct Candidate<'a> {
 pub(crate) struct Finer<'a> {
     /// Whitened columns of any shape.
     pub(crate) columns: ColumnsAt<'a>,
-    /// All instants; none of a shape that takes every value in between.
-    pub(crate) instants: Option<Vec<f64>>,
+    /// All gaps in which an instant may lie, s; none of a shape that takes every value in between.
+    pub(crate) gaps_s: Option<Vec<[f64; 2]>>,
 }
 
 /// Whitened columns of a shape.
@@ -129,10 +129,10 @@ impl Candidate<'_> {
         let [before, after] = neighbours(&self.shapes, shape);
         let [low, high] = [before.unwrap_or(shape), after.unwrap_or(shape)];
         let gained = |shape: f64| Fit::new(model, &(finer.columns)(shape)).gained();
-        match &finer.instants {
+        match &finer.gaps_s {
             Some(all) => {
-                let between = all.iter().filter(|&&t| low <= t && t <= high);
-                let between = between.map(|&t| (t, gained(t)));
+                let between = all.iter().map(middle).filter(|&t| low <= t && t <= high);
+                let between = between.map(|t| (t, gained(t)));
                 between
                     .max_by(|a, b| a.1.total_cmp(&b.1))
                     .map(|(instant, _)| instant)
@@ -146,20 +146,20 @@ impl Candidate<'_> {
 
     /// Standard deviation of an instant over its marginal likelihood between its neighbours in the list.
     fn u_instant(&self, model: &Projection, instant: f64) -> Option<f64> {
-        let all = self.finer.as_ref()?.instants.as_ref()?;
+        let all = self.finer.as_ref()?.gaps_s.as_ref()?;
         let [before, after] = neighbours(&self.shapes, instant);
         let [low, high] = [before.unwrap_or(instant), after.unwrap_or(instant)];
-        let between = all.iter().copied().filter(|&t| low <= t && t <= high);
+        let between = all.iter().copied();
+        let between = between.filter(|gap| low <= middle(gap) && middle(gap) <= high);
         let columns = |shape: f64| self.columns(shape).into_owned();
-        let between: Vec<f64> = between.collect();
-        let scan = FixedScan::new(self.hypothesis, model, &between, columns)?;
+        let scan = FixedScan::of_instants(self.hypothesis, model, between.collect(), columns)?;
         let scans: [Box<dyn Scan>; 1] = [Box::new(scan)];
         rank(model, &scans).first().map(|score| score.u_shape)
     }
 
     /// What the observations change by with the shape of an effect with values; none of one that has nothing in between.
     fn by_shape(&self, values: &[f64], shape: f64) -> Option<Vec<f64>> {
-        let finer = self.finer.as_ref().filter(|f| f.instants.is_none())?;
+        let finer = self.finer.as_ref().filter(|f| f.gaps_s.is_none())?;
         Some(derivative(&finer.columns, values, shape))
     }
 

@@ -6,7 +6,7 @@
 
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
-use crate::selection::{Gram, Projection, dot, gram_matrix, marginal_of};
+use crate::selection::{Gram, Projection, dot, gram_matrix, mean_evidence};
 
 /// Family-wise level of all that may wander in a set of data.
 pub(crate) const SMOOTH_LEVEL: f64 = 0.002;
@@ -69,11 +69,11 @@ impl Smooth {
         if variance <= 0.0 {
             return None;
         }
-        let evidences: Vec<(f64, f64)> = fits.iter().map(|fit| (fit.0 as f64, fit.2)).collect();
+        let evidences: Vec<f64> = fits.iter().map(|fit| fit.2).collect();
         Some(Self {
             spectrum,
             width: variance.sqrt(),
-            evidence: marginal_of(&evidences, fits.len()).2,
+            evidence: mean_evidence(&evidences, fits.len()),
             p_value: 0.5 * chi_squared_upper_tail(ratio, 1.0).max(f64::MIN_POSITIVE),
         })
     }

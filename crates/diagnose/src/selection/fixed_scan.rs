@@ -14,6 +14,8 @@ pub(crate) struct FixedScan {
     hypothesis: Hypothesis,
     shapes: Vec<FixedShape>,
     rows: usize,
+    /// Gaps whose middles are its shapes, if these are instants.
+    gaps_s: Vec<[f64; 2]>,
 }
 
 struct FixedShape {
@@ -45,7 +47,20 @@ impl FixedScan {
             hypothesis,
             shapes: seen,
             rows: projection.rows(),
+            gaps_s: Vec::new(),
         })
+    }
+
+    /// The same of instants in the middles of gaps.
+    pub(crate) fn of_instants(
+        hypothesis: Hypothesis,
+        projection: &Projection,
+        gaps_s: Vec<[f64; 2]>,
+        columns: impl Fn(f64) -> Vec<Vec<f64>>,
+    ) -> Option<Self> {
+        let instants: Vec<f64> = gaps_s.iter().map(middle).collect();
+        let scan = Self::new(hypothesis, projection, &instants, columns)?;
+        Some(Self { gaps_s, ..scan })
     }
 
     /// With one more shape, if the data see it.
@@ -53,6 +68,11 @@ impl FixedScan {
         let taken = projection.taken_of_all(columns);
         self.shapes.extend(FixedShape::new(shape, columns, &taken));
     }
+}
+
+/// The instant that stands for a gap.
+pub(crate) fn middle([start, end]: &[f64; 2]) -> f64 {
+    0.5 * (start + end)
 }
 
 impl FixedShape {
@@ -143,6 +163,12 @@ impl Scan for FixedScan {
             s.extend(shape.columns.iter().map(|c| residuals.dots(start, c)));
             f(&shape.gram, &s);
         }
+    }
+
+    fn gap_s(&self, shape: f64) -> Option<f64> {
+        let mut gaps = self.gaps_s.iter();
+        let own = gaps.find(|gap| middle(gap).total_cmp(&shape).is_eq());
+        own.map(|[start, end]| end - start)
     }
 
     fn columns(&self, shape: f64) -> Vec<Vec<f64>> {

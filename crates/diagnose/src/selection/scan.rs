@@ -48,6 +48,11 @@ pub(crate) trait Scan: Send + Sync {
     /// The same of several residuals at once.
     fn for_each_of(&self, residuals: &SideBySide, f: &mut OfSeveral<'_>);
 
+    /// Length of the time that one instant stands for: the data say no more than that it lies in it, s; none of other shapes.
+    fn gap_s(&self, _shape: f64) -> Option<f64> {
+        None
+    }
+
     /// The columns of one shape, whitened, not projected.
     fn columns(&self, shape: f64) -> Vec<Vec<f64>>;
 }

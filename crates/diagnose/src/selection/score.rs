@@ -11,7 +11,7 @@ pub(crate) struct Score {
     pub(crate) scan: usize,
     /// Its best shape.
     pub(crate) shape: f64,
-    /// Standard deviation of the shape over its marginal likelihood.
+    /// Standard deviation of the shape over its marginal likelihood, of an instant with a uniform density in each gap.
     pub(crate) u_shape: f64,
     /// Drop of the sum of squares there, `T`.
     pub(crate) statistic: f64,
@@ -61,7 +61,7 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
     // Under an unknown variance a drop T counts ν ln(S/(S - T)), which is T/σ² for small T.
     let variance = squares / dof;
     let (shape, statistic, rank) = best_shape(projection, scan)?;
-    let mut evidences: Vec<(f64, f64)> = Vec::new();
+    let mut listed: Vec<OfShape> = Vec::new();
     let mut shapes = 0;
     scan.for_each(&projection.residuals, &mut |shape, gram, s| {
         shapes += 1;
@@ -75,26 +75,29 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
         let scale = 1.0 / (variance * left).sqrt();
         let scaled: Vec<f64> = s.iter().map(|s| s * scale).collect();
         let price = gram.statistic(&scaled) - gram.evidence(&scaled);
-        evidences.push((shape, likelihood - price));
+        listed.push(OfShape {
+            shape,
+            evidence: likelihood - price,
+            gap_s: scan.gap_s(shape),
+        });
     });
     let hypothesis = scan.hypothesis();
-    let (mean, u, top) = marginal(&evidences, shapes);
+    let evidences: Vec<f64> = listed.iter().map(|one| one.evidence).collect();
     let left = ((squares - statistic) / squares).max(f64::MIN_POSITIVE);
     let n = projection.rows() as f64;
     let parameters = rank + usize::from(hypothesis.has_shape());
     Some(Score {
         scan: number,
         shape,
-        u_shape: if hypothesis.has_shape() {
-            u.hypot(shape - mean)
-        } else {
-            0.0
+        u_shape: match hypothesis.has_shape() {
+            true => deviation(&listed, shape),
+            false => 0.0,
         },
         statistic,
         rank,
         ln_p: ln_f_test(statistic, squares, rank, dof),
         bic: n * left.ln() + parameters as f64 * n.ln(),
-        evidence: top - 2.0 * (hypothesis.subjects as f64).ln(),
+        evidence: mean_evidence(&evidences, shapes) - 2.0 * (hypothesis.subjects as f64).ln(),
     })
 }
 
@@ -123,19 +126,36 @@ pub(crate) fn best_shape(projection: &Projection, scan: &dyn Scan) -> Option<(f6
         .min_by(|a, b| ln_p(a.2, a.1).total_cmp(&ln_p(b.2, b.1)))
 }
 
-/// Mean and standard deviation of the shape, and `2 ln` of the mean marginal likelihood over all
-/// `shapes`; those that are not listed have none.
-pub(crate) fn marginal(evidences: &[(f64, f64)], shapes: usize) -> (f64, f64, f64) {
-    let top = evidences
-        .iter()
-        .map(|e| e.1)
-        .fold(f64::NEG_INFINITY, f64::max);
-    let weight = |evidence: f64| (0.5 * (evidence - top)).exp();
-    let total: f64 = evidences.iter().map(|e| weight(e.1)).sum();
-    let mean = evidences.iter().map(|e| e.0 * weight(e.1)).sum::<f64>() / total;
-    let squares = evidences.iter().map(|e| (e.0 - mean).powi(2) * weight(e.1));
-    let u = (squares.sum::<f64>() / total).sqrt();
-    (mean, u, top + 2.0 * (total / shapes as f64).ln())
+/// A shape with twice the logarithm of its marginal likelihood, and the length of the gap that an instant stands for.
+struct OfShape {
+    shape: f64,
+    evidence: f64,
+    gap_s: Option<f64>,
+}
+
+/// `2 ln` of the mean marginal likelihood over all `shapes`; those that are not listed have none.
+pub(crate) fn mean_evidence(listed: &[f64], shapes: usize) -> f64 {
+    let top = listed.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let likelihoods = listed.iter().map(|evidence| (0.5 * (evidence - top)).exp());
+    let total: f64 = likelihoods.sum();
+    top + 2.0 * (total / shapes as f64).ln()
+}
+
+/// Standard deviation of the shape about the best one, over its marginal likelihood.
+///
+/// An instant is as likely in each second of a gap: one between two occupations weighs with the time between them, and is
+/// anywhere in it.
+fn deviation(listed: &[OfShape], best: f64) -> f64 {
+    let evidences = listed.iter().map(|one| one.evidence);
+    let top = evidences.fold(f64::NEG_INFINITY, f64::max);
+    let (mut squares, mut weights) = (0.0, 0.0);
+    for one in listed {
+        let weight = (0.5 * (one.evidence - top)).exp() * one.gap_s.unwrap_or(1.0);
+        let within = one.gap_s.map_or(0.0, |gap| gap * gap / 12.0);
+        squares += weight * ((one.shape - best).powi(2) + within);
+        weights += weight;
+    }
+    (squares / weights).sqrt()
 }
 
 #[cfg(test)]

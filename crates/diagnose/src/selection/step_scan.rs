@@ -51,6 +51,8 @@ pub(crate) struct StepScan {
 
 struct Instant {
     time_s: f64,
+    /// From the start of the visit before it to that of the visit after it: it may lie in a visit.
+    gap_s: f64,
     /// First row after it.
     first_row: usize,
     gram: Gram,
@@ -92,6 +94,7 @@ impl StepScan {
             if gram.rank() > 0 {
                 instants.push(Instant {
                     time_s: 0.5 * (before.span_s[1] + visit.span_s[0]),
+                    gap_s: visit.span_s[0] - before.span_s[0],
                     first_row: visit.rows.start,
                     gram,
                 });
@@ -145,6 +148,12 @@ impl Scan for StepScan {
             end = instant.first_row;
             f(&instant.gram, &s);
         }
+    }
+
+    fn gap_s(&self, shape: f64) -> Option<f64> {
+        let mut instants = self.instants.iter();
+        let own = instants.find(|instant| instant.time_s.total_cmp(&shape).is_eq());
+        own.map(|instant| instant.gap_s)
     }
 
     fn columns(&self, shape: f64) -> Vec<Vec<f64>> {

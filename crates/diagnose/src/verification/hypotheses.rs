@@ -5,7 +5,7 @@ use trueaxis_effects::{Level, Scene, Shape, Subject, catalogue};
 use trueaxis_kinematics::{AxisKind, Component};
 
 use crate::engine::{Candidate, Finer, in_equal_ratios, plausible};
-use crate::selection::Hypothesis;
+use crate::selection::{Hypothesis, middle};
 use crate::verification::comparison::Comparison;
 use crate::verification::lost_motion;
 
@@ -77,8 +77,8 @@ pub(crate) fn candidates<'a>(
             let columns = move |shape: f64| -> Vec<Vec<f64>> {
                 (0..count).map(|k| whiten(column(k, shape))).collect()
             };
-            let instants = (effect.shape == Shape::Instant).then(|| instants(comparison));
-            let has_more = instants.is_some() || is_continuous(effect.shape);
+            let gaps_s = (effect.shape == Shape::Instant).then(|| gaps_s(comparison));
+            let has_more = gaps_s.is_some() || is_continuous(effect.shape);
             all.push(Candidate {
                 hypothesis,
                 columns: shapes.iter().map(|&shape| columns(shape)).collect(),
@@ -87,7 +87,7 @@ pub(crate) fn candidates<'a>(
                 is_free: false,
                 finer: has_more.then(|| Finer {
                     columns: Box::new(columns),
-                    instants,
+                    gaps_s,
                 }),
             });
             if effect.id != lost_motion::EFFECT || subject.axis != Some(comparison.axis()) {
@@ -172,19 +172,20 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
         }
         Shape::Instant => {
             let stride = comparison.arrivals.len().div_ceil(INSTANTS).max(1);
-            instants(comparison).into_iter().step_by(stride).collect()
+            let gaps_s = gaps_s(comparison);
+            gaps_s.iter().step_by(stride).map(middle).collect()
         }
         Shape::Period => periods(comparison, subject),
         Shape::Waves => (1..=MOST_PER_TURN).map(f64::from).collect(),
     }
 }
 
-/// Between two arrivals each.
-fn instants(comparison: &Comparison<'_>) -> Vec<f64> {
+/// Between two arrivals each, in the middle of which an instant is tried.
+fn gaps_s(comparison: &Comparison<'_>) -> Vec<[f64; 2]> {
     let mut times: Vec<f64> = comparison.arrivals.iter().map(|a| a.time_s).collect();
     times.sort_by(f64::total_cmp);
-    let between = times.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
-    between.collect()
+    let between = times.windows(2).map(|pair| [pair[0], pair[1]]);
+    between.filter(|gap| gap[0] < gap[1]).collect()
 }
 
 /// Whether a shape may have any value between two of its list; waves of a turn are whole, and instants lie between two arrivals.

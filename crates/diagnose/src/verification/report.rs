@@ -1,8 +1,8 @@
 //! What was found in one verification, as the outcome says it.
 
-use trueaxis_effects::{Level, Scene, Shape, Subject};
+use trueaxis_effects::{Level, Scene, Subject};
 
-use crate::engine::{Chosen, Judged, Listed, places as places_by, side, u_in_gap_s};
+use crate::engine::{Chosen, Judged, Listed, places as places_by, side};
 use crate::fitted::{Against, Fitted, Row};
 use crate::selection::{Fit, Projection, combined, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
@@ -43,7 +43,6 @@ pub(crate) fn causes(
     for (rest, residual) in rest.iter_mut().zip(&base.residuals) {
         *rest = residual - *rest;
     }
-    let times = problem.comparison.arrivals.iter().map(|a| a.time_s);
     let mut causes = Vec::new();
     let sizes = problem.listed.sizes(chosen);
     for (k, (cause, sized)) in chosen.iter().zip(sizes).enumerate() {
@@ -53,11 +52,7 @@ pub(crate) fn causes(
             continue;
         };
         let level = (scene, Level::Verification);
-        let u_shape = match (candidate.hypothesis.effect.shape, sized.u_shape) {
-            (Shape::Instant, _) => cause.u_shape.hypot(u_in_gap_s(times.clone(), cause.shape)),
-            (_, Some(u)) => u * variance.sqrt(),
-            (_, None) => cause.u_shape,
-        };
+        let u_shape = sized.u_shape.map_or(cause.u_shape, |u| u * variance.sqrt());
         let own = (&sized.fit, u_shape);
         let mut said = problem.listed.cause(&judged, level, own, variance);
         // Without a clock times count readings.

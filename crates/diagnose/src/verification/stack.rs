@@ -132,7 +132,7 @@ impl<'s> Stack<'s> {
             is_free: false,
             finer: is_continuous(hypothesis.effect.shape).then(|| Finer {
                 columns: Box::new(columns),
-                instants: None,
+                gaps_s: None,
             }),
         };
         (candidate, members)

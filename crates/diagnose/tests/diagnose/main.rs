@@ -11,6 +11,7 @@ mod counts;
 mod curves;
 mod faults;
 mod feeds;
+mod instants;
 mod iso_run;
 mod lines;
 mod machines;
