@@ -1,20 +1,12 @@
 //! How many standard uncertainties make an interval.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use trueaxis_leastsquares::student_two_sided;
 
-/// Share of an interval of `± coverage_factor · u` that holds the truth.
-const COVERAGE: f64 = 0.95;
-
-/// The quantile of the normal distribution for it.
-const NORMAL_FACTOR: f64 = 1.959_963_984_540_054;
-
-/// Degrees of freedom from which the first term of the expansion about the normal quantile
-/// (Abramowitz and Stegun 26.7.5) gives Student's to 1e-7; the inverse of the incomplete beta
-/// function loses digits there.
-const NEARLY_NORMAL: f64 = 1e4;
+/// Probability of a truth outside `± coverage_factor · u`.
+const OUTSIDE: f64 = 0.05;
 
 /// The factor `k` for which `± k u` holds the truth with 95 %: Student's t for the degrees of
-/// freedom of u, 1.96 if these are infinite.
+/// freedom of u, 1.96 if these are infinite, infinity without any.
 ///
 /// ```
 /// use trueaxis_predict::coverage_factor;
@@ -23,13 +15,7 @@ const NEARLY_NORMAL: f64 = 1e4;
 /// assert!((coverage_factor(10.0) - 2.228).abs() < 1e-3);
 /// ```
 pub fn coverage_factor(degrees_of_freedom: f64) -> f64 {
-    if degrees_of_freedom >= NEARLY_NORMAL {
-        let z = NORMAL_FACTOR;
-        return z + (z.powi(3) + z) / (4.0 * degrees_of_freedom);
-    }
-    // Nothing is known without degrees of freedom.
-    StudentsT::new(0.0, 1.0, degrees_of_freedom)
-        .map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + 0.5 * COVERAGE))
+    student_two_sided(OUTSIDE, degrees_of_freedom)
 }
 
 #[cfg(test)]
@@ -45,8 +31,8 @@ mod tests {
                 "{degrees}"
             );
         }
-        let below = coverage_factor(NEARLY_NORMAL * (1.0 - 1e-9));
-        assert!((below - coverage_factor(NEARLY_NORMAL)).abs() < 1e-6);
+        let nearly_normal = [1e4 * (1.0 - 1e-9), 1e4].map(coverage_factor);
+        assert!((nearly_normal[0] - nearly_normal[1]).abs() < 1e-6);
         assert!(coverage_factor(0.0).is_infinite());
     }
 }

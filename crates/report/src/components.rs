@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::calibration::{Axis, Calibration, Curve, Kind};
-use crate::numbers::{coverage_factor, decimals, fixed, signed};
+use crate::numbers::{decimals, expanded, fixed, signed};
 use crate::page::Figure;
 use crate::svg::plot::{Frame, Plot};
 use crate::svg::ticks::{Scale, range};
@@ -107,14 +107,14 @@ fn unit(curve: &Curve) -> &'static str {
 }
 
 fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
-    let (unit, factor) = (unit(curve), coverage_factor(curve.dof));
+    let unit = unit(curve);
     let position_unit = match axis.kind {
         Kind::Linear => " mm",
         Kind::Rotary => "°",
     };
     let nodes = axis.positions.iter().zip(curve.values()).zip(curve.u());
     let nodes: Vec<[f64; 3]> = nodes
-        .map(|((&x, &value), &u)| [x, value, factor * u])
+        .map(|((&x, &value), &u)| [x, value, expanded(u, curve.dof)])
         .collect();
     let bounds = nodes
         .iter()
@@ -199,7 +199,7 @@ fn summary(name: &str, curve: &Curve, words: String) -> Summary {
     let least = values().fold(f64::INFINITY, f64::min);
     let largest = values().fold(f64::NEG_INFINITY, f64::max);
     let u = curve.u().iter().copied().fold(0.0, f64::max);
-    let expanded = coverage_factor(curve.dof) * u;
+    let expanded = expanded(u, curve.dof);
     let digits = decimals(expanded).min(2);
     let is_defined = expanded < f64::MIN_POSITIVE && values().all(|x| x.abs() < f64::MIN_POSITIVE);
     let shown = |text: String| match is_defined || least > largest {

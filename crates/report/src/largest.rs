@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::calibration::{Calibration, Curve, Kind};
 use crate::locations::Measured;
-use crate::numbers::{coverage_factor, decimals, fixed, signed};
+use crate::numbers::{decimals, expanded, fixed, signed};
 use crate::words;
 
 /// An error with what it does.
@@ -34,7 +34,7 @@ pub(crate) fn largest(calibration: &Calibration) -> Vec<Largest> {
         let curves = axis.components.iter();
         curves.filter_map(move |(name, curve)| {
             let (value, u) = largest_of(curve)?;
-            let expanded = coverage_factor(curve.dof) * u;
+            let expanded = expanded(u, curve.dof);
             let words = words::component(name, &axis.name, &calibration.machine);
             let lever = curve.is_angular().then_some(lever_um);
             Some(entry(name, words, [value, expanded], lever))

@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::calibration::Calibration;
-use crate::numbers::{coverage_factor, decimals, fixed, signed};
+use crate::numbers::{decimals, expanded, fixed, signed};
 use crate::words;
 
 /// A location error as people read it.
@@ -38,7 +38,7 @@ impl Measured {
         };
         Some(Self {
             value,
-            expanded: coverage_factor(number("dof")) * u,
+            expanded: expanded(u, number("dof")),
             is_angular,
             of_targets: error.get("relative_to").is_some(),
         })

@@ -6,16 +6,12 @@ use trueaxis_leastsquares::student_two_sided;
 /// Coverage factor where many degrees of freedom stand behind u.
 pub(crate) const COVERAGE: f64 = 2.0;
 
-/// Half width of the 95 % interval: Student's factor where that is more than [`COVERAGE`].
-pub(crate) fn coverage_factor(dof: Option<f64>) -> f64 {
-    // The inverse loses digits where the distribution is nearly normal, and fails where it hardly is one.
-    let factor = match dof {
-        Some(dof) if (1e-2..1e4).contains(&dof) => student_two_sided(0.05, dof),
-        _ => COVERAGE,
-    };
-    match factor.is_finite() {
-        true => factor.max(COVERAGE),
-        false => COVERAGE,
+/// Half width of the 95 % interval: Student's factor where that is more than [`COVERAGE`]. Without degrees of freedom
+/// nothing is known; what is certain has no uncertainty.
+pub(crate) fn expanded(u: f64, dof: Option<f64>) -> f64 {
+    match u > 0.0 {
+        true => u * student_two_sided(0.05, dof.unwrap_or(f64::INFINITY)).max(COVERAGE),
+        false => u,
     }
 }
 
@@ -37,6 +33,9 @@ pub(crate) fn decimals(uncertainty: f64) -> usize {
 
 /// With a real minus sign, and no negative zero.
 pub(crate) fn fixed(value: f64, decimals: usize) -> String {
+    if value.is_infinite() && value > 0.0 {
+        return "∞".to_owned();
+    }
     let text = format!("{value:.decimals$}");
     let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
     match text.strip_prefix('-') {
@@ -89,6 +88,16 @@ const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// `calibration.json` rounds degrees of freedom to tenths: of less than 0.05 it says 0.
+    #[test]
+    fn without_degrees_of_freedom_nothing_is_known() {
+        assert_eq!(fixed(expanded(0.3, Some(0.0)), 1), "∞");
+        assert!(expanded(0.3, Some(0.009)) > expanded(0.3, Some(1.0)));
+        assert!((expanded(0.3, Some(1.0)) / 0.3 - 12.706).abs() < 1e-3);
+        assert!((expanded(0.3, None) - 0.6).abs() < 1e-12);
+        assert!(expanded(0.0, Some(0.0)).abs() < f64::MIN_POSITIVE);
+    }
 
     #[test]
     fn numbers_as_people_write_them() {
