@@ -55,7 +55,12 @@ pub(crate) struct Sample {
     pub(crate) remainder: f64,
     /// Distance from the nearest step for a position outside all steps, mm or rad.
     pub(crate) beyond: f64,
+    /// Whether that is the first step.
+    pub(crate) is_below: bool,
 }
+
+/// A divided difference as a function of the nodes, which it is over.
+pub(crate) type DividedDifference = Vec<(usize, f64)>;
 
 #[derive(Debug, Clone, PartialEq)]
 struct Side {
@@ -129,19 +134,31 @@ impl Curve {
                 .extend(weights.map(|(node, weight)| (node, weight * share)));
             mean.remainder += sample.remainder * share;
             mean.beyond += sample.beyond * share;
+            mean.is_below = sample.is_below;
         }
         mean
     }
 
-    /// Divided differences over neighbouring steps as functions of the nodes: of the order of the interpolation's
-    /// remainder, or the first.
-    pub(crate) fn divided_differences(&self, first_order: bool) -> Vec<Vec<(usize, f64)>> {
-        let of_side = |side: &Side| -> Vec<Vec<(usize, f64)>> {
-            let order = if first_order { 1 } else { side.order };
-            let windows = side.knots.windows(order + 1);
+    /// Divided differences over neighbouring steps: of this order, or else of that of the interpolation's remainder.
+    pub(crate) fn divided_differences(&self, order: Option<usize>) -> Vec<DividedDifference> {
+        let of_side = |side: &Side| -> Vec<DividedDifference> {
+            let windows = side.knots.windows(order.unwrap_or(side.order) + 1);
             windows.map(divided_difference).collect()
         };
         self.sides.iter().flat_map(of_side).collect()
+    }
+
+    /// For each side of approach the slope between its first two steps, or its last two, and their distance.
+    pub(crate) fn slopes_at_end(&self, is_below: bool) -> Vec<(DividedDifference, f64)> {
+        let of_side = |side: &Side| {
+            let mut pairs = side.knots.windows(2);
+            let pair = if is_below { pairs.next() } else { pairs.last() }?;
+            Some((
+                divided_difference(pair),
+                pair[1].position - pair[0].position,
+            ))
+        };
+        self.sides.iter().filter_map(of_side).collect()
     }
 }
 
@@ -179,6 +196,7 @@ impl Side {
             true => 0.0,
             false => (first - position).max(position - last),
         };
+        let is_below = position < first;
         if beyond > 0.0 {
             position = position.clamp(first, last);
         }
@@ -198,6 +216,7 @@ impl Side {
                 weights: of_nodes(slice::from_ref(nearest), |_| 1.0),
                 remainder: 0.0,
                 beyond,
+                is_below,
             };
         }
         let start = above.saturating_sub(1).saturating_sub((self.order - 1) / 2);
@@ -208,6 +227,7 @@ impl Side {
             weights: lagrange(stencil, position),
             remainder: distances.product(),
             beyond,
+            is_below,
         }
     }
 
@@ -300,7 +320,7 @@ fn lagrange(stencil: &[Knot], position: f64) -> Vec<(usize, f64)> {
 }
 
 /// `f[q_0, …] = Σ_j f_j / Π_{i≠j} (q_j - q_i)`.
-fn divided_difference(knots: &[Knot]) -> Vec<(usize, f64)> {
+fn divided_difference(knots: &[Knot]) -> DividedDifference {
     let weight = |j: &Knot| {
         let others = knots
             .iter()
@@ -361,7 +381,7 @@ mod tests {
         let curve = Curve::new(AxisKind::Linear, &nodes);
         let cubic = |q: f64| 3.0 - 0.2 * q + 0.01 * q * q - 2e-4 * q.powi(3);
         let quartic = |q: f64| cubic(q) + 7e-6 * q.powi(4);
-        for difference in curve.divided_differences(false) {
+        for difference in curve.divided_differences(None) {
             let found: f64 = difference
                 .iter()
                 .map(|&(n, w)| w * quartic(nodes[n].position))
