@@ -2,12 +2,15 @@
 //!
 //! A step is a commanded position, which all stations and repeats share. What differs by rounding only is one position
 //! ([`join`]). What differs by more, but by next to nothing beside the distance of the steps, was not commanded: each
-//! length would be a step of its own, and the steps would not be determined ([`check`]).
+//! length would be a step of its own, and the steps would not be determined ([`check`]). Unless a sweep stops at one after
+//! the other and reads a target at both: it comes by each commanded position once, whatever the encoders show there.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use trueaxis_kinematics::{AxisKind, Machine};
 
+use crate::reading::{Reading, readings_of};
 use crate::steps::Steps;
 use crate::stops::append;
 use crate::{Campaign, Error, Place, Problem, Stop, position_unit};
@@ -21,6 +24,9 @@ const NEAR: f64 = 0.01;
 /// The same, but never more than this, mm and degrees: encoders are not farther off, and a wide step beside a narrow one
 /// may be meant.
 const NEAR_AT_MOST: [f64; 2] = [0.05, 0.05];
+
+/// What encoders show of an axis that stands still differs by less, mm and degrees: no two stops.
+const STANDSTILL: [f64; 2] = [0.001, 0.001];
 
 /// The same for an axis that is parked, mm and degrees.
 const NEAR_PARKED: [f64; 2] = [0.01, 0.001];
@@ -66,32 +72,46 @@ pub(crate) fn join(
     joined
 }
 
-/// A position of a run, and the line where it first is.
+/// A position of a run, the step and the line where it first is.
 #[derive(Clone, Copy)]
 struct Seen {
     position: f64,
+    step: usize,
     line: usize,
 }
 
 /// Refuses a run with positions of an axis that differ in the last digits only.
-pub(crate) fn check(file: &Path, campaign: &Campaign, steps: &Steps) -> Result<(), Error> {
+pub(crate) fn check<R: Reading>(
+    file: &Path,
+    campaign: &Campaign,
+    (stops, readings): (&[Stop], &[R]),
+    steps: &Steps,
+) -> Result<(), Error> {
+    let one_after_the_other = one_after_the_other(stops, readings);
     let mut of_runs = vec![Vec::new(); campaign.runs.len()];
-    for (step, &line) in steps.steps.iter().zip(&steps.lines) {
+    for (number, (step, &line)) in steps.steps.iter().zip(&steps.lines).enumerate() {
         if let Some(run) = step.run {
-            of_runs[run].push((&step.positions, line));
+            of_runs[run].push((&step.positions, number, line));
         }
     }
     for (run, own) in campaign.runs.iter().zip(of_runs) {
         for (number, axis) in campaign.machine.axes().iter().enumerate() {
-            let seen = own.iter().map(|&(positions, line)| Seen {
+            let seen = own.iter().map(|&(positions, step, line)| Seen {
                 position: positions[number],
+                step,
                 line,
             });
             let seen = in_order(seen.collect());
             let kind = axis.kind();
             let near = near(&seen, kind, number == run.axis);
             let pairs = seen.windows(2);
-            let pairs = pairs.filter(|pair| pair[1].position - pair[0].position < near);
+            let pairs = pairs.filter(|pair| {
+                let distance = pair[1].position - pair[0].position;
+                let are_two_stops = number == run.axis
+                    && distance >= limit(STANDSTILL, kind)
+                    && one_after_the_other.contains(&[pair[0].step, pair[1].step]);
+                distance < near && !are_two_stops
+            });
             let Some(pair) = pairs.min_by_key(|pair| pair[0].line.max(pair[1].line)) else {
                 continue;
             };
@@ -111,6 +131,18 @@ pub(crate) fn check(file: &Path, campaign: &Campaign, steps: &Steps) -> Result<(
         }
     }
     Ok(())
+}
+
+/// Steps, in both orders, at which a sweep stops one after the other with the same target.
+fn one_after_the_other<R: Reading>(stops: &[Stop], readings: &[R]) -> HashSet<[usize; 2]> {
+    let sweep = |stop: &Stop| (stop.station, stop.repeat, stop.direction);
+    let in_turn = stops.windows(2).filter(|pair| {
+        let [first, second] = [0, 1].map(|k| readings_of(&pair[k], readings));
+        let is_in_both = |r: &R| second.iter().any(|other| other.target() == r.target());
+        sweep(&pair[0]) == sweep(&pair[1]) && first.iter().any(is_in_both)
+    });
+    let steps = in_turn.map(|pair| [pair[0].step, pair[1].step]);
+    steps.flat_map(|[a, b]| [[a, b], [b, a]]).collect()
 }
 
 /// Each position once, rising, with its first line.

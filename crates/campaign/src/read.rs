@@ -202,7 +202,7 @@ fn check_rows<R: Reading>(
 ) -> Result<(), Error> {
     duplicates::check(file, stops, readings, &campaign.targets)?;
     let clock = plausibility::check_order(file, name, stops, readings)?;
-    near_positions::check(file, campaign, &steps)?;
+    near_positions::check(file, campaign, (stops, readings), &steps)?;
     run_axes::check(file, campaign, &steps)?;
     campaign.steps = steps.steps;
     let unseen = notices::without_rows(name, campaign, stops, readings);

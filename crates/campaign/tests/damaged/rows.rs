@@ -350,6 +350,39 @@ fn positions_that_differ_in_the_last_digits() {
             three_axes().read().unwrap().steps.len() + 1
         );
     }
+    // A fine step within coarse ones: every sweep stops at both positions. Closer together they would be one stop, of
+    // which an encoder shows two positions.
+    for (fine, is_read) in [("100.02", true), ("100.0005", false)] {
+        let mut files = three_axes();
+        files.lines("lengths.csv", |lines| {
+            let header = lines.remove(0);
+            let mut all = Vec::new();
+            for stop in lines.chunks(3) {
+                all.extend_from_slice(stop);
+                if stop[0].contains(",x,") && stop[0].contains(",100,0,0,") {
+                    // Its lengths differ in the last digit.
+                    let beside =
+                        |line: &String| line.replace(",100,0,0,", &format!(",{fine},0,0,")) + "1";
+                    all.extend(stop.iter().map(beside));
+                }
+            }
+            let in_order = all.iter().enumerate().map(|(row, line)| {
+                let (_, rest) = line.split_once(',').unwrap();
+                format!("{row},{rest}")
+            });
+            *lines = std::iter::once(header).chain(in_order).collect();
+        });
+        match is_read {
+            true => {
+                let steps = files.read().unwrap().steps.len();
+                assert_eq!(steps, three_axes().read().unwrap().steps.len() + 1);
+            }
+            false => {
+                let refused = files.read().unwrap_err().to_string();
+                assert!(refused.contains("differ in the last digits"), "{refused}");
+            }
+        }
+    }
     // Two runs of one axis, each with its own grid.
     let mut files = three_axes();
     files.json(
