@@ -9,13 +9,15 @@
 //! with Matérn's covariance in half waves ([`trueaxis_leastsquares::matern_roots`]), its size by restricted maximum
 //! likelihood; the step must be needed beside it.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DMatrixView, DVector, DVectorView, Vector3};
 use trueaxis_leastsquares::dense::Svd;
-use trueaxis_leastsquares::{dot, half_waves, matern_roots};
+use trueaxis_leastsquares::{half_waves, matern_roots};
 
 use crate::step_tests::StepTest;
 use crate::whitened::Whitened;
-use crate::{Network, Solution};
+use crate::{Network, Solution, Visit};
 
 /// What a step must be ahead of other explanations, as a difference of squares of standardised
 /// sizes: a likelihood ratio of e⁵.
@@ -33,7 +35,7 @@ const WANDER_LENGTHS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 const WAVES: u32 = 12;
 
 /// Sizes that are tried, quarters of powers of ten of the variance that the lengths can just see.
-const SIZES: std::ops::Range<i32> = -8..41;
+const SIZES: Range<i32> = -8..41;
 
 /// A step and what else may explain it: by how much each of them lets the sum of squares fall, in variances of w.
 pub(crate) struct Rivals<'a> {
@@ -47,6 +49,9 @@ pub(crate) struct Rivals<'a> {
     beams: Vec<Vector3<f64>>,
     /// Visits of the occupation: instants at which the step was sought.
     instants: usize,
+    /// From the first of these visits to the last, and the readings of all that are between.
+    visits: Range<usize>,
+    readings: Range<usize>,
 }
 
 /// What a step is certainly not.
@@ -78,7 +83,18 @@ impl<'a> Rivals<'a> {
         let station_mm = solution.stations[step.station].position_mm;
         let (mut occupation, mut beams, mut instants) = (Vec::new(), Vec::new(), 0);
         let is_own = |reading: usize| zeros[reading] == zero;
-        for visit in &network.visits {
+        let has_own = |visit: &Visit| visit.readings.clone().any(is_own);
+        let first = network.visits.iter().position(has_own).unwrap_or(0);
+        let end = network
+            .visits
+            .iter()
+            .rposition(has_own)
+            .map_or(first, |last| last + 1);
+        let visits = first..end;
+        let of_visits = &network.visits[visits.clone()];
+        let start = of_visits.first().map_or(0, |visit| visit.readings.start);
+        let readings = start..of_visits.last().map_or(start, |visit| visit.readings.end);
+        for visit in of_visits {
             instants += usize::from(visit.readings.clone().next().is_some_and(is_own));
             for i in visit.readings.clone().filter(|&i| is_own(i)) {
                 let point = network.point(visit.group, network.readings[i].point);
@@ -93,6 +109,8 @@ impl<'a> Rivals<'a> {
             occupation,
             beams,
             instants,
+            visits,
+            readings,
         }
     }
 
@@ -157,7 +175,7 @@ impl<'a> Rivals<'a> {
             let mut columns: Vec<Vec<f64>> = (0..WAVES as usize).flat_map(of_wave).collect();
             let n = columns.len();
             columns.extend(self.following(Mover::Zero, |k| self.jumps(k)));
-            let (left, right) = normal_equations(self.rows, &columns);
+            let (left, right) = self.normal_equations(&columns);
             let (of_waves, along) = (left.view((0, 0), (n, n)), right.rows(0, n));
             let alone = wander(&of_waves.into_owned(), &along.into_owned(), self.scale);
             // What the step explains of the waves is free.
@@ -180,21 +198,21 @@ impl<'a> Rivals<'a> {
     }
 
     fn squares(&self, mover: Mover, course: impl Fn(usize) -> f64) -> f64 {
-        explained(self.rows, &self.following(mover, course)) / (self.scale * self.scale)
+        self.explained(&self.following(mover, course)) / (self.scale * self.scale)
     }
 
     /// Whitened columns of a zero, or of each coordinate of a station, that follows a course over the readings of the
-    /// occupation.
+    /// occupation; an element for each row of its visits.
     fn following(&self, mover: Mover, course: impl Fn(usize) -> f64) -> Vec<Vec<f64>> {
         let count = match mover {
             Mover::Zero => 1,
             Mover::Station => 3,
         };
-        let mut columns = vec![vec![0.0; self.rows.residuals.len()]; count];
+        let mut columns = vec![vec![0.0; self.readings.len()]; count];
         for (k, &i) in self.occupation.iter().enumerate() {
             let size = course(k);
             for (c, column) in columns.iter_mut().enumerate() {
-                column[i] = match mover {
+                column[i - self.readings.start] = match mover {
                     Mover::Zero => size,
                     Mover::Station => self.beams[k][c] * size,
                 };
@@ -202,32 +220,43 @@ impl<'a> Rivals<'a> {
         }
         columns
             .iter_mut()
-            .for_each(|column| self.rows.whiten(column));
+            .for_each(|column| self.rows.whiten_from(self.visits.start, column));
         columns
+    }
+
+    /// By how much the sum of squares falls if errors of the form of these columns are allowed for: `bᵀ A⁺ b` with
+    /// `A = XᵀMX` and `b = Xᵀv` of the whitened columns.
+    fn explained(&self, columns: &[Vec<f64>]) -> f64 {
+        let (left, right) = self.normal_equations(columns);
+        let limit = ABSORBED * left.amax();
+        let inverse = Svd::new(&left).map(|svd| svd.pseudo_inverse(limit));
+        inverse.map_or(0.0, |inverse| right.dot(&(inverse * &right)))
+    }
+
+    /// `A = XᵀX - OᵀX (OᵀX)ᵀ - (TᵀX)ᵀ Σ TᵀX` and `b = Xᵀv` of whitened columns.
+    fn normal_equations(&self, columns: &[Vec<f64>]) -> (DMatrix<f64>, DVector<f64>) {
+        let (rows, own, width) = (self.rows, self.readings.clone(), self.rows.shared_width);
+        let transposed = DMatrix::from_fn(columns.len(), own.len(), |k, i| columns[k][i]);
+        let x = transposed.transpose();
+        let shared = &rows.shared[own.start * width..own.end * width];
+        let of_shared = DMatrixView::from_slice(shared, width, own.len()) * &x;
+        let sigma = DMatrixView::from_slice(&rows.reduced_inverse, width, width);
+        let mut of_groups = DMatrix::zeros(columns.len(), rows.groups * rows.own_width);
+        for (row, x) in own.clone().zip(transposed.column_iter()) {
+            for (column, o) in rows.columns_of_group(row).zip(rows.own_row(row)) {
+                of_groups.column_mut(column).axpy(*o, &x, 1.0);
+            }
+        }
+        let left = &transposed * &x
+            - &of_groups * of_groups.transpose()
+            - of_shared.transpose() * (sigma * &of_shared);
+        let residuals = DVectorView::from_slice(&rows.residuals[own.clone()], own.len());
+        (left, transposed * residuals)
     }
 }
 
 /// A direction that the adjustment absorbs explains nothing, below this part of the largest one.
 const ABSORBED: f64 = 1e-9;
-
-/// By how much the sum of squares falls if errors of the form of these columns, one element for each
-/// reading, are allowed for: `bᵀ A⁺ b` with `A = XᵀMX` and `b = Xᵀv` of the whitened columns.
-fn explained(rows: &Whitened, columns: &[Vec<f64>]) -> f64 {
-    let (left, right) = normal_equations(rows, columns);
-    let limit = ABSORBED * left.amax();
-    let inverse = Svd::new(&left).map(|svd| svd.pseudo_inverse(limit));
-    inverse.map_or(0.0, |inverse| right.dot(&(inverse * &right)))
-}
-
-/// `A = XᵀMX` and `b = Xᵀv` of whitened columns.
-fn normal_equations(rows: &Whitened, columns: &[Vec<f64>]) -> (DMatrix<f64>, DVector<f64>) {
-    let mut kept = columns.to_vec();
-    kept.iter_mut().for_each(|column| rows.project(column));
-    let n = columns.len();
-    let left = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &kept[j]));
-    let right = DVector::from_fn(n, |k, _| dot(&columns[k], &rows.residuals));
-    (left, right)
-}
 
 /// What wanders.
 #[derive(Clone, Copy, Default)]

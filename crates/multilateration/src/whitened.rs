@@ -129,15 +129,29 @@ impl Whitened {
 
     /// Whitens a column of changes of the lengths (mm), one for each reading in measuring order, in place.
     pub fn whiten(&self, column: &mut [f64]) {
+        self.whiten_from(0, column);
+    }
+
+    /// The same of the visits from one on: the first element of the column is that of its first reading.
+    pub(crate) fn whiten_from(&self, first_visit: usize, column: &mut [f64]) {
+        let first = self.visits.get(first_visit).map_or(0, |rows| rows.start);
         let mut by_row = Vec::new();
-        for (visit, rows) in self.visits.iter().enumerate() {
+        for (visit, rows) in self.visits.iter().enumerate().skip(first_visit) {
+            if rows.end - first > column.len() {
+                break;
+            }
+            let own = rows.start - first..rows.end - first;
             by_row.clear();
-            by_row.extend(rows.clone().map(|row| column[self.reading_of_row[row]]));
+            by_row.extend(
+                rows.clone()
+                    .map(|row| column[self.reading_of_row[row] - first]),
+            );
             if by_row.iter().all(|x| *x == 0.0) {
                 continue;
             }
-            for (i, x) in column[rows.clone()].iter_mut().enumerate() {
-                *x = dot(self.weight_row(visit, i), &by_row[..=i]);
+            for (i, x) in column[own].iter_mut().enumerate() {
+                let weighted = self.weight_row(visit, i).iter().zip(&by_row);
+                *x = weighted.map(|(weight, x)| weight * x).sum();
             }
         }
     }
