@@ -85,9 +85,8 @@ pub(crate) fn units_um<D: Wanders>(data: &D, model: &D::Model, wanderer: Wandere
 
 /// Whitens columns over the rows.
 fn whitened<D: Wanders>(data: &D, model: &D::Model, mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    columns
-        .iter_mut()
-        .for_each(|column| data.whiten(model, column));
+    let each = columns.par_iter_mut();
+    each.for_each(|column| data.whiten(model, column));
     columns
 }
 
@@ -107,7 +106,11 @@ pub(crate) fn wandered_mm<D: Wanders>(data: &D, model: &D::Model, at: &D) -> Vec
     let mut sum_mm = vec![0.0; D::ROWS * all.len()];
     for own in data.disturbances() {
         let there = own.scaled(&all, at.columns_mm(model, own.wanderer));
-        for (own, there) in whitened_columns(data, model, own).iter().zip(&there) {
+        let whitened = match std::ptr::eq(data, at) {
+            true => whitened(data, model, there.clone()),
+            false => whitened_columns(data, model, own),
+        };
+        for (own, there) in whitened.iter().zip(&there) {
             let coefficient = dot(own, &D::projection(model).residuals);
             for (sum, x) in sum_mm.iter_mut().zip(there) {
                 *sum += coefficient * x;

@@ -1,5 +1,6 @@
 //! The lengths with what wanders in their covariance.
 
+use rayon::prelude::*;
 use trueaxis_campaign::Direction;
 use trueaxis_effects::{Effect, Subject};
 use trueaxis_multilateration::{Noise, Settings, Solution, Whitened, solve_from};
@@ -148,9 +149,8 @@ impl Base<'_> {
         };
         for own in &self.disturbances {
             let mut columns = own.scaled(&all, self.columns_of(&all, solution, own.wanderer));
-            columns
-                .iter_mut()
-                .for_each(|column| whitened.whiten(column));
+            let each = columns.par_iter_mut();
+            each.for_each(|column| whitened.whiten(column));
             projection = projection.beside(&columns).0;
         }
         projection

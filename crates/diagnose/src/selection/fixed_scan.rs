@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
 use trueaxis_leastsquares::dot;
 
 use crate::selection::dots::{SideBySide, dots};
@@ -36,12 +37,11 @@ impl FixedScan {
     ) -> Option<Self> {
         let mut seen = Vec::new();
         let all: Vec<Vec<Vec<f64>>> = shapes.iter().map(|&shape| columns(shape)).collect();
-        let all_taken = projection.taken_of_all(all.iter().flatten());
+        let taken = projection.taken_of_all(all.iter().flatten().map(Vec::as_slice));
         let mut first = 0;
         for (columns, &shape) in all.into_iter().zip(shapes) {
-            let taken = &all_taken[first..first + columns.len()];
+            seen.extend(FixedShape::new(shape, &columns, (&taken, first)));
             first += columns.len();
-            seen.extend(FixedShape::new(shape, &columns, taken));
         }
         (!seen.is_empty()).then_some(Self {
             hypothesis,
@@ -65,8 +65,9 @@ impl FixedScan {
 
     /// With one more shape, if the data see it.
     pub(crate) fn add(&mut self, projection: &Projection, shape: f64, columns: &[Vec<f64>]) {
-        let taken = projection.taken_of_all(columns);
-        self.shapes.extend(FixedShape::new(shape, columns, &taken));
+        let taken = projection.taken_of_all(columns.iter().map(Vec::as_slice));
+        self.shapes
+            .extend(FixedShape::new(shape, columns, (&taken, 0)));
     }
 }
 
@@ -76,7 +77,8 @@ pub(crate) fn middle([start, end]: &[f64; 2]) -> f64 {
 }
 
 impl FixedShape {
-    fn new(shape: f64, columns: &[Vec<f64>], taken: &[Taken]) -> Option<Self> {
+    /// `taken` is what the base model takes of columns, of which those of the shape begin with a number.
+    fn new(shape: f64, columns: &[Vec<f64>], taken: (&Taken, usize)) -> Option<Self> {
         let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
         let gram = Gram::new(&gram_matrix_of(columns, taken), &before);
         let concerned = concerned(columns);
@@ -111,15 +113,17 @@ pub(crate) fn gram(projection: &Projection, columns: &[Vec<f64>]) -> Gram {
 
 /// `Xᵀ M X` of whitened columns, row after row.
 pub(crate) fn gram_matrix(projection: &Projection, columns: &[Vec<f64>]) -> Vec<f64> {
-    gram_matrix_of(columns, &projection.taken_of_all(columns))
+    let taken = projection.taken_of_all(columns.iter().map(Vec::as_slice));
+    gram_matrix_of(columns, (&taken, 0))
 }
 
-/// The same from what the base model takes of each column.
-pub(crate) fn gram_matrix_of(columns: &[Vec<f64>], taken: &[Taken]) -> Vec<f64> {
+/// The same from what the base model takes of columns, of which these begin with a number.
+pub(crate) fn gram_matrix_of(columns: &[Vec<f64>], (taken, own): (&Taken, usize)) -> Vec<f64> {
     let n = columns.len();
     let mut matrix = vec![0.0; n * n];
     let rows: Vec<Range<usize>> = columns.iter().map(|c| concerned(&[c])).collect();
-    for i in 0..n {
+    let each = matrix.par_chunks_mut(n.max(1)).enumerate();
+    each.with_min_len(ROWS_TOGETHER).for_each(|(i, row)| {
         let mut first = 0;
         // Columns of the same rows stand next to each other.
         for alike in rows[..=i].chunk_by(|a, b| a == b).map(<[_]>::len) {
@@ -132,13 +136,20 @@ pub(crate) fn gram_matrix_of(columns: &[Vec<f64>], taken: &[Taken]) -> Vec<f64> 
                 .map(|c| &c[both.clone()])
                 .collect();
             for (j, all) in others.zip(dots(&columns[i][both], &cut)) {
-                let value = all - taken[i].product(&taken[j]);
-                (matrix[i * n + j], matrix[j * n + i]) = (value, value);
+                row[j] = all - taken.product(own + i, own + j);
             }
+        }
+    });
+    for i in 0..n {
+        for j in 0..i {
+            matrix[j * n + i] = matrix[i * n + j];
         }
     }
     matrix
 }
+
+/// Rows of a Gram matrix that are worth another thread.
+const ROWS_TOGETHER: usize = 8;
 
 impl Scan for FixedScan {
     fn hypothesis(&self) -> &Hypothesis {

@@ -176,30 +176,17 @@ impl Projection {
                 basis.push(left);
             }
         }
-        let more = basis.len();
-        let by_rows = (0..self.rows()).flat_map(|i| basis.iter().map(move |unit| unit[i]));
-        let by_rows: Vec<f64> = by_rows.collect();
-        Self {
-            degrees_of_freedom: self.degrees_of_freedom - more as f64,
-            ..self.with(&by_rows, more, residuals, squares)
+        if basis.is_empty() {
+            return self.clone();
         }
-    }
-
-    /// The same with more columns `T`, row after row.
-    pub(super) fn with(
-        &self,
-        basis: &[f64],
-        more: usize,
-        residuals: Vec<f64>,
-        squares: f64,
-    ) -> Self {
-        let width = self.shared_width + more;
+        let width = self.shared_width + basis.len();
         let mut shared = Vec::with_capacity(self.rows() * width);
         for i in 0..self.rows() {
             shared.extend_from_slice(self.shared_row(i));
-            shared.extend_from_slice(&basis[i * more..(i + 1) * more]);
+            shared.extend(basis.iter().map(|unit| unit[i]));
         }
         Self {
+            degrees_of_freedom: self.degrees_of_freedom - basis.len() as f64,
             residuals,
             squares,
             shared: Arc::new(shared),

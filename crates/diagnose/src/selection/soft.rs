@@ -7,7 +7,11 @@
 //!
 //! (A: the base model), which has the same form with more columns `T`, but is no projection any more.
 
+use std::ops::Range;
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
+use rayon::prelude::*;
 use trueaxis_leastsquares::{dot, in_widest_registers};
 
 use crate::selection::fixed_scan::gram_matrix_of;
@@ -17,12 +21,15 @@ use crate::selection::{Gram, Projection};
 /// A direction that the data know so much less than its prior does is left out of the covariance.
 const NOTHING: f64 = 0.02;
 
+/// Rows that one thread takes at a time.
+const ROWS_TOGETHER: usize = 512;
+
 impl Projection {
     /// The same with columns whose coefficients have the prior `N(0, I)`, and the logarithm of `|I + Xᵀ M X|`.
     pub(crate) fn beside(&self, columns: &[Vec<f64>]) -> (Self, f64) {
-        let taken_of = self.taken_of_all(columns);
+        let taken_of = self.taken_of_all(columns.iter().map(Vec::as_slice));
         let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
-        let gram = Gram::new(&gram_matrix_of(columns, &taken_of), &before);
+        let gram = Gram::new(&gram_matrix_of(columns, (&taken_of, 0)), &before);
         let s: Vec<f64> = columns.iter().map(|c| dot(c, &self.residuals)).collect();
         // Scaled eigenvectors, an element for each direction that is kept; row after row of X.
         let kept = || {
@@ -32,8 +39,7 @@ impl Projection {
         };
         let width = kept().count();
         let mut scaled = vec![0.0; columns.len() * width];
-        let (mut taken, mut ln_price) = (self.taken, 0.0);
-        let (mut residuals, mut squares) = (self.residuals.clone(), self.squares);
+        let (mut taken, mut ln_price, mut squares) = (self.taken, 0.0, self.squares);
         let mut along = Vec::with_capacity(width);
         for (m, (value, part, z, vector)) in kept().enumerate() {
             taken += part;
@@ -44,39 +50,84 @@ impl Projection {
             along.push(z * part.sqrt());
             squares -= z * z * part;
         }
-        let basis = self.projected(columns, &taken_of, &scaled, width);
-        for (residual, row) in residuals.iter_mut().zip(basis.chunks_exact(width.max(1))) {
-            *residual -= dot(row, &along);
-        }
+        let beside = self.joined(columns, &taken_of, &scaled, &along);
         let beside = Self {
             is_soft: true,
             taken,
-            ..self.with(&basis, width, residuals, squares)
+            squares,
+            ..beside
         };
         (beside, ln_price)
     }
 
-    /// `M X V`, row after row, of columns `X`, what is taken of them, and `V` (`width` columns), row after row.
-    fn projected(
-        &self,
-        columns: &[Vec<f64>],
-        taken_of: &[Taken],
-        v: &[f64],
-        width: usize,
-    ) -> Vec<f64> {
-        let (rows, count) = (self.rows(), columns.len());
-        let mut basis = vec![0.0; rows * width];
+    /// The same with `M X V` as further columns `T`, of columns `X`, what is taken of them, and `V`, row after row; of what is
+    /// left as much less as lies `along` them.
+    fn joined(&self, columns: &[Vec<f64>], taken_of: &Taken, v: &[f64], along: &[f64]) -> Self {
+        let width = along.len();
+        if width == 0 {
+            return self.clone();
+        }
         // Matrices are kept row after row, so that each is its own transpose here.
         let times_v = |rows: usize, of_column: &dyn Fn(usize, usize) -> f64| {
             let mut product = vec![0.0; rows * width];
-            let factor = DMatrix::from_fn(count, rows, of_column);
+            let factor = DMatrix::from_fn(columns.len(), rows, of_column);
             add_product(&mut product, factor.as_view(), v, 1.0);
             product
         };
-        let own = times_v(self.groups * self.own_width, &|k, r| taken_of[k].own[r]);
-        let through = times_v(self.shared_width, &|k, r| taken_of[k].through[r]);
-        let shared = DMatrixView::from_slice(&self.shared, self.shared_width, rows);
-        add_product(&mut basis, shared, &through, -1.0);
+        let own = times_v(self.groups * self.own_width, &|k, r| taken_of.own(k)[r]);
+        let through = times_v(self.shared_width, &|k, r| taken_of.through(k)[r]);
+        let basis = |rows: Range<usize>| {
+            let mut basis = self.projected(columns, rows.clone(), v, &through);
+            in_widest_registers(
+                #[inline(always)]
+                || {
+                    for (i, row) in rows.clone().zip(basis.chunks_exact_mut(width)) {
+                        let group = &own[self.group_of_row[i] * self.own_width * width..];
+                        for (part, o) in group.chunks_exact(width).zip(self.own_row(i)) {
+                            add(row, part, -o);
+                        }
+                    }
+                },
+            );
+            basis
+        };
+        let shared_width = self.shared_width + width;
+        let mut shared = vec![0.0; self.rows() * shared_width];
+        let mut residuals = self.residuals.clone();
+        let parts = shared.par_chunks_mut(ROWS_TOGETHER * shared_width);
+        let parts = parts.zip(residuals.par_chunks_mut(ROWS_TOGETHER));
+        parts.enumerate().for_each(|(part, (shared, residuals))| {
+            let first = part * ROWS_TOGETHER;
+            let basis = basis(first..first + residuals.len());
+            let of_rows = shared.chunks_exact_mut(shared_width).zip(residuals);
+            for (i, (row, residual)) in of_rows.enumerate() {
+                let new = &basis[i * width..(i + 1) * width];
+                row[..self.shared_width].copy_from_slice(self.shared_row(first + i));
+                row[self.shared_width..].copy_from_slice(new);
+                *residual -= dot(new, along);
+            }
+        });
+        Self {
+            shared: Arc::new(shared),
+            shared_width,
+            residuals,
+            ..self.clone()
+        }
+    }
+
+    /// `(X - T Σ TᵀX) V` of some rows, row after row; `through` is `Σ TᵀX V`.
+    fn projected(
+        &self,
+        columns: &[Vec<f64>],
+        rows: Range<usize>,
+        v: &[f64],
+        through: &[f64],
+    ) -> Vec<f64> {
+        let width = v.len() / columns.len();
+        let mut basis = vec![0.0; rows.len() * width];
+        let shared = &self.shared[rows.start * self.shared_width..rows.end * self.shared_width];
+        let shared = DMatrixView::from_slice(shared, self.shared_width, rows.len());
+        add_product(&mut basis, shared, through, -1.0);
         // The columns with anything in a row: those of one course of a disturbance. Rows of one course follow each other.
         let concerned = |i: usize| {
             let is_there = |column: &Vec<f64>| column[i] != 0.0;
@@ -86,28 +137,17 @@ impl Projection {
                 columns.iter().rposition(is_there).map_or(first, |k| k + 1),
             )
         };
-        let concerned: Vec<(usize, usize)> = (0..rows).map(concerned).collect();
+        let concerned: Vec<(usize, usize)> = rows.clone().map(concerned).collect();
         let mut start = 0;
         for alike in concerned.chunk_by(|a, b| a == b) {
             let (first, end) = alike[0];
             let own = DMatrix::from_fn(end - first, alike.len(), |k, i| {
-                columns[first + k][start + i]
+                columns[first + k][rows.start + start + i]
             });
             let of_these = &mut basis[start * width..(start + alike.len()) * width];
             add_product(of_these, own.as_view(), &v[first * width..end * width], 1.0);
             start += alike.len();
         }
-        in_widest_registers(
-            #[inline(always)]
-            || {
-                for (i, row) in basis.chunks_exact_mut(width.max(1)).enumerate() {
-                    let group = &own[self.group_of_row[i] * self.own_width * width..];
-                    for (part, o) in group.chunks_exact(width).zip(self.own_row(i)) {
-                        add(row, part, -o);
-                    }
-                }
-            },
-        );
         basis
     }
 }

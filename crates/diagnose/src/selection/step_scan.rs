@@ -12,11 +12,11 @@
 
 use std::ops::Range;
 
-use trueaxis_leastsquares::in_widest_registers;
+use trueaxis_leastsquares::{dot, in_widest_registers};
 
 use crate::selection::dots::{SIDE_BY_SIDE, SideBySide, add_row};
 use crate::selection::scan::OfSeveral;
-use crate::selection::{Gram, Hypothesis, Projection, Scan};
+use crate::selection::{Gram, Hypothesis, Projection, Scan, add};
 
 /// Visits on either side of an instant: fewer are no jump but repeatability, or gross errors.
 const LEAST_VISITS: usize = 3;
@@ -81,9 +81,14 @@ impl StepScan {
         let mut sums = Sums::new(projection, n);
         let mut instants = Vec::new();
         for (number, visit) in concerned.iter().enumerate().skip(1).rev() {
-            for i in visit.rows.clone() {
-                sums.add(projection, i, row(i));
-            }
+            in_widest_registers(
+                #[inline(always)]
+                || {
+                    for i in visit.rows.clone() {
+                        sums.add(projection, i, row(i));
+                    }
+                },
+            );
             let before = concerned[number - 1];
             let is_of_a_few = number < LEAST_VISITS || concerned.len() - number < LEAST_VISITS;
             // On a clock that does not tell two visits apart there is no instant between them.
@@ -183,7 +188,7 @@ struct Sums {
     own: Vec<f64>,
     /// `Σ_groups (OᵀX)ᵀ(OᵀX)`.
     own_squares: Vec<f64>,
-    /// `TᵀX`.
+    /// `TᵀX`, parameter after parameter.
     shared: Vec<f64>,
 }
 
@@ -200,6 +205,7 @@ impl Sums {
     }
 
     /// Adds the outer product of each row of a matrix (`n` columns) with itself, times `sign`.
+    #[inline(always)]
     fn add_squares(sum: &mut [f64], rows: &[f64], n: usize, sign: f64) {
         for row in rows.chunks_exact(n) {
             for (i, a) in row.iter().enumerate() {
@@ -210,6 +216,7 @@ impl Sums {
         }
     }
 
+    #[inline(always)]
     fn add(&mut self, projection: &Projection, row: usize, x: &[f64]) {
         let n = self.parameters;
         Self::add_squares(&mut self.squares, x, n, 1.0);
@@ -224,14 +231,10 @@ impl Sums {
             }
         }
         Self::add_squares(&mut self.own_squares, own, n, 1.0);
-        for (sums, t) in self
-            .shared
-            .chunks_exact_mut(n)
-            .zip(projection.shared_row(row))
-        {
-            for (s, x) in sums.iter_mut().zip(x) {
-                *s += t * x;
-            }
+        let shared_row = projection.shared_row(row);
+        let of_parameters = self.shared.chunks_exact_mut(shared_row.len().max(1));
+        for (sums, x) in of_parameters.zip(x) {
+            add(sums, shared_row, *x);
         }
     }
 
@@ -243,23 +246,14 @@ impl Sums {
             .zip(&self.own_squares)
             .map(|(all, own)| all - own)
             .collect();
-        let mut through = vec![0.0; n];
-        for (k, own) in self.shared.chunks_exact(n).enumerate() {
-            if k < projection.sigma_width {
-                through.fill(0.0);
-                let others = self.shared.chunks_exact(n);
-                for (sigma, other) in projection.sigma_row(k).iter().zip(others) {
-                    for (t, x) in through.iter_mut().zip(other) {
-                        *t += sigma * x;
-                    }
-                }
-            } else {
-                through.copy_from_slice(own);
-            }
-            for (i, a) in own.iter().enumerate() {
-                for (g, t) in gram[i * n..(i + 1) * n].iter_mut().zip(&through) {
-                    *g -= a * t;
-                }
+        let width = projection.sigma_width;
+        let of_parameters = || self.shared.chunks_exact(projection.shared_width.max(1));
+        for (i, own) in of_parameters().enumerate() {
+            let (dense, rest) = own.split_at(width);
+            let through = (0..width).map(|k| dot(projection.sigma_row(k), dense));
+            let through: Vec<f64> = through.chain(rest.iter().copied()).collect();
+            for (g, other) in gram[i * n..(i + 1) * n].iter_mut().zip(of_parameters()) {
+                *g -= dot(&through, other);
             }
         }
         let before: Vec<f64> = (0..n).map(|i| self.squares[i * n + i]).collect();

@@ -1,5 +1,6 @@
 //! What the base model takes of columns, `(I - M) x`.
 
+use rayon::prelude::*;
 use trueaxis_leastsquares::{dot, in_widest_registers};
 
 use super::{Projection, add};
@@ -15,54 +16,51 @@ const ABREAST: usize = 16;
 impl Projection {
     /// `x <- M x`.
     pub(crate) fn project(&self, x: &mut [f64]) {
-        let taken = self.taken_of(x);
+        let taken = self.taken_of_all([&*x]);
         for (i, value) in x.iter_mut().enumerate() {
-            *value -= taken.at(self.group_of_row[i], self.own_row(i), self.shared_row(i));
+            *value -= taken.at(0, self.group_of_row[i], self.own_row(i), self.shared_row(i));
         }
     }
 
     /// The same of several, which read `O` and `T` together.
     pub(in crate::selection) fn project_all(&self, columns: &mut [Vec<f64>]) {
-        let all = self.taken_of_all(&*columns);
+        let taken = self.taken_of_all(columns.iter().map(Vec::as_slice));
         for i in 0..self.rows() {
             let (own, shared) = (self.own_row(i), self.shared_row(i));
-            for (column, taken) in columns.iter_mut().zip(&all) {
-                column[i] -= taken.at(self.group_of_row[i], own, shared);
+            for (k, column) in columns.iter_mut().enumerate() {
+                column[i] -= taken.at(k, self.group_of_row[i], own, shared);
             }
         }
     }
 
-    /// What the base model takes of a whitened column.
-    pub(super) fn taken_of(&self, x: &[f64]) -> Taken {
-        let mut taken = self.nothing_taken();
-        self.add_taken(&mut [(x, &mut taken)]);
-        taken
-    }
-
     /// What the base model takes of each of some whitened columns.
-    pub(crate) fn taken_of_all<'c>(
-        &self,
-        columns: impl IntoIterator<Item = &'c Vec<f64>>,
-    ) -> Vec<Taken> {
-        let columns: Vec<&[f64]> = columns.into_iter().map(Vec::as_slice).collect();
-        let mut all: Vec<Taken> = columns.iter().map(|_| self.nothing_taken()).collect();
-        let mut pairs: Vec<(&[f64], &mut Taken)> = columns.into_iter().zip(&mut all).collect();
-        pairs
-            .chunks_mut(TOGETHER)
-            .for_each(|some| self.add_taken(some));
-        all
-    }
-
-    fn nothing_taken(&self) -> Taken {
+    pub(crate) fn taken_of_all<'c>(&self, columns: impl IntoIterator<Item = &'c [f64]>) -> Taken {
+        let columns: Vec<&[f64]> = columns.into_iter().collect();
+        let (own_width, width) = (self.groups * self.own_width, self.shared_width);
+        let mut own = vec![0.0; columns.len() * own_width];
+        let mut shared = vec![0.0; columns.len() * width];
+        let sums = parts_mut(&mut own, own_width).zip(parts_mut(&mut shared, width));
+        let mut sums: Vec<OfColumn<'_>> = columns.iter().copied().zip(sums).collect();
+        let some = sums.par_chunks_mut(TOGETHER);
+        some.for_each(|some| self.add_taken(some));
+        let mut through = Vec::with_capacity(shared.len());
+        for k in 0..columns.len() {
+            let own = &shared[k * width..(k + 1) * width];
+            let (dense, rest) = own.split_at(self.sigma_width);
+            through.extend((0..self.sigma_width).map(|k| dot(self.sigma_row(k), dense)));
+            through.extend_from_slice(rest);
+        }
         Taken {
-            own: vec![0.0; self.groups * self.own_width],
-            shared: vec![0.0; self.shared_width],
-            through: Vec::new(),
+            own,
+            own_width,
+            shared,
+            through,
+            width,
         }
     }
 
     /// Takes of some columns, row after row of `O` and `T`.
-    fn add_taken(&self, columns: &mut [(&[f64], &mut Taken)]) {
+    fn add_taken(&self, columns: &mut [OfColumn<'_>]) {
         in_widest_registers(
             #[inline(always)]
             || {
@@ -70,21 +68,16 @@ impl Projection {
                 while first < self.rows() {
                     let rows = first..self.rows().min(first + ROWS_TOGETHER);
                     first = rows.end;
-                    for (x, taken) in &mut *columns {
+                    for (x, (own, shared)) in &mut *columns {
                         let x = &x[rows.clone()];
                         if x.iter().any(|x| *x != 0.0) {
-                            self.add_own(rows.start, x, &mut taken.own);
-                            self.add_shared(rows.start, x, &mut taken.shared);
+                            self.add_own(rows.start, x, own);
+                            self.add_shared(rows.start, x, shared);
                         }
                     }
                 }
             },
         );
-        for (_, taken) in columns {
-            let (dense, rest) = taken.shared.split_at(self.sigma_width);
-            let through = (0..self.sigma_width).map(|k| dot(self.sigma_row(k), dense));
-            taken.through = through.chain(rest.iter().copied()).collect();
-        }
     }
 
     /// Adds what the groups take of the rows `x` of a column, the first of which is `first`.
@@ -115,23 +108,48 @@ impl Projection {
     }
 }
 
-/// `Oᵀx` of each group, `Tᵀx` and `Σ Tᵀx`.
+/// A column, and what is taken of it: `Oᵀx` of each group, and `Tᵀx`.
+type OfColumn<'a> = (&'a [f64], (&'a mut [f64], &'a mut [f64]));
+
+/// Parts of equal length, as many as are asked for.
+fn parts_mut(mut rest: &mut [f64], length: usize) -> impl Iterator<Item = &mut [f64]> {
+    std::iter::from_fn(move || {
+        let (part, others) = std::mem::take(&mut rest).split_at_mut_checked(length)?;
+        rest = others;
+        Some(part)
+    })
+}
+
+/// `Oᵀx` of each group, `Tᵀx` and `Σ Tᵀx` of columns, one after the other.
 pub(crate) struct Taken {
-    pub(in crate::selection) own: Vec<f64>,
+    own: Vec<f64>,
+    own_width: usize,
     shared: Vec<f64>,
-    pub(in crate::selection) through: Vec<f64>,
+    through: Vec<f64>,
+    width: usize,
 }
 
 impl Taken {
-    /// `(I - M) x` in a row of `O` and `T`.
-    fn at(&self, group: usize, own: &[f64], shared: &[f64]) -> f64 {
-        let of_group = &self.own[group * own.len()..][..own.len()];
-        dot(own, of_group) + dot(shared, &self.through)
+    /// `Oᵀx` of each group.
+    pub(in crate::selection) fn own(&self, k: usize) -> &[f64] {
+        &self.own[k * self.own_width..(k + 1) * self.own_width]
     }
 
-    /// `xᵀ (I - M) y`.
-    pub(crate) fn product(&self, other: &Self) -> f64 {
-        dot(&self.own, &other.own) + dot(&self.shared, &other.through)
+    /// `Σ Tᵀx`.
+    pub(in crate::selection) fn through(&self, k: usize) -> &[f64] {
+        &self.through[k * self.width..(k + 1) * self.width]
+    }
+
+    /// `(I - M) x` in a row of `O` and `T`.
+    fn at(&self, k: usize, group: usize, own: &[f64], shared: &[f64]) -> f64 {
+        let of_group = &self.own(k)[group * own.len()..][..own.len()];
+        dot(own, of_group) + dot(shared, self.through(k))
+    }
+
+    /// `xᵀ (I - M) y` of two of the columns.
+    pub(crate) fn product(&self, i: usize, j: usize) -> f64 {
+        let shared = &self.shared[i * self.width..(i + 1) * self.width];
+        dot(self.own(i), self.own(j)) + dot(shared, self.through(j))
     }
 }
 
