@@ -20,7 +20,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use trueaxis_kinematics::AxisKind;
 
 use crate::components::curve_set::CurveSet;
@@ -73,30 +73,62 @@ const LEAST_RANGE: f64 = 1e-6;
 /// Uncertainty that stands for that of exact curves, relative to their range.
 const EXACT: f64 = 1e-3;
 
+/// `C + s² K = Q Λ Qᵀ` of a smooth rest, whatever else is in the model.
+pub(crate) struct Smooth {
+    /// Number of s in the grid.
+    number: i32,
+    /// `Λ`.
+    values: DVector<f64>,
+    /// `Qᵀ`.
+    turn: Arc<DMatrix<f64>>,
+}
+
+/// All sizes of the smooth rest of curves.
+pub(crate) fn smooth_rests(set: &CurveSet) -> Vec<Smooth> {
+    let kernel = kernel(set);
+    let (u, range) = scales(set);
+    let of_number = |number: i32| {
+        let s = size(number);
+        let eigen = SymmetricEigen::new(&set.covariance + &kernel * (s * s));
+        Smooth {
+            number,
+            values: eigen.eigenvalues,
+            turn: Arc::new(eigen.eigenvectors.transpose()),
+        }
+    };
+    let numbers = numbers(LEAST_SMOOTH * u, MOST_SMOOTH * range);
+    numbers.into_iter().map(of_number).collect()
+}
+
 /// The curves under all sizes of the rest; `base` is what the gauge takes and what is in the model.
 pub(crate) fn backgrounds(
     set: &CurveSet,
+    smooth: &[Smooth],
     base: &[Vec<f64>],
     prior: &SmoothPrior,
 ) -> Vec<Background> {
-    let kernel = kernel(set);
     let (u, range) = scales(set);
-    let smooth = numbers(LEAST_SMOOTH * u, MOST_SMOOTH * range);
     let rough = numbers(LEAST_ROUGH * u, range.max(u));
     let rough: Vec<f64> = rough.into_iter().map(size).collect();
     let mut all = Vec::with_capacity(smooth.len() * rough.len());
-    for &number in &smooth {
-        let s = size(number);
-        let eigen = SymmetricEigen::new(&set.covariance + &kernel * (s * s));
-        let turn = Arc::new(eigen.eigenvectors.transpose());
+    for Smooth {
+        number,
+        values,
+        turn,
+    } in smooth
+    {
+        let number = *number;
+        let base = base.iter().map(|column| turned(turn, column));
+        let base: Vec<Vec<f64>> = base.collect();
+        let curves = turned(turn, &set.values);
         for &w in &rough {
-            let variances = eigen.eigenvalues.map(|value| value.max(0.0) + w * w);
+            let variances = values.map(|value| value.max(0.0) + w * w);
             let whitening = Whitening {
-                turn: Arc::clone(&turn),
+                turn: Arc::clone(turn),
                 scales: variances.iter().map(|v| 1.0 / v.sqrt()).collect(),
             };
-            let whitened: Vec<Vec<f64>> = base.iter().map(|c| whitening.whiten(c)).collect();
-            let projection = Projection::dense(whitening.whiten(&set.values), &whitened);
+            let whitened: Vec<Vec<f64>> = base.iter().map(|c| whitening.scaled(c)).collect();
+            let projection = Projection::dense(whitening.scaled(&curves), &whitened);
             // Flat in w: in equal ratios each point stands for a width in proportion.
             let ln_likelihood = w.ln()
                 - 0.5
@@ -123,14 +155,7 @@ impl Whitening {
 
     /// Turns a column; the same for all sizes with one s.
     pub(crate) fn turned(&self, column: &[f64]) -> Vec<f64> {
-        let mut turned = vec![0.0; column.len()];
-        let values = column.iter().enumerate();
-        for (j, &value) in values.filter(|(_, value)| **value != 0.0) {
-            for (sum, element) in turned.iter_mut().zip(self.turn.column(j).iter()) {
-                *sum += element * value;
-            }
-        }
-        turned
+        turned(&self.turn, column)
     }
 
     /// Whitens a turned column.
@@ -138,6 +163,18 @@ impl Whitening {
         let pairs = self.scales.iter().zip(turned);
         pairs.map(|(scale, x)| scale * x).collect()
     }
+}
+
+/// `Qᵀ x`.
+fn turned(turn: &DMatrix<f64>, column: &[f64]) -> Vec<f64> {
+    let mut turned = vec![0.0; column.len()];
+    let values = column.iter().enumerate();
+    for (j, &value) in values.filter(|(_, value)| **value != 0.0) {
+        for (sum, element) in turned.iter_mut().zip(turn.column(j).iter()) {
+            *sum += element * value;
+        }
+    }
+    turned
 }
 
 /// K of all curves of a set; different curves are independent.

@@ -9,7 +9,6 @@
 use nalgebra::DMatrix;
 use trueaxis_effects::{Scene, Subject, effect};
 
-use crate::components::background::backgrounds;
 use crate::components::candidates::Candidate;
 use crate::components::curve_set::CurveSet;
 use crate::components::estimate::{Estimate, estimate};
@@ -89,7 +88,7 @@ pub(crate) fn find_bow(
 
 /// What one of the two curves says by itself, with all that was found in it in the model.
 fn of_curve(search: &SetSearch, candidate: &Candidate) -> Option<(Score, Estimate)> {
-    let backgrounds = backgrounds(&search.set, &search.model(None), &search.prior);
+    let backgrounds = search.backgrounds(None);
     let judgement = Judgement::new(&search.set, &backgrounds, candidate);
     let score = judgement.score(&backgrounds, candidate, 0)?;
     let estimate = estimate(&search.set, &backgrounds, candidate, 0.0);

@@ -88,23 +88,25 @@ pub(crate) fn estimate(
 fn mixture(backgrounds: &[Background], columns: &[Vec<f64>]) -> (DVector<f64>, DMatrix<f64>) {
     let n = columns.len();
     let mut of_sizes: Vec<(f64, DVector<f64>, DMatrix<f64>)> = Vec::new();
-    for background in backgrounds {
-        let projection = &background.projection;
-        let whitened: Vec<Vec<f64>> = columns
-            .iter()
-            .map(|c| background.whitening.whiten(c))
-            .collect();
-        let gram = gram_of(projection, &whitened);
-        if gram.rank() == 0 {
-            continue;
+    for of_smooth in backgrounds.chunk_by(|a, b| a.smooth == b.smooth) {
+        let turned = columns.iter().map(|c| of_smooth[0].whitening.turned(c));
+        let turned: Vec<Vec<f64>> = turned.collect();
+        for background in of_smooth {
+            let projection = &background.projection;
+            let whitened = turned.iter().map(|c| background.whitening.scaled(c));
+            let whitened: Vec<Vec<f64>> = whitened.collect();
+            let gram = gram_of(projection, &whitened);
+            if gram.rank() == 0 {
+                continue;
+            }
+            let along = whitened.iter().map(|c| dot(c, &projection.residuals));
+            let s: Vec<f64> = along.collect();
+            let terms = gram.standardised(&s);
+            let ln_likelihood: f64 = terms.map(|(value, z)| 0.5 * (z * z - value.ln())).sum();
+            let values = DVector::from_vec(gram.estimates(&s));
+            let covariance = DMatrix::from_row_slice(n, n, &gram.covariance());
+            of_sizes.push((background.ln_weight + ln_likelihood, values, covariance));
         }
-        let along = whitened.iter().map(|c| dot(c, &projection.residuals));
-        let s: Vec<f64> = along.collect();
-        let terms = gram.standardised(&s);
-        let ln_likelihood: f64 = terms.map(|(value, z)| 0.5 * (z * z - value.ln())).sum();
-        let values = DVector::from_vec(gram.estimates(&s));
-        let covariance = DMatrix::from_row_slice(n, n, &gram.covariance());
-        of_sizes.push((background.ln_weight + ln_likelihood, values, covariance));
     }
     let total = ln_sum(of_sizes.iter().map(|size| size.0));
     let weight = |ln_weight: f64| (ln_weight - total).exp();

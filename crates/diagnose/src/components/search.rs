@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use trueaxis_effects::{Effect, Scene};
 use trueaxis_kinematics::AxisKind;
 
-use crate::components::background::{Background, backgrounds};
+use crate::components::background::{Background, Smooth, backgrounds, smooth_rests};
 use crate::components::bow::{BOW, cause_of_bow, find_bow};
 use crate::components::candidates::{Candidate, candidates};
 use crate::components::curve_set::CurveSet;
@@ -30,6 +30,7 @@ pub(crate) struct SetSearch {
     /// Of the size of its smooth rest.
     pub(crate) prior: SmoothPrior,
     candidates: Vec<Candidate>,
+    smooth: Vec<Smooth>,
     /// What was found so far.
     pub(crate) found: Vec<Found>,
 }
@@ -55,8 +56,9 @@ const MOST_CAUSES: usize = 4;
 impl<'a> Search<'a> {
     /// Prepares the search.
     pub(crate) fn new(scene: &'a Scene, sets: Vec<CurveSet>) -> Self {
-        let sets = sets.into_iter().map(|set| SetSearch {
+        let sets = sets.into_par_iter().map(|set| SetSearch {
             candidates: candidates(&set, scene),
+            smooth: smooth_rests(&set),
             prior: SmoothPrior::default(),
             found: Vec::new(),
             set,
@@ -120,7 +122,7 @@ impl<'a> Search<'a> {
             .sets
             .par_iter()
             .map(|search| {
-                let all = backgrounds(&search.set, &search.model(None), &search.prior);
+                let all = search.backgrounds(None);
                 (kind(search), SmoothLikelihood::new(&all))
             })
             .collect();
@@ -162,8 +164,14 @@ struct Judged {
 }
 
 impl SetSearch {
+    /// The curves under all sizes of the rest, with all that was found besides `without` in the model.
+    pub(crate) fn backgrounds(&self, without: Option<usize>) -> Vec<Background> {
+        let model = self.model(without);
+        backgrounds(&self.set, &self.smooth, &model, &self.prior)
+    }
+
     /// What is in the model besides `without`.
-    pub(crate) fn model(&self, without: Option<usize>) -> Vec<Vec<f64>> {
+    fn model(&self, without: Option<usize>) -> Vec<Vec<f64>> {
         let mut base = self.set.base.clone();
         for (i, found) in self.found.iter().enumerate() {
             if Some(i) != without {
@@ -174,7 +182,7 @@ impl SetSearch {
     }
 
     fn judged(&self) -> Judged {
-        let backgrounds = backgrounds(&self.set, &self.model(None), &self.prior);
+        let backgrounds = self.backgrounds(None);
         let judgements = self.candidates.iter();
         Judged {
             judgements: judgements
@@ -275,7 +283,7 @@ impl SetSearch {
         }
         let mut i = 0;
         while i < self.found.len() {
-            let backgrounds = backgrounds(&self.set, &self.model(Some(i)), &self.prior);
+            let backgrounds = self.backgrounds(Some(i));
             let mut candidate = self.found[i].candidate.clone();
             let shape = self.found[i].estimate.shape;
             candidate.shapes = vec![shape];
