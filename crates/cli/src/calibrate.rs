@@ -1,5 +1,8 @@
 //! `trueaxis calibrate`.
 
+use std::fs::File;
+use std::io::BufWriter;
+
 use anyhow::Context;
 use trueaxis_calibrate::{
     Calibration, LengthsReliability, Settings, calibrate, calibrate_for_replay,
@@ -56,27 +59,29 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
         extra.push((OutputCovariance::MATRIX_FILE, covariance.to_npy()));
         extra.push((COVARIANCE_INDEX, index));
     }
-    let residuals = calibration.residuals_csv(&campaign);
-    extra.push((Calibration::RESIDUALS_FILE, residuals.into_bytes()));
     calibration.traceability.inputs = checksums(&args.campaign)?;
     let mut results = args.result.folder(&campaign.name)?;
     let text = calibration.to_json();
-    results.write("calibration.json", text.as_bytes())?;
-    for (name, bytes) in extra {
-        results.write(name, &bytes)?;
-    }
-    results.write_by(FactoredCovariance::FILE, |out| {
-        calibration.write_covariance_npz(out)
-    })?;
     let lines = summary::lines(&campaign, &calibration, args.paper_signs);
     let is_rejected = rejects_the_model(&calibration);
     let notices = [&campaign.notices, &calibration.notices, &of_effects].map(Vec::as_slice);
     let notices = notices.concat();
-    // The report reads the files: of a million lengths not everything need be in memory twice.
-    drop((campaign, calibration));
-    if !args.no_report {
-        results.report()?;
-    }
+    let write_covariance = |out: &mut BufWriter<&mut File>| calibration.write_covariance_npz(out);
+    results.write_beside(FactoredCovariance::FILE, write_covariance, |results| {
+        results.write("calibration.json", text.as_bytes())?;
+        for (name, bytes) in extra {
+            results.write(name, &bytes)?;
+        }
+        results.write_by(Calibration::RESIDUALS_FILE, |out| {
+            calibration.write_residuals_csv(&campaign, out)
+        })?;
+        // The report reads the files: of a million lengths not everything need be in memory twice.
+        drop(campaign);
+        match args.no_report {
+            true => Ok(()),
+            false => results.report(),
+        }
+    })?;
 
     say_all(lines.iter().chain(&checked));
     notice_all(&notices);

@@ -44,6 +44,8 @@ fn in_the_way(error: &io::Error) -> &'static str {
 pub(crate) struct Results {
     pub(crate) folder: PathBuf,
     written: Vec<PathBuf>,
+    /// The page of all of them.
+    page: Option<PathBuf>,
 }
 
 impl Results {
@@ -52,6 +54,7 @@ impl Results {
         Ok(Self {
             folder: folder(given, campaign)?,
             written: Vec::new(),
+            page: None,
         })
     }
 
@@ -72,9 +75,24 @@ impl Results {
         Ok(())
     }
 
+    /// Writes a result that is large beside `others`: the one waits for the disk, the others for the processor.
+    pub(crate) fn write_beside(
+        &mut self,
+        name: &str,
+        write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()> + Send,
+        others: impl FnOnce(&mut Self) -> anyhow::Result<()> + Send,
+    ) -> anyhow::Result<()> {
+        let path = self.folder.join(name);
+        let large = || trueaxis_files::write_whole_by(&path, write).map_err(OutputError::at(&path));
+        let (written, others) = rayon::join(large, || others(self));
+        written?;
+        self.written.push(path);
+        others
+    }
+
     /// Writes the page of all results in the folder.
     pub(crate) fn report(&mut self) -> anyhow::Result<()> {
-        self.written.extend(report::of_results(&self.folder)?);
+        self.page = report::of_results(&self.folder)?;
         Ok(())
     }
 
@@ -86,7 +104,7 @@ impl Results {
 
     /// Says what was written and, for programs that ask for it, prints the result.
     pub(crate) fn end(&self, printed: Option<&str>) -> Result<(), OutputError> {
-        for path in &self.written {
+        for path in self.written.iter().chain(&self.page) {
             say(&format!("written: {}", path.display()));
         }
         printed.map_or(Ok(()), print)

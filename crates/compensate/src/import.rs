@@ -298,15 +298,12 @@ fn location_units(is_angular: bool, u: Option<U>) -> (f64, &'static str, Option<
 /// Each result has its own uncertainty: the same block for each step, and a column for each location error.
 fn covariance(steps: usize, [um, arcsec]: [f64; 2], of_locations: Vec<f64>) -> FactoredCovariance {
     let u = Vector6::new(um, um, um, arcsec, arcsec, arcsec);
-    let columns: Vec<usize> = (0..of_locations.len()).collect();
-    let of_steps = DMatrix::zeros(6 * steps, columns.len());
+    let columns = of_locations.len();
+    let of_steps = DMatrix::zeros(6 * steps, columns);
     let of_locations = DMatrix::from_diagonal(&of_locations.into());
     FactoredCovariance::new(
         vec![Matrix6::from_diagonal(&u.component_mul(&u)); steps],
-        vec![
-            Rows::of_columns(0, &columns, &of_steps),
-            Rows::of_columns(6 * steps, &columns, &of_locations),
-        ],
-        &DMatrix::identity(columns.len(), columns.len()),
+        vec![Rows::new(0, &of_steps), Rows::new(6 * steps, &of_locations)],
+        &DMatrix::identity(columns, columns),
     )
 }

@@ -57,17 +57,20 @@ pub(crate) fn write_npy(
     // 32 dimensions of 20 digits stay far below the largest u16.
     out.write_all(&u16::try_from(header.len()).unwrap_or(0).to_le_bytes())?;
     out.write_all(header.as_bytes())?;
-    let (mut found, mut bytes) = (0, Vec::with_capacity(8 * BUFFER));
-    for value in data {
-        bytes.extend_from_slice(&value.to_le_bytes());
-        found += 1;
-        if bytes.len() == bytes.capacity() {
+    let (mut found, mut used) = (0, 0);
+    let mut bytes = vec![0; 8 * BUFFER];
+    // As the iterator runs itself: one of nested rows would have to find its place for each element.
+    data.map(f64::to_le_bytes).try_for_each(|value| {
+        bytes[used..used + 8].copy_from_slice(&value);
+        (found, used) = (found + 1, used + 8);
+        if used == bytes.len() {
             out.write_all(&bytes)?;
-            bytes.clear();
+            used = 0;
         }
-    }
+        io::Result::Ok(())
+    })?;
     assert_eq!(found, count, "elements of an array of shape {shape:?}");
-    out.write_all(&bytes)
+    out.write_all(&bytes[..used])
 }
 
 fn header(shape: &[usize]) -> String {

@@ -31,6 +31,11 @@ pub enum NpzError {
     },
 }
 
+/// Where an archive is written: a file or memory.
+pub trait WriteSeek: Write + Seek {}
+
+impl<W: Write + Seek> WriteSeek for W {}
+
 /// Writes a `.npz` file array by array: always the same bytes for the same arrays, without the time of day.
 pub struct NpzWriter<W: Write + Seek>(ZipWriter<W>);
 

@@ -11,6 +11,48 @@ pub fn significant(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }
 
+/// Numbers of fewer decimal digits than this are different f64: the digits need not be sought.
+const SURE: f64 = 1e15;
+
+/// Appends what `Display` makes of [`round`], in a fifth of the time: for tables of a million rows.
+pub fn push_rounded(text: &mut String, value: f64, decimals: i32) {
+    let units = (value * 10_f64.powi(decimals)).round();
+    if units.abs() < SURE {
+        #[expect(clippy::cast_possible_truncation, reason = "a whole number below 1e15")]
+        push_decimal(text, units as i64, decimals);
+    } else {
+        text.push_str(&round(value, decimals).to_string());
+    }
+}
+
+/// Appends so many units of the last decimal, without zeros behind the last digit that counts.
+fn push_decimal(text: &mut String, units: i64, mut decimals: i32) {
+    let mut rest = units.unsigned_abs();
+    while decimals > 0 && rest.is_multiple_of(10) {
+        rest /= 10;
+        decimals -= 1;
+    }
+    let mut digits = [b'0'; 20];
+    let mut first = digits.len();
+    let mut put = |digit: u8| {
+        first -= 1;
+        digits[first] = digit;
+    };
+    let mut place = 0;
+    while rest > 0 || place <= decimals {
+        if place == decimals && place > 0 {
+            put(b'.');
+        }
+        put(b"0123456789"[(rest % 10) as usize]);
+        rest /= 10;
+        place += 1;
+    }
+    if units < 0 {
+        put(b'-');
+    }
+    text.push_str(str::from_utf8(&digits[first..]).unwrap_or_default());
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -20,5 +62,24 @@ mod tests {
         assert_eq!(round(-0.000_000_4, 6).to_bits(), 0.0_f64.to_bits());
         assert_eq!(round(1.000_000_6, 6).to_string(), "1.000001");
         assert_eq!(significant(0.012_345).to_string(), "0.0123");
+    }
+
+    /// Of all sizes and both signs, and what no table should hold.
+    #[test]
+    fn rounded_numbers_are_appended_as_they_are_displayed() {
+        let special = [0.0, -0.0, 0.00005, -0.00004, f64::NAN, f64::INFINITY, 1e300];
+        let sizes = (0..4000_i32).map(|k| f64::from(k).sin() * 10_f64.powi(k % 40 - 20));
+        let units = (-2000..2000).map(|k| f64::from(k) / 1e4);
+        for value in special.into_iter().chain(sizes).chain(units) {
+            for decimals in [0, 1, 4, 9] {
+                let mut text = String::new();
+                push_rounded(&mut text, value, decimals);
+                assert_eq!(
+                    text,
+                    round(value, decimals).to_string(),
+                    "{value:e} {decimals}"
+                );
+            }
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! A matrix of which most rows use few columns: how results answer to what some of them share.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVectorView};
 
 /// Rows of results, columns of what they share. The component errors of an axis answer to its own parameters and to
 /// what all share: what only other axes have is not stored.
@@ -23,22 +23,31 @@ pub struct Rows {
 
 impl Rows {
     /// Rows `first` and the next ones.
-    pub(crate) fn new(first: usize, dense: &DMatrix<f64>) -> Self {
-        let columns: Vec<usize> = (0..dense.ncols()).collect();
-        Self::of_columns(first, &columns, dense)
+    pub fn new(first: usize, dense: &DMatrix<f64>) -> Self {
+        let factors = vec![1.0; dense.nrows()];
+        Self::of_columns(first, &factors, dense.column_iter().enumerate())
     }
 
-    /// The same of a matrix with some columns only, ascending.
-    pub fn of_columns(first: usize, columns: &[usize], dense: &DMatrix<f64>) -> Self {
-        let is_used = |k: &usize| dense.column(*k).iter().any(|x| *x != 0.0);
-        let used: Vec<usize> = (0..columns.len()).filter(is_used).collect();
-        let rows = dense.row_iter();
-        let values = rows.flat_map(|row| used.iter().map(move |&k| row[k]));
+    /// The same of some columns with their numbers, ascending; each row times a factor.
+    pub fn of_columns<'m>(
+        first: usize,
+        factors: &[f64],
+        columns: impl Iterator<Item = (usize, DVectorView<'m, f64>)>,
+    ) -> Self {
+        let is_used = |(_, column): &(usize, DVectorView<'m, f64>)| {
+            let mut elements = column.iter().zip(factors);
+            elements.any(|(x, factor)| x * factor != 0.0)
+        };
+        let used: Vec<_> = columns.filter(is_used).collect();
+        let mut values = Vec::with_capacity(factors.len() * used.len());
+        for (i, factor) in factors.iter().enumerate() {
+            values.extend(used.iter().map(|(_, column)| column[i] * factor));
+        }
         Self {
             first,
-            values: values.collect(),
-            count: dense.nrows(),
-            columns: used.iter().map(|&k| columns[k]).collect(),
+            columns: used.iter().map(|(number, _)| *number).collect(),
+            values,
+            count: factors.len(),
         }
     }
 

@@ -34,9 +34,12 @@ fn results(folder: &Path) -> Calibration {
         draws: 20,
         seed: 1,
     });
+    let mut residuals = std::fs::File::create(folder.join("residuals.csv")).unwrap();
+    calibration
+        .write_residuals_csv(&campaign, &mut residuals)
+        .unwrap();
     for (name, text) in [
         ("calibration.json", calibration.to_json()),
-        ("residuals.csv", calibration.residuals_csv(&campaign)),
         ("diagnosis.json", diagnosis.to_json()),
         ("volume.json", volume.to_json(&machine)),
     ] {

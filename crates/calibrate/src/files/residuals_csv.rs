@@ -1,9 +1,10 @@
 //! `residuals.csv`: a row for each length, or each coordinate of a point, with what is left of it.
 
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::{self, Write};
 
 use trueaxis_campaign::Campaign;
-use trueaxis_files::{csv_cell, round};
+use trueaxis_files::{csv_cell, push_rounded};
 use trueaxis_kinematics::MICROMETRE;
 
 use crate::result::calibration::Calibration;
@@ -13,12 +14,15 @@ use trueaxis_predict::position_in_file;
 const DECIMALS: i32 = 4;
 
 impl Calibration {
-    /// File name of [`Calibration::residuals_csv`].
+    /// File name of [`Calibration::write_residuals_csv`].
     pub const RESIDUALS_FILE: &str = "residuals.csv";
 
-    /// The text of `residuals.csv`: the residuals (observed minus computed) of all lengths of `campaign`, or of all
+    /// Writes `residuals.csv`: the residuals (observed minus computed) of all lengths of `campaign`, or of all
     /// coordinates of its points that led to a result, in measuring order. It must be the campaign that was calibrated.
-    pub fn residuals_csv(&self, campaign: &Campaign) -> String {
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write_residuals_csv(&self, campaign: &Campaign, out: &mut dyn Write) -> io::Result<()> {
         let axes = campaign.machine.axes();
         let (by, stops) = match (&campaign.lengths, &campaign.points) {
             (None, Some(points)) => ("coordinate", &points.stops[..]),
@@ -27,13 +31,15 @@ impl Calibration {
                 ("station", stops.unwrap_or_default())
             }
         };
-        let mut text = format!("row,{by},target,run,time_s");
+        write!(out, "row,{by},target,run,time_s")?;
         for axis in axes {
-            text.push(',');
-            text.push_str(&csv_cell(axis.name()));
+            write!(out, ",{}", csv_cell(axis.name()))?;
         }
-        text.push_str(",residual_um,standardized,redundancy,used\n");
+        out.write_all(b",residual_um,standardized,redundancy,used\n")?;
         let mut stops = stops.iter().peekable();
+        // Of the rows of one stop the positions are the same. Writing to a String cannot fail.
+        let (mut positions, mut of_stop) = (String::new(), None);
+        let mut row = String::new();
         for residual in &self.residuals {
             while stops
                 .next_if(|stop| stop.readings.end <= residual.reading)
@@ -49,28 +55,40 @@ impl Calibration {
             };
             let step = &campaign.steps[stop.step];
             let run = step.run.map_or("", |run| &campaign.runs[run].name);
-            // Writing to a String cannot fail.
+            if of_stop.replace(stop.readings.start) != Some(stop.readings.start) {
+                positions.clear();
+                for (axis, &position) in axes.iter().zip(&step.positions) {
+                    let _ = write!(positions, ",{}", position_in_file(axis.kind(), position));
+                }
+            }
+            row.clear();
             let _ = write!(
-                text,
-                "{line},{by},{},{},{}",
+                row,
+                "{line},{by},{},{},",
                 csv_cell(&campaign.targets[target].name),
                 csv_cell(run),
-                round(time_s, DECIMALS),
             );
-            for (axis, &position) in axes.iter().zip(&step.positions) {
-                let _ = write!(text, ",{}", position_in_file(axis.kind(), position));
+            push_rounded(&mut row, time_s, DECIMALS);
+            row.push_str(&positions);
+            let residual_um = residual.residual_mm / MICROMETRE;
+            let numbers = [
+                Some(residual_um),
+                Some(residual.standardized),
+                residual.redundancy,
+            ];
+            for number in numbers {
+                row.push(',');
+                if let Some(number) = number {
+                    push_rounded(&mut row, number, DECIMALS);
+                }
             }
-            let redundancy = residual.redundancy.map(|r| round(r, DECIMALS).to_string());
-            let _ = writeln!(
-                text,
-                ",{},{},{},{}",
-                round(residual.residual_mm / MICROMETRE, DECIMALS),
-                round(residual.standardized, DECIMALS),
-                redundancy.as_deref().unwrap_or_default(),
-                u8::from(residual.redundancy.is_some()),
-            );
+            row.push_str(match residual.redundancy {
+                Some(_) => ",1\n",
+                None => ",0\n",
+            });
+            out.write_all(row.as_bytes())?;
         }
-        text
+        Ok(())
     }
 }
 

@@ -15,7 +15,7 @@
 //!
 //! and what runs that contradict each other add to the location parameters are columns of their own.
 
-use nalgebra::{DMatrix, Vector6};
+use nalgebra::{DMatrix, DVectorView, Vector6};
 use trueaxis_predict::{FactoredCovariance, Rows};
 
 use crate::propagate::propagation::{Noise, place_of};
@@ -39,11 +39,11 @@ pub(crate) fn factored_covariance(
         let first_of_axis = 6 * own.len();
         let pieces = noise.of_nodes(k, |node, f| {
             let first = first_of_axis + 6 * node;
-            let scales = &scales[first..];
+            let scales = &scales[first..first + 6 * f.own.len()];
             let with_sources = f.sources.iter().map(|source| sources + source);
             let columns = f.sources.iter().copied().chain(with_sources);
-            let columns: Vec<usize> = columns.chain(behind.clone()).collect();
-            let all = joined(&[&f.of_sources, &f.with_sources, &f.of_shared], scales);
+            let columns = columns.chain(behind.clone());
+            let blocks = [&f.of_sources, &f.with_sources, &f.of_shared];
             let own = f.own.iter().zip(scales.chunks_exact(6));
             let own = own.map(|(own, factors)| {
                 let factors = Vector6::from_column_slice(factors);
@@ -51,7 +51,7 @@ pub(crate) fn factored_covariance(
             });
             (
                 own.collect::<Vec<_>>(),
-                Rows::of_columns(first, &columns, &all),
+                Rows::of_columns(first, scales, columns.zip(side_by_side(blocks))),
             )
         });
         for (of_piece, piece) in pieces {
@@ -73,9 +73,13 @@ pub(crate) fn factored_covariance(
     let first = 6 * own.len();
     let of_shared = &others * &noise.sources.shared;
     let of_sources = others.columns(0, sources).into_owned();
-    let columns: Vec<usize> = (0..sources).chain(behind.clone()).collect();
-    let all = joined(&[&of_sources, &of_shared], &scales[first..]);
-    rows.push(Rows::of_columns(first, &columns, &all));
+    let columns = (0..sources).chain(behind.clone());
+    let columns = columns.zip(side_by_side([&of_sources, &of_shared]));
+    rows.push(Rows::of_columns(
+        first,
+        &scales[first..first + others.nrows()],
+        columns,
+    ));
 
     let mut shared = DMatrix::zeros(behind.end, behind.end);
     let square = (sources, sources);
@@ -104,22 +108,15 @@ fn scales(axes: &[AxisResult], stations: &[StationResult]) -> Vec<f64> {
         .iter()
         .flat_map(|axis| vec![widening_of_components(axis); 6 * axis.nodes.len()]);
     let widened = components.chain(std::iter::repeat(1.0));
-    let results = results(axes, stations);
-    let pairs = results.iter().zip(widened);
+    let pairs = results(axes, stations).zip(widened);
     pairs
         .map(|(result, factor)| if result.u > 0.0 { factor } else { 0.0 })
         .collect()
 }
 
-/// Blocks side by side, each row times a factor.
-fn joined(blocks: &[&DMatrix<f64>], scales: &[f64]) -> DMatrix<f64> {
-    let columns: Vec<_> = blocks
-        .iter()
-        .flat_map(|block| block.column_iter())
-        .collect();
-    let mut all = DMatrix::from_columns(&columns);
-    for (mut row, factor) in all.row_iter_mut().zip(scales) {
-        row *= *factor;
-    }
-    all
+/// The columns of blocks side by side.
+fn side_by_side<const N: usize>(
+    blocks: [&DMatrix<f64>; N],
+) -> impl Iterator<Item = DVectorView<'_, f64>> {
+    blocks.into_iter().flat_map(|block| block.column_iter())
 }

@@ -1,10 +1,11 @@
 //! All numbers of a calibration in one list.
 
-use std::io::{self, Seek, Write};
+use std::io;
 
+use trueaxis_files::WriteSeek;
 use trueaxis_kinematics::Component;
 
-use crate::result::calibration::{AxisResult, Calibration, StationResult};
+use crate::result::calibration::{AxisResult, Calibration, NodeResult, StationResult};
 use trueaxis_predict::Output;
 
 /// One number of a calibration with its uncertainty, in mm and rad.
@@ -24,68 +25,79 @@ impl Calibration {
     /// All results in a fixed order: the component errors of all axes (for each position all six), the
     /// location errors, the stations (x y z and dead path of each).
     pub fn results(&self) -> Vec<NumberedResult> {
-        results(&self.axes, &self.stations)
+        results(&self.axes, &self.stations).collect()
     }
 
     /// Writes `covariance.npz`.
     ///
     /// # Errors
     /// Those of `out`.
-    pub fn write_covariance_npz(&self, out: impl Write + Seek) -> io::Result<()> {
-        let results = self.results().into_iter();
+    pub fn write_covariance_npz(&self, out: &mut dyn WriteSeek) -> io::Result<()> {
+        let results = results(&self.axes, &self.stations);
         let per_unit = results.map(|result| result.output.unit().size().recip());
         self.factors.write_npz(out, &per_unit.collect::<Vec<_>>())
     }
 }
 
-pub(crate) fn results(axes: &[AxisResult], stations: &[StationResult]) -> Vec<NumberedResult> {
-    let mut all = Vec::new();
-    let mut add = |output: Output, value: f64, u: f64, dof: f64| {
-        all.push(NumberedResult {
-            output,
-            value,
-            u,
-            dof,
-        });
-    };
-    for axis in axes {
-        for node in &axis.nodes {
-            let values = node.error.to_vector();
-            for component in Component::ALL {
-                let c = component.index();
-                let output = Output::ComponentError {
+/// All results in their order, one at a time: there may be half a million.
+pub(crate) fn results<'a>(
+    axes: &'a [AxisResult],
+    stations: &'a [StationResult],
+) -> impl Iterator<Item = NumberedResult> {
+    let of_node = |axis: &'a AxisResult, node: &'a NodeResult| {
+        let values = node.error.to_vector();
+        Component::ALL.into_iter().map(move |component| {
+            let c = component.index();
+            NumberedResult {
+                output: Output::ComponentError {
                     axis: axis.name.clone(),
                     kind: axis.kind,
                     component,
                     position: node.position,
                     direction: node.direction,
-                };
-                add(output, values[c], node.u[c], node.dof[c]);
+                },
+                value: values[c],
+                u: node.u[c],
+                dof: node.dof[c],
             }
-        }
-    }
-    for axis in axes {
-        for location in &axis.location_errors {
-            let output = Output::LocationError {
+        })
+    };
+    let of_nodes = move |axis: &'a AxisResult| {
+        let nodes = axis.nodes.iter();
+        nodes.flat_map(move |node| of_node(axis, node))
+    };
+    let of_locations = |axis: &'a AxisResult| {
+        let locations = axis.location_errors.iter();
+        locations.map(move |location| NumberedResult {
+            output: Output::LocationError {
                 axis: axis.name.clone(),
                 component: location.component,
-            };
-            add(output, location.value, location.u, location.dof);
-        }
-    }
-    for s in stations {
-        for coordinate in 0..3 {
-            let station = s.name.clone();
-            let output = Output::StationPosition {
-                station,
+            },
+            value: location.value,
+            u: location.u,
+            dof: location.dof,
+        })
+    };
+    let of_station = |s: &'a StationResult| {
+        let position = (0..3).map(move |coordinate| NumberedResult {
+            output: Output::StationPosition {
+                station: s.name.clone(),
                 coordinate,
-            };
-            let [u, dof] = [s.u_mm, s.dof].map(|of| of[coordinate]);
-            add(output, s.position_mm[coordinate], u, dof);
-        }
-        let station = s.name.clone();
-        let output = Output::DeadPath { station };
-        add(output, s.dead_path_mm, s.u_dead_path_mm, s.dof_dead_path);
-    }
-    all
+            },
+            value: s.position_mm[coordinate],
+            u: s.u_mm[coordinate],
+            dof: s.dof[coordinate],
+        });
+        position.chain([NumberedResult {
+            output: Output::DeadPath {
+                station: s.name.clone(),
+            },
+            value: s.dead_path_mm,
+            u: s.u_dead_path_mm,
+            dof: s.dof_dead_path,
+        }])
+    };
+    let of_axes = axes.iter().flat_map(of_nodes);
+    let of_axes = of_axes.chain(axes.iter().flat_map(of_locations));
+    of_axes.chain(stations.iter().flat_map(of_station))
 }

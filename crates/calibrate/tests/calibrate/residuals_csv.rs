@@ -10,7 +10,11 @@ fn each_length_has_a_row_and_their_redundancies_are_that_of_the_whole() {
     let simulated = simulate(&Scenario::from_json(scenario).unwrap(), 3).unwrap();
     let campaign = simulated.campaign;
     let calibration = calibrate(&campaign, &Settings::default()).unwrap();
-    let text = calibration.residuals_csv(&campaign);
+    let mut text = Vec::new();
+    calibration
+        .write_residuals_csv(&campaign, &mut text)
+        .unwrap();
+    let text = String::from_utf8(text).unwrap();
     let mut lines = text.lines();
     let header = "row,station,target,run,time_s,C,residual_um,standardized,redundancy,used";
     assert_eq!(lines.next(), Some(header));

@@ -38,9 +38,9 @@ fn read(imported: &Imported) -> CalibratedMachine {
     let path = folder.path().join("calibration.json");
     std::fs::write(&path, imported.calibration.to_string()).unwrap();
     if let Some(covariance) = &imported.covariance {
-        let file = std::fs::File::create(folder.path().join("covariance.npz")).unwrap();
+        let mut file = std::fs::File::create(folder.path().join("covariance.npz")).unwrap();
         let as_they_are = vec![1.0; covariance.results()];
-        covariance.write_npz(file, &as_they_are).unwrap();
+        covariance.write_npz(&mut file, &as_they_are).unwrap();
     }
     CalibratedMachine::read(&path).unwrap()
 }

@@ -8,10 +8,10 @@
 //! ```
 
 use std::collections::BTreeMap;
-use std::io::{self, Seek, Write};
+use std::io;
 
 use nalgebra::{DMatrix, Matrix6};
-use trueaxis_files::{Array, NpzWriter, from_npz};
+use trueaxis_files::{Array, NpzWriter, WriteSeek, from_npz};
 
 use crate::factored_covariance::{FactoredCovariance, scaled};
 use crate::files::read_error::CovarianceProblem;
@@ -32,7 +32,7 @@ impl FactoredCovariance {
     ///
     /// # Errors
     /// Those of `out`.
-    pub fn write_npz(&self, out: impl Write + Seek, per_unit: &[f64]) -> io::Result<()> {
+    pub fn write_npz(&self, out: &mut dyn WriteSeek, per_unit: &[f64]) -> io::Result<()> {
         let Self {
             own,
             sensitivities,

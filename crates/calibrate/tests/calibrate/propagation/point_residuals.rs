@@ -90,7 +90,11 @@ fn residuals_have_the_variance_and_the_redundancy_that_they_state() {
 fn each_coordinate_has_a_row() {
     let campaign = noisy(&twice(), 2);
     let calibration = calibrate(&campaign, &settings(Method::Nine)).unwrap();
-    let text = calibration.residuals_csv(&campaign);
+    let mut text = Vec::new();
+    calibration
+        .write_residuals_csv(&campaign, &mut text)
+        .unwrap();
+    let text = String::from_utf8(text).unwrap();
     let mut lines = text.lines();
     let header = "row,coordinate,target,run,time_s,X,Y,C,residual_um,standardized,redundancy,used";
     assert_eq!(lines.next(), Some(header));
