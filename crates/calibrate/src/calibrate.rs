@@ -88,7 +88,6 @@ pub(crate) fn calibrate_in_parts<'a>(
     let rejected: BTreeSet<usize> = rejected.map(|length| length.line).collect();
     let lost = mistakes.lost_sweeps(&rejected);
     calibration.notices.extend(lost);
-    calibration.residuals = parts.measured.residuals();
     Ok((calibration, parts))
 }
 
@@ -137,9 +136,10 @@ pub(crate) fn calibrate_as_given<'a>(
     // Both are large, and the instrument's part is done with.
     let noise = propagation.whole;
     drop(instrument);
+    let residuals = measured.residuals();
     let factors = factored_covariance(&noise, &axes, &stations);
     let covariance = settings.covariance.then(|| {
-        let results = results(&axes, &stations).into_iter();
+        let results = results(&axes, &stations);
         OutputCovariance::new(&factors, results.map(|result| result.output).collect())
     });
     let mut targets_mm = mean_targets(&context, &identified.state);
@@ -164,7 +164,7 @@ pub(crate) fn calibrate_as_given<'a>(
         covariance,
         misfits: measured.misfits.clone(),
         known_misfits: measured.known_misfits().to_vec(),
-        residuals: Vec::new(),
+        residuals,
         triangle: triangle(&context, &targets_mm, measured.point_variance_mm2),
         effects: Vec::new(),
         notices: measured.notices.clone(),

@@ -13,8 +13,8 @@
 //! or six equations both end here; who takes poses does not know which it was.
 
 use nalgebra::{
-    DMatrix, Isometry3, Matrix2, Matrix6, Matrix6xX, Point3, Translation3, UnitQuaternion, Vector3,
-    Vector6,
+    DMatrix, Isometry3, Matrix2, Matrix6, MatrixView6xX, Point3, Translation3, UnitQuaternion,
+    Vector3, Vector6,
 };
 use trueaxis_campaign::Direction;
 
@@ -63,8 +63,8 @@ pub struct PoseObservation {
 pub struct PoseNoise {
     /// `D` of each pose.
     pub own: Vec<Matrix6<f64>>,
-    /// `Z` of each pose.
-    pub coupling: Vec<Matrix6xX<f64>>,
+    /// `Z` of each pose, one after the other ([`PoseNoise::coupling`]).
+    pub(crate) couplings: Vec<f64>,
     /// `Σ`. It may be indefinite and makes sense only between couplings, but for the stations.
     pub shared: DMatrix<f64>,
     /// How many of the shared sources, which are the first, come from stations, dead paths and datum. The
@@ -93,6 +93,15 @@ impl PoseNoise {
     /// Number of shared sources.
     pub fn width(&self) -> usize {
         self.shared.nrows()
+    }
+
+    /// `Z` of a pose.
+    ///
+    /// # Panics
+    /// If there is no such pose.
+    pub fn coupling(&self, pose: usize) -> MatrixView6xX<'_, f64> {
+        let size = 6 * self.width();
+        MatrixView6xX::from_slice(&self.couplings[pose * size..][..size], self.width())
     }
 
     /// Multiplies all variances but those that are declared.
@@ -126,6 +135,7 @@ impl Poses {
     /// The same errors about the pivots of `other`; `None` if those are not poses of the same steps.
     pub(crate) fn noise_about_pivots_of(&self, other: &Self) -> Option<PoseNoise> {
         let mut noise = self.noise.clone();
+        let size = 6 * noise.width();
         if self.observations.len() != other.observations.len() {
             return None;
         }
@@ -136,7 +146,8 @@ impl Poses {
             }
             let map = from.to_pivot(&to.pivot_mm);
             noise.own[i] = map * noise.own[i] * map.transpose();
-            noise.coupling[i] = map * &noise.coupling[i];
+            let coupling = map * noise.coupling(i);
+            noise.couplings[i * size..][..size].copy_from_slice(coupling.as_slice());
         }
         Some(noise)
     }

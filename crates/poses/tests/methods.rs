@@ -15,7 +15,7 @@ const APART: f64 = 4.0;
 
 /// Variances of a pose, mm² and rad².
 fn variances(noise: &PoseNoise, pose: usize) -> Vector6<f64> {
-    let coupling = &noise.coupling[pose];
+    let coupling = noise.coupling(pose);
     (noise.own[pose] + coupling * &noise.shared * coupling.transpose()).diagonal()
 }
 

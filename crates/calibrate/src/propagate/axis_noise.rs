@@ -95,7 +95,7 @@ impl<'a> AxisNoise<'a> {
             let mut own = sum.columns_mut(0, width);
             own.gemm(1.0, &(y * noise.own[pose]), &y.transpose(), 1.0);
             let mut shared = sum.columns_mut(width, sources);
-            shared.gemm(1.0, y, &noise.coupling[pose], 1.0);
+            shared.gemm(1.0, y, &noise.coupling(pose), 1.0);
         });
         Self {
             noise,
@@ -120,7 +120,7 @@ impl<'a> AxisNoise<'a> {
             let with_noise = from_pose * self.noise.own[pose];
             sum.own += with_noise * from_pose.transpose();
             sum.cross += with_noise * self.sensitivity.parameters[i].transpose();
-            sum.shared += from_pose * &self.noise.coupling[pose];
+            sum.shared += from_pose * self.noise.coupling(pose);
         }
         sum
     }

@@ -162,7 +162,7 @@ impl<'a> Noise<'a> {
     pub(crate) fn sources_of_record(&self, k: usize, record: usize) -> [DMatrix<f64>; 2] {
         let (context, identified) = self.dependence.parts();
         let pose = context.data[k].records[record].pose;
-        let coupling = identified.sensitivities[k].poses[record] * &self.poses.coupling[pose];
+        let coupling = identified.sensitivities[k].poses[record] * self.poses.coupling(pose);
         let coupling = DMatrix::from_column_slice(6, coupling.ncols(), coupling.as_slice());
         let response = self.dependence.response_to_base(k, record);
         let through = -(coupling + &response * &self.sources.shared);

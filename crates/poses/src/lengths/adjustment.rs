@@ -1,6 +1,6 @@
 //! Lengths to poses or to points, with errors in the words of the campaign.
 
-use nalgebra::{DMatrix, DVector, Matrix6, Matrix6xX, Point3};
+use nalgebra::{DVector, Matrix6, Point3};
 use rayon::prelude::*;
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_kinematics::centroid;
@@ -280,9 +280,12 @@ impl<'a> LengthsAdjustment<'a> {
             DVector::from_iterator(3 * points.len(), coordinates)
         };
         let places: Vec<DVector<f64>> = moved.iter().map(place).collect();
-        let groups = (&moved[..], &places[..]);
-        let blocks = blocks(noise, &sources, groups, |block| block);
-        let (own, coupling) = blocks.into_iter().unzip();
+        let groups = moved.par_iter().zip(&places).with_min_len(PIECE);
+        let block = |(&g, place): (&usize, &DVector<f64>)| {
+            let (own, coupling) = noise.block(g);
+            (own, sources.coupling(coupling, place))
+        };
+        let (own, coupling) = groups.map(block).unzip();
         PointNoise {
             own,
             coupling,
@@ -340,34 +343,23 @@ fn pose_noise(
     sources: SharedSources<'_>,
     groups: (&[usize], &[DVector<f64>]),
 ) -> PoseNoise {
-    let fixed = |(own, coupling): (DMatrix<f64>, DMatrix<f64>)| {
-        (
-            Matrix6::from_column_slice(own.as_slice()),
-            Matrix6xX::from_column_slice(coupling.as_slice()),
-        )
-    };
-    let (own, coupling) = blocks(noise, &sources, groups, fixed).into_iter().unzip();
+    let (groups, places) = groups;
+    let size = 6 * sources.shared.nrows();
+    let mut own = vec![Matrix6::zeros(); groups.len()];
+    let mut couplings = vec![0.0; groups.len() * size];
+    let of_poses = own.par_iter_mut().zip(couplings.par_chunks_exact_mut(size));
+    let of_poses = of_poses.zip(groups).zip(places).with_min_len(PIECE);
+    of_poses.for_each(|(((own, of_pose), &g), place)| {
+        let (block, coupling) = noise.block(g);
+        own.copy_from(&block);
+        of_pose.copy_from_slice(sources.coupling(coupling, place).as_slice());
+    });
     PoseNoise {
         own,
-        coupling,
+        couplings,
         of_stations: sources.shared.nrows(),
         shared: sources.shared,
         declared: sources.declared,
         stations: sources.stations,
     }
-}
-
-/// What `take` makes of `D` and `Z` of some groups with these places.
-fn blocks<T: Send>(
-    noise: &BlockNoise<'_>,
-    sources: &SharedSources<'_>,
-    (groups, places): (&[usize], &[DVector<f64>]),
-    take: impl Fn((DMatrix<f64>, DMatrix<f64>)) -> T + Sync,
-) -> Vec<T> {
-    let groups = groups.par_iter().zip(places).with_min_len(PIECE);
-    let block = |(&g, place): (&usize, &DVector<f64>)| {
-        let (own, coupling) = noise.block(g);
-        take((own, sources.coupling(coupling, place)))
-    };
-    groups.map(block).collect()
 }

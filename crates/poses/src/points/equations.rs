@@ -320,7 +320,7 @@ fn pose_noise(
             .view_mut((first, first), size)
             .copy_from(&body.of_shape);
     }
-    let coupling = |source: &Source| {
+    let coupling = |source: &Source| -> Vec<f64> {
         let compact = &found[source.body].coupling[source.step];
         let mut coupling = Matrix6xX::zeros(width);
         let of_shape = compact.ncols() - of_stations;
@@ -330,11 +330,11 @@ fn pose_noise(
         coupling
             .columns_mut(firsts[source.body], of_shape)
             .copy_from(&compact.columns(of_stations, of_shape));
-        coupling
+        coupling.as_slice().to_vec()
     };
     PoseNoise {
         own: sources.iter().map(|s| found[s.body].own[s.step]).collect(),
-        coupling: sources.iter().map(coupling).collect(),
+        couplings: sources.iter().flat_map(coupling).collect(),
         shared,
         declared: noise.declared.clone().resize(width, width, 0.0),
         stations: noise.stations.clone().resize_horizontally(width, 0.0),
