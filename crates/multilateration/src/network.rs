@@ -193,7 +193,7 @@ impl Network {
     pub fn without(&self, removed: &[usize]) -> (Self, Vec<usize>) {
         let left = |i: &usize| removed.binary_search(i).is_err();
         let kept: Vec<usize> = (0..self.readings.len()).filter(left).collect();
-        let place = |i: usize| kept.partition_point(|&k| k < i);
+        let place = |i: usize| i - removed.partition_point(|&r| r < i);
         let visits = self.visits.iter().map(|visit| Visit {
             readings: place(visit.readings.start)..place(visit.readings.end),
             ..visit.clone()

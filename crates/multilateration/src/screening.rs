@@ -18,6 +18,7 @@ use crate::robust_weights::{REMOVED, scale};
 use crate::screened::Screened;
 use crate::solve::{ABSURD_MM, Settings, batches_of, far_at, solve, solve_from, solve_from_start};
 use crate::start::{Start, start};
+use crate::step_tests::StepTest;
 use crate::whitened::Whitened;
 use crate::{Error, Interruption, Network, NoiseEstimate, Solution};
 
@@ -64,6 +65,8 @@ pub(crate) struct Screening<'a> {
     start: Option<Start>,
     /// The tests at the solution, once they were asked for.
     tests: Option<Rc<Tests>>,
+    /// The largest step of each zero there, once they were sought.
+    pub(crate) largest_steps: Option<Vec<StepTest>>,
     settings: &'a Settings,
     /// Whether the network's noise is more than a guess.
     declared: bool,
@@ -120,6 +123,7 @@ impl<'a> Screening<'a> {
             solution: None,
             start: Some(start),
             tests: None,
+            largest_steps: None,
             settings,
             declared,
             far,
@@ -197,6 +201,7 @@ impl<'a> Screening<'a> {
         };
         self.solution = Some(solution);
         self.tests = None;
+        self.largest_steps = None;
     }
 
     fn is_lost(&self) -> bool {

@@ -44,13 +44,13 @@ impl Screening<'_> {
 
     /// The most significant step that is an interruption, if any is; one that is less significant
     /// than a single reading may come from that.
-    pub(crate) fn step(&self, tests: &[ReadingTest], scale: f64) -> Option<StepTest> {
+    pub(crate) fn step(&mut self, tests: &[ReadingTest], scale: f64) -> Option<StepTest> {
         if self.never_split {
             return None;
         }
-        let (rows, solution) = (self.hat_rows()?, self.solution.as_deref()?);
-        let mut steps = self.significant_steps(tests, scale, &rows).into_iter();
-        steps.find(|step| {
+        let (steps, rows) = self.significant_steps(tests, scale)?;
+        let solution = self.solution.as_deref()?;
+        steps.into_iter().find(|step| {
             Rivals::of(step, (&self.network, solution), &rows, scale)
                 .is_interruption(self.cuts_what_wanders)
         })
@@ -59,13 +59,13 @@ impl Screening<'_> {
     /// The stations whose zeros wander: a step of them would be significant, but is not needed.
     pub(crate) fn wandering_zeros(&mut self) -> Result<Vec<WanderingZero>, Error> {
         let (tests, scale) = self.tests()?;
-        let (Some(rows), Some(solution)) = (self.hat_rows(), self.solution.as_deref()) else {
-            return Ok(Vec::new());
-        };
         if self.never_split || self.cuts_what_wanders {
             return Ok(Vec::new());
         }
-        let steps = self.significant_steps(&tests.readings, scale, &rows);
+        let significant = self.significant_steps(&tests.readings, scale);
+        let (Some((steps, rows)), Some(solution)) = (significant, self.solution.as_deref()) else {
+            return Ok(Vec::new());
+        };
         let wandering = steps.into_iter().filter_map(|step| {
             let rivals = Rivals::of(&step, (&self.network, solution), &rows, scale);
             let rms_mm = rivals.wandering_mm()?;
@@ -77,22 +77,31 @@ impl Screening<'_> {
         Ok(wandering.collect())
     }
 
-    /// For each zero the largest step if it is significant, the most significant one first.
+    /// For each zero the largest step if it is significant, the most significant one first, with the rows of the hat
+    /// matrix; `None` if there is no such step.
     fn significant_steps(
-        &self,
+        &mut self,
         tests: &[ReadingTest],
         scale: f64,
-        rows: &Whitened,
-    ) -> Vec<StepTest> {
+    ) -> Option<(Vec<StepTest>, Whitened)> {
+        let mut rows = None;
+        if self.largest_steps.is_none() {
+            let new = self.hat_rows()?;
+            self.largest_steps = Some(largest_steps(&self.network, &new));
+            rows = Some(new);
+        }
+        let mut steps = self.largest_steps.clone()?;
         let taking_part = tests.iter().zip(&self.network.variance_factors);
         let largest_reading = taking_part
             .filter(|&(_, &factor)| factor <= 1.0)
             .fold(0.0_f64, |largest, (test, _)| largest.max(test.w.abs()));
         let limit = (self.limit(STEPS_LEVEL) * scale).max(largest_reading);
-        let mut steps = largest_steps(&self.network, rows);
         steps.retain(|step| step.w.abs() > limit && step.before.min(step.after) >= LEAST_STEP);
         steps.sort_by(|a, b| b.w.abs().total_cmp(&a.w.abs()));
-        steps
+        if steps.is_empty() {
+            return None;
+        }
+        Some((steps, rows.or_else(|| self.hat_rows())?))
     }
 
     pub(crate) fn split(&mut self, station: usize, first_reading: usize) {

@@ -106,13 +106,13 @@ fn check_other_axes(data: &AxisData, campaign: &Campaign, poses: &Poses) -> Resu
             if other == data.axis {
                 continue;
             }
-            let run = campaign.runs[content.run].name.clone();
-            let other_name = machine.axes()[other].name().to_owned();
+            let run = || campaign.runs[content.run].name.clone();
+            let other_name = || machine.axes()[other].name().to_owned();
             if positions[other].total_cmp(&first[other]).is_ne() {
                 return Err(Error::SeveralAxesMove {
-                    run,
+                    run: run(),
                     axis: machine.axes()[data.axis].name().to_owned(),
-                    other: other_name,
+                    other: other_name(),
                     step: step_in_words(campaign, step),
                 });
             }
@@ -120,10 +120,12 @@ fn check_other_axes(data: &AxisData, campaign: &Campaign, poses: &Poses) -> Resu
             if rotary && first[other].abs() > HOME_TOL_RAD {
                 return Err(Error::NotIdentifiable {
                     what: format!(
-                        "run {run}: rotary axis {other_name} stands at {:.4}° instead of home",
+                        "run {}: rotary axis {} stands at {:.4}° instead of home",
+                        run(),
+                        other_name(),
                         first[other].to_degrees()
                     ),
-                    hint: format!("measure this run with {other_name} at 0°"),
+                    hint: format!("measure this run with {} at 0°", other_name()),
                 });
             }
         }

@@ -48,22 +48,30 @@ impl LengthsAdjustment<'_> {
         if self.method != Method::Joint || self.by_direction {
             return found;
         }
-        let sides = self.sides();
-        let axis_of = |side: &Side| campaign.axis_under_test(side.step);
-        let both = |&axis: &usize| {
-            let of_axis = sides.iter().filter(|side| axis_of(side) == Some(axis));
-            let mut signs = of_axis.map(|side| side.sign > 0.0);
-            let first = signs.next();
-            signs.any(|sign| Some(sign) != first)
-        };
+        // Whether an axis was measured backward and forward.
+        let mut measured = vec![[false; 2]; campaign.machine.axes().len()];
+        for visit in &screened.network.visits {
+            // All its lengths may have been removed.
+            let Some(first) = visit.readings.clone().next() else {
+                continue;
+            };
+            let stop = stop_of(self.lengths, screened.kept[first]);
+            if let Some(axis) = campaign.axis_under_test(stop.step) {
+                measured[axis][usize::from(stop.direction == Direction::Forward)] = true;
+            }
+        }
+        let both = |axis: &usize| measured[*axis] == [true; 2];
         let two_sided = axes.iter().filter(|axis| both(axis)).count();
         if two_sided == 0 || screened.solution.degrees_of_freedom() == 0 {
             return found;
         }
+        let sides = self.sides();
         let whitened = Whitened::new(&screened.network, &screened.solution);
         for (found, axis) in found.iter_mut().zip(axes).filter(|(_, axis)| both(axis)) {
             let row = |side: &Side| {
-                if axis_of(side) != Some(*axis) || !self.groups[side.group].moved {
+                if campaign.axis_under_test(side.step) != Some(*axis)
+                    || !self.groups[side.group].moved
+                {
                     return Vector6::zeros();
                 }
                 let arm_mm = side.point_mm - reference_mm(side.step);

@@ -29,6 +29,9 @@ impl LengthsAdjustment<'_> {
     /// Refuses removals that concentrate on a target: it moved, and which half of its lengths is wrong
     /// nothing tells.
     pub(crate) fn check_targets(&self) -> Result<(), Error> {
+        if self.screened.removed.is_empty() {
+            return Ok(());
+        }
         // Targets, then targets as seen from each station.
         let whole = self.parts(|_, target| (None, target));
         let from_stations =
@@ -63,6 +66,9 @@ impl LengthsAdjustment<'_> {
     /// were removed. The sum of squares is that of the displacement of the target, whose three coordinates
     /// explain them.
     pub(crate) fn lost_targets(&self) -> Vec<StepMisfit> {
+        if self.screened.removed.is_empty() {
+            return Vec::new();
+        }
         let parts = self.parts(|stop, target| (self.lengths.stops[stop].step, target));
         let lost = |((step, _), Part { lengths, removed }): ((usize, usize), Part<'_>)| {
             if removed.len() < COORDINATES || 2 * removed.len() < lengths {
