@@ -107,13 +107,13 @@ pub fn network_from_campaign(
         group.body = *shape;
     }
     // Groups of a body follow each other: they are worked on side by side.
-    let mut order: Vec<usize> = (0..groups.len()).collect();
-    order.sort_by_key(|&g| groups[g].body.unwrap_or(usize::MAX));
-    let mut place_of = vec![0; groups.len()];
-    for (place, &g) in order.iter().enumerate() {
-        place_of[g] = place;
+    let mut order: Vec<(usize, Group)> = groups.into_iter().enumerate().collect();
+    order.sort_by_key(|(_, group)| group.body.unwrap_or(usize::MAX));
+    let mut place_of = vec![0; order.len()];
+    for (place, (g, _)) in order.iter().enumerate() {
+        place_of[*g] = place;
     }
-    let groups: Vec<Group> = order.iter().map(|&g| groups[g].clone()).collect();
+    let groups: Vec<Group> = order.into_iter().map(|(_, group)| group).collect();
     for number in &mut group_of_reading {
         *number = place_of[*number];
     }
@@ -167,9 +167,7 @@ fn network(
     };
     for group in groups {
         let first = network.nominal_mm.len();
-        let step = &campaign.steps[group.step];
-        let places = group.targets.iter().map(|&t| nominal(campaign, step, t));
-        network.nominal_mm.extend(places);
+        network.nominal_mm.extend(nominal(campaign, group));
         network.groups.push(first..network.nominal_mm.len());
     }
     for stop in &lengths.stops {
@@ -252,7 +250,13 @@ fn shapes(campaign: &Campaign, groups: &[Group], kinds: &[Together]) -> Shapes {
         a.iter().filter(|t| b.contains(t)).copied().collect()
     };
     let mut shapes: Vec<(Together, Vec<usize>)> = Vec::new();
-    for (group, &kind) in groups.iter().zip(kinds) {
+    // Most groups have the targets of the one before.
+    let as_before =
+        |g: usize| g > 0 && kinds[g] == kinds[g - 1] && groups[g].targets == groups[g - 1].targets;
+    for (g, (group, &kind)) in groups.iter().zip(kinds).enumerate() {
+        if as_before(g) {
+            continue;
+        }
         let mut targets = group.targets.clone();
         let is_known = |shape: &(Together, Vec<usize>)| {
             shape.0 == kind && common(&targets, &shape.1) == targets
@@ -275,15 +279,19 @@ fn shapes(campaign: &Campaign, groups: &[Group], kinds: &[Together]) -> Shapes {
         let place = first.unwrap_or(shapes.len()).min(shapes.len());
         shapes.insert(place, (kind, targets));
     }
-    let body_of = |(group, kind): (&Group, &Together)| {
+    let mut of_groups: Vec<Option<usize>> = Vec::with_capacity(groups.len());
+    for (g, (group, kind)) in groups.iter().zip(kinds).enumerate() {
         let holds = |(k, targets): &(Together, Vec<usize>)| {
             k == kind && common(&group.targets, targets) == group.targets
         };
-        let body = are_rigid(&group.targets).then(|| shapes.iter().position(holds));
-        body.flatten()
-    };
+        of_groups.push(match as_before(g) {
+            true => of_groups[g - 1],
+            false if are_rigid(&group.targets) => shapes.iter().position(holds),
+            false => None,
+        });
+    }
     Shapes {
-        of_groups: groups.iter().zip(kinds).map(body_of).collect(),
+        of_groups,
         targets: shapes.iter().map(|(_, targets)| targets.clone()).collect(),
     }
 }
@@ -310,14 +318,16 @@ fn bodies(campaign: &Campaign, groups: &[Group], targets: Vec<Vec<usize>>) -> Bo
         let ref_from_home = motion(campaign, step, &group.targets);
         let mut places = Vec::new();
         if let Some(body) = group.body {
-            for &target in &group.targets {
-                let place = targets[body].partition_point(|&t| t < target);
+            let place = |target: &usize| targets[body].partition_point(|t| t < target);
+            places.extend(group.targets.iter().map(place));
+            let is_placed = &mut is_placed[body];
+            if !places.iter().all(|&place| is_placed[place]) {
                 // On a lower stage that is not at home a target is not at home in the body's frame.
-                if !std::mem::replace(&mut is_placed[body][place], true) {
-                    bodies.bodies[body].home_mm[place] =
-                        ref_from_home.inverse() * nominal(campaign, step, target);
+                for (&place, nominal_mm) in places.iter().zip(nominal(campaign, group)) {
+                    if !std::mem::replace(&mut is_placed[place], true) {
+                        bodies.bodies[body].home_mm[place] = ref_from_home.inverse() * nominal_mm;
+                    }
                 }
-                places.push(place);
             }
         }
         bodies.of_groups.push(Placed {
@@ -338,12 +348,22 @@ fn motion(campaign: &Campaign, step: &Step, targets: &[usize]) -> Isometry3<f64>
     })
 }
 
-fn nominal(campaign: &Campaign, step: &Step, target: usize) -> Point3<f64> {
-    let target = &campaign.targets[target];
-    let (carrier, home_mm) = (target.carrier, target.home_mm);
-    campaign
-        .machine
-        .position(&Ideal, carrier, &step.positions, home_mm)
+/// Where the targets of a group are nominally, mm.
+fn nominal(campaign: &Campaign, group: &Group) -> impl Iterator<Item = Point3<f64>> {
+    let step = &campaign.steps[group.step];
+    let targets = group.targets.iter().map(|&t| &campaign.targets[t]);
+    // Most of them stand on one stage.
+    let mut last = None;
+    targets.map(move |target| {
+        let motion = match last {
+            Some((carrier, motion)) if carrier == target.carrier => motion,
+            _ => campaign
+                .machine
+                .motion(&Ideal, target.carrier, &step.positions),
+        };
+        last = Some((target.carrier, motion));
+        motion * target.home_mm
+    })
 }
 
 fn declared_noise(campaign: &Campaign) -> Noise {
