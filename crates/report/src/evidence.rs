@@ -71,12 +71,13 @@ impl Evidence {
         let axes = 0..residuals.axes.len();
         let is_rotary =
             |axis: usize| machine.is_some_and(|machine| machine.is_rotary(&residuals.axes[axis]));
+        let noise = half_of_noise(residuals);
         Some(Self {
-            time: in_time(residuals, every),
+            time: in_time(residuals, every, noise),
             by_series: by_series(residuals),
             quantiles: quantiles(residuals),
             over_position: axes
-                .filter_map(|axis| over_position(residuals, axis, every, is_rotary(axis)))
+                .filter_map(|axis| over_position(residuals, axis, every, is_rotary(axis), noise))
                 .collect(),
             by: by(residuals),
             observed: match residuals.of_points {
@@ -132,19 +133,21 @@ fn of_used(residuals: &Residuals) -> Scale {
     Scale::new(-half, half, 5)
 }
 
-/// Dashed lines between which 95 % of the residuals lie where noise alone is left; of the median length.
-fn draw_noise(plot: &mut Plot, residuals: &Residuals, from: f64, to: f64) {
+/// Half of the range in which 95 % of the residuals lie where noise alone is left; of the median length, µm.
+fn half_of_noise(residuals: &Residuals) -> Option<f64> {
     let u = residuals.used();
     let u = u.map(|row| (row.residual_um / row.standardized).abs());
-    let u = ascending(u.filter(|u| u.is_finite()));
-    if let Some(u) = u.get(u.len() / 2) {
-        for edge in [-1.96 * u, 1.96 * u] {
-            plot.line("rule", &[[from, edge], [to, edge]]);
-        }
+    median(&mut u.filter(|u| u.is_finite()).collect::<Vec<_>>()).map(|u| 1.96 * u)
+}
+
+/// Dashed lines at the ends of that range.
+fn draw_noise(plot: &mut Plot, half: Option<f64>, from: f64, to: f64) {
+    for edge in half.into_iter().flat_map(|half| [-half, half]) {
+        plot.line("rule", &[[from, edge], [to, edge]]);
     }
 }
 
-fn in_time(residuals: &Residuals, every: usize) -> Figure {
+fn in_time(residuals: &Residuals, every: usize, noise: Option<f64>) -> Figure {
     let [from, to] = range(residuals.rows.iter().map(|row| row.time_s));
     let frame = Frame {
         title: "",
@@ -163,7 +166,7 @@ fn in_time(residuals: &Residuals, every: usize) -> Figure {
     }
     let removed = residuals.rows.iter().filter(|row| !row.used);
     plot.dots("out", removed.map(at));
-    draw_noise(&mut plot, residuals, from, to);
+    draw_noise(&mut plot, noise, from, to);
     let far = residuals
         .rows
         .iter()
@@ -245,7 +248,8 @@ fn by_series(residuals: &Residuals) -> Figure {
 /// Quantiles of the standardized residuals against those of the normal distribution.
 fn quantiles(residuals: &Residuals) -> Figure {
     let w = residuals.used().map(|row| row.standardized);
-    let w = ascending(w.filter(|w| w.is_finite()));
+    let mut w: Vec<f64> = w.filter(|w| w.is_finite()).collect();
+    w.sort_unstable_by(f64::total_cmp);
     let count = w.len();
     let probability = |k: usize| (k as f64 + 0.5) / count as f64;
     // All of the tails, where the question is; every n-th of the middle.
@@ -303,6 +307,7 @@ fn over_position(
     axis: usize,
     every: usize,
     is_rotary: bool,
+    noise: Option<f64>,
 ) -> Option<Figure> {
     let mut bounds =
         vec![[f64::INFINITY, f64::NEG_INFINITY]; residuals.runs.len() * residuals.axes.len()];
@@ -340,22 +345,29 @@ fn over_position(
         let of_series = points.iter().filter(|(of, _)| *of == series);
         plot.series(series, of_series.map(|(_, point)| *point));
     }
-    draw_noise(&mut plot, residuals, from, to);
+    draw_noise(&mut plot, noise, from, to);
     Some(Figure::new(&format!("residuals-{name}"), plot.finish()))
 }
 
-fn ascending(numbers: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut numbers: Vec<f64> = numbers.collect();
-    numbers.sort_by(f64::total_cmp);
-    numbers
+/// The number in the middle, of an even count the upper one; the numbers are reordered.
+fn median(numbers: &mut [f64]) -> Option<f64> {
+    let middle = numbers.len() / 2;
+    (!numbers.is_empty()).then(|| *numbers.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 fn redundancy(residuals: &Residuals) -> Option<Redundancy> {
-    let numbers = ascending(residuals.rows.iter().filter_map(|row| row.redundancy));
+    let numbers = residuals.rows.iter().filter_map(|row| row.redundancy);
+    let mut numbers: Vec<f64> = numbers.collect();
     Some(Redundancy {
+        median: fixed(median(&mut numbers)?, 2),
         // Of lengths with common noise it may be below zero: nothing of an error shows.
-        least: fixed(numbers.first()?.max(0.0), 2),
-        median: fixed(*numbers.get(numbers.len() / 2)?, 2),
+        least: fixed(
+            numbers
+                .iter()
+                .fold(f64::INFINITY, |least, r| r.min(least))
+                .max(0.0),
+            2,
+        ),
         hardly_checked: numbers.iter().filter(|r| **r < HARDLY).count(),
     })
 }
