@@ -79,15 +79,17 @@ impl Factors {
     }
 
     /// Number of unknowns of block `i`.
-    pub(crate) fn unknowns(&self, i: usize) -> usize {
+    pub fn unknowns(&self, i: usize) -> usize {
         self.starts[i + 1] - self.starts[i]
     }
 
-    pub(crate) fn inverse_factor(&self, i: usize) -> &[f64] {
+    /// `R⁻¹` of block `i`, columns contiguous.
+    pub fn inverse_factor(&self, i: usize) -> &[f64] {
         &self.inverse_factors[self.inverse_factor_starts[i]..self.inverse_factor_starts[i + 1]]
     }
 
-    pub(crate) fn coupling(&self, i: usize) -> &[f64] {
+    /// `Z` of block `i`, rows contiguous.
+    pub fn coupling(&self, i: usize) -> &[f64] {
         &self.couplings[self.starts[i] * self.width..self.starts[i + 1] * self.width]
     }
 }

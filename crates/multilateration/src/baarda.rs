@@ -58,7 +58,12 @@ pub(crate) fn test_all(influence: &BatchInfluence<'_>) -> Tests {
     let tested = influence.of_pieces(
         #[inline(always)]
         |piece, rows| {
-            let mut tests = OfGroups::default();
+            let of_piece = &batches[piece.clone()];
+            let readings = of_piece.iter().map(|batch| batch.readings).sum();
+            let mut tests = OfGroups {
+                readings: Vec::with_capacity(readings),
+                visits: Vec::new(),
+            };
             let (mut slots, mut work) = (Slots::default(), BatchTests::default());
             for b in piece {
                 influence.fill(b, rows);
@@ -96,7 +101,6 @@ impl ReadingTest {
 }
 
 /// The tests of some groups: each reading and visit with its number.
-#[derive(Default)]
 struct OfGroups {
     readings: Vec<(usize, ReadingTest)>,
     visits: Vec<(usize, f64)>,

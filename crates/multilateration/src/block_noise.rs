@@ -21,12 +21,12 @@
 //!                                                                     | -Σ    0 |
 //! ```
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixView, DVector};
 use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product, add_symmetric_product};
-use trueaxis_leastsquares::{Covariance, Lanes, zeros};
+use trueaxis_leastsquares::{Covariance, Factors, FactorsMut, Lanes, zeros};
 
 use crate::batch_influence::{BatchInfluence, BatchRows};
-use crate::batches::Batch;
+use crate::batches::{Batch, groups_of};
 use crate::{Network, Solution};
 
 /// Covariance of all groups and of what they share, mm and rad: see [`Solution::noise`] and
@@ -34,8 +34,8 @@ use crate::{Network, Solution};
 #[derive(Debug, Clone)]
 pub struct BlockNoise<'a> {
     covariance: &'a Covariance,
-    /// `cov(ξ)` and `N` of each group; nothing for the whole noise.
-    of_lengths: Option<Vec<(DMatrix<f64>, DMatrix<f64>)>>,
+    /// `cov(ξ)` and `N` of each group, in the places of `R⁻¹` and `Z`; nothing for the whole noise.
+    of_lengths: Option<Factors>,
     shared: DMatrix<f64>,
 }
 
@@ -69,28 +69,32 @@ impl Solution {
     pub fn length_noise(&self, network: &Network) -> BlockNoise<'_> {
         let influence = BatchInfluence::new(network, self);
         let width = influence.width();
-        let pieces = influence.of_pieces(
+        let batches = influence.batches();
+        let unknowns = batches
+            .iter()
+            .flat_map(|batch| batch.groups.clone().map(|_| batch.unknowns()));
+        let mut blocks = Factors::zeros(width, unknowns);
+        let pieces: Vec<_> = influence.pieces().collect();
+        let parts = blocks.split_mut(&groups_of(batches, &pieces));
+        let sums = influence.with_pieces(
+            parts,
             #[inline(always)]
-            |piece, rows| {
-                let (mut blocks, mut memory) = (Vec::new(), PartMemory::default());
+            |piece, mut blocks, rows| {
+                let mut memory = PartMemory::default();
                 let mut sum = vec![Lanes::ZERO; width * width];
                 for b in piece {
                     influence.fill(b, rows);
-                    let (batch, shared) = (&influence.batches()[b], rows.hat.shared());
+                    let (batch, shared) = (&batches[b], rows.hat.shared());
                     let part = memory.part_of(shared, batch, rows);
                     add_symmetric_product(&mut sum, shared.transposed(), part);
-                    append_blocks(batch, rows, &mut memory, &mut blocks);
+                    write_blocks(batch, rows, &mut memory, &mut blocks);
                 }
                 let sum = sum.into_iter().map(Lanes::sum);
-                (blocks, DMatrix::from_row_iterator(width, width, sum))
+                DMatrix::from_row_iterator(width, width, sum)
             },
         );
-        let mut blocks = Vec::with_capacity(network.groups.len());
-        let mut middle = DMatrix::zeros(width, width);
-        for (part, sum) in pieces {
-            blocks.extend(part);
-            middle += sum;
-        }
+        let zero = DMatrix::zeros(width, width);
+        let mut middle = sums.into_iter().fold(zero, |middle, sum| middle + sum);
         middle.fill_lower_triangle_with_upper_triangle();
         let sigma = influence.sigma();
         let mut shared = DMatrix::zeros(2 * width, 2 * width);
@@ -120,11 +124,12 @@ impl BlockNoise<'_> {
         match &self.of_lengths {
             None => (factor * factor.transpose(), coupling),
             Some(blocks) => {
-                let (own, mixed) = &blocks[group];
                 let (n, width) = coupling.shape();
+                let own = DMatrix::from_column_slice(n, n, blocks.inverse_factor(group));
+                let mixed = DMatrixView::from_slice(blocks.coupling(group), width, n);
                 let mut doubled = coupling.resize_horizontally(2 * width, 0.0);
-                doubled.view_mut((0, width), (n, width)).copy_from(mixed);
-                (own.clone(), doubled)
+                doubled.columns_mut(width, width).tr_copy_from(&mixed);
+                (own, doubled)
             }
         }
     }
@@ -137,13 +142,13 @@ impl BlockNoise<'_> {
     }
 }
 
-/// Appends `cov(ξ)` and `N` of the groups of a batch with these rows.
+/// Writes `cov(ξ)` and `N` of the groups of a batch with these rows.
 #[inline(always)]
-fn append_blocks(
+fn write_blocks(
     batch: &Batch,
     rows: &BatchRows,
     memory: &mut PartMemory,
-    blocks: &mut Vec<(DMatrix<f64>, DMatrix<f64>)>,
+    blocks: &mut FactorsMut<'_>,
 ) {
     let (own, shared) = (rows.hat.own(), rows.hat.shared());
     let (count, unknowns, width) = (batch.slots(), own.columns(), shared.columns());
@@ -156,11 +161,15 @@ fn append_blocks(
     add_product(&mut of_group, part, errors);
     let mut mixed = vec![Lanes::ZERO; unknowns * width];
     add_product(&mut mixed, part, shared);
-    for lane in 0..batch.groups.len() {
-        let in_lane = |x: &[Lanes], columns: usize| {
-            DMatrix::from_row_iterator(unknowns, columns, x.iter().map(|x| x.0[lane]))
-        };
-        blocks.push((in_lane(&of_group, unknowns), in_lane(&mixed, width)));
+    for (lane, group) in batch.groups.clone().enumerate() {
+        let (own, coupling) = blocks.block_mut(group);
+        for (k, x) in of_group.iter().enumerate() {
+            // By rows; columns are wanted.
+            own[k % unknowns * unknowns + k / unknowns] = x.0[lane];
+        }
+        for (x, lanes) in coupling.iter_mut().zip(&mixed) {
+            *x = lanes.0[lane];
+        }
     }
 }
 

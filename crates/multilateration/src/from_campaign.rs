@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3};
-use trueaxis_campaign::{Campaign, Direction, Lengths, Step};
+use trueaxis_campaign::{Campaign, Direction, Lengths, Step, Target};
 use trueaxis_kinematics::Ideal;
 
 use crate::bodies::{Bodies, Body, Placed, are_in_line};
@@ -65,8 +65,7 @@ pub fn network_from_campaign(
     lengths: &Lengths,
     by_direction: bool,
 ) -> CampaignNetwork {
-    let in_runs = moved_in_runs(campaign, lengths);
-    let together = |step: usize, target: usize| together(campaign, &in_runs, step, target);
+    let together = together(campaign, &moved_in_runs(campaign, lengths));
     let mut groups: Vec<Group> = Vec::new();
     let mut kinds: Vec<Together> = Vec::new();
     // The groups of each step, or of each side of approach to it.
@@ -77,7 +76,10 @@ pub fn network_from_campaign(
         let is_bed = campaign.steps[stop.step].run.is_none();
         let side = usize::from(by_direction && stop.direction == Direction::Backward);
         for reading in &lengths.readings[stop.readings.clone()] {
-            let (moved, kind) = together(stop.step, reading.target);
+            let run = campaign.steps[stop.step].run;
+            let (moved, kind) = run.map_or((false, Together::OnBed), |run| {
+                together[run][reading.target]
+            });
             let known: &mut Vec<usize> = match is_bed {
                 true => &mut of_bed,
                 false => &mut of_step[stop.step][side],
@@ -204,7 +206,7 @@ fn moved_in_runs(campaign: &Campaign, lengths: &Lengths) -> Vec<Vec<usize>> {
             let Some(carrier) = campaign.targets[reading.target].carrier else {
                 continue;
             };
-            if is_moved(campaign, run, carrier) && !carriers[run].contains(&carrier) {
+            if !carriers[run].contains(&carrier) && is_moved(campaign, run, carrier) {
                 carriers[run].push(carrier);
             }
         }
@@ -217,23 +219,23 @@ fn is_moved(campaign: &Campaign, run: usize, carrier: usize) -> bool {
     campaign.machine.chain(carrier).contains(&axis)
 }
 
-/// Whether the run of a step moves a target, and with which others.
-fn together(
-    campaign: &Campaign,
-    moved_in_runs: &[Vec<usize>],
-    step: usize,
-    target: usize,
-) -> (bool, Together) {
-    let of_target = campaign.targets[target].carrier;
-    let Some((run, carrier)) = campaign.steps[step].run.zip(of_target) else {
-        return (false, Together::OnBed);
+/// Whether each run moves each target, and with which others.
+fn together(campaign: &Campaign, moved_in_runs: &[Vec<usize>]) -> Vec<Vec<(bool, Together)>> {
+    let of_target = |run: usize, target: &Target| {
+        let Some(carrier) = target.carrier else {
+            return (false, Together::OnBed);
+        };
+        let moved = is_moved(campaign, run, carrier);
+        match moved && moved_in_runs[run].len() > 1 {
+            true => (moved, Together::InRun(run)),
+            false => (moved, Together::OnCarrier(carrier)),
+        }
     };
-    let moved = is_moved(campaign, run, carrier);
-    if moved && moved_in_runs[run].len() > 1 {
-        (moved, Together::InRun(run))
-    } else {
-        (moved, Together::OnCarrier(carrier))
-    }
+    let of_run = |run: usize| {
+        let targets = campaign.targets.iter();
+        targets.map(|target| of_target(run, target)).collect()
+    };
+    (0..campaign.runs.len()).map(of_run).collect()
 }
 
 /// The targets of each body, ascending, and the body of each group.

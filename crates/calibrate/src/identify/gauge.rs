@@ -32,7 +32,6 @@ use crate::identify::axis_data::AxisData;
 use crate::identify::basis::Basis;
 use crate::identify::twist_map::twist_map;
 use crate::in_order;
-use trueaxis_predict::Node;
 
 /// The gauge of one axis.
 pub(crate) struct Gauge {
@@ -231,7 +230,8 @@ fn conditions(axis: &Axis, data: &AxisData) -> Vec<MatrixXx6<f64>> {
     let at_home = data.weights_at(0.0);
     let translation = |d: Vector3<f64>| RowVector6::new(d.x, d.y, d.z, 0.0, 0.0, 0.0);
     let rotation = |d: Vector3<f64>| RowVector6::new(0.0, 0.0, 0.0, d.x, d.y, d.z);
-    let of_node = |(number, node): (usize, &Node)| {
+    in_order::map(data.nodes.len(), |number| {
+        let node = &data.nodes[number];
         let home = at_home.iter().find(|(n, _)| *n == number);
         let home = home.map_or(0.0, |&(_, weight)| weight);
         let mut rows = Vec::new();
@@ -257,6 +257,5 @@ fn conditions(axis: &Axis, data: &AxisData) -> Vec<MatrixXx6<f64>> {
             }
         }
         MatrixXx6::from_rows(&rows)
-    };
-    data.nodes.iter().enumerate().map(of_node).collect()
+    })
 }

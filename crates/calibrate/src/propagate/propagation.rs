@@ -11,6 +11,7 @@ use nalgebra::{DMatrix, DVector, Matrix2, Matrix6};
 use trueaxis_kinematics::LocationComponent;
 use trueaxis_poses::{PoseNoise, Poses, ThroughSources};
 
+use crate::in_order;
 use crate::propagate::axis_noise::AxisNoise;
 use crate::propagate::dependence::Dependence;
 use crate::propagate::sources::SourceNoise;
@@ -84,10 +85,10 @@ impl<'a: 'i, 'i> Propagation<'a, 'i> {
     /// Of the component errors of axis `k`: for each node δ and ε.
     pub(crate) fn components(&self, k: usize) -> Vec<[Uncertainty; 6]> {
         let [whole, instrument] = [&self.whole, &self.instrument].map(|noise| noise.components(k));
-        let of_node = |(whole, instrument): (&[Variance; 6], &[Variance; 6])| {
+        in_order::map(whole.len(), |node| {
+            let (whole, instrument) = (&whole[node], &instrument[node]);
             std::array::from_fn(|c| self.stated(&whole[c], &instrument[c], 0.0))
-        };
-        whole.iter().zip(&instrument).map(of_node).collect()
+        })
     }
 
     /// Of the location errors of axis `k`: shift and tilt.
