@@ -11,10 +11,13 @@
 //! ([`crate::screen`]): the limit that all lengths together pass by chance in one of a hundred
 //! campaigns.
 
+use std::sync::Arc;
+
 use trueaxis_leastsquares::chi_squared_quantile;
 
 use crate::baarda::{ReadingTest, test_all};
 use crate::batch_influence::BatchInfluence;
+use crate::screened::Screened;
 use crate::screening::reading_limit;
 use crate::{Network, Solution};
 
@@ -41,15 +44,27 @@ const POWER: f64 = 0.8;
 impl Solution {
     /// Reliability of every reading; `network` must be the one that was solved.
     pub fn reliability(&self, network: &Network) -> Vec<Reliability> {
-        // z_p is the root of the chi-squared quantile of 2p - 1 with one degree of freedom.
-        let power = chi_squared_quantile(2.0 * POWER - 1.0, 1.0).sqrt();
-        let factor = reading_limit(network.readings.len()) + power;
-        let tests = test_all(&BatchInfluence::new(network, self)).readings;
-        let reliability = |test: &ReadingTest| Reliability {
-            redundancy: test.redundancy,
-            standardized: test.w,
-            minimal_detectable_mm: factor * test.sigma_mm,
-        };
-        tests.iter().map(reliability).collect()
+        of_tests(&test_all(&BatchInfluence::new(network, self)).readings)
     }
+}
+
+impl Screened {
+    /// Reliability of every reading of the network.
+    pub fn reliability(&self) -> Arc<Vec<Reliability>> {
+        let known = self.reliability.clone();
+        known.unwrap_or_else(|| Arc::new(self.solution.reliability(&self.network)))
+    }
+}
+
+/// Reliability of all readings of a network, from their tests.
+pub(crate) fn of_tests(tests: &[ReadingTest]) -> Vec<Reliability> {
+    // z_p is the root of the chi-squared quantile of 2p - 1 with one degree of freedom.
+    let power = chi_squared_quantile(2.0 * POWER - 1.0, 1.0).sqrt();
+    let factor = reading_limit(tests.len()) + power;
+    let reliability = |test: &ReadingTest| Reliability {
+        redundancy: test.redundancy,
+        standardized: test.w,
+        minimal_detectable_mm: factor * test.sigma_mm,
+    };
+    tests.iter().map(reliability).collect()
 }

@@ -53,6 +53,7 @@ fn screen_by(network: &Network, mut work: Screening<'_>) -> Result<Screened, Err
         work.go_on_from(&screened)?;
         if !work.suspicious()? {
             screened.removed = work.removed()?;
+            screened.reliability = work.reliability(&screened.solution);
             return Ok(screened);
         }
     }

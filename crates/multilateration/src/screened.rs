@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::estimate_noise::{NoiseEstimate, estimate_noise};
 use crate::solve::{Settings, solve};
-use crate::{Error, Network, Solution};
+use crate::{Error, Network, Reliability, Solution};
 
 /// A network that was cleaned and solved.
 #[derive(Debug, Clone)]
@@ -28,6 +28,8 @@ pub struct Screened {
     pub wandering: Vec<WanderingZero>,
     /// Whether the search came to an end. If not, tests still ask for changes.
     pub settled: bool,
+    /// Reliability of every reading at the solution, where the search has found it ([`Screened::reliability`]).
+    pub reliability: Option<Arc<Vec<Reliability>>>,
 }
 
 /// A reading that contradicts the others.
@@ -90,6 +92,7 @@ impl Screened {
             jumps: Vec::new(),
             wandering: Vec::new(),
             settled: true,
+            reliability: None,
         })
     }
 

@@ -14,13 +14,14 @@ use crate::batch_influence::BatchInfluence;
 use crate::estimate_noise::level;
 use crate::guard;
 use crate::interruption::Excluded;
+use crate::reliability::of_tests;
 use crate::robust_weights::{REMOVED, scale};
 use crate::screened::Screened;
 use crate::solve::{ABSURD_MM, Settings, batches_of, far_at, solve, solve_from, solve_from_start};
 use crate::start::{Start, start};
 use crate::step_tests::StepTest;
 use crate::whitened::Whitened;
-use crate::{Error, Interruption, Network, NoiseEstimate, Solution};
+use crate::{Error, Interruption, Network, NoiseEstimate, Reliability, Solution};
 
 /// Probability that a network without gross errors loses any reading.
 const READINGS_LEVEL: f64 = 0.01;
@@ -258,6 +259,14 @@ impl<'a> Screening<'a> {
             (None, false) => self.scale(&tests.readings),
         };
         Ok((tests, scale))
+    }
+
+    /// Reliability of every reading at a solution, if it is the present one and was tested.
+    pub(crate) fn reliability(&self, solution: &Arc<Solution>) -> Option<Arc<Vec<Reliability>>> {
+        let present = self.solution.as_ref();
+        let present = present.filter(|present| Arc::ptr_eq(present, solution));
+        let tests = present.and(self.tests.as_ref());
+        tests.map(|tests| Arc::new(of_tests(&tests.readings)))
     }
 
     fn scale(&self, tests: &[ReadingTest]) -> f64 {

@@ -39,13 +39,18 @@ pub(crate) struct Document<T> {
 
 impl Input {
     pub(crate) fn read(folder: &Path) -> Result<Self, Error> {
+        // These two are large.
+        let (calibration, residuals) = rayon::join(
+            || read_parts(folder, "calibration"),
+            || Residuals::read(&folder.join("residuals.csv")),
+        );
         let mut input = Self {
-            calibration: read_parts(folder, "calibration")?,
+            calibration: calibration?,
             diagnosis: read_parts(folder, "diagnosis")?,
             volume: read_json(folder, "volume")?.map(|(_, value)| value),
             montecarlo: read_json(folder, "montecarlo")?.map(|(_, value)| value),
             verification: read_parts(folder, "verification")?,
-            residuals: Residuals::read(&folder.join("residuals.csv"))?,
+            residuals: residuals?,
             left_out: Vec::new(),
         };
         let lacks_u = |calibration: &Calibration| {

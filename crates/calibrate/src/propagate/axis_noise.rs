@@ -119,8 +119,16 @@ impl<'a> AxisNoise<'a> {
             let from_pose = self.sensitivity.poses[i] * self.axis.records[i].weight;
             let with_noise = from_pose * self.noise.own[pose];
             sum.own += with_noise * from_pose.transpose();
-            sum.cross += with_noise * self.sensitivity.parameters[i].transpose();
-            sum.shared += from_pose * self.noise.coupling(pose);
+            // Column by column in fixed sizes: for such small matrices the general product is mostly overhead.
+            let parameters = self.sensitivity.parameters[i].row_iter();
+            for (mut column, row) in sum.cross.column_iter_mut().zip(parameters) {
+                column += with_noise * row.transpose();
+            }
+            let couplings = self.noise.coupling(pose);
+            for (mut column, coupling) in sum.shared.column_iter_mut().zip(couplings.column_iter())
+            {
+                column += from_pose * coupling;
+            }
         }
         sum
     }
@@ -132,19 +140,24 @@ impl<'a> AxisNoise<'a> {
         nodes: Range<usize>,
         functions: &AxisForm,
     ) -> (Vec<Matrix6<f64>>, DMatrix<f64>, DMatrix<f64>) {
-        let (rows, parameters) = (6 * nodes.len(), functions.parameters.transpose());
+        let (rows, parameters) = (6 * nodes.len(), &functions.parameters);
         let mut own = Vec::with_capacity(nodes.len());
-        let mut with_functions = DMatrix::zeros(rows, parameters.ncols());
+        let mut with_functions = DMatrix::zeros(rows, parameters.nrows());
         let mut shared = DMatrix::zeros(rows, self.noise.width());
         for (i, k) in nodes.enumerate() {
             let node = self.node(k);
-            let mut with = with_functions.rows_mut(6 * i, 6);
-            with += &node.cross * &parameters;
+            let mut with = with_functions.fixed_rows_mut::<6>(6 * i);
+            for (mut column, function) in with.column_iter_mut().zip(parameters.row_iter()) {
+                for (cross, coefficient) in node.cross.column_iter().zip(&function) {
+                    column += cross * *coefficient;
+                }
+            }
             for pose in functions.poses.iter().filter(|pose| pose.node == k) {
                 let mut block = with.fixed_columns_mut::<6>(pose.row);
                 block += node.own * pose.weight;
             }
-            shared.rows_mut(6 * i, 6).copy_from(&-node.shared);
+            let mut shared = shared.fixed_rows_mut::<6>(6 * i);
+            shared -= &node.shared;
             own.push(node.own);
         }
         (own, with_functions, shared)

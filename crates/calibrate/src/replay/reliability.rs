@@ -62,7 +62,7 @@ impl Replay<'_> {
         let mut errors_mm = vec![0.0; rows];
         let mut effects = DMatrix::zeros(rows, columns);
         let mut lengths = Vec::with_capacity(rows);
-        let internal = screened.solution.reliability(&screened.network);
+        let internal = screened.reliability();
         for (row, (internal, &reading)) in internal.iter().zip(&screened.kept).enumerate() {
             let mut worst = (0, 0.0);
             if internal.minimal_detectable_mm.is_finite() {

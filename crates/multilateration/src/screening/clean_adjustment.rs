@@ -55,6 +55,7 @@ impl Screening<'_> {
             jumps: self.found_jumps(&network, &solution),
             wandering,
             settled: self.settled,
+            reliability: None,
             network,
             solution: Arc::new(solution),
             noise,

@@ -107,6 +107,7 @@ impl LengthsAdjustment<'_> {
         Ok(Screened {
             solution: Arc::new(solution.map_err(words)?),
             network,
+            reliability: None,
             ..self.screened.clone()
         })
     }

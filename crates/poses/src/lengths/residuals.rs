@@ -8,9 +8,9 @@ impl LengthsAdjustment<'_> {
     pub(crate) fn residuals(&self) -> Vec<Residual> {
         let screened = &self.screened;
         let solution = &screened.solution;
-        let reliability = solution.reliability(&screened.network);
+        let reliability = screened.reliability();
         let used = screened.kept.iter().zip(&solution.residuals_mm);
-        let used = used.zip(&reliability);
+        let used = used.zip(&*reliability);
         let used = used.map(|((&reading, &residual_mm), reliability)| Residual {
             reading,
             coordinate: None,
