@@ -61,27 +61,32 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     }
     calibration.traceability.inputs = checksums(&args.campaign)?;
     let mut results = args.result.folder(&campaign.name)?;
-    let text = calibration.to_json();
     let lines = summary::lines(&campaign, &calibration, args.paper_signs);
     let is_rejected = rejects_the_model(&calibration);
     let notices = [&campaign.notices, &calibration.notices, &of_effects].map(Vec::as_slice);
     let notices = notices.concat();
-    let write_covariance = |out: &mut BufWriter<&mut File>| calibration.write_covariance_npz(out);
-    results.write_beside(FactoredCovariance::FILE, write_covariance, |results| {
+    let mut text = String::new();
+    let write_residuals =
+        |out: &mut BufWriter<&mut File>| calibration.write_residuals_csv(&campaign, out);
+    results.write_beside(Calibration::RESIDUALS_FILE, write_residuals, |results| {
+        text = calibration.to_json();
         results.write("calibration.json", text.as_bytes())?;
         for (name, bytes) in extra {
             results.write(name, &bytes)?;
         }
-        results.write_by(Calibration::RESIDUALS_FILE, |out| {
-            calibration.write_residuals_csv(&campaign, out)
-        })?;
-        // The report reads the files: of a million lengths not everything need be in memory twice.
-        drop(campaign);
-        match args.no_report {
+        Ok(())
+    })?;
+    // The report reads the files: of a million lengths not everything need be in memory twice.
+    drop(campaign);
+    let write_covariance = |out: &mut BufWriter<&mut File>| calibration.write_covariance_npz(out);
+    results.write_beside(
+        FactoredCovariance::FILE,
+        write_covariance,
+        |results| match args.no_report {
             true => Ok(()),
             false => results.report(),
-        }
-    })?;
+        },
+    )?;
 
     say_all(lines.iter().chain(&checked));
     notice_all(&notices);

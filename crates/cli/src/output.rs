@@ -75,7 +75,7 @@ impl Results {
         Ok(())
     }
 
-    /// Writes a result that is large beside `others`: the one waits for the disk, the others for the processor.
+    /// Writes a result that is large beside `others`, which are listed before it.
     pub(crate) fn write_beside(
         &mut self,
         name: &str,
