@@ -65,28 +65,24 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     let is_rejected = rejects_the_model(&calibration);
     let notices = [&campaign.notices, &calibration.notices, &of_effects].map(Vec::as_slice);
     let notices = notices.concat();
-    let mut text = String::new();
-    let write_residuals =
-        |out: &mut BufWriter<&mut File>| calibration.write_residuals_csv(&campaign, out);
-    results.write_beside(Calibration::RESIDUALS_FILE, write_residuals, |results| {
-        text = calibration.to_json();
-        results.write("calibration.json", text.as_bytes())?;
+    // Where the first result cannot be written, none is.
+    let text = calibration.to_json();
+    results.write("calibration.json", text.as_bytes())?;
+    let write_covariance = |out: &mut BufWriter<&mut File>| calibration.write_covariance_npz(out);
+    results.write_beside(FactoredCovariance::FILE, write_covariance, |results| {
         for (name, bytes) in extra {
             results.write(name, &bytes)?;
         }
-        Ok(())
-    })?;
-    // The report reads the files: of a million lengths not everything need be in memory twice.
-    drop(campaign);
-    let write_covariance = |out: &mut BufWriter<&mut File>| calibration.write_covariance_npz(out);
-    results.write_beside(
-        FactoredCovariance::FILE,
-        write_covariance,
-        |results| match args.no_report {
+        results.write_by(Calibration::RESIDUALS_FILE, |out| {
+            calibration.write_residuals_csv(&campaign, out)
+        })?;
+        // The report reads the files: of a million lengths not everything need be in memory twice.
+        drop(campaign);
+        match args.no_report {
             true => Ok(()),
             false => results.report(),
-        },
-    )?;
+        }
+    })?;
 
     say_all(lines.iter().chain(&checked));
     notice_all(&notices);
