@@ -17,7 +17,7 @@ pub(crate) const GEOMETRY_TOL: f64 = 1e-6;
 /// 12-14 are the right-hand side `Δ`: measured minus ideal position.)
 ///
 /// `r` holds the generalised coordinates of the targets relative to the reference point of δ, mm
-/// ([`trueaxis_kinematics::generalised_coordinates`]). Rows are Px Py Pz Qx Qy Qz Kx Ky Kz and so
+/// (Eq. 19: turned by the commanded angle, or in [`crate::pose_from_points`] by the pose itself). Rows are Px Py Pz Qx Qy Qz Kx Ky Kz and so
 /// on (①②③④⑤⑥⑦⑧⑨); columns are δx δy δz (per mm) and εx εy εz (per rad). Row j holds
 /// `Δ_j = δ + ε × r_j`.
 pub fn equations(r: &[Vector3<f64>]) -> MatrixXx6<f64> {

@@ -28,9 +28,8 @@
 //! [`rigid_misfit`] tests whether the points of a step moved as one body, [`triangle_mismatch`]
 //! whether measured targets are the nominal ones.
 //!
-//! The crate neither measures points nor turns coordinates by the commanded angle
-//! ([`trueaxis_kinematics::generalised_coordinates`] does), and it leaves squareness and other
-//! location errors in what it finds: separating them needs all steps of a run.
+//! The crate does not measure points, and it leaves squareness and other location errors in what it
+//! finds: separating them needs all steps of a run.
 
 mod body;
 mod closed_form;

@@ -195,7 +195,8 @@ impl Axis {
     }
 
     /// The commanded motion alone: translation by `position` mm along the average direction, or
-    /// rotation by `position` rad about the average axis, as it acts on home coordinates.
+    /// rotation by `position` rad about the average axis, as it acts on home coordinates. Its rotation
+    /// turns stage coordinates into the generalised ones of the paper's Eq. 19.
     pub fn commanded_motion(&self, position: f64, location: &LocationError) -> Isometry3<f64> {
         self.motion(position, location, &MotionError::default())
     }
@@ -292,6 +293,23 @@ mod tests {
         let h = Point3::new(10.0, 20.0, 30.0);
         let lifted = c.commanded_motion(0.0, &location) * h;
         assert!((lifted - h - Vector3::new(0.0, 0.0, 0.5)).norm() < 1e-13);
+    }
+
+    /// The paper's Eqs. 19a, 19b, 19c as printed.
+    #[test]
+    fn commanded_rotation_gives_the_generalised_coordinates() {
+        let (x, y, z, angle) = (3.0, -5.0, 7.0, 0.7_f64);
+        let (s, c) = angle.sin_cos();
+        let printed = [
+            (Vector3::x(), Vector3::new(x, y * c - z * s, z * c + y * s)),
+            (Vector3::y(), Vector3::new(x * c + z * s, y, z * c - x * s)),
+            (Vector3::z(), Vector3::new(x * c - y * s, y * c + x * s, z)),
+        ];
+        for (direction, expected) in printed {
+            let axis = Axis::rotary("R", direction, [0.0, 6.0], Point3::origin()).unwrap();
+            let motion = axis.commanded_motion(angle, &LocationError::default());
+            assert!((motion * Vector3::new(x, y, z) - expected).norm() < 1e-14);
+        }
     }
 
     #[test]

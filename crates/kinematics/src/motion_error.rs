@@ -26,7 +26,8 @@ impl MotionError {
     /// Linear form `Δ = δ + ε × r` (paper Eqs. 1 to 4 and 20), mm.
     ///
     /// `r` is the position of the point relative to the reference point of δ; for a rotary axis
-    /// it is turned by the commanded angle already ([`crate::generalised_coordinates`]).
+    /// it is turned by the commanded angle already (the generalised coordinates of Eq. 19,
+    /// [`crate::Axis::commanded_motion`]).
     pub fn displacement_mm(&self, r: Vector3<f64>) -> Vector3<f64> {
         self.translation_mm + self.rotation_rad.cross(&r)
     }

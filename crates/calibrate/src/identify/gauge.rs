@@ -1,4 +1,4 @@
-//! The least-squares gauge: which part of the measured motion is location error, which is the
+//! The least-squares gauge (paper 4.2.2 and 4.2.3): which part of the measured motion is location error, which is the
 //! position of the targets, and which is component error.
 //!
 //! The pose errors `e_i = (δ, ε)` of all records of an axis determine its component errors `E`
