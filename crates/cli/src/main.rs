@@ -1,6 +1,6 @@
 //! `trueaxis`: from lengths to every geometric error of a machine tool.
 //!
-//! Data goes to standard output only when asked for with `--json`, talk to standard error. Exit
+//! Data go to standard output only when asked for with `--json`, messages to standard error. Exit
 //! codes are part of the interface: see [`exit`].
 
 mod args;

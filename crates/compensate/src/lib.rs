@@ -5,7 +5,7 @@
 //!
 //! [`export()`] makes tables for controls ([`Format`]), and says what they leave.
 //!
-//! [`import()`] makes a calibration of the tables of another system.
+//! [`import()`] makes a calibration from the tables of another system.
 //!
 //! Noun in: a machine with its errors, as a [`trueaxis_predict::CalibratedMachine`], and a commanded pose; noun out:
 //! [`Corrected`] positions.

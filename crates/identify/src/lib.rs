@@ -9,10 +9,9 @@
 //! Three targets off one line give nine such equations ①...⑨ (Px Py Pz Qx Qy Qz Kx Ky Kz; Eq. 9
 //! for a linear, Eq. 16 for a rotary axis) for the six components of δ and ε. Noun in: the measured
 //! points of a step, with their noise; noun out: the pose of its stage ([`pose_from_points`], a
-//! [`MeasuredPose`]). Its parts stand alone, too. From generalised coordinates `r_j` (Eq. 19) and
-//! volumetric errors `Δ_j` (measured minus ideal position) to a
-//! [`MotionError`](trueaxis_kinematics::MotionError) leads an [`Operator`], which knows the noise it
-//! lets through:
+//! [`MeasuredPose`]). Its parts stand alone, too. An [`Operator`] leads from generalised coordinates
+//! `r_j` (Eq. 19) and volumetric errors `Δ_j` (measured minus ideal position) to a
+//! [`MotionError`](trueaxis_kinematics::MotionError), and knows the noise it lets through:
 //!
 //! - [`nine()`] and [`nine_weighted`]: all equations by least squares, for three targets or more;
 //! - [`SixRows`]: any six of the nine (the paper's are Eqs. 10 and 17), for comparison;

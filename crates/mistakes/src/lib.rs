@@ -1,4 +1,4 @@
-//! What people do wrong: for data that contradict each other, the mistakes that would explain it.
+//! What people do wrong: for data that contradict each other, the mistakes that would explain the contradiction.
 //!
 //! Each mistake (names of targets or stations exchanged, an axis or the lengths reversed, nominal positions that are not
 //! those at home, a wrong prism constant) is undone in a copy of the campaign, and that copy is calibrated; long runs are

@@ -11,8 +11,8 @@
 //! draws and evaluates; noun out: a [`Propagation`] with a [`Summary`] per output: mean, standard
 //! uncertainty, the probabilistically symmetric and the shortest coverage interval, and the
 //! [`Scatter`] that the Monte Carlo itself leaves in them. The trials are a fixed number or as many
-//! as a number of significant digits asks for ([`Trials`], clause 7.9). [`validate`] holds a
-//! first-order result against the Monte Carlo (clause 8).
+//! as a number of significant digits asks for ([`Trials`], clause 7.9). [`validate`] compares a
+//! first-order result with the Monte Carlo (clause 8).
 //!
 //! ```
 //! use rand_distr::{Distribution, StandardNormal};

@@ -1,8 +1,8 @@
 //! Measured poses of a machine's stages, from lengths or from coordinates.
 //!
-//! A pose is the rigid motion that brings the targets of a stage from home to where they were at a step,
-//! relative to where they were expected a small twist `x = (δ, ε)`: a translation (mm) of a pivot and a rotation
-//! (rad) about it. The errors of all poses are
+//! A pose is the rigid motion that brings the targets of a stage from home to where they were at a step. Its
+//! error is a small twist `x = (δ, ε)`: a translation (mm) of a pivot and a rotation (rad) about it. The errors
+//! of all poses are
 //!
 //! ```text
 //! x_i = ξ_i - Z_i s     cov(x_i, x_k) = [i = k] D_i + Z_i Σ Z_kᵀ
@@ -12,8 +12,8 @@
 //! targets, the datum.
 //!
 //! Noun in: a checked [`trueaxis_campaign::Campaign`] and [`Settings`]; noun out: [`MeasuredPoses`], the
-//! [`Poses`] with what was adjusted beside them. Three ways lead there, and nobody behind needs to know which
-//! was taken:
+//! [`Poses`] with what was adjusted beside them. There are three ways; later stages need not know which was
+//! taken:
 //!
 //! - [`Method::Joint`]: one adjustment of all lengths with rigid stages
 //!   (`trueaxis-multilateration`), in which every pose is an unknown;
@@ -21,10 +21,11 @@
 //!   (`trueaxis-identify`, paper Eqs. 20 and 21); the paper's path;
 //! - [`Method::Six`]: the same with six of the nine.
 //!
-//! Coordinates that an instrument measured directly are brought into the datum and go by the equations.
+//! Coordinates that an instrument measured directly are brought into the datum; their poses follow from the
+//! equations.
 //!
-//! Before, lengths that contradict the others leave, interrupted occupations are split, and the noise is estimated
-//! from what is left ([`trueaxis_multilateration::screen`]); [`AdjustmentReport`] says what was done.
+//! Before that, lengths that contradict the others are removed, interrupted occupations are split, and the noise is
+//! estimated from what is left ([`trueaxis_multilateration::screen`]); [`AdjustmentReport`] says what was done.
 //! [`PoseTrials`] measures again with other errors: Monte Carlo and reliability.
 //! [`EffectsOnLengths`] takes what known effects do (drift, jumps, lost motion) out of the lengths.
 //!
