@@ -9,7 +9,7 @@ use super::schedule::Schedule;
 use super::{Act, Course, Hidden, Kind};
 
 /// Effects of the catalogue that can be seen in lengths.
-pub const CATALOGUED: [&str; 17] = [
+pub const CATALOGUED: &[&str] = &[
     "dead_path_drift",
     "dead_path_jump",
     "refraction_drift",
@@ -29,8 +29,8 @@ pub const CATALOGUED: [&str; 17] = [
     "station_settling",
 ];
 
-/// As many of them had their places among the names, which draw their random numbers, before those that are
-/// not in the catalogue.
+/// So many of them stand before those that are not in the catalogue in [`names`], whose order seeds the draws: new
+/// ones are appended.
 const FIRST: usize = 15;
 
 /// Effects that the catalogue does not hold.

@@ -81,7 +81,7 @@ fn parameters_are_those_of_the_catalogue() {
     );
     assert!((twice[0].value - 2.0 * once[0].value).abs() < 1e-12);
     let kind = Kind::three_axis().on_the_fly();
-    for name in CATALOGUED {
+    for &name in CATALOGUED {
         let hidden = draw(&kind, name, 2).unwrap();
         assert_eq!(hidden.name, name);
         assert!(!hidden.parameters(&kind).is_empty(), "{name}");
