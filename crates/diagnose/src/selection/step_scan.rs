@@ -156,9 +156,10 @@ impl Scan for StepScan {
     }
 
     fn gap_s(&self, shape: f64) -> Option<f64> {
-        let mut instants = self.instants.iter();
-        let own = instants.find(|instant| instant.time_s.total_cmp(&shape).is_eq());
-        own.map(|instant| instant.gap_s)
+        // The last one comes first.
+        let own = |instant: &Instant| shape.total_cmp(&instant.time_s);
+        let place = self.instants.binary_search_by(own);
+        place.ok().map(|place| self.instants[place].gap_s)
     }
 
     fn columns(&self, shape: f64) -> Vec<Vec<f64>> {
