@@ -218,7 +218,7 @@ pub struct Cause {
     pub parameters: Vec<EstimatedParameter>,
     /// Covariance of the linear parameters in their units, rows one after the other.
     pub covariance: Vec<f64>,
-    /// What explains the data nearly as well.
+    /// What explains the data nearly as well, disturbances first.
     pub rivals: Vec<Rival>,
     /// By how much the calibration changes: name of the component or location error, largest amount and
     /// unit.

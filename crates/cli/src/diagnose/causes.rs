@@ -115,7 +115,7 @@ fn names_of_rivals(cause: &Cause, scene: &Scene) -> String {
     let name = |rival: &Rival| match rival {
         Rival::Effect { effect, .. } => in_words::effect(effect, scene),
         Rival::Disturbance { whose, .. } => {
-            format!("a course of unknown form of {}", whose.in_words(scene))
+            format!("something of no known form: {}", whose.in_words(scene))
         }
     };
     let rivals = cause.rivals.iter().take(MOST_RIVALS);

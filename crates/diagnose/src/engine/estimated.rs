@@ -39,7 +39,7 @@ pub(crate) fn cause<D: Measured>(
         delta_bic: found.bic,
         explained_rms_um,
         heldout_gain: gain.map(|g| 1.0 - g.heldout_rms_ratio),
-        rivals: effects.chain(disturbances).collect(),
+        rivals: disturbances.chain(effects).collect(),
         fitted,
         ..Cause::of(of, found.suspect.resolved(), parameters, covariance)
     }

@@ -72,10 +72,11 @@ pub(crate) fn causes(
         causes.push(Cause {
             explained_rms_um: rms_of_readings_um(problem, &fitted),
             heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
-            rivals: rivals(&problem.listed, &chosen[k..=k], &judged)
-                .into_iter()
-                .chain(wanders_instead(problem, wandering, chosen, k, &judged))
-                .collect(),
+            rivals: [
+                wanders_instead(problem, wandering, chosen, k, &judged),
+                rivals(&problem.listed, &chosen[k..=k], &judged),
+            ]
+            .concat(),
             curve,
             fitted: shown(problem, scene, &misfit, &fitted),
             ..said
