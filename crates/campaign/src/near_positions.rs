@@ -25,7 +25,7 @@ const NEAR: f64 = 0.01;
 /// may be meant.
 const NEAR_AT_MOST: [f64; 2] = [0.05, 0.05];
 
-/// What encoders show of an axis that stands still differs by less, mm and degrees: no two stops.
+/// Positions that are closer are one stop, mm and degrees: encoders of an axis that stands still differ by less.
 const STANDSTILL: [f64; 2] = [0.001, 0.001];
 
 /// The same for an axis that is parked, mm and degrees.

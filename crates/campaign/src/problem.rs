@@ -224,8 +224,8 @@ pub enum Problem {
     #[error(
         "run `{run}` stops at {position} {unit} here and at {other} {unit} in line {other_line}: positions differ in \
          the last digits, and each would be a step of its own; give the commanded positions, not what the encoders \
-         show (steps that are meant to differ: by {near} {unit} or more, in a run of their own, or stopped at one \
-         after the other)"
+         show (steps that are meant to differ: by {near} {unit} or more, in a run of their own, or, from 0.001 {unit} \
+         on, stopped at one after the other)"
     )]
     NearPositions {
         /// The run.

@@ -76,7 +76,7 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
         results.write_by(Calibration::RESIDUALS_FILE, |out| {
             calibration.write_residuals_csv(&campaign, out)
         })?;
-        // The report reads the files: of a million lengths not everything need be in memory twice.
+        // The report reads the files: a million lengths need not be in memory twice.
         drop(campaign);
         match args.no_report {
             true => Ok(()),

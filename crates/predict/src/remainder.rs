@@ -12,7 +12,7 @@
 //! over all windows of five steps of a curve (0 if that is negative). In the middle between steps of equal distance
 //! `r_j` is 64/9 times as large, so that an interpolation error that is hidden in the noise is small beside it. For
 //! a wave of amplitude a the error of a sample at random is a part of a wave as well, whose rms this is; it holds
-//! for waves of four steps and more (u is 20 to 26 % too small at four, 15 % at five). What fits between the steps unseen is unseen.
+//! for waves of five steps and more (u is 15 % too small at five, 20 to 26 % at four). What fits between the steps unseen is unseen.
 //!
 //! Outside the steps the errors of the nearest, `q_0`, are held, whose remainder is that of a slope. With the step before it,
 //! `q_1`, and `d = |q - q_0|`, `h = |q_0 - q_1|`,

@@ -106,6 +106,23 @@ fn unit(curve: &Curve) -> &'static str {
     }
 }
 
+/// Student's factor above which a band would hide the curve, and is not drawn: with less than one degree of freedom.
+const MOST_COVERAGE: f64 = 20.0;
+
+fn half_of_band(u: f64, dof: Option<f64>) -> f64 {
+    match expanded(u, dof) {
+        half if half > MOST_COVERAGE * u => f64::INFINITY,
+        half => half,
+    }
+}
+
+/// From the least to the largest of a curve with its band, and zero.
+fn shown(nodes: &[[f64; 3]]) -> [f64; 2] {
+    let bounds = nodes.iter();
+    let bounds = bounds.flat_map(|[_, value, half]| [*value, value - half, value + half]);
+    range(bounds.chain([0.0]))
+}
+
 fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
     let unit = unit(curve);
     let position_unit = match axis.kind {
@@ -114,12 +131,9 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
     };
     let nodes = axis.positions.iter().zip(curve.values()).zip(curve.u());
     let nodes: Vec<[f64; 3]> = nodes
-        .map(|((&x, &value), &u)| [x, value, expanded(u, curve.dof)])
+        .map(|((&x, &value), &u)| [x, value, half_of_band(u, curve.dof)])
         .collect();
-    let bounds = nodes
-        .iter()
-        .flat_map(|[_, value, expanded]| [value - expanded, value + expanded]);
-    let [low, high] = range(bounds.chain([0.0]));
+    let [low, high] = shown(&nodes);
     let [from, to] = range(axis.positions.iter().copied());
     let x = Scale::positions(axis.kind == Kind::Rotary, from, to, 5);
     let frame = Frame {
@@ -233,5 +247,14 @@ mod tests {
         let (all, kept) = (extremes(&curve), extremes(&drawn));
         assert!((all[0] - kept[0]).abs() + (all[1] - kept[1]).abs() < 1e-15);
         assert_eq!(thinned(curve[..400].to_vec()), curve[..400]);
+    }
+
+    #[test]
+    fn a_curve_without_degrees_of_freedom_is_inside_its_frame() {
+        let half = half_of_band(0.3, Some(0.0));
+        assert!(half.is_infinite());
+        let [low, high] = shown(&[[0.0, -3.0, half], [10.0, 14.0, half]]);
+        assert!(low < -3.0 && high > 14.0 && high < 20.0, "{low} {high}");
+        assert!(half_of_band(0.3, Some(1.0)) < 4.0);
     }
 }

@@ -102,9 +102,14 @@ pub(crate) struct Rival {
 }
 
 impl Rival {
+    /// Whether it is no effect of the catalogue, but something that wanders.
+    pub(crate) fn is_disturbance(&self) -> bool {
+        self.effect == "disturbance"
+    }
+
     /// `station jump of station S2`, or that of a disturbance in the data of a cause.
     pub(crate) fn name(&self, of: &Cause) -> String {
-        if self.effect != "disturbance" {
+        if !self.is_disturbance() {
             return words::effect(&self.effect, &self.subject);
         }
         let disturbance = Disturbance {

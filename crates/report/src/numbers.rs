@@ -23,6 +23,8 @@ pub(crate) fn normal_quantile(probability: f64) -> f64 {
 /// Two significant digits of `uncertainty`, at most four decimals.
 pub(crate) fn decimals(uncertainty: f64) -> usize {
     match uncertainty.abs() {
+        // It says nothing about the digits.
+        f64::INFINITY => 1,
         u if u >= 9.95 => 0,
         u if u >= 0.995 => 1,
         u if u >= 0.0995 => 2,
@@ -36,7 +38,10 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     if value.is_infinite() && value > 0.0 {
         return "∞".to_owned();
     }
-    let text = format!("{value:.decimals$}");
+    let text = match value.abs() >= 1e9 {
+        true => format!("{value:.0e}"),
+        false => format!("{value:.decimals$}"),
+    };
     let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
     match text.strip_prefix('-') {
         Some(digits) if is_zero => digits.to_owned(),
@@ -93,6 +98,8 @@ mod tests {
     #[test]
     fn without_degrees_of_freedom_nothing_is_known() {
         assert_eq!(fixed(expanded(0.3, Some(0.0)), 1), "∞");
+        assert_eq!(decimals(f64::INFINITY), 1);
+        assert_eq!(fixed(1.23e12, 0), "1e12");
         assert!(expanded(0.3, Some(0.009)) > expanded(0.3, Some(1.0)));
         assert!((expanded(0.3, Some(1.0)) / 0.3 - 12.706).abs() < 1e-3);
         assert!((expanded(0.3, None) - 0.6).abs() < 1e-12);

@@ -11,7 +11,7 @@ use crate::result::calibration::Calibration;
 use trueaxis_predict::position_in_file;
 
 /// Decimals of residuals, redundancy and times: far below anything measurable.
-const DECIMALS: i32 = 4;
+const DECIMALS: u8 = 4;
 
 impl Calibration {
     /// File name of [`Calibration::write_residuals_csv`].

@@ -96,8 +96,8 @@ pub(crate) fn compete<D: Wanders>(
     Ok(model)
 }
 
-/// Adds to causes the disturbances that may have been there instead: of the same thing, and with more evidence. What makes a
-/// further cause a rival, odds of 20 to 1, is the price of a form that can be anything. `wandering` is in the model anyway.
+/// Adds to causes the disturbances that may have been there instead: of the same thing, and with more evidence. A rival may have
+/// [`DECISIVE`] less than a cause, and a disturbance costs as much more. `wandering` is in the model anyway.
 pub(crate) fn add_rival_disturbances<D: Wanders>(
     base: &D,
     adjusted: &D::Model,

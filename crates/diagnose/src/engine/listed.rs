@@ -35,7 +35,7 @@ pub(crate) struct Candidate<'a> {
 pub(crate) struct Finer<'a> {
     /// Whitened columns of any shape.
     pub(crate) columns: ColumnsAt<'a>,
-    /// All gaps in which an instant may lie, s; none of a shape that takes every value in between.
+    /// All gaps in which an instant may lie, s, the first one first; `None` for a shape that may have any value.
     pub(crate) gaps_s: Option<Vec<[f64; 2]>>,
 }
 
@@ -96,6 +96,9 @@ const WORTH_REFINING: f64 = 20.0;
 const ROUGHLY: f64 = 1e-2;
 const REFINED: f64 = 1e-5;
 
+/// Gaps on either side of an instant in which it may be, too: what is farther off fits so much worse, unless hardly anything shows.
+const GAPS_NEARBY: usize = 60;
+
 /// Part of the level at which a free form is preferred to its mean and slope.
 const FREE_FORM: f64 = 0.1;
 
@@ -131,6 +134,9 @@ impl Candidate<'_> {
         let gained = |shape: f64| Fit::new(model, &(finer.columns)(shape)).gained();
         match &finer.gaps_s {
             Some(all) => {
+                // Before the first of the list, and after the last, there may be more.
+                let low = before.unwrap_or(f64::NEG_INFINITY);
+                let high = after.unwrap_or(f64::INFINITY);
                 let between = all.iter().map(middle).filter(|&t| low <= t && t <= high);
                 let between = between.map(|t| (t, gained(t)));
                 between
@@ -144,15 +150,13 @@ impl Candidate<'_> {
         }
     }
 
-    /// Standard deviation of an instant over its marginal likelihood between its neighbours in the list.
+    /// Standard deviation of an instant over its marginal likelihood in the gaps nearby.
     fn u_instant(&self, model: &Projection, instant: f64) -> Option<f64> {
         let all = self.finer.as_ref()?.gaps_s.as_ref()?;
-        let [before, after] = neighbours(&self.shapes, instant);
-        let [low, high] = [before.unwrap_or(instant), after.unwrap_or(instant)];
-        let between = all.iter().copied();
-        let between = between.filter(|gap| low <= middle(gap) && middle(gap) <= high);
+        let own = all.iter().position(|gap| middle(gap) >= instant)?;
+        let near = own.saturating_sub(GAPS_NEARBY)..all.len().min(own + GAPS_NEARBY + 1);
         let columns = |shape: f64| self.columns(shape).into_owned();
-        let scan = FixedScan::of_instants(self.hypothesis, model, between.collect(), columns)?;
+        let scan = FixedScan::of_instants(self.hypothesis, model, all[near].to_vec(), columns)?;
         let scans: [Box<dyn Scan>; 1] = [Box::new(scan)];
         rank(model, &scans).first().map(|score| score.u_shape)
     }

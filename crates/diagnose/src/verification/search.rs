@@ -53,7 +53,7 @@ pub(crate) fn search_beside(
         refine(listed, &mut causes);
         // A single cause was judged when it joined.
         if causes.len() > 1 {
-            drop_superfluous(listed, &mut causes, level);
+            drop_superfluous(listed, &mut causes, least);
         }
     }
     causes
