@@ -5,6 +5,7 @@
 //! length would be a step of its own, and the steps would not be determined ([`check`]). Unless a sweep stops at one after
 //! the other and reads a target at both: it comes by each commanded position once, whatever the encoders show there.
 
+use std::cell::LazyCell;
 use std::collections::HashSet;
 use std::path::Path;
 
@@ -87,7 +88,8 @@ pub(crate) fn check<R: Reading>(
     (stops, readings): (&[Stop], &[R]),
     steps: &Steps,
 ) -> Result<(), Error> {
-    let one_after_the_other = one_after_the_other(stops, readings);
+    // Most campaigns have no positions that are near each other.
+    let one_after_the_other = LazyCell::new(|| one_after_the_other(stops, readings));
     let mut of_runs = vec![Vec::new(); campaign.runs.len()];
     for (number, (step, &line)) in steps.steps.iter().zip(&steps.lines).enumerate() {
         if let Some(run) = step.run {
@@ -107,10 +109,12 @@ pub(crate) fn check<R: Reading>(
             let pairs = seen.windows(2);
             let pairs = pairs.filter(|pair| {
                 let distance = pair[1].position - pair[0].position;
-                let are_two_stops = number == run.axis
-                    && distance >= limit(STANDSTILL, kind)
-                    && one_after_the_other.contains(&[pair[0].step, pair[1].step]);
-                distance < near && !are_two_stops
+                let are_two_stops = || {
+                    number == run.axis
+                        && distance >= limit(STANDSTILL, kind)
+                        && one_after_the_other.contains(&[pair[0].step, pair[1].step])
+                };
+                distance < near && !are_two_stops()
             });
             let Some(pair) = pairs.min_by_key(|pair| pair[0].line.max(pair[1].line)) else {
                 continue;

@@ -1,8 +1,5 @@
 //! `trueaxis calibrate`.
 
-use std::fs::File;
-use std::io::BufWriter;
-
 use anyhow::Context;
 use trueaxis_calibrate::{
     Calibration, LengthsReliability, Settings, calibrate, calibrate_for_replay,
@@ -68,21 +65,25 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     // Where the first result cannot be written, none is.
     let text = calibration.to_json();
     results.write("calibration.json", text.as_bytes())?;
-    let write_covariance = |out: &mut BufWriter<&mut File>| calibration.write_covariance_npz(out);
-    results.write_beside(FactoredCovariance::FILE, write_covariance, |results| {
-        for (name, bytes) in extra {
-            results.write(name, &bytes)?;
-        }
-        results.write_by(Calibration::RESIDUALS_FILE, |out| {
-            calibration.write_residuals_csv(&campaign, out)
-        })?;
-        // The report reads the files: a million lengths need not be in memory twice.
-        drop(campaign);
-        match args.no_report {
-            true => Ok(()),
-            false => results.report(),
-        }
-    })?;
+    let covariance = FactoredCovariance::FILE;
+    results.write_beside(
+        covariance,
+        |out| calibration.write_covariance_npz(out),
+        |results| {
+            for (name, bytes) in extra {
+                results.write(name, &bytes)?;
+            }
+            results.write_by(Calibration::RESIDUALS_FILE, |out| {
+                calibration.write_residuals_csv(&campaign, out)
+            })?;
+            // The report reads the files: a million lengths need not be in memory twice.
+            drop(campaign);
+            match args.no_report {
+                true => Ok(()),
+                false => results.report(),
+            }
+        },
+    )?;
 
     say_all(lines.iter().chain(&checked));
     notice_all(&notices);

@@ -3,12 +3,10 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 use trueaxis_calibrate::Calibration;
-use trueaxis_effects::{
-    Explanation, LOST_MOTION_OF_BOTH_SIGNS, Layer, Level, ResolvedEffect, Scene,
-};
+use trueaxis_effects::{Level, Scene};
 
 use crate::json::rounded;
-use crate::{CurvePoint, Disturbance, Fitted, Shares, Wandering};
+use crate::{Cause, Disturbance, Shares};
 
 /// A diagnosis of a campaign.
 #[derive(Debug, Clone)]
@@ -192,90 +190,6 @@ pub struct Place {
     pub after_um: f64,
 }
 
-/// Probability of sizes that scatter as much, below which it is not taken for chance.
-pub(crate) const SIZES_DIFFER: f64 = 0.01;
-
-/// A cause.
-#[derive(Debug, Clone)]
-pub struct Cause {
-    /// The effect with its subject and values.
-    pub effect: ResolvedEffect,
-    /// Where it was found.
-    pub level: Level,
-    /// The data in which it was found, as [`LevelReport::data`]: several where verifications have it in common.
-    pub data: Vec<String>,
-    /// Probability that noise alone looks as much like any effect (family-wise).
-    pub p_value: f64,
-    /// BIC against the model without it, the other causes in it; negative is better.
-    pub delta_bic: f64,
-    /// Rms of what it explains over all readings of the level, µm.
-    pub explained_rms_um: f64,
-    /// By what part the held-out rms falls; none where nothing could be held out.
-    pub heldout_gain: Option<f64>,
-    /// Its share of the misfit of its level, 0 to 1 ([`Shares`]); none for a cause of an error curve.
-    pub share: Option<f64>,
-    /// Its parameters, the shape (instant, time constant, period) last.
-    pub parameters: Vec<EstimatedParameter>,
-    /// Covariance of the linear parameters in their units, rows one after the other.
-    pub covariance: Vec<f64>,
-    /// What explains the data nearly as well, disturbances first.
-    pub rivals: Vec<Rival>,
-    /// By how much the calibration changes: name of the component or location error, largest amount and
-    /// unit.
-    pub changes: Vec<Change>,
-    /// Its size as a function of the position, where that has a free form; else empty.
-    pub curve: Vec<CurvePoint>,
-    /// For a cause of several data: probability that chance alone lets its sizes in each scatter as much about the common one.
-    pub sizes_p_value: Option<f64>,
-    /// For a cause of an error curve: its share of the curve's squares.
-    pub share_of_curve: Option<f64>,
-    /// The misfit without it beside what it explains of it; none where single readings do not show it.
-    pub fitted: Option<Fitted>,
-}
-
-/// A value with standard uncertainty.
-#[derive(Debug, Clone, PartialEq)]
-pub struct EstimatedParameter {
-    /// Name, as `shift_x`.
-    pub name: String,
-    /// Value.
-    pub value: f64,
-    /// Standard uncertainty.
-    pub u: f64,
-    /// Unit, as `um`.
-    pub unit: &'static str,
-}
-
-/// Another explanation.
-#[derive(Debug, Clone)]
-pub enum Rival {
-    /// An effect of the catalogue.
-    Effect {
-        /// With its subject and values.
-        effect: ResolvedEffect,
-        /// BIC against the model without either, the other causes in it; negative is better.
-        delta_bic: f64,
-    },
-    /// Something that wanders in a course that nobody knows.
-    Disturbance {
-        /// What wanders.
-        whose: Wandering,
-        /// Twice the logarithm of its marginal likelihood ratio against the same model; positive is better.
-        evidence: f64,
-    },
-}
-
-/// A change of a result of the calibration.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Change {
-    /// Name, as `EXX` or `C0Y`.
-    pub name: String,
-    /// Largest amount over the positions.
-    pub largest: f64,
-    /// Unit: `um` or `arcsec`, `mm` for the location of a rotary axis.
-    pub unit: &'static str,
-}
-
 /// What is left when nothing of the catalogue explains it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unexplained {
@@ -323,84 +237,4 @@ pub struct NotObservable {
     pub bias_per_unit: Vec<(String, String)>,
     /// What to measure to see it.
     pub measure: String,
-}
-
-/// What a cause says about the logged temperature that it goes with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Follows<'a> {
-    /// The column, as `machine_temp_spindle_c`.
-    pub column: &'a str,
-    /// Whether each coefficient may be in the range, its expanded uncertainty (k = 2) considered.
-    pub is_plausible: bool,
-    /// The range in which coefficients are plausible.
-    pub range: [f64; 2],
-    /// Their unit, as `um/K`.
-    pub unit: &'static str,
-}
-
-impl Cause {
-    /// Its rivals of the catalogue.
-    pub fn rival_effects(&self) -> impl Iterator<Item = &ResolvedEffect> {
-        self.rivals.iter().filter_map(|rival| match rival {
-            Rival::Effect { effect, .. } => Some(effect),
-            Rival::Disturbance { .. } => None,
-        })
-    }
-
-    /// What to tell a calibration engineer about it.
-    pub fn explanation(&self) -> Explanation {
-        let beyond_doubt = |sign: f64| {
-            let points = self.curve.iter();
-            let clear = |(value, u): (&f64, &f64)| sign * value > 3.0 * u;
-            points
-                .flat_map(|p| p.value_um.iter().zip(&p.u_um))
-                .any(clear)
-        };
-        match beyond_doubt(1.0) && beyond_doubt(-1.0) {
-            true => LOST_MOTION_OF_BOTH_SIGNS,
-            false => self.effect.explanation(),
-        }
-    }
-
-    /// The logged temperature that it goes with; none if it goes with time or position.
-    pub fn follows<'a>(&self, scene: &'a Scene) -> Option<Follows<'a>> {
-        let subject = &self.effect.subject;
-        let column = &scene.temperatures.get(subject.column?)?.column;
-        let known = self.effect.effect.parameters(scene, subject);
-        let first = known.first()?;
-        let range = first.plausible?;
-        let coefficients = self.parameters.iter().take(known.len());
-        let is_plausible = coefficients.fold(true, |all, p| {
-            all && p.value + 2.0 * p.u >= range[0] && p.value - 2.0 * p.u <= range[1]
-        });
-        Some(Follows {
-            column,
-            is_plausible,
-            range,
-            unit: first.unit,
-        })
-    }
-
-    /// What there is to say about its sizes in several data: that they differ, where chance does not explain it.
-    pub fn note(&self) -> Option<String> {
-        let p_value = self.sizes_p_value.filter(|p| *p < SIZES_DIFFER)?;
-        let p_value = match p_value > 1e-300 {
-            true => format!("p = {p_value:.1e}"),
-            false => "p < 1e-300".to_owned(),
-        };
-        Some(format!(
-            "its sizes in the data scatter about the common one by more than chance ({p_value}), though by less than a tenth \
-             (rms); U of the common size follows from this scatter"
-        ))
-    }
-
-    /// Whether it is the same effect on the same subject in the same data.
-    pub(crate) fn is(&self, other: &Self) -> bool {
-        self.effect.is(&other.effect) && (self.level, &self.data) == (other.level, &other.data)
-    }
-
-    /// Its layer.
-    pub fn layer(&self) -> Layer {
-        self.effect.effect.layer
-    }
 }

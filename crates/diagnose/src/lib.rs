@@ -25,6 +25,7 @@
 #![doc = include_str!("../examples/diagnose.rs")]
 #![doc = "```"]
 
+mod cause;
 mod changes;
 mod components;
 mod diagnose;
@@ -42,10 +43,11 @@ mod selection;
 mod settings;
 mod verification;
 
+pub use cause::{Cause, Change, EstimatedParameter, Follows, Rival};
 pub use diagnose::{diagnose, diagnose_against};
 pub use diagnosis::{
-    Cause, Change, Diagnosis, EstimatedParameter, Follows, Gain, HeldOutRatio, LevelReport, Misfit,
-    NotObservable, OmnibusTest, Place, Rejected, Rival, Unexplained, Verdict,
+    Diagnosis, Gain, HeldOutRatio, LevelReport, Misfit, NotObservable, OmnibusTest, Place,
+    Rejected, Unexplained, Verdict,
 };
 pub use disturbance::{CorrelationLength, CurvePoint, Disturbance, Wandering};
 pub use error::Error;

@@ -25,7 +25,7 @@ pub fn push_rounded(text: &mut String, value: f64, decimals: u8) {
     }
 }
 
-/// Appends so many units of the last decimal, without zeros behind the last digit that counts.
+/// Appends a whole number of units of the last decimal as a decimal number without trailing zeros.
 fn push_decimal(text: &mut String, units: i64, mut decimals: u8) {
     let mut rest = units.unsigned_abs();
     while decimals > 0 && rest.is_multiple_of(10) {

@@ -114,8 +114,8 @@ mod tests {
 
     const STEPS: usize = 21;
 
-    /// Mean squares of what a curve is off by outside its steps and of u, for waves of so many steps with any phase, less
-    /// their average line over the steps as the gauge takes it.
+    /// Mean square of the error of a curve outside its steps, and of u: waves of this length in steps and of random phase, less
+    /// their average line over the steps, which the gauge takes.
     fn mean_squares(wave_steps: f64, beyond: f64) -> [f64; 2] {
         let mut random = ChaCha8Rng::seed_from_u64(5);
         let places: Vec<f64> = (0..STEPS).map(|k| k as f64).collect();

@@ -14,7 +14,7 @@
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, Matrix6, Matrix6xX};
+use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
 use trueaxis_poses::PoseNoise;
 
 use crate::identify::axis_data::AxisData;
@@ -119,16 +119,12 @@ impl<'a> AxisNoise<'a> {
             let from_pose = self.sensitivity.poses[i] * self.axis.records[i].weight;
             let with_noise = from_pose * self.noise.own[pose];
             sum.own += with_noise * from_pose.transpose();
-            // Column by column in fixed sizes: for such small matrices the general product is mostly overhead.
             let parameters = self.sensitivity.parameters[i].row_iter();
-            for (mut column, row) in sum.cross.column_iter_mut().zip(parameters) {
-                column += with_noise * row.transpose();
-            }
+            let parameters = parameters.map(|row| row.transpose());
+            add_product(&mut sum.cross, &with_noise, parameters);
             let couplings = self.noise.coupling(pose);
-            for (mut column, coupling) in sum.shared.column_iter_mut().zip(couplings.column_iter())
-            {
-                column += from_pose * coupling;
-            }
+            let couplings = couplings.column_iter().map(|column| column.into_owned());
+            add_product(&mut sum.shared, &from_pose, couplings);
         }
         sum
     }
@@ -191,5 +187,17 @@ impl<'a> AxisNoise<'a> {
             rows -= self.node(pose.node).shared * pose.weight;
         }
         coefficients
+    }
+}
+
+/// Adds the product of a factor and columns. Column by column in fixed sizes: for such small matrices the general product is mostly
+/// overhead.
+fn add_product(
+    sum: &mut Matrix6xX<f64>,
+    factor: &Matrix6<f64>,
+    columns: impl Iterator<Item = Vector6<f64>>,
+) {
+    for (mut sum, column) in sum.column_iter_mut().zip(columns) {
+        sum += factor * column;
     }
 }

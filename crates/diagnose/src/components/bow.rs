@@ -9,6 +9,7 @@
 use nalgebra::DMatrix;
 use trueaxis_effects::{Scene, Subject, effect};
 
+use crate::cause::{Cause, EstimatedParameter};
 use crate::components::candidates::Candidate;
 use crate::components::curve_set::CurveSet;
 use crate::components::estimate::{Estimate, estimate};
@@ -16,7 +17,6 @@ use crate::components::judgement::Judgement;
 use crate::components::ln_chi_squared::ln_chi_squared;
 use crate::components::report;
 use crate::components::search::{Found, SetSearch};
-use crate::diagnosis::{Cause, EstimatedParameter};
 use crate::selection::Score;
 
 /// Its effect.

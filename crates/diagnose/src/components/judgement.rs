@@ -151,8 +151,9 @@ impl Judgement {
     fn for_each(&self, backgrounds: &[Background], candidate: &Candidate, f: &mut Visit<'_>) {
         for (background, scan) in backgrounds.iter().zip(&self.scans) {
             let Some(scan) = scan else { continue };
-            scan.for_each(&background.projection.residuals, &mut |shape, gram, s| {
-                if let Some(k) = candidate.shapes.iter().position(|own| same(*own, shape)) {
+            scan.for_each(&background.projection.residuals, &mut |tried, gram, s| {
+                let is_it = |own: &f64| same(*own, tried.shape);
+                if let Some(k) = candidate.shapes.iter().position(is_it) {
                     f(k, background.ln_weight, gram, s);
                 }
             });

@@ -4,9 +4,9 @@ use nalgebra::DVector;
 use trueaxis_effects::{Level, Scene, Shape};
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 
+use crate::cause::{Cause, EstimatedParameter};
 use crate::components::curve_set::CurveSet;
 use crate::components::search::Found;
-use crate::diagnosis::{Cause, EstimatedParameter};
 use crate::engine::with_uncertainties;
 use crate::fitted::{Fitted, Row};
 use crate::selection::Projection;

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use trueaxis_effects::{Effect, Scene};
 use trueaxis_kinematics::AxisKind;
 
+use crate::cause::{Cause, Rival};
 use crate::components::background::{Background, Smooth, backgrounds, smooth_rests};
 use crate::components::bow::{BOW, cause_of_bow, find_bow};
 use crate::components::candidates::{Candidate, candidates};
@@ -13,7 +14,6 @@ use crate::components::family::{Family, LEVEL};
 use crate::components::judgement::Judgement;
 use crate::components::report;
 use crate::components::smooth_prior::{SmoothLikelihood, SmoothPrior};
-use crate::diagnosis::{Cause, Rival};
 use crate::selection::{Fit, Null, Scan, Score, by_evidence, cosine, is_rival};
 
 /// The search over all curves of a machine.

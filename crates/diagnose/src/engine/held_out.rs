@@ -104,10 +104,10 @@ pub(crate) fn sought_again<D: Measured>(
             continue;
         };
         let mut best: Option<(f64, f64, Vec<f64>)> = None;
-        scan.for_each(&projection.residuals, &mut |shape, gram, s| {
+        scan.for_each(&projection.residuals, &mut |tried, gram, s| {
             let statistic = gram.statistic(s);
             if best.as_ref().is_none_or(|best| statistic > best.1) {
-                best = Some((shape, statistic, gram.shrunk(s)));
+                best = Some((tried.shape, statistic, gram.shrunk(s)));
             }
         });
         let Some((shape, _, parameters)) = best else {

@@ -156,7 +156,7 @@ impl Candidate<'_> {
         let own = all.iter().position(|gap| middle(gap) >= instant)?;
         let near = own.saturating_sub(GAPS_NEARBY)..all.len().min(own + GAPS_NEARBY + 1);
         let columns = |shape: f64| self.columns(shape).into_owned();
-        let scan = FixedScan::of_instants(self.hypothesis, model, all[near].to_vec(), columns)?;
+        let scan = FixedScan::of_instants(self.hypothesis, model, &all[near], columns)?;
         let scans: [Box<dyn Scan>; 1] = [Box::new(scan)];
         rank(model, &scans).first().map(|score| score.u_shape)
     }

@@ -100,15 +100,20 @@ pub(crate) fn whitened_columns<D: Wanders>(
     whitened(data, model, columns)
 }
 
-/// What wanders does to each row of `at`, as far as the data show it (posterior mean), mm.
-pub(crate) fn wandered_mm<D: Wanders>(data: &D, model: &D::Model, at: &D) -> Vec<f64> {
+/// What wanders does to each row of the data, or of those `elsewhere`, as far as the data show it (posterior mean), mm.
+pub(crate) fn wandered_mm<D: Wanders>(
+    data: &D,
+    model: &D::Model,
+    elsewhere: Option<&D>,
+) -> Vec<f64> {
+    let at = elsewhere.unwrap_or(data);
     let all = at.here();
     let mut sum_mm = vec![0.0; D::ROWS * all.len()];
     for own in data.disturbances() {
         let there = own.scaled(&all, at.columns_mm(model, own.wanderer));
-        let whitened = match std::ptr::eq(data, at) {
-            true => whitened(data, model, there.clone()),
-            false => whitened_columns(data, model, own),
+        let whitened = match elsewhere {
+            None => whitened(data, model, there.clone()),
+            Some(_) => whitened_columns(data, model, own),
         };
         for (own, there) in whitened.iter().zip(&there) {
             let coefficient = dot(own, &D::projection(model).residuals);

@@ -208,7 +208,7 @@ impl<'a> Base<'a> {
                 return Ok(adjusted);
             }
             if !is_known {
-                by_wandering_mm = wandered_mm(self, &adjusted, self);
+                by_wandering_mm = wandered_mm(self, &adjusted, None);
             }
             Adjusted {
                 network,

@@ -81,9 +81,9 @@ fn held_out<'a>(
         };
         let mut extended = rest.adjust_given(suspects, noise)?;
         let mut before = rest.predicted_misfit_mm(base, &plain);
-        let wanders_mm = wandered_mm(&rest, &extended, base);
+        let wanders_mm = wandered_mm(&rest, &extended, Some(base));
         if !rest.disturbances.is_empty() {
-            extended = rest.less(&extended, &wandered_mm(&rest, &extended, &rest))?;
+            extended = rest.less(&extended, &wandered_mm(&rest, &extended, None))?;
         }
         let mut after = rest.predicted_misfit_mm(base, &extended);
         after

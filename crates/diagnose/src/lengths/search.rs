@@ -80,7 +80,7 @@ pub(crate) fn diagnose_lengths(
         after,
         unexplained,
     } = named;
-    let wandered_mm = wandered_mm(&base, &current, &base);
+    let wandered_mm = wandered_mm(&base, &current, None);
     let rest = base.less(&current, &wandered_mm)?;
     let scatter_um = noise_floor_um(&base, &rest);
     // Both in the noise that is left at the end.

@@ -280,7 +280,7 @@ fn said(
     });
     let causes = causes.collect::<Result<_, Error>>()?;
     let is_changed = !effects.is_empty() || !disturbances.is_empty() || !gross.is_empty();
-    let wandered_mm = wandered_mm(base, &model, base);
+    let wandered_mm = wandered_mm(base, &model, None);
     let corrected = is_changed.then(|| corrected(base, points, gross, &effects, &wandered_mm));
     let entry = Entry {
         report,

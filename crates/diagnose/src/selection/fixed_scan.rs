@@ -7,7 +7,7 @@ use trueaxis_leastsquares::dot;
 
 use crate::selection::dots::{SideBySide, dots};
 use crate::selection::projection::Taken;
-use crate::selection::scan::OfSeveral;
+use crate::selection::scan::{OfOne, OfSeveral, Tried};
 use crate::selection::{Gram, Hypothesis, Projection, Scan};
 
 /// Columns for every shape.
@@ -15,12 +15,10 @@ pub(crate) struct FixedScan {
     hypothesis: Hypothesis,
     shapes: Vec<FixedShape>,
     rows: usize,
-    /// Gaps whose middles are its shapes, if these are instants.
-    gaps_s: Vec<[f64; 2]>,
 }
 
 struct FixedShape {
-    shape: f64,
+    tried: Tried,
     /// The rows from the first to the last that it concerns: one occupation of many for one station.
     concerned: Range<usize>,
     columns: Vec<Vec<f64>>,
@@ -35,39 +33,51 @@ impl FixedScan {
         shapes: &[f64],
         columns: impl Fn(f64) -> Vec<Vec<f64>>,
     ) -> Option<Self> {
-        let mut seen = Vec::new();
-        let all: Vec<Vec<Vec<f64>>> = shapes.iter().map(|&shape| columns(shape)).collect();
-        let taken = projection.taken_of_all(all.iter().flatten().map(Vec::as_slice));
-        let mut first = 0;
-        for (columns, &shape) in all.into_iter().zip(shapes) {
-            seen.extend(FixedShape::new(shape, &columns, (&taken, first)));
-            first += columns.len();
-        }
-        (!seen.is_empty()).then_some(Self {
-            hypothesis,
-            shapes: seen,
-            rows: projection.rows(),
-            gaps_s: Vec::new(),
-        })
+        let tried = shapes.iter().map(|&shape| Tried { shape, gap_s: None });
+        Self::of(hypothesis, projection, tried, columns)
     }
 
     /// The same of instants in the middles of gaps.
     pub(crate) fn of_instants(
         hypothesis: Hypothesis,
         projection: &Projection,
-        gaps_s: Vec<[f64; 2]>,
+        gaps_s: &[[f64; 2]],
         columns: impl Fn(f64) -> Vec<Vec<f64>>,
     ) -> Option<Self> {
-        let instants: Vec<f64> = gaps_s.iter().map(middle).collect();
-        let scan = Self::new(hypothesis, projection, &instants, columns)?;
-        Some(Self { gaps_s, ..scan })
+        let tried = gaps_s.iter().map(|gap| Tried {
+            shape: middle(gap),
+            gap_s: Some(gap[1] - gap[0]),
+        });
+        Self::of(hypothesis, projection, tried, columns)
+    }
+
+    fn of(
+        hypothesis: Hypothesis,
+        projection: &Projection,
+        tried: impl Iterator<Item = Tried> + Clone,
+        columns: impl Fn(f64) -> Vec<Vec<f64>>,
+    ) -> Option<Self> {
+        let mut seen = Vec::new();
+        let all: Vec<Vec<Vec<f64>>> = tried.clone().map(|one| columns(one.shape)).collect();
+        let taken = projection.taken_of_all(all.iter().flatten().map(Vec::as_slice));
+        let mut first = 0;
+        for (columns, tried) in all.into_iter().zip(tried) {
+            seen.extend(FixedShape::new(tried, &columns, (&taken, first)));
+            first += columns.len();
+        }
+        (!seen.is_empty()).then_some(Self {
+            hypothesis,
+            shapes: seen,
+            rows: projection.rows(),
+        })
     }
 
     /// With one more shape, if the data see it.
     pub(crate) fn add(&mut self, projection: &Projection, shape: f64, columns: &[Vec<f64>]) {
         let taken = projection.taken_of_all(columns.iter().map(Vec::as_slice));
+        let tried = Tried { shape, gap_s: None };
         self.shapes
-            .extend(FixedShape::new(shape, columns, (&taken, 0)));
+            .extend(FixedShape::new(tried, columns, (&taken, 0)));
     }
 }
 
@@ -78,13 +88,13 @@ pub(crate) fn middle([start, end]: &[f64; 2]) -> f64 {
 
 impl FixedShape {
     /// `taken` is what the base model takes of columns, of which those of the shape begin with a number.
-    fn new(shape: f64, columns: &[Vec<f64>], taken: (&Taken, usize)) -> Option<Self> {
+    fn new(tried: Tried, columns: &[Vec<f64>], taken: (&Taken, usize)) -> Option<Self> {
         let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
         let gram = Gram::new(&gram_matrix_of(columns, taken), &before);
         let concerned = concerned(columns);
         let cut = |column: &Vec<f64>| column[concerned.clone()].to_vec();
         (gram.rank() > 0).then(|| Self {
-            shape,
+            tried,
             columns: columns.iter().map(cut).collect(),
             concerned: concerned.clone(),
             gram,
@@ -156,13 +166,13 @@ impl Scan for FixedScan {
         &self.hypothesis
     }
 
-    fn for_each(&self, residuals: &[f64], f: &mut dyn FnMut(f64, &Gram, &[f64])) {
+    fn for_each(&self, residuals: &[f64], f: &mut OfOne<'_>) {
         let mut s = Vec::new();
         for shape in &self.shapes {
             s.clear();
             let residuals = &residuals[shape.concerned.clone()];
             s.extend(shape.columns.iter().map(|column| dot(column, residuals)));
-            f(shape.shape, &shape.gram, &s);
+            f(shape.tried, &shape.gram, &s);
         }
     }
 
@@ -176,17 +186,10 @@ impl Scan for FixedScan {
         }
     }
 
-    fn gap_s(&self, shape: f64) -> Option<f64> {
-        let mut gaps = self.gaps_s.iter();
-        let own = gaps.find(|gap| middle(gap).total_cmp(&shape).is_eq());
-        own.map(|[start, end]| end - start)
-    }
-
     fn columns(&self, shape: f64) -> Vec<Vec<f64>> {
-        let nearest = self
-            .shapes
-            .iter()
-            .min_by(|a, b| (a.shape - shape).abs().total_cmp(&(b.shape - shape).abs()));
+        let distance = |own: &FixedShape| (own.tried.shape - shape).abs();
+        let shapes = self.shapes.iter();
+        let nearest = shapes.min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let whole = |shape: &FixedShape| -> Vec<Vec<f64>> {
             let columns = shape.columns.iter().map(|own| {
                 let mut column = vec![0.0; self.rows];

@@ -34,6 +34,17 @@ impl Hypothesis {
     }
 }
 
+/// A shape that is tried.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tried {
+    pub(crate) shape: f64,
+    /// Of an instant the length of the time that it stands for: the data say no more than that it lies in it, s.
+    pub(crate) gap_s: Option<f64>,
+}
+
+/// What is called with a shape, its Gram matrix and `s = Xᵀ e`.
+pub(crate) type OfOne<'a> = dyn FnMut(Tried, &Gram, &[f64]) + 'a;
+
 /// What is called with a Gram matrix and `s = Xᵀ e` of several residuals, side by side.
 pub(crate) type OfSeveral<'a> = dyn FnMut(&Gram, &[[f64; SIDE_BY_SIDE]]) + 'a;
 
@@ -43,15 +54,10 @@ pub(crate) trait Scan: Send + Sync {
     fn hypothesis(&self) -> &Hypothesis;
 
     /// Calls `f` for each shape with its Gram matrix and `s = Xᵀ e`.
-    fn for_each(&self, residuals: &[f64], f: &mut dyn FnMut(f64, &Gram, &[f64]));
+    fn for_each(&self, residuals: &[f64], f: &mut OfOne<'_>);
 
     /// The same of several residuals at once.
     fn for_each_of(&self, residuals: &SideBySide, f: &mut OfSeveral<'_>);
-
-    /// Length of the time that one instant stands for: the data say no more than that it lies in it, s; none of other shapes.
-    fn gap_s(&self, _shape: f64) -> Option<f64> {
-        None
-    }
 
     /// The columns of one shape, whitened, not projected.
     fn columns(&self, shape: f64) -> Vec<Vec<f64>>;

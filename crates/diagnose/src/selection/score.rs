@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::selection::scan::Tried;
 use crate::selection::{Projection, Scan, ln_f_test};
 
 /// The best of a hypothesis, and its judgement.
@@ -63,7 +64,7 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
     let (shape, statistic, rank) = best_shape(projection, scan)?;
     let mut listed: Vec<OfShape> = Vec::new();
     let mut shapes = 0;
-    scan.for_each(&projection.residuals, &mut |shape, gram, s| {
+    scan.for_each(&projection.residuals, &mut |tried, gram, s| {
         shapes += 1;
         let own = gram.statistic(s);
         if own < statistic - NEGLIGIBLE * variance {
@@ -76,9 +77,8 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
         let scaled: Vec<f64> = s.iter().map(|s| s * scale).collect();
         let price = gram.statistic(&scaled) - gram.evidence(&scaled);
         listed.push(OfShape {
-            shape,
+            tried,
             evidence: likelihood - price,
-            gap_s: scan.gap_s(shape),
         });
     });
     let hypothesis = scan.hypothesis();
@@ -108,16 +108,19 @@ const NEGLIGIBLE: f64 = 40.0;
 /// The shape whose statistic is the least likely from noise, its statistic and rank.
 pub(crate) fn best_shape(projection: &Projection, scan: &dyn Scan) -> Option<(f64, f64, usize)> {
     let mut of_ranks: Vec<(f64, f64)> = Vec::new();
-    scan.for_each(&projection.residuals, &mut |shape, gram, s| {
-        let rank = gram.rank();
-        if of_ranks.len() <= rank {
-            of_ranks.resize(rank + 1, (0.0, f64::NEG_INFINITY));
-        }
-        let statistic = gram.statistic(s);
-        if statistic > of_ranks[rank].1 {
-            of_ranks[rank] = (shape, statistic);
-        }
-    });
+    scan.for_each(
+        &projection.residuals,
+        &mut |Tried { shape, .. }, gram, s| {
+            let rank = gram.rank();
+            if of_ranks.len() <= rank {
+                of_ranks.resize(rank + 1, (0.0, f64::NEG_INFINITY));
+            }
+            let statistic = gram.statistic(s);
+            if statistic > of_ranks[rank].1 {
+                of_ranks[rank] = (shape, statistic);
+            }
+        },
+    );
     let (squares, dof) = (projection.squares(), projection.degrees_of_freedom);
     let ln_p = |rank: usize, statistic: f64| ln_f_test(statistic, squares, rank, dof);
     let seen = of_ranks.into_iter().enumerate().skip(1);
@@ -126,11 +129,10 @@ pub(crate) fn best_shape(projection: &Projection, scan: &dyn Scan) -> Option<(f6
         .min_by(|a, b| ln_p(a.2, a.1).total_cmp(&ln_p(b.2, b.1)))
 }
 
-/// A shape with twice the logarithm of its marginal likelihood, and the length of the gap that an instant stands for.
+/// A shape with twice the logarithm of its marginal likelihood.
 struct OfShape {
-    shape: f64,
+    tried: Tried,
     evidence: f64,
-    gap_s: Option<f64>,
 }
 
 /// `2 ln` of the mean marginal likelihood over all `shapes`; those that are not listed have none.
@@ -150,9 +152,10 @@ fn deviation(listed: &[OfShape], best: f64) -> f64 {
     let top = evidences.fold(f64::NEG_INFINITY, f64::max);
     let (mut squares, mut weights) = (0.0, 0.0);
     for one in listed {
-        let weight = (0.5 * (one.evidence - top)).exp() * one.gap_s.unwrap_or(1.0);
-        let within = one.gap_s.map_or(0.0, |gap| gap * gap / 12.0);
-        squares += weight * ((one.shape - best).powi(2) + within);
+        let Tried { shape, gap_s } = one.tried;
+        let weight = (0.5 * (one.evidence - top)).exp() * gap_s.unwrap_or(1.0);
+        let within = gap_s.map_or(0.0, |gap| gap * gap / 12.0);
+        squares += weight * ((shape - best).powi(2) + within);
         weights += weight;
     }
     (squares / weights).sqrt()

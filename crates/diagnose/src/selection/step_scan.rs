@@ -15,7 +15,7 @@ use std::ops::Range;
 use trueaxis_leastsquares::{dot, in_widest_registers};
 
 use crate::selection::dots::{SIDE_BY_SIDE, SideBySide, add_row};
-use crate::selection::scan::OfSeveral;
+use crate::selection::scan::{OfOne, OfSeveral, Tried};
 use crate::selection::{Gram, Hypothesis, Projection, Scan, add};
 
 /// Visits on either side of an instant: fewer are no jump but repeatability, or gross errors.
@@ -50,9 +50,8 @@ pub(crate) struct StepScan {
 }
 
 struct Instant {
-    time_s: f64,
-    /// From the start of the visit before it to that of the visit after it: it may lie in a visit.
-    gap_s: f64,
+    /// Its gap is from the start of the visit before it to that of the visit after it: it may lie in a visit.
+    tried: Tried,
     /// First row after it.
     first_row: usize,
     gram: Gram,
@@ -98,8 +97,10 @@ impl StepScan {
             let gram = sums.gram(projection);
             if gram.rank() > 0 {
                 instants.push(Instant {
-                    time_s: 0.5 * (before.span_s[1] + visit.span_s[0]),
-                    gap_s: visit.span_s[0] - before.span_s[0],
+                    tried: Tried {
+                        shape: 0.5 * (before.span_s[1] + visit.span_s[0]),
+                        gap_s: Some(visit.span_s[0] - before.span_s[0]),
+                    },
                     first_row: visit.rows.start,
                     gram,
                 });
@@ -119,7 +120,7 @@ impl Scan for StepScan {
         &self.hypothesis
     }
 
-    fn for_each(&self, residuals: &[f64], f: &mut dyn FnMut(f64, &Gram, &[f64])) {
+    fn for_each(&self, residuals: &[f64], f: &mut OfOne<'_>) {
         let n = self.parameters;
         let mut s = vec![0.0; n];
         let mut end = residuals.len();
@@ -130,7 +131,7 @@ impl Scan for StepScan {
                 }
             }
             end = instant.first_row;
-            f(instant.time_s, &instant.gram, &s);
+            f(instant.tried, &instant.gram, &s);
         }
     }
 
@@ -155,16 +156,9 @@ impl Scan for StepScan {
         }
     }
 
-    fn gap_s(&self, shape: f64) -> Option<f64> {
-        // The last one comes first.
-        let own = |instant: &Instant| shape.total_cmp(&instant.time_s);
-        let place = self.instants.binary_search_by(own);
-        place.ok().map(|place| self.instants[place].gap_s)
-    }
-
     fn columns(&self, shape: f64) -> Vec<Vec<f64>> {
         let n = self.parameters;
-        let after = self.instants.iter().filter(|i| i.time_s >= shape);
+        let after = self.instants.iter().filter(|i| i.tried.shape >= shape);
         let first = after.map(|i| i.first_row).min().unwrap_or(usize::MAX);
         let value = |i: usize, k: usize| {
             if i >= first {

@@ -10,7 +10,7 @@ use crate::verification::held_out::gain_of;
 use crate::verification::lost_motion::curve;
 use crate::verification::problem::Problem;
 use crate::verification::search::{contains, ln_more};
-use crate::verification::wandering::{FittedProcess, instead_of};
+use crate::verification::wandering::{FittedProcess, rival_disturbances};
 use crate::{Cause, Place, Rival};
 
 /// Root mean square of a column over the readings, µm.
@@ -73,7 +73,7 @@ pub(crate) fn causes(
             explained_rms_um: rms_of_readings_um(problem, &fitted),
             heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
             rivals: [
-                wanders_instead(problem, wandering, chosen, k, &judged),
+                rival_disturbances(problem, wandering, chosen, k, judged.score.evidence),
                 rivals(&problem.listed, &chosen[k..=k], &judged),
             ]
             .concat(),
@@ -146,24 +146,6 @@ pub(crate) fn rivals(listed: &Listed, cause: &[Chosen], judged: &Judged) -> Vec<
         is_new
     });
     rivals
-}
-
-/// What may have wandered in place of a cause.
-fn wanders_instead(
-    problem: &Problem<'_>,
-    wandering: &[FittedProcess],
-    chosen: &[Chosen],
-    k: usize,
-    judged: &Judged,
-) -> Vec<Rival> {
-    let rivals = instead_of(problem, wandering, chosen, k, judged.score.evidence);
-    let rivals = rivals
-        .into_iter()
-        .map(|(wanderer, evidence)| Rival::Disturbance {
-            whose: wanderer.whose(problem.comparison),
-            evidence,
-        });
-    rivals.collect()
 }
 
 /// Where the misfit lives: by direction and by cycle.

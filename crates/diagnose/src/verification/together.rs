@@ -15,7 +15,7 @@ use trueaxis_effects::Scene;
 use trueaxis_predict::CalibratedMachine;
 
 use crate::Cause;
-use crate::diagnosis::SIZES_DIFFER;
+use crate::cause::SIZES_DIFFER;
 use crate::engine::{Candidate, Chosen, Listed, without};
 use crate::selection::{Hypothesis, f_test};
 use crate::verification::believed::without_imitations;

@@ -117,9 +117,12 @@ impl Wanderer {
         }
     }
 
-    /// The same columns under another name.
-    pub(crate) fn twin(self, comparison: &Comparison<'_>) -> Option<Self> {
-        (comparison.line().is_some() && self == Self::Instrument).then_some(Self::Machine)
+    /// Itself, and the same columns under another name.
+    pub(crate) fn names(self, comparison: &Comparison<'_>) -> impl Iterator<Item = Self> {
+        let has_twin = comparison.line().is_some() && self == Self::Instrument;
+        [Some(self), has_twin.then_some(Self::Machine)]
+            .into_iter()
+            .flatten()
     }
 
     /// Whether a course in time is all that it is.

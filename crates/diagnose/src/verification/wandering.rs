@@ -1,5 +1,6 @@
 //! What wanders beside causes: judged as in the lengths, by its evidence ([`Smooth`]) and a p-value of all together.
 
+use crate::Rival;
 use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth, without};
 use crate::selection::{DECISIVE, Projection, by_evidence};
 use crate::verification::problem::Problem;
@@ -44,11 +45,9 @@ pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<FittedPro
         }
         let is_rival = |other: &&FittedProcess| next.evidence - other.evidence < DECISIVE;
         let rivals = others.iter().filter(is_rival).map(|other| other.wanderer);
-        let twins = |w: Wanderer| [Some(w), w.twin(plain.comparison)].into_iter().flatten();
-        let rivals: Vec<Wanderer> = twins(next.wanderer)
-            .skip(1)
-            .chain(rivals.flat_map(twins))
-            .collect();
+        let rivals = rivals.flat_map(|w| w.names(plain.comparison));
+        let twin = next.wanderer.names(plain.comparison).skip(1);
+        let rivals: Vec<Wanderer> = twin.chain(rivals).collect();
         own.push(FittedProcess {
             rivals,
             ..next.clone()
@@ -79,27 +78,29 @@ fn again(
     own
 }
 
-/// What may have wandered in place of cause `k` of several, with its evidence: more than that of the cause, as in the lengths.
-pub(crate) fn instead_of(
+/// What may have wandered in place of cause `k` of several: what has more evidence than it, as in the lengths.
+pub(crate) fn rival_disturbances(
     problem: &Problem<'_>,
     known: &[FittedProcess],
     causes: &[Chosen],
     k: usize,
     evidence: f64,
-) -> Vec<(Wanderer, f64)> {
-    let all = wanderers(problem.comparison, problem.calibrated);
+) -> Vec<Rival> {
+    let comparison = problem.comparison;
+    let all = wanderers(comparison, problem.calibrated);
     let hypothesis = problem.listed.hypothesis(&causes[k]);
     let others = without(causes, k);
-    let is_new =
-        |w: &&Wanderer| w.is_course_of(hypothesis) && known.iter().all(|own| own.wanderer != **w);
-    let judged = all.iter().filter(is_new).filter_map(|wanderer| {
-        let judged = judge(problem, &others, *wanderer, all.len())?;
-        Some((*wanderer, judged.evidence))
-    });
-    let as_good = judged.filter(|(_, own)| *own > evidence);
-    let names = as_good.flat_map(|(wanderer, own)| {
-        let names = [Some(wanderer), wanderer.twin(problem.comparison)].into_iter();
-        names.flatten().map(move |name| (name, own))
+    let is_known = |w: Wanderer| known.iter().any(|own| own.wanderer == w);
+    let of_same = all.iter().copied();
+    let of_same = of_same.filter(|w| w.is_course_of(hypothesis) && !is_known(*w));
+    let judged = of_same.filter_map(|wanderer| judge(problem, &others, wanderer, all.len()));
+    let as_good = judged.filter(|own| own.evidence > evidence);
+    let names = as_good.flat_map(|own| {
+        let names = own.wanderer.names(comparison);
+        names.map(move |name| Rival::Disturbance {
+            whose: name.whose(comparison),
+            evidence: own.evidence,
+        })
     });
     names.collect()
 }
