@@ -1,7 +1,8 @@
 //! By how much a calibration changes when the causes join the model.
 
 use trueaxis_calibrate::Calibration;
-use trueaxis_kinematics::{ARCSEC, Component, LocationComponent, MICROMETRE};
+use trueaxis_kinematics::Component;
+use trueaxis_predict::Unit;
 
 use crate::Change;
 
@@ -22,15 +23,11 @@ pub(crate) fn changes(before: &Calibration, after: &Calibration) -> Vec<Change> 
                 .zip(&other.nodes)
                 .map(|(a, b)| (value(b) - value(a)).abs())
                 .fold(0.0, f64::max);
-            let (scale, unit) = if component.is_angular() {
-                (ARCSEC, "arcsec")
-            } else {
-                (MICROMETRE, "um")
-            };
+            let unit = Unit::of_component(component);
             changes.push(Change {
                 name: component.name(&axis.name),
-                largest: largest / scale,
-                unit,
+                largest: largest / unit.size(),
+                unit: unit.suffix(),
             });
         }
         for location in &axis.location_errors {
@@ -38,14 +35,11 @@ pub(crate) fn changes(before: &Calibration, after: &Calibration) -> Vec<Change> 
             let Some(changed) = other.location_error(&name) else {
                 continue;
             };
-            let (scale, unit) = match location.component {
-                LocationComponent::Tilt(_) => (ARCSEC, "arcsec"),
-                LocationComponent::Offset(_) => (1.0, "mm"),
-            };
+            let unit = Unit::of_location(location.component);
             changes.push(Change {
                 name,
-                largest: (changed.value - location.value).abs() / scale,
-                unit,
+                largest: (changed.value - location.value).abs() / unit.size(),
+                unit: unit.suffix(),
             });
         }
     }

@@ -120,14 +120,8 @@ pub fn poses_of_body(
             let start = found.get(i).map(|step| step.pose.points_from_home);
             let start = start.unwrap_or(steps[i].nominal);
             let points = (&steps[i].points_mm[..], &weights[i]);
-            step_pose(
-                &shape_mm,
-                points,
-                &(noise.of_step)(i),
-                equations,
-                (&start, pivot_mm),
-            )
-            .map_err(|error| StepError { step: i, error })
+            step_pose(&shape_mm, points, equations, (&start, pivot_mm))
+                .map_err(|error| StepError { step: i, error })
         };
         found = numbered(steps.len()).map(solve).collect::<Result<_, _>>()?;
         let mut change_mm = 0.0_f64;
@@ -151,15 +145,12 @@ pub fn poses_of_body(
 fn step_pose(
     shape_mm: &[Point3<f64>],
     (points_mm, about_shape): (&[Point3<f64>], &DMatrix<f64>),
-    (own, coupling): &(DMatrix<f64>, DMatrix<f64>),
     equations: Equations,
     (start, pivot_mm): (&Isometry3<f64>, Point3<f64>),
 ) -> Result<StepPose, Error> {
     let step = StepPoints {
         shape_mm,
         points_mm,
-        own,
-        coupling,
         about_shape,
     };
     let pose = pose_from_points(&step, equations, start, pivot_mm)?;

@@ -108,14 +108,6 @@ pub enum Error {
         /// The cube of the longest distance between two targets, mm³.
         scale_mm3: f64,
     },
-    /// The coupling of the points does not have three rows for each target.
-    #[error("the coupling of the points has {rows} rows, expected {expected}")]
-    CouplingShape {
-        /// Number of rows.
-        rows: usize,
-        /// Three times the number of targets.
-        expected: usize,
-    },
     /// Newton's method on a pose went astray.
     #[error(
         "no pose fits the points: after {iterations} steps from the nominal pose the next one would \

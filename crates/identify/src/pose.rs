@@ -11,39 +11,30 @@
 //! second-order error (Newton's method). What a displacement of the points does to the pose is then
 //! the operator of the last equations, `dT = G dp`.
 
-use nalgebra::{
-    DMatrix, Isometry3, Matrix6, Matrix6xX, Point3, Translation3, UnitQuaternion, Vector3,
-};
+use nalgebra::{DMatrix, Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use trueaxis_kinematics::MotionError;
 
 use crate::design::require_finite;
-use crate::{Error, Operator, RigidMisfit, SixRows, nine, nine_weighted, rigid_misfit};
+use crate::{Error, Operator, RigidMisfit, SixRows, nine_weighted, rigid_misfit};
 
 /// Which of the nine (or 3T) equations make the pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Equations {
     /// All, weighted by [`StepPoints::about_shape`] ([`nine_weighted`]).
     Weighted,
-    /// All, with equal weights ([`nine()`]).
-    Plain,
     /// Six coordinates of three targets ([`SixRows`]), counted along the axes of the points' frame.
     Six(SixRows),
 }
 
-/// What is known of one step. All matrices have x y z of each target, targets in order.
+/// What is known of one step; the covariance has x y z of each target, targets in order.
 #[derive(Debug, Clone, Copy)]
 pub struct StepPoints<'a> {
     /// The targets on the stage at home, mm.
     pub shape_mm: &'a [Point3<f64>],
     /// The measured points, in any frame that stands still, mm.
     pub points_mm: &'a [Point3<f64>],
-    /// Covariance of the points for all noise that no other step shares, 3T x 3T, mm².
-    pub own: &'a DMatrix<f64>,
-    /// What shared parameters do to the points, 3T rows and a column for each parameter, mm per
-    /// unit of the parameter.
-    pub coupling: &'a DMatrix<f64>,
-    /// Covariance of the points about the shape for all noise, that of shared parameters and of
-    /// the shape itself too, 3T x 3T, mm²: the weights, and the measure of the rigid misfit.
+    /// Covariance of the points about the shape for all noise, that of what steps share and of the
+    /// shape itself too, 3T x 3T, mm²: the weights, and the measure of the rigid misfit.
     pub about_shape: &'a DMatrix<f64>,
 }
 
@@ -56,14 +47,8 @@ pub struct MeasuredPose {
     /// `G`: the twist of the pose by displacements of the points. Its targets are relative to the
     /// pivot; its noise gains are those of the method.
     pub from_points: Operator,
-    /// `G C Gᵀ`: covariance of the twist for the points' own noise.
-    pub own: Matrix6<f64>,
-    /// `G Z`: the twist by the shared parameters.
-    pub coupling: Matrix6xX<f64>,
     /// What the rigid motion leaves of the points.
     pub misfit: RigidMisfit,
-    /// Newton's steps from the nominal pose.
-    pub iterations: usize,
 }
 
 /// Rounding of a coordinate, relative to the largest, with a margin for the sums it is part of.
@@ -86,12 +71,10 @@ const MAX_ITERATIONS: usize = 50;
 /// let shape = [[0.0, 150.0, 0.0], [200.0, 0.0, 50.0], [0.0, -120.0, 90.0]].map(Point3::from);
 /// let truth = Isometry3::new(Vector3::new(100.0, 0.002, 0.0), Vector3::new(0.0, 0.0, 1e-5));
 /// let points = shape.map(|p| truth * p);
-/// let (noise, none) = (DMatrix::identity(9, 9) * 1e-6, DMatrix::zeros(9, 0));
+/// let noise = DMatrix::identity(9, 9) * 1e-6;
 /// let step = StepPoints {
 ///     shape_mm: &shape,
 ///     points_mm: &points,
-///     own: &noise,
-///     coupling: &none,
 ///     about_shape: &noise,
 /// };
 /// let nominal = Isometry3::translation(100.0, 0.0, 0.0);
@@ -103,10 +86,9 @@ const MAX_ITERATIONS: usize = 50;
 /// ```
 ///
 /// # Errors
-/// Those of [`nine()`], [`nine_weighted`] or [`SixRows::operator`]; [`Error::TargetCount`] if points
-/// and targets are not equally many, or six rows are asked of other than three;
-/// [`Error::CovarianceShape`], [`Error::CovarianceAsymmetric`] (also for `own`), [`Error::Covariance`],
-/// [`Error::CouplingShape`], [`Error::NotFinite`], [`Error::NoPose`].
+/// Those of [`nine_weighted`] or [`SixRows::operator`]; [`Error::TargetCount`] if points and targets
+/// are not equally many, or six rows are asked of other than three; [`Error::CovarianceShape`],
+/// [`Error::CovarianceAsymmetric`], [`Error::Covariance`], [`Error::NotFinite`], [`Error::NoPose`].
 pub fn pose_from_points(
     step: &StepPoints<'_>,
     equations: Equations,
@@ -125,7 +107,7 @@ pub fn pose_from_points(
         pose = twisted(&pose, &change, &pivot);
         let left_mm = left_by(&change, &levers_mm, &step.deltas_mm(&pose));
         if left_mm <= ROUNDING * step.largest_mm() {
-            return step.measured(pose, operator, iterations);
+            return step.measured(pose, operator);
         }
         if iterations == MAX_ITERATIONS {
             let moved = levers_mm.iter().map(|r| change.displacement_mm(*r).norm());
@@ -157,15 +139,11 @@ fn twisted(pose: &Isometry3<f64>, by: &MotionError, about: &Point3<f64>) -> Isom
 
 impl StepPoints<'_> {
     /// # Errors
-    /// [`Error::TargetCount`], [`Error::CouplingShape`], [`Error::NotFinite`].
+    /// [`Error::TargetCount`], [`Error::NotFinite`].
     fn require_shapes(&self) -> Result<(), Error> {
         let (nominal, measured) = (self.shape_mm.len(), self.points_mm.len());
         if nominal != measured {
             return Err(Error::TargetCount { nominal, measured });
-        }
-        let (rows, expected) = (self.coupling.nrows(), 3 * measured);
-        if rows != expected {
-            return Err(Error::CouplingShape { rows, expected });
         }
         let points: Vec<Vector3<f64>> = self.points_mm.iter().map(|p| p.coords).collect();
         require_finite("measured position", &points)
@@ -178,7 +156,6 @@ impl StepPoints<'_> {
     ) -> Result<Operator, Error> {
         match (equations, levers_mm) {
             (Equations::Weighted, _) => nine_weighted(levers_mm, self.about_shape),
-            (Equations::Plain, _) => nine(levers_mm),
             (Equations::Six(rows), &[p, q, k]) => rows.operator(&[p, q, k]),
             (Equations::Six(_), _) => Err(Error::TargetCount {
                 nominal: 3,
@@ -203,16 +180,12 @@ impl StepPoints<'_> {
         &self,
         points_from_home: Isometry3<f64>,
         operator: Operator,
-        iterations: usize,
     ) -> Result<MeasuredPose, Error> {
         let deltas_mm = self.deltas_mm(&points_from_home);
         Ok(MeasuredPose {
             points_from_home,
-            own: operator.covariance(self.own)?,
-            coupling: operator.matrix() * self.coupling,
             misfit: rigid_misfit(&operator, &deltas_mm, self.about_shape)?,
             from_points: operator,
-            iterations,
         })
     }
 }

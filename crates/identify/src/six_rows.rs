@@ -118,28 +118,6 @@ impl SixRows {
         Ok(Operator::from_scaled(r, &centred, solution))
     }
 
-    /// The choice that spreads the noise of the points least for these targets.
-    ///
-    /// For independent noise of variance 1 mm² on every coordinate it has the least sum of the
-    /// variances of δ at the centroid of the targets and of ε times their radius of gyration. It
-    /// does not depend on the reference point. (Nine equations are better still.)
-    ///
-    /// # Errors
-    /// As [`SixRows::operator`].
-    pub fn best(r: &[Vector3<f64>; 3]) -> Result<(Self, Operator), Error> {
-        let centred = CentredTargets::new(r)?;
-        let mut best = (Self::PAPER, f64::INFINITY);
-        for rows in Self::all().filter(|rows| rows.unseen().is_none()) {
-            let inverse = rows.select(&centred).try_inverse();
-            let variance_mm2 = inverse.map_or(f64::INFINITY, |inverse| inverse.norm_squared());
-            if variance_mm2 < best.1 {
-                best = (rows, variance_mm2);
-            }
-        }
-        let (rows, _) = best;
-        Ok((rows, rows.operator(r)?))
-    }
-
     fn select(self, centred: &CentredTargets) -> Matrix6<f64> {
         let equations = centred.equations();
         let mut matrix = Matrix6::zeros();

@@ -1,7 +1,6 @@
 //! Whether measured targets have the distances that the nominal ones have.
 
 use nalgebra::Point3;
-use trueaxis_kinematics::MICROMETRE;
 
 use crate::Error;
 
@@ -16,13 +15,6 @@ pub struct SideMismatch {
     pub nominal_mm: f64,
     /// Distance of the measured positions, mm.
     pub measured_mm: f64,
-}
-
-impl SideMismatch {
-    /// Measured minus nominal distance, µm.
-    pub fn difference_um(&self) -> f64 {
-        (self.measured_mm - self.nominal_mm) / MICROMETRE
-    }
 }
 
 /// Compares the distances between all pairs of targets, in the order PQ, PK, QK.
@@ -79,7 +71,8 @@ mod tests {
         let sides = triangle_mismatch(&in_tracker, &in_stage).unwrap();
         let pairs: Vec<_> = sides.iter().map(|s| (s.first, s.second)).collect();
         assert_eq!(pairs, [(0, 1), (0, 2), (1, 2)]);
-        let differences_um: Vec<_> = sides.iter().map(|s| s.difference_um().round()).collect();
+        let differences_mm = sides.iter().map(|s| s.measured_mm - s.nominal_mm);
+        let differences_um: Vec<f64> = differences_mm.map(|d| (1e3 * d).round()).collect();
         assert_eq!(differences_um, [157.0, 67.0, -119.0]);
         assert!((sides[0].nominal_mm - 242.578).abs() < 5e-4);
         assert!((sides[0].measured_mm - 242.735).abs() < 5e-4);

@@ -14,7 +14,8 @@ use nalgebra::{DMatrix, Rotation3, Vector3};
 use trueaxis_calibrate::{AxisResult, Calibration};
 use trueaxis_campaign::Direction;
 use trueaxis_effects::AxisPosition;
-use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Component, MICROMETRE, Machine, MotionError};
+use trueaxis_kinematics::{Axis, AxisKind, Component, Machine, MotionError};
+use trueaxis_predict::Unit;
 
 use crate::components::candidates::Candidate;
 use crate::selection::Hypothesis;
@@ -253,15 +254,7 @@ impl CurveSet {
 
 /// One component, µm or arcsec.
 fn in_unit(error: &MotionError, component: Component) -> f64 {
-    error.to_vector()[component.index()] / unit(component)
-}
-
-/// Of a component, in mm or rad.
-fn unit(component: Component) -> f64 {
-    match component.is_angular() {
-        true => ARCSEC,
-        false => MICROMETRE,
-    }
+    error.to_vector()[component.index()] / Unit::of_component(component).size()
 }
 
 /// Of the nodes of the curves of an axis that are kept, µm and arcsec.
@@ -280,7 +273,7 @@ fn covariance(
     });
     let places: Vec<usize> = places.collect();
     // All components of a set are of one kind.
-    let unit = unit(components[0]);
+    let unit = Unit::of_component(components[0]).size();
     calibration.factors.of_results(&places) / (unit * unit)
 }
 

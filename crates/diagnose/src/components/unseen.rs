@@ -4,6 +4,7 @@
 use trueaxis_calibrate::AxisResult;
 use trueaxis_files::round;
 use trueaxis_kinematics::{AxisKind, Component};
+use trueaxis_predict::Unit;
 
 use crate::diagnosis::NotObservable;
 
@@ -26,11 +27,7 @@ pub(crate) fn periods_of_the_step(axis: &AxisResult) -> Option<NotObservable> {
         .collect();
     let name = &axis.name;
     let amount = |component: &Component| {
-        let unit = if component.is_angular() {
-            "arcsec"
-        } else {
-            "um"
-        };
+        let unit = Unit::of_component(*component).suffix();
         let text =
             format!("up to 2 {unit} between the steps per {unit} of amplitude, 0 at the steps");
         (component.name(name), text)

@@ -1,6 +1,5 @@
 //! The misfit of the lengths without a cause, and what the cause explains of it.
 
-use trueaxis_campaign::Direction;
 use trueaxis_poses::LengthCircumstances;
 
 use crate::engine::Suspect;
@@ -39,10 +38,7 @@ pub(crate) fn fitted(
             group: station * targets + target,
             time_s: *time_s,
             moving: vec![(*axis, base.campaign.steps[*step].positions[*axis])],
-            direction: match direction {
-                Direction::Forward => 1.0,
-                Direction::Backward => -1.0,
-            },
+            direction: f64::from(direction.sign()),
             misfit: 1e3 * rest.solution.residuals_mm[i] + fitted,
             fitted,
             u: noise_um,

@@ -65,30 +65,6 @@ fn paper_targets_are_recovered_to_thirteen_digits() {
     }
 }
 
-/// The best choice has the least noise by an independent sum, and does not depend on where δ is.
-#[test]
-fn best_choice_has_the_least_noise_at_the_centroid() {
-    let mut rng = ChaCha8Rng::seed_from_u64(3);
-    for _ in 0..50 {
-        let r = random_targets(&mut rng);
-        let centroid = (r[0] + r[1] + r[2]) / 3.0;
-        let centred = r.map(|r| r - centroid);
-        let gyration2 = centred.iter().map(|s| s.norm_squared()).sum::<f64>() / 3.0;
-        let noise = |rows: SixRows| {
-            let gain = rows.operator(&centred).unwrap().noise_gain();
-            gain.fixed_rows::<3>(0).norm_squared()
-                + gyration2 * gain.fixed_rows::<3>(3).norm_squared()
-        };
-        let (best, operator) = SixRows::best(&r).unwrap();
-        let least = SixRows::all()
-            .filter(|rows| rows.unseen().is_none())
-            .map(noise)
-            .fold(f64::INFINITY, f64::min);
-        assert!(noise(best) <= least * (1.0 + 1e-12));
-        assert_eq!(operator, best.operator(&r).unwrap());
-    }
-}
-
 /// A choice of rows leaves the other three coordinates without influence.
 #[test]
 fn unchosen_coordinates_do_not_count() {

@@ -313,9 +313,6 @@ impl LengthCircumstances {
 
     /// Side of approach, +1 or -1.
     pub fn sign(&self) -> f64 {
-        match self.direction {
-            Direction::Forward => 1.0,
-            Direction::Backward => -1.0,
-        }
+        f64::from(self.direction.sign())
     }
 }

@@ -102,10 +102,7 @@ impl LengthsAdjustment<'_> {
             Side {
                 step: stop.step,
                 group: visit.group,
-                sign: match stop.direction {
-                    Direction::Forward => 1.0,
-                    Direction::Backward => -1.0,
-                },
+                sign: f64::from(stop.direction.sign()),
                 beam: beam.normalize(),
                 point_mm,
             }
