@@ -30,6 +30,7 @@ mod noise_floor;
 mod not_observable;
 mod omnibus;
 mod one_size;
+mod order;
 mod prediction_error;
 mod problem;
 mod report;
@@ -56,6 +57,7 @@ use crate::verification::gross_errors::gross_errors;
 use crate::verification::joined::join;
 use crate::verification::noise_floor::{noise_floor_um, repeats};
 use crate::verification::not_observable::not_observable;
+use crate::verification::order::in_order_of_measuring;
 use crate::verification::prediction_error::prediction_directions;
 use crate::verification::problem::{Given, Problem};
 use crate::verification::resolution::{hidden_um, resolution_um};
@@ -89,10 +91,11 @@ pub(crate) fn diagnose_verification(
         );
     }
     let given = given_once(&campaign.verification, &mut outcome.notices);
-    let kept: Vec<Verification> = given
-        .into_iter()
-        .map(|verification| without_gross_errors(machine, verification, calibration, &mut outcome))
-        .collect();
+    let kept = given.into_iter().map(|verification| {
+        let ordered = in_order_of_measuring(verification);
+        without_gross_errors(machine, ordered, calibration, &mut outcome)
+    });
+    let kept: Vec<Verification> = kept.collect();
     let comparisons = kept.iter().map(|verification| {
         let mut comparison = Comparison::new(machine, verification, calibration);
         if calibration.is_some() {
@@ -168,15 +171,11 @@ const LEAST_REPEATED: usize = 6;
 /// The readings without those that contradict all others, which are said.
 fn without_gross_errors(
     machine: &Machine,
-    verification: &Verification,
+    mut kept: Verification,
     calibration: Option<&CalibratedMachine>,
     outcome: &mut Said,
 ) -> Verification {
-    let gross = gross_errors(
-        verification,
-        &Comparison::new(machine, verification, calibration),
-    );
-    let mut kept = verification.clone();
+    let gross = gross_errors(&kept, &Comparison::new(machine, &kept, calibration));
     for (row, _) in gross.iter().rev() {
         kept.readings.remove(*row);
     }

@@ -103,6 +103,21 @@ fn periods(set: &CurveSet) -> Vec<f64> {
         .collect()
 }
 
+/// Whether a period is no longer than two steps: it may as well be shorter.
+pub(crate) fn is_shortest(set: &CurveSet, period: f64) -> bool {
+    period <= STEPS_PER_PERIOD * set.step() * (1.0 + ROUNDING)
+}
+
+/// Of a quotient of positions.
+const ROUNDING: f64 = 1e-9;
+
+/// The shortest period whose sine and cosine the steps tell from each other: half a distance in frequency from two steps,
+/// where the worse one of the two still reaches seven tenths of its size.
+pub(crate) fn shortest_told(set: &CurveSet) -> f64 {
+    let highest = set.travel() / (STEPS_PER_PERIOD * set.step());
+    set.travel() / (highest - 0.5 / FREQUENCIES_PER_TRAVEL)
+}
+
 /// Distance of neighbouring periods of the search, mm or rad.
 pub(crate) fn spacing(set: &CurveSet, period: f64) -> f64 {
     period * period / (FREQUENCIES_PER_TRAVEL * set.travel())

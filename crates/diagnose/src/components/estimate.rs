@@ -14,7 +14,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::components::background::Background;
-use crate::components::candidates::{Candidate, spacing};
+use crate::components::candidates::{Candidate, is_shortest, shortest_told, spacing};
 use crate::components::curve_set::CurveSet;
 use crate::components::judgement::ln_sum;
 use crate::engine::derivative;
@@ -56,7 +56,9 @@ pub(crate) fn estimate(
     let mut columns = columns_at(shape);
     let (mut mean, mut covariance) = mixture(backgrounds, &columns);
     let (mut period, mut u_period) = (shape, 0.0);
-    if candidate.hypothesis.effect.shape == Shape::Period {
+    let has_period = candidate.hypothesis.effect.shape == Shape::Period;
+    if has_period && !is_shortest(set, shape) {
+        let shortest = shortest_told(set);
         for _ in 0..MAX_STEPS {
             let derivative = derivative(columns_at, mean.rows(0, linear).as_slice(), period);
             columns = columns_at(period);
@@ -65,8 +67,8 @@ pub(crate) fn estimate(
             u_period = covariance[(linear, linear)].max(0.0).sqrt();
             let limit = spacing(set, period);
             let step = mean[linear].clamp(-limit, limit);
-            // Not beyond the travel, nor to what the steps cannot tell from a longer one.
-            period = (period + step).clamp(2.0 * set.step(), set.travel());
+            // Not beyond the travel, nor to where the steps show one phase only.
+            period = (period + step).clamp(shortest.min(period), set.travel());
             if step.abs() <= STEP_TOL * u_period {
                 break;
             }

@@ -5,6 +5,7 @@ use trueaxis_effects::{Level, Scene, Shape};
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 
 use crate::cause::{Cause, EstimatedParameter};
+use crate::components::candidates::is_shortest;
 use crate::components::curve_set::CurveSet;
 use crate::components::search::Found;
 use crate::engine::with_uncertainties;
@@ -23,9 +24,8 @@ pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
     let estimate = &found.estimate;
     let n = estimate.parameters.len();
     // Waves as short as two steps may as well be shorter ones: the period is at most that, with no uncertainty.
-    let is_shortest = hypothesis.effect.shape == Shape::Period
-        && estimate.shape <= 2.0 * set.step() * (1.0 + 1e-9);
-    let u_shape = match is_shortest {
+    let has_period = hypothesis.effect.shape == Shape::Period;
+    let u_shape = match has_period && is_shortest(set, estimate.shape) {
         true => f64::INFINITY,
         false => estimate.u_shape,
     };

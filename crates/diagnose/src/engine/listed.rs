@@ -37,6 +37,9 @@ pub(crate) struct Finer<'a> {
     pub(crate) columns: ColumnsAt<'a>,
     /// All gaps in which an instant may lie, s, the first one first; `None` for a shape that may have any value.
     pub(crate) gaps_s: Option<Vec<[f64; 2]>>,
+    /// The shortest that is told from others. One of the list below it stands alone, and may as well be shorter: of waves of two
+    /// steps the positions show one phase, and beside them the other one would fit with any size.
+    pub(crate) shortest: f64,
 }
 
 /// Whitened columns of a shape.
@@ -80,6 +83,10 @@ pub(crate) struct Judged {
     pub(crate) fit: Fit,
     pub(crate) beside: Beside,
 }
+
+/// Where the parameters of a cause stand among the linear ones, and among those with its shape; the scale of that, and its
+/// uncertainty where it is a limit.
+type Placed = (Range<usize>, Range<usize>, (Option<f64>, Option<f64>));
 
 /// A cause with its parameters in the model of all.
 pub(crate) struct Sized {
@@ -128,9 +135,10 @@ impl Candidate<'_> {
     /// The shape between the neighbours of one in the list that explains most of what a model leaves, to a part of their distance;
     /// none where there is nothing in between.
     fn refined(&self, model: &Projection, shape: f64, part: f64) -> Option<f64> {
-        let finer = self.finer.as_ref()?;
+        let finer = self.finer.as_ref().filter(|f| f.shortest <= shape)?;
         let [before, after] = neighbours(&self.shapes, shape);
-        let [low, high] = [before.unwrap_or(shape), after.unwrap_or(shape)];
+        let low = before.unwrap_or(shape).max(finer.shortest);
+        let high = after.unwrap_or(shape);
         let gained = |shape: f64| Fit::new(model, &(finer.columns)(shape)).gained();
         match &finer.gaps_s {
             Some(all) => {
@@ -163,8 +171,14 @@ impl Candidate<'_> {
 
     /// What the observations change by with the shape of an effect with values; none of one that has nothing in between.
     fn by_shape(&self, values: &[f64], shape: f64) -> Option<Vec<f64>> {
-        let finer = self.finer.as_ref().filter(|f| f.gaps_s.is_none())?;
+        let finer = self.finer.as_ref();
+        let finer = finer.filter(|f| f.gaps_s.is_none() && f.shortest <= shape)?;
         Some(derivative(&finer.columns, values, shape))
+    }
+
+    /// Whether a shape is but an upper limit.
+    fn is_limit(&self, shape: f64) -> bool {
+        self.finer.as_ref().is_some_and(|f| shape < f.shortest)
     }
 
     /// Logarithm of the probability that noise has at most for what this form explains beyond a smaller one, if `level` is that of
@@ -281,13 +295,14 @@ impl<'a> Listed<'a> {
                 by_shape.iter_mut().for_each(|x| *x *= scale);
                 by_shape
             }));
-            places.push((of_linear, place..columns.len(), scale));
+            let limit = candidate.is_limit(cause.shape).then_some(f64::INFINITY);
+            places.push((of_linear, place..columns.len(), (scale, limit)));
         }
         let all = Fit::new(&self.base, &columns);
-        let of_cause = |(of_linear, place, scale): (Range<usize>, Range<usize>, Option<f64>)| {
+        let of_cause = |(of_linear, place, (scale, limit)): Placed| {
             let (count, joint) = (of_linear.len(), all.part(place));
             let (covariance, u_shape) = match scale {
-                None => (joint.covariance, None),
+                None => (joint.covariance, limit),
                 Some(scale) => {
                     let (covariance, u) = beside_shape(&joint, count);
                     (covariance, Some(u * scale))

@@ -88,6 +88,10 @@ pub(crate) fn candidates<'a>(
                 finer: has_more.then(|| Finer {
                     columns: Box::new(columns),
                     gaps_s,
+                    shortest: match effect.shape {
+                        Shape::Period => shortest_told(comparison, &subject),
+                        _ => f64::NEG_INFINITY,
+                    },
                 }),
             });
             if effect.id != lost_motion::EFFECT || subject.axis != Some(comparison.axis()) {
@@ -203,11 +207,23 @@ fn periods(comparison: &Comparison<'_>, subject: &Subject) -> Vec<f64> {
     };
     let most = 0.5 * range / step;
     let waves = (FEWEST_STEPS..=MOST_STEPS).map(|k| f64::from(k) * WAVE_STEP);
-    let waves = waves.take_while(|waves| *waves < most);
+    let waves = waves.take_while(|waves| *waves <= most - WAVE_STEP * (1.0 - ROUNDING));
     let last = f64::from(MOST_STEPS) * WAVE_STEP;
     let waves = waves.chain([most].into_iter().filter(|most| *most <= last));
     waves.map(|waves| range / waves).collect()
 }
+
+/// The shortest period whose sine and cosine the positions tell from each other: a step of the wave number longer than two steps,
+/// where the worse one of the two still reaches seven tenths of its size.
+fn shortest_told(comparison: &Comparison<'_>, subject: &Subject) -> f64 {
+    let sampled = subject.axis.and_then(|axis| sampling(comparison, axis));
+    sampled.map_or(f64::NEG_INFINITY, |[range, step]| {
+        range / (0.5 * range / step - WAVE_STEP) * (1.0 - ROUNDING)
+    })
+}
+
+/// Of a quotient of positions.
+const ROUNDING: f64 = 1e-9;
 
 /// Range of the commanded positions of an axis and the typical step between neighbours.
 pub(crate) fn sampling(comparison: &Comparison<'_>, axis: usize) -> Option<[f64; 2]> {

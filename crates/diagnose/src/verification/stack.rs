@@ -114,6 +114,8 @@ impl<'s> Stack<'s> {
         let own = self.all.iter().zip(&members);
         let own = own.filter_map(|(s, number)| Some(&s.plain.listed.candidates[(*number)?]));
         let largest = own.max_by_key(|candidate| candidate.shapes.len());
+        let shortest = largest.and_then(|candidate| candidate.finer.as_ref());
+        let shortest = shortest.map_or(f64::NEG_INFINITY, |finer| finer.shortest);
         let (shapes, plausible) = largest.map_or_else(Default::default, |candidate| {
             (candidate.shapes.clone(), candidate.plausible.clone())
         });
@@ -133,6 +135,7 @@ impl<'s> Stack<'s> {
             finer: is_continuous(hypothesis.effect.shape).then(|| Finer {
                 columns: Box::new(columns),
                 gaps_s: None,
+                shortest,
             }),
         };
         (candidate, members)

@@ -26,7 +26,7 @@ use crate::Wandering;
 use crate::engine::correlation_lengths;
 use crate::selection::Hypothesis;
 use crate::verification::arrivals::Arrival;
-use crate::verification::base::places;
+use crate::verification::base::{cycles, places};
 use crate::verification::comparison::Comparison;
 use crate::verification::hypotheses::comes_from_both_sides;
 
@@ -61,6 +61,10 @@ const WAVE_STEP: f64 = 0.125;
 
 /// Waves of a swing over the readings, at most.
 const MOST_SWINGS: f64 = 16.0;
+
+/// Waves over the readings that a swing has more or fewer than there are cycles, or a multiple of them, to differ from all that
+/// repeats with the cycle: with one more or fewer it is orthogonal to that.
+const FROM_CYCLE: f64 = 0.75;
 
 /// Stops of a period, at least: three of each half, as of the shortest correlation length.
 const STOPS_OF_PERIOD: f64 = 6.0;
@@ -242,6 +246,17 @@ impl Wanderer {
         let waves = std::iter::successors(Some(1.0), |waves| Some(waves + WAVE_STEP));
         let waves = waves.take_while(|waves| *waves <= most);
         waves.map(|waves| 1.0 / waves).collect()
+    }
+
+    /// Whether a swing with this period is nearly a function of position and side of approach.
+    pub(crate) fn is_of_cycle(comparison: &Comparison<'_>, period: f64) -> bool {
+        let count = cycles(comparison)
+            .into_iter()
+            .max()
+            .map_or(1, |max| max + 1) as f64;
+        let waves = 1.0 / period;
+        let nearest = (waves / count).round().max(1.0) * count;
+        (waves - nearest).abs() < FROM_CYCLE
     }
 
     /// Where its curve is shown, in the unit of its argument, with the basis there.

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use trueaxis_campaign::{Direction, Verification, VerificationKind, VerificationReading};
-use trueaxis_diagnose::{Cause, Diagnosis, Settings, Verdict, diagnose_against};
+use trueaxis_diagnose::{Cause, Diagnosis, Settings, Verdict, diagnose, diagnose_against};
 use trueaxis_kinematics::{LocationError, MotionError};
 use trueaxis_predict::{CalibratedMachine, FactoredCovariance, MeasuredAxis, Node};
 
@@ -143,4 +143,89 @@ fn an_instant_lies_anywhere_between_two_readings() {
         time.u
     );
     assert_near(cause, &[("time", jump_s)]);
+}
+
+/// Waves of two steps show one phase at the positions. Where the search went on to periods a hair longer, the other phase fitted
+/// whatever is left, with hundreds of times the size.
+#[test]
+fn waves_of_two_steps_are_no_larger_than_what_is_read() {
+    let size_um = 5.0;
+    for seed in 0..4 {
+        let mut generator = generator(seed, 43);
+        let alternating = |_: f64, x: f64| size_um * (0.5 * TAU * x / STEP_MM).cos();
+        let found = found(line(&mut generator, alternating));
+        let [cause] = &found.causes[..] else {
+            panic!("{} causes", found.causes.len());
+        };
+        assert_eq!(cause.effect.effect.id, "cyclic_error");
+        let parameter = |name: &str| cause.parameters.iter().find(|p| p.name == name).unwrap();
+        let (sine, cosine, period) = (parameter("sine"), parameter("cosine"), parameter("period"));
+        assert!(sine.value.abs() < 1e-6, "{}", sine.value);
+        assert!((cosine.value - size_um).abs() < 4.0 * cosine.u);
+        assert!((period.value - 2.0 * STEP_MM).abs() < 1e-6);
+        // At most that.
+        assert!(period.u.is_infinite());
+    }
+}
+
+/// With a clock a table may be sorted by position, or not at all.
+#[test]
+fn rows_with_a_clock_may_stand_in_any_order() {
+    let mut generator = generator(2, 44);
+    let as_measured = line(&mut generator, |t, _| if t > 2100.0 { 3.0 } else { 0.0 });
+    let mut sorted = as_measured.clone();
+    sorted
+        .readings
+        .sort_by(|a, b| a.positions[0].total_cmp(&b.positions[0]));
+    let [first, second] = [as_measured, sorted].map(found);
+    assert_eq!(first.causes.len(), 1);
+    assert_eq!(first.causes[0].parameters, second.causes[0].parameters);
+    assert_eq!(first.verdict, second.verdict);
+}
+
+/// What swings as often as the cycle is repeated is lost motion under another name. Where it stands beside lost motion that is
+/// smaller at the stop after the turn, it took most of it, and left the wrong sign.
+#[test]
+fn lost_motion_is_no_swing_with_the_period_of_the_cycle() {
+    let (size_um, of_first) = (-1.4, 0.4);
+    for seed in 0..4 {
+        let mut generator = generator(seed, 45);
+        let mut readings = Vec::new();
+        let mut time_s = 0.0;
+        let mut mean_um = 0.0;
+        for cycle in 1..=5 {
+            for direction in [Direction::Forward, Direction::Backward] {
+                for i in 0..9_u32 {
+                    let sign = f64::from(direction.sign());
+                    let part = if i == 0 { of_first } else { 1.0 };
+                    let x_mm = -sign * (20.0 - 5.0 * f64::from(i));
+                    let value_um = -0.5 * sign * size_um * part;
+                    mean_um += -2.0 * sign * value_um / 90.0;
+                    readings.push(VerificationReading {
+                        time_s: Some(time_s),
+                        cycle,
+                        direction,
+                        positions: vec![x_mm, 0.0, 0.0],
+                        value_um: value_um + 0.01 * normal(&mut generator),
+                        line: readings.len() + 2,
+                    });
+                    time_s += 28.5;
+                }
+                time_s -= 12.0;
+            }
+        }
+        let line = Verification {
+            readings,
+            ..line(&mut generator, |_, _| 0.0)
+        };
+        let found = diagnose(&campaign(vec![line]), &Settings::default()).unwrap();
+        let cause = &found.causes[0];
+        assert!(cause.effect.effect.id.ends_with("backlash"));
+        let mean = &cause.parameters[0];
+        assert!(
+            (mean.value - mean_um).abs() < 0.1,
+            "{} for {mean_um}",
+            mean.value
+        );
+    }
 }

@@ -6,18 +6,14 @@
 use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, MICROMETRE};
 
 use crate::form::AtReading;
-use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
+use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Scene, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "backlash",
     layer: Layer::Machine,
     levels: &[Level::Lengths, Level::Points, Level::Verification],
     subjects: Subject::each_axis,
-    parameters: |scene, subject| {
-        let unit = scene.unit(subject, "um", "arcsec");
-        let most = if unit == "um" { MOST_UM } else { MOST_ARCSEC };
-        vec![Parameter::new("lost_motion", unit).plausible(most)]
-    },
+    parameters: |scene, subject| vec![lost_motion(scene, subject, "lost_motion")],
     shape: Shape::Fixed,
     form: Form::Axis(|of| half_lost_motion(of, 1.0)),
     explanation: Explanation {
@@ -31,6 +27,13 @@ pub(super) const EFFECT: Effect = Effect {
 /// More than a millimetre, or five degrees, is no play of a drive that is in use.
 const MOST_UM: [f64; 2] = [-1e3, 1e3];
 const MOST_ARCSEC: [f64; 2] = [-1.8e4, 1.8e4];
+
+/// Lost motion as a parameter of this name.
+pub(super) fn lost_motion(scene: &Scene, subject: &Subject, name: &'static str) -> Parameter {
+    let unit = scene.unit(subject, "um", "arcsec");
+    let most = if unit == "um" { MOST_UM } else { MOST_ARCSEC };
+    Parameter::new(name, unit).plausible(most)
+}
 
 /// Lost motion below zero: the axis goes further than it should after it has turned round.
 pub(crate) const OVER_COMPENSATED: Explanation = Explanation {

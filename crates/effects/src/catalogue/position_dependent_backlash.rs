@@ -5,7 +5,7 @@
 
 use trueaxis_kinematics::AxisKind;
 
-use super::backlash::half_lost_motion;
+use super::backlash::{half_lost_motion, lost_motion};
 use crate::form::AtReading;
 use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 
@@ -18,7 +18,7 @@ pub(super) const EFFECT: Effect = Effect {
     subjects: Subject::each_axis,
     parameters: |scene, subject| {
         vec![
-            Parameter::new("lost_motion_mean", scene.unit(subject, "um", "arcsec")),
+            lost_motion(scene, subject, "lost_motion_mean"),
             Parameter::new(
                 "lost_motion_slope",
                 scene.unit(subject, "um/m", "arcsec/rad"),
