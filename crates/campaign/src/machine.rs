@@ -1,6 +1,6 @@
 //! The section `machine` of `campaign.json` and of scenarios.
 
-use nalgebra::{Point3, Unit, Vector3};
+use nalgebra::{Point3, Vector3};
 use trueaxis_files::{check_names, index_of};
 use trueaxis_kinematics::{Axis, AxisKind, Branch, Machine};
 
@@ -114,46 +114,12 @@ impl AxisSpec {
                 AxisKind::Linear => AxisKindSpec::Linear,
                 AxisKind::Rotary => AxisKindSpec::Rotary,
             },
-            direction: direction_in_file(axis.direction()),
+            direction: axis.direction().into_inner().into(),
             travel: axis.travel().map(|end| position_unit::in_file(kind, end)),
             position_mm: (kind == AxisKind::Rotary).then(|| axis.reference_mm().coords.into()),
             expansion_ppm_per_k: None,
             temperature_column: None,
             temperature_sigma_k: None,
-        }
-    }
-}
-
-/// Lengths to try: most directions are found at the first, nearly all among the next hundred.
-const LENGTHS_TRIED: u32 = 10_000;
-
-/// From one length to the next, far below what makes a direction not a unit vector.
-const LENGTH_STEP: f64 = 1e-9;
-
-/// A vector that normalises to exactly `direction`.
-///
-/// Normalising a unit vector again moves the last bit of a third of them; a vector a little longer
-/// rounds differently.
-fn direction_in_file(direction: Unit<Vector3<f64>>) -> [f64; 3] {
-    (0..LENGTHS_TRIED)
-        .map(|i| direction.into_inner() * (1.0 + f64::from(i) * LENGTH_STEP))
-        .find(|&vector| Unit::new_normalize(vector) == direction)
-        .unwrap_or(direction.into_inner())
-        .into()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn skew_directions_are_read_as_they_were_written() {
-        for i in 1..2000_u32 {
-            let angle = f64::from(i) * 0.011;
-            let vector = Vector3::new(angle.cos(), angle.sin(), (3.0 * angle).sin());
-            let direction = Unit::new_normalize(vector);
-            let written = Vector3::from(direction_in_file(direction));
-            assert_eq!(Unit::new_normalize(written), direction);
         }
     }
 }

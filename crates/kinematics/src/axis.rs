@@ -61,6 +61,10 @@ pub struct Axis {
 /// four digits passes, a wrong one does not.
 const UNIT_LENGTH_TOL: f64 = 1e-3;
 
+/// A direction of this length is normalised already: to do it again would move the last bit of a third of them, and a
+/// machine that is written and read would not be the same.
+const NORMALISED_TOL: f64 = 4.0 * f64::EPSILON;
+
 impl Axis {
     /// A linear axis along `direction`; `travel` in mm. The reference point of its δ is the origin.
     ///
@@ -114,7 +118,10 @@ impl Axis {
                 high,
             });
         }
-        let direction = Unit::new_normalize(direction);
+        let direction = match (length - 1.0).abs() <= NORMALISED_TOL {
+            true => Unit::new_unchecked(direction),
+            false => Unit::new_normalize(direction),
+        };
         Ok(Self {
             name: name.to_owned(),
             kind,
@@ -254,6 +261,18 @@ impl Axis {
 mod tests {
     use super::*;
     use crate::ARCSEC;
+
+    #[test]
+    fn directions_are_normalised_once() {
+        for i in 1..2000_u32 {
+            let angle = f64::from(i) * 0.011;
+            let vector = Vector3::new(angle.cos(), angle.sin(), (3.0 * angle).sin());
+            let rounded = vector.normalize() * 1.0004;
+            let axis = Axis::linear("X", rounded, [0.0, 1.0]).unwrap();
+            let again = Axis::linear("X", axis.direction().into_inner(), [0.0, 1.0]).unwrap();
+            assert_eq!(again, axis);
+        }
+    }
 
     #[test]
     fn squareness_turns_y_about_positive_z() {
