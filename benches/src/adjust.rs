@@ -3,8 +3,9 @@
 use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::Campaign;
 use trueaxis_multilateration::{
-    Network, Refined, Settings, Solution, Station, Trials, network_from_campaign, refine, solve,
+    Network, Refined, Settings, Solution, Station, Trials, refine, solve,
 };
+use trueaxis_poses::network_from_campaign;
 
 /// What the points of a step have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

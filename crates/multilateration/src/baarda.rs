@@ -7,7 +7,7 @@
 //! ```
 //!
 //! `w` is standard normal if nothing is wrong (W. Baarda, A testing procedure for use in geodetic
-//! networks, 1968). `c` is one reading, or all readings of a visit ([`crate::step_tests`] has another).
+//! networks, 1968). `c` is one reading, or all readings of a visit.
 //!
 //! A reading whose own variance is inflated by a factor `f` has all but left the adjustment; `∇` is
 //! then its distance from what the others predict, and `1/den - (f - 1) σ²` the variance of that if
@@ -16,42 +16,53 @@
 use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product, subtract_product};
 use trueaxis_leastsquares::{Lanes, lanes_only, zeros};
 
-use crate::Network;
 use crate::batch_influence::{BatchInfluence, BatchRows};
 use crate::batches::Batch;
 use crate::network::VisitsByGroup;
 use crate::slots::Slots;
+use crate::{Network, Solution};
 
 /// The test of one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct ReadingTest {
-    /// Baarda's w.
-    pub(crate) w: f64,
+pub struct ReadingTest {
+    /// Baarda's w, the residual in units of its standard deviation: standard normal if nothing is wrong; zero where
+    /// nothing checks the reading.
+    pub w: f64,
     /// Estimated error, observed minus right, mm.
-    pub(crate) error_mm: f64,
+    pub error_mm: f64,
     /// Standard deviation of the estimated error, mm; infinite where nothing checks the reading.
-    pub(crate) sigma_mm: f64,
+    pub sigma_mm: f64,
     /// Part of an error in it that the residuals keep, from 0 to 1.
-    pub(crate) kept: f64,
-    /// Redundancy number ([`crate::Reliability::redundancy`]).
-    pub(crate) redundancy: f64,
+    pub kept: f64,
+    /// Redundancy number: the part of an error in the reading that shows in its residual, from 0 (nothing checks it:
+    /// the error goes wholly into the result) to 1. Lengths of a visit that correlate through the machine's
+    /// repeatability may leave this range. Their sum is [`Solution::degrees_of_freedom`].
+    ///
+    /// `r = diag(I - J Q Jᵀ C⁻¹)` with the Jacobian `J` and the covariance `Q` of the unknowns.
+    pub redundancy: f64,
 }
 
 /// Below this part of a reading's weight, what the residuals keep of an error in it is rounding.
-pub(crate) const CHECKED_TOL: f64 = 1e-9;
+pub const CHECKED_TOL: f64 = 1e-9;
 
 /// The tests of all readings and visits, in measuring order.
 #[derive(Debug, Default)]
-pub(crate) struct Tests {
+pub struct Tests {
     /// Of every reading.
-    pub(crate) readings: Vec<ReadingTest>,
+    pub readings: Vec<ReadingTest>,
     /// Baarda's w of an equal error in all lengths of each visit: the machine stood elsewhere, or the
     /// beam was lost and found again. Zero for visits of a single length.
-    pub(crate) visits: Vec<f64>,
+    pub visits: Vec<f64>,
 }
 
-/// Tests every reading and every visit.
-pub(crate) fn test_all(influence: &BatchInfluence<'_>) -> Tests {
+impl Solution {
+    /// Tests every reading and every visit; `network` must be the one that was solved.
+    pub fn tests(&self, network: &Network) -> Tests {
+        test_all(&BatchInfluence::new(network, self))
+    }
+}
+
+fn test_all(influence: &BatchInfluence<'_>) -> Tests {
     let network = influence.network();
     let by_group = network.visits_by_group();
     let batches = influence.batches();

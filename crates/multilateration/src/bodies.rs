@@ -40,7 +40,7 @@ const RIGID: usize = 3;
 const IN_LINE: f64 = 1e-6;
 
 /// Whether points are too few or lie so that they do not tell how a body is turned.
-pub(crate) fn are_in_line(points: &[Point3<f64>]) -> bool {
+pub fn are_in_line(points: &[Point3<f64>]) -> bool {
     let centre = centroid(points);
     let longest =
         points

@@ -27,21 +27,28 @@ use trueaxis_leastsquares::{Lanes, zeros};
 
 use crate::batch_influence::{BatchInfluence, BatchRows, VisitPart};
 use crate::batches::Batch;
+use crate::{Network, Solution};
 
 /// One step towards the restricted maximum of the likelihood.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Components {
+pub struct VarianceComponents {
     /// Estimated factors on the variances of the two parts: lengths, return.
-    pub(crate) factors: Vector2<f64>,
+    pub factors: Vector2<f64>,
     /// Their covariance.
-    pub(crate) covariance: Matrix2<f64>,
+    pub covariance: Matrix2<f64>,
     /// `1 - ρ²`: how far the data tell the two parts apart, from 0 (not at all) to 1.
-    pub(crate) separation: f64,
+    pub separation: f64,
 }
 
-/// Estimates the factors on both parts of the noise with which the network was solved; the return
-/// must not be zero. `None` if the residuals say nothing.
-pub(crate) fn components(influence: &BatchInfluence<'_>) -> Option<Components> {
+impl Solution {
+    /// Estimates the factors on both parts of the noise with which `network` was solved; the return
+    /// must not be zero. `None` if the residuals say nothing.
+    pub fn variance_components(&self, network: &Network) -> Option<VarianceComponents> {
+        components(&BatchInfluence::new(network, self))
+    }
+}
+
+fn components(influence: &BatchInfluence<'_>) -> Option<VarianceComponents> {
     let sums = sums(influence);
     // Σ M for V_1 V_1, for V_1, and for the identity.
     let [through_twice, through, through_all] =
@@ -60,11 +67,14 @@ pub(crate) fn components(influence: &BatchInfluence<'_>) -> Option<Components> {
     let separation = 1.0 - left[(0, 1)].powi(2) / (left[(0, 0)] * left[(1, 1)]);
     let covariance = left.try_inverse()?;
     let factors = covariance * sums.right;
-    factors.iter().all(|f| f.is_finite()).then_some(Components {
-        factors,
-        covariance,
-        separation,
-    })
+    factors
+        .iter()
+        .all(|f| f.is_finite())
+        .then_some(VarianceComponents {
+            factors,
+            covariance,
+            separation,
+        })
 }
 
 /// The sums that make the equations.

@@ -138,41 +138,6 @@ pub enum Error {
         /// Its residual, mm.
         residual_mm: f64,
     },
-    /// So many readings contradict the others that these prove nothing.
-    #[error(
-        "{} of {readings} lengths contradict the others; more than {:.0} % are no accident",
-        removed.len(),
-        limit * 100.0
-    )]
-    TooManyGrossErrors {
-        /// The readings that would have to be removed.
-        removed: Vec<usize>,
-        /// All readings.
-        readings: usize,
-        /// Share that may be removed.
-        limit: f64,
-    },
-    /// A station or a group would lose too many readings for the others to prove anything.
-    #[error("{part:?} would lose {removed} of {readings} lengths, more than {limit:.2} of them")]
-    PartLost {
-        /// What loses them.
-        part: Part,
-        /// Readings that would have to be removed.
-        removed: usize,
-        /// All its readings.
-        readings: usize,
-        /// Share that may be removed.
-        limit: f64,
-    },
-    /// Readings of points contradict each other, and nothing tells which are wrong.
-    #[error(
-        "{} pair(s) of readings contradict each other, and nothing tells which is wrong: {pairs:?}",
-        pairs.len()
-    )]
-    Undecidable {
-        /// For each point one reading, and another one that may be wrong as well.
-        pairs: Vec<(usize, usize)>,
-    },
     /// The network contradicts itself: an index out of range or a number that is not finite.
     #[error("the network is malformed: {what}")]
     Malformed {
@@ -189,15 +154,6 @@ impl Error {
     pub(crate) fn malformed(what: impl Into<String>) -> Self {
         Self::Malformed { what: what.into() }
     }
-}
-
-/// A part of a network.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
-    /// All readings of a station.
-    Station(usize),
-    /// All readings of a group: one step of the machine from all stations.
-    Group(usize),
 }
 
 /// One of the four unknowns of a station.

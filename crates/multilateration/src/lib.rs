@@ -14,15 +14,21 @@
 //! nominal positions choose the image. Stations need no approximate position.
 //!
 //! Noun in: a [`Network`]; noun out: a [`Solution`] with points, stations, residuals and the
-//! covariance of everything. [`screen`] does the same without gross errors and lost counts, with the
-//! noise that the residuals show ([`estimate_noise`]). [`network_from_campaign`] makes the network of
-//! a measuring campaign; [`Trials`] solves a network again and again with other errors, for Monte
-//! Carlo. Lengths are mm in any right-handed frame. The crate does not say why lengths are wrong
-//! beyond that.
+//! covariance of everything. [`Trials`] solves a network again and again with other errors, for Monte
+//! Carlo. Lengths are mm in any right-handed frame.
+//!
+//! What looks for more in the lengths asks the solution: [`Solution::tests`] (is a length wrong?),
+//! [`Solution::variance_components`] (what noise do the residuals show?), and [`Whitened`], the rows of the hat matrix,
+//! for all else.
 //!
 #![doc = "```"]
 #![doc = include_str!("../examples/solve.rs")]
 #![doc = "```"]
+//!
+//! # What it does not do
+//!
+//! It takes lengths as they are: gross errors, interruptions and the noise are found by `trueaxis-screening`. It knows no
+//! machine and no files; `trueaxis-poses` makes the network of a campaign.
 
 mod adjustment;
 mod baarda;
@@ -35,10 +41,6 @@ mod components;
 mod datum;
 mod distances;
 mod error;
-mod estimate_noise;
-mod from_campaign;
-mod guard;
-mod interruption;
 mod known;
 mod lane_vectors;
 mod linearise;
@@ -49,39 +51,31 @@ mod passes;
 mod pieces;
 mod reflector_set;
 mod reflectors;
-mod reliability;
-mod robust_weights;
-mod screen;
-mod screened;
-mod screening;
 mod slots;
 mod solution;
 mod solve;
-mod splits;
 mod start;
 mod state;
-mod step_tests;
 mod tie;
 mod trials;
 mod undetermined;
 mod visit_weights;
 mod whitened;
 
+pub use baarda::{CHECKED_TOL, ReadingTest, Tests};
 pub use block_noise::BlockNoise;
-pub use bodies::{Bodies, Body, Placed};
+pub use bodies::{Bodies, Body, Placed, are_in_line};
+pub use components::VarianceComponents;
 pub use distances::{Distances, Pair};
-pub use error::{Error, Part, StationUnknown};
-pub use estimate_noise::{NoiseBasis, NoiseEstimate, PartEstimate, estimate_noise};
-pub use from_campaign::{CampaignNetwork, Group, network_from_campaign};
-pub use guard::MOST_OF_A_PART;
+pub use error::{Error, StationUnknown};
 pub use network::{Interruption, KnownDeadPath, Network, Reading, Visit};
 pub use noise::Noise;
 pub use reflector_set::{USUAL_DIFFERENCE_MM, adjust_as_a_set, solve_as_a_set};
 pub use reflectors::{Reflectors, contrast};
-pub use reliability::Reliability;
-pub use screen::screen;
-pub use screened::{Jump, Removed, Screened, WanderingZero};
 pub use solution::{Solution, Station};
-pub use solve::{Refined, Settings, refine, solve, solve_from};
+pub use solve::{
+    MIN_STATIONS_PER_POINT, Refined, Settings, refine, solve, solve_from, solve_with_noise,
+};
+pub use start::Start;
 pub use trials::{Corrections, Trials, Workspace};
 pub use whitened::Whitened;

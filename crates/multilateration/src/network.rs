@@ -167,7 +167,7 @@ impl Network {
     }
 
     /// The body that the points of a group are tied to.
-    pub(crate) fn body_of(&self, group: usize) -> Option<usize> {
+    pub fn body_of(&self, group: usize) -> Option<usize> {
         let bodies = self.bodies.as_deref()?;
         bodies.of_groups[group].body
     }
@@ -184,7 +184,7 @@ impl Network {
     }
 
     /// Number of dead paths: one for each station and one for each interruption.
-    pub(crate) fn zeros(&self) -> usize {
+    pub fn zeros(&self) -> usize {
         self.stations.len() + self.interruptions.len()
     }
 
@@ -209,7 +209,7 @@ impl Network {
     }
 
     /// The dead path of every reading: that of its station, or of the last interruption before it.
-    pub(crate) fn zero_of_readings(&self) -> Vec<usize> {
+    pub fn zero_of_readings(&self) -> Vec<usize> {
         let mut current: Vec<usize> = (0..self.stations.len()).collect();
         let mut interruptions = self.interruptions.iter().enumerate().peekable();
         let mut zeros = Vec::with_capacity(self.readings.len());
@@ -227,7 +227,7 @@ impl Network {
     }
 
     /// Factor on the variance of a reading's own noise.
-    pub(crate) fn variance_factor(&self, reading: usize) -> f64 {
+    pub fn variance_factor(&self, reading: usize) -> f64 {
         self.variance_factors.get(reading).copied().unwrap_or(1.0)
     }
 
@@ -237,7 +237,7 @@ impl Network {
     }
 
     /// Index of a point of a group among all points.
-    pub(crate) fn point(&self, group: usize, point: usize) -> usize {
+    pub fn point(&self, group: usize, point: usize) -> usize {
         self.groups[group].start + point
     }
 

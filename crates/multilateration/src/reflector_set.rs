@@ -25,11 +25,11 @@ fn are_open(network: &Network, solution: &Solution) -> bool {
 ///
 /// # Errors
 /// Those of the second adjustment, if there is one.
-pub fn adjust_as_a_set<T>(
+pub fn adjust_as_a_set<T, E>(
     network: &mut Network,
     solution: impl Fn(&T) -> &Solution,
-    adjust: impl Fn(&Network) -> Result<T, Error>,
-) -> Result<T, Error> {
+    adjust: impl Fn(&Network) -> Result<T, E>,
+) -> Result<T, E> {
     let adjusted = adjust(network);
     let unknown = network.reflectors.as_deref();
     let unknown = unknown.filter(|reflectors| reflectors.sigma_mm.is_none());

@@ -112,7 +112,10 @@ impl Solution {
 
     /// By how much a dead path is longer than another one, with standard uncertainty, mm. Dead paths
     /// are numbered by station, then by interruption.
-    pub(crate) fn difference_of_dead_paths(&self, longer: usize, shorter: usize) -> (f64, f64) {
+    ///
+    /// # Panics
+    /// If there are no such dead paths.
+    pub fn difference_of_dead_paths(&self, longer: usize, shorter: usize) -> (f64, f64) {
         let dead_paths_mm = self.state().dead_paths_mm;
         let column = |zero| zero_column(zero, self.stations.len());
         let (i, j) = (column(longer), column(shorter));
@@ -166,9 +169,9 @@ impl Solution {
             .collect()
     }
 
-    /// The part of the lengths in the sum of squares and in the redundancy: without what is known beside them,
-    /// whose noise is not that of lengths.
-    pub(crate) fn of_lengths(&self, network: &Network) -> (f64, f64) {
+    /// The part of the lengths in [`Solution::squares`] and in the redundancy: without what is known beside them,
+    /// whose noise is not that of lengths. `network` must be the one that was solved.
+    pub fn of_lengths(&self, network: &Network) -> (f64, f64) {
         let (mut squares, mut redundancy) = (self.squares, self.degrees_of_freedom() as f64);
         let shared = self.covariance.shared();
         for row in self.known_rows(network) {

@@ -8,7 +8,6 @@ use crate::adjustment::GroupAdjustment;
 use crate::batches::{Batch, batches, check_seen};
 use crate::pieces::within_pool;
 use crate::reflectors::constants_mm;
-use crate::robust_weights::median;
 use crate::start::{Start, start};
 use crate::state::{DATUM, PER_STATION, POSE, State, with_interruptions};
 use crate::undetermined::named;
@@ -26,7 +25,7 @@ pub struct Settings {
 const MIN_STATIONS: usize = 4;
 
 /// A point needs three lengths.
-pub(crate) const MIN_STATIONS_PER_POINT: usize = 3;
+pub const MIN_STATIONS_PER_POINT: usize = 3;
 
 /// Sums of squares that differ by less do not tell two mirror images apart: the likelihood ratio is
 /// below e⁵.
@@ -77,7 +76,7 @@ pub fn refine<'a>(
 }
 
 /// [`refine`] for a checked network of these groups.
-pub(crate) fn refine_batches<'a>(
+fn refine_batches<'a>(
     (network, batches): (&'a Network, &Arc<Vec<Batch>>),
     near: &Solution,
     settings: &Settings,
@@ -125,18 +124,18 @@ pub fn solve_from(
     refine(network, near, settings)?.solution()
 }
 
-/// How far a length is from what the nominal positions let expect, in units of what is typical,
-/// before it is no error of the machine; and at least, mm.
-const FAR: f64 = 10.0;
-const FAR_MM: f64 = 1.0;
-
-/// Readings that are far off at the start, and by how much (mm).
-pub(crate) fn far_at(start: &Start, network: &Network) -> Vec<(usize, f64)> {
-    let mut sizes_mm = start.state.residuals_mm(network);
-    sizes_mm.iter_mut().for_each(|r| *r = r.abs());
-    let limit_mm = (FAR * median(&mut sizes_mm.clone())).max(FAR_MM);
-    let sizes = sizes_mm.into_iter().enumerate();
-    sizes.filter(|&(_, size_mm)| size_mm > limit_mm).collect()
+/// Solves a network again of which nothing but the noise differs from that of the solution `solved`: its groups are
+/// not sought again.
+///
+/// # Errors
+/// Those of [`solve`].
+pub fn solve_with_noise(
+    network: &Network,
+    solved: &Solution,
+    settings: &Settings,
+) -> Result<Solution, Error> {
+    network.noise.check()?;
+    refine_batches((network, &solved.batches), solved, settings)?.solution()
 }
 
 /// An adjusted network, yet without uncertainties.
@@ -210,7 +209,7 @@ fn adjust_from<'a>(
 }
 
 /// No length drives an adjustment away that is less far from what the nominal positions say, mm.
-pub(crate) const ABSURD_MM: f64 = 1.0;
+const ABSURD_MM: f64 = 1.0;
 
 /// A length that is off by more at the start, relative to the size of the network, contradicts the
 /// others: nominal positions are never that wrong.

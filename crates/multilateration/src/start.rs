@@ -2,10 +2,12 @@
 
 mod station;
 
+use trueaxis_leastsquares::median;
+
 use self::station::{Cloud, Sighting, StationFit, find_station, residual_mm};
-use crate::robust_weights::median;
+use crate::solve::{batches_of, solve_from_start};
 use crate::state::State;
-use crate::{Error, Network, Station};
+use crate::{Error, Network, Settings, Solution, Station};
 
 /// Readings used to find one station: enough for a start, and the time stays linear.
 const MAX_READINGS: usize = 2000;
@@ -17,13 +19,40 @@ const POOR_FIT: f64 = 1e-2;
 /// Worse than this no position of the station is credible.
 const NO_FIT: f64 = 0.1;
 
-/// Where to start, and what is left open.
-pub(crate) struct Start {
+/// Where the adjustment of a network starts, and what that leaves open: points at their nominal positions, stations
+/// where these and the lengths say.
+pub struct Start {
     /// Points at their nominal positions and the stations that fit them best.
     pub(crate) state: State,
     /// For each station its mirror image, if that fits the nominal points as well and nothing is
     /// known about where the station stands.
     pub(crate) images: Vec<Option<Station>>,
+}
+
+impl Start {
+    /// The start of a network.
+    ///
+    /// # Errors
+    /// Those of [`crate::solve`] that do not need an adjustment: too few lengths, or a station that nothing explains.
+    pub fn new(network: &Network) -> Result<Self, Error> {
+        network.check()?;
+        // Too few lengths are named before a start is sought in them.
+        batches_of(network)?;
+        start(network)
+    }
+
+    /// Observed minus computed length of every reading, mm; `network` must be the one whose start it is.
+    pub fn residuals_mm(&self, network: &Network) -> Vec<f64> {
+        self.state.residuals_mm(network)
+    }
+
+    /// Solves the network whose start it is; weights may be other ones.
+    ///
+    /// # Errors
+    /// Those of [`crate::solve`].
+    pub fn solve(self, network: &Network, settings: &Settings) -> Result<Solution, Error> {
+        solve_from_start((network, &batches_of(network)?), self, settings)
+    }
 }
 
 pub(crate) fn start(network: &Network) -> Result<Start, Error> {
@@ -98,7 +127,7 @@ fn without_far(
         .min_by(|a, b| a.rms_mm.total_cmp(&b.rms_mm))
         .filter(|fit| fit.rms_mm > POOR_FIT * cloud.radius_mm)?;
     let size_mm = |s: &Sighting| residual_mm(s, fit.position, fit.dead_path_mm).abs();
-    let median_mm = median(&mut sightings.iter().map(size_mm).collect::<Vec<_>>());
+    let median_mm = median(&mut sightings.iter().map(size_mm).collect::<Vec<_>>())?;
     let near = sightings.iter().filter(|s| size_mm(s) <= FAR * median_mm);
     let rest: Vec<Sighting> = near.copied().collect();
     let far = sightings.len() - rest.len();

@@ -41,12 +41,12 @@ pub struct Whitened {
     /// Redundancy.
     pub degrees_of_freedom: usize,
     /// The rows of each visit.
-    pub(crate) visits: Vec<Range<usize>>,
+    pub visits: Vec<Range<usize>>,
     /// The reading whose own part is largest in each row: rows of a visit in the order of its weights.
-    pub(crate) reading_of_row: Vec<usize>,
+    reading_of_row: Vec<usize>,
     /// `L⁻¹` of each visit by rows up to the diagonal, one visit after the other.
-    pub(crate) weights: Vec<f64>,
-    pub(crate) weight_starts: Vec<usize>,
+    weights: Vec<f64>,
+    weight_starts: Vec<usize>,
 }
 
 impl Whitened {
@@ -133,7 +133,7 @@ impl Whitened {
     }
 
     /// The same of the visits from one on: the first element of the column is that of its first reading.
-    pub(crate) fn whiten_from(&self, first_visit: usize, column: &mut [f64]) {
+    pub fn whiten_from(&self, first_visit: usize, column: &mut [f64]) {
         let first = self.visits.get(first_visit).map_or(0, |rows| rows.start);
         let mut by_row = Vec::new();
         for (visit, rows) in self.visits.iter().enumerate().skip(first_visit) {
@@ -161,12 +161,8 @@ impl Whitened {
         let mut of_groups = vec![0.0; self.groups * self.own_width];
         let mut of_shared = vec![0.0; self.shared_width];
         for (row, &value) in x.iter().enumerate().filter(|(_, value)| **value != 0.0) {
-            add_times(
-                &mut of_groups[self.columns_of_group(row)],
-                value,
-                self.own_row(row),
-            );
-            add_times(&mut of_shared, value, self.shared_row(row));
+            let of_group = &mut of_groups[self.columns_of_group(row)];
+            self.add_row(row, value, of_group, &mut of_shared);
         }
         let rows = self.reduced_inverse.chunks_exact(self.shared_width.max(1));
         let through: Vec<f64> = rows.map(|row| dot(row, &of_shared)).collect();
@@ -182,7 +178,7 @@ impl Whitened {
     }
 
     /// Writes a unit error of a reading of a visit, whitened: an element for each row of the visit.
-    pub(crate) fn unit_error(&self, visit: usize, reading: usize, unit: &mut Vec<f64>) {
+    pub fn unit_error(&self, visit: usize, reading: usize, unit: &mut Vec<f64>) {
         unit.clear();
         let rows = self.visits[visit].clone();
         let place = |row: usize| self.reading_of_row[row] == reading;
@@ -195,24 +191,30 @@ impl Whitened {
     }
 
     /// Where the unknowns of the group of a row are among those of all groups, of [`Whitened::own_width`] each.
-    pub(crate) fn columns_of_group(&self, row: usize) -> Range<usize> {
+    pub fn columns_of_group(&self, row: usize) -> Range<usize> {
         let group = self.group_of_row[row];
         group * self.own_width..(group + 1) * self.own_width
     }
 
     /// Row of `O`.
-    pub(crate) fn own_row(&self, row: usize) -> &[f64] {
+    pub fn own_row(&self, row: usize) -> &[f64] {
         &self.own[row * self.own_width..][..self.own_width]
     }
 
+    /// Adds a row of `O` and of `T`, times a factor, to sums over rows of one group and over all rows.
+    pub fn add_row(&self, row: usize, factor: f64, own: &mut [f64], shared: &mut [f64]) {
+        add_times(own, factor, self.own_row(row));
+        add_times(shared, factor, self.shared_row(row));
+    }
+
     /// Row of `T`.
-    pub(crate) fn shared_row(&self, row: usize) -> &[f64] {
+    fn shared_row(&self, row: usize) -> &[f64] {
         &self.shared[row * self.shared_width..][..self.shared_width]
     }
 }
 
 /// `sum += factor x`.
-pub(crate) fn add_times(sum: &mut [f64], factor: f64, x: &[f64]) {
+fn add_times(sum: &mut [f64], factor: f64, x: &[f64]) {
     for (sum, x) in sum.iter_mut().zip(x) {
         *sum += factor * x;
     }

@@ -6,6 +6,7 @@ mod circumstances;
 mod common_value;
 mod effects;
 mod known;
+mod network;
 mod reflectors;
 mod refused;
 mod report;
@@ -23,6 +24,7 @@ pub use circumstances::{
     temperature_histories,
 };
 pub use effects::EffectsOnLengths;
+pub use network::{CampaignNetwork, Group, network_from_campaign};
 pub use reflectors::ReflectorConstant;
 pub use scale::{ScaleBasis, ScaleResult};
 pub use side_difference::SideDifference;

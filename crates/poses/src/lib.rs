@@ -25,7 +25,7 @@
 //! equations.
 //!
 //! Before that, lengths that contradict the others are removed, interrupted occupations are split, and the noise is
-//! estimated from what is left ([`trueaxis_multilateration::screen`]); [`AdjustmentReport`] says what was done.
+//! estimated from what is left ([`trueaxis_screening::screen`]); [`AdjustmentReport`] says what was done.
 //! [`PoseTrials`] measures again with other errors: Monte Carlo and reliability.
 //! [`EffectsOnLengths`] takes what known effects do (drift, jumps, lost motion) out of the lengths.
 //!
@@ -51,9 +51,10 @@ mod words;
 
 pub use error::Error;
 pub use lengths::{
-    EffectsOnLengths, LengthCircumstances, LengthsAdjustment, Observation, ReflectorConstant,
-    ScaleBasis, ScaleResult, SideDifference, at_one_temperature, constant_feed_per_s,
-    length_circumstances, scene_of, temperature_histories,
+    CampaignNetwork, EffectsOnLengths, Group, LengthCircumstances, LengthsAdjustment, Observation,
+    ReflectorConstant, ScaleBasis, ScaleResult, SideDifference, at_one_temperature,
+    constant_feed_per_s, length_circumstances, network_from_campaign, scene_of,
+    temperature_histories,
 };
 pub use measure::{MeasuredPoses, NoiseByEquations, measure};
 pub use poses::{PoseNoise, PoseObservation, Poses, TargetBody, ThroughSources, turned_about};
@@ -64,5 +65,6 @@ pub use report::{
 pub use residual::Residual;
 pub use settings::{Method, Settings};
 pub use trials::{PoseTrials, Trial, TrialWorkspace};
-pub use trueaxis_multilateration::{NoiseBasis, Station};
+pub use trueaxis_multilateration::Station;
+pub use trueaxis_screening::NoiseBasis;
 pub use words::step_in_words;

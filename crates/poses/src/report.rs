@@ -1,7 +1,7 @@
 //! What a measurement says about itself and its noise.
 
 use trueaxis_campaign::Campaign;
-use trueaxis_multilateration::{NoiseBasis, PartEstimate};
+use trueaxis_screening::{NoiseBasis, PartEstimate};
 
 /// What the measurement says about itself.
 #[derive(Debug, Clone, PartialEq)]

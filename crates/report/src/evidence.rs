@@ -1,6 +1,7 @@
 //! Figures of the residuals: what is left of the lengths, or of the coordinates of points.
 
 use serde::Serialize;
+use trueaxis_leastsquares::median;
 
 use crate::calibration::Machine;
 use crate::numbers::{fixed, normal_quantile, rough};
@@ -347,12 +348,6 @@ fn over_position(
     }
     draw_noise(&mut plot, noise, from, to);
     Some(Figure::new(&format!("residuals-{name}"), plot.finish()))
-}
-
-/// The number in the middle, of an even count the upper one; the numbers are reordered.
-fn median(numbers: &mut [f64]) -> Option<f64> {
-    let middle = numbers.len() / 2;
-    (!numbers.is_empty()).then(|| *numbers.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 fn redundancy(residuals: &Residuals) -> Option<Redundancy> {

@@ -1,7 +1,7 @@
 //! Which error of a length would be noticed, and what one that is not does to the results.
 //!
 //! Internal reliability is the minimal detectable error of each length
-//! (of `trueaxis-multilateration`); external reliability is what an error of that size,
+//! (of `trueaxis-screening`); external reliability is what an error of that size,
 //! unnoticed, does to each result. It goes through the whole calibration ([`Replay::responses`]).
 
 use nalgebra::DMatrix;

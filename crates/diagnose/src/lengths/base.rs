@@ -5,13 +5,13 @@ use std::sync::Arc;
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{Scene, TemperatureHistory};
 use trueaxis_multilateration::{
-    CampaignNetwork, Group, Network, Noise, Settings, Solution, Whitened, estimate_noise,
-    network_from_campaign, solve_as_a_set, solve_from,
+    Network, Noise, Settings, Solution, Whitened, solve_as_a_set, solve_from,
 };
 use trueaxis_poses::{
-    LengthCircumstances as Reading, LengthsAdjustment, Method, Observation, length_circumstances,
-    scene_of, temperature_histories,
+    CampaignNetwork, Group, LengthCircumstances as Reading, LengthsAdjustment, Method, Observation,
+    length_circumstances, network_from_campaign, scene_of, temperature_histories,
 };
+use trueaxis_screening::estimate_noise;
 
 use crate::Error;
 use crate::engine::disturbance::Disturbance;

@@ -6,8 +6,8 @@
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::Shape;
-use trueaxis_multilateration::{Group, Network};
-use trueaxis_poses::{LengthCircumstances as Reading, length_circumstances};
+use trueaxis_multilateration::Network;
+use trueaxis_poses::{Group, LengthCircumstances as Reading, length_circumstances};
 
 use crate::engine::Suspect;
 use crate::lengths::adjusted::Adjusted;

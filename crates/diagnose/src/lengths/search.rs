@@ -2,8 +2,8 @@
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{Level, Subject};
-use trueaxis_multilateration::{Noise, network_from_campaign};
-use trueaxis_poses::LengthsAdjustment;
+use trueaxis_multilateration::Noise;
+use trueaxis_poses::{LengthsAdjustment, network_from_campaign};
 
 use crate::engine::{
     Candidates, Competed, Found, HeldOut, JudgedDisturbance, Omnibus, Suspect, Wanders,

@@ -242,7 +242,7 @@ fn what_an_unknown_does_to_the_lengths_is_absorbed() {
     }
 }
 
-/// Baarda's w, redundancy number and least detectable error of every reading from its unit error.
+/// Baarda's w, redundancy number and estimated error of every reading from its unit error.
 #[test]
 fn tests_of_single_lengths_are_those_of_their_definition() {
     // Without a common repeatability the weights are single numbers, and what is kept of an error is its redundancy.
@@ -258,12 +258,11 @@ fn tests_of_single_lengths_are_those_of_their_definition() {
     ] {
         let (network, solution) = solved(FEW, noise, is_tied);
         let rows = Whitened::new(&network, &solution);
-        let reliability = solution.reliability(&network);
+        let tests = solution.tests(&network);
         let places = Places::of(&solution);
         let distances = places.lengths_mm(&network);
         let dead_paths = dead_path_of_readings(&network);
-        let mut factors = Vec::new();
-        for (i, found) in reliability.iter().enumerate() {
+        for (i, found) in tests.readings.iter().enumerate() {
             let mut error = vec![0.0; network.readings.len()];
             error[i] = 1.0;
             rows.whiten(&mut error);
@@ -275,8 +274,9 @@ fn tests_of_single_lengths_are_those_of_their_definition() {
             let own = noise.length_sigma_at_mm(distance_mm).powi(2);
             let variance = 1.0 / kept - own * (network.variance_factors[i] - 1.0);
             let w = dot(&error, &rows.residuals) / kept / variance.sqrt();
-            assert!((found.standardized - w).abs() < 1e-4, "{i}: {found:?} {w}");
-            factors.push(found.minimal_detectable_mm / variance.sqrt());
+            assert!((found.w - w).abs() < 1e-4, "{i}: {found:?} {w}");
+            let ratio = found.sigma_mm / variance.sqrt();
+            assert!((ratio - 1.0).abs() < 1e-5, "{i}: {found:?} {ratio}");
             if noise == independent {
                 let redundancy = kept / dot(&error, &error);
                 assert!(
@@ -285,9 +285,6 @@ fn tests_of_single_lengths_are_those_of_their_definition() {
                 );
             }
         }
-        for factor in &factors {
-            assert!((factor / factors[0] - 1.0).abs() < 1e-5, "{factor}");
-        }
     }
 }
 
@@ -295,7 +292,7 @@ fn tests_of_single_lengths_are_those_of_their_definition() {
 fn redundancy_numbers_add_up() {
     for (groups, is_tied) in [(FEW, false), (FEW, true), (MANY, true)] {
         let (network, solution) = solved(groups, NOISE, is_tied);
-        let readings = solution.reliability(&network).into_iter();
+        let readings = solution.tests(&network).readings.into_iter();
         let sum: f64 = readings.map(|reading| reading.redundancy).sum();
         let degrees_of_freedom = solution.degrees_of_freedom() as f64;
         assert!(

@@ -3,10 +3,9 @@
 #![expect(clippy::print_stdout, reason = "statistical tests show their counts")]
 
 mod bodies;
-mod gross_errors;
+mod deviation;
 mod hat_matrix;
 mod irregular;
-mod noise_components;
 mod properties;
 mod reflectors;
 mod trials;

@@ -6,6 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use trueaxis_multilateration::{Error, Network, Noise, Settings, Solution, Visit, solve};
 
+use crate::deviation::{disturbed, largest_deviation_mm};
 use crate::world::*;
 
 #[test]
@@ -41,8 +42,8 @@ fn redundancy_numbers_add_up() {
     };
     let network = network(&truth, truth.points.clone(), 2, noise);
     let solution = solve(&network, &Settings::default()).unwrap();
-    let numbers = solution.reliability(&network);
-    let numbers = numbers.iter().map(|reading| reading.redundancy);
+    let tests = solution.tests(&network);
+    let numbers = tests.readings.iter().map(|reading| reading.redundancy);
     let sum: f64 = numbers.clone().sum();
     assert!(
         (sum - solution.degrees_of_freedom() as f64).abs() < 1e-6,

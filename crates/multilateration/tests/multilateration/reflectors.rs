@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use trueaxis_multilateration::{Error, Network, Noise, Reflectors, Settings, Solution, solve};
 
+use crate::deviation::{disturbed, largest_deviation_mm};
 use crate::world::*;
 
 const NOISE: Noise = Noise {

@@ -5,12 +5,14 @@ use rayon::prelude::*;
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_kinematics::centroid;
 use trueaxis_multilateration::{
-    self as multilateration, BlockNoise, CampaignNetwork, Group, Network, Screened, Solution,
-    Station, adjust_as_a_set, network_from_campaign, screen, solve_as_a_set,
+    self as multilateration, BlockNoise, Network, Solution, Station, adjust_as_a_set,
+    solve_as_a_set,
 };
+use trueaxis_screening::{Screened, screen};
 
 use crate::Error;
-use crate::lengths::refused::{adjustment_error, contradictory};
+use crate::lengths::network::{CampaignNetwork, Group, network_from_campaign};
+use crate::lengths::refused::{adjustment_error, contradictory, screening_error};
 use crate::lengths::scale::{Scale, ScaleResult, at_scale};
 use crate::lengths::shared_sources::SharedSources;
 use crate::lengths::weak_stations::weak_stations;
@@ -76,7 +78,7 @@ impl<'a> LengthsAdjustment<'a> {
             |network| adjust(network, declared, &iteration),
         );
         let screened =
-            adjusted.map_err(|error| adjustment_error(campaign, lengths, &groups, error))?;
+            adjusted.map_err(|error| screening_error(campaign, lengths, &groups, error))?;
         let mut adjustment = Self {
             campaign,
             lengths,

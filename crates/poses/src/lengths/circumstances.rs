@@ -18,7 +18,9 @@ use trueaxis_campaign::{
 use trueaxis_effects::TemperatureHistory;
 use trueaxis_effects::{Circumstances, Displaced, Medium, Scene, SceneTarget, SceneTemperature};
 use trueaxis_kinematics::Machine;
-use trueaxis_multilateration::{Group, Network, Station};
+use trueaxis_multilateration::{Network, Station};
+
+use crate::lengths::network::Group;
 
 /// What a length depends on beside its point.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,7 +114,7 @@ pub fn temperature_histories(campaign: &Campaign) -> Vec<TemperatureHistory> {
 
 /// The circumstances of the readings with the numbers `kept` (ascending), in measuring order.
 ///
-/// `network` and `groups` are those of the campaign ([`trueaxis_multilateration::network_from_campaign`]).
+/// `network` and `groups` are those of the campaign ([`network_from_campaign`](crate::network_from_campaign)).
 pub fn length_circumstances(
     campaign: &Campaign,
     lengths: &Lengths,

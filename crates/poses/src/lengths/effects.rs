@@ -2,14 +2,13 @@
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{ResolvedEffect, TemperatureHistory};
-use trueaxis_multilateration::{
-    CampaignNetwork, Network, Settings, Solution, network_from_campaign, solve_as_a_set,
-};
+use trueaxis_multilateration::{Network, Settings, Solution, solve_as_a_set};
 
 use crate::Error;
 use crate::lengths::circumstances::{
     LengthCircumstances, length_circumstances, temperature_histories,
 };
+use crate::lengths::network::{CampaignNetwork, network_from_campaign};
 use crate::lengths::refused::adjustment_error;
 
 /// What effects do to each length of a campaign: exact distances ([`Observation`](crate::Observation)) at the

@@ -9,8 +9,9 @@ use nalgebra::DMatrix;
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::student_two_sided;
 use trueaxis_multilateration::{
-    self as multilateration, Bodies, KnownDeadPath, Network, Screened, solve_from,
+    self as multilateration, Bodies, KnownDeadPath, Network, solve_from,
 };
+use trueaxis_screening::Screened;
 
 use crate::Error;
 use crate::lengths::LengthsAdjustment;

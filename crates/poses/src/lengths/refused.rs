@@ -1,9 +1,11 @@
 //! What is wrong with the lengths, in the words of the campaign.
 
 use trueaxis_campaign::{Campaign, Direction, Lengths, Stop};
-use trueaxis_multilateration::{Error as Failure, Group, Part, StationUnknown};
+use trueaxis_multilateration::{Error as Failure, StationUnknown};
+use trueaxis_screening::{Error as Rejection, Part};
 
 use crate::Error;
+use crate::lengths::network::Group;
 use crate::words::{length_in_words, step_in_words, stop_of};
 
 /// What makes many lengths contradict the others.
@@ -42,7 +44,6 @@ pub(crate) fn adjustment_error(
         format!("target {name} in {}", step(group))
     };
     let station = |j: usize| campaign.stations[j].name.clone();
-    let length = |reading: usize| length_in_words(campaign, lengths, reading);
     match failure {
         Failure::TooFewStations { need, found } => Error::not_identifiable(
             format!(
@@ -123,10 +124,24 @@ pub(crate) fn adjustment_error(
             reading,
             residual_mm,
         } => Error::RanAway {
-            length: length(reading),
+            length: length_in_words(campaign, lengths, reading),
             residual_mm,
         },
-        Failure::TooManyGrossErrors {
+        other => Error::not_identifiable(chain(&other), "check the campaign with `trueaxis check`"),
+    }
+}
+
+/// Failed screening in the words of the campaign; `groups` are those of its network.
+pub(crate) fn screening_error(
+    campaign: &Campaign,
+    lengths: &Lengths,
+    groups: &[Group],
+    rejection: Rejection,
+) -> Error {
+    let length = |reading: usize| length_in_words(campaign, lengths, reading);
+    match rejection {
+        Rejection::Adjustment(failure) => adjustment_error(campaign, lengths, groups, failure),
+        Rejection::TooManyGrossErrors {
             removed,
             readings,
             limit,
@@ -140,7 +155,7 @@ pub(crate) fn adjustment_error(
             ),
             or_as_they_are(campaign, lengths, LOOK_AT),
         ),
-        Failure::PartLost {
+        Rejection::PartLost {
             part,
             removed,
             readings,
@@ -149,13 +164,13 @@ pub(crate) fn adjustment_error(
             format!(
                 "{removed} of the {readings} lengths of {} contradict the others, more than a third",
                 match part {
-                    Part::Station(j) => format!("station {}", station(j)),
-                    Part::Group(g) => step(g),
+                    Part::Station(j) => format!("station {}", campaign.stations[j].name),
+                    Part::Group(g) => step_in_words(campaign, groups[g].step),
                 }
             ),
             or_as_they_are(campaign, lengths, LOOK_AT),
         ),
-        Failure::Undecidable { pairs } => {
+        Rejection::Undecidable { pairs } => {
             let named = pairs.iter().take(MOST_NAMED);
             let named = named.map(|&(one, other)| format!("{} and {}", length(one), length(other)));
             let named: Vec<String> = named.collect();
@@ -175,7 +190,6 @@ pub(crate) fn adjustment_error(
                 ),
             )
         }
-        other => Error::not_identifiable(chain(&other), "check the campaign with `trueaxis check`"),
     }
 }
 

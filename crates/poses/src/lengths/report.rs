@@ -2,7 +2,7 @@
 
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::chi_squared_upper_tail;
-use trueaxis_multilateration::{Jump, NoiseBasis, PartEstimate};
+use trueaxis_screening::{Jump, NoiseBasis, PartEstimate};
 
 use crate::lengths::LengthsAdjustment;
 use crate::report::{

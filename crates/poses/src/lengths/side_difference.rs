@@ -11,7 +11,8 @@
 use nalgebra::{Matrix6, Point3, Vector3, Vector6};
 use trueaxis_campaign::Direction;
 use trueaxis_leastsquares::chi_squared_upper_tail;
-use trueaxis_multilateration::{Screened, Visit, Whitened};
+use trueaxis_multilateration::{Visit, Whitened};
+use trueaxis_screening::Screened;
 
 use crate::lengths::LengthsAdjustment;
 use crate::settings::Method;

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::chi_squared_upper_tail;
-use trueaxis_multilateration::{MOST_OF_A_PART, Removed};
+use trueaxis_screening::{MOST_OF_A_PART, Removed};
 
 use crate::Error;
 use crate::lengths::LengthsAdjustment;

@@ -1,11 +1,12 @@
 //! Data snooping: which readings leave, and which come back.
 
-use super::{MAX_ROUNDS, READINGS_LEVEL, Screening};
+use trueaxis_multilateration::Tests;
+
+use super::{MAX_ROUNDS, READINGS_LEVEL, Search};
 use crate::Error;
-use crate::baarda::Tests;
 use crate::robust_weights::REMOVED;
 
-impl Screening<'_> {
+impl Search<'_> {
     pub(super) fn snoop(&mut self) -> Result<(), Error> {
         // A reading that keeps leaving and coming back stays out.
         let mut returns = vec![0_u8; self.network.readings.len()];

@@ -2,11 +2,7 @@
 
 use nalgebra::Matrix2;
 use trueaxis_leastsquares::chi_squared_upper_tail;
-
-use crate::batch_influence::BatchInfluence;
-use crate::components::{Components, components};
-use crate::solve::{Settings, refine_batches};
-use crate::{Error, Network, Noise, Solution};
+use trueaxis_multilateration::{Error, Network, Noise, Settings, Solution, solve_with_noise};
 
 /// Estimated noise with what is known about it.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,7 +79,7 @@ const VANISHED: f64 = 1e-6;
 /// network's noise is more than a guess: then it is kept where the data know less.
 ///
 /// # Errors
-/// Those of [`crate::solve`].
+/// Those of [`solve`](trueaxis_multilateration::solve).
 pub fn estimate_noise(
     network: &mut Network,
     solution: &mut Solution,
@@ -138,10 +134,8 @@ struct Weighted<'a> {
 impl Weighted<'_> {
     /// Solves it with another noise.
     fn solve_with(&mut self, noise: Noise) -> Result<(), Error> {
-        noise.check()?;
         self.network.noise = noise;
-        let groups = (&*self.network, &self.solution.batches);
-        *self.solution = refine_batches(groups, self.solution, self.settings)?.solution()?;
+        *self.solution = solve_with_noise(self.network, self.solution, self.settings)?;
         Ok(())
     }
 
@@ -159,11 +153,6 @@ impl Weighted<'_> {
     fn sigma0(&self) -> f64 {
         (self.squares() / self.degrees_of_freedom()).sqrt()
     }
-
-    /// One step of the restricted maximum likelihood.
-    fn components(&self) -> Option<Components> {
-        components(&BatchInfluence::new(self.network, self.solution))
-    }
 }
 
 /// A noise of which both parts are equally large.
@@ -179,7 +168,7 @@ pub(crate) fn level(given: Noise) -> Noise {
 fn settle(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstimate>, Error> {
     let start = adjusted.network.noise;
     for _ in 0..MAX_ITERATIONS {
-        let Some(found) = adjusted.components() else {
+        let Some(found) = adjusted.solution.variance_components(adjusted.network) else {
             return Ok(None);
         };
         let told_apart = found.separation >= LEAST_SEPARATION;

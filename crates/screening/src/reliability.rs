@@ -14,24 +14,17 @@
 use std::sync::Arc;
 
 use trueaxis_leastsquares::chi_squared_quantile;
+use trueaxis_multilateration::ReadingTest;
 
-use crate::baarda::{ReadingTest, test_all};
-use crate::batch_influence::BatchInfluence;
 use crate::screened::Screened;
-use crate::screening::reading_limit;
-use crate::{Network, Solution};
+use crate::search::reading_limit;
 
 /// How well the others check one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reliability {
-    /// Redundancy number: the part of an error in the reading that shows in its residual, from 0 (nothing checks it:
-    /// the error goes wholly into the result) to 1. Lengths of a visit that correlate through the machine's
-    /// repeatability may leave this range. Their sum is [`Solution::degrees_of_freedom`].
-    ///
-    /// `r = diag(I - J Q Jᵀ C⁻¹)` with the Jacobian `J` and the covariance `Q` of the unknowns.
+    /// Redundancy number ([`ReadingTest::redundancy`]).
     pub redundancy: f64,
-    /// Baarda's w, the residual in units of its standard deviation: standard normal if nothing is wrong; zero
-    /// where nothing checks the reading.
+    /// Baarda's w ([`ReadingTest::w`]).
     pub standardized: f64,
     /// Smallest error that screening finds with a probability of 80 %, mm; infinite where nothing
     /// checks the reading.
@@ -41,18 +34,11 @@ pub struct Reliability {
 /// The power for which a minimal detectable error is given, by convention.
 const POWER: f64 = 0.8;
 
-impl Solution {
-    /// Reliability of every reading; `network` must be the one that was solved.
-    pub fn reliability(&self, network: &Network) -> Vec<Reliability> {
-        of_tests(&test_all(&BatchInfluence::new(network, self)).readings)
-    }
-}
-
 impl Screened {
     /// Reliability of every reading of the network.
     pub fn reliability(&self) -> Arc<Vec<Reliability>> {
         let known = self.reliability.clone();
-        known.unwrap_or_else(|| Arc::new(self.solution.reliability(&self.network)))
+        known.unwrap_or_else(|| Arc::new(of_tests(&self.solution.tests(&self.network).readings)))
     }
 }
 

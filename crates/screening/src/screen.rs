@@ -17,10 +17,11 @@
 //!
 //! A campaign without gross errors passes after one adjustment and its tests.
 
+use trueaxis_multilateration::{Network, Settings};
+
+use crate::Error;
 use crate::screened::Screened;
-use crate::screening::Screening;
-use crate::solve::Settings;
-use crate::{Error, Network};
+use crate::search::Search;
 
 /// Estimates of the noise, each followed by another look at the tests.
 const MAX_NOISE_UPDATES: usize = 5;
@@ -29,10 +30,10 @@ const MAX_NOISE_UPDATES: usize = 5;
 /// guess.
 ///
 /// # Errors
-/// Those of [`crate::solve`]; [`Error::TooManyGrossErrors`], [`Error::PartLost`] and
+/// Those of the adjustment; [`Error::TooManyGrossErrors`], [`Error::PartLost`] and
 /// [`Error::Undecidable`] if too much would have to be removed or nothing tells what.
 pub fn screen(network: &Network, declared: bool, settings: &Settings) -> Result<Screened, Error> {
-    let work = || Screening::new(network, declared, settings);
+    let work = || Search::new(network, declared, settings);
     match screen_by(network, work()?) {
         // A zero that wanders far looks like many gross errors; cut in pieces it may be bearable.
         Err(
@@ -46,7 +47,7 @@ pub fn screen(network: &Network, declared: bool, settings: &Settings) -> Result<
     }
 }
 
-fn screen_by(network: &Network, mut work: Screening<'_>) -> Result<Screened, Error> {
+fn screen_by(network: &Network, mut work: Search<'_>) -> Result<Screened, Error> {
     for _ in 0..MAX_NOISE_UPDATES {
         work.clean()?;
         let mut screened = work.finished(network)?;

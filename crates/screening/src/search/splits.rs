@@ -1,13 +1,13 @@
 //! Where occupations are split because the zero of a station jumped: found, placed, and taken back.
 
-use crate::baarda::ReadingTest;
+use trueaxis_multilateration::{Interruption, Network, ReadingTest, Solution, Whitened};
+
+use super::Search;
+use crate::Error;
 use crate::interruption::Rivals;
 use crate::robust_weights::{REMOVED, distances_from_neighbours};
 use crate::screened::{Jump, WanderingZero};
-use crate::screening::Screening;
 use crate::step_tests::{StepTest, largest_steps};
-use crate::whitened::Whitened;
-use crate::{Error, Interruption, Network, Solution};
 
 /// Probability that any of its occupations is split.
 const STEPS_LEVEL: f64 = 1e-3;
@@ -21,8 +21,8 @@ const WIDE_AGAIN: f64 = 4.0;
 /// Splits for each station on average; more of them are no interruptions.
 const MOST_SPLITS: usize = 3;
 
-impl Screening<'_> {
-    pub(crate) fn find_interruptions(&mut self) -> Result<(), Error> {
+impl Search<'_> {
+    pub(super) fn find_interruptions(&mut self) -> Result<(), Error> {
         let mut widest = f64::INFINITY;
         loop {
             let zeros = self.network.zero_of_readings();
@@ -44,7 +44,7 @@ impl Screening<'_> {
 
     /// The most significant step that is an interruption, if any is; one that is less significant
     /// than a single reading may come from that.
-    pub(crate) fn step(&mut self, tests: &[ReadingTest], scale: f64) -> Option<StepTest> {
+    pub(super) fn step(&mut self, tests: &[ReadingTest], scale: f64) -> Option<StepTest> {
         if self.never_split {
             return None;
         }
@@ -57,7 +57,7 @@ impl Screening<'_> {
     }
 
     /// The stations whose zeros wander: a step of them would be significant, but is not needed.
-    pub(crate) fn wandering_zeros(&mut self) -> Result<Vec<WanderingZero>, Error> {
+    pub(super) fn wandering_zeros(&mut self) -> Result<Vec<WanderingZero>, Error> {
         let (tests, scale) = self.tests()?;
         if self.never_split || self.cuts_what_wanders {
             return Ok(Vec::new());
@@ -104,7 +104,7 @@ impl Screening<'_> {
         Some((steps, rows.or_else(|| self.hat_rows())?))
     }
 
-    pub(crate) fn split(&mut self, station: usize, first_reading: usize) {
+    pub(super) fn split(&mut self, station: usize, first_reading: usize) {
         let new = Interruption {
             station,
             first_reading,
@@ -118,7 +118,7 @@ impl Screening<'_> {
     }
 
     /// Seeks the instant of each interruption again, now that all good readings have full weight.
-    pub(crate) fn place_interruptions(&mut self) -> Result<(), Error> {
+    pub(super) fn place_interruptions(&mut self) -> Result<(), Error> {
         self.excluded.clear();
         let (_, scale) = self.tests()?;
         for interruption in self.network.interruptions.clone() {
@@ -148,7 +148,7 @@ impl Screening<'_> {
     }
 
     /// The split with the least significant jump, if that is not significant.
-    pub(crate) fn weakest_split(&self, scale: f64) -> Option<usize> {
+    pub(super) fn weakest_split(&self, scale: f64) -> Option<usize> {
         let solution = self.solution.as_ref()?;
         let all = jumps(&self.network, solution).into_iter().enumerate();
         let sizes = all.map(|(split, jump)| (split, jump.change_mm.abs() / jump.u_mm));
@@ -158,7 +158,7 @@ impl Screening<'_> {
     }
 
     /// Takes back splits that separate nothing: all readings on one side of them have left.
-    pub(crate) fn merge_empty_occupations(&mut self) -> Result<(), Error> {
+    pub(super) fn merge_empty_occupations(&mut self) -> Result<(), Error> {
         loop {
             let mut is_used = vec![false; self.network.zeros()];
             let factors = &self.network.variance_factors;
@@ -181,7 +181,7 @@ impl Screening<'_> {
     }
 
     /// The jumps of the clean network at the readings of the original one.
-    pub(crate) fn found_jumps(&self, clean: &Network, solution: &Solution) -> Vec<Jump> {
+    pub(super) fn found_jumps(&self, clean: &Network, solution: &Solution) -> Vec<Jump> {
         let found = jumps(clean, solution).into_iter();
         let original = &self.network.interruptions;
         found

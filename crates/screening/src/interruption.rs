@@ -14,10 +14,9 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DMatrixView, DVector, DVectorView, Vector3};
 use trueaxis_leastsquares::dense::Svd;
 use trueaxis_leastsquares::{half_waves, matern_roots};
+use trueaxis_multilateration::{Network, Solution, Visit, Whitened};
 
 use crate::step_tests::StepTest;
-use crate::whitened::Whitened;
-use crate::{Network, Solution, Visit};
 
 /// What a step must be ahead of other explanations, as a difference of squares of standardised
 /// sizes: a likelihood ratio of e⁵.

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use trueaxis_multilateration::{Network, Settings, Solution, solve};
+
+use crate::Error;
 use crate::estimate_noise::{NoiseEstimate, estimate_noise};
-use crate::solve::{Settings, solve};
-use crate::{Error, Network, Reliability, Solution};
+use crate::reliability::Reliability;
 
 /// A network that was cleaned and solved.
 #[derive(Debug, Clone)]
@@ -76,7 +78,7 @@ impl Screened {
     /// All readings with full weight in one adjustment, and the noise that they show.
     ///
     /// # Errors
-    /// Those of [`solve`].
+    /// Those of the adjustment.
     pub fn plain(network: &Network, declared: bool, settings: &Settings) -> Result<Self, Error> {
         let mut network = network.clone();
         let mut solution = solve(&network, settings)?;

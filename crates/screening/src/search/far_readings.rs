@@ -1,15 +1,32 @@
-//! Redescending weights let go of readings that are far from the others.
+//! Readings that are far from the others: at the start, and by redescending weights.
 
-use super::{MAX_ROUNDS, READINGS_LEVEL, Screening, WELSCH_ITERATIONS};
+use trueaxis_leastsquares::median;
+use trueaxis_multilateration::{Network, ReadingTest, Start};
+
+use super::{MAX_ROUNDS, READINGS_LEVEL, Search, WELSCH_ITERATIONS};
 use crate::Error;
-use crate::baarda::ReadingTest;
 use crate::robust_weights::{REMOVED, welsch};
 
-impl Screening<'_> {
+/// How far a length is from what the nominal positions let expect, in units of what is typical,
+/// before it is no error of the machine; and at least, mm.
+const FAR: f64 = 10.0;
+const FAR_MM: f64 = 1.0;
+
+/// Readings that are far off at the start, and by how much (mm).
+pub(super) fn far_at(start: &Start, network: &Network) -> Vec<(usize, f64)> {
+    let mut sizes_mm = start.residuals_mm(network);
+    sizes_mm.iter_mut().for_each(|r| *r = r.abs());
+    let typical_mm = median(&mut sizes_mm.clone()).unwrap_or(0.0);
+    let limit_mm = (FAR * typical_mm).max(FAR_MM);
+    let sizes = sizes_mm.into_iter().enumerate();
+    sizes.filter(|&(_, size_mm)| size_mm > limit_mm).collect()
+}
+
+impl Search<'_> {
     /// Lets go of far readings: the width of the weights starts at the largest distance, `widest`
     /// times the scale at most, and is halved until it is the scale. A start at the scale would keep
     /// any few lengths that agree by chance (graduated non-convexity).
-    pub(crate) fn let_go(
+    pub(super) fn let_go(
         &mut self,
         widest: f64,
         distances: impl Fn(&[ReadingTest]) -> Vec<f64>,

@@ -6,7 +6,8 @@
 //! median of the readings before and after it: a lost count shifts its neighbours as well and keeps its
 //! weight, a gross error stands alone and loses it.
 
-use crate::baarda::ReadingTest;
+use trueaxis_leastsquares::median;
+use trueaxis_multilateration::ReadingTest;
 
 /// Median of |w| for standard normal w.
 const NORMAL_MEDIAN: f64 = 0.674_489_750_196_081_7;
@@ -27,20 +28,7 @@ pub(crate) fn scale(tests: &[ReadingTest], factors: &[f64]) -> f64 {
         (factor < REMOVED && test.sigma_mm.is_finite()).then_some(test.w.abs())
     };
     let mut sizes: Vec<f64> = tests.iter().zip(factors).filter_map(taking_part).collect();
-    match sizes.is_empty() {
-        true => 1.0,
-        false => median(&mut sizes) / NORMAL_MEDIAN,
-    }
-}
-
-/// The median, of an even number the upper one; puts them in another order.
-///
-/// # Panics
-/// If there are none.
-pub(crate) fn median(sizes: &mut [f64]) -> f64 {
-    *sizes
-        .select_nth_unstable_by(sizes.len() / 2, f64::total_cmp)
-        .1
+    median(&mut sizes).map_or(1.0, |median| median / NORMAL_MEDIAN)
 }
 
 /// Variance factor of a reading at distance `t`, in widths of the weights.
@@ -65,7 +53,8 @@ pub(crate) fn distances_from_neighbours(tests: &[ReadingTest], zeros: &[usize]) 
             window.clear();
             window.extend(sequence[from..to].iter().map(|&i| tests[i].error_mm));
             let test = &tests[reading];
-            distances[reading] = (test.error_mm - median(&mut window)) / test.sigma_mm;
+            let expected_mm = median(&mut window).unwrap_or(test.error_mm);
+            distances[reading] = (test.error_mm - expected_mm) / test.sigma_mm;
         }
     }
     distances

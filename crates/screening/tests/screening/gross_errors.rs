@@ -4,11 +4,12 @@ use nalgebra::Vector3;
 use rand::seq::index::sample;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trueaxis_multilateration::{Error, Network, Noise, Screened, Settings, screen};
+use trueaxis_multilateration::{Network, Noise, Settings};
+use trueaxis_screening::{Error, Screened, screen};
 
 use crate::world::{Truth, add_noise, network, truth};
 
-const NOISE: Noise = Noise {
+pub(crate) const NOISE: Noise = Noise {
     length_sigma_mm: 0.269e-3,
     length_sigma_relative: 0.0,
     repeatability_mm: 1e-3,
@@ -33,7 +34,7 @@ fn spoil(network: &mut Network, per_cent: usize, rng: &mut ChaCha8Rng) -> Vec<us
     wrong
 }
 
-fn removed(screened: &Screened) -> Vec<usize> {
+pub(crate) fn removed(screened: &Screened) -> Vec<usize> {
     screened.removed.iter().map(|r| r.reading).collect()
 }
 

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Point3};
 use trueaxis_campaign::{Campaign, Direction, Lengths, Step, Target};
 use trueaxis_kinematics::Ideal;
-
-use crate::bodies::{Bodies, Body, Placed, are_in_line};
-use crate::{Network, Noise, Reading, Reflectors, Visit};
+use trueaxis_multilateration::{
+    Bodies, Body, Network, Noise, Placed, Reading, Reflectors, Visit, are_in_line,
+};
 
 /// A campaign's network and what its groups are.
 #[derive(Debug, Clone, PartialEq)]

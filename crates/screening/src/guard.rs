@@ -1,10 +1,10 @@
 //! How much may be removed before the measurement, and not the readings, is to blame.
 
-use crate::baarda::ReadingTest;
+use trueaxis_multilateration::{MIN_STATIONS_PER_POINT, Network, ReadingTest, Visit};
+
 use crate::robust_weights::REMOVED;
 use crate::screened::Removed;
-use crate::solve::MIN_STATIONS_PER_POINT;
-use crate::{Error, Network, Part, Visit};
+use crate::{Error, Part};
 
 /// Share of all readings that may be removed.
 pub(crate) const MOST_REMOVED: f64 = 0.05;

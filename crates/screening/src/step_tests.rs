@@ -1,4 +1,4 @@
-//! Tests of steps in a station's zero (Baarda's w, [`crate::baarda`]).
+//! Tests of steps in a station's zero (Baarda's w, as of a reading: [`trueaxis_multilateration::Tests`]).
 //!
 //! A step is an equal error in all readings of a zero from an instant on: the sum `c = Σ e_i` of their unit
 //! errors. With the whitened rows `O`, `T` of the hat matrix ([`Whitened`]) and the whitened `c`,
@@ -12,10 +12,7 @@
 use nalgebra::{DMatrix, DMatrixView};
 use rayon::prelude::*;
 use trueaxis_leastsquares::dot;
-
-use crate::baarda::CHECKED_TOL;
-use crate::network::Network;
-use crate::whitened::{Whitened, add_times};
+use trueaxis_multilateration::{CHECKED_TOL, Network, Whitened};
 
 /// The test of a step in a station's zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -139,8 +136,7 @@ impl Sums {
             self.step.numerator += x * rows.residuals[row];
             self.step.squares += x * (x + 2.0 * *sum);
             *sum += x;
-            add_times(own, x, rows.own_row(row));
-            add_times(&mut self.shared, x, rows.shared_row(row));
+            rows.add_row(row, x, own, &mut self.shared);
         }
         self.step.own_squares += dot(own, own) - before;
     }
@@ -148,84 +144,69 @@ impl Sums {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::noise::factor_len;
-    use crate::{Interruption, Reading, Visit};
+    use nalgebra::Point3;
+    use trueaxis_multilateration::{Interruption, Noise, Reading, Settings, Visit, solve};
 
-    const STATIONS: usize = 3;
-    const VISITS: usize = 70;
+    use super::*;
+
+    const STATIONS: [[f64; 3]; 4] = [
+        [1500.0, 300.0, 900.0],
+        [-600.0, 1600.0, 100.0],
+        [-700.0, -700.0, 700.0],
+        [900.0, 900.0, 1900.0],
+    ];
     const GROUPS: usize = 10;
-    const OWN: usize = 2;
-    const SHARED: usize = 4;
+    const POINTS: usize = 3;
 
     fn wave(i: usize, k: f64) -> f64 {
         (k * (i as f64 + 0.7)).sin()
     }
 
-    /// Visits of one to three readings, the stations in turn; one zero is interrupted within a visit. The rows are any.
-    fn rows() -> (Network, Whitened) {
+    /// Visits of two or three readings with errors of a micrometre, the stations in turn, forward and backward; one zero
+    /// is interrupted within a visit.
+    fn network() -> Network {
+        let place = |i: usize| Point3::from([1.3, 2.7, 3.1].map(|k| 300.0 * wave(i, k)));
         let mut network = Network {
-            stations: vec![None; STATIONS],
+            stations: vec![None; STATIONS.len()],
+            nominal_mm: (0..POINTS * GROUPS).map(place).collect(),
+            groups: (0..GROUPS).map(|g| POINTS * g..POINTS * (g + 1)).collect(),
+            noise: Noise {
+                repeatability_mm: 1e-3,
+                ..Noise::default()
+            },
             ..Network::default()
         };
-        for number in 0..VISITS {
+        for number in 0..2 * STATIONS.len() * GROUPS {
+            let (station, group) = (number % STATIONS.len(), number / STATIONS.len() % GROUPS);
             let first = network.readings.len();
-            let readings = (0..1 + number % 3).map(|point| Reading {
-                point,
-                length_mm: 0.0,
-            });
-            network.readings.extend(readings);
+            let order = (0..POINTS).map(|k| if number % 2 == 0 { k } else { POINTS - 1 - k });
+            for point in order.filter(|point| (number + point) % 7 != 0) {
+                let place = network.nominal_mm[network.point(group, point)];
+                let error_mm = 1e-3 * wave(network.readings.len(), 3.3);
+                let length_mm = (place - Point3::from(STATIONS[station])).norm() + error_mm;
+                network.readings.push(Reading { point, length_mm });
+            }
             network.visits.push(Visit {
-                station: number % STATIONS,
-                group: number % GROUPS,
+                station,
+                group,
                 readings: first..network.readings.len(),
             });
         }
         network.interruptions.push(Interruption {
             station: 2,
-            first_reading: network.visits[32].readings.start + 1,
+            first_reading: network.visits[42].readings.start + 1,
         });
-        let count = network.readings.len();
-        let values = |count: usize, size: f64, k: f64| -> Vec<f64> {
-            (0..count).map(|i| size * wave(i, k)).collect()
-        };
-        let visits: Vec<_> = network.visits.iter().map(|v| v.readings.clone()).collect();
-        let mut weights = Vec::new();
-        let mut weight_starts = Vec::new();
-        for rows in &visits {
-            weight_starts.push(weights.len());
-            weights.extend(values(factor_len(rows.len()), 1.0, 1.9 + rows.start as f64));
-        }
-        let symmetric = |i: usize| wave(i / SHARED + i % SHARED, 2.3);
-        let whitened = Whitened {
-            group_of_row: network
-                .visits
-                .iter()
-                .flat_map(|v| vec![v.group; v.readings.len()])
-                .collect(),
-            groups: GROUPS,
-            own_width: OWN,
-            own: values(count * OWN, 0.2, 1.3),
-            shared_width: SHARED,
-            shared: values(count * SHARED, 0.05, 2.7),
-            reduced_inverse: (0..SHARED * SHARED).map(symmetric).collect(),
-            residuals: values(count, 1.0, 3.1),
-            degrees_of_freedom: count,
-            // The readings of a visit in an order of their own.
-            reading_of_row: visits.iter().flat_map(|rows| rows.clone().rev()).collect(),
-            visits,
-            weights,
-            weight_starts,
-        };
-        (network, whitened)
+        network
     }
 
     #[test]
     fn the_largest_step_is_that_of_all_steps() {
-        let (network, rows) = rows();
+        let network = network();
+        let solution = solve(&network, &Settings::default()).unwrap();
+        let rows = Whitened::new(&network, &solution);
         let zero_of = network.zero_of_readings();
         let steps = largest_steps(&network, &rows);
-        assert_eq!(steps.len(), STATIONS + 1);
+        assert_eq!(steps.len(), STATIONS.len() + 1);
         for step in steps {
             let zero = zero_of[step.first_reading];
             let of_zero = (0..zero_of.len()).filter(|&i| zero_of[i] == zero);

@@ -2,7 +2,8 @@
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use trueaxis_multilateration::{Noise, NoiseBasis, Settings, estimate_noise, solve};
+use trueaxis_multilateration::{Noise, Settings, solve};
+use trueaxis_screening::{NoiseBasis, estimate_noise};
 
 use crate::world::{add_noise, network, tied, truth};
 

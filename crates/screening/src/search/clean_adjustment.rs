@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
-use super::Screening;
+use trueaxis_multilateration::{Interruption, Network, solve, solve_from};
+
+use super::Search;
+use crate::estimate_noise::estimate_noise;
 use crate::robust_weights::REMOVED;
 use crate::screened::{Removed, Screened};
-use crate::solve::{solve, solve_from};
-use crate::{Error, Interruption, Network, estimate_noise, guard};
+use crate::{Error, guard};
 
-impl Screening<'_> {
+impl Search<'_> {
     /// The removed readings with their errors.
     pub(crate) fn removed(&mut self) -> Result<Vec<Removed>, Error> {
         let (tests, _) = self.tests()?;

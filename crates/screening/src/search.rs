@@ -1,27 +1,27 @@
-//! The work of [`crate::screen`]: weights, tests and removals.
+//! The search of [`crate::screen`]: weights, tests and removals.
 
 mod clean_adjustment;
 mod far_readings;
 mod snooping;
+mod splits;
 
 use std::rc::Rc;
 use std::sync::Arc;
 
 use trueaxis_leastsquares::student_two_sided;
+use trueaxis_multilateration::{
+    self as multilateration, Interruption, Network, ReadingTest, Settings, Solution, Start, Tests,
+    Whitened, solve, solve_from,
+};
 
-use crate::baarda::{ReadingTest, Tests, test_all};
-use crate::batch_influence::BatchInfluence;
-use crate::estimate_noise::level;
-use crate::guard;
+use self::far_readings::far_at;
+use crate::estimate_noise::{NoiseEstimate, level};
 use crate::interruption::Excluded;
-use crate::reliability::of_tests;
+use crate::reliability::{Reliability, of_tests};
 use crate::robust_weights::{REMOVED, scale};
 use crate::screened::Screened;
-use crate::solve::{ABSURD_MM, Settings, batches_of, far_at, solve, solve_from, solve_from_start};
-use crate::start::{Start, start};
 use crate::step_tests::StepTest;
-use crate::whitened::Whitened;
-use crate::{Error, Interruption, Network, NoiseEstimate, Reliability, Solution};
+use crate::{Error, guard};
 
 /// Probability that a network without gross errors loses any reading.
 const READINGS_LEVEL: f64 = 0.01;
@@ -58,16 +58,16 @@ fn critical(level: f64, tests: usize, degrees_of_freedom: f64) -> f64 {
     student_two_sided(level / tests.max(1) as f64, degrees_of_freedom)
 }
 
-/// The work in progress: removed readings stay in the network without weight.
-pub(crate) struct Screening<'a> {
-    pub(crate) network: Network,
-    pub(crate) solution: Option<Arc<Solution>>,
+/// The search in progress: removed readings stay in the network without weight.
+pub(crate) struct Search<'a> {
+    network: Network,
+    solution: Option<Arc<Solution>>,
     /// Where the first solution starts.
     start: Option<Start>,
     /// The tests at the solution, once they were asked for.
     tests: Option<Rc<Tests>>,
     /// The largest step of each zero there, once they were sought.
-    pub(crate) largest_steps: Option<Vec<StepTest>>,
+    largest_steps: Option<Vec<StepTest>>,
     settings: &'a Settings,
     /// Whether the network's noise is more than a guess.
     declared: bool,
@@ -76,11 +76,11 @@ pub(crate) struct Screening<'a> {
     /// Readings that left because nothing checks them beside a wrong one: they do not come back.
     unchecked: Vec<bool>,
     /// So many steps were found that they are none: something else changes with time.
-    pub(crate) never_split: bool,
+    never_split: bool,
     /// Whether occupations are split where a zero or a tripod wanders, too.
     pub(crate) cuts_what_wanders: bool,
     /// What the interruptions certainly are not.
-    pub(crate) excluded: Vec<(Interruption, Excluded)>,
+    excluded: Vec<(Interruption, Excluded)>,
     /// Whether the snooping came to an end.
     settled: bool,
     /// Solutions in a row that did not reach the minimum.
@@ -89,17 +89,14 @@ pub(crate) struct Screening<'a> {
     noise_known: Option<f64>,
 }
 
-impl<'a> Screening<'a> {
+impl<'a> Search<'a> {
     /// Work on a copy of `network`; readings that are far off at the start have left already.
     pub(crate) fn new(
         network: &Network,
         declared: bool,
         settings: &'a Settings,
     ) -> Result<Self, Error> {
-        network.check()?;
-        // Too few lengths are named before a start is sought in them.
-        batches_of(network)?;
-        let start = start(network)?;
+        let start = Start::new(network)?;
         let mut far = far_at(&start, network);
         if far.len() as f64 > MOST_FAR * network.readings.len() as f64 {
             far.clear();
@@ -149,14 +146,13 @@ impl<'a> Screening<'a> {
         self.noise_known = Some(degrees);
     }
 
-    pub(crate) fn solve(&mut self) -> Result<(), Error> {
+    fn solve(&mut self) -> Result<(), Error> {
         if let Some(near) = self.solution.take() {
             return self.solve_near(&near);
         }
         let network = &self.network;
         let solution = match self.start.take() {
-            Some(start) => batches_of(network)
-                .and_then(|batches| solve_from_start((network, &batches), start, self.settings)),
+            Some(start) => start.solve(network, self.settings),
             None => solve(network, self.settings),
         };
         self.take(Arc::new(solution.map_err(|error| self.driven_away(error))?));
@@ -164,7 +160,7 @@ impl<'a> Screening<'a> {
     }
 
     /// Solves again from the solution of a similar network.
-    pub(crate) fn solve_near(&mut self, near: &Solution) -> Result<(), Error> {
+    fn solve_near(&mut self, near: &Solution) -> Result<(), Error> {
         let solution = solve_from(&self.network, near, self.settings);
         // With all lengths at full weight it could be solved: what is left is too little.
         self.take(Arc::new(
@@ -210,18 +206,19 @@ impl<'a> Screening<'a> {
     }
 
     /// A reading may be so wrong that even without weight it drives the adjustment away.
-    fn driven_away(&self, error: Error) -> Error {
+    fn driven_away(&self, error: multilateration::Error) -> multilateration::Error {
         match error {
-            Error::StationsNotDetermined { .. } => self.ran_away().unwrap_or(error),
+            multilateration::Error::StationsNotDetermined { .. } => {
+                self.ran_away().unwrap_or(error)
+            }
             error => error,
         }
     }
 
     /// That the reading that was farthest off at the start drove the adjustment away, if one was far.
-    fn ran_away(&self) -> Option<Error> {
+    fn ran_away(&self) -> Option<multilateration::Error> {
         let farthest = self.far.iter().max_by(|a, b| a.1.total_cmp(&b.1));
-        let farthest = farthest.filter(|far| far.1 >= ABSURD_MM);
-        farthest.map(|&(reading, residual_mm)| Error::RanAway {
+        farthest.map(|&(reading, residual_mm)| multilateration::Error::RanAway {
             reading,
             residual_mm,
         })
@@ -229,12 +226,12 @@ impl<'a> Screening<'a> {
 
     /// So many readings have lost their weight that the others do not determine the network; if none
     /// has, one that was far off did it.
-    fn nothing_left(&self, error: Error) -> Error {
+    fn nothing_left(&self, error: multilateration::Error) -> Error {
         let factors = self.network.variance_factors.iter().enumerate();
         let without_weight = factors.filter(|&(_, &factor)| factor > WEIGHTLESS);
         let removed: Vec<usize> = without_weight.map(|(reading, _)| reading).collect();
         if removed.is_empty() {
-            return self.ran_away().unwrap_or(error);
+            return self.ran_away().unwrap_or(error).into();
         }
         Error::TooManyGrossErrors {
             removed,
@@ -244,12 +241,11 @@ impl<'a> Screening<'a> {
     }
 
     /// The tests at the present solution, and their scale.
-    pub(crate) fn tests(&mut self) -> Result<(Rc<Tests>, f64), Error> {
+    fn tests(&mut self) -> Result<(Rc<Tests>, f64), Error> {
         if self.solution.is_none() {
             self.solve()?;
         }
-        let all =
-            |solution: &Arc<Solution>| test_all(&BatchInfluence::new(&self.network, solution));
+        let all = |solution: &Arc<Solution>| solution.tests(&self.network);
         let new = || Rc::new(self.solution.as_ref().map(all).unwrap_or_default());
         let tests = Rc::clone(self.tests.get_or_insert_with(new));
         let scale = match (self.noise_known, self.declared) {
@@ -275,7 +271,7 @@ impl<'a> Screening<'a> {
 
     /// The limit of |w| in scales. The scale has the degrees of freedom of the noise; the median, which
     /// gives it before that is estimated, is worth a third of them.
-    pub(crate) fn limit(&self, level: f64) -> f64 {
+    fn limit(&self, level: f64) -> f64 {
         let redundancy = self
             .solution
             .as_ref()
@@ -289,7 +285,7 @@ impl<'a> Screening<'a> {
     }
 
     /// The rows of the hat matrix at the present solution, in measuring order.
-    pub(crate) fn hat_rows(&self) -> Option<Whitened> {
+    fn hat_rows(&self) -> Option<Whitened> {
         let solution = self.solution.as_deref()?;
         Some(Whitened::new(&self.network, solution))
     }

@@ -1,0 +1,56 @@
+//! Lengths without gross errors, stations without interruptions, and the noise of what is left.
+//!
+//! One wrong length bends a least-squares adjustment. Whether an error of the form `c ∇` is in the lengths is tested on
+//! their residuals `v`, with the covariance `C` of the lengths and `Q_v` of the residuals (Baarda 1968):
+//!
+//! ```text
+//! w = cᵀC⁻¹v / √(cᵀC⁻¹ Q_v C⁻¹c)
+//! ```
+//!
+//! `c` is a single length, all lengths of a visit, or all lengths of a station from an instant on: there its beam was
+//! interrupted and found again with another zero.
+//!
+//! Noun in: a [`Network`]; noun out: a [`Screened`] network with its solution, the lengths that were removed, the
+//! jumps of zeros, and the noise that the residuals show ([`estimate_noise`]). [`Screened::reliability`] says how far
+//! the lengths check each other. Lengths are mm; indices are those of the network that came in.
+//!
+//! The adjustment is that of [`trueaxis_multilateration`]. It is asked for nothing but numbers at a solution: the tests of
+//! all readings and visits ([`Solution::tests`]), the whitened rows of the hat matrix ([`Whitened`]), of which the tests of
+//! steps are made, and one step towards the variance components ([`Solution::variance_components`]). What follows from
+//! them is decided here. A reading that is to leave stays in the network with so large a variance
+//! ([`Network::variance_factors`]) that it pulls at nothing, and can come back; an interruption gives its station one dead
+//! path more ([`Network::interruptions`]); the network is then solved again near its last solution.
+//!
+#![doc = "```"]
+#![doc = include_str!("../examples/screen.rs")]
+#![doc = "```"]
+//!
+//! # What it does not do
+//!
+//! It does not say why a length is wrong, and knows nothing of machines or campaigns. What wanders is found
+//! ([`Screened::wandering`]) but not taken out.
+//!
+//! [`Network`]: trueaxis_multilateration::Network
+//! [`Network::variance_factors`]: trueaxis_multilateration::Network::variance_factors
+//! [`Network::interruptions`]: trueaxis_multilateration::Network::interruptions
+//! [`Solution::tests`]: trueaxis_multilateration::Solution::tests
+//! [`Solution::variance_components`]: trueaxis_multilateration::Solution::variance_components
+//! [`Whitened`]: trueaxis_multilateration::Whitened
+
+mod error;
+mod estimate_noise;
+mod guard;
+mod interruption;
+mod reliability;
+mod robust_weights;
+mod screen;
+mod screened;
+mod search;
+mod step_tests;
+
+pub use error::{Error, Part};
+pub use estimate_noise::{NoiseBasis, NoiseEstimate, PartEstimate, estimate_noise};
+pub use guard::MOST_OF_A_PART;
+pub use reliability::Reliability;
+pub use screen::screen;
+pub use screened::{Jump, Removed, Screened, WanderingZero};

@@ -1,0 +1,9 @@
+//! Screening of lengths with known truth.
+
+#![expect(clippy::print_stdout, reason = "statistical tests show their counts")]
+
+mod bodies;
+mod gross_errors;
+mod noise_components;
+#[path = "../../../multilateration/tests/multilateration/world.rs"]
+mod world;
