@@ -164,6 +164,15 @@ pub(crate) fn percent(share: f64) -> String {
     }
 }
 
+/// An amount with so many decimals; with three digits where those would leave next to nothing of it.
+pub(crate) fn amount(value: f64, decimals: i32) -> String {
+    let last = 10_f64.powi(-decimals);
+    match value.abs() < 10.0 * last {
+        true => trueaxis_files::significant(value).to_string(),
+        false => format!("{value:.*}", decimals.unsigned_abs() as usize),
+    }
+}
+
 /// The certainty of a cause: a phrase and the p-value.
 pub(crate) fn certainty(p_value: f64) -> String {
     let words = match p_value {
@@ -192,6 +201,13 @@ mod tests {
             u,
             unit,
         }
+    }
+
+    #[test]
+    fn small_amounts_keep_three_digits() {
+        let said = [amount(12.3456, 2), amount(0.001_234_5, 2), amount(431.2, 0)];
+        assert_eq!(said, ["12.35", "0.00123", "431"]);
+        assert_eq!(amount(0.427_9, 0), "0.428");
     }
 
     #[test]

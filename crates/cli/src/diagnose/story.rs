@@ -62,9 +62,9 @@ fn left(unexplained: &Unexplained) -> Vec<String> {
     let mut lines = vec![
         String::new(),
         format!(
-            "unexplained in {}: {:.2} µm rms, {} of the misfit in squares",
+            "unexplained in {}: {} µm rms, {} of the misfit in squares",
             unexplained.data,
-            unexplained.rms_um,
+            in_words::amount(unexplained.rms_um, 2),
             in_words::percent(unexplained.share)
         ),
     ];
@@ -79,15 +79,23 @@ fn wanders(disturbance: &Disturbance, scene: &Scene) -> Vec<String> {
     let mut lines = vec![
         String::new(),
         format!(
-            "wanders: {}: {:.2} µm rms, {} of the misfit in squares",
+            "wanders: {}: {} µm rms, {} of the misfit in squares",
             disturbance.whose.in_words(scene),
-            disturbance.rms_um,
+            in_words::amount(disturbance.rms_um, 2),
             in_words::percent(disturbance.share)
         ),
     ];
+    lines.extend(labelled("seen in", &disturbance.data));
     let how = match disturbance.period {
-        Some(period) => format!("swings with a period of {period:.0} {}", length.unit),
-        None => format!("smooth over {:.0} {}", length.value, length.unit),
+        Some(period) => {
+            let period = in_words::amount(period, 0);
+            format!("swings with a period of {period} {}", length.unit)
+        }
+        None => format!(
+            "smooth over {} {}",
+            in_words::amount(length.value, 0),
+            length.unit
+        ),
     };
     let how = format!("{how}; its curve is in diagnosis.json");
     lines.extend(labelled("how", &how));
@@ -172,8 +180,9 @@ fn off(level: &LevelReport) -> Vec<String> {
         Some(_) => "repeats scatter by",
     };
     let mut text = format!(
-        "predicted to {:.2} µm rms, {floor} {:.2} µm",
-        level.before.rms_um, level.noise_floor_um
+        "predicted to {} µm rms, {floor} {} µm",
+        in_words::amount(level.before.rms_um, 2),
+        in_words::amount(level.noise_floor_um, 2)
     );
     let shares = &level.shares;
     let found = match (shares.causes.is_empty(), shares.disturbances.is_empty()) {
@@ -183,7 +192,8 @@ fn off(level: &LevelReport) -> Vec<String> {
     };
     if level.unexplained.is_some() || !shares.causes.is_empty() || !shares.disturbances.is_empty() {
         if level.after.rms_um < level.before.rms_um {
-            text += &format!("; with {found} {:.2} µm", level.after.rms_um);
+            let left = in_words::amount(level.after.rms_um, 2);
+            text += &format!("; with {found} {left} µm");
         }
         let places = standing_out(level);
         if !places.is_empty() {
