@@ -55,7 +55,7 @@ pub(crate) use competition::{
 pub(crate) use culprit::{Culprit, Culprits};
 pub(crate) use estimated::{cause, derivative, with_uncertainties};
 pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
-pub(crate) use hypotheses::{duration_s, in_equal_ratios, of_catalogue, scan, scans};
+pub(crate) use hypotheses::{duration_s, in_equal_ratios, is_tested, of_catalogue, scan, scans};
 pub(crate) use listed::{Beside, Candidate, Chosen, Finer, Judged, Listed, without};
 pub(crate) use measured::{Found, Measured, Suspect};
 pub(crate) use omnibus::{
@@ -66,6 +66,6 @@ pub(crate) use places::{places, side};
 pub(crate) use ranking::{Ranking, plausible};
 pub(crate) use search::{FURTHER_LEVEL, SHAPE_ERROR, Search, find_causes, settle};
 pub(crate) use smooth::{Posterior, SMOOTH_LEVEL, Smooth, beside_one_of, correlation_lengths};
-pub(crate) use unseen::{in_words, length_scale, unseen, without_trace};
+pub(crate) use unseen::{in_words, length_scale, unseen, untested, without_trace};
 pub(crate) use wandered::wandered;
 pub(crate) use wandering::{JudgedDisturbance, Wanders, wandered_mm, whitened_columns};

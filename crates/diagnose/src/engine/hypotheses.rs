@@ -1,6 +1,7 @@
 //! Every effect of a level on every subject, and the columns of those that the data can show.
 
 use rayon::prelude::*;
+use trueaxis_campaign::Campaign;
 use trueaxis_effects::{Effect, Scene, Shape, Subject, catalogue};
 
 use crate::engine::Measured;
@@ -31,6 +32,22 @@ pub(crate) fn of_catalogue(
         }));
     }
     all
+}
+
+/// Positions of an axis from which on data test how an effect goes with them: what two show agrees with any law.
+const LEAST_POSITIONS: usize = 3;
+
+/// Whether the steps of a campaign test the law of the effects on a subject. The bending of a stage, at a target by an axis, has one
+/// that is curved.
+pub(crate) fn is_tested(campaign: &Campaign, subject: &Subject) -> bool {
+    let (Some(axis), Some(_)) = (subject.axis, subject.target) else {
+        return true;
+    };
+    let steps = campaign.steps.iter();
+    let mut positions: Vec<f64> = steps.map(|step| step.positions[axis]).collect();
+    positions.sort_by(f64::total_cmp);
+    positions.dedup_by(|a, b| a.total_cmp(b).is_eq());
+    positions.len() >= LEAST_POSITIONS
 }
 
 /// Makes hypotheses ready to be compared with what `projection` leaves, in their order.

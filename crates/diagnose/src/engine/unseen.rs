@@ -1,8 +1,10 @@
 //! Effects that data cannot show. They may be there all the same.
 
-use trueaxis_effects::{Effect, Scene, Subject, effect};
+use trueaxis_campaign::Campaign;
+use trueaxis_effects::{Effect, Level, Scene, Subject, effect};
 
 use crate::NotObservable;
+use crate::engine::{is_tested, of_catalogue};
 use crate::selection::Hypothesis;
 
 /// An effect that the data cannot show, with what it does to one result for a unit of it; what to measure is what tells
@@ -47,6 +49,18 @@ pub(crate) fn without_trace(
         }
     };
     alike.map(of_effect).collect()
+}
+
+/// Effects whose law these steps do not test.
+pub(crate) fn untested(level: Level, campaign: &Campaign, scene: &Scene) -> Vec<NotObservable> {
+    let all = of_catalogue(level, scene, |subject| !is_tested(campaign, subject));
+    let why = "its axis stood at two positions only, which agree with any law";
+    let unseen = without_trace(scene, &all, |_| why).into_iter();
+    let said = unseen.map(|unseen| NotObservable {
+        measure: "measure at three positions of the axis or more".to_owned(),
+        ..unseen
+    });
+    said.collect()
 }
 
 /// The scale of the instrument, which everything stretches with.

@@ -7,8 +7,8 @@ use trueaxis_poses::{LengthsAdjustment, network_from_campaign};
 
 use crate::engine::{
     Candidates, Competed, Found, HeldOut, JudgedDisturbance, Omnibus, Suspect, Wanders,
-    add_rival_disturbances, cause, compete, find_causes, of_catalogue, only_wandering, scans,
-    wandered, wandered_mm, whitened_columns,
+    add_rival_disturbances, cause, compete, find_causes, is_tested, of_catalogue, only_wandering,
+    scans, untested, wandered, wandered_mm, whitened_columns,
 };
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
@@ -199,7 +199,8 @@ pub(crate) fn look<'a>(base: &Base<'a>) -> Result<Looked<'a>, Error> {
     };
     // Poses take every coupling of axes; where runs differ, they are compared (`crate::runs`).
     let is_pose = |s: &Subject| s.other_axis.is_some() && s.component.is_some();
-    let all = of_catalogue(Level::Lengths, &base.scene, |s| !is_pose(s));
+    let is_wanted = |s: &Subject| !is_pose(s) && is_tested(base.campaign, s);
+    let all = of_catalogue(Level::Lengths, &base.scene, is_wanted);
     let first = scans(base, &plain, &plain.projection, &all);
     let scans = match is_exact {
         true => &[],
@@ -218,7 +219,11 @@ pub(crate) fn look<'a>(base: &Base<'a>) -> Result<Looked<'a>, Error> {
     Ok(Looked {
         named: named(base, model, plain.network.noise, &before)?,
         before,
-        not_observable: not_observable(&base.scene, &first.without_trace, both_sides),
+        not_observable: [
+            not_observable(&base.scene, &first.without_trace, both_sides),
+            untested(Level::Lengths, base.campaign, &base.scene),
+        ]
+        .concat(),
         plain,
     })
 }

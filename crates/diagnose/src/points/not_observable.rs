@@ -3,13 +3,13 @@
 use trueaxis_effects::Level;
 
 use crate::NotObservable;
-use crate::engine::{length_scale, of_catalogue, scans, without_trace};
+use crate::engine::{is_tested, length_scale, of_catalogue, scans, untested, without_trace};
 use crate::points::base::Base;
 use crate::points::model::Model;
 
 /// Effects without a trace in these points.
 pub(crate) fn not_observable(base: &Base<'_>, model: &Model) -> Vec<NotObservable> {
-    let all = of_catalogue(Level::Points, base.scene, |_| true);
+    let all = of_catalogue(Level::Points, base.scene, |s| is_tested(base.campaign, s));
     let unseen = scans(base, model, &model.bare, &all).without_trace;
     let mut list = without_trace(base.scene, &unseen, |id| match id {
         "backlash" => "all its stops are approached from one side",
@@ -18,6 +18,7 @@ pub(crate) fn not_observable(base: &Base<'_>, model: &Model) -> Vec<NotObservabl
         }
         _ => "poses and shapes of the targets absorb all of it",
     });
+    list.extend(untested(Level::Points, base.campaign, base.scene));
     let why = "poses and shapes of the targets stretch with the coordinates";
     let bias = ("calibration".to_owned(), "1 um per m per ppm".to_owned());
     list.extend(length_scale(why, vec![bias]));

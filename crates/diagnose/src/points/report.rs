@@ -6,8 +6,8 @@ use trueaxis_effects::{Level, ResolvedEffect, Scene};
 
 use crate::engine::{
     Candidates, Competed, Found, HeldOut, Measured, OMNIBUS_LEVEL, Omnibus, Search, Suspect,
-    Wanders, add_rival_disturbances, cause, compete, find_causes, is_imitation, of_catalogue,
-    scans, settled, still_left, unexplained, wandered, wandered_mm, whitened_columns,
+    Wanders, add_rival_disturbances, cause, compete, find_causes, is_imitation, is_tested,
+    of_catalogue, scans, settled, still_left, unexplained, wandered, wandered_mm, whitened_columns,
 };
 use crate::points::base::Base;
 use crate::points::fitted::fitted;
@@ -44,7 +44,7 @@ pub(crate) fn diagnose_points(
         let base = screened.base.clone();
         return said(&screened, points, Believed::nothing(base, plain));
     }
-    let all = of_catalogue(Level::Points, scene, |_| true);
+    let all = of_catalogue(Level::Points, scene, |s| is_tested(campaign, s));
     let mut believed = Believed::search(&screened.base, plain, &all)?;
     if !believed.found().is_empty() {
         // What stood out of everything may have been a part of a cause, or have hidden beneath it.

@@ -224,6 +224,46 @@ fn one_target_is_judged_by_repeats_and_sides_only() {
     assert_eq!((count.among, count.wrong), (2, 0), "{count:?}");
 }
 
+/// A target that is elsewhere at the other of two positions has no law that they test: its bending is not named, and it is said why.
+#[test]
+fn two_positions_name_no_bending() {
+    let mut plan = Plan::ROTARY;
+    plan.repeats = 6;
+    let mut campaign = made(&plan, &[], 3);
+    let steps = campaign.steps.clone();
+    let is_kept = |step: usize| [0.0, steps[8].positions[0]].contains(&steps[step].positions[0]);
+    let points = campaign.points.as_mut().unwrap();
+    let mut readings = Vec::new();
+    points.stops.retain(|stop| is_kept(stop.step));
+    for stop in &mut points.stops {
+        let first = readings.len();
+        readings.extend_from_slice(&points.readings[stop.readings.clone()]);
+        stop.readings = first..readings.len();
+        if steps[stop.step].positions[0] > 0.0 {
+            readings[first].position_mm.x += 0.05;
+        }
+    }
+    points.readings = readings;
+    let kept: Vec<usize> = (0..steps.len()).filter(|&step| is_kept(step)).collect();
+    for stop in &mut points.stops {
+        stop.step = kept.iter().position(|&step| step == stop.step).unwrap();
+    }
+    campaign.steps = kept.iter().map(|&step| steps[step].clone()).collect();
+    let found = diagnose(&campaign, &without_curves()).unwrap();
+    assert_ne!(found.verdict, Verdict::Clean);
+    let is_bending = |id: &str| id == "stage_bending";
+    assert!(
+        found.causes.iter().all(|c| !is_bending(c.effect.effect.id)),
+        "{}",
+        counts::summary(&found)
+    );
+    let unseen = found.not_observable.iter().find(|u| is_bending(u.effect));
+    assert!(
+        unseen.is_some_and(|u| u.reason.contains("two positions")),
+        "{unseen:?}"
+    );
+}
+
 /// What stands on the bed tells an instrument that moves from a machine that does.
 #[test]
 fn targets_on_the_bed_tell_twins_apart() {
