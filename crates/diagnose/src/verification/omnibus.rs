@@ -101,6 +101,14 @@ const STANDS_OUT: f64 = 0.01;
 fn period(problem: &Problem<'_>, model: &Projection) -> Option<String> {
     let arrivals = &problem.comparison.arrivals;
     let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);
+    let best = best_waves(problem, model)?;
+    let unit = problem.comparison.unit_of_time();
+    Some(format!("{:.0} {unit}", duration / best as f64))
+}
+
+/// Waves over the table that explain most.
+fn best_waves(problem: &Problem<'_>, model: &Projection) -> Option<usize> {
+    let arrivals = &problem.comparison.arrivals;
     let drop = |k: usize| {
         let wave = |f: fn(f64) -> f64| {
             let column = arrivals.iter().map(|a| f(TAU * k as f64 * a.progress));
@@ -109,11 +117,19 @@ fn period(problem: &Problem<'_>, model: &Projection) -> Option<String> {
         let with = model.extended(&[wave(f64::sin), wave(f64::cos)]);
         model.squares() - with.squares()
     };
-    let best = (1..=WAVES)
-        .map(|k| (k, drop(k)))
-        .max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let unit = problem.comparison.unit_of_time();
-    Some(format!("{:.0} {unit}", duration / best.0 as f64))
+    let drops = (1..=WAVES).map(|k| (k, drop(k)));
+    let best = drops.max_by(|a, b| a.1.total_cmp(&b.1));
+    best.map(|(waves, _)| waves)
+}
+
+/// Passes from which on something repeats.
+const LEAST_PASSES: usize = 3;
+
+/// Whether the period that explains most is a pass, or a cycle there and back: a function of position and side of approach has it.
+pub(crate) fn repeats_with_cycle(problem: &Problem<'_>, model: &Projection) -> bool {
+    let passes = problem.comparison.passes.last().map_or(0, |last| last + 1);
+    let is_of_passes = |waves: usize| waves == passes || 2 * waves == passes;
+    passes >= LEAST_PASSES && best_waves(problem, model).is_some_and(is_of_passes)
 }
 
 fn times(a: &[f64], b: &[f64]) -> Vec<f64> {

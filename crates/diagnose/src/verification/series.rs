@@ -7,7 +7,7 @@ use crate::said::Entry;
 use crate::selection::{Part, Projection, add};
 use crate::verification::competition::{Model, compete, only};
 use crate::verification::held_out::{HeldOut, gain, held_out};
-use crate::verification::omnibus::omnibus;
+use crate::verification::omnibus::{omnibus, repeats_with_cycle};
 use crate::verification::problem::Problem;
 use crate::verification::report;
 use crate::verification::wandered::{Course, wandered};
@@ -145,15 +145,34 @@ fn unexplained(
         t.drop - columns * rest / (after.degrees_of_freedom - columns).max(1.0)
     });
     let excess = excess.reduce(f64::max)?;
-    let varies_with: Vec<&'static str> = clear().map(|t| t.test.varies_with).collect();
+    let mut varies_with: Vec<&'static str> = clear().map(|t| t.test.varies_with).collect();
     let period = clear().find_map(|t| t.test.detail.as_deref());
-    let period = period.map_or_else(String::new, |p| format!(", with a period near {p}"));
+    let note = match period {
+        Some(period) if repeats_with_cycle(problem, after) => {
+            // No air conditioning keeps step with the machine.
+            varies_with.retain(|with| !["time", "position", "direction"].contains(with));
+            varies_with.extend(["position", "direction"]);
+            let others = match varies_with.contains(&"cycle") {
+                true => "; it varies with cycle, too",
+                false => "",
+            };
+            format!(
+                "it repeats with the cycle (a period near {period}): a function of position and side of approach that the model does not \
+                 follow{others}"
+            )
+        }
+        Some(period) => {
+            let with = varies_with.join(" and ");
+            format!("it varies with {with}, with a period near {period}")
+        }
+        None => format!("it varies with {}", varies_with.join(" and ")),
+    };
     Some(Unexplained {
         level: Level::Verification,
         data: String::new(),
         rms_um: problem.sigma_um * (excess.max(0.0) / problem.readings() as f64).sqrt(),
         share: 0.0,
-        note: format!("it varies with {}{period}", varies_with.join(" and ")),
+        note,
         varies_with,
     })
 }

@@ -1,5 +1,7 @@
 //! Tables as people hand them in: the same one twice, one side, one position, two rows, short series with correlated noise.
 
+use std::f64::consts::TAU;
+
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_campaign::{Direction, Verification, VerificationReading};
@@ -68,6 +70,28 @@ fn one_side_shows_no_lost_motion() {
             why.iter().any(|why| why.contains("one side only")),
             "{id}: {why:?}"
         );
+    }
+}
+
+/// Lost motion of more waves than its free form has, 30 times the noise: what is left has the period of a cycle, which no air
+/// conditioning keeps. A zero that swings four times in five cycles is a matter of time.
+#[test]
+fn what_repeats_with_the_cycle_is_none_of_the_air() {
+    let left = |of_side: f64, of_time: f64| {
+        let mut random: ChaCha8Rng = generator(9, 56);
+        let found = found(table_of_stops(5, 9, |row, forward, stop| {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            let side = if forward { -of_side } else { of_side };
+            let time = of_time * (TAU * 4.0 * row as f64 / 89.0).sin().powi(3);
+            side * (9.0 * stop as f64 / 8.0).sin() + time + 0.1 * noise
+        }));
+        found.unexplained.map(|left| (left.note, left.varies_with))
+    };
+    let (note, varies_with) = left(3.0, 0.0).unwrap();
+    assert!(note.contains("repeats with the cycle"), "{note}");
+    assert_eq!(varies_with, ["position", "direction"]);
+    if let Some((note, _)) = left(0.0, 3.0) {
+        assert!(!note.contains("repeats with the cycle"), "{note}");
     }
 }
 
