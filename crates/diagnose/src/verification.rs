@@ -4,7 +4,8 @@
 //! measured - predicted = base model + causes + noise
 //! ```
 //!
-//! Each verification of the campaign is first judged by itself ([`mod@series`]): the prediction ([`comparison`]) with its own
+//! Readings are taken once ([`mod@given_once`]). Each verification of the campaign is first
+//! judged by itself ([`mod@series`]): the prediction ([`comparison`]) with its own
 //! errors ([`prediction_error`]), what the measurement leaves open ([`base`]), the noise that the repeats
 //! show ([`noise_floor`]), causes one at a time ([`search`]), whether they help on readings that were not
 //! used ([`held_out`]), what wanders beside them or instead of them ([`wandering`], [`competition`]), and
@@ -20,6 +21,7 @@ pub(crate) mod base;
 mod believed;
 pub(crate) mod comparison;
 mod competition;
+mod given_once;
 mod gross_errors;
 mod held_out;
 mod hypotheses;
@@ -53,6 +55,7 @@ use crate::said::Said;
 use crate::verification::arrivals::is_same;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::{Comparison, line};
+use crate::verification::given_once::{given_once, keep_rows_given_once};
 use crate::verification::gross_errors::gross_errors;
 use crate::verification::joined::join;
 use crate::verification::noise_floor::{noise_floor_um, repeats};
@@ -91,11 +94,14 @@ pub(crate) fn diagnose_verification(
         );
     }
     let given = given_once(&campaign.verification, &mut outcome.notices);
-    let kept = given.into_iter().map(|verification| {
-        let ordered = in_order_of_measuring(verification);
-        without_gross_errors(machine, ordered, calibration, &mut outcome)
-    });
-    let kept: Vec<Verification> = kept.collect();
+    let mut kept = Vec::new();
+    for verification in given {
+        let mut verification = in_order_of_measuring(verification);
+        let notice = keep_rows_given_once(&mut verification);
+        outcome.notices.extend(notice);
+        leave_gross_errors_out(machine, &mut verification, calibration, &mut outcome);
+        kept.push(verification);
+    }
     let comparisons = kept.iter().map(|verification| {
         let mut comparison = Comparison::new(machine, verification, calibration);
         if calibration.is_some() {
@@ -137,47 +143,19 @@ struct Asked<'a> {
     level: f64,
 }
 
-/// The verifications without those that repeat an earlier one reading by reading: as a second measurement they would make
-/// everything look more certain than it is.
-fn given_once<'v>(all: &'v [Verification], notices: &mut Vec<String>) -> Vec<&'v Verification> {
-    let mut once: Vec<&Verification> = Vec::new();
-    for verification in all {
-        let is_repeated = |other: &&&Verification| {
-            let rows = other.readings.iter().zip(&verification.readings);
-            let count = verification.readings.len();
-            // A few readings may be the same by chance.
-            count >= LEAST_REPEATED
-                && other.readings.len() == count
-                && rows.into_iter().all(|(a, b)| {
-                    (a.cycle, a.direction) == (b.cycle, b.direction)
-                        && a.positions == b.positions
-                        && is_same(a.value_um, b.value_um)
-                })
-        };
-        match once.iter().find(is_repeated) {
-            Some(first) => notices.push(format!(
-                "{}: its readings are those of {}, one by one: the same file twice, or a wrong one; they were judged once",
-                verification.name, first.name
-            )),
-            None => once.push(verification),
-        }
-    }
-    once
-}
-
-/// Readings from which on two tables are the same.
-const LEAST_REPEATED: usize = 6;
-
-/// The readings without those that contradict all others, which are said.
-fn without_gross_errors(
+/// Leaves readings out that contradict all others, which are said.
+fn leave_gross_errors_out(
     machine: &Machine,
-    mut kept: Verification,
+    verification: &mut Verification,
     calibration: Option<&CalibratedMachine>,
     outcome: &mut Said,
-) -> Verification {
-    let gross = gross_errors(&kept, &Comparison::new(machine, &kept, calibration));
+) {
+    let gross = gross_errors(
+        verification,
+        &Comparison::new(machine, verification, calibration),
+    );
     for (row, _) in gross.iter().rev() {
-        kept.readings.remove(*row);
+        verification.readings.remove(*row);
     }
     for (_, rejected) in gross {
         outcome.notices.push(format!(
@@ -186,7 +164,6 @@ fn without_gross_errors(
         ));
         outcome.rejected.push(rejected);
     }
-    kept
 }
 
 /// One verification judged by itself; none where nothing can be said, which is said.

@@ -73,6 +73,43 @@ fn one_side_shows_no_lost_motion() {
     }
 }
 
+/// The table again below itself, or its last cycle, is no second measurement.
+#[test]
+fn rows_given_twice_are_judged_once() {
+    let once = lost_motion(1);
+    let of_one = found(once.clone());
+    for from in [0, 40] {
+        let mut twice = once.clone();
+        twice.readings.extend_from_slice(&once.readings[from..]);
+        for (row, reading) in twice.readings.iter_mut().enumerate() {
+            reading.line = row + 2;
+        }
+        let of_both = found(twice);
+        assert!((u_of_first(&of_one) / u_of_first(&of_both) - 1.0).abs() < 1e-9);
+        let rows = format!("{} rows from line 52 on", 50 - from);
+        assert!(
+            of_both.notices.iter().any(|n| n.contains(&rows)),
+            "{:?}",
+            of_both.notices
+        );
+    }
+    // A control that repeats to its last digit, in cycles that nobody numbered, says the same again and again.
+    let exact = table_of_stops(5, 5, |row, forward, stop| {
+        let last = u8::from(row == 17);
+        let lost = if forward { -1.0 } else { 1.0 };
+        stop as f64 + lost + f64::from(last)
+    });
+    let mut unnumbered = exact.clone();
+    unnumbered.readings.iter_mut().for_each(|r| r.cycle = 1);
+    assert!(found(exact).notices.iter().all(|n| !n.contains("repeat")));
+    assert!(
+        found(unnumbered)
+            .notices
+            .iter()
+            .all(|n| !n.contains("repeat"))
+    );
+}
+
 /// Lost motion of more waves than its free form has, 30 times the noise: what is left has the period of a cycle, which no air
 /// conditioning keeps. A zero that swings four times in five cycles is a matter of time.
 #[test]
