@@ -4,7 +4,7 @@
 //! measured - predicted = base model + causes + noise
 //! ```
 //!
-//! Readings are taken once ([`mod@given_once`]). Each verification of the campaign is first
+//! Readings are taken once ([`mod@given_once`]) and in the order of measuring ([`order`]). Each verification of the campaign is first
 //! judged by itself ([`mod@series`]): the prediction ([`comparison`]) with its own
 //! errors ([`prediction_error`]), what the measurement leaves open ([`base`]), the noise that the repeats
 //! show ([`noise_floor`]), causes one at a time ([`search`]), whether they help on readings that were not
@@ -60,7 +60,8 @@ use crate::verification::gross_errors::gross_errors;
 use crate::verification::joined::join;
 use crate::verification::noise_floor::{noise_floor_um, repeats};
 use crate::verification::not_observable::not_observable;
-use crate::verification::order::in_order_of_measuring;
+use crate::verification::omnibus::differs_by_cycle;
+use crate::verification::order::{put_in_order, takes_turns};
 use crate::verification::prediction_error::prediction_directions;
 use crate::verification::problem::{Given, Problem};
 use crate::verification::resolution::{hidden_um, resolution_um};
@@ -96,9 +97,10 @@ pub(crate) fn diagnose_verification(
     let given = given_once(&campaign.verification, &mut outcome.notices);
     let mut kept = Vec::new();
     for verification in given {
-        let mut verification = in_order_of_measuring(verification);
-        let notice = keep_rows_given_once(&mut verification);
-        outcome.notices.extend(notice);
+        let mut verification = verification.clone();
+        let notices = &mut outcome.notices;
+        notices.extend(keep_rows_given_once(&mut verification));
+        notices.extend(put_in_order(&mut verification));
         leave_gross_errors_out(machine, &mut verification, calibration, &mut outcome);
         kept.push(verification);
     }
@@ -174,11 +176,6 @@ fn judged<'a>(
     outcome: &mut Said,
 ) -> Option<Series<'a>> {
     let calibration = asked.calibration;
-    if comparison.runs_against_its_direction() {
-        outcome.notices.push(format!(
-            "{name}: without time_s the rows are taken in the order of measuring, but some go against their direction, as in a table sorted by position; what goes with time is judged in the order of the rows"
-        ));
-    }
     let base = base_columns(comparison, calibration.is_some());
     let Some(resolution_um) = resolution_um(comparison) else {
         let why = match comparison.arrivals.len() {
@@ -234,6 +231,12 @@ fn judged<'a>(
             found = Series::new(name, posed(left_um));
         }
         found.noise_floor_um = found.left_um().max(resolution_um);
+    }
+    // At one position after the other no cycle is a time.
+    if takes_turns(comparison) && differs_by_cycle(&found.plain) {
+        outcome.notices.push(format!(
+            "{name}: without time_s its rows were taken as a step cycle, position after position from either side in turn, but cycles differ, as those of an axis that went there and back do; then give time_s, or the rows in the order of measuring"
+        ));
     }
     let unseen = not_observable(&found.plain, asked.scene, name);
     // What the mean curve absorbs was looked for in the curve itself.

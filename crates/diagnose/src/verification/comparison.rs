@@ -12,9 +12,6 @@ use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same};
 /// A unit of a parameter that changes a reading by less changes nothing, µm.
 const ROUNDING_UM: f64 = 1e-9;
 
-/// Positions that make a pass; fewer may have been approached one by one.
-const A_PASS: usize = 3;
-
 /// One verification against a prediction.
 #[derive(Debug, Clone)]
 pub(crate) struct Comparison<'a> {
@@ -156,25 +153,6 @@ impl<'a> Comparison<'a> {
             }
         }
         waves
-    }
-
-    /// Whether rows without a clock pass the positions of a line backwards although they came from below, or the other way: then their
-    /// order is not that of measuring.
-    pub(crate) fn runs_against_its_direction(&self) -> bool {
-        let Some(axis) = self.line() else {
-            return false;
-        };
-        let mut first = 0;
-        let mut passes = self.passes.chunk_by(|a, b| a == b).map(|rows| {
-            first += rows.len();
-            &self.arrivals[first - rows.len()..first]
-        });
-        let against = |pass: &[Arrival]| {
-            let mut steps = pass.windows(2);
-            let step = |two: &[Arrival]| two[1].positions[axis] - two[0].positions[axis];
-            pass.len() >= A_PASS && steps.all(|two| step(two) * two[0].direction < 0.0)
-        };
-        !self.timed && passes.any(against)
     }
 
     /// What times are counted in.

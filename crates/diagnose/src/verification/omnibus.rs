@@ -122,6 +122,12 @@ fn best_waves(problem: &Problem<'_>, model: &Projection) -> Option<usize> {
     best.map(|(waves, _)| waves)
 }
 
+/// Whether readings differ between cycles before anything is explained.
+pub(crate) fn differs_by_cycle(problem: &Problem<'_>) -> bool {
+    let mut tests = omnibus(problem, &problem.listed.base).into_iter();
+    tests.any(|t| t.test.varies_with == "cycle" && t.test.p_value < STANDS_OUT)
+}
+
 /// Passes from which on something repeats.
 const LEAST_PASSES: usize = 3;
 

@@ -1,17 +1,225 @@
 //! The order of measuring.
+//!
+//! With a clock it is that of the clock, in whatever order the rows stand. Of a line without one the rows are taken in their order if cycle numbers fall for neither side and no pass goes against its side, or if they are a step
+//! cycle: position after position, each from either side in turn. Reports print tables by position or by side with the cycle
+//! fastest; there neighbouring rows lie a cycle apart in time, and what drifts cannot be told from lost motion. Such rows are
+//! put in the order of the standard test cycle of ISO 230-2: cycle by cycle, forward by rising position, then backward by falling.
 
-use trueaxis_campaign::Verification;
+use std::cmp::Reverse;
 
-use crate::verification::arrivals::are_timed;
+use trueaxis_campaign::{Direction, Verification, VerificationReading};
+use trueaxis_predict::positioning_lines;
 
-/// The readings in the order of their clock, where the table has one: its rows may stand in any.
-pub(crate) fn in_order_of_measuring(verification: &Verification) -> Verification {
-    let mut ordered = verification.clone();
-    if are_timed(&ordered.readings) {
-        ordered.readings.sort_by(|a, b| {
-            let time_s = |reading: Option<f64>| reading.unwrap_or_default();
-            time_s(a.time_s).total_cmp(&time_s(b.time_s))
-        });
+use crate::verification::arrivals::{are_timed, is_same};
+use crate::verification::base::lines;
+use crate::verification::comparison::{Comparison, came_from, line};
+
+/// Positions that make a pass; fewer may have been approached one by one.
+const A_PASS: usize = 3;
+
+/// Puts the readings in the order of measuring; a notice says where their own order does not tell it.
+pub(crate) fn put_in_order(verification: &mut Verification) -> Option<String> {
+    if are_timed(&verification.readings) {
+        let time_s = |reading: &VerificationReading| reading.time_s.unwrap_or_default();
+        let readings = &mut verification.readings;
+        readings.sort_by(|a, b| time_s(a).total_cmp(&time_s(b)));
+        return None;
     }
-    ordered
+    let axis = line(&verification.kind)?;
+    let readings = &verification.readings;
+    let lines = positioning_lines(axis, readings.iter().map(|r| r.positions.as_slice()));
+    let count = lines.iter().max().map_or(0, |most| most + 1);
+    let found = (0..count).map(|number| {
+        let of_line = readings.iter().zip(&lines).filter(|(_, n)| **n == number);
+        Order::of(&stops(axis, of_line.map(|(reading, _)| reading)))
+    });
+    let order = found.max().unwrap_or(Order::Measured);
+    if order == Order::Printed {
+        let mut numbered: Vec<(usize, VerificationReading)> = lines
+            .into_iter()
+            .zip(std::mem::take(&mut verification.readings))
+            .collect();
+        numbered.sort_by(|(line_a, a), (line_b, b)| {
+            let along = a.positions[axis].total_cmp(&b.positions[axis]);
+            let along = match a.direction {
+                Direction::Forward => along,
+                Direction::Backward => along.reverse(),
+            };
+            let pass_a = (line_a, a.cycle, Reverse(a.direction));
+            pass_a
+                .cmp(&(line_b, b.cycle, Reverse(b.direction)))
+                .then(along)
+        });
+        verification.readings = numbered.into_iter().map(|(_, reading)| reading).collect();
+    }
+    let said = order.in_words()?;
+    Some(format!("{}: without time_s {said}", verification.name))
+}
+
+/// Rows of one line that follow each other at one position from one side in one cycle.
+#[derive(Clone, Copy)]
+struct Stop {
+    cycle: u32,
+    direction: Direction,
+    at: f64,
+}
+
+fn stops<'r>(axis: usize, rows: impl Iterator<Item = &'r VerificationReading>) -> Vec<Stop> {
+    let mut stops: Vec<Stop> = rows
+        .map(|r| Stop {
+            cycle: r.cycle,
+            direction: r.direction,
+            at: r.positions[axis],
+        })
+        .collect();
+    stops.dedup_by(|a, b| a.is(b));
+    stops
+}
+
+impl Stop {
+    fn is(&self, other: &Self) -> bool {
+        self.is_of_pass(other) && is_same(self.at, other.at)
+    }
+
+    fn is_of_pass(&self, other: &Self) -> bool {
+        (self.cycle, self.direction) == (other.cycle, other.direction)
+    }
+}
+
+/// What the order of the rows of a line is; the later ones ask for more to be said.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Order {
+    /// That of measuring.
+    Measured,
+    /// Passes go against their side, not only on one of two: the sides may be exchanged.
+    Exchanged,
+    /// All passes of one side stand before those of the other.
+    BySide,
+    /// Cycle numbers fall, and come again.
+    Again,
+    /// Not that of measuring.
+    Printed,
+}
+
+impl Order {
+    fn of(stops: &[Stop]) -> Self {
+        let sides = [Direction::Forward, Direction::Backward];
+        let of = |side: Direction| stops.iter().filter(move |stop| stop.direction == side);
+        let falls_for_a_side = sides
+            .iter()
+            .any(|&side| !of(side).is_sorted_by_key(|stop| stop.cycle));
+        // Of each side whether its passes go with it.
+        let [forward, backward] = sides.map(|side| {
+            let passes = stops.chunk_by(Stop::is_of_pass);
+            let of_side = passes.filter(|pass| pass[0].direction == side);
+            of_side
+                .filter_map(goes_with_its_side)
+                .collect::<Vec<bool>>()
+        });
+        let is_against = |goes: &[bool]| !goes.contains(&true);
+        let is_sorted = !forward.is_empty()
+            && !backward.is_empty()
+            && is_against(&forward) != is_against(&backward);
+        if is_step_cycle(stops) {
+            Self::Measured
+        } else if falls_for_a_side || is_sorted {
+            match is_any_again(stops) {
+                true => Self::Again,
+                false => Self::Printed,
+            }
+        } else if forward.contains(&false) || backward.contains(&false) {
+            Self::Exchanged
+        } else if !stops.is_sorted_by_key(|stop| stop.cycle) {
+            Self::BySide
+        } else {
+            Self::Measured
+        }
+    }
+
+    /// What is to be said of it; nothing of the order of measuring.
+    fn in_words(self) -> Option<&'static str> {
+        match self {
+            Self::Measured => None,
+            Self::Exchanged => Some(
+                "its rows were taken in the order of measuring, but passes go against their direction: forward and backward may be \
+                 exchanged",
+            ),
+            Self::BySide => Some(
+                "its rows were taken in the order of measuring, all passes of one side before those of the other, which does not \
+                 tell lost motion from what goes with time; if the axis went there and back, give time_s, or the rows cycle by cycle",
+            ),
+            Self::Again => Some(
+                "its rows were taken in the order of measuring, but cycle numbers fall or passes go against their direction, and \
+                 some come again; number all cycles, or give time_s",
+            ),
+            Self::Printed => Some(
+                "its rows are in the order of a report (cycle numbers fall, or passes go against their direction); they were put in \
+                 the order of the standard test cycle of ISO 230-2, cycle by cycle there and back. If it was another, give time_s, or \
+                 the rows in the order of measuring",
+            ),
+        }
+    }
+}
+
+/// Whether a pass goes up forward and down backward, or the other way round; none of what is no pass, or to and fro.
+fn goes_with_its_side(pass: &[Stop]) -> Option<bool> {
+    let sign = f64::from(pass.first()?.direction.sign());
+    let steps = || pass.windows(2).map(|two| (two[1].at - two[0].at) * sign);
+    let goes = |with: bool| pass.len() >= A_PASS && steps().all(|step| (step > 0.0) == with);
+    [true, false].into_iter().find(|&with| goes(with))
+}
+
+/// Whether rows without a clock were taken as a step cycle: position after position, in all cycles or in each, from either side in
+/// turn. Tables with both sides beside each other are printed so, too.
+pub(crate) fn takes_turns(comparison: &Comparison<'_>) -> bool {
+    let Some(axis) = comparison.line().filter(|_| !comparison.timed) else {
+        return false;
+    };
+    let stops: Vec<Stop> = comparison
+        .arrivals
+        .iter()
+        .map(|arrival| Stop {
+            cycle: arrival.cycle,
+            direction: came_from(arrival),
+            at: arrival.positions[axis],
+        })
+        .collect();
+    let lines = lines(comparison);
+    let count = lines.iter().max().map_or(0, |most| most + 1);
+    let takes_turns = |number: usize| {
+        let of_line = stops.iter().zip(&lines).filter(|(_, n)| **n == number);
+        let of_line: Vec<Stop> = of_line.map(|(stop, _)| *stop).collect();
+        let mut cycles = of_line.chunk_by(|a, b| a.cycle == b.cycle);
+        let turns = of_line
+            .windows(2)
+            .filter(|two| is_same(two[0].at, two[1].at));
+        turns.count() > 1 && (is_step_cycle(&of_line) || cycles.all(is_step_cycle))
+    };
+    (0..count).any(takes_turns)
+}
+
+/// Whether all rows of a position follow each other, from either side in turn.
+fn is_step_cycle(stops: &[Stop]) -> bool {
+    let of_position = || stops.chunk_by(|a, b| is_same(a.at, b.at));
+    let mut positions: Vec<f64> = of_position().map(|stops| stops[0].at).collect();
+    let count = positions.len();
+    positions.sort_by(f64::total_cmp);
+    positions.dedup_by(|a, b| is_same(*a, *b));
+    let take_turns = |stops: &[Stop]| {
+        stops
+            .windows(2)
+            .all(|two| two[0].direction != two[1].direction)
+    };
+    positions.len() == count && of_position().all(take_turns)
+}
+
+/// Whether a position is given more than once from one side in one cycle, other than in rows that follow each other.
+fn is_any_again(stops: &[Stop]) -> bool {
+    let mut sorted: Vec<(u32, i8, f64)> = stops
+        .iter()
+        .map(|stop| (stop.cycle, stop.direction.sign(), stop.at))
+        .collect();
+    sorted.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
+    let is = |a: &(u32, i8, f64), b: &(u32, i8, f64)| (a.0, a.1) == (b.0, b.1) && is_same(a.2, b.2);
+    sorted.windows(2).any(|two| is(&two[0], &two[1]))
 }

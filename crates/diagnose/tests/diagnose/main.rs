@@ -17,6 +17,7 @@ mod lines;
 mod machines;
 mod made_points;
 mod odd;
+mod orders;
 mod periods;
 mod points;
 mod several;

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use trueaxis_campaign::{Direction, Verification, VerificationReading};
+use trueaxis_campaign::{Direction, Verification};
 use trueaxis_diagnose::{Diagnosis, Verdict};
 
 use crate::counts::summary;
@@ -130,26 +130,6 @@ fn what_repeats_with_the_cycle_is_none_of_the_air() {
     if let Some((note, _)) = left(0.0, 3.0) {
         assert!(!note.contains("repeats with the cycle"), "{note}");
     }
-}
-
-/// Rows sorted by position are not in the order of measuring.
-#[test]
-fn a_table_sorted_by_position_is_said() {
-    let measured = lost_motion(6);
-    assert!(found(measured.clone()).notices.is_empty());
-    let mut sorted = measured;
-    let pass = |r: &VerificationReading| (r.cycle, r.direction == Direction::Backward);
-    sorted.readings.sort_by(|a, b| {
-        let along = a.positions[0].total_cmp(&b.positions[0]);
-        pass(a).cmp(&pass(b)).then(along)
-    });
-    let notices = found(sorted).notices;
-    assert!(
-        notices
-            .iter()
-            .any(|n| n.contains("against their direction")),
-        "{notices:?}"
-    );
 }
 
 /// What is left of tables with little in them: no panic, no name, shares that add up.
