@@ -41,6 +41,7 @@ mod search;
 mod series;
 mod stack;
 mod together;
+mod units;
 mod wandered;
 mod wanderer;
 mod wandering;
@@ -67,6 +68,7 @@ use crate::verification::problem::{Given, Problem};
 use crate::verification::resolution::{hidden_um, resolution_um};
 use crate::verification::series::Series;
 use crate::verification::together::together;
+use crate::verification::units::doubt;
 
 /// False alarms of all verifications of a campaign together: once for the causes, once for the omnibus
 /// tests.
@@ -176,6 +178,9 @@ fn judged<'a>(
     outcome: &mut Said,
 ) -> Option<Series<'a>> {
     let calibration = asked.calibration;
+    if let Some(doubt) = doubt(comparison) {
+        outcome.notices.push(format!("{name}: {doubt}"));
+    }
     let base = base_columns(comparison, calibration.is_some());
     let Some(resolution_um) = resolution_um(comparison) else {
         let why = match comparison.arrivals.len() {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use trueaxis_campaign::{Direction, Verification};
+use trueaxis_campaign::{Direction, Verification, VerificationReading};
 use trueaxis_diagnose::{Diagnosis, Verdict};
 
 use crate::counts::summary;
@@ -108,6 +108,30 @@ fn rows_given_twice_are_judged_once() {
             .iter()
             .all(|n| !n.contains("repeat"))
     );
+}
+
+/// Millimetres and nanometres for micrometres, and positions for deviations, are said; what is in order is not.
+#[test]
+fn readings_in_another_unit_are_said() {
+    let with = |value: &dyn Fn(&VerificationReading) -> f64| {
+        let mut table = lost_motion(7);
+        for reading in &mut table.readings {
+            reading.value_um = value(reading);
+        }
+        found(table).notices
+    };
+    let um = |r: &VerificationReading| 20.0 * r.value_um;
+    for (value, said) in [
+        (with(&|r| 1e-3 * um(r)), "look like millimetres"),
+        (with(&|r| 1e3 * um(r)), "look like nanometres"),
+        (with(&|r| r.positions[0] + 1e-3 * um(r)), "positions in mm"),
+        (with(&|r| 1e3 * r.positions[0] + um(r)), "positions in µm"),
+    ] {
+        assert!(value.iter().any(|n| n.contains(said)), "{said}: {value:?}");
+    }
+    let scaled = with(&|r| 1.02 * r.positions[0] + r.value_um);
+    assert!(scaled.is_empty(), "{scaled:?}");
+    assert!(with(&um).is_empty());
 }
 
 /// Lost motion of more waves than its free form has, 30 times the noise: what is left has the period of a cycle, which no air
