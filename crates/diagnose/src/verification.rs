@@ -221,8 +221,14 @@ fn judged<'a>(
     // Without repeats the base model's misfit stands for the noise at first.
     let plain = posed(floor_um.unwrap_or(1.0));
     if plain.listed.base.degrees_of_freedom < LEAST_DEGREES_OF_FREEDOM {
+        let what_to_do = match positions_are_read_out(comparison) {
+            true => {
+                "most positions are nearly alike, but not the same: give those commanded, not what encoders show"
+            }
+            false => "repeat the cycle",
+        };
         outcome.notices.push(format!(
-            "{name}: {} arrivals leave {:.0} degrees of freedom beside the base model; nothing can be said (at least {LEAST_DEGREES_OF_FREEDOM:.0} are needed: repeat the cycle)",
+            "{name}: {} arrivals leave {:.0} degrees of freedom beside the base model; nothing can be said (at least {LEAST_DEGREES_OF_FREEDOM:.0} are needed: {what_to_do})",
             plain.readings(),
             plain.listed.base.degrees_of_freedom,
         ));
@@ -249,6 +255,25 @@ fn judged<'a>(
     let unseen = unseen.into_iter().filter(|u| !in_curve(u.effect));
     outcome.not_observable.extend(unseen);
     Some(found)
+}
+
+/// Part of the widest step between neighbouring positions below which no step was commanded.
+const NO_STEP: f64 = 0.05;
+
+/// Whether most positions of a line differ by next to nothing from others, as those that encoders show.
+fn positions_are_read_out(comparison: &Comparison<'_>) -> bool {
+    let axis = comparison.axis();
+    let mut positions: Vec<f64> = comparison
+        .arrivals
+        .iter()
+        .map(|a| a.positions[axis])
+        .collect();
+    positions.sort_by(f64::total_cmp);
+    positions.dedup_by(|a, b| is_same(*a, *b));
+    let steps = || positions.windows(2).map(|two| two[1] - two[0]);
+    let widest = steps().fold(0.0, f64::max);
+    comparison.line().is_some()
+        && 2 * steps().filter(|step| *step < NO_STEP * widest).count() > positions.len()
 }
 
 /// Axes that stand elsewhere at the readings of a line than in all steps that its axis was calibrated at.

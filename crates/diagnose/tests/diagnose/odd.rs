@@ -134,6 +134,33 @@ fn readings_in_another_unit_are_said() {
     assert!(with(&um).is_empty());
 }
 
+/// Positions that an encoder showed are all different: repeating the cycle would not help.
+#[test]
+fn positions_that_an_encoder_showed_are_told_from_too_few_cycles() {
+    let mut random: ChaCha8Rng = generator(8, 55);
+    let mut table = lost_motion(8);
+    for reading in &mut table.readings {
+        let off: f64 = StandardNormal.sample(&mut random);
+        reading.positions[0] += 0.01 * off;
+    }
+    let read_out = found(table);
+    assert_eq!(read_out.verdict, Verdict::NotJudged);
+    let says = |notices: &[String], what: &str| notices.iter().any(|n| n.contains(what));
+    assert!(
+        says(&read_out.notices, "those commanded"),
+        "{:?}",
+        read_out.notices
+    );
+    let mut once = lost_motion(8);
+    once.readings.truncate(10);
+    let once = found(once);
+    assert!(
+        says(&once.notices, "repeat the cycle"),
+        "{:?}",
+        once.notices
+    );
+}
+
 /// Lost motion of more waves than its free form has, 30 times the noise: what is left has the period of a cycle, which no air
 /// conditioning keeps. A zero that swings four times in five cycles is a matter of time.
 #[test]
