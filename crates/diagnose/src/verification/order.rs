@@ -1,9 +1,10 @@
 //! The order of measuring.
 //!
-//! With a clock it is that of the clock, in whatever order the rows stand. Of a line without one the rows are taken in their order if cycle numbers fall for neither side and no pass goes against its side, or if they are a step
-//! cycle: position after position, each from either side in turn. Reports print tables by position or by side with the cycle
-//! fastest; there neighbouring rows lie a cycle apart in time, and what drifts cannot be told from lost motion. Such rows are
-//! put in the order of the standard test cycle of ISO 230-2: cycle by cycle, forward by rising position, then backward by falling.
+//! With a clock it is that of the clock, in whatever order the rows stand. Of a line without one the rows are taken in their order if
+//! cycle numbers fall for neither side and no pass goes against its side, or if they are a step cycle: position after position, each
+//! from either side in turn. Reports print tables by position or by side with the cycle fastest; there neighbouring rows lie a cycle
+//! apart in time, and what drifts cannot be told from lost motion. Such rows are put in the order of the standard test cycle of
+//! ISO 230-2: cycle by cycle, forward by rising position, then backward by falling.
 
 use std::cmp::Reverse;
 
