@@ -61,7 +61,7 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     let lines = summary::lines(&campaign, &calibration, args.paper_signs);
     let is_rejected = rejects_the_model(&calibration);
     let notices = [&campaign.notices, &calibration.notices, &of_effects].map(Vec::as_slice);
-    let notices = notices.concat();
+    let mut notices = notices.concat();
     // Where the first result cannot be written, none is.
     let text = calibration.to_json();
     results.write("calibration.json", text.as_bytes())?;
@@ -84,6 +84,17 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
             }
         },
     )?;
+
+    // They would be taken for this calibration's own.
+    let matrices = [
+        OutputCovariance::MATRIX_FILE,
+        COVARIANCE_INDEX,
+        LengthsReliability::MATRIX_FILE,
+        RELIABILITY_INDEX,
+    ];
+    let earlier = matrices.map(|name| results.of_an_earlier_run(name));
+    let earlier = earlier.iter().flatten();
+    notices.extend(earlier.map(|path| format!("{} is of an earlier calibration", path.display())));
 
     say_all(lines.iter().chain(&checked));
     notice_all(&notices);

@@ -79,6 +79,25 @@ fn writes_where_it_is_told_to() {
     assert!(text.contains("FXYZ machine"));
 }
 
+/// The covariance that `predict` reads is compared with calibration.json; these matrices are read by other programs.
+#[test]
+fn matrices_of_an_earlier_calibration_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = ["--out", "out", "--no-report"];
+    let matrices = [&options[..], &["--covariance", "--reliability"]].concat();
+    let first = calibrate(folder.path(), "rotary-stage", &matrices);
+    first.assert_good();
+    assert!(!first.stderr.contains("earlier calibration"));
+    let second = calibrate(folder.path(), "fxyz", &options);
+    second.assert_good();
+    for name in ["covariance", "reliability"] {
+        for ending in ["npy", "json"] {
+            let says = format!("out/{name}.{ending} is of an earlier calibration");
+            assert!(second.stderr.contains(&says), "{}", second.stderr);
+        }
+    }
+}
+
 #[test]
 fn folder_that_cannot_be_made() {
     let folder = tempfile::tempdir().unwrap();
