@@ -2,11 +2,12 @@
 //!
 //! A step is a commanded position, which all stations and repeats share. What differs by rounding only is one position
 //! ([`join`]). What differs by more, but by next to nothing beside the distance of the steps, was not commanded: each
-//! length would be a step of its own, and the steps would not be determined ([`check`]). Unless a sweep stops at one after
-//! the other and reads a target at both: it comes by each commanded position once, whatever the encoders show there.
+//! length would be a step of its own, and the steps would not be determined ([`check`]). Unless sweeps stop at one after
+//! the other and read a target at both: each comes by a commanded position once, whatever the encoders show there. Half of
+//! the sweeps that come by must; that encoders show one sweep two positions of a stop is no step for the others.
 
 use std::cell::LazyCell;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use trueaxis_kinematics::{AxisKind, Machine};
@@ -137,16 +138,34 @@ pub(crate) fn check<R: Reading>(
     Ok(())
 }
 
-/// Steps, in both orders, at which a sweep stops one after the other with the same target.
+/// Steps, in both orders, at which half of the sweeps that come by, and two if there are two, stop one after the other with
+/// the same target.
 fn one_after_the_other<R: Reading>(stops: &[Stop], readings: &[R]) -> HashSet<[usize; 2]> {
     let sweep = |stop: &Stop| (stop.station, stop.repeat, stop.direction);
-    let in_turn = stops.windows(2).filter(|pair| {
+    let mut sweeps_at: HashMap<usize, HashSet<_>> = HashMap::new();
+    for stop in stops {
+        sweeps_at.entry(stop.step).or_default().insert(sweep(stop));
+    }
+    let mut in_turn: HashMap<[usize; 2], HashSet<_>> = HashMap::new();
+    for pair in stops.windows(2) {
         let [first, second] = [0, 1].map(|k| readings_of(&pair[k], readings));
         let is_in_both = |r: &R| second.iter().any(|other| other.target() == r.target());
-        sweep(&pair[0]) == sweep(&pair[1]) && first.iter().any(is_in_both)
-    });
-    let steps = in_turn.map(|pair| [pair[0].step, pair[1].step]);
-    steps.flat_map(|[a, b]| [[a, b], [b, a]]).collect()
+        if sweep(&pair[0]) == sweep(&pair[1]) && first.iter().any(is_in_both) {
+            let mut steps = [pair[0].step, pair[1].step];
+            steps.sort_unstable();
+            in_turn.entry(steps).or_default().insert(sweep(&pair[0]));
+        }
+    }
+    let are_commanded = |([a, b], sweeps): (&[usize; 2], &HashSet<_>)| {
+        let coming_by = sweeps_at[a].union(&sweeps_at[b]).count();
+        sweeps.len() >= coming_by.div_ceil(2).max(coming_by.min(2))
+    };
+    let commanded = in_turn
+        .iter()
+        .filter(|(steps, sweeps)| are_commanded((steps, sweeps)));
+    commanded
+        .flat_map(|(&[a, b], _)| [[a, b], [b, a]])
+        .collect()
 }
 
 /// Each position once, rising, with its first line.

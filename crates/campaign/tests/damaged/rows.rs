@@ -350,16 +350,21 @@ fn positions_that_differ_in_the_last_digits() {
             three_axes().read().unwrap().steps.len() + 1
         );
     }
-    // A fine step within coarse ones: every sweep stops at both positions. Closer together they would be one stop, of
-    // which an encoder shows two positions.
-    for (fine, is_read) in [("100.02", true), ("100.0005", false)] {
+    // A fine step within coarse ones: every sweep stops at both positions. Closer together, or if a single station has both,
+    // they would be one stop, of which an encoder shows two positions.
+    for (fine, stations, is_read) in [
+        ("100.02", ",S", true),
+        ("100.02", ",S1,", false),
+        ("100.0005", ",S", false),
+    ] {
         let mut files = three_axes();
         files.lines("lengths.csv", |lines| {
             let header = lines.remove(0);
             let mut all = Vec::new();
             for stop in lines.chunks(3) {
                 all.extend_from_slice(stop);
-                if stop[0].contains(",x,") && stop[0].contains(",100,0,0,") {
+                let is_here = [",x,", ",100,0,0,", stations].map(|part| stop[0].contains(part));
+                if is_here == [true; 3] {
                     // Its lengths differ in the last digit.
                     let beside =
                         |line: &String| line.replace(",100,0,0,", &format!(",{fine},0,0,")) + "1";
