@@ -20,7 +20,9 @@ pub(crate) fn joint_cause(
 ) -> Option<Cause> {
     let judged = listed.judge(causes, k)?;
     let sized = listed.sizes(causes).swap_remove(k);
-    let u_shape = sized.u_shape.map_or(0.0, |u| u * variance.sqrt());
+    let u_shape = sized
+        .u_shape
+        .map_or(judged.score.u_shape, |u| u * variance.sqrt());
     let level = (scene, Level::Verification);
     Some(Cause {
         rivals: rivals(listed, &causes[k..=k], &judged),
