@@ -3,8 +3,8 @@
 //! The straightness gives one estimate of the bow, the slope of the matching angle another. Under the
 //! rest of the curves alone their p-values are independent, and `-2 Σ ln p` is χ² with four degrees of
 //! freedom (Fisher). A bow is named only if each curve asks for it by itself ([`EACH`]) and both ask for
-//! the same one ([`AGREE`]); its value is their weighted mean, its
-//! uncertainty widened by the Birge ratio.
+//! the same one ([`AGREE`]); its value is their weighted mean. Its uncertainty is widened by what the other guideways of the
+//! machine show ([`variance_factor`]), and by the Birge ratio.
 
 use nalgebra::DMatrix;
 use trueaxis_effects::{Scene, Subject, effect};
@@ -43,54 +43,122 @@ pub(crate) fn cause_of_bow(straightness: &CurveSet, found: &Found, scene: &Scene
     cause
 }
 
-/// The bow of a straightness and its matching angle, if both ask for the same one; its p-value beside others is to be filled in.
-pub(crate) fn find_bow(
-    straightness: &SetSearch,
-    angle: &SetSearch,
-    scene: &Scene,
-) -> Option<Found> {
-    let set = &straightness.set;
-    let subject = Subject::component(set.axis, set.components[0]);
-    let candidate = Candidate::new(effect(BOW)?, subject, vec![0.0], scene);
-    let (score, own) = of_curve(straightness, &candidate)?;
-    let (score_angle, of_angle) = of_curve(angle, &candidate)?;
-    let (b1, b2) = (own.parameters[0], of_angle.parameters[0]);
-    let (v1, v2) = (own.covariance[(0, 0)], of_angle.covariance[(0, 0)]);
-    let each = score.ln_p.max(score_angle.ln_p) < EACH.ln();
-    let agree = (b1 - b2).abs() <= AGREE * (v1 + v2).sqrt() && b1 * b2 > 0.0;
-    if !each || !agree {
-        return None;
-    }
-    let mean = (b1 / v1 + b2 / v2) / (1.0 / v1 + 1.0 / v2);
-    // Birge ratio: two curves that differ by more than they should know the bow less well.
-    let birge = ((b1 - b2).powi(2) / (v1 + v2)).max(1.0);
-    let ln_p = ln_chi_squared(-2.0 * (score.ln_p + score_angle.ln_p), 4);
-    let estimate = Estimate {
-        parameters: vec![mean],
-        covariance: DMatrix::from_element(1, 1, birge / (1.0 / v1 + 1.0 / v2)),
-        curve: own.curve.iter().map(|y| y * mean / b1).collect(),
-        ..own
-    };
-    Some(Found {
-        candidate,
-        estimate,
-        score: Score {
-            ln_p,
-            statistic: score.statistic + score_angle.statistic,
-            bic: score.bic + score_angle.bic,
-            evidence: score.evidence + score_angle.evidence,
-            ..score
-        },
-        p_value: 1.0,
-        rivals: Vec::new(),
-    })
+/// What a straightness and its matching angle say of a bow, each by itself, with all that was found in it in the model.
+pub(crate) struct Pair {
+    candidate: Candidate,
+    pub(crate) straightness: OfCurve,
+    pub(crate) angle: OfCurve,
 }
 
-/// What one of the two curves says by itself, with all that was found in it in the model.
-fn of_curve(search: &SetSearch, candidate: &Candidate) -> Option<(Score, Estimate)> {
-    let backgrounds = search.backgrounds(None);
-    let judgement = Judgement::new(&search.set, &backgrounds, candidate);
-    let score = judgement.score(&backgrounds, candidate, 0)?;
-    let estimate = estimate(&search.set, &backgrounds, candidate, 0.0);
-    Some((score, estimate))
+/// What one curve says.
+pub(crate) struct OfCurve {
+    score: Score,
+    estimate: Estimate,
+}
+
+impl Pair {
+    pub(crate) fn new(straightness: &SetSearch, angle: &SetSearch, scene: &Scene) -> Option<Self> {
+        let set = &straightness.set;
+        let subject = Subject::component(set.axis, set.components[0]);
+        let candidate = Candidate::new(effect(BOW)?, subject, vec![0.0], scene);
+        Some(Self {
+            straightness: OfCurve::new(straightness, &candidate)?,
+            angle: OfCurve::new(angle, &candidate)?,
+            candidate,
+        })
+    }
+
+    /// Whether both ask for the same one.
+    pub(crate) fn is_bent(&self) -> bool {
+        let [(b1, v1), (b2, v2)] = [&self.straightness, &self.angle].map(OfCurve::bow);
+        let each = self.straightness.score.ln_p.max(self.angle.score.ln_p) < EACH.ln();
+        each && (b1 - b2).abs() <= AGREE * (v1 + v2).sqrt() && b1 * b2 > 0.0
+    }
+
+    /// The bow, with the factors on the variances of both curves ([`variance_factor`]); its p-value beside others is to be
+    /// filled in.
+    pub(crate) fn found(self, [of_straightness, of_angle]: [f64; 2]) -> Found {
+        let [(b1, v1), (b2, v2)] = [&self.straightness, &self.angle].map(OfCurve::bow);
+        let (v1, v2) = (v1 * of_straightness, v2 * of_angle);
+        let mean = (b1 / v1 + b2 / v2) / (1.0 / v1 + 1.0 / v2);
+        // Birge ratio: two curves that differ by more than they should know the bow less well.
+        let birge = ((b1 - b2).powi(2) / (v1 + v2)).max(1.0);
+        let (own, score, score_angle) = (
+            self.straightness.estimate,
+            self.straightness.score,
+            self.angle.score,
+        );
+        let ln_p = ln_chi_squared(-2.0 * (score.ln_p + score_angle.ln_p), 4);
+        let estimate = Estimate {
+            parameters: vec![mean],
+            covariance: DMatrix::from_element(1, 1, birge / (1.0 / v1 + 1.0 / v2)),
+            curve: own.curve.iter().map(|y| y * mean / b1).collect(),
+            ..own
+        };
+        Found {
+            candidate: self.candidate,
+            estimate,
+            score: Score {
+                ln_p,
+                statistic: score.statistic + score_angle.statistic,
+                bic: score.bic + score_angle.bic,
+                evidence: score.evidence + score_angle.evidence,
+                ..score
+            },
+            p_value: 1.0,
+            rivals: Vec::new(),
+        }
+    }
+}
+
+impl OfCurve {
+    fn new(search: &SetSearch, candidate: &Candidate) -> Option<Self> {
+        let backgrounds = search.backgrounds(None);
+        let judgement = Judgement::new(&search.set, &backgrounds, candidate);
+        Some(Self {
+            score: judgement.score(&backgrounds, candidate, 0)?,
+            estimate: estimate(&search.set, &backgrounds, candidate, 0.0),
+        })
+    }
+
+    /// Its value and variance.
+    fn bow(&self) -> (f64, f64) {
+        (
+            self.estimate.parameters[0],
+            self.estimate.covariance[(0, 0)],
+        )
+    }
+
+    /// The square of its value in standard uncertainties.
+    pub(crate) fn square(&self) -> f64 {
+        let (bow, variance) = self.bow();
+        bow * bow / variance
+    }
+}
+
+/// The variance of a bow in a curve as a multiple of that which the model of the rest gives it, from the bows of curves of
+/// its kind that have none, squares in units of theirs.
+///
+/// How steep a guideway is beside its bends is an assumption of the model, which its own curve cannot test. If it holds, the
+/// mean of the squares is 1. Where they are larger, the bow at hand is as likely to be off: its distribution is Student's,
+/// with the variance of `n/(n - 2)` mean squares.
+pub(crate) fn variance_factor(squares: &[f64]) -> f64 {
+    match squares.len() {
+        0..=2 => 1.0,
+        n => (squares.iter().sum::<f64>() / (n - 2) as f64).max(1.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Slopes of straight guideways that are steeper than the model takes them for, and such as it expects.
+    #[test]
+    fn steep_curves_of_straight_guideways_widen_a_bow() {
+        assert!((variance_factor(&[4.0, 9.0, 1.0, 0.0, 1.0]) - 5.0).abs() < 1e-12);
+        for as_expected in [&[0.5, 0.1, 1.2, 0.4, 0.3][..], &[25.0, 25.0], &[]] {
+            assert!((variance_factor(as_expected) - 1.0).abs() < 1e-12);
+        }
+    }
 }

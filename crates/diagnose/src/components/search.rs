@@ -6,7 +6,7 @@ use trueaxis_kinematics::AxisKind;
 
 use crate::cause::{Cause, Rival};
 use crate::components::background::{Background, Smooth, backgrounds, smooth_rests};
-use crate::components::bow::{BOW, cause_of_bow, find_bow};
+use crate::components::bow::{BOW, OfCurve, Pair, cause_of_bow, variance_factor};
 use crate::components::candidates::{Candidate, candidates};
 use crate::components::curve_set::CurveSet;
 use crate::components::estimate::{Estimate, estimate};
@@ -96,13 +96,24 @@ impl<'a> Search<'a> {
                 found.map(|found| report::cause(&search.set, found, self.scene))
             })
             .collect();
-        for (straightness, angle) in pairs {
+        let pairs = pairs.into_iter().filter_map(|(straightness, angle)| {
             let (a, b) = (&self.sets[straightness], &self.sets[angle]);
-            if let Some(mut found) = find_bow(a, b, self.scene) {
-                found.p_value = self.family.p_value(BOW, found.score.ln_p);
-                if found.p_value <= LEVEL {
-                    causes.push(cause_of_bow(&a.set, &found, self.scene));
-                }
+            Some((&a.set, Pair::new(a, b, self.scene)?))
+        });
+        let (bent, straight): (Vec<_>, Vec<_>) = pairs.partition(|(_, pair)| pair.is_bent());
+        let factor = |curve: fn(&Pair) -> &OfCurve| {
+            let squares = straight.iter().map(|(_, pair)| curve(pair).square());
+            variance_factor(&squares.collect::<Vec<_>>())
+        };
+        let factors = [
+            factor(|pair| &pair.straightness),
+            factor(|pair| &pair.angle),
+        ];
+        for (set, pair) in bent {
+            let mut found = pair.found(factors);
+            found.p_value = self.family.p_value(BOW, found.score.ln_p);
+            if found.p_value <= LEVEL {
+                causes.push(cause_of_bow(set, &found, self.scene));
             }
         }
         causes.sort_by(|a, b| {
