@@ -155,14 +155,16 @@ impl<'a> Believed<'a> {
         let before = omnibus(&plain, &families(base, &plain));
         let search = find_causes(base, plain, all, &first, &null)?;
         let candidates = Candidates { all, null: &null };
-        let model = compete(base, &before, search, &candidates)?;
-        let count = model.search.found.len();
-        let believed = Self::of(model)?;
-        if believed.found().len() == count {
-            return Ok(believed);
+        let mut model = compete(base, &before, search, &candidates)?;
+        loop {
+            let count = model.search.found.len();
+            let believed = Self::of(model)?;
+            if believed.found().len() == count {
+                return Ok(believed);
+            }
+            // What took the place of a cause may be something that wanders; the others are judged without it.
+            model = settled(base, suspects(believed.found()), &candidates)?;
         }
-        // What took the place of a cause may be something that wanders.
-        Self::of(settled(base, suspects(believed.found()), &candidates)?)
     }
 
     /// The causes of a model but those that predict unused points worse than nothing, or merely imitate what is left.
