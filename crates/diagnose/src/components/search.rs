@@ -216,7 +216,8 @@ impl SetSearch {
                 Null::independent(1.0)
             } else {
                 let scans: [Box<dyn Scan>; 1] = [Box::new(scan)];
-                Null::simulated(&likely.projection, &scans)
+                let along = |noise: Vec<f64>| likely.whitening.turned(&noise);
+                Null::simulated_in(&likely.projection, &scans, along)
             };
             family.add(candidate.hypothesis.effect.id, tests);
         }

@@ -53,15 +53,23 @@ const SEED: u64 = 0x7472_7565_6178_6973;
 impl Null {
     /// From white noise through the projection and the scans; the same every time.
     pub(crate) fn simulated(projection: &Projection, scans: &[Box<dyn Scan>]) -> Self {
+        Self::simulated_in(projection, scans, |noise| noise)
+    }
+
+    /// The same where the rows are along directions that rounding can turn or exchange, as eigenvectors: `along` takes noise
+    /// of what does not turn to them.
+    pub(crate) fn simulated_in(
+        projection: &Projection,
+        scans: &[Box<dyn Scan>],
+        along: impl Fn(Vec<f64>) -> Vec<f64> + Sync,
+    ) -> Self {
         let smallest = |batch: u64| {
             let draws = batch * SIDE_BY_SIDE as u64..DRAWS.min((batch + 1) * SIDE_BY_SIDE as u64);
             let noise = |draw: u64| -> Vec<f64> {
                 let mut generator = ChaCha8Rng::seed_from_u64(SEED);
                 generator.set_stream(draw);
-                StandardNormal
-                    .sample_iter(&mut generator)
-                    .take(projection.rows())
-                    .collect()
+                let white = StandardNormal.sample_iter(&mut generator);
+                along(white.take(projection.rows()).collect())
             };
             let mut noise: Vec<Vec<f64>> = draws.map(noise).collect();
             projection.project_all(&mut noise);
