@@ -20,8 +20,8 @@ const BEYOND_MACHINES_UM: f64 = 5e3;
 const BENEATH_MACHINES_UM: f64 = 0.5;
 const LEAST_RANGE_MM: f64 = 10.0;
 
-/// Standard uncertainty from the last digit of readings that have one of 0.001 µm or less, µm: of µm few instruments show as many.
-const LEAST_DIGIT_UM: f64 = 3e-4;
+/// Standard uncertainty from a last digit of 0.0005 µm: few instruments show readings in µm that finely, but 0.0001 mm is common.
+const LEAST_DIGIT_UM: f64 = 1.45e-4;
 
 /// What the unit of the readings may be instead, with the numbers that say so.
 pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {

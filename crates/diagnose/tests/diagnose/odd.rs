@@ -132,6 +132,9 @@ fn readings_in_another_unit_are_said() {
     let scaled = with(&|r| 1.02 * r.positions[0] + r.value_um);
     assert!(scaled.is_empty(), "{scaled:?}");
     assert!(with(&um).is_empty());
+    // As good as that, to its last digit of 0.001 µm.
+    let fine = with(&|r| um(r).round() / 1e3);
+    assert!(fine.is_empty(), "{fine:?}");
 }
 
 /// Positions that an encoder showed are all different: repeating the cycle would not help.
