@@ -148,6 +148,16 @@ impl Curve {
         self.sides.iter().flat_map(of_side).collect()
     }
 
+    /// Slopes from each step to that so many steps on.
+    pub(crate) fn slopes(&self, steps: usize) -> Vec<DividedDifference> {
+        let of_side = |side: &Side| -> Vec<DividedDifference> {
+            let windows = side.knots.windows(steps + 1);
+            let ends = windows.map(|knots| [knots[0].clone(), knots[steps].clone()]);
+            ends.map(|ends| divided_difference(&ends)).collect()
+        };
+        self.sides.iter().flat_map(of_side).collect()
+    }
+
     /// For each side of approach the slope between its first two steps, or its last two, and their distance.
     pub(crate) fn slopes_at_end(&self, is_below: bool) -> Vec<(DividedDifference, f64)> {
         let of_side = |side: &Side| {

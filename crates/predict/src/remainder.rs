@@ -23,7 +23,9 @@
 //!
 //! `s_1`, `s_2` are the same rms of slopes and second differences over the curve. What the gauge leaves of a straightness is
 //! steeper at its ends than elsewhere, as is a bow: by the mean slope alone u would be too small by up to 1.8 (3 for polynomials
-//! of the fifth degree). But where next to nothing is seen of a slope, u does not fall below its mean.
+//! of the fifth degree). But where next to nothing is seen of a slope, u does not fall below its mean. Noise may hide the slopes
+//! over single steps (u would be 0 beyond home, where an angle is 0 by definition): `s_1` is the largest rms of those over 1, 2,
+//! 4, … steps. A mean slope over more steps has less noise, and is no larger than those that it is the mean of.
 
 use nalgebra::Vector6;
 use trueaxis_kinematics::MotionError;
@@ -73,7 +75,9 @@ impl Remainder {
             }
             sum.map(|sum| (sum.max(0.0) / differences.len().max(1) as f64).sqrt())
         };
-        let mean_slope = rms(&curve.divided_differences(Some(1)));
+        let slopes = (0..).map(|k| curve.slopes(1 << k));
+        let slopes = slopes.take_while(|slopes| !slopes.is_empty());
+        let mean_slope = slopes.fold(Vector6::zeros(), |most, over| most.sup(&rms(&over)));
         let end = |is_below: bool| {
             let mut end = End {
                 slope: mean_slope,
