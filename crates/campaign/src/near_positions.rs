@@ -107,8 +107,7 @@ pub(crate) fn check<R: Reading>(
             let seen = in_order(seen.collect());
             let kind = axis.kind();
             let near = near(&seen, kind, number == run.axis);
-            let pairs = seen.windows(2);
-            let pairs = pairs.filter(|pair| {
+            let pairs = seen.windows(2).filter(|pair| {
                 let distance = pair[1].position - pair[0].position;
                 let are_two_stops = || {
                     number == run.axis
@@ -120,10 +119,9 @@ pub(crate) fn check<R: Reading>(
             let Some(pair) = pairs.min_by_key(|pair| pair[0].line.max(pair[1].line)) else {
                 continue;
             };
-            let [first, second] = match pair[0].line <= pair[1].line {
-                true => [pair[0], pair[1]],
-                false => [pair[1], pair[0]],
-            };
+            let mut both = [pair[0], pair[1]];
+            both.sort_by_key(|seen| seen.line);
+            let [first, second] = both;
             return Err(Problem::NearPositions {
                 run: run.name.clone(),
                 position: position_unit::in_file(kind, second.position),
@@ -156,16 +154,12 @@ fn one_after_the_other<R: Reading>(stops: &[Stop], readings: &[R]) -> HashSet<[u
             in_turn.entry(steps).or_default().insert(sweep(&pair[0]));
         }
     }
-    let are_commanded = |([a, b], sweeps): (&[usize; 2], &HashSet<_>)| {
+    in_turn.retain(|[a, b], sweeps| {
         let coming_by = sweeps_at[a].union(&sweeps_at[b]).count();
         sweeps.len() >= coming_by.div_ceil(2).max(coming_by.min(2))
-    };
-    let commanded = in_turn
-        .iter()
-        .filter(|(steps, sweeps)| are_commanded((steps, sweeps)));
-    commanded
-        .flat_map(|(&[a, b], _)| [[a, b], [b, a]])
-        .collect()
+    });
+    let commanded = in_turn.into_keys();
+    commanded.flat_map(|[a, b]| [[a, b], [b, a]]).collect()
 }
 
 /// Each position once, rising, with its first line.

@@ -25,9 +25,8 @@ pub(crate) fn check(file: &Path, campaign: &Campaign, steps: &Steps) -> Result<(
                 }
             }
         }
-        let own_axis_moves = moved_in_line[run.axis].is_some();
         let first_motion = moved_in_line.iter().flatten().min();
-        if let (false, Some(&line)) = (own_axis_moves, first_motion) {
+        if let (None, Some(&line)) = (moved_in_line[run.axis], first_motion) {
             let moving = axes.iter().zip(&moved_in_line);
             let moving = moving.filter(|(_, moved)| moved.is_some());
             return Err(Problem::WrongAxisMoves {
