@@ -262,14 +262,7 @@ const NO_STEP: f64 = 0.05;
 
 /// Whether most positions of a line differ by next to nothing from others, as those that encoders show.
 fn positions_are_read_out(comparison: &Comparison<'_>) -> bool {
-    let axis = comparison.axis();
-    let mut positions: Vec<f64> = comparison
-        .arrivals
-        .iter()
-        .map(|a| a.positions[axis])
-        .collect();
-    positions.sort_by(f64::total_cmp);
-    positions.dedup_by(|a, b| is_same(*a, *b));
+    let positions = comparison.positions(comparison.axis());
     let steps = || positions.windows(2).map(|two| two[1] - two[0]);
     let widest = steps().fold(0.0, f64::max);
     comparison.line().is_some()

@@ -9,7 +9,7 @@ use crate::Cause;
 use crate::components::curve_set::{CurveSet, FEWEST_STEPS};
 use crate::components::scene_of;
 use crate::components::search::Search;
-use crate::verification::base::{lines, places};
+use crate::verification::base::{count, lines, places};
 use crate::verification::comparison::Comparison;
 
 /// Standard deviation that stands for the noise of readings without repeats, µm: next to nothing, so that the rough
@@ -38,7 +38,7 @@ pub(crate) fn diagnose_line_curve(
         AxisKind::Rotary => Component::ALL[principal + 3],
     };
     let places = places(comparison);
-    let count = places.iter().max().map_or(0, |max| max + 1);
+    let count = count(&places);
     if count < FEWEST_STEPS {
         return None;
     }

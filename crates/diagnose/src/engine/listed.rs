@@ -84,10 +84,6 @@ pub(crate) struct Judged {
     pub(crate) beside: Beside,
 }
 
-/// Where the parameters of a cause stand among the linear ones, and among those with its shape; the scale of that, and its
-/// uncertainty where it is a limit.
-type Placed = (Range<usize>, Range<usize>, (Option<f64>, Option<f64>));
-
 /// A cause with its parameters in the model of all.
 pub(crate) struct Sized {
     /// Of its linear parameters; a covariance for observations of variance one.
@@ -135,7 +131,7 @@ impl Candidate<'_> {
     /// The shape between the neighbours of one in the list that explains most of what a model leaves, to a part of their distance;
     /// none where there is nothing in between.
     fn refined(&self, model: &Projection, shape: f64, part: f64) -> Option<f64> {
-        let finer = self.finer.as_ref().filter(|f| f.shortest <= shape)?;
+        let finer = self.finer_at(shape)?;
         let [before, after] = neighbours(&self.shapes, shape);
         let low = before.unwrap_or(shape).max(finer.shortest);
         let high = after.unwrap_or(shape);
@@ -171,14 +167,18 @@ impl Candidate<'_> {
 
     /// What the observations change by with the shape of an effect with values; none of one that has nothing in between.
     fn by_shape(&self, values: &[f64], shape: f64) -> Option<Vec<f64>> {
-        let finer = self.finer.as_ref();
-        let finer = finer.filter(|f| f.gaps_s.is_none() && f.shortest <= shape)?;
+        let finer = self.finer_at(shape).filter(|f| f.gaps_s.is_none())?;
         Some(derivative(&finer.columns, values, shape))
+    }
+
+    /// The shapes around one; none around one that stands alone.
+    fn finer_at(&self, shape: f64) -> Option<&Finer<'_>> {
+        self.finer.as_ref().filter(|f| f.shortest <= shape)
     }
 
     /// Whether a shape is but an upper limit.
     fn is_limit(&self, shape: f64) -> bool {
-        self.finer.as_ref().is_some_and(|f| shape < f.shortest)
+        self.finer.is_some() && self.finer_at(shape).is_none()
     }
 
     /// Logarithm of the probability that noise has at most for what this form explains beyond a smaller one, if `level` is that of
@@ -295,14 +295,14 @@ impl<'a> Listed<'a> {
                 by_shape.iter_mut().for_each(|x| *x *= scale);
                 by_shape
             }));
-            let limit = candidate.is_limit(cause.shape).then_some(f64::INFINITY);
-            places.push((of_linear, place..columns.len(), (scale, limit)));
+            places.push((of_linear, place..columns.len(), scale));
         }
         let all = Fit::new(&self.base, &columns);
-        let of_cause = |(of_linear, place, (scale, limit)): Placed| {
+        let of_cause = |((of_linear, place, scale), cause): ((Range<usize>, _, _), &Chosen)| {
             let (count, joint) = (of_linear.len(), all.part(place));
+            let is_limit = || self.candidates[cause.candidate].is_limit(cause.shape);
             let (covariance, u_shape) = match scale {
-                None => (joint.covariance, limit),
+                None => (joint.covariance, is_limit().then_some(f64::INFINITY)),
                 Some(scale) => {
                     let (covariance, u) = beside_shape(&joint, count);
                     (covariance, Some(u * scale))
@@ -316,7 +316,7 @@ impl<'a> Listed<'a> {
                 u_shape,
             }
         };
-        places.into_iter().map(of_cause).collect()
+        places.into_iter().zip(causes).map(of_cause).collect()
     }
 
     /// Cause `k` if the others are in the model; `None` if they leave nothing of it.

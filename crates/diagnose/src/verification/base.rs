@@ -108,10 +108,14 @@ fn numbered(comparison: &Comparison<'_>, key: impl Fn(&Arrival) -> Vec<f64>) -> 
     keys.iter().map(number).collect()
 }
 
+/// How many there are of what is numbered from 0 on.
+pub(crate) fn count(numbers: &[usize]) -> usize {
+    numbers.iter().max().map_or(0, |last| last + 1)
+}
+
 /// One column for each number.
 pub(crate) fn indicators(numbers: &[usize]) -> Vec<Vec<f64>> {
-    let count = numbers.iter().max().map_or(0, |max| max + 1);
-    let mut columns = vec![vec![0.0; numbers.len()]; count];
+    let mut columns = vec![vec![0.0; numbers.len()]; count(numbers)];
     for (row, &number) in numbers.iter().enumerate() {
         columns[number][row] = 1.0;
     }

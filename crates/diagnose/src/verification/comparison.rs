@@ -143,6 +143,14 @@ impl<'a> Comparison<'a> {
         (arrival.positions[self.axis()] - low) / (high - low).max(f64::MIN_POSITIVE)
     }
 
+    /// Commanded positions of an axis, each once, rising.
+    pub(crate) fn positions(&self, axis: usize) -> Vec<f64> {
+        let mut positions: Vec<f64> = self.arrivals.iter().map(|a| a.positions[axis]).collect();
+        positions.sort_by(f64::total_cmp);
+        positions.dedup();
+        positions
+    }
+
     /// Half waves of the position of that axis over the range of its positions, from one on; each a column over the readings.
     pub(crate) fn waves_of_position(&self, count: usize) -> Vec<Vec<f64>> {
         let mut waves = vec![Vec::with_capacity(self.arrivals.len()); count];

@@ -17,6 +17,7 @@ use crate::Gain;
 use crate::engine::{Chosen, FOLDS, resampled_ratios, without};
 use crate::selection::Projection;
 use crate::verification::arrivals::is_same;
+use crate::verification::base::count;
 use crate::verification::comparison::Comparison;
 use crate::verification::left_out::LeftOut;
 use crate::verification::problem::Problem;
@@ -76,8 +77,7 @@ pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen]) -> HeldOut {
         errors: vec![None; folds.len()],
         expected: vec![1.0; folds.len()],
     };
-    let count = folds.iter().max().map_or(0, |max| max + 1);
-    for fold in 0..count {
+    for fold in 0..count(folds) {
         let rows: Vec<usize> = (0..folds.len()).filter(|&row| folds[row] == fold).collect();
         let fitted = models.iter().map(|model| predict(model, rows.clone()));
         let Some(best) = fitted.min_by(|a, b| a.rest.total_cmp(&b.rest)) else {
@@ -133,7 +133,7 @@ pub(crate) fn gain(
     after: &HeldOut,
 ) -> Option<BoundedGain> {
     let numbers = pass_blocks(problem.comparison);
-    let mut sums = vec![[0.0; 3]; numbers.iter().max().map_or(0, |last| last + 1)];
+    let mut sums = vec![[0.0; 3]; count(&numbers)];
     for (row, &block) in numbers.iter().enumerate() {
         if let (Some(a), Some(b)) = (before.errors[row], after.errors[row]) {
             sums[block][0] += a * a;

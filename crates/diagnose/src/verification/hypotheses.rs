@@ -202,10 +202,9 @@ pub(crate) fn is_continuous(shape: Shape) -> bool {
 
 /// Periods from two steps, the shortest that equal steps tell from a longer one, to twice the range of the axis.
 fn periods(comparison: &Comparison<'_>, subject: &Subject) -> Vec<f64> {
-    let Some([range, step]) = subject.axis.and_then(|axis| sampling(comparison, axis)) else {
+    let Some((range, most)) = most_waves(comparison, subject) else {
         return Vec::new();
     };
-    let most = 0.5 * range / step;
     let waves = (FEWEST_STEPS..=MOST_STEPS).map(|k| f64::from(k) * WAVE_STEP);
     let waves = waves.take_while(|waves| *waves <= most - WAVE_STEP * (1.0 - ROUNDING));
     let last = f64::from(MOST_STEPS) * WAVE_STEP;
@@ -216,10 +215,15 @@ fn periods(comparison: &Comparison<'_>, subject: &Subject) -> Vec<f64> {
 /// The shortest period whose sine and cosine the positions tell from each other: a step of the wave number longer than two steps,
 /// where the worse one of the two still reaches seven tenths of its size.
 fn shortest_told(comparison: &Comparison<'_>, subject: &Subject) -> f64 {
-    let sampled = subject.axis.and_then(|axis| sampling(comparison, axis));
-    sampled.map_or(f64::NEG_INFINITY, |[range, step]| {
-        range / (0.5 * range / step - WAVE_STEP) * (1.0 - ROUNDING)
+    most_waves(comparison, subject).map_or(f64::NEG_INFINITY, |(range, most)| {
+        range / (most - WAVE_STEP) * (1.0 - ROUNDING)
     })
+}
+
+/// Range of an axis, and how many waves of two steps it has.
+fn most_waves(comparison: &Comparison<'_>, subject: &Subject) -> Option<(f64, f64)> {
+    let [range, step] = sampling(comparison, subject.axis?)?;
+    Some((range, 0.5 * range / step))
 }
 
 /// Of a quotient of positions.
@@ -227,13 +231,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// Range of the commanded positions of an axis and the typical step between neighbours.
 pub(crate) fn sampling(comparison: &Comparison<'_>, axis: usize) -> Option<[f64; 2]> {
-    let mut positions: Vec<f64> = comparison
-        .arrivals
-        .iter()
-        .map(|a| a.positions[axis])
-        .collect();
-    positions.sort_by(f64::total_cmp);
-    positions.dedup();
+    let positions = comparison.positions(axis);
     let (first, last) = (positions.first()?, positions.last()?);
     let mut steps: Vec<f64> = positions.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.sort_by(f64::total_cmp);

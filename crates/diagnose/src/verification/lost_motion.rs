@@ -14,7 +14,7 @@ use trueaxis_leastsquares::dense::Svd;
 
 use crate::CurvePoint;
 use crate::selection::Fit;
-use crate::verification::base::places;
+use crate::verification::base::{count, places};
 use crate::verification::comparison::Comparison;
 
 /// The effect whose size is such a function.
@@ -41,12 +41,11 @@ pub(crate) fn most_waves(comparison: &Comparison<'_>) -> usize {
 /// An arrival at each position that was reached from both sides, in the order of the positions.
 fn reached_from_both_sides(comparison: &Comparison<'_>) -> Vec<usize> {
     let numbers = places(comparison);
-    let count = numbers.iter().max().map_or(0, |most| most + 1);
     let of = |place: usize, forward: bool| {
         let mut arrivals = comparison.arrivals.iter().zip(&numbers);
         arrivals.position(|(a, number)| *number == place && (a.direction > 0.0) == forward)
     };
-    (0..count)
+    (0..count(&numbers))
         .filter_map(|place| of(place, true).and(of(place, false)))
         .collect()
 }

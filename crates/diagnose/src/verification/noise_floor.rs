@@ -14,7 +14,7 @@
 use trueaxis_campaign::VerificationKind;
 
 use crate::selection::Projection;
-use crate::verification::base::{cells, indicators, passes, set_up};
+use crate::verification::base::{cells, count, indicators, passes, set_up};
 use crate::verification::comparison::Comparison;
 
 /// A standard deviation from fewer degrees of freedom is uncertain by more than a quarter.
@@ -23,7 +23,7 @@ const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
 /// Standard deviation of one arrival, µm; `None` without enough repeats.
 pub(crate) fn noise_floor_um(comparison: &Comparison<'_>) -> Option<f64> {
     let cells = cells(comparison);
-    let count = cells.iter().max().map_or(0, |max| max + 1);
+    let count = count(&cells);
     let mut readings = comparison.difference_um.clone();
     centre(&mut readings, &cells, count);
     let mut columns = pass_columns(comparison, true);
@@ -38,7 +38,7 @@ pub(crate) fn noise_floor_um(comparison: &Comparison<'_>) -> Option<f64> {
 
 /// Readings at the same commanded positions in the same direction, in the mean.
 pub(crate) fn repeats(comparison: &Comparison<'_>) -> f64 {
-    let cells = cells(comparison).iter().max().map_or(1, |max| max + 1);
+    let cells = count(&cells(comparison)).max(1);
     comparison.arrivals.len() as f64 / cells as f64
 }
 

@@ -15,7 +15,7 @@ use trueaxis_campaign::VerificationKind;
 
 use crate::engine::{Family, MOST_OF_FREEDOM, Omnibus};
 use crate::selection::Projection;
-use crate::verification::base::{cycles, indicators, lines};
+use crate::verification::base::{count, cycles, indicators, lines};
 use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;
 
@@ -133,7 +133,7 @@ const LEAST_PASSES: usize = 3;
 
 /// Whether the period that explains most is a pass, or a cycle there and back: a function of position and side of approach has it.
 pub(crate) fn repeats_with_cycle(problem: &Problem<'_>, model: &Projection) -> bool {
-    let passes = problem.comparison.passes.last().map_or(0, |last| last + 1);
+    let passes = count(&problem.comparison.passes);
     let is_of_passes = |waves: usize| waves == passes || 2 * waves == passes;
     passes >= LEAST_PASSES && best_waves(problem, model).is_some_and(is_of_passes)
 }

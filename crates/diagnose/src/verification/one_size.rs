@@ -15,6 +15,7 @@ use std::borrow::Cow;
 use crate::engine::{Chosen, FOLDS};
 use crate::selection::{Gram, add, dot};
 use crate::verification::arrivals::is_same;
+use crate::verification::base::count;
 use crate::verification::held_out::{BoundedGain, gain_of_blocks, pass_blocks};
 use crate::verification::left_out::LeftOut;
 use crate::verification::series::Series;
@@ -106,7 +107,7 @@ impl Beside<'_> {
     /// The squares of each block of readings without the cause and with it; nothing is asked of noise.
     fn blocks(&self, sizes: &[Option<Sized>]) -> Vec<[f64; 3]> {
         let blocks = pass_blocks(self.series.plain.comparison);
-        let mut sums = vec![[0.0; 3]; blocks.iter().max().map_or(0, |last| last + 1)];
+        let mut sums = vec![[0.0; 3]; count(&blocks)];
         for (left, sized) in self.folds.iter().zip(sizes) {
             let Some(Sized { shape, size }) = sized else {
                 continue;

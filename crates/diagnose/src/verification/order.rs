@@ -12,7 +12,7 @@ use trueaxis_campaign::{Direction, Verification, VerificationReading};
 use trueaxis_predict::positioning_lines;
 
 use crate::verification::arrivals::{are_timed, is_same};
-use crate::verification::base::lines;
+use crate::verification::base::{count, lines};
 use crate::verification::comparison::{Comparison, came_from, line};
 
 /// Positions that make a pass; fewer may have been approached one by one.
@@ -29,10 +29,14 @@ pub(crate) fn put_in_order(verification: &mut Verification) -> Option<String> {
     let axis = line(&verification.kind)?;
     let readings = &verification.readings;
     let lines = positioning_lines(axis, readings.iter().map(|r| r.positions.as_slice()));
-    let count = lines.iter().max().map_or(0, |most| most + 1);
-    let found = (0..count).map(|number| {
-        let of_line = readings.iter().zip(&lines).filter(|(_, n)| **n == number);
-        Order::of(&stops(axis, of_line.map(|(reading, _)| reading)))
+    let rows = readings.iter().map(|r| Stop {
+        cycle: r.cycle,
+        direction: r.direction,
+        at: r.positions[axis],
+    });
+    let found = by_line(rows, &lines).into_iter().map(|mut stops| {
+        stops.dedup_by(|a, b| a.is(b));
+        Order::of(&stops)
     });
     let order = found.max().unwrap_or(Order::Measured);
     if order == Order::Printed {
@@ -65,16 +69,13 @@ struct Stop {
     at: f64,
 }
 
-fn stops<'r>(axis: usize, rows: impl Iterator<Item = &'r VerificationReading>) -> Vec<Stop> {
-    let mut stops: Vec<Stop> = rows
-        .map(|r| Stop {
-            cycle: r.cycle,
-            direction: r.direction,
-            at: r.positions[axis],
-        })
-        .collect();
-    stops.dedup_by(|a, b| a.is(b));
-    stops
+/// Those of each line in their order.
+fn by_line(stops: impl Iterator<Item = Stop>, lines: &[usize]) -> Vec<Vec<Stop>> {
+    let mut of_lines = vec![Vec::new(); count(lines)];
+    for (stop, &line) in stops.zip(lines) {
+        of_lines[line].push(stop);
+    }
+    of_lines
 }
 
 impl Stop {
@@ -176,27 +177,19 @@ pub(crate) fn takes_turns(comparison: &Comparison<'_>) -> bool {
     let Some(axis) = comparison.line().filter(|_| !comparison.timed) else {
         return false;
     };
-    let stops: Vec<Stop> = comparison
-        .arrivals
-        .iter()
-        .map(|arrival| Stop {
-            cycle: arrival.cycle,
-            direction: came_from(arrival),
-            at: arrival.positions[axis],
-        })
-        .collect();
-    let lines = lines(comparison);
-    let count = lines.iter().max().map_or(0, |most| most + 1);
-    let takes_turns = |number: usize| {
-        let of_line = stops.iter().zip(&lines).filter(|(_, n)| **n == number);
-        let of_line: Vec<Stop> = of_line.map(|(stop, _)| *stop).collect();
+    let stops = comparison.arrivals.iter().map(|arrival| Stop {
+        cycle: arrival.cycle,
+        direction: came_from(arrival),
+        at: arrival.positions[axis],
+    });
+    let takes_turns = |of_line: &Vec<Stop>| {
         let mut cycles = of_line.chunk_by(|a, b| a.cycle == b.cycle);
         let turns = of_line
             .windows(2)
             .filter(|two| is_same(two[0].at, two[1].at));
-        turns.count() > 1 && (is_step_cycle(&of_line) || cycles.all(is_step_cycle))
+        turns.count() > 1 && (is_step_cycle(of_line) || cycles.all(is_step_cycle))
     };
-    (0..count).any(takes_turns)
+    by_line(stops, &lines(comparison)).iter().any(takes_turns)
 }
 
 /// Whether all rows of a position follow each other, from either side in turn.

@@ -12,7 +12,7 @@ use nalgebra::DVector;
 use trueaxis_campaign::Direction;
 use trueaxis_predict::{CalibratedMachine, pivoted_cholesky};
 
-use crate::verification::base::{cells, stands};
+use crate::verification::base::{cells, count, stands};
 use crate::verification::comparison::{Comparison, came_from};
 
 /// Variance of a prediction, in variances of an arrival, that may be left out.
@@ -35,8 +35,10 @@ pub(crate) fn prediction_directions(
             false => stands(comparison),
         };
         let first = readings.len();
-        let count = stands.iter().max().map_or(0, |max| max + 1);
-        readings.resize(first + count, (comparison.kind, &[], Direction::Forward));
+        readings.resize(
+            first + count(&stands),
+            (comparison.kind, &[], Direction::Forward),
+        );
         for (arrival, stand) in comparison.arrivals.iter().zip(stands) {
             readings[first + stand] = (comparison.kind, &arrival.positions, came_from(arrival));
             of_arrivals.push(first + stand);

@@ -2,7 +2,6 @@
 
 use trueaxis_kinematics::AxisKind;
 
-use crate::verification::arrivals::is_same;
 use crate::verification::comparison::Comparison;
 use crate::verification::resolution::resolution_um;
 
@@ -63,10 +62,7 @@ fn position_unit(comparison: &Comparison<'_>) -> Option<&'static str> {
     let range_mm = linear_range_mm(comparison)?;
     let axis = comparison.axis();
     let arrivals = &comparison.arrivals;
-    let mut positions: Vec<f64> = arrivals.iter().map(|a| a.positions[axis]).collect();
-    positions.sort_by(f64::total_cmp);
-    positions.dedup_by(|a, b| is_same(*a, *b));
-    if positions.len() < LEAST_POSITIONS {
+    if comparison.positions(axis).len() < LEAST_POSITIONS {
         return None;
     }
     let is_position = |(of_mm, part, _): &&(f64, f64, &str)| {

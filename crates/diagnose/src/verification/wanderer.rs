@@ -26,7 +26,7 @@ use crate::Wandering;
 use crate::engine::correlation_lengths;
 use crate::selection::Hypothesis;
 use crate::verification::arrivals::Arrival;
-use crate::verification::base::{cycles, places};
+use crate::verification::base::{count, cycles, places};
 use crate::verification::comparison::Comparison;
 use crate::verification::hypotheses::comes_from_both_sides;
 
@@ -163,7 +163,7 @@ impl Wanderer {
     fn stops(self, comparison: &Comparison<'_>) -> usize {
         match self.is_of_time() || comparison.line().is_none() {
             true => comparison.arrivals.len(),
-            false => places(comparison).iter().max().map_or(0, |last| last + 1),
+            false => count(&places(comparison)),
         }
     }
 
@@ -181,7 +181,7 @@ impl Wanderer {
 
     /// Passes between which it may change by more than it does within: where no clock shows how long the pauses are.
     fn passes(self, comparison: &Comparison<'_>) -> usize {
-        let count = comparison.passes.last().map_or(0, |last| last + 1);
+        let count = count(&comparison.passes);
         let has_stops = LEAST_STOPS * count <= comparison.arrivals.len();
         match self.is_of_time() && !comparison.timed && has_stops && count <= MOST_PASSES {
             true => count,
@@ -241,7 +241,7 @@ impl Wanderer {
             return Vec::new();
         }
         let stops = comparison.arrivals.len() as f64;
-        let passes = comparison.passes.last().map_or(0, |last| last + 1) as f64;
+        let passes = count(&comparison.passes) as f64;
         let most = MOST_SWINGS.min(passes).min(stops / STOPS_OF_PERIOD);
         let waves = std::iter::successors(Some(1.0), |waves| Some(waves + WAVE_STEP));
         let waves = waves.take_while(|waves| *waves <= most);
@@ -250,12 +250,9 @@ impl Wanderer {
 
     /// Whether a swing with this period is nearly a function of position and side of approach.
     pub(crate) fn is_of_cycle(comparison: &Comparison<'_>, period: f64) -> bool {
-        let count = cycles(comparison)
-            .into_iter()
-            .max()
-            .map_or(1, |max| max + 1) as f64;
+        let cycles = count(&cycles(comparison)).max(1) as f64;
         let waves = 1.0 / period;
-        let nearest = (waves / count).round().max(1.0) * count;
+        let nearest = (waves / cycles).round().max(1.0) * cycles;
         (waves - nearest).abs() < FROM_CYCLE
     }
 
