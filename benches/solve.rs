@@ -25,7 +25,7 @@ fn solve(c: &mut Criterion) {
                     pool.install(|| b.iter(|| drop(black_box(problem.adjust(model)))));
                 });
                 group.bench_function(id("with covariance"), |b| {
-                    pool.install(|| b.iter(|| problem.adjust(model).covariance(steps)));
+                    pool.install(|| b.iter(|| problem.adjust(model).covariance()));
                 });
                 group.bench_function(id("from nothing"), |b| {
                     pool.install(|| b.iter(|| problem.solve(model)));

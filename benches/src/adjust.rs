@@ -116,13 +116,9 @@ impl Solved<'_> {
     ///
     /// # Panics
     /// If the solution has none.
-    pub fn covariance(self, steps: usize) -> f64 {
+    pub fn covariance(self) -> f64 {
         let covariance = self.0.solution().expect("a covariance").covariance;
-        let trace = |step| {
-            let block = covariance.block(step);
-            block.diagonal().iter().sum::<f64>()
-        };
-        (0..steps).map(trace).sum()
+        covariance.blocks().map(|step| step.trace()).sum()
     }
 
     /// Points and stations, and how many iterations it took.

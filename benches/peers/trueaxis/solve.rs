@@ -19,14 +19,13 @@ const TRIALS: u32 = 5_000;
 pub(crate) fn run(folder: &Path, model: &str, solver: &str, times: usize) -> Result<()> {
     let name = folder.file_name().context("a folder")?.to_string_lossy();
     let problem = problem(&name);
-    let steps = problem.network.groups.len();
     let model = Model::ALL
         .into_iter()
         .find(|m| m.name() == model)
         .context("free or joint")?;
     let run: &dyn Fn() -> f64 = match solver {
         "trueaxis" | "trueaxis-2-threads" => &|| timed(|| problem.adjust(model)),
-        "trueaxis-covariance" => &|| timed(|| problem.adjust(model).covariance(steps)),
+        "trueaxis-covariance" => &|| timed(|| problem.adjust(model).covariance()),
         "trueaxis-from-nothing" => &|| timed(|| problem.solve(model)),
         "trueaxis-trial" => &|| trials(&problem),
         _ => bail!("no solver {solver}"),

@@ -7,7 +7,9 @@
 
 use nalgebra::{DMatrix, DMatrixView, Dyn, U1};
 
-use crate::factors::Factors;
+use crate::factors::{BatchFactors, Factors};
+use crate::lane_products::{LaneMatrix, SharedMatrix, add_product, add_symmetric_product};
+use crate::lanes::Lanes;
 use crate::reduced::ReducedSolution;
 
 /// Covariance of all unknowns for unit variance of the whitened rows, kept as factors: its size is
@@ -47,36 +49,60 @@ impl Covariance {
             .view((0, 0), (self.shared, self.shared))
     }
 
+    /// Number of unknowns of block `i`.
+    pub fn unknowns(&self, i: usize) -> usize {
+        self.factors.unknowns(i)
+    }
+
     /// `R⁻¹` of block `i`: upper triangular; the block's covariance with all shared unknowns held
     /// is `R⁻¹R⁻ᵀ`.
-    pub fn inverse_factor(&self, i: usize) -> DMatrixView<'_, f64> {
-        let n = self.factors.unknowns(i);
-        DMatrixView::from_slice(self.factors.inverse_factor(i), n, n)
-    }
-
-    /// `Zᵀ` of block `i`: one row for each shared unknown and datum multiplier.
-    pub fn coupling_transposed(&self, i: usize) -> DMatrixView<'_, f64> {
-        DMatrixView::from_slice(
-            self.factors.coupling(i),
-            self.width(),
-            self.factors.unknowns(i),
-        )
-    }
-
-    /// The columns of `R⁻¹` of block `i`, one after the other.
-    pub(crate) fn inverse_factor_columns(&self, i: usize) -> &[f64] {
+    pub fn inverse_factor(&self, i: usize) -> DMatrix<f64> {
         self.factors.inverse_factor(i)
     }
 
-    /// The rows of `Z` of block `i`, one after the other.
-    pub(crate) fn coupling_rows(&self, i: usize) -> &[f64] {
-        self.factors.coupling(i)
+    /// `Zᵀ` of block `i`: one row for each shared unknown and datum multiplier.
+    pub fn coupling_transposed(&self, i: usize) -> DMatrix<f64> {
+        self.factors.coupling_transposed(i)
+    }
+
+    /// The factors of the blocks of batch `b`, in the order in which they were eliminated.
+    #[inline(always)]
+    pub fn batch(&self, b: usize) -> BatchFactors<'_> {
+        self.factors.batch(b)
     }
 
     /// Covariance of block `i`.
     pub fn block(&self, i: usize) -> DMatrix<f64> {
-        let factor = self.inverse_factor(i);
-        factor * factor.transpose() + self.between(i, i)
+        let batch = self.factors.batch_of(i);
+        symmetric(batch, i, &self.upper_triangles(batch))
+    }
+
+    /// Covariance of each block, in order: at less cost than one by one.
+    pub fn blocks(&self) -> impl Iterator<Item = DMatrix<f64>> + '_ {
+        (0..self.factors.batches()).flat_map(|b| {
+            let batch = self.factors.batch(b);
+            let all = self.upper_triangles(batch);
+            let blocks = self.factors.blocks(b);
+            blocks.map(move |i| symmetric(batch, i, &all))
+        })
+    }
+
+    /// The upper triangles (and some of the lower) of the covariances of the blocks of a batch, by rows.
+    fn upper_triangles(&self, batch: BatchFactors<'_>) -> Vec<Lanes> {
+        let BatchFactors {
+            inverse_factor,
+            coupling,
+            ..
+        } = batch;
+        let (n, width) = (coupling.rows(), coupling.columns());
+        let sigma = SharedMatrix::by_rows(self.reduced_inverse.as_slice(), [width; 2]);
+        let mut through = vec![Lanes::ZERO; n * width];
+        add_product(&mut through, coupling, sigma);
+        let through = LaneMatrix::by_rows(&through, [n, width]);
+        let mut all = vec![Lanes::ZERO; n * n];
+        add_symmetric_product(&mut all, inverse_factor, inverse_factor.transposed());
+        add_symmetric_product(&mut all, through, coupling.transposed());
+        all
     }
 
     /// The part of the covariance between blocks `i` and `k` that comes through the shared
@@ -85,4 +111,12 @@ impl Covariance {
         let left = self.coupling_transposed(i).tr_mul(&self.reduced_inverse);
         left * self.coupling_transposed(k)
     }
+}
+
+/// The symmetric matrix of block `i` of a batch.
+fn symmetric(batch: BatchFactors<'_>, i: usize, upper_triangles: &[Lanes]) -> DMatrix<f64> {
+    let n = batch.inverse_factor.rows();
+    let mut matrix = batch.in_lane(i, LaneMatrix::by_rows(upper_triangles, [n; 2]));
+    matrix.fill_lower_triangle_with_upper_triangle();
+    matrix
 }

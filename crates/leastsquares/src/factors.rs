@@ -1,48 +1,77 @@
-//! The factors of all eliminated blocks: what a covariance needs of them.
+//! The factors of all eliminated blocks, eight side by side as they were eliminated: what a covariance needs of them.
 
 use std::ops::Range;
 
-/// `R⁻¹` (columns contiguous) and `Z = R⁻¹ [C | W]` (rows contiguous) of every block, blocks in order.
+use nalgebra::DMatrix;
+
+use crate::lane_products::LaneMatrix;
+use crate::lanes::Lanes;
+
+/// `R⁻¹` and `Z = R⁻¹ [W | W_H]` of every block, batch after batch.
 #[derive(Debug, Clone, Default)]
 pub struct Factors {
-    /// Columns of `Z`.
     width: usize,
-    /// Where the unknowns of each block start among those of all blocks; behind them their number.
-    starts: Vec<usize>,
-    inverse_factor_starts: Vec<usize>,
-    inverse_factors: Vec<f64>,
-    couplings: Vec<f64>,
+    batches: Vec<Place>,
+    /// Of each piece, as it was made, the batches one after the other.
+    pieces: Vec<Vec<Lanes>>,
 }
 
-/// The factors of some blocks in a row, to be filled.
-#[derive(Debug)]
-pub struct FactorsMut<'a> {
-    first_block: usize,
-    width: usize,
-    starts: &'a [usize],
-    inverse_factor_starts: &'a [usize],
-    inverse_factors: &'a mut [f64],
-    couplings: &'a mut [f64],
+/// Where the factors of a batch are.
+#[derive(Debug, Clone)]
+struct Place {
+    blocks: Range<usize>,
+    unknowns: usize,
+    piece: usize,
+    start: usize,
+}
+
+/// The factors of up to eight blocks. Lanes without a block hold anything.
+#[derive(Debug, Clone, Copy)]
+pub struct BatchFactors<'a> {
+    /// Number of the first block.
+    first: usize,
+    /// `R⁻¹`: upper triangular.
+    pub inverse_factor: LaneMatrix<'a>,
+    /// `Z`: one column for each shared unknown and datum multiplier.
+    pub coupling: LaneMatrix<'a>,
 }
 
 impl Factors {
-    /// Zero factors of blocks of the given numbers of unknowns.
-    pub fn zeros(width: usize, unknowns: impl Iterator<Item = usize>) -> Self {
-        let (mut starts, mut inverse_factor_starts) = (vec![0], vec![0]);
-        let (mut own, mut squared) = (0, 0);
-        for n in unknowns {
-            own += n;
-            squared += n * n;
-            starts.push(own);
-            inverse_factor_starts.push(squared);
-        }
+    /// No factors yet, with so many columns of `Z`, and room for batches of these numbers of unknowns.
+    pub fn with_room(width: usize, batches: impl Iterator<Item = usize>) -> Self {
+        let numbers = batches.map(|unknowns| unknowns * (unknowns + width)).sum();
         Self {
             width,
-            starts,
-            inverse_factor_starts,
-            inverse_factors: vec![0.0; squared],
-            couplings: vec![0.0; own * width],
+            batches: Vec::new(),
+            pieces: vec![Vec::with_capacity(numbers)],
         }
+    }
+
+    /// Begins a batch of blocks with these numbers, of so many unknowns each. What is returned wants `R⁻¹`, columns one after
+    /// the other, and `Z`, rows one after the other, appended.
+    #[inline(always)]
+    pub fn begin(&mut self, blocks: Range<usize>, unknowns: usize) -> &mut Vec<Lanes> {
+        let piece = self.pieces.len().saturating_sub(1);
+        self.pieces.resize_with(piece + 1, Vec::new);
+        self.batches.push(Place {
+            blocks,
+            unknowns,
+            piece,
+            start: self.pieces[piece].len(),
+        });
+        &mut self.pieces[piece]
+    }
+
+    /// Appends the factors of the batches that follow.
+    pub fn append(&mut self, next: Self) {
+        let before = self.pieces.len();
+        self.width = next.width;
+        self.pieces.extend(next.pieces);
+        self.batches
+            .extend(next.batches.into_iter().map(|place| Place {
+                piece: before + place.piece,
+                ..place
+            }));
     }
 
     /// Columns of `Z`.
@@ -50,61 +79,61 @@ impl Factors {
         self.width
     }
 
-    /// Splits all blocks into ranges that follow each other.
-    ///
-    /// # Panics
-    /// If there are fewer blocks than the ranges name.
-    pub fn split_mut(&mut self, ranges: &[Range<usize>]) -> Vec<FactorsMut<'_>> {
-        let (mut inverse_factors, mut couplings) =
-            (&mut self.inverse_factors[..], &mut self.couplings[..]);
-        let mut parts = Vec::with_capacity(ranges.len());
-        for range in ranges {
-            let starts = &self.starts[range.start..=range.end];
-            let inverse_factor_starts = &self.inverse_factor_starts[range.start..=range.end];
-            let length = |starts: &[usize]| starts[starts.len() - 1] - starts[0];
-            let (own, rest) = inverse_factors.split_at_mut(length(inverse_factor_starts));
-            inverse_factors = rest;
-            let (coupled, rest) = couplings.split_at_mut(length(starts) * self.width);
-            couplings = rest;
-            parts.push(FactorsMut {
-                first_block: range.start,
-                width: self.width,
-                starts,
-                inverse_factor_starts,
-                inverse_factors: own,
-                couplings: coupled,
-            });
+    /// Number of batches.
+    pub(crate) fn batches(&self) -> usize {
+        self.batches.len()
+    }
+
+    /// Batch `b`.
+    #[inline(always)]
+    pub(crate) fn batch(&self, b: usize) -> BatchFactors<'_> {
+        let Place {
+            ref blocks,
+            unknowns: n,
+            piece,
+            start,
+        } = self.batches[b];
+        let (inverse_factor, behind) = self.pieces[piece][start..].split_at(n * n);
+        BatchFactors {
+            first: blocks.start,
+            inverse_factor: LaneMatrix::by_columns(inverse_factor, [n; 2]),
+            coupling: LaneMatrix::by_rows(&behind[..n * self.width], [n, self.width]),
         }
-        parts
+    }
+
+    /// The numbers of the blocks of batch `b`.
+    pub(crate) fn blocks(&self, b: usize) -> Range<usize> {
+        self.batches[b].blocks.clone()
+    }
+
+    /// The batch of block `i`.
+    pub(crate) fn batch_of(&self, i: usize) -> BatchFactors<'_> {
+        self.batch(self.batches.partition_point(|b| b.blocks.end <= i))
     }
 
     /// Number of unknowns of block `i`.
-    pub fn unknowns(&self, i: usize) -> usize {
-        self.starts[i + 1] - self.starts[i]
+    pub(crate) fn unknowns(&self, i: usize) -> usize {
+        self.batch_of(i).coupling.rows()
     }
 
-    /// `R⁻¹` of block `i`, columns contiguous.
-    pub fn inverse_factor(&self, i: usize) -> &[f64] {
-        &self.inverse_factors[self.inverse_factor_starts[i]..self.inverse_factor_starts[i + 1]]
+    /// `R⁻¹` of block `i`.
+    pub fn inverse_factor(&self, i: usize) -> DMatrix<f64> {
+        let batch = self.batch_of(i);
+        batch.in_lane(i, batch.inverse_factor)
     }
 
-    /// `Z` of block `i`, rows contiguous.
-    pub fn coupling(&self, i: usize) -> &[f64] {
-        &self.couplings[self.starts[i] * self.width..self.starts[i + 1] * self.width]
+    /// `Zᵀ` of block `i`.
+    pub fn coupling_transposed(&self, i: usize) -> DMatrix<f64> {
+        let batch = self.batch_of(i);
+        batch.in_lane(i, batch.coupling.transposed())
     }
 }
 
-impl FactorsMut<'_> {
-    /// `R⁻¹` of block `i`, columns contiguous, and `Z`, rows contiguous.
-    #[inline(always)]
-    pub fn block_mut(&mut self, i: usize) -> (&mut [f64], &mut [f64]) {
-        let i = i - self.first_block;
-        let place = |starts: &[usize], factor| {
-            (starts[i] - starts[0]) * factor..(starts[i + 1] - starts[0]) * factor
-        };
-        (
-            &mut self.inverse_factors[place(self.inverse_factor_starts, 1)],
-            &mut self.couplings[place(self.starts, self.width)],
-        )
+impl BatchFactors<'_> {
+    /// The matrix of block `i`, of those of all blocks side by side.
+    pub(crate) fn in_lane(&self, i: usize, matrix: LaneMatrix<'_>) -> DMatrix<f64> {
+        DMatrix::from_fn(matrix.rows(), matrix.columns(), |j, k| {
+            matrix.at(j, k).0[i - self.first]
+        })
     }
 }

@@ -123,27 +123,6 @@ pub fn zeros<T: Copy + Default>(all: &mut Vec<T>, count: usize) {
     all.resize(count, T::default());
 }
 
-/// Puts the slices of eight lanes side by side.
-///
-/// # Panics
-/// If a slice has another length.
-#[inline(always)]
-pub(crate) fn side_by_side<'a>(
-    of_lane: impl Fn(usize) -> &'a [f64],
-    length: usize,
-    lanes: &mut Vec<Lanes>,
-) {
-    zeros(lanes, length);
-    for lane in 0..LANES {
-        let slice = of_lane(lane);
-        assert_eq!(slice.len(), length, "equal slices");
-        for (place, x) in lanes.iter_mut().zip(slice) {
-            lanes_only();
-            place.0[lane] = *x;
-        }
-    }
-}
-
 /// Elements that a loop takes at a time: one alone costs less than the loop around it.
 const FOUR: usize = 4;
 

@@ -75,7 +75,7 @@ pub use chi_squared::{chi_squared_quantile, chi_squared_upper_tail, f_upper_tail
 pub use covariance::Covariance;
 pub use dot::dot;
 pub use error::Error;
-pub use factors::{Factors, FactorsMut};
+pub use factors::{BatchFactors, Factors};
 pub use free_gauge::Correction;
 pub use gauss_newton::{Adjusted, Adjustment, Settings, Termination, adjust};
 pub use half_waves::{half_waves, matern_roots};

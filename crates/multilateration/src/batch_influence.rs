@@ -15,7 +15,9 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use trueaxis_leastsquares::lane_products::{LaneMatrix, SharedMatrix};
-use trueaxis_leastsquares::{Covariance, HatRows, Lanes, in_widest_registers, lanes_only, zeros};
+use trueaxis_leastsquares::{
+    BatchFactors, Covariance, HatRows, Lanes, in_widest_registers, lanes_only, zeros,
+};
 
 use crate::adjustment::GroupAdjustment;
 use crate::batches::Batch;
@@ -92,7 +94,13 @@ impl<'a> BatchInfluence<'a> {
         self.covariance.reduced_inverse()
     }
 
-    /// The same for products in lanes.
+    /// `R⁻¹` and `Z` of batch `b`.
+    #[inline(always)]
+    pub(crate) fn factors(&self, b: usize) -> BatchFactors<'_> {
+        self.covariance.batch(b)
+    }
+
+    /// `Σ` for products in lanes.
     #[inline(always)]
     pub(crate) fn shared_sigma(&self) -> SharedMatrix<'_> {
         // Symmetric: columns are rows.
@@ -158,8 +166,7 @@ impl<'a> BatchInfluence<'a> {
         self.model.fill(&self.state, b, Gauge::Free, memory);
         let batch = &self.batches()[b];
         let used = batch.groups.len();
-        let groups = (batch.groups.start, used);
-        hat.fill(&memory.equations, self.covariance, groups);
+        hat.fill(&memory.equations, self.factors(b), used);
 
         let mask = Lanes::mask(used);
         variances.clear();

@@ -21,12 +21,12 @@
 //!                                                                     | -Σ    0 |
 //! ```
 
-use nalgebra::{DMatrix, DMatrixView, DVector};
+use nalgebra::{DMatrix, DVector};
 use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product, add_symmetric_product};
-use trueaxis_leastsquares::{Covariance, Factors, FactorsMut, Lanes, zeros};
+use trueaxis_leastsquares::{BatchFactors, Covariance, Factors, Lanes, zeros};
 
 use crate::batch_influence::{BatchInfluence, BatchRows};
-use crate::batches::{Batch, groups_of};
+use crate::batches::Batch;
 use crate::{Network, Solution};
 
 /// Covariance of all groups and of what they share, mm and rad: see [`Solution::noise`] and
@@ -70,31 +70,35 @@ impl Solution {
         let influence = BatchInfluence::new(network, self);
         let width = influence.width();
         let batches = influence.batches();
-        let unknowns = batches
-            .iter()
-            .flat_map(|batch| batch.groups.clone().map(|_| batch.unknowns()));
-        let mut blocks = Factors::zeros(width, unknowns);
-        let pieces: Vec<_> = influence.pieces().collect();
-        let parts = blocks.split_mut(&groups_of(batches, &pieces));
-        let sums = influence.with_pieces(
-            parts,
+        let parts = influence.of_pieces(
             #[inline(always)]
-            |piece, mut blocks, rows| {
+            |piece, rows| {
                 let mut memory = PartMemory::default();
                 let mut sum = vec![Lanes::ZERO; width * width];
+                let unknowns = batches[piece.clone()].iter().map(Batch::unknowns);
+                let mut blocks = Factors::with_room(width, unknowns);
                 for b in piece {
                     influence.fill(b, rows);
                     let (batch, shared) = (&batches[b], rows.hat.shared());
                     let part = memory.part_of(shared, batch, rows);
                     add_symmetric_product(&mut sum, shared.transposed(), part);
-                    write_blocks(batch, rows, &mut memory, &mut blocks);
+                    add_blocks(
+                        batch,
+                        (rows, influence.factors(b)),
+                        &mut memory,
+                        &mut blocks,
+                    );
                 }
                 let sum = sum.into_iter().map(Lanes::sum);
-                DMatrix::from_row_iterator(width, width, sum)
+                (DMatrix::from_row_iterator(width, width, sum), blocks)
             },
         );
-        let zero = DMatrix::zeros(width, width);
-        let mut middle = sums.into_iter().fold(zero, |middle, sum| middle + sum);
+        let mut middle = DMatrix::zeros(width, width);
+        let mut blocks = Factors::default();
+        for (sum, of_piece) in parts {
+            middle += sum;
+            blocks.append(of_piece);
+        }
         middle.fill_lower_triangle_with_upper_triangle();
         let sigma = influence.sigma();
         let mut shared = DMatrix::zeros(2 * width, 2 * width);
@@ -122,14 +126,13 @@ impl BlockNoise<'_> {
         let factor = self.covariance.inverse_factor(group);
         let coupling = self.covariance.coupling_transposed(group).transpose();
         match &self.of_lengths {
-            None => (factor * factor.transpose(), coupling),
+            None => (&factor * factor.transpose(), coupling),
             Some(blocks) => {
-                let (n, width) = coupling.shape();
-                let own = DMatrix::from_column_slice(n, n, blocks.inverse_factor(group));
-                let mixed = DMatrixView::from_slice(blocks.coupling(group), width, n);
+                let width = coupling.ncols();
+                let mixed = blocks.coupling_transposed(group);
                 let mut doubled = coupling.resize_horizontally(2 * width, 0.0);
                 doubled.columns_mut(width, width).tr_copy_from(&mixed);
-                (own, doubled)
+                (blocks.inverse_factor(group), doubled)
             }
         }
     }
@@ -142,35 +145,29 @@ impl BlockNoise<'_> {
     }
 }
 
-/// Writes `cov(ξ)` and `N` of the groups of a batch with these rows.
+/// Appends `cov(ξ)` and `N` of the groups of a batch with these rows and factors.
 #[inline(always)]
-fn write_blocks(
+fn add_blocks(
     batch: &Batch,
-    rows: &BatchRows,
+    (rows, factors): (&BatchRows, BatchFactors<'_>),
     memory: &mut PartMemory,
-    blocks: &mut FactorsMut<'_>,
+    blocks: &mut Factors,
 ) {
     let (own, shared) = (rows.hat.own(), rows.hat.shared());
     let (count, unknowns, width) = (batch.slots(), own.columns(), shared.columns());
     // O R⁻ᵀ.
     let mut errors = vec![Lanes::ZERO; count * unknowns];
-    add_product(&mut errors, own, rows.hat.inverse_factor().transposed());
+    add_product(&mut errors, own, factors.inverse_factor.transposed());
     let errors = LaneMatrix::by_rows(&errors, [count, unknowns]);
     let part = memory.part_of(errors, batch, rows).transposed();
     let mut of_group = vec![Lanes::ZERO; unknowns * unknowns];
     add_product(&mut of_group, part, errors);
     let mut mixed = vec![Lanes::ZERO; unknowns * width];
     add_product(&mut mixed, part, shared);
-    for (lane, group) in batch.groups.clone().enumerate() {
-        let (own, coupling) = blocks.block_mut(group);
-        for (k, x) in of_group.iter().enumerate() {
-            // By rows; columns are wanted.
-            own[k % unknowns * unknowns + k / unknowns] = x.0[lane];
-        }
-        for (x, lanes) in coupling.iter_mut().zip(&mixed) {
-            *x = lanes.0[lane];
-        }
-    }
+    // The first is symmetric: rows are columns.
+    let numbers = blocks.begin(batch.groups.clone(), unknowns);
+    numbers.extend(of_group);
+    numbers.extend(mixed);
 }
 
 /// Memory for the lengths' own part of the noise.

@@ -11,7 +11,7 @@ use trueaxis_leastsquares::{
 };
 
 use crate::adjustment::{GroupAdjustment, Linearised, Moved};
-use crate::batches::groups_of;
+use crate::batches::{Batch, groups_of};
 use crate::memory::{Gauge, Memory};
 use crate::pieces::{in_parallel, pieces, split_mut};
 use crate::state::{Common, DATUM, State};
@@ -47,24 +47,26 @@ impl Adjustment for GroupAdjustment<'_> {
 
     fn reduce_with_datum(&self, state: &State) -> Result<(Reduced, Factors), LeastSquaresError> {
         let batches = &self.batches;
-        let unknowns = batches
-            .iter()
-            .flat_map(|batch| batch.groups.clone().map(|_| batch.unknowns()));
-        let mut factors = Factors::zeros(self.shared() + DATUM, unknowns);
-        let parts = factors.split_mut(&groups_of(batches, &pieces(batches.len())));
+        let of_piece = |piece: Range<usize>| {
+            let unknowns = batches[piece].iter().map(Batch::unknowns);
+            Factors::with_room(self.shared() + DATUM, unknowns)
+        };
+        let of_pieces = pieces(batches.len()).into_iter().map(of_piece);
+        let mut parts: Vec<Factors> = of_pieces.collect();
         let mut reduced = reduced(
             self,
             state,
             Gauge::Datum,
-            parts,
+            parts.iter_mut().collect(),
             #[inline(always)]
-            |b, memory, part| {
-                let groups = &batches[b].groups;
-                let equations = &mut memory.equations;
-                equations.write_factors(groups.start, groups.len(), part);
+            |b, memory, part: &mut &mut Factors| {
+                let groups = batches[b].groups.clone();
+                memory.equations.add_factors(groups, part);
             },
         )?;
         self.observe_known(state, &mut reduced);
+        let mut factors = Factors::default();
+        parts.into_iter().for_each(|part| factors.append(part));
         Ok((reduced, factors))
     }
 

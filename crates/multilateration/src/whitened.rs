@@ -55,7 +55,7 @@ impl Whitened {
         let influence = BatchInfluence::new(network, solution);
         let rows = network.readings.len();
         let covariance = &solution.covariance;
-        let sizes = (0..network.groups.len()).map(|g| covariance.inverse_factor(g).ncols());
+        let sizes = (0..network.groups.len()).map(|g| covariance.unknowns(g));
         let (own_width, shared_width) = (sizes.max().unwrap_or(0), influence.width());
         let mut weight_starts = Vec::with_capacity(network.visits.len());
         let mut weights = 0;

@@ -4,7 +4,7 @@
 //! of the *mean of ten* does so ten times and averages the coordinates, as section 4 of the paper
 //! says ("averaging the measurement results of x, y, and z").
 
-use nalgebra::Point3;
+use nalgebra::{DMatrix, Point3};
 use serde::Serialize;
 use trueaxis_montecarlo::{ChaCha8Rng, Model, Propagation, Settings, Trials as Count, propagate};
 use trueaxis_multilateration::{
@@ -97,9 +97,7 @@ pub(crate) fn largest_sigmas_mm(solution: &Solution) -> [f64; 3] {
 
 /// The standard deviations of x, y and z of each point, from the covariance of its step.
 pub(crate) fn sigmas_mm(solution: &Solution) -> Vec<[f64; 3]> {
-    let steps = 0..solution.points_mm.len() / TARGETS;
-    let of_step = |step| {
-        let covariance = solution.group_covariance(step);
+    let of_step = |covariance: DMatrix<f64>| {
         let of_target = move |target: usize| {
             [0, 1, 2]
                 .map(|axis| 3 * target + axis)
@@ -107,7 +105,7 @@ pub(crate) fn sigmas_mm(solution: &Solution) -> Vec<[f64; 3]> {
         };
         (0..TARGETS).map(of_target)
     };
-    steps.flat_map(of_step).collect()
+    solution.covariance.blocks().flat_map(of_step).collect()
 }
 
 /// The mean of some measurements.

@@ -1,7 +1,9 @@
 //! What follows for the unknowns of eight blocks from those of the reduced system: corrections and factors.
 
+use std::ops::Range;
+
 use super::{BlockBatch, RUN, Shape};
-use crate::factors::FactorsMut;
+use crate::factors::Factors;
 use crate::lanes::{Lanes, add_times, lanes_only, scale, zeros};
 
 impl BlockBatch {
@@ -117,10 +119,10 @@ impl BlockBatch {
         &self.own_column
     }
 
-    /// Writes the factors `R⁻¹` and `Z = R⁻¹ [W | W_H]` of the first `used` blocks, numbered from `first`; the
-    /// blocks are eliminated, and nothing but their rows is left of them.
+    /// Appends the factors `R⁻¹` and `Z = R⁻¹ [W | W_H]` of the blocks, which have these numbers; they are eliminated, and
+    /// nothing but their rows is left of them.
     #[inline(always)]
-    pub fn write_factors(&mut self, first: usize, used: usize, factors: &mut FactorsMut<'_>) {
+    pub fn add_factors(&mut self, blocks: Range<usize>, factors: &mut Factors) {
         let Shape { unknowns, .. } = self.shape;
         let width = self.shape.width();
         // Z, from the last row up.
@@ -132,26 +134,15 @@ impl BlockBatch {
             }
             scale(row, of_factor[k]);
         }
+        let numbers = factors.begin(blocks, unknowns);
         for k in 0..unknowns {
             zeros(&mut self.own_column, unknowns);
             self.own_column[k] = Lanes::splat(1.0);
             Self::solve(&self.factor, &mut self.own_column);
-            for lane in 0..used {
-                let (inverse_factor, _) = factors.block_mut(first + lane);
-                let column = &mut inverse_factor[k * unknowns..(k + 1) * unknowns];
-                for (x, lanes) in column.iter_mut().zip(&self.own_column) {
-                    *x = lanes.0[lane];
-                }
-            }
+            numbers.extend_from_slice(&self.own_column);
         }
-        for lane in 0..used {
-            let (_, coupling) = factors.block_mut(first + lane);
-            let rows = coupling.chunks_exact_mut(width - 1);
-            for (row, lanes) in rows.zip(self.coupling.chunks_exact(width)) {
-                for (x, lanes) in row.iter_mut().zip(lanes) {
-                    *x = lanes.0[lane];
-                }
-            }
+        for row in self.coupling.chunks_exact(width) {
+            numbers.extend_from_slice(&row[..width - 1]);
         }
     }
 }

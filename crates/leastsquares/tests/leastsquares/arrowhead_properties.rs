@@ -76,7 +76,8 @@ fn solve_arrowhead(blocks: &[Block], closure: f64) -> Result<Solved, Error> {
         batch.add_to(&mut sums);
     }
     let solution = sums.reduced().solve(|| vec![vec![-1.0; SHARED]])?;
-    let mut factors = Factors::zeros(SHARED + 1, blocks.iter().map(|block| block.unknowns));
+    let unknowns = blocks.iter().map(|block| block.unknowns);
+    let mut factors = Factors::with_room(SHARED + 1, unknowns);
     let mut unknowns = Vec::new();
     for (i, mut batch) in batches.into_iter().enumerate() {
         let mut kept = Vec::new();
@@ -85,10 +86,7 @@ fn solve_arrowhead(blocks: &[Block], closure: f64) -> Result<Solved, Error> {
         rows.take_off(&solution.unknowns[..SHARED]);
         let x = rows.correction(&kept);
         unknowns.extend(x.iter().map(|x| x.0[0]));
-        let own = i..i + 1;
-        for part in &mut factors.split_mut(&[0..i, own])[1..] {
-            batch.write_factors(i, 1, part);
-        }
+        batch.add_factors(i..i + 1, &mut factors);
     }
     unknowns.extend(&solution.unknowns[..SHARED]);
     Ok(Solved {

@@ -117,12 +117,12 @@ impl TrialGroups {
             .for_each(|weight| *weight = *weight * used);
         let stations = state.stations.len();
         let columns = |zeros: &[usize; LANES]| zeros.map(|zero| zero_column(zero, stations));
-        let factors = &rows.hat;
-        let unknowns = factors.coupling().rows();
+        let factors = influence.factors(b);
+        let unknowns = factors.coupling.rows();
         let mut own = vec![Lanes::ZERO; unknowns * unknowns];
-        let factor = factors.inverse_factor();
+        let factor = factors.inverse_factor;
         add_product(&mut own, factor, factor.transposed());
-        let coupling = (0..unknowns).flat_map(|k| factors.coupling().row(k).to_vec());
+        let coupling = (0..unknowns).flat_map(|k| factors.coupling.row(k).to_vec());
         Self {
             batches: Arc::clone(batches),
             number: b,
