@@ -1,45 +1,53 @@
 //! Finds a field in JSON text, so that an error can name its line and point at it.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
-use crate::cursor::Cursor;
+use serde_json::value::RawValue;
 
 /// The line, from 1, on which the value of the field at `path` begins (`runs[1].axis`).
 ///
 /// Where a part of the path is not there (a default applies), it is the line of what should hold
-/// it. The text must be valid JSON; a path is followed to the first match of each key.
+/// it. The text must be valid JSON.
 pub fn field_line(json: &str, path: &str) -> usize {
-    let (cursor, _) = walk(json, path);
-    let before = json.bytes().take(cursor.at);
-    1 + before.filter(|&byte| byte == b'\n').count()
+    let (value, _) = walk(json, path);
+    1 + json[..value.start].matches('\n').count()
 }
 
 /// The bytes of a field with its key, or of an element of a list; none where it is not there.
 ///
 /// The text must be valid JSON.
 pub fn field_span(json: &str, path: &str) -> Option<Range<usize>> {
-    let (mut cursor, is_there) = walk(json, path);
-    let begin = cursor.begin;
-    cursor.skip_value()?;
-    let text = json.get(begin..cursor.at)?.trim_end();
-    is_there.then_some(begin..begin + text.len())
+    let (value, rest) = walk(json, path);
+    let key = match segments(path).last()? {
+        Segment::Key(key) => json[..value.start].rfind(&format!("\"{key}\"")),
+        Segment::Index(_) => None,
+    };
+    rest.is_none().then(|| key.unwrap_or(value.start)..value.end)
 }
 
-/// As far as the path leads, and whether that is to its end.
-fn walk<'j>(json: &'j str, path: &str) -> (Cursor<'j>, bool) {
-    let mut cursor = Cursor::new(json);
+/// The bytes of the value as far as the path leads, and the first part of the path that is not there.
+fn walk<'p>(json: &str, path: &'p str) -> (Range<usize>, Option<Segment<'p>>) {
+    let begin = json.len() - json.trim_start().len();
+    let mut value = begin..json.trim_end().len();
     for segment in segments(path) {
-        let (start, begin) = (cursor.at, cursor.begin);
-        let found = match segment {
-            Segment::Key(key) => cursor.enter_key(key),
-            Segment::Index(index) => cursor.enter_index(index),
+        let text = &json[value.clone()];
+        let inner = match segment {
+            Segment::Key(key) => serde_json::from_str(text)
+                .ok()
+                .and_then(|mut fields: BTreeMap<String, &RawValue>| fields.remove(key)),
+            Segment::Index(index) => serde_json::from_str(text)
+                .ok()
+                .and_then(|elements: Vec<&RawValue>| elements.get(index).copied()),
         };
-        if found.is_none() {
-            (cursor.at, cursor.begin) = (start, begin);
-            return (cursor, false);
-        }
+        let Some(inner) = inner.map(RawValue::get) else {
+            return (value, Some(segment));
+        };
+        // It is borrowed from the text.
+        let start = inner.as_ptr().addr() - json.as_ptr().addr();
+        value = start..start + inner.len();
     }
-    (cursor, true)
+    (value, None)
 }
 
 enum Segment<'a> {

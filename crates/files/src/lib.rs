@@ -28,7 +28,6 @@
 mod alternatives;
 mod counted;
 mod csv_cell;
-mod cursor;
 mod document;
 mod document_error;
 mod field_line;
